@@ -1,0 +1,20 @@
+# Few targets on purpose; each is one command that can be typed by hand.
+PYTHON := .venv/bin/python
+
+.venv: pyproject.toml
+	python3 -m venv .venv && .venv/bin/pip install -q -e '.[dev]'
+	touch .venv
+
+test: .venv  ## quick tests, under four minutes on two cores
+	$(PYTHON) -m pytest
+
+slow: .venv  ## the tests that take longer
+	$(PYTHON) -m pytest -m slow
+
+lint: .venv  ## style, formatting, types
+	.venv/bin/ruff check . && .venv/bin/ruff format --check . && .venv/bin/mypy
+
+bench: .venv  ## measure how long builds take and write benchmarks/timing.md
+	$(PYTHON) benchmarks/timing.py
+
+.PHONY: test slow lint bench

@@ -1,0 +1,215 @@
+"""The command line. Numerical libraries are imported inside the commands, so that help and usage errors come at once.
+
+Results go to stdout, everything else to stderr. Exit status: 0 done, 1 a fault in ncgear, 2 wrong input, 3 no such
+mechanism, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NoReturn
+
+import typer
+
+from ncgear import __version__
+from ncgear.design.naming import NAME_RULE, is_name
+from ncgear.design.template import Law, template
+from ncgear.errors import DesignError, WrongInput
+
+if TYPE_CHECKING:
+    from ncgear.design.load import LoadedDesign
+
+INTERRUPTED = 130
+WRONG_INPUT = 2
+FAULT = 1
+SILENT_SECONDS = 1.0
+
+app = typer.Typer(
+    name="ncgear",
+    help="Non-circular gears from the motion of a slider. A design file says how it should move.",
+    epilog="Exit status: 0 done, 2 wrong input, 3 no such mechanism exists, 1 a fault in ncgear.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+DesignFile = Annotated[
+    Path, typer.Argument(metavar="DESIGN.yaml", help="The design file; `ncgear new` writes one to begin with.")
+]
+Timing = Annotated[bool, typer.Option("--timing", help="Also print, to stderr, how long each stage took.")]
+
+
+def main() -> NoReturn:
+    """Run the command line and exit with its status."""
+    try:
+        app()
+        status = 0
+    except KeyboardInterrupt:
+        status = INTERRUPTED
+    except DesignError as error:
+        status = _say(str(error), error.exit_status)
+    except OSError as error:
+        status = _say(_of_system(error), WRONG_INPUT)
+    except Exception as error:
+        status = _internal_fault(error)
+    sys.exit(status)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"ncgear {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool,
+        # Eager and by callback: only so is it heeded before the missing command is.
+        typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit."),
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command()
+def build(
+    design_file: DesignFile,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>")
+    ] = None,
+    timing: Timing = False,
+) -> None:
+    """Build the gears: outlines, solids, plots, motion law and summary, into a folder."""
+    with _design(design_file) as loaded:
+        folder = out or Path("export") / loaded.design.name
+        _require_folder(folder)
+        if loaded.design.gears is None:
+            raise WrongInput("missing; a build needs it (teeth, module_mm, face_width_mm, ...)", key="gears")
+
+        from ncgear.drive import Drive
+        from ncgear.output.build import build as build_files
+        from ncgear.output.report import build_text, timing_text
+
+        drive = Drive(loaded.design)
+        with _progress() as on_stage:
+            paths = build_files(drive, folder, on_stage)
+        typer.echo(build_text(drive, paths))
+        if timing:
+            typer.echo(timing_text(drive), err=True)
+
+
+@app.command()
+def check(
+    design_file: DesignFile,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
+    timing: Timing = False,
+) -> None:
+    """Check a design: kinematics and power only, no teeth, no files."""
+    with _design(design_file) as loaded:
+        from ncgear.drive import Drive
+        from ncgear.output.report import check_text, timing_text
+        from ncgear.output.summary import check_summary
+
+        drive = Drive(loaded.design)
+        with _progress() as on_stage:
+            on_stage("kinematics and power")
+            text = json.dumps(check_summary(drive), indent=2, allow_nan=False) if as_json else check_text(drive)
+        typer.echo(text)
+        if timing:
+            typer.echo(timing_text(drive), err=True)
+
+
+@app.command()
+def new(
+    name: Annotated[str, typer.Argument(metavar="NAME", help=f"Name of the design: {NAME_RULE}.")],
+    law: Annotated[Law, typer.Option(help="The motion law to begin with.")] = Law.THREE_SEGMENT_STROKE,
+) -> None:
+    """Write NAME.yaml, a commented design file to begin with, into the current folder."""
+    if not is_name(name):
+        raise WrongInput(f"{name!r} cannot name a design; {NAME_RULE}, without .yaml, is right", key="NAME")
+    path = Path(f"{name}.yaml")
+    try:
+        # Mode x: a file that is already there is refused even if it appears at this very moment.
+        with path.open("x", encoding="utf-8") as file:
+            file.write(template(name, law))
+    except FileExistsError as error:
+        raise WrongInput("exists already; choose another name, or remove it", location=str(path)) from error
+    typer.echo(path)
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of a design file, for editors that complete and check while typing."""
+    from ncgear.design.schema import json_schema
+
+    typer.echo(json.dumps(json_schema(), indent=2))
+
+
+@contextmanager
+def _design(path: Path) -> Iterator[LoadedDesign]:
+    """The design of a file; errors raised while it is in use get the place of their key in that file."""
+    from ncgear.design.load import load, with_location
+
+    loaded = load(path)
+    try:
+        yield loaded
+    except DesignError as error:
+        raise with_location(error, loaded) from error
+
+
+def _require_folder(folder: Path) -> None:
+    """Refuse an output folder that cannot be written before minutes of work, not after."""
+    existing = next(place for place in (folder, *folder.absolute().parents) if place.exists())
+    if not existing.is_dir():
+        raise WrongInput("is no folder; choose another one with --out", location=str(existing))
+    if not os.access(existing, os.W_OK | os.X_OK):
+        raise WrongInput("cannot be written; choose another folder with --out", location=str(existing))
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[str], None]]:
+    """A function to name the stage at work with; a terminal shows it once the work takes over a second."""
+    if not sys.stderr.isatty():
+        yield lambda stage: None
+        return
+    from rich.console import Console
+    from rich.markup import escape
+
+    status = Console(stderr=True).status("starting")
+    timer = threading.Timer(SILENT_SECONDS, status.start)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield lambda stage: status.update(escape(stage))
+    finally:
+        timer.cancel()
+        # A start already under way must end before the stop, or the spinner would stay.
+        timer.join()
+        status.stop()
+
+
+def _say(message: str, status: int) -> int:
+    typer.echo(message, err=True)
+    return status
+
+
+def _of_system(error: OSError) -> str:
+    parts = [str(part) for part in (error.filename, error.strerror or error) if part]
+    return f"{': '.join(parts)}; give a path that can be read or written"
+
+
+def _internal_fault(error: Exception) -> int:
+    if os.environ.get("NCGEAR_DEBUG"):
+        import traceback
+
+        traceback.print_exception(error)
+    reason = " ".join(f"{type(error).__name__}: {error}".split())
+    return _say(f"ncgear: internal fault: {reason}, please report", FAULT)

@@ -1,0 +1,169 @@
+"""Contact of two outlines as written: how far the driven gear can be turned each way before they touch.
+
+At each position every vertex of one outline near the mesh is followed along its circle about the driven axis to the
+chords of the other outline.  In polar coordinates about that axis the next chord met on either side tells whether the
+vertex is outside the other gear (and how far away in angle) or inside it (and how deep).  Vertices against chords both
+ways round give the exact play of two polygons.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import lcm, pi
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array, IndexArray, Mask
+
+FAR = 1.0
+"""Angle in rad that stands for "no chord in reach"; play is never so large."""
+
+BLOCK = 8192
+"""Vertices treated at once, so that the table of candidate chords stays in the processor's cache."""
+
+
+@dataclass(frozen=True, eq=False)
+class OutlineContact:
+    """Play of the driven gear at each position, in rad, negative where the outlines overlap; shape (n,) each.
+
+    ``forward_rad`` is how far it can turn on in its sense of turning, ``backward_rad`` back onto the driving flank;
+    ``penetration_mm`` is the arc of the deepest vertex inside the other gear.
+    """
+
+    phi1_rad: Array
+    forward_rad: Array
+    backward_rad: Array
+    penetration_mm: Array
+
+    @property
+    def transmission_error_rad(self) -> float:
+        """Peak to peak variation of the angle at which the driven gear rests on the driving flank."""
+        return float(np.ptp(self.backward_rad))
+
+    @property
+    def largest_penetration_mm(self) -> float:
+        """Deepest overlap at any position, as an arc about the driven axis."""
+        return float(np.max(self.penetration_mm))
+
+
+def positions(driving_teeth: int, driven_teeth: int, per_tooth: int = 20, least: int = 400) -> Array:
+    """Driving angles over which every tooth meets each of its mates once, shape (n,)."""
+    meetings = lcm(driving_teeth, driven_teeth)
+    count = max(per_tooth * meetings, least)
+    return np.linspace(0.0, 2.0 * pi * meetings / driving_teeth, count, endpoint=False)
+
+
+def outline_contact(
+    driving_mm: Array,
+    driven_mm: Array,
+    center_distance_mm: float,
+    reach_mm: float,
+    phi1: Array,
+    phi2: Array,
+    radius_mm: Array,
+) -> OutlineContact:
+    """Play at driving angles ``phi1`` with driven angles ``phi2``; ``radius_mm`` is the driving pitch radius, all (n,).
+
+    Outlines are looked at within ``reach_mm`` of the pitch point, which must cover the line of action.
+    """
+    axis = np.array([center_distance_mm, 0.0])
+    pitch_point = np.column_stack([radius_mm, np.zeros_like(radius_mm)])
+    driving = _near(_turned(driving_mm[None, :, :], phi1[:, None]), pitch_point, reach_mm)
+    driven = _near(_turned(driven_mm[None, :, :], -phi2[:, None]) + axis, pitch_point, reach_mm)
+    driving, driven = _about(driving, axis), _about(driven, axis)
+    own, other = _play_of_vertices(driving, driven), _play_of_vertices(driven, driving)
+    # A vertex of the driving gear that may move on by +g lets the driven gear turn back by g, and the other way round.
+    # The driven gear turns clockwise: forward is the sense in which its vertices' angle about the axis falls.
+    forward, backward = np.minimum(own[0], other[1]), np.minimum(own[1], other[0])
+    return OutlineContact(phi1, forward, backward, np.maximum(own[2], other[2]))
+
+
+@dataclass(frozen=True, eq=False)
+class _Chords:
+    """Chords of one outline near the mesh: start and end points, shape (positions, chords, 2), padded with NaN."""
+
+    start: Array
+    end: Array
+
+
+def _turned(points: Array, angle: Array) -> Array:
+    cosine, sine = np.cos(angle), np.sin(angle)
+    x, y = points[..., 0], points[..., 1]
+    return np.stack([x * cosine - y * sine, x * sine + y * cosine], axis=-1)
+
+
+def _near(outline: Array, center: Array, reach: float) -> _Chords:
+    """The chords of which an end lies within reach of the centre, position by position."""
+    offset = outline - center[:, None, :]
+    within = np.sum(offset * offset, axis=2) < reach**2
+    kept = within | np.roll(within, -1, axis=1)
+    width = int(kept.sum(axis=1).max())
+    order = np.argsort(~kept, axis=1, kind="stable")[:, :width, None]
+    valid = np.take_along_axis(kept[..., None], order, axis=1)
+    start = np.take_along_axis(outline, order, axis=1)
+    end = np.take_along_axis(outline, (order + 1) % outline.shape[1], axis=1)
+    return _Chords(np.where(valid, start, np.nan), np.where(valid, end, np.nan))
+
+
+def _about(chords: _Chords, axis: Array) -> _Chords:
+    return _Chords(chords.start - axis, chords.end - axis)
+
+
+def _play_of_vertices(moving: _Chords, fixed: _Chords) -> tuple[Array, Array, Array]:
+    """Least angles that vertices can move by +angle and by -angle about the origin, and the deepest arc, per position.
+    Least angles that vertices can move by +angle and by -angle about the origin, and the deepest arc, per position."""
+    count = len(moving.start)
+    row, column = np.nonzero(np.isfinite(moving.start[..., 0]))
+    points = moving.start[row, column]
+    upward, downward, depth = np.full(count, FAR), np.full(count, FAR), np.zeros(count)
+    low, high = np.sum(fixed.start**2, axis=2), np.sum(fixed.end**2, axis=2)
+    for begin in range(0, row.size, BLOCK):
+        block = row[begin : begin + BLOCK]
+        up, down = _free_angles(points[begin : begin + BLOCK], fixed, low, high, block)
+        np.minimum.at(upward, block, up)
+        np.minimum.at(downward, block, down)
+        inside = np.maximum(-np.minimum(up, down), 0.0) * np.hypot(*points[begin : begin + BLOCK].T)
+        np.maximum.at(depth, block, inside)
+    return upward, downward, depth
+
+
+def _free_angles(points: Array, fixed: _Chords, low: Array, high: Array, row: IndexArray) -> tuple[Array, Array]:
+    """Angles to the next chord upwards and downwards; negative for the nearer one when the point is inside.
+
+    Counter-clockwise outlines rise from the axis where they are entered with growing angle, and fall where they are
+    left.
+    """
+    square = np.sum(points * points, axis=1)[:, None]
+    vertex, chord = np.nonzero((low[row] <= square) != (high[row] <= square))
+    start, end = fixed.start[row[vertex], chord], fixed.end[row[vertex], chord]
+    angle, rising = _crossing_angles(points[vertex], start, end)
+    entered_above, left_above, entered_below, left_below = (
+        _least(vertex, np.abs(angle), (rising == entering) & ((angle >= 0.0) == upwards), len(points))
+        for upwards in (True, False)
+        for entering in (True, False)
+    )
+    inside = (left_above < entered_above) & (entered_below < left_below)
+    through_above = inside & (left_above <= entered_below)
+    through_below = inside & ~through_above
+    up = np.where(inside, np.where(through_below, -entered_below, FAR), np.minimum(entered_above, left_above))
+    down = np.where(inside, np.where(through_above, -left_above, FAR), np.minimum(entered_below, left_below))
+    return up, down
+
+
+def _least(group: IndexArray, values: Array, chosen: Mask, count: int) -> Array:
+    """Smallest chosen value of each group, FAR for an empty one."""
+    least = np.full(count, FAR)
+    np.minimum.at(least, group[chosen], values[chosen])
+    return least
+
+
+def _crossing_angles(points: Array, start: Array, end: Array) -> tuple[Array, Mask]:
+    """Signed angles from points (shape (n, 2)) to where chords cross their circles, and whether they do so outwards."""
+    step = end - start
+    along, length = np.sum(start * step, axis=1), np.sum(step * step, axis=1)
+    excess = np.sum(start * start, axis=1) - np.sum(points * points, axis=1)
+    rising = np.sum(end * end, axis=1) > np.sum(start * start, axis=1)
+    root = np.sqrt(np.maximum(along**2 - length * excess, 0.0))
+    at = start + (np.where(rising, root - along, -root - along) / length)[:, None] * step
+    cross = points[:, 0] * at[:, 1] - points[:, 1] * at[:, 0]
+    return np.arctan2(cross, np.sum(points * at, axis=1)), rising

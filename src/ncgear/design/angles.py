@@ -1,0 +1,59 @@
+"""Angles that a design file may give in radians, in degrees or in multiples of pi, the unit being part of the key."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import pi, radians
+
+from pydantic import BaseModel
+
+from ncgear.design.faults import fault
+
+UNITS = ("rad", "deg", "pi")
+
+
+def spellings(quantity: str) -> tuple[str, ...]:
+    """The keys that can hold ``quantity``: theta1 -> theta1_rad, theta1_deg, theta1_pi."""
+    return tuple(f"{quantity}_{unit}" for unit in UNITS)
+
+
+def given(model: BaseModel, names: Iterable[str]) -> list[str]:
+    """Those of ``names`` that have a value; a key left blank counts as left out."""
+    return [name for name in names if getattr(model, name) is not None]
+
+
+def require_one(model: BaseModel, names: Iterable[str]) -> None:
+    """Refuse none and more than one of ``names``."""
+    names = list(names)
+    if not given(model, names):
+        raise fault("", f"one of {listed(names)} is missing; give exactly one of them")
+    allow_one(model, names)
+
+
+def allow_one(model: BaseModel, names: Iterable[str]) -> None:
+    """Refuse more than one of ``names``."""
+    found = given(model, names)
+    if len(found) > 1:
+        raise fault(found[1], f"{listed(found, 'and')} are given, in each other's place; keep one")
+
+
+def listed(names: Iterable[str], word: str = "or") -> str:
+    """``a, b or c``."""
+    *most, last = list(names) or [""]
+    return f"{', '.join(most)} {word} {last}" if most else last
+
+
+def in_rad(value: float, unit: str) -> float:
+    """``value`` in radians; ``unit`` is rad, deg or pi."""
+    if unit == "deg":
+        return radians(value)
+    return value * pi if unit == "pi" else value
+
+
+def angle_rad(model: BaseModel, quantity: str, default: float = 0.0) -> float:
+    """The angle ``quantity`` of ``model`` in radians, by whichever key it was given."""
+    for unit in UNITS:
+        value = getattr(model, f"{quantity}_{unit}")
+        if value is not None:
+            return in_rad(float(value), unit)
+    return default

@@ -1,0 +1,243 @@
+"""The motion laws a design file can ask for, told apart by the key ``law``."""
+
+from __future__ import annotations
+
+from math import pi
+from sys import float_info
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from ncgear.design.angles import allow_one, angle_rad, given, listed, require_one, spellings
+from ncgear.design.base import Length, Model, Positive, Speed
+from ncgear.design.faults import fault
+from ncgear.design.scalars import shown
+from ncgear.design.table import TableLaw
+
+LONGEST_EXPRESSION = 1000
+
+SolveFor = Literal["law_speed", "v1", "v2", "a1", "stroke"]
+
+SOLVED_KEY: dict[str, str] = {
+    "law_speed": "law_speed_rpm",
+    "v1": "v1_mm_s",
+    "v2": "v2_mm_s",
+    "a1": "a1_mm_s2",
+    "stroke": "stroke_mm",
+}
+"""The key that stays absent for each value of ``solve_for``."""
+
+Expression = Annotated[str, Field(min_length=1, max_length=LONGEST_EXPRESSION)]
+
+
+def _number_or_word(value: Any) -> Any:
+    """Refuse in one sentence what is neither; pydantic would report each branch of the union by itself."""
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if value != "least_acceleration" and not (is_number and abs(value) <= float_info.max):
+        raise fault("", f"{shown(value)} given; a finite number or the word least_acceleration is needed")
+    return value
+
+
+class ReturnStroke(Model):
+    """How the slider returns: the form of the ratio over the return stroke and its one free coefficient."""
+
+    basis: Literal["ratio", "inverse_ratio"] = Field(
+        default="ratio", description="what is a polynomial of phi1 over the return stroke: ratio or inverse_ratio"
+    )
+    e: Annotated[float | Literal["least_acceleration"], BeforeValidator(_number_or_word)] = Field(
+        default="least_acceleration",
+        description="free coefficient of the return stroke: a number, or least_acceleration to have it found",
+    )
+
+    @model_validator(mode="after")
+    def _number_needs_ratio(self) -> Self:
+        if self.basis == "inverse_ratio" and self.e != "least_acceleration":
+            raise fault("e", f"{self.e:g} is a number, which needs basis ratio; with inverse_ratio leave e out")
+        return self
+
+
+class ThreeSegmentStroke(Model):
+    """The working stroke in three segments: up to v1 and down to v2, constant v2, down to rest; then the return."""
+
+    law: Literal["three_segment_stroke"] = Field(description="the name of this law: three_segment_stroke")
+    solve_for: SolveFor = Field(
+        description="the quantity found from the others, its own key left out: law_speed, v1, v2, a1 or stroke"
+    )
+    theta1_rad: float | None = Field(
+        default=None, description="driving angle in rad at which the slider's speed peaks at v1"
+    )
+    theta1_deg: float | None = Field(
+        default=None, description="driving angle in degrees at which the slider's speed peaks at v1"
+    )
+    theta1_pi: float | None = Field(
+        default=None, description="driving angle in multiples of pi at which the slider's speed peaks at v1"
+    )
+    theta2_rad: float | None = Field(
+        default=None, description="driving angle in rad from which the slider's speed is v2; over theta1"
+    )
+    theta2_deg: float | None = Field(
+        default=None, description="driving angle in degrees from which the slider's speed is v2; over theta1"
+    )
+    theta2_pi: float | None = Field(
+        default=None, description="driving angle in multiples of pi from which the slider's speed is v2; over theta1"
+    )
+    theta3_rad: float | None = Field(
+        default=None, description="driving angle in rad up to which the slider's speed is v2; theta2 or over"
+    )
+    theta3_deg: float | None = Field(
+        default=None, description="driving angle in degrees up to which the slider's speed is v2; theta2 or over"
+    )
+    theta3_pi: float | None = Field(
+        default=None,
+        description="driving angle in multiples of pi up to which the slider's speed is v2; theta2 or over",
+    )
+    theta4_rad: float | None = Field(
+        default=None, description="driving angle in rad of the extended dead centre; over theta3, under a cycle"
+    )
+    theta4_deg: float | None = Field(
+        default=None, description="driving angle in degrees of the extended dead centre; over theta3, under a cycle"
+    )
+    theta4_pi: float | None = Field(
+        default=None,
+        description="driving angle in multiples of pi of the extended dead centre; over theta3, under a cycle",
+    )
+    v1_mm_s: Positive | None = Field(
+        default=None, description="largest slider speed v1 of the working stroke in mm/s, at the law speed"
+    )
+    v2_mm_s: Positive | None = Field(
+        default=None, description="constant slider speed v2 from theta2 to theta3 in mm/s, at the law speed"
+    )
+    a1_mm_s2: float | None = Field(
+        default=None, description="slider acceleration a1 at theta4 in mm/s2, negative, at a1_speed_rpm"
+    )
+    a1_speed_rpm: Speed | None = Field(
+        default=None, description="driving speed in r/min at which a1_mm_s2 is stated; left out: the law speed"
+    )
+    law_speed_rpm: Speed | None = Field(default=None, description="driving speed in r/min at which v1 and v2 hold")
+    stroke_mm: Length | None = Field(default=None, description="stroke in mm; left out: the stroke of the linkage")
+    return_: ReturnStroke = Field(default_factory=ReturnStroke, alias="return", description="the return stroke")
+
+    @property
+    def theta1(self) -> float:
+        """theta1 in rad."""
+        return angle_rad(self, "theta1")
+
+    @property
+    def theta2(self) -> float:
+        """theta2 in rad."""
+        return angle_rad(self, "theta2")
+
+    @property
+    def theta3(self) -> float:
+        """theta3 in rad."""
+        return angle_rad(self, "theta3")
+
+    @property
+    def theta4(self) -> float:
+        """theta4 in rad."""
+        return angle_rad(self, "theta4")
+
+    @model_validator(mode="after")
+    def _angles_rise(self) -> Self:
+        for quantity in ("theta1", "theta2", "theta3", "theta4"):
+            require_one(self, spellings(quantity))
+        if self.theta1 <= 0.0:
+            raise self._out_of_order("theta1", "over 0")
+        if self.theta2 <= self.theta1:
+            raise self._out_of_order("theta2", "over theta1")
+        if self.theta3 < self.theta2:
+            raise self._out_of_order("theta3", "theta2 or over")
+        if not self.theta3 < self.theta4 < 2.0 * pi:
+            raise self._out_of_order("theta4", "between theta3 and 2 pi")
+        return self
+
+    def _out_of_order(self, quantity: str, needed: str) -> Exception:
+        in_pi = [f"{angle_rad(self, f'theta{i}') / pi:.6g}" for i in (1, 2, 3, 4)]
+        return fault(
+            given(self, spellings(quantity))[0],
+            f"{quantity} must be {needed}; the angles, in multiples of pi, are {', '.join(in_pi)}; "
+            "0 < theta1 < theta2 <= theta3 < theta4 < 2 is right",
+        )
+
+    @model_validator(mode="after")
+    def _only_the_solved_one_is_absent(self) -> Self:
+        solved = SOLVED_KEY[self.solve_for]
+        if getattr(self, solved) is not None:
+            raise fault(solved, f"given, but solve_for: {self.solve_for} says to find it; leave {solved} out")
+        # The stroke can always be left out: the linkage has one.
+        needed = [key for key in SOLVED_KEY.values() if key not in (solved, "stroke_mm")]
+        absent = [key for key in needed if getattr(self, key) is None]
+        if absent:
+            raise fault(absent[0], f"missing; solve_for: {self.solve_for} needs {listed(needed, 'and')}")
+        return self
+
+
+class RatioExpression(Model):
+    """A law written as a formula of phi1: the transmission ratio, or the driven angle."""
+
+    law: Literal["ratio_expression"] = Field(description="the name of this law: ratio_expression")
+    ratio: Expression | None = Field(
+        default=None,
+        description='transmission ratio i12 = dphi1/dphi2 as a formula of phi (= phi1 in rad): "1 + 0.3*cos(phi)"',
+    )
+    driven_angle: Expression | None = Field(
+        default=None,
+        description='driven angle phi2 in rad as a formula of phi (= phi1 in rad): "phi - 0.08*sin(2*phi)"',
+    )
+    scale_to_close: bool = Field(
+        default=False, description="true: multiply the ratio by the constant that makes the driven gear come round"
+    )
+
+    @model_validator(mode="after")
+    def _one_formula(self) -> Self:
+        require_one(self, ("ratio", "driven_angle"))
+        if self.scale_to_close and self.ratio is None:
+            raise fault("scale_to_close", "true, but there is no ratio to scale; leave it out, or give ratio")
+        return self
+
+
+class Ellipse(Model):
+    """Elliptical gears; with lobes 1:1 two equal ellipses, each turning about a focus."""
+
+    law: Literal["ellipse"] = Field(description="the name of this law: ellipse")
+    eccentricity: float = Field(ge=0.0, lt=1.0, description="eccentricity of the ellipse, 0 (a circle) to under 1")
+    phase_rad: float | None = Field(
+        default=None, description="driving angle at which the driving radius is smallest, in rad"
+    )
+    phase_deg: float | None = Field(
+        default=None, description="driving angle at which the driving radius is smallest, in degrees"
+    )
+    phase_pi: float | None = Field(
+        default=None, description="driving angle at which the driving radius is smallest, in multiples of pi"
+    )
+
+    @property
+    def phase(self) -> float:
+        """Phase in rad, 0 where none is given."""
+        return angle_rad(self, "phase")
+
+    @model_validator(mode="after")
+    def _one_phase(self) -> Self:
+        allow_one(self, spellings("phase"))
+        return self
+
+
+class UniformCrank(Model):
+    """Circular gears: the crank turns uniformly."""
+
+    law: Literal["uniform_crank"] = Field(description="the name of this law: uniform_crank")
+
+
+Motion = Annotated[
+    ThreeSegmentStroke | RatioExpression | Ellipse | TableLaw | UniformCrank,
+    Field(discriminator="law", description="how the slider moves, or how the ratio runs; `law` says which law it is"),
+]
+
+LAWS: dict[str, type[Model]] = {
+    "three_segment_stroke": ThreeSegmentStroke,
+    "ratio_expression": RatioExpression,
+    "ellipse": Ellipse,
+    "table": TableLaw,
+    "uniform_crank": UniformCrank,
+}
+"""The model of each law."""

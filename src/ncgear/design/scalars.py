@@ -1,0 +1,64 @@
+"""What a plain scalar of YAML means, by the core schema of YAML 1.2, and how a value is named in a message.
+
+In particular ``1e-3`` is a number, and ``no``, ``on`` and dates are text.
+"""
+
+from __future__ import annotations
+
+import re
+from math import inf, isinf, isnan, nan
+
+_INTEGER = re.compile(r"[-+]?[0-9]+")
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_WORDS: dict[str, bool | float | None] = {
+    **dict.fromkeys(("", "~", "null", "Null", "NULL")),
+    **dict.fromkeys(("true", "True", "TRUE"), True),
+    **dict.fromkeys(("false", "False", "FALSE"), False),
+    **dict.fromkeys((".nan", ".NaN", ".NAN"), nan),
+    **{sign + word: inf for word in (".inf", ".Inf", ".INF") for sign in ("", "+")},
+    **{"-" + word: -inf for word in (".inf", ".Inf", ".INF")},
+}
+
+# Python refuses to read integers of thousands of digits; as numbers they are infinite long before.
+_LONGEST_INTEGER = 400
+_LONGEST_SHOWN = 40
+
+
+def plain_value(text: str) -> object:
+    """The value of a scalar without quotes: nothing, a truth value, a number, or text."""
+    if text in _WORDS:
+        return _WORDS[text]
+    number = plain_number(text)
+    return text if number is None else number
+
+
+def plain_number(text: str) -> int | float | None:
+    """The decimal number that ``text`` is, None where it is not one."""
+    if _INTEGER.fullmatch(text) and len(text) <= _LONGEST_INTEGER:
+        return int(text)
+    return float(text) if _FLOAT.fullmatch(text) else None
+
+
+def shown(value: object) -> str:
+    """``value`` as a message names it: short, and as the file would write it."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, dict):
+        return "a group of keys"
+    if isinstance(value, list | tuple):
+        return "a list"
+    if isinstance(value, str):
+        return repr(_shortened(value))
+    return _shortened(_number_or_truth(value))
+
+
+def _number_or_truth(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float) and (isnan(value) or isinf(value)):
+        return f"{value}".replace("nan", ".nan").replace("inf", ".inf")
+    return f"{value!r}"
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= _LONGEST_SHOWN else text[:_LONGEST_SHOWN] + "..."

@@ -1,0 +1,59 @@
+"""The whole design file as one model, and the JSON Schema of it."""
+
+from __future__ import annotations
+
+from typing import Any, Self
+
+from pydantic import Field, model_validator
+
+from ncgear.design.base import Model
+from ncgear.design.faults import fault
+from ncgear.design.gears import Gears
+from ncgear.design.machine import Comparison, Linkage, Operation, Output, Resistance
+from ncgear.design.motion import Motion, ThreeSegmentStroke
+from ncgear.design.naming import NAME_PATTERN
+from ncgear.design.table import TableLaw
+
+JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
+
+
+class Design(Model):
+    """A design file: what a person wrote, and nothing computed."""
+
+    name: str = Field(pattern=NAME_PATTERN, description="name of the design and of its output folder")
+    description: str = Field(default="", max_length=10_000, description="free text")
+    linkage: Linkage = Field(description="the crank-slider that the driven gear turns")
+    operation: Operation = Field(description="how the machine is run")
+    motion: Motion
+    gears: Gears | None = Field(default=None, description="the pair of gears; a check does without, a build needs it")
+    resistance: Resistance | None = Field(default=None, description="the force against the slider; left out: none")
+    comparison: Comparison | None = Field(default=None, description="published mechanisms to compare with")
+    output: Output = Field(default_factory=Output, description="how finely the results are written")
+
+    @property
+    def law_gives_slider(self) -> bool:
+        """Whether the motion law prescribes the slider's motion itself, not the ratio of the gears."""
+        if isinstance(self.motion, TableLaw):
+            return self.motion.displacement_mm is not None
+        return isinstance(self.motion, ThreeSegmentStroke)
+
+    @model_validator(mode="after")
+    def _crank_is_known(self) -> Self:
+        solved = isinstance(self.motion, ThreeSegmentStroke) and self.motion.solve_for == "stroke"
+        if self.linkage.crank_mm is None and not solved:
+            raise fault("linkage.crank_mm", "missing; only motion.solve_for: stroke can do without the crank's length")
+        return self
+
+    @model_validator(mode="after")
+    def _slider_law_has_one_driven_lobe(self) -> Self:
+        if self.gears and self.law_gives_slider and self.gears.lobes.driven != 1:
+            raise fault(
+                "gears.lobes.driven",
+                f"{self.gears.lobes.driven} given, but a law of the slider's motion drives one crank; 1 is right",
+            )
+        return self
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema of a design file, for editors that complete and check while typing."""
+    return {"$schema": JSON_SCHEMA_DIALECT, **Design.model_json_schema(), "title": "ncgear design file"}

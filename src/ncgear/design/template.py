@@ -1,0 +1,125 @@
+"""A commented design file to begin with, one for each law.
+
+Plain text with no imports of its own, so that the command line can list the laws without loading the schema.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+
+class Law(StrEnum):
+    """The laws there is a template for."""
+
+    THREE_SEGMENT_STROKE = "three_segment_stroke"
+    RATIO_EXPRESSION = "ratio_expression"
+    ELLIPSE = "ellipse"
+    TABLE = "table"
+    UNIFORM_CRANK = "uniform_crank"
+
+
+def template(name: str, law: Law = Law.THREE_SEGMENT_STROKE) -> str:
+    """A complete design file called ``name``, with a comment on every value."""
+    return "\n".join((_HEAD.format(name=name), _MOTIONS[law], _GEARS, _MACHINE))
+
+
+_HEAD = """\
+# A design file of ncgear. Lengths in mm, angles in the unit their key ends in (_rad, _deg, or _pi: multiples of pi).
+#   ncgear check {name}.yaml    kinematics and power
+#   ncgear build {name}.yaml    gears, into export/{name}
+
+name: {name}               # letters, digits, - and _; also names the output folder
+description: ""            # free text
+
+linkage:                   # the crank-slider that the driven gear turns
+  crank_mm: 380
+  rod_mm: 960
+  offset_mm: 0             # distance of the slider's line from the crank axis
+
+operation:
+  speed_rpm: 20            # speed of the driving gear
+"""
+
+_MOTIONS: dict[Law, str] = {
+    Law.THREE_SEGMENT_STROKE: """\
+motion:                    # how the slider moves
+  law: three_segment_stroke
+  solve_for: law_speed     # law_speed, v1, v2, a1 or stroke: its own key is left out below
+  theta1_pi: 0.4           # the slider is fastest, at v1
+  theta2_pi: 0.7           # from here it presses at constant speed v2 ...
+  theta3_pi: 1.0           # ... to here, and then slows down
+  theta4_pi: 1.3           # extended dead centre; the rest of the turn is the return
+  v1_mm_s: 1600            # slider speeds, at the law speed
+  v2_mm_s: 1100
+  a1_mm_s2: -1500          # slider acceleration at theta4, negative
+  a1_speed_rpm: 20         # speed at which a1 is stated; left out: the law speed
+  # law_speed_rpm:         # speed at which v1 and v2 hold; found here
+  stroke_mm: 760           # left out: the stroke of the linkage
+  return:                  # the return stroke
+    basis: ratio           # ratio or inverse_ratio
+    e: least_acceleration  # a number (with basis ratio), or least_acceleration to have it found
+""",
+    Law.RATIO_EXPRESSION: """\
+motion:                    # the law of the gears, as a formula of phi, the driving angle in rad
+  law: ratio_expression
+  ratio: "1 + 0.3*cos(phi)"  # transmission ratio dphi1/dphi2
+  scale_to_close: true     # multiply it by the constant that makes the driven gear come round
+  # driven_angle: "phi - 0.08*sin(2*phi)"   # instead of ratio: the driven angle in rad
+""",
+    Law.ELLIPSE: """\
+motion:                    # equal ellipses, each turning about a focus
+  law: ellipse
+  eccentricity: 0.3        # 0 (a circle) to under 1
+  phase_deg: 0             # driving angle at which the driving radius is smallest
+""",
+    Law.TABLE: """\
+motion:                    # the law point by point
+  law: table
+  # Driving angles of one cycle, strictly rising; phi1_rad or phi1_pi can take the place of phi1_deg.
+  phi1_deg: [0, 30, 60, 90, 120, 150, 180, 210, 240, 270, 300, 330]
+  # Transmission ratios dphi1/dphi2; displacement_mm (of the slider, from its retracted end) can take their place.
+  ratio: [1.2, 1.1732, 1.1, 1.0, 0.9, 0.8268, 0.8, 0.8268, 0.9, 1.0, 1.1, 1.1732]
+  scale_to_close: true     # multiply the ratio by the constant that makes the driven gear come round
+  # file: points.csv       # instead of the two lists: a CSV file whose header names the same columns
+""",
+    Law.UNIFORM_CRANK: """\
+motion:                    # circular gears, to compare with
+  law: uniform_crank
+""",
+}
+
+_GEARS = """\
+gears:                     # a check does without, a build needs it
+  lobes: {driving: 1, driven: 1}   # how often the law repeats in one turn
+  teeth: 90                # of the driving gear; any two of teeth, module_mm and center_distance_mm
+  module_mm: 2
+  # center_distance_mm:    # found here
+  face_width_mm: 20
+  rack:                    # basic rack of ISO 53
+    profile: A             # A, B, C or D
+    pressure_angle_deg: 20
+    # addendum: 1          # in modules, in place of the profile's
+    # dedendum: 1.25
+    # root_radius: 0.38
+  backlash_mm: 0           # normal backlash
+  driving: {bore_mm: 12, keyway: {width_mm: 4, depth_mm: 1.8}}
+  driven: {bore_mm: 12}
+"""
+
+_MACHINE = """\
+resistance:                # the force against the slider; left out: none
+  polynomial_n: [-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7]   # N, rising powers of the displacement in mm
+  where_negative: zero     # zero, or keep
+
+# comparison:              # published mechanisms, compared at equal speed
+#   published:
+#     - name: author and year
+#       speed_rpm: 60      # the speed its figures belong to
+#       peak_power_w: 18750             # at least one of these four
+#       peak_acceleration_mm_s2: 45000
+#       peak_speed_mm_s: 2100
+#       compression_speed_mm_s: 820
+
+output:
+  chord_tolerance_mm: 0.005   # greatest distance of an outline's chords from the exact curve
+"""

@@ -1,0 +1,178 @@
+"""The drive: one design, whose stages are computed when they are first asked for, and once."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ncgear.design.gears import GearBody, Gears
+from ncgear.design.schema import Design
+from ncgear.errors import WrongInput
+from ncgear.kinematics.check import KinematicCheck, kinematic_check
+from ncgear.kinematics.slider import Machine, SliderMotion, sample_angles
+from ncgear.machine.linkage import CrankSlider
+from ncgear.machine.rack import BasicRack
+from ncgear.ratio.laws.uniform import uniform_law
+from ncgear.ratio.transmission import Lobes, Transmission
+from ncgear.recipe import RAD_S_PER_RPM, Law, law_of, rack_of, resistance_of
+from ncgear.stopwatch import Stopwatch
+
+if TYPE_CHECKING:
+    from ncgear.contact.pair_contact import PairContact
+    from ncgear.pitch.pair import PitchPair
+    from ncgear.solids.pair import Blank, SolidPair
+    from ncgear.teeth.gear import ToothedPair
+
+
+class Drive:
+    """A design and all that follows from it.
+
+    Stages are attributes; each needs only the ones it is made from, so a check of power never makes a tooth.  They
+    raise WrongInput or NoSuchMechanism, with the design file's key, when the stage cannot be made.
+    """
+
+    def __init__(self, design: Design) -> None:
+        self.design = design
+        self.stopwatch = Stopwatch()
+
+    def __repr__(self) -> str:
+        return f"Drive({self.design.name!r}, law {self.design.motion.law!r})"
+
+    @property
+    def timing_s(self) -> dict[str, float]:
+        """Seconds spent in each stage so far."""
+        return dict(self.stopwatch.seconds)
+
+    @property
+    def gears(self) -> Gears:
+        """What the file says of the gears; raises WrongInput when it says nothing."""
+        if self.design.gears is None:
+            raise WrongInput("missing; gears need teeth, module_mm, face_width_mm and more", key="gears")
+        return self.design.gears
+
+    @cached_property
+    def law(self) -> Law:
+        """Linkage and closed law."""
+        with self.stopwatch("law"):
+            return law_of(self.design)
+
+    @property
+    def linkage(self) -> CrankSlider:
+        """The crank-slider."""
+        return self.law.linkage
+
+    @property
+    def transmission(self) -> Transmission:
+        """The closed law phi2(phi1)."""
+        return self.law.transmission
+
+    @property
+    def law_speed_rpm(self) -> float:
+        """Driving speed at which the law's velocities hold; laws without velocities hold at any."""
+        stroke = self.law.stroke_law
+        return stroke.stroke.law_speed_rad_s / RAD_S_PER_RPM if stroke else self.design.operation.speed_rpm
+
+    @cached_property
+    def machine(self) -> Machine:
+        """The mechanism at the operating speed."""
+        speed = self.design.operation.speed_rpm * RAD_S_PER_RPM
+        return Machine(self.transmission, self.linkage, resistance_of(self.design), speed)
+
+    @cached_property
+    def uniform_machine(self) -> Machine:
+        """The same linkage on a crank that turns evenly, at the same number of strokes per minute."""
+        machine, lobes = self.machine, self.transmission.lobes
+        return Machine(
+            uniform_law(Lobes(lobes.driving, lobes.driven)), machine.linkage, machine.resistance, machine.speed_rad_s
+        )
+
+    @cached_property
+    def motion(self) -> SliderMotion:
+        """The slider's motion at the operating speed, sampled."""
+        with self.stopwatch("motion"):
+            return self.machine.motion(sample_angles(self.transmission))
+
+    @cached_property
+    def uniform_motion(self) -> SliderMotion:
+        """The uniform crank's motion at the same angles."""
+        with self.stopwatch("motion"):
+            return self.uniform_machine.motion(self.motion.phi1_rad)
+
+    @cached_property
+    def check(self) -> KinematicCheck:
+        """Exact peaks at the operating speed."""
+        with self.stopwatch("check"):
+            return kinematic_check(self.machine)
+
+    @cached_property
+    def uniform_check(self) -> KinematicCheck:
+        """The uniform crank's peaks at the same speed."""
+        with self.stopwatch("check"):
+            return kinematic_check(self.uniform_machine)
+
+    @cached_property
+    def pitch(self) -> PitchPair:
+        """Both pitch curves at their size."""
+        from ncgear.pitch.arc import arc_length
+        from ncgear.pitch.pair import PitchPair, unit_driving_length
+        from ncgear.pitch.sizing import solved_size
+
+        gears, transmission = self.gears, self.transmission
+        with self.stopwatch("pitch curves"):
+            arc = arc_length(transmission)
+            length = unit_driving_length(transmission, arc)
+            size = solved_size(length, transmission.lobes, gears.teeth, gears.module_mm, gears.center_distance_mm)
+            return PitchPair(transmission, arc, size)
+
+    @cached_property
+    def rack(self) -> BasicRack:
+        """The basic rack at the module."""
+        return rack_of(self.gears, self.pitch.size.module_mm)
+
+    @cached_property
+    def teeth(self) -> ToothedPair:
+        """Both toothed gears."""
+        from ncgear.teeth.gear import toothed_pair
+
+        pitch, rack = self.pitch, self.rack
+        with self.stopwatch("teeth"):
+            return toothed_pair(pitch, rack, self.design.output.chord_tolerance_mm)
+
+    @cached_property
+    def contact(self) -> PairContact:
+        """Contact of the exact flanks and of the outlines."""
+        from ncgear.contact.pair_contact import pair_contact
+
+        pitch, teeth = self.pitch, self.teeth
+        with self.stopwatch("contact"):
+            return pair_contact(pitch, teeth)
+
+    @cached_property
+    def solids(self) -> SolidPair:
+        """Both gears as closed meshes."""
+        from ncgear.solids.pair import SolidPair, driven_solid, driving_solid
+
+        gears, teeth = self.gears, self.teeth
+        module, tolerance = self.pitch.size.module_mm, self.design.output.chord_tolerance_mm
+        with self.stopwatch("solids"):
+            return SolidPair(
+                driving_solid(teeth.driving.outline_mm, _blank(gears, gears.driving), module, tolerance),
+                driven_solid(teeth.driven.outline_mm, _blank(gears, gears.driven), module, tolerance),
+            )
+
+    @cached_property
+    def joints_rad(self) -> np.ndarray:
+        """Driving angles at which the law's pieces meet, over one period."""
+        return np.array([piece.start_rad for piece in self.transmission.pieces][1:])
+
+
+def _blank(gears: Gears, body: GearBody) -> Blank:
+    from ncgear.solids.bore import Bore, Keyway
+    from ncgear.solids.pair import Blank
+
+    if body.bore_mm is None:
+        return Blank(gears.face_width_mm)
+    keyway = Keyway(body.keyway.width_mm, body.keyway.depth_mm) if body.keyway else None
+    return Blank(gears.face_width_mm, Bore(body.bore_mm, keyway))

@@ -1,0 +1,127 @@
+"""The figures a design is judged by: peaks of power, speed and acceleration, located exactly, and the mean power."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from math import pi
+
+import numpy as np
+from numpy.polynomial import Polynomial
+
+from ncgear.kinematics.slider import Machine
+from ncgear.machine.resistance import Resistance
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.extrema import Extremum, extremes
+from ncgear.numerics.jet import Jet
+
+
+@dataclass(frozen=True)
+class KinematicCheck:
+    """Peaks over one cycle of the slider, each with the driving angle at which it occurs.
+
+    Accelerations are magnitudes; ``working`` means from the retracted to the extended dead centre.
+    """
+
+    speed_rpm: float
+    peak_power_w: Extremum
+    mean_power_w: float
+    peak_speed_mm_s: Extremum
+    peak_acceleration_working_mm_s2: Extremum
+    peak_acceleration_cycle_mm_s2: Extremum
+
+
+def kinematic_check(machine: Machine) -> KinematicCheck:
+    """Exact peaks of a machine: stationary points of the closed forms, and both sides of every joint."""
+    omega = machine.speed_rad_s
+    working = list(_intervals(machine, working=True))
+    returning = list(_intervals(machine, working=False))
+    acceleration_working = _peak(machine, working, lambda jet: jet.differentiated().differentiated())
+    acceleration_returning = _peak(machine, returning, lambda jet: jet.differentiated().differentiated())
+    acceleration = max(acceleration_working, acceleration_returning, key=lambda extremum: extremum.value)
+    speed = _peak(machine, working + returning, lambda jet: jet.differentiated())
+    power = _peak_power(machine, working)
+    return KinematicCheck(
+        speed_rpm=omega * 30.0 / pi,
+        peak_power_w=_scaled(power, omega / 1000.0),
+        mean_power_w=work_per_stroke_j(machine.resistance, machine.linkage.stroke_mm)
+        * omega
+        / machine.transmission.cycle_rad,
+        peak_speed_mm_s=_scaled(speed, omega),
+        peak_acceleration_working_mm_s2=_scaled(acceleration_working, omega**2),
+        peak_acceleration_cycle_mm_s2=_scaled(acceleration, omega**2),
+    )
+
+
+def work_per_stroke_j(resistance: Resistance, stroke_mm: float) -> float:
+    """Work of the resistance over one working stroke in J, from the polynomial's antiderivative; the law does not
+    matter."""
+    force = Polynomial(resistance.coefficients_n)
+    zeros = force.roots()
+    inner = np.sort(zeros.real[(np.abs(zeros.imag) < 1e-9 * stroke_mm) & (zeros.real > 0.0) & (zeros.real < stroke_mm)])
+    edges = np.concatenate([[0.0], inner, [stroke_mm]])
+    parts = np.diff(force.integ()(edges))
+    return float(np.sum(parts if resistance.keep_negative else np.maximum(parts, 0.0))) / 1000.0
+
+
+def _intervals(machine: Machine, *, working: bool) -> Iterator[tuple[float, float]]:
+    """Stretches of one cycle, cut at the law's joints and at the extended dead centre."""
+    transmission, extended = machine.transmission, machine.extended_rad
+    period = transmission.lobes.driving_period_rad
+    starts = [k * period + piece.start_rad for k in range(transmission.lobes.driven) for piece in transmission.pieces]
+    edges = [*starts, transmission.cycle_rad]
+    for start, end in pairwise(edges):
+        low, high = (start, min(end, extended)) if working else (max(start, extended), end)
+        if high - low > 1e-9 * period:
+            yield low, high
+
+
+def _on_piece(machine: Machine, low: float, high: float) -> tuple[Callable[[Array, int], Jet], int]:
+    """Displacement along one stretch with one-sided limits at its ends, and the samples it needs."""
+    transmission = machine.transmission
+    period = transmission.lobes.driving_period_rad
+    turns = int(((low + high) / 2.0) // period)
+    middle = (low + high) / 2.0 - turns * period
+    piece = next(piece for piece in transmission.pieces if piece.start_rad <= middle <= piece.end_rad)
+
+    def displacement(phi1: Array, order: int) -> Jet:
+        local = np.clip(phi1 - turns * period, piece.start_rad, piece.end_rad)
+        driven = piece.driven_angle(local, order) + turns * transmission.lobes.driven_period_rad
+        return machine.linkage.displacement(driven)
+
+    return displacement, piece.samples
+
+
+def _peak(machine: Machine, intervals: list[tuple[float, float]], quantity: Callable[[Jet], Jet]) -> Extremum:
+    """Largest magnitude over the intervals of a quantity made from the displacement's jet."""
+    best = Extremum(0.0, intervals[0][0])
+    for low, high in intervals:
+        displacement, samples = _on_piece(machine, low, high)
+
+        def along(phi1: Array, displacement: Callable[[Array, int], Jet] = displacement) -> Jet:
+            return quantity(displacement(phi1, 3))
+
+        for extremum in extremes(along, low, high, samples):
+            if abs(extremum.value) > best.value:
+                best = Extremum(abs(extremum.value), extremum.at)
+    return best
+
+
+def _peak_power(machine: Machine, intervals: list[tuple[float, float]]) -> Extremum:
+    """Largest force times dx/dphi1, in N mm per rad; never below zero."""
+    best = Extremum(0.0, intervals[0][0])
+    for low, high in intervals:
+        displacement, samples = _on_piece(machine, low, high)
+
+        def power(phi1: Array, displacement: Callable[[Array, int], Jet] = displacement) -> Jet:
+            position = displacement(phi1, 2)
+            return machine.resistance.fitted_n(position.truncated(1)) * position.differentiated()
+
+        highest = extremes(power, low, high, samples)[1]
+        best = max(best, highest, key=lambda extremum: extremum.value)
+    return best
+
+
+def _scaled(extremum: Extremum, factor: float) -> Extremum:
+    return Extremum(extremum.value * factor, extremum.at)

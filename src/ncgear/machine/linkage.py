@@ -1,0 +1,133 @@
+"""The crank-slider linkage: displacement from crank angle, crank angle from displacement, dead centres.
+
+Pose: the crank turns clockwise about the origin, the slider moves along the line y = offset towards +x.  The crank
+angle is counted from the retracted dead centre in the sense of turning, the displacement from the retracted end.
+With an offset the two strokes take different angles: a positive offset makes the working stroke (retracted to
+extended) take more than pi.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import asin, pi, sqrt
+
+import numpy as np
+
+from ncgear.errors import WrongInput
+from ncgear.numerics import jet
+from ncgear.numerics.arrays import Array, Mask
+from ncgear.numerics.jet import Jet
+
+
+@dataclass(frozen=True)
+class CrankSlider:
+    """An in-line (``offset_mm`` = 0) or offset crank-slider whose crank can turn fully: rod - crank > |offset|.
+
+    Raises WrongInput for lengths that are not positive or whose crank cannot turn fully.
+    """
+
+    crank_mm: float
+    rod_mm: float
+    offset_mm: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.crank_mm > 0.0:
+            raise WrongInput(f"{self.crank_mm:g} is not a length; a positive one is needed", key="linkage.crank_mm")
+        if not self.rod_mm - self.crank_mm > abs(self.offset_mm):
+            raise WrongInput(
+                f"the crank cannot turn fully: rod - crank = {self.rod_mm - self.crank_mm:g} mm, and it must exceed "
+                f"the offset of {abs(self.offset_mm):g} mm; a rod over {self.crank_mm + abs(self.offset_mm):g} mm does",
+                key="linkage.rod_mm",
+            )
+
+    @property
+    def nearest_mm(self) -> float:
+        """Distance along the slider's line from the crank axis to the retracted slider."""
+        return _leg(self.rod_mm - self.crank_mm, self.offset_mm)
+
+    @property
+    def farthest_mm(self) -> float:
+        """Distance along the slider's line from the crank axis to the extended slider."""
+        return _leg(self.rod_mm + self.crank_mm, self.offset_mm)
+
+    @property
+    def stroke_mm(self) -> float:
+        """Distance between the dead centres: (far^2 - near^2) / (far + near), free of cancellation."""
+        return 4.0 * self.crank_mm * self.rod_mm / (self.farthest_mm + self.nearest_mm)
+
+    @property
+    def working_angle_rad(self) -> float:
+        """Crank angle from the retracted to the extended dead centre; pi in line."""
+        return pi + self._retracted_tilt_rad - asin(self.offset_mm / (self.rod_mm + self.crank_mm))
+
+    @property
+    def _retracted_tilt_rad(self) -> float:
+        """Angle at the crank axis between the slider's line and the retracted slider."""
+        return asin(self.offset_mm / (self.rod_mm - self.crank_mm))
+
+    def displacement(self, crank_angle: Jet) -> Jet:
+        """Slider displacement in mm, with derivatives, at a crank angle in rad; relatively exact at both ends' zero.
+
+        The vector loop gives x = pin advance + rod gain, which cancel to second order at the dead centre.
+        Multiplying out (rod gain)(rod gain + 2 rod start) removes that: x = 2 l2 (l3 - l2) (1 - cos phi2) / (rod now +
+        rod start - pin advance), rod lengths being the rod's projections on the slider's line.
+        """
+        half_sine, half_cosine = jet.sin_cos(crank_angle * 0.5)
+        versine = 2.0 * (half_sine * half_sine)
+        sine = 2.0 * (half_sine * half_cosine)
+        reach = self.rod_mm - self.crank_mm
+        along = self.crank_mm * self.nearest_mm / reach
+        across = self.crank_mm * self.offset_mm / reach
+        pin_advance = along * versine - across * sine
+        lateral = along * sine + across * versine - self.rod_mm * self.offset_mm / reach
+        rod_start = self.rod_mm * self.nearest_mm / reach
+        rod_now = jet.sqrt(self.rod_mm**2 - lateral * lateral)
+        return 2.0 * self.crank_mm * reach * versine / (rod_now + rod_start - pin_advance)
+
+    def working_angle(self, displacement: Jet, root_displaced: Jet, root_remaining: Jet) -> Jet:
+        """Crank angle in rad, with derivatives, in the working stroke, regular up to and including both dead centres.
+
+        ``root_displaced`` and ``root_remaining`` are smooth square roots of the displacement x and of (stroke - x).
+        At x = 0 both roots of the first are smooth functions of the driving angle though x has a double zero, which
+        is what makes the half-angle form regular (in line this is tan^2(phi2/2) = x (x + 2 l3) / ((H - x)(x + 2 (l3 -
+        l2))); with an offset the triangle crank, rod, crank axis to slider takes the place of the line).
+        """
+        position = displacement + self.nearest_mm
+        distance = jet.sqrt(position * position + self.offset_mm**2)
+        ratio = jet.sqrt((position + self.nearest_mm) / (position + self.farthest_mm))
+        stretch = (distance + (self.rod_mm + self.crank_mm)) / (distance + (self.rod_mm - self.crank_mm))
+        sine_side, cosine_side = root_displaced * ratio * stretch, root_remaining
+        turned = 2.0 * _arctan2(sine_side, cosine_side)
+        if self.offset_mm == 0.0:
+            return turned
+        tilt = displacement * self.offset_mm / (position * self.nearest_mm + self.offset_mm**2)
+        return turned + jet.arctan(tilt)
+
+    def crank_angle(self, displacement_mm: Array, returning: Mask) -> Array:
+        """Crank angle in rad, 0 to 2 pi, at displacements in [0, stroke], both of shape (n,)."""
+        displacement = Jet(displacement_mm[None, :])
+        remaining = Jet((self.stroke_mm - displacement_mm)[None, :])
+        working = self.working_angle(displacement, jet.sqrt(displacement), jet.sqrt(remaining)).value
+        position = displacement_mm + self.nearest_mm
+        tilt = np.arctan(displacement_mm * self.offset_mm / (position * self.nearest_mm + self.offset_mm**2))
+        return np.where(returning, 2.0 * pi - working + 2.0 * tilt, working)
+
+    def crank_pin_mm(self, crank_angle_rad: Array) -> Array:
+        """Crank pin (x, y) from the crank axis, shape (n, 2)."""
+        direction = pi + self._retracted_tilt_rad - crank_angle_rad
+        return self.crank_mm * np.column_stack([np.cos(direction), np.sin(direction)])
+
+
+def _arctan2(sine_side: Jet, cosine_side: Jet) -> Jet:
+    """Angle in 0..pi/2 of two non-negative sides, dividing by the larger one at each point."""
+    steep = sine_side.value > cosine_side.value
+    parts = []
+    if not steep.all():
+        parts.append((~steep, jet.arctan(sine_side.compressed(~steep) / cosine_side.compressed(~steep))))
+    if steep.any():
+        parts.append((steep, pi / 2 - jet.arctan(cosine_side.compressed(steep) / sine_side.compressed(steep))))
+    return jet.joined(parts)
+
+
+def _leg(hypotenuse: float, side: float) -> float:
+    return sqrt((hypotenuse - side) * (hypotenuse + side))

@@ -1,0 +1,223 @@
+"""The three-segment working stroke: fast approach, constant compression speed, slowing down to the dead centre.
+
+Source: J. Wang, C. Wang, L. Miao, "Design of a non-circular gear-crank slider baler mechanism considering slider
+acceleration", eqs. (2.4) to (2.12) and (3.3) to (3.7).  In the driving angle phi1 the velocity is phi1 Q(phi1) in the
+first segment (Q cubic), constant in the second and delta R(delta) in the third (R quadratic, delta = theta4 - phi1):
+the zeros at both dead centres are divided out, which makes the inversion regular there.
+
+The conditions over-determine the stroke unless one quantity is left free.  Per radian of the driving angle the
+stroke is linear in v1/omega, v2/omega and a1/omega_ref^2, so each of them, the stroke itself, and the law speed omega
+follow in closed form.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import degrees, pi, sqrt
+
+import numpy as np
+from numpy.polynomial import Polynomial
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.arrays import Array
+
+
+@dataclass(frozen=True)
+class StrokeRequest:
+    """What is asked of the stroke; exactly one of the fields that may be None is None and is solved for.
+
+    Angles of the driving gear in rad, velocities in mm/s at ``law_speed_rad_s``, ``a1_mm_s2`` at ``a1_speed_rad_s``
+    (None: at the law speed), ``stroke_mm`` the displacement to be covered.
+    """
+
+    theta1_rad: float
+    theta2_rad: float
+    theta3_rad: float
+    theta4_rad: float
+    v1_mm_s: float | None
+    v2_mm_s: float | None
+    a1_mm_s2: float | None
+    law_speed_rad_s: float | None
+    stroke_mm: float | None
+    a1_speed_rad_s: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class WorkingStroke:
+    """A stroke that closes; polynomials from the constant term upwards, in mm and rad.
+
+    ``approach_slope`` is Q(phi1) and ``approach_root`` is x/phi1^2 on [0, theta2]; ``braking_slope`` is R(delta) and
+    ``braking_root`` is (stroke - x)/delta^2 on [0, theta4 - theta3].
+    """
+
+    theta2_rad: float
+    theta3_rad: float
+    theta4_rad: float
+    stroke_mm: float
+    law_speed_rad_s: float
+    v1_mm_s: float
+    v2_mm_s: float
+    a1_mm_s2: float
+    pressing_mm_rad: float
+    approach_slope: Array
+    approach_root: Array
+    braking_slope: Array
+    braking_root: Array
+
+    @property
+    def pressing_start_mm(self) -> float:
+        """Displacement at theta2, where the constant speed begins."""
+        return self.theta2_rad**2 * float(np.polynomial.polynomial.polyval(self.theta2_rad, self.approach_root))
+
+    @property
+    def closing_error_mm(self) -> float:
+        """What the three segments together miss of the stroke; rounding error only."""
+        delta = self.theta4_rad - self.theta3_rad
+        braking = delta**2 * float(np.polynomial.polynomial.polyval(delta, self.braking_root))
+        pressing = self.pressing_mm_rad * (self.theta3_rad - self.theta2_rad)
+        return self.pressing_start_mm + pressing + braking - self.stroke_mm
+
+
+def solved_stroke(request: StrokeRequest) -> WorkingStroke:
+    """The stroke with its free quantity solved for, and proved to advance everywhere.
+
+    Raises NoSuchMechanism when no positive value closes the stroke, or when the slider stops or reverses on the way.
+    """
+    per_v1, per_v2, per_a1 = _stroke_sensitivities(request)
+    closed = _closed(request, per_v1, per_v2, per_a1)
+    stroke = _assembled(closed)
+    _refuse_reversal(stroke, request.theta1_rad)
+    return stroke
+
+
+def _approach_slope(request: StrokeRequest, v1: float, v2: float) -> Array:
+    """Q on [0, theta2] in powers of phi1: the cubic Hermite form of v/phi1 between theta1 and theta2."""
+    t1, t2 = request.theta1_rad, request.theta2_rad
+    width = t2 - t1
+    value1, value2 = v1 / t1, v2 / t2
+    slope1, slope2 = -width * value1 / t1, -width * value2 / t2
+    rise = value2 - value1
+    hermite = Polynomial([value1, slope1, 3 * rise - 2 * slope1 - slope2, slope1 + slope2 - 2 * rise])
+    coefficients = hermite(Polynomial([-t1 / width, 1.0 / width])).coef
+    return np.pad(coefficients, (0, 4 - coefficients.size))
+
+
+def _braking_slope(request: StrokeRequest, v2: float, a1: float) -> Array:
+    """R in powers of delta: v = v2 and v' = 0 at theta3, v' = a1 at theta4."""
+    delta = request.theta4_rad - request.theta3_rad
+    start, mean = -a1, v2 / delta
+    return np.array([start, (3.0 * mean - 2.0 * start) / delta, (start - 2.0 * mean) / delta**2])
+
+
+def _root_form(slope: Array) -> Array:
+    """Integral of t * slope(t), divided by t^2."""
+    return slope / np.arange(2.0, slope.size + 2.0)
+
+
+def _stroke_sensitivities(request: StrokeRequest) -> tuple[float, float, float]:
+    """Stroke per unit of v1/omega, v2/omega and a1/omega_ref^2."""
+    t2 = request.theta2_rad
+    delta = request.theta4_rad - request.theta3_rad
+
+    def approach(v1: float, v2: float) -> float:
+        return float(np.polynomial.polynomial.polyval(t2, _root_form(_approach_slope(request, v1, v2)))) * t2**2
+
+    return approach(1.0, 0.0), approach(0.0, 1.0) + (request.theta3_rad - t2) + delta / 2.0, -(delta**2) / 12.0
+
+
+def _closed(request: StrokeRequest, per_v1: float, per_v2: float, per_a1: float) -> StrokeRequest:
+    """The request with its free quantity filled in."""
+    if request.law_speed_rad_s is None:
+        return _closed_by_speed(request, per_v1, per_v2, per_a1)
+    omega = request.law_speed_rad_s
+    factors = {
+        "v1_mm_s": per_v1 / omega,
+        "v2_mm_s": per_v2 / omega,
+        "a1_mm_s2": per_a1 / (request.a1_speed_rad_s or omega) ** 2,
+    }
+    given = {name: getattr(request, name) for name in factors}
+    known = sum(factor * given[name] for name, factor in factors.items() if given[name] is not None)
+    if request.stroke_mm is None:
+        return replace(request, stroke_mm=known)
+    free = next(name for name, value in given.items() if value is None)
+    return replace(request, **{free: (request.stroke_mm - known) / factors[free]})
+
+
+def _closed_by_speed(request: StrokeRequest, per_v1: float, per_v2: float, per_a1: float) -> StrokeRequest:
+    """Law speed from the stroke: linear in 1/omega, or quadratic when a1 is stated at the law speed itself."""
+    v1, v2, a1 = _known(request.v1_mm_s), _known(request.v2_mm_s), _known(request.a1_mm_s2)
+    stroke, linear = _known(request.stroke_mm), per_v1 * v1 + per_v2 * v2
+    if request.a1_speed_rad_s is not None:
+        period = (stroke - per_a1 * a1 / request.a1_speed_rad_s**2) / linear
+    else:
+        discriminant = linear**2 + 4.0 * per_a1 * a1 * stroke
+        period = 2.0 * stroke / (linear + sqrt(discriminant)) if discriminant >= 0.0 else -1.0
+    if not period > 0.0:
+        raise NoSuchMechanism(
+            f"no law speed closes a stroke of {stroke:g} mm with v1 = {v1:g}, v2 = {v2:g} mm/s and a1 = {a1:g} mm/s^2; "
+            "bring a1 nearer to zero or solve for another quantity",
+            key="motion.solve_for",
+        )
+    return replace(request, law_speed_rad_s=1.0 / period)
+
+
+def _known(value: float | None) -> float:
+    if value is None:
+        raise ValueError("exactly one of law speed, v1, v2, a1 and stroke may be left open")
+    return value
+
+
+def _assembled(request: StrokeRequest) -> WorkingStroke:
+    omega, a1 = _known(request.law_speed_rad_s), _known(request.a1_mm_s2)
+    v1, v2 = _known(request.v1_mm_s), _known(request.v2_mm_s)
+    approach = _approach_slope(request, v1 / omega, v2 / omega)
+    braking = _braking_slope(request, v2 / omega, a1 / (request.a1_speed_rad_s or omega) ** 2)
+    return WorkingStroke(
+        theta2_rad=request.theta2_rad,
+        theta3_rad=request.theta3_rad,
+        theta4_rad=request.theta4_rad,
+        stroke_mm=_known(request.stroke_mm),
+        law_speed_rad_s=omega,
+        v1_mm_s=v1,
+        v2_mm_s=v2,
+        a1_mm_s2=a1,
+        pressing_mm_rad=v2 / omega,
+        approach_slope=approach,
+        approach_root=_root_form(approach),
+        braking_slope=braking,
+        braking_root=_root_form(braking),
+    )
+
+
+def _refuse_reversal(stroke: WorkingStroke, theta1: float) -> None:
+    """Velocity must be positive between the dead centres, and its divided-out zeros must be simple."""
+    for name, value in (("v1_mm_s", stroke.v1_mm_s), ("v2_mm_s", stroke.v2_mm_s)):
+        if not value > 0.0:
+            at = theta1 if name == "v1_mm_s" else stroke.theta2_rad
+            raise _reversal(at, f"closing the stroke needs {name} = {value:.4g}", f"motion.{name}")
+    if not stroke.a1_mm_s2 < 0.0:
+        raise _reversal(stroke.theta4_rad, f"a1 = {stroke.a1_mm_s2:.4g} mm/s^2 is not negative", "motion.a1_mm_s2")
+    angle = _first_zero(stroke.approach_slope, stroke.theta2_rad)
+    if angle is not None:
+        raise _reversal(angle, "v1 and v2 are too far apart, or theta1 lies too near theta2 or 0", "motion.v1_mm_s")
+    before_end = _first_zero(stroke.braking_slope, stroke.theta4_rad - stroke.theta3_rad)
+    if before_end is not None:
+        raise _reversal(stroke.theta4_rad - before_end, "a1 is too steep for v2 and theta4", "motion.a1_mm_s2")
+
+
+def _first_zero(coefficients: Array, end: float) -> float | None:
+    """Smallest zero in [0, end], 0 if the polynomial starts negative, None if it is positive throughout."""
+    if not coefficients[0] > 0.0:
+        return 0.0
+    zeros = Polynomial(coefficients).roots()
+    real = zeros.real[(np.abs(zeros.imag) <= 1e-12 * (1.0 + np.abs(zeros.real)))]
+    inside = real[(real >= 0.0) & (real <= end)]
+    return float(inside.min()) if inside.size else None
+
+
+def _reversal(angle: float, reason: str, key: str) -> NoSuchMechanism:
+    return NoSuchMechanism(
+        f"the slider stops or reverses inside the working stroke at phi1 = {angle:.6g} rad ({degrees(angle):.4g} deg, "
+        f"{angle / pi:.4g} pi): {reason}",
+        key=key,
+    )

@@ -1,0 +1,15 @@
+"""Names for the arrays that travel between functions."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+"""Real numbers; the shape is said in words where it is used."""
+
+Mask = NDArray[np.bool_]
+"""Truth values, one for each element of another array."""
+
+IndexArray = NDArray[np.intp]
+"""Whole numbers that count or point into another array."""

@@ -1,0 +1,154 @@
+"""Piecewise Chebyshev forms: fitted panel by panel to near rounding error, evaluated and integrated exactly.
+
+Between breaks the function must be smooth; panels are halved until the last coefficients have died away, so the
+spectral rate is kept however sharp the function is.  Method: L. N. Trefethen, "Approximation Theory and
+Approximation Practice", SIAM 2013, chapters 3, 7 and 19.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from ncgear.numerics.arrays import Array, IndexArray
+
+DEGREE = 24
+"""Degree of each panel: a panel costs 25 evaluations, and one halving multiplies the rate's exponent by two."""
+
+RESOLVED = 4e-15
+"""Tail, relative to the function's largest value, at which a panel counts as resolved: 18 rounding errors."""
+
+ROUNDING = 1e-11
+"""Largest relative tail that may count as rounding error of the function itself, which no halving removes: a smooth
+function's tail falls by 2^-24 when its panel is halved, so one that falls by less than half below this is noise."""
+
+HALVINGS = 40
+
+MOST_PANELS = 1 << 18
+"""Panels halved at once beyond which the function is taken for noise; a table of 100 000 points stays below."""
+
+
+class NotSmooth(ValueError):
+    """The function has a pole or a jump inside a piece; ``at`` is where the panels shrink to."""
+
+    def __init__(self, at: float) -> None:
+        super().__init__(f"no smooth function near {at:.6g}")
+        self.at = at
+
+
+@dataclass(frozen=True, eq=False)
+class PiecewiseChebyshev:
+    """Functions on consecutive panels: ``breaks`` (shape (m + 1,)), ``coefficients`` (shape (degree + 1, m, ...)).
+
+    Trailing axes of the coefficients are those of the values: none for a single function, (2,) for a plane curve.
+    """
+
+    breaks: Array
+    coefficients: Array
+
+    def __call__(self, points: Array) -> Array:
+        """Values at ``points`` (any shape), trailing axes appended; a point at a break belongs to the panel on its
+        right."""
+        panel = np.clip(np.searchsorted(self.breaks, points, side="right") - 1, 0, len(self.breaks) - 2)
+        left, right = self.breaks[panel], self.breaks[panel + 1]
+        local = ((points - left) - (right - points)) / (right - left)
+        return _clenshaw(self.coefficients, panel, local.reshape(local.shape + (1,) * (self.coefficients.ndim - 2)))
+
+    def integrated(self) -> PiecewiseChebyshev:
+        """The antiderivative of a single function that is zero at the first break."""
+        half_widths = np.diff(self.breaks) / 2.0
+        raised = chebyshev.chebint(self.coefficients, lbnd=-1, axis=0) * half_widths
+        totals = raised.sum(axis=0)
+        raised[0] += np.concatenate([[0.0], np.cumsum(totals)[:-1]])
+        return PiecewiseChebyshev(self.breaks, raised)
+
+    @property
+    def final(self) -> float:
+        """Value at the last break, as the limit from the left."""
+        return float(self.coefficients[:, -1].sum())
+
+
+def fitted(function: Callable[[Array], Array], breaks: Sequence[float] | Array) -> PiecewiseChebyshev:
+    """The piecewise form of a vectorised ``function`` (shape (n,) to (n, ...)) that is smooth between ``breaks``.
+
+    Raises NotSmooth where the function is not finite, or not resolved by panels of 2^-40 of its piece.
+    """
+    edges = np.asarray(breaks, dtype=float)
+    left, right = edges[:-1], edges[1:]
+    coarser = np.full(left.size, np.inf)
+    done: list[tuple[Array, Array]] = []
+    scale = 0.0
+    for _ in range(HALVINGS):
+        coefficients = _panel_coefficients(function, left, right)
+        scale = max(scale, float(np.max(np.abs(coefficients))))
+        tails = np.abs(coefficients[-3:]).max(axis=(0, *range(2, coefficients.ndim)))
+        noise = (tails <= ROUNDING * scale) & (tails > 0.5 * coarser)
+        resolved = (tails <= RESOLVED * scale) | noise
+        done.append((left[resolved], coefficients[:, resolved]))
+        left, right = left[~resolved], right[~resolved]
+        if not left.size:
+            return _assembled(done, float(edges[-1]))
+        if left.size > MOST_PANELS:
+            break
+        middle, coarser = (left + right) / 2.0, np.tile(tails[~resolved], 2)
+        left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
+    raise NotSmooth(float(left[0]))
+
+
+def nodes(left: Array, right: Array, degree: int = DEGREE) -> Array:
+    """Chebyshev points of the first kind on each panel, shape (degree + 1, m); never an end point."""
+    unit = _unit_nodes(degree)[:, None]
+    return (left * (1.0 - unit) + right * (1.0 + unit)) / 2.0
+
+
+def _panel_coefficients(function: Callable[[Array], Array], left: Array, right: Array) -> Array:
+    points = nodes(left, right)
+    values = np.asarray(function(points.ravel()), dtype=float)
+    wrong = ~np.isfinite(values).reshape(points.size, -1).all(axis=1)
+    if wrong.any():
+        raise NotSmooth(float(points.ravel()[wrong][0]))
+    return np.tensordot(_transform(DEGREE), values.reshape(points.shape + values.shape[1:]), axes=1)
+
+
+def _assembled(parts: list[tuple[Array, Array]], end: float) -> PiecewiseChebyshev:
+    starts = np.concatenate([start for start, _ in parts])
+    coefficients = np.concatenate([block for _, block in parts], axis=1)
+    order = np.argsort(starts)
+    return PiecewiseChebyshev(np.append(starts[order], end), coefficients[:, order])
+
+
+@cache
+def _unit_nodes(degree: int) -> Array:
+    points: Array = chebyshev.chebpts1(degree + 1)
+    return points
+
+
+@cache
+def _transform(degree: int) -> Array:
+    """Values at the first-kind points to coefficients, by discrete orthogonality."""
+    weights = np.full(degree + 1, 2.0 / (degree + 1))
+    weights[0] /= 2.0
+    matrix: Array = chebyshev.chebvander(_unit_nodes(degree), degree).T * weights[:, None]
+    return matrix
+
+
+@cache
+def integration_matrix(degree: int) -> Array:
+    """Values at the first-kind points of [-1, 1] to the integral from -1 to each of them, shape (degree + 1,) * 2."""
+    integrals = chebyshev.chebint(np.eye(degree + 1), lbnd=-1, axis=0)
+    matrix: Array = chebyshev.chebvander(_unit_nodes(degree), degree + 1) @ integrals @ _transform(degree)
+    return matrix
+
+
+def _clenshaw(coefficients: Array, panel: IndexArray, local: Array) -> Array:
+    """Sum of the series, each point with the coefficients of its own panel."""
+    twice = 2.0 * local
+    older = newer = np.zeros(panel.shape + coefficients.shape[2:])
+    for row in coefficients[:0:-1]:
+        older, newer = newer, row[panel] + twice * newer - older
+    total: Array = coefficients[0][panel] + local * newer - older
+    return total

@@ -1,0 +1,53 @@
+"""Largest and smallest values of a smooth function on intervals, located by the zeros of its derivative."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import elementwise
+
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
+
+SAMPLES = 129
+"""Points per piece on which sign changes of the derivative are looked for; two extrema closer than a 128th of a
+piece that cancel in sign differ from each other by less than the fourth power of that."""
+
+
+@dataclass(frozen=True)
+class Extremum:
+    """A value and the argument at which it is reached."""
+
+    value: float
+    at: float
+
+
+def stationary_points(function: Callable[[Array], Jet], start: float, end: float, samples: int = SAMPLES) -> Array:
+    """Both ends and every point between them where the derivative changes sign, in rising order.
+
+    ``function`` maps points (shape (n,)) to a jet of order 1 or more, and is evaluated within [start, end] only.
+    """
+    grid = np.linspace(start, end, samples)
+    slope = function(grid).derivative(1)
+    change = np.nonzero(np.sign(slope[:-1]) * np.sign(slope[1:]) < 0)[0]
+    flat = grid[1:-1][slope[1:-1] == 0.0]
+    if not change.size:
+        return np.unique(np.concatenate([[start, end], flat]))
+    found = elementwise.find_root(
+        lambda points: function(points.ravel()).derivative(1).reshape(points.shape), (grid[change], grid[change + 1])
+    )
+    if not np.all(found.success):
+        raise ArithmeticError(f"a stationary point between {start:g} and {end:g} was not found")
+    return np.unique(np.concatenate([[start, end], flat, found.x]))
+
+
+def extremes(
+    function: Callable[[Array], Jet], start: float, end: float, samples: int = SAMPLES
+) -> tuple[Extremum, Extremum]:
+    """Smallest and largest value on [start, end]."""
+    points = stationary_points(function, start, end, samples)
+    values = function(points).value
+    low, high = int(np.argmin(values)), int(np.argmax(values))
+    return Extremum(float(values[low]), float(points[low])), Extremum(float(values[high]), float(points[high]))

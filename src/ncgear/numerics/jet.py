@@ -1,0 +1,159 @@
+"""Taylor arithmetic: values and exact derivatives of composed functions, over whole arrays of angles at once.
+
+A jet holds the coefficients f(t0), f'(t0), f''(t0)/2!, ... of a function at each of many points t0.  Every rule
+below is the recurrence of the power series itself, so a derivative is as exact as the value: no difference quotient
+and no symbolic expansion is involved.  Source of the recurrences: A. Griewank and A. Walther, "Evaluating
+Derivatives", 2nd edition, SIAM 2008, table 13.2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import factorial
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ncgear.numerics.arrays import Array, Mask
+
+
+@dataclass(frozen=True, eq=False)
+class Jet:
+    """Truncated Taylor series of one function at many points.
+
+    ``coefficients`` has shape (order + 1, n): row k is the k-th derivative divided by k!.
+    """
+
+    coefficients: Array
+
+    @staticmethod
+    def variable(points: ArrayLike, order: int) -> Jet:
+        """The independent variable itself at ``points`` (shape (n,)): value t, derivative 1."""
+        values = np.atleast_1d(np.asarray(points, dtype=float))
+        coefficients = np.zeros((order + 1, values.size))
+        coefficients[0] = values
+        if order:
+            coefficients[1] = 1.0
+        return Jet(coefficients)
+
+    @property
+    def order(self) -> int:
+        """Highest derivative carried."""
+        return len(self.coefficients) - 1
+
+    @property
+    def value(self) -> Array:
+        """The function's values, shape (n,)."""
+        values: Array = self.coefficients[0]
+        return values
+
+    def derivative(self, k: int = 1) -> Array:
+        """The k-th derivative, shape (n,); k at most ``order``."""
+        values: Array = self.coefficients[k] * factorial(k)
+        return values
+
+    def differentiated(self) -> Jet:
+        """The derivative as a jet of one order less."""
+        factors = np.arange(1.0, self.order + 1.0)[:, None]
+        return Jet(self.coefficients[1:] * factors)
+
+    def integrated(self, values: Array) -> Jet:
+        """The antiderivative with the given values (shape (n,)), one order more."""
+        divisors = np.arange(1.0, self.order + 2.0)[:, None]
+        return Jet(np.vstack([values[None, :], self.coefficients / divisors]))
+
+    def truncated(self, order: int) -> Jet:
+        """The same series cut at ``order``."""
+        return Jet(self.coefficients[: order + 1])
+
+    def compressed(self, mask: Mask) -> Jet:
+        """The series at the points where ``mask`` (shape (n,)) is true."""
+        return Jet(self.coefficients[:, mask])
+
+    def __neg__(self) -> Jet:
+        return Jet(-self.coefficients)
+
+    def __add__(self, other: Jet | float) -> Jet:
+        if isinstance(other, Jet):
+            return Jet(self.coefficients + other.coefficients)
+        coefficients = self.coefficients.copy()
+        coefficients[0] += other
+        return Jet(coefficients)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Jet | float) -> Jet:
+        return self + (-other)
+
+    def __rsub__(self, other: float) -> Jet:
+        return (-self) + other
+
+    def __mul__(self, other: Jet | float) -> Jet:
+        if not isinstance(other, Jet):
+            return Jet(self.coefficients * other)
+        a, b = self.coefficients, other.coefficients
+        return Jet(np.array([sum(a[j] * b[k - j] for j in range(k + 1)) for k in range(len(a))]))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Jet | float) -> Jet:
+        if not isinstance(other, Jet):
+            return Jet(self.coefficients / other)
+        a, b = self.coefficients, other.coefficients
+        quotient = np.empty_like(a)
+        for k in range(len(a)):
+            quotient[k] = (a[k] - sum(quotient[j] * b[k - j] for j in range(k))) / b[0]
+        return Jet(quotient)
+
+    def __rtruediv__(self, other: float) -> Jet:
+        numerator = np.zeros_like(self.coefficients)
+        numerator[0] = other
+        return Jet(numerator) / self
+
+
+def sqrt(argument: Jet) -> Jet:
+    """Square root; the argument's values must be positive."""
+    a = argument.coefficients
+    root = np.empty_like(a)
+    root[0] = np.sqrt(a[0])
+    for k in range(1, len(a)):
+        root[k] = (a[k] - sum(root[j] * root[k - j] for j in range(1, k))) / (2.0 * root[0])
+    return Jet(root)
+
+
+def sin_cos(argument: Jet) -> tuple[Jet, Jet]:
+    """Sine and cosine together, since each one's recurrence needs the other."""
+    a = argument.coefficients
+    sine, cosine = np.empty_like(a), np.empty_like(a)
+    sine[0], cosine[0] = np.sin(a[0]), np.cos(a[0])
+    for k in range(1, len(a)):
+        sine[k] = sum(j * a[j] * cosine[k - j] for j in range(1, k + 1)) / k
+        cosine[k] = -sum(j * a[j] * sine[k - j] for j in range(1, k + 1)) / k
+    return Jet(sine), Jet(cosine)
+
+
+def arctan(argument: Jet) -> Jet:
+    """Inverse tangent: the derivative u' / (1 + u^2), integrated term by term."""
+    values = np.arctan(argument.value)
+    if argument.order == 0:
+        return Jet(values[None, :])
+    shorter = argument.truncated(argument.order - 1)
+    return (argument.differentiated() / (shorter * shorter + 1.0)).integrated(values)
+
+
+def polynomial(coefficients: Sequence[float] | Array, argument: Jet) -> Jet:
+    """Polynomial with ``coefficients`` from the constant term upwards, by Horner's rule."""
+    result = argument * 0.0 + float(coefficients[-1])
+    for coefficient in reversed(coefficients[:-1]):
+        result = result * argument + float(coefficient)
+    return result
+
+
+def joined(parts: Sequence[tuple[Mask, Jet]]) -> Jet:
+    """One jet from parts that each cover the points where their mask is true."""
+    first_mask, first = parts[0]
+    coefficients = np.full((first.order + 1, first_mask.size), np.nan)
+    for mask, part in parts:
+        coefficients[:, mask] = part.coefficients
+    return Jet(coefficients)

@@ -1,0 +1,161 @@
+"""A build: every stage of the drive in turn, then all its files at once."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ncgear.drive import Drive
+from ncgear.numerics.arrays import Array
+from ncgear.output import plots
+from ncgear.output.publish import prepare, publish
+from ncgear.output.stl import stl_bytes
+from ncgear.output.summary import build_summary
+from ncgear.output.tables import law_csv, outline_csv
+from ncgear.pitch.curve import CurvePoints, PitchCurve
+from ncgear.solids.assembly import Placed, assembly_report
+
+STAGES = {
+    "motion": ("motion", "uniform_motion"),
+    "pitch curves": ("pitch",),
+    "teeth": ("teeth",),
+    "contact": ("contact",),
+    "solids": ("solids",),
+}
+"""Stages in order and the attributes of the drive whose first use computes them."""
+
+CURVE_POINTS = 1500
+"""Points of a drawn pitch curve: 0.2 mm apart on a screen-wide gear of 300 mm."""
+
+POSITIONS = 3
+"""Positions of the pair in the picture of its teeth, evenly spread over a turn of the driving gear."""
+
+
+def build(drive: Drive, folder: Path, on_stage: Callable[[str], None]) -> list[Path]:
+    """Compute everything, write all files into ``folder`` (created if need be), and return their paths.
+
+    ``on_stage`` is told each stage before it begins. Raises WrongInput or NoSuchMechanism from the stages, and
+    WrongInput when the folder cannot be written; whatever fails, the last good build in ``folder`` stays.
+    """
+    prepare(folder)
+    for stage, attributes in STAGES.items():
+        on_stage(stage)
+        for attribute in attributes:
+            getattr(drive, attribute)
+    with _timed(drive, "plots", on_stage):
+        pictures = _pictures(drive)
+    with _timed(drive, "files", on_stage):
+        files = {**_tables(drive), **_meshes(drive), **pictures, "assembly.json": _json(_assembly(drive))}
+    # Last: only now are the timings known, and a summary is then never newer in its folder than what it sums up.
+    files["summary.json"] = _json(build_summary(drive))
+    return publish(folder, files)
+
+
+@contextmanager
+def _timed(drive: Drive, stage: str, on_stage: Callable[[str], None]) -> Iterator[None]:
+    on_stage(stage)
+    with drive.stopwatch(stage):
+        yield
+
+
+def _json(content: dict[str, Any]) -> bytes:
+    """Indented JSON; NaN and infinities, which JSON does not have, raise ValueError."""
+    return (json.dumps(content, indent=2, allow_nan=False) + "\n").encode()
+
+
+def _tables(drive: Drive) -> dict[str, bytes]:
+    return {
+        "law.csv": law_csv(drive.motion).encode(),
+        "driving.csv": outline_csv(drive.teeth.driving.outline_mm).encode(),
+        "driven.csv": outline_csv(drive.teeth.driven.outline_mm).encode(),
+    }
+
+
+def _meshes(drive: Drive) -> dict[str, bytes]:
+    return {
+        "driving.stl": stl_bytes(drive.solids.driving.mesh),
+        "driven.stl": stl_bytes(drive.solids.driven.mesh),
+    }
+
+
+def _assembly(drive: Drive) -> dict[str, Any]:
+    """How the gears go together at phi1 = 0."""
+    pitch, teeth, solids = drive.pitch, drive.teeth, drive.solids
+    return assembly_report(
+        Placed(teeth.driving.outline_mm, _pitch_radius(pitch.driving), solids.driving.index_hole),
+        Placed(teeth.driven.outline_mm, _pitch_radius(pitch.driven), solids.driven.index_hole),
+        pitch.center_distance_mm,
+        pitch.size.module_mm,
+    )
+
+
+def _pitch_radius(curve: PitchCurve) -> float:
+    """On the line of centres at phi1 = 0."""
+    return float(_radius(curve, np.zeros(1))[0])
+
+
+def _pictures(drive: Drive) -> dict[str, bytes]:
+    name, speed = drive.design.name, drive.design.operation.speed_rpm
+    tables = drive.motion, drive.uniform_motion
+    joints = _joints(drive.transmission.joints_rad, drive.motion.phi1_rad[-1])
+    return {
+        "pitch_curves.png": _pitch_curves(drive),
+        "tooth_pair.png": _tooth_pair(drive),
+        "motion.png": plots.motion(*tables, f"{name}: motion at {speed:.4g} r/min", joints),
+        "power.png": plots.power(*tables, f"{name}: force and power at {speed:.4g} r/min", joints),
+    }
+
+
+def _pitch_curves(drive: Drive) -> bytes:
+    driving, driven = (_closed_curve(curve) for curve in (drive.pitch.driving, drive.pitch.driven))
+    return plots.pitch_curves(
+        driving.position,
+        driven.position,
+        drive.pitch.center_distance_mm,
+        driving.curvature < 0.0,
+        driven.curvature < 0.0,
+        f"{drive.design.name}: pitch curves at phi1 = 0",
+    )
+
+
+def _tooth_pair(drive: Drive) -> bytes:
+    return plots.tooth_pair(
+        drive.teeth.driving.outline_mm,
+        drive.teeth.driven.outline_mm,
+        drive.pitch.center_distance_mm,
+        drive.pitch.size.module_mm,
+        _positions(drive),
+        f"{drive.design.name}: tooth outlines in mesh",
+    )
+
+
+def _positions(drive: Drive) -> list[plots.Position]:
+    phi1 = np.linspace(0.0, 2.0 * pi, POSITIONS, endpoint=False)
+    phi2 = drive.transmission.driven_angle(phi1).value
+    radius = _radius(drive.pitch.driving, phi1)
+    return [plots.Position(float(a), float(b), float(r)) for a, b, r in zip(phi1, phi2, radius, strict=True)]
+
+
+def _closed_curve(curve: PitchCurve) -> CurvePoints:
+    return curve.at_angle(np.linspace(0.0, curve.turn_rad, CURVE_POINTS))
+
+
+def _radius(curve: PitchCurve, phi1: Array) -> Array:
+    """Distance in mm of the pitch point from the gear's axis."""
+    position = curve.at_angle(phi1).position
+    radius: Array = np.hypot(position[:, 0], position[:, 1])
+    return radius
+
+
+def _joints(joints_rad: Array, end_rad: float) -> Array:
+    """Joints of one period repeated up to a driving angle; the ends, which every picture has, left out."""
+    period = joints_rad[-1]
+    cycles = np.arange(round(end_rad / period)) * period
+    repeated: Array = (cycles[:, None] + joints_rad[None, :-1]).ravel()
+    return repeated[1:]

@@ -1,0 +1,80 @@
+"""Numbers and keys of a summary as a person reads them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+UNITS = {
+    "_mm_s2": "mm/s2",
+    "_mm_s": "mm/s",
+    "_mm": "mm",
+    "_rad_s": "rad/s",
+    "_rad": "rad",
+    "_deg": "deg",
+    "_rpm": "r/min",
+    "_mpa": "MPa",
+    "_kg": "kg",
+    "_hz": "Hz",
+    "_j": "J",
+    "_n": "N",
+    "_w": "W",
+    "_percent": "%",
+    "_s": "s",
+}
+"""Units by key suffix; longer suffixes stand before those that end them."""
+
+LONG_LIST = 12
+"""Items up to which a list is written out."""
+
+
+def label_and_unit(key: str) -> tuple[str, str]:
+    """``peak_power_w`` -> (``peak power``, ``W``); a key without unit has an empty one."""
+    for suffix, unit in UNITS.items():
+        if key.endswith(suffix):
+            return key.removesuffix(suffix).replace("_", " "), unit
+    return key.replace("_", " "), ""
+
+
+def shown(value: Any) -> str:
+    """A summary's value for reading: five digits, yes or no, ``-`` for None, runs of whole numbers as ``3-7``,
+    pairs of numbers as ``0.1..0.2``."""
+    if value is None:
+        return "-"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return _rounded(value)
+    if isinstance(value, list | tuple):
+        return _listed(list(value))
+    return str(value)
+
+
+def _rounded(value: float) -> str:
+    """Five significant digits, but never fewer than the digits before the point."""
+    return f"{value:.0f}" if 1e5 <= abs(value) < 1e12 else f"{value:.5g}"
+
+
+def _listed(items: list[Any]) -> str:
+    if not items:
+        return "none"
+    if all(isinstance(item, int) and not isinstance(item, bool) for item in items):
+        return ", ".join(_runs(sorted(items)))
+    if any(isinstance(item, Mapping) for item in items):
+        # A table in the summary's file; a report has no room for it.
+        return str(len(items))
+    texts = ["..".join(map(shown, item)) if _is_range(item) else shown(item) for item in items[:LONG_LIST]]
+    left = len(items) - len(texts)
+    return ", ".join([*texts, f"and {left} more"] if left else texts)
+
+
+def _is_range(item: Any) -> bool:
+    return isinstance(item, list | tuple) and len(item) == 2
+
+
+def _runs(numbers: list[int]) -> list[str]:
+    """Consecutive numbers joined: 1, 2, 3, 5 -> ``1-3``, ``5``."""
+    starts = [i for i, number in enumerate(numbers) if i == 0 or number > numbers[i - 1] + 1]
+    ends = [*(start - 1 for start in starts[1:]), len(numbers) - 1]
+    pairs = [(numbers[start], numbers[end]) for start, end in zip(starts, ends, strict=True)]
+    return [f"{low}" if low == high else f"{low}-{high}" for low, high in pairs]

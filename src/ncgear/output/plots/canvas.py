@@ -1,0 +1,100 @@
+"""What all pictures share: figures without global state, colours, axes, PNG."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from io import BytesIO
+
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgba
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+
+from ncgear.numerics.arrays import Array
+
+DPI = 110
+
+DRIVING = "#0072B2"
+DRIVEN = "#D55E00"
+HIGHLIGHT = "#CC79A7"
+REFERENCE = "#6E6E6E"
+INK = "#222222"
+GRID = "#E2E2E2"
+"""Colours after M. Okabe and K. Ito, told apart with any colour vision; also by lightness in print."""
+
+FILL = 0.16
+"""Opacity of areas: an overlap of two shows."""
+
+SMALL = 8.0
+NORMAL = 9.5
+LARGE = 12.0
+"""Font sizes in points."""
+
+EDGE_IN = 0.12
+"""Distance in inches of a heading from the figure's edges."""
+
+
+@dataclass(frozen=True)
+class Margins:
+    """Space around the axes in inches, so that it looks the same in figures of every size."""
+
+    left: float = 0.85
+    right: float = 0.15
+    bottom: float = 0.6
+    top: float = 0.68
+
+    def shares(self, width_in: float, height_in: float) -> dict[str, float]:
+        """The same as shares of a figure, as matplotlib wants them."""
+        return {
+            "left": self.left / width_in,
+            "right": 1.0 - self.right / width_in,
+            "bottom": self.bottom / height_in,
+            "top": 1.0 - self.top / height_in,
+        }
+
+
+def figure(width_in: float, height_in: float, title: str) -> Figure:
+    """An empty figure of a size in inches, drawn by Agg, with a heading at its left."""
+    made = Figure(figsize=(width_in, height_in), dpi=DPI, facecolor="white")
+    FigureCanvasAgg(made)
+    x, y = EDGE_IN / width_in, 1.0 - EDGE_IN / height_in
+    # A design's name is free text: its dollar signs are not formulas.
+    made.text(x, y, title, size=LARGE, weight="bold", color=INK, ha="left", va="top", parse_math=False)
+    return made
+
+
+def png(made: Figure) -> bytes:
+    """The figure as PNG."""
+    data = BytesIO()
+    # Without the library's name and version the bytes depend on the picture alone.
+    made.savefig(data, format="png", metadata={"Software": None})
+    return data.getvalue()
+
+
+def dress(axes: Axes, x_label: str, y_label: str) -> None:
+    """Labels, a faint grid, and no frame where no scale is."""
+    axes.set_xlabel(x_label, size=NORMAL, color=INK)
+    axes.set_ylabel(y_label, size=NORMAL, color=INK)
+    axes.tick_params(labelsize=SMALL, colors=INK, length=3.0)
+    axes.grid(True, color=GRID, linewidth=0.7)
+    axes.set_axisbelow(True)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    for side in ("left", "bottom"):
+        axes.spines[side].set_color("#9A9A9A")
+
+
+def key_above(axes: Axes) -> None:
+    """The key in one line above the axes, at their right end."""
+    entries = len(axes.get_legend_handles_labels()[1])
+    axes.legend(
+        loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=entries, frameon=False, fontsize=SMALL, borderaxespad=0.1
+    )
+
+
+def area(axes: Axes, points: Array, color: str, line_width: float, label: str = "") -> None:
+    """A closed outline (shape (n, 2)) with a faint filling; does not set the limits of the axes."""
+    patch = Polygon(points, facecolor=to_rgba(color, FILL), edgecolor=color, linewidth=line_width, label=label)
+    # Not add_patch: it looks for the limits of every edge as if it were a curve, half a second for two gears.
+    axes.add_artist(patch)

@@ -1,0 +1,139 @@
+"""Motion and power over the driving angle and over the displacement, beside the uniform crank at the same speed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ncgear.kinematics.slider import SliderMotion
+from ncgear.numerics.arrays import Array
+from ncgear.output.plots.canvas import DRIVING, INK, NORMAL, REFERENCE, SMALL, Margins, dress, figure, key_above, png
+
+ANGLE = "driving angle phi1 in deg"
+DISPLACEMENT = "displacement in mm"
+
+NO_JOINTS = np.empty(0)
+
+OWN: dict[str, Any] = {"color": DRIVING, "linewidth": 2.0, "label": "this design"}
+UNIFORM: dict[str, Any] = {
+    "color": REFERENCE,
+    "linewidth": 1.2,
+    "linestyle": (0, (5, 2.5)),
+    "label": "uniform crank, same speed",
+}
+"""The uniform crank lies above: where the two agree, both show."""
+
+JOINT: dict[str, Any] = {"color": "#8A8A8A", "linewidth": 0.8, "linestyle": (0, (1.5, 2.5)), "zorder": 0.8}
+
+NOTE: dict[str, Any] = {
+    "size": SMALL,
+    "color": INK,
+    "bbox": {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
+}
+LATE = 0.75
+"""Share of the scale beyond which there is no room for a note at the right of a point."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A column of the motion table as it is drawn: in ``unit``, which is ``factor`` times the column's own."""
+
+    column: str
+    name: str
+    unit: str
+    factor: float
+    extreme: bool
+
+    def of(self, table: SliderMotion) -> Array:
+        """The values in the drawn unit."""
+        values: Array = getattr(table, self.column)
+        return self.factor * values
+
+
+MOTION = (
+    Quantity("displacement_mm", "displacement", "mm", 1.0, extreme=False),
+    Quantity("velocity_mm_s", "velocity", "m/s", 1e-3, extreme=True),
+    Quantity("acceleration_mm_s2", "acceleration", "m/s\u00b2", 1e-3, extreme=True),
+)
+POWER = (
+    Quantity("force_n", "force", "kN", 1e-3, extreme=True),
+    Quantity("power_w", "driving power", "kW", 1e-3, extreme=True),
+)
+
+
+def motion(table: SliderMotion, uniform: SliderMotion, title: str, joints_rad: Array = NO_JOINTS) -> bytes:
+    """Displacement, velocity and acceleration over phi1; ``joints_rad`` (shape (n,)) are marked by thin lines."""
+    size = 8.2, 7.2
+    made = figure(*size, title)
+    column = made.subplots(3, 1, sharex=True, gridspec_kw={**Margins().shares(*size), "hspace": 0.12})
+    for axes, quantity in zip(column, MOTION, strict=True):
+        _over_angle(axes, table, uniform, quantity, joints_rad)
+    _angle_scale(column, float(np.degrees(table.phi1_rad[-1])))
+    _align(column, size[0])
+    return png(made)
+
+
+def power(table: SliderMotion, uniform: SliderMotion, title: str, joints_rad: Array = NO_JOINTS) -> bytes:
+    """Resisting force and driving power, over phi1 on the left and over the displacement on the right."""
+    size = 10.2, 5.6
+    made = figure(*size, title)
+    spaces = {"hspace": 0.12, "wspace": 0.06}
+    grid = made.subplots(2, 2, sharex="col", sharey="row", gridspec_kw={**Margins().shares(*size), **spaces})
+    for (left, right), quantity in zip(grid, POWER, strict=True):
+        _over_angle(left, table, uniform, quantity, joints_rad)
+        _over_displacement(right, table, uniform, quantity)
+    _angle_scale(grid[:, 0], float(np.degrees(table.phi1_rad[-1])))
+    _align(grid[:, 0], size[0])
+    grid[1, 1].set_xlabel(DISPLACEMENT, size=NORMAL, color=INK)
+    return png(made)
+
+
+def _over_angle(axes: Axes, table: SliderMotion, uniform: SliderMotion, quantity: Quantity, joints_rad: Array) -> None:
+    angle, values = np.degrees(table.phi1_rad), quantity.of(table)
+    axes.plot(angle, values, **OWN)
+    axes.plot(np.degrees(uniform.phi1_rad), quantity.of(uniform), **UNIFORM)
+    for number, joint in enumerate(np.degrees(joints_rad)):
+        axes.axvline(joint, label=None if number else "joints of the law", **JOINT)
+    dress(axes, "", f"{quantity.name} in {quantity.unit}")
+    if quantity.extreme:
+        _mark_extreme(axes, angle, values, quantity.unit)
+
+
+def _over_displacement(axes: Axes, table: SliderMotion, uniform: SliderMotion, quantity: Quantity) -> None:
+    for source, style in ((table, OWN), (uniform, UNIFORM)):
+        axes.plot(source.displacement_mm, quantity.of(source), **style)
+    dress(axes, "", "")
+
+
+def _mark_extreme(axes: Axes, angle: Array, values: Array, unit: str) -> None:
+    """Mark and name the value that is largest in size: at its right, or at its left where the scale ends soon."""
+    place = int(np.argmax(np.abs(values)))
+    if values[place] == 0.0:
+        return
+    point = angle[place], values[place]
+    side = "right" if angle[place] > LATE * angle[-1] else "left"
+    axes.plot(*point, "o", color=DRIVING, markersize=4.5)
+    text = f"{values[place]:.4g} {unit} at {angle[place]:.0f}\u00b0".replace("-", "\u2212")
+    offset = (-7.0 if side == "right" else 7.0, 0.0)
+    axes.annotate(text, point, xytext=offset, textcoords="offset points", ha=side, va="center", **NOTE)
+    axes.margins(y=0.08)
+
+
+def _angle_scale(column: Sequence[Axes], end_deg: float) -> None:
+    """Scale in degrees below the lowest axes, key above the highest."""
+    # A driven gear that turns more slowly than the driving one takes the table over several turns of that.
+    step = 45 * max(round(end_deg / 360.0), 1)
+    column[-1].set_xlim(0.0, end_deg)
+    column[-1].set_xticks(np.arange(0.0, end_deg + 1.0, step))
+    column[-1].set_xlabel(ANGLE, size=NORMAL, color=INK)
+    key_above(column[0])
+
+
+def _align(column: Sequence[Axes], width_in: float) -> None:
+    """Labels of the vertical scales at the same place in all rows, whatever the width of their numbers."""
+    for axes in column:
+        axes.yaxis.set_label_coords(-0.55 / (width_in * axes.get_position().width), 0.5)

@@ -1,0 +1,195 @@
+"""The two gears assembled: pitch curves at phi1 = 0, tooth outlines in several positions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import degrees
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ncgear.numerics.arrays import Array, Mask
+from ncgear.output.plots.canvas import (
+    DRIVEN,
+    DRIVING,
+    HIGHLIGHT,
+    INK,
+    REFERENCE,
+    SMALL,
+    Margins,
+    area,
+    dress,
+    figure,
+    key_above,
+    png,
+)
+
+PANEL_IN = 3.6
+"""Width in inches of one position's views."""
+
+ZOOM_IN_MODULES = 4.5
+"""Half the width of the view on the mesh."""
+
+SLACK = 1.03
+"""Frame of the whole view relative to the gears' reach."""
+
+
+@dataclass(frozen=True)
+class Position:
+    """Angles of both gears and the pitch point's distance from the driving axis."""
+
+    phi1_rad: float
+    phi2_rad: float
+    pitch_point_mm: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Pair:
+    """Both outlines in their own frames, and the frame in which they can turn: reach of each gear from its axis."""
+
+    driving: Array
+    driven: Array
+    center_distance: float
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        return float(np.hypot(*self.driving.T).max()) * SLACK, float(np.hypot(*self.driven.T).max()) * SLACK
+
+    def at(self, position: Position) -> tuple[Array, Array]:
+        shift = np.array([self.center_distance, 0.0])
+        return turned(self.driving, position.phi1_rad), turned(self.driven, -position.phi2_rad) + shift
+
+
+def pitch_curves(
+    driving_mm: Array,
+    driven_mm: Array,
+    center_distance_mm: float,
+    driving_concave: Mask | None = None,
+    driven_concave: Mask | None = None,
+    title: str = "Pitch curves at phi1 = 0",
+) -> bytes:
+    """Both closed pitch curves, each in its own frame (mm, shape (n, 2)), assembled at phi1 = 0.
+
+    Concave stretches are highlighted where masks (shape (n,)) are given.
+    """
+    shifted = driven_mm + np.array([center_distance_mm, 0.0])
+    both = np.vstack([driving_mm, shifted])
+    size = _size(both)
+    made = figure(*size, title)
+    axes = made.subplots(gridspec_kw=Margins().shares(*size))
+    area(axes, driving_mm, DRIVING, 1.8, "driving gear")
+    area(axes, shifted, DRIVEN, 1.8, "driven gear")
+    _concave(axes, [(driving_mm, driving_concave), (shifted, driven_concave)])
+    _axes_of_rotation(axes, center_distance_mm)
+    dress(axes, "x in mm", "y in mm")
+    axes.update_datalim(both)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.autoscale_view()
+    key_above(axes)
+    return png(made)
+
+
+def tooth_pair(
+    driving_mm: Array,
+    driven_mm: Array,
+    center_distance_mm: float,
+    module_mm: float,
+    positions: Sequence[Position],
+    title: str = "Tooth outlines in mesh",
+) -> bytes:
+    """Tooth outlines, each in its own frame (mm, shape (n, 2)), assembled in each position: whole above, mesh below.
+
+    The driving gear is turned by +phi1, the driven one by -phi2 about its own axis.
+    """
+    pair = _Pair(driving_mm, driven_mm, center_distance_mm)
+    rows_in = PANEL_IN * _whole_height(pair), PANEL_IN * 0.95
+    margins = Margins(left=0.7, top=0.65)
+    size = PANEL_IN * len(positions) + 0.85, sum(rows_in) + 1.5
+    made = figure(*size, title)
+    spaces = {"hspace": 0.12, "wspace": 0.14, "height_ratios": rows_in}
+    views = made.subplots(2, len(positions), squeeze=False, gridspec_kw={**margins.shares(*size), **spaces})
+    for (whole, mesh), position in zip(views.T, positions, strict=True):
+        _whole(whole, pair, position)
+        _mesh(mesh, pair, ZOOM_IN_MODULES * module_mm, position)
+    _names(views[0, 0], pair)
+    views[1, 0].set_ylabel("y in mm", size=SMALL, color=INK)
+    return png(made)
+
+
+def turned(points_mm: Array, angle_rad: float) -> Array:
+    """Points (shape (n, 2)) turned counter-clockwise about the origin."""
+    cosine, sine = np.cos(angle_rad), np.sin(angle_rad)
+    result: Array = points_mm @ np.array([[cosine, sine], [-sine, cosine]])
+    return result
+
+
+def _size(points: Array) -> tuple[float, float]:
+    """Inches for a drawing of these points: wide enough for the scale, never taller than a screen."""
+    width, height = np.ptp(points, axis=0)
+    return 8.2, float(np.clip(7.2 * height / width, 2.8, 7.0)) + 1.5
+
+
+def _concave(axes: Axes, curves: Sequence[tuple[Array, Mask | None]]) -> None:
+    """Draw over the concave stretches, if any."""
+    drawn = [np.where(mask[:, None], points, np.nan) for points, mask in curves if mask is not None]
+    # One line with a gap between the gears, so that the key names it once.
+    joined = np.vstack([np.full((1, 2), np.nan), *(part for points in drawn for part in (points, [[np.nan, np.nan]]))])
+    if np.isfinite(joined).any():
+        axes.plot(*joined.T, color=HIGHLIGHT, linewidth=4.0, label="concave", solid_capstyle="butt")
+
+
+def _axes_of_rotation(axes: Axes, center_distance: float) -> None:
+    """The line of centres and both axes, named."""
+    axes.plot([0.0, center_distance], [0.0, 0.0], color=INK, linewidth=0.8, linestyle=(0, (8, 2, 1, 2)))
+    axes.plot([0.0, center_distance], [0.0, 0.0], "+", color=INK, markersize=11, markeredgewidth=1.3)
+    for x, text in ((0.0, "driving axis"), (center_distance, "driven axis")):
+        _label(axes, text, x, INK)
+
+
+def _label(axes: Axes, text: str, x: float, color: str) -> None:
+    """A name below a point of the line of centres."""
+    axes.annotate(
+        text, (x, 0.0), xytext=(0, -9), textcoords="offset points", ha="center", va="top", size=SMALL, color=color
+    )
+
+
+def _names(axes: Axes, pair: _Pair) -> None:
+    _label(axes, "driving", 0.0, DRIVING)
+    _label(axes, "driven", pair.center_distance, DRIVEN)
+
+
+def _whole_height(pair: _Pair) -> float:
+    """Height of the whole view relative to its width."""
+    return 2.0 * max(pair.reach) / (pair.center_distance + sum(pair.reach))
+
+
+def _whole(axes: Axes, pair: _Pair, position: Position) -> None:
+    """Both gears, in a frame that is the same for all positions."""
+    _outlines(axes, pair.at(position), 0.5)
+    axes.plot([0.0, pair.center_distance], [0.0, 0.0], "+", color=INK, markersize=8)
+    axes.set_xlim(-pair.reach[0], pair.center_distance + pair.reach[1])
+    axes.set_ylim(-max(pair.reach), max(pair.reach))
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    phi1, phi2 = degrees(position.phi1_rad), degrees(position.phi2_rad)
+    axes.set_title(f"phi1 = {phi1:.4g}\u00b0, phi2 = {phi2:.4g}\u00b0", size=SMALL + 1.0, color=INK)
+
+
+def _mesh(axes: Axes, pair: _Pair, half: float, position: Position) -> None:
+    """The surroundings of the pitch point."""
+    point = position.pitch_point_mm
+    _outlines(axes, pair.at(position), 1.2)
+    axes.axhline(0.0, color=REFERENCE, linewidth=0.7, linestyle=(0, (8, 2, 1, 2)))
+    axes.plot(point, 0.0, "o", color=INK, markersize=3.5)
+    dress(axes, "x in mm (dot: pitch point)", "")
+    axes.xaxis.label.set_fontsize(SMALL)
+    axes.locator_params(nbins=6)
+    axes.set_xlim(point - half, point + half)
+    axes.set_ylim(-half, half)
+    axes.set_aspect("equal")
+
+
+def _outlines(axes: Axes, pair: tuple[Array, Array], line_width: float) -> None:
+    for points, color in zip(pair, (DRIVING, DRIVEN), strict=True):
+        area(axes, points, color, line_width)

@@ -1,0 +1,186 @@
+"""The summary of a drive as plain values, keys ending in their unit: what summary.json holds and reports print."""
+
+from __future__ import annotations
+
+from math import degrees
+from typing import TYPE_CHECKING, Any
+
+from ncgear.drive import Drive
+from ncgear.kinematics.check import KinematicCheck
+from ncgear.numerics.extrema import Extremum
+from ncgear.output.comparison_rows import comparison_rows
+from ncgear.output.warnings import build_warnings, check_warnings
+
+if TYPE_CHECKING:
+    from ncgear.pitch.pair import PitchPair
+
+
+def check_summary(drive: Drive) -> dict[str, Any]:
+    """Kinematics and power; needs no pitch curve."""
+    return {
+        "design": {"name": drive.design.name, "description": drive.design.description, "law": drive.design.motion.law},
+        "drive": _drive(drive),
+        "closure": _closure(drive),
+        "ratio": _ratio(drive),
+        "check": _check(drive),
+        "comparison": comparison_rows(drive),
+        "warnings": check_warnings(drive),
+    }
+
+
+def build_summary(drive: Drive) -> dict[str, Any]:
+    """All of the check, and pitch curves, teeth and contact."""
+    summary = check_summary(drive)
+    comparison = summary.pop("comparison")
+    summary.pop("warnings")
+    return {
+        **summary,
+        "pitch": _pitch(drive),
+        "teeth": _teeth(drive),
+        "contact": _contact(drive),
+        "comparison": comparison,
+        "warnings": check_warnings(drive) + build_warnings(drive),
+        "timing_s": {stage: round(seconds, 6) for stage, seconds in drive.timing_s.items()},
+    }
+
+
+def _drive(drive: Drive) -> dict[str, Any]:
+    lobes = drive.transmission.lobes
+    linkage = drive.linkage
+    return {
+        "speed_rpm": drive.design.operation.speed_rpm,
+        "law_speed_rpm": drive.law_speed_rpm,
+        "lobes_driving": lobes.driving,
+        "lobes_driven": lobes.driven,
+        "crank_mm": linkage.crank_mm,
+        "stroke_mm": linkage.stroke_mm,
+        "working_crank_angle_deg": degrees(linkage.working_angle_rad),
+        "working_driving_angle_deg": degrees(drive.machine.extended_rad),
+        **_solved(drive),
+    }
+
+
+def _solved(drive: Drive) -> dict[str, Any]:
+    """The stroke's quantities after the solve, and which one was solved for."""
+    law = drive.law.stroke_law
+    if law is None:
+        return {}
+    stroke = law.stroke
+    return {
+        "solved_for": getattr(drive.design.motion, "solve_for", None),
+        "v1_mm_s": stroke.v1_mm_s,
+        "v2_mm_s": stroke.v2_mm_s,
+        "a1_mm_s2": stroke.a1_mm_s2,
+        "return_basis": "inverse_ratio" if law.return_law.inverse else "ratio",
+        "return_constant_e": None if law.return_law.inverse else law.return_law.extrapolated_ratio,
+    }
+
+
+def _closure(drive: Drive) -> dict[str, Any]:
+    law = drive.law.stroke_law
+    return {
+        "residual_rad": abs(drive.transmission.closure_error_rad),
+        "stroke_residual_mm": abs(law.stroke.closing_error_mm) if law else 0.0,
+    }
+
+
+def _ratio(drive: Drive) -> dict[str, Any]:
+    low, high = drive.transmission.ratio_range
+    return {"min": low.value, "max": high.value, "min_at_rad": low.at, "max_at_rad": high.at}
+
+
+def _check(drive: Drive) -> dict[str, Any]:
+    result = peaks(drive.check)
+    factor = drive.law_speed_rpm / drive.design.operation.speed_rpm
+    if drive.law.stroke_law is not None:
+        result["at_law_speed"] = {
+            "speed_rpm": drive.law_speed_rpm,
+            "peak_power_w": drive.check.peak_power_w.value * factor,
+            "peak_speed_mm_s": drive.check.peak_speed_mm_s.value * factor,
+            "peak_acceleration_working_mm_s2": drive.check.peak_acceleration_working_mm_s2.value * factor**2,
+            "peak_acceleration_cycle_mm_s2": drive.check.peak_acceleration_cycle_mm_s2.value * factor**2,
+        }
+    result["uniform_crank"] = peaks(drive.uniform_check)
+    return result
+
+
+def peaks(check: KinematicCheck) -> dict[str, Any]:
+    """Peaks of a check with the driving angle of each."""
+    return {
+        "peak_power_w": check.peak_power_w.value,
+        "peak_power_at_rad": check.peak_power_w.at,
+        "mean_power_w": check.mean_power_w,
+        "peak_speed_mm_s": check.peak_speed_mm_s.value,
+        "peak_speed_at_rad": check.peak_speed_mm_s.at,
+        "peak_acceleration_working_mm_s2": check.peak_acceleration_working_mm_s2.value,
+        "peak_acceleration_working_at_rad": check.peak_acceleration_working_mm_s2.at,
+        "peak_acceleration_cycle_mm_s2": check.peak_acceleration_cycle_mm_s2.value,
+        "peak_acceleration_cycle_at_rad": check.peak_acceleration_cycle_mm_s2.at,
+    }
+
+
+def _pitch(drive: Drive) -> dict[str, Any]:
+    from ncgear.pitch.shape import Gear
+
+    pitch = drive.pitch
+    result: dict[str, Any] = {"center_distance_mm": pitch.center_distance_mm}
+    for gear in Gear:
+        name = gear.value
+        result[f"length_{name}_mm"] = pitch.length_mm(gear)
+        result[f"{name}_convex"] = pitch.convex(gear)
+        result[f"min_radius_{name}_mm"] = pitch.least_radius_mm(gear)
+        result[f"min_concave_radius_{name}_mm"] = pitch.least_concave_radius_mm(gear)
+        result[f"concave_{name}_rad"] = [list(stretch) for stretch in pitch.concave_ranges(gear)]
+    tangent: Extremum = pitch.largest_tangent_angle_rad
+    result["max_tangent_angle_deg"] = degrees(tangent.value)
+    result["max_pressure_angle_deg"] = pitch.largest_pressure_angle_deg(drive.rack.pressure_angle_rad)
+    result["max_pressure_angle_at_rad"] = tangent.at
+    result["curvature_jumps"] = _jumps(pitch)
+    return result
+
+
+def _jumps(pitch: PitchPair) -> list[dict[str, float]]:
+    return [
+        {
+            "phi1_rad": jump.phi1_rad,
+            "driving_before_1_mm": jump.driving_before,
+            "driving_after_1_mm": jump.driving_after,
+            "driven_before_1_mm": jump.driven_before,
+            "driven_after_1_mm": jump.driven_after,
+        }
+        for jump in pitch.curvature_jumps()
+    ]
+
+
+def _teeth(drive: Drive) -> dict[str, Any]:
+    from ncgear.teeth.gear import teeth_free_of_undercut
+
+    teeth, size = drive.teeth, drive.pitch.size
+    return {
+        "driving": size.driving_teeth,
+        "driven": size.driven_teeth,
+        "module_mm": size.module_mm,
+        "backlash_mm": drive.rack.backlash_mm,
+        "undercut_driving": teeth.driving.undercut,
+        "undercut_driven": teeth.driven.undercut,
+        "pointed_driving": teeth.driving.pointed,
+        "pointed_driven": teeth.driven.pointed,
+        "free_of_undercut_from_driving_teeth": teeth_free_of_undercut(drive.pitch, drive.rack),
+        "points_driving": len(teeth.driving.outline_mm),
+        "points_driven": len(teeth.driven.outline_mm),
+    }
+
+
+def _contact(drive: Drive) -> dict[str, Any]:
+    contact = drive.contact
+    outlines = contact.outlines
+    play = outlines.forward_rad + outlines.backward_rad
+    return {
+        "positions": int(outlines.phi1_rad.size),
+        "transmission_error_rad": outlines.transmission_error_rad,
+        "contact_ratio_min": contact.flanks.least_ratio,
+        "simultaneous_contacts_min": contact.flanks.least_simultaneous,
+        "penetration_max_mm": outlines.largest_penetration_mm,
+        "play_min_rad": float(play.min()),
+        "play_max_rad": float(play.max()),
+    }

@@ -1,0 +1,127 @@
+"""What a designer should know before cutting metal, in plain words: what it is, where, and what to change."""
+
+from __future__ import annotations
+
+from math import degrees
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ncgear.drive import Drive
+
+if TYPE_CHECKING:
+    from ncgear.pitch.shape import Gear
+    from ncgear.teeth.gear import ToothedGear
+
+WIDEST_RATIO = 5.0
+"""Ratio, or its inverse, beyond which the smaller gear's pitch radius is under a sixth of the centre distance."""
+
+STEEPEST_DEG = 60.0
+"""Pressure angle beyond which half of the force on a tooth bears on the shafts twice over (cos 60 deg = 0.5)."""
+
+
+def check_warnings(drive: Drive) -> list[str]:
+    """Warnings that need no pitch curve."""
+    return [warning for warning in (_ratio_range(drive), _speeds(drive), _negative_resistance(drive)) if warning]
+
+
+def build_warnings(drive: Drive) -> list[str]:
+    """Warnings about pitch curves, teeth and contact."""
+    from ncgear.pitch.shape import Gear
+
+    warnings = [_pressure_angle(drive), *(_concave(drive, gear) for gear in Gear), _undercut(drive), _pointed(drive)]
+    return [warning for warning in [*warnings, _contact(drive), _penetration(drive)] if warning]
+
+
+def _ratio_range(drive: Drive) -> str:
+    low, high = drive.transmission.ratio_range
+    if low.value >= 1.0 / WIDEST_RATIO and high.value <= WIDEST_RATIO:
+        return ""
+    return (
+        f"the ratio runs from {low.value:.3g} (at {degrees(low.at):.4g} deg) to {high.value:.3g} (at "
+        f"{degrees(high.at):.4g} deg); gears beyond 1:{WIDEST_RATIO:g} are hardly usable. Change theta4, a1 or the "
+        "speed at which a1 is stated"
+    )
+
+
+def _speeds(drive: Drive) -> str:
+    operating, law = drive.design.operation.speed_rpm, drive.law_speed_rpm
+    if abs(operating / law - 1.0) < 1e-3:
+        return ""
+    held = f"the law's velocities hold at {law:.5g} r/min, but the machine runs at {operating:g} r/min"
+    factor, sense = (law / operating, "slower") if law > operating else (operating / law, "faster")
+    return f"{held}: there the slider is {factor:.3g} times {sense} than v1 and v2 say"
+
+
+def _negative_resistance(drive: Drive) -> str:
+    resistance = drive.machine.resistance
+    position = np.linspace(0.0, drive.linkage.stroke_mm, 1001)
+    fitted = np.polynomial.polynomial.polyval(position, np.array(resistance.coefficients_n))
+    if not np.any(fitted < 0.0):
+        return ""
+    taken = "kept, so that it drives the slider" if resistance.keep_negative else "taken as zero there"
+    low, high = position[fitted < 0.0][[0, -1]]
+    return f"the resistance polynomial is negative between {low:.3g} and {high:.3g} mm; it is {taken}"
+
+
+def _pressure_angle(drive: Drive) -> str:
+    angle = drive.pitch.largest_pressure_angle_deg(drive.rack.pressure_angle_rad)
+    if angle <= STEEPEST_DEG:
+        return ""
+    at = degrees(drive.pitch.largest_tangent_angle_rad.at)
+    return f"the pressure angle reaches {angle:.3g} deg at phi1 = {at:.4g} deg; a smaller range of the ratio lowers it"
+
+
+def _concave(drive: Drive, gear: Gear) -> str:
+    radius = drive.pitch.least_concave_radius_mm(gear)
+    if radius is None:
+        return ""
+    stretches = ", ".join(f"{degrees(a):.0f}..{degrees(b):.0f}" for a, b in drive.pitch.concave_ranges(gear))
+    return (
+        f"the {gear.value} pitch curve is concave for phi1 in {stretches} deg (radius {radius:.4g} mm): "
+        "no hob can cut it; "
+        "wire, mill, print, or a shaper with a smaller cutter can"
+    )
+
+
+def _undercut(drive: Drive) -> str:
+    from ncgear.teeth.gear import teeth_free_of_undercut
+
+    named = [_named(gear.undercut, name) for gear, name in _both(drive) if gear.undercut]
+    if not named:
+        return ""
+    enough = teeth_free_of_undercut(drive.pitch, drive.rack)
+    return f"undercut: {'; '.join(named)}. From {enough} driving teeth at this centre distance there is none"
+
+
+def _pointed(drive: Drive) -> str:
+    named = [_named(gear.pointed, name) for gear, name in _both(drive) if gear.pointed]
+    return f"pointed: {'; '.join(named)}. A smaller addendum or more teeth of a smaller module help" if named else ""
+
+
+def _both(drive: Drive) -> tuple[tuple[ToothedGear, str], ...]:
+    return (drive.teeth.driving, "driving"), (drive.teeth.driven, "driven")
+
+
+def _named(teeth: list[int], gear: str) -> str:
+    return f"teeth {', '.join(map(str, teeth))} of the {gear} gear"
+
+
+def _contact(drive: Drive) -> str:
+    flanks = drive.contact.flanks
+    if flanks.least_simultaneous >= 1:
+        return ""
+    return (
+        f"contact ratio: the shortest contact of a flank pair lasts {flanks.least_ratio:.3g} pitches, "
+        "and at some positions "
+        "no flanks touch: the driven gear is carried by an edge there, off the law by up to the transmission error"
+    )
+
+
+def _penetration(drive: Drive) -> str:
+    depth, allowed = drive.contact.outlines.largest_penetration_mm, 2.0 * drive.design.output.chord_tolerance_mm
+    if depth <= allowed:
+        return ""
+    return (
+        f"the outlines overlap by up to {depth:.3g} mm, more than the chord tolerance of both ({allowed:g} mm) explains"
+    )

@@ -1,0 +1,107 @@
+"""One gear's pitch curve at its real size, in the gear's own frame and the pose of phi1 = 0."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ncgear.numerics import chebyshev
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.chebyshev import PiecewiseChebyshev
+from ncgear.pitch import shape
+from ncgear.pitch.arc import ArcLength
+from ncgear.pitch.shape import Gear
+from ncgear.ratio.transmission import Transmission
+
+
+@dataclass(frozen=True, eq=False)
+class CurvePoints:
+    """Points of a pitch curve, each row one point: positions in mm, unit tangent in the sense of growing arc length,
+    unit normal away from the gear's material, curvature in 1/mm (positive where convex)."""
+
+    position: Array
+    tangent: Array
+    normal: Array
+    curvature: Array
+
+
+@dataclass(frozen=True, eq=False)
+class PitchCurve:
+    """A closed pitch curve; arc length in mm runs with phi1, clockwise on the driving gear."""
+
+    gear: Gear
+    transmission: Transmission
+    arc: ArcLength
+    center_distance_mm: float
+
+    @property
+    def periods(self) -> int:
+        """Periods of the law in one turn of this gear."""
+        lobes = self.transmission.lobes
+        return lobes.driving if self.gear is Gear.DRIVING else lobes.driven
+
+    @property
+    def length_mm(self) -> float:
+        """Length of the closed curve."""
+        return self.periods * self.arc.period * self.center_distance_mm
+
+    @property
+    def turn_rad(self) -> float:
+        """Driving angle that turns this gear once."""
+        return self.periods * self.transmission.lobes.driving_period_rad
+
+    def driving_angle(self, sigma_mm: Array) -> Array:
+        """phi1 in rad at which the point at arc length sigma is the pitch point, any shape."""
+        return self.arc.angle(sigma_mm / self.center_distance_mm)
+
+    def at_length(self, sigma_mm: Array) -> CurvePoints:
+        """The curve at arc lengths in mm, of any shape, beyond one turn as well.
+
+        Read from piecewise Chebyshev forms of the closed form, which agree with it to rounding error.
+        """
+        columns = self._by_length(np.mod(sigma_mm / self.center_distance_mm, self.length_mm / self.center_distance_mm))
+        size = self.center_distance_mm
+        return CurvePoints(columns[..., 0:2] * size, columns[..., 2:4], columns[..., 4:6], columns[..., 6] / size)
+
+    @cached_property
+    def _by_length(self) -> PiecewiseChebyshev:
+        """Position, tangent, normal and curvature at unit centre distance over one turn of this gear."""
+        size = self.center_distance_mm
+
+        def columns(sigma: Array) -> Array:
+            at = self.at_angle(self.arc.angle(sigma))
+            return np.column_stack([at.position / size, at.tangent, at.normal, at.curvature * size])
+
+        period = self.arc.length(self.transmission.joints_rad[:-1])
+        joints = np.concatenate([period + number * self.arc.period for number in range(self.periods)])
+        return chebyshev.fitted(columns, np.append(joints, self.periods * self.arc.period))
+
+    def at_angle(self, phi1: Array) -> CurvePoints:
+        """The curve at driving angles in rad, of any shape."""
+        driven = self.transmission.driven_angle(np.ravel(phi1), 3)
+        slope = driven.differentiated()
+        own = phi1.ravel() if self.gear is Gear.DRIVING else driven.value
+        radius = shape.radius(slope, self.gear).value * self.center_distance_mm
+        radius_slope = shape.radius_slope(slope, self.gear).value * self.center_distance_mm
+        curvature = shape.curvature(slope, self.gear).value / self.center_distance_mm
+        return _points(self.gear, own, radius, radius_slope, curvature, phi1.shape)
+
+
+def _points(
+    gear: Gear, own: Array, radius: Array, radius_slope: Array, curvature: Array, form: tuple[int, ...]
+) -> CurvePoints:
+    """The driving curve is met at polar angle -phi1, the driven one at pi + phi2, each in its own frame."""
+    side = 1.0 if gear is Gear.DRIVING else -1.0
+    radial = np.stack([side * np.cos(own), -np.sin(own)], axis=-1)
+    around = np.stack([-side * np.sin(own), -np.cos(own)], axis=-1)
+    tangent = radius_slope[:, None] * radial + radius[:, None] * around
+    tangent /= np.hypot(tangent[:, 0], tangent[:, 1])[:, None]
+    normal = side * np.stack([-tangent[:, 1], tangent[:, 0]], axis=-1)
+    return CurvePoints(
+        (radius[:, None] * radial).reshape(*form, 2),
+        tangent.reshape(*form, 2),
+        normal.reshape(*form, 2),
+        curvature.reshape(form),
+    )

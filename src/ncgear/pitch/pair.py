@@ -1,0 +1,125 @@
+"""Both pitch curves of a pair at their real size, and the figures by which they are judged."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import atan, degrees
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.extrema import Extremum
+from ncgear.pitch import shape
+from ncgear.pitch.arc import ArcLength, period_length
+from ncgear.pitch.curve import PitchCurve
+from ncgear.pitch.shape import Gear
+from ncgear.pitch.sizing import Size
+from ncgear.ratio.transmission import Piece, Transmission
+
+STRAIGHT = 1e-9
+"""Curvature times centre distance below which a curve counts as straight, not concave: a radius of 1e9 gears."""
+
+
+@dataclass(frozen=True)
+class CurvatureJump:
+    """A joint of the law: curvatures in 1/mm just before and after it, of both gears."""
+
+    phi1_rad: float
+    driving_before: float
+    driving_after: float
+    driven_before: float
+    driven_after: float
+
+
+@dataclass(frozen=True, eq=False)
+class PitchPair:
+    """The two curves that roll on each other."""
+
+    transmission: Transmission
+    arc: ArcLength
+    size: Size
+
+    @property
+    def center_distance_mm(self) -> float:
+        """Distance between the gears' axes."""
+        return self.size.center_distance_mm
+
+    @cached_property
+    def driving(self) -> PitchCurve:
+        """The driving gear's pitch curve."""
+        return PitchCurve(Gear.DRIVING, self.transmission, self.arc, self.center_distance_mm)
+
+    @cached_property
+    def driven(self) -> PitchCurve:
+        """The driven gear's pitch curve."""
+        return PitchCurve(Gear.DRIVEN, self.transmission, self.arc, self.center_distance_mm)
+
+    def length_mm(self, gear: Gear) -> float:
+        """Length of a gear's closed curve, integrated on that gear's own curve."""
+        lobes = self.transmission.lobes
+        periods = lobes.driving if gear is Gear.DRIVING else lobes.driven
+        return periods * period_length(self.transmission, gear) * self.center_distance_mm
+
+    @cached_property
+    def curvature_range(self) -> dict[Gear, tuple[Extremum, Extremum]]:
+        """Smallest and largest curvature of each curve in 1/mm, positive where convex, with the driving angle."""
+        return {gear: self._curvature_range(gear) for gear in Gear}
+
+    def _curvature_range(self, gear: Gear) -> tuple[Extremum, Extremum]:
+        low, high = self.transmission.extremes(lambda piece: lambda phi1: shape.curvature(piece.slope(phi1, 3), gear))
+        size = self.center_distance_mm
+        return Extremum(low.value / size, low.at), Extremum(high.value / size, high.at)
+
+    def convex(self, gear: Gear) -> bool:
+        """Whether the curve is nowhere concave."""
+        return self.curvature_range[gear][0].value * self.center_distance_mm >= -STRAIGHT
+
+    def least_radius_mm(self, gear: Gear) -> float:
+        """Smallest radius of curvature where the curve is convex."""
+        return 1.0 / self.curvature_range[gear][1].value
+
+    def least_concave_radius_mm(self, gear: Gear) -> float | None:
+        """Smallest radius of curvature where the curve is concave, None on a convex curve."""
+        return None if self.convex(gear) else -1.0 / self.curvature_range[gear][0].value
+
+    def concave_ranges(self, gear: Gear) -> list[tuple[float, float]]:
+        """Stretches of the driving angle, within one period, on which the curve is concave; ends to 1/2000 period."""
+        phi1 = np.linspace(0.0, self.transmission.lobes.driving_period_rad, 2001)
+        concave = self._curvatures(gear, phi1) * self.center_distance_mm < -STRAIGHT
+        edges = np.nonzero(np.diff(np.concatenate([[False], concave, [False]]).astype(int)))[0]
+        stretches = [(float(phi1[a]), float(phi1[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+        # A joint at the seam belongs to the next period: its single point is no stretch of this one.
+        return [(start, end) for start, end in stretches if end > start]
+
+    def _curvatures(self, gear: Gear, phi1: Array) -> Array:
+        slope = self.transmission.driven_angle(phi1, 3).differentiated()
+        return shape.curvature(slope, gear).value / self.center_distance_mm
+
+    @cached_property
+    def largest_tangent_angle_rad(self) -> Extremum:
+        """Largest angle between the curves' tangent and the normal to the centre line."""
+        low, high = self.transmission.extremes(lambda piece: lambda phi1: shape.tangent_slope(piece.slope(phi1, 2)))
+        worst = max(low, high, key=lambda extremum: abs(extremum.value))
+        return Extremum(atan(abs(worst.value)), worst.at)
+
+    def largest_pressure_angle_deg(self, rack_angle_rad: float) -> float:
+        """Largest angle between the force on a flank and the driven pitch point's velocity, the worse flank taken."""
+        return degrees(self.largest_tangent_angle_rad.value + rack_angle_rad)
+
+    def curvature_jumps(self) -> list[CurvatureJump]:
+        """Every joint of the law, the seam at phi1 = 0 first, with the curvatures on both sides."""
+        pieces = self.transmission.pieces
+        return [self._jump(before, after) for before, after in zip((pieces[-1], *pieces[:-1]), pieces, strict=True)]
+
+    def _jump(self, before: Piece, after: Piece) -> CurvatureJump:
+        slopes = before.slope(np.array([before.end_rad]), 2), after.slope(np.array([after.start_rad]), 2)
+        values = [
+            float(shape.curvature(slope, gear).value[0]) / self.center_distance_mm for gear in Gear for slope in slopes
+        ]
+        return CurvatureJump(after.start_rad, *values)
+
+
+def unit_driving_length(transmission: Transmission, arc: ArcLength) -> float:
+    """Length of the driving gear's closed pitch curve at unit centre distance."""
+    return transmission.lobes.driving * arc.period

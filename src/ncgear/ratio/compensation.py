@@ -1,0 +1,283 @@
+"""The return period: a degree-5 polynomial that joins the working stroke smoothly and closes the cycle.
+
+Value and slope of the ratio are given at both ends, the driven angle of the return by closure.  Of the six
+coefficients one stays free; the published method calls it e, the polynomial's value extrapolated to phi1 = 0
+(J. Wang et al., eqs. (3.8) to (3.12), where "f5" is one coefficient too many).  It is given, or chosen so that the
+slider's peak acceleration in the return is least.
+
+Two bases: the polynomial is i12 (closure by a one-dimensional solve), or 1/i12 (closure is linear).  Both are written
+in tau = (phi1 - start) / (end - start): the Hermite cubic of the end conditions plus multiples of tau^2 (1 - tau)^2,
+which changes neither end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import degrees
+
+import numpy as np
+from numpy.polynomial import Polynomial, legendre
+from scipy.optimize import brentq, minimize_scalar
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.machine.linkage import CrankSlider
+from ncgear.numerics import chebyshev, jet
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.chebyshev import PiecewiseChebyshev
+from ncgear.numerics.jet import Jet
+from ncgear.ratio.transmission import CLOSED
+
+BUMP = Polynomial([0.0, 0.0, 1.0, -2.0, 1.0])
+SKEW = Polynomial([-1.0, 2.0])
+
+
+@dataclass(frozen=True)
+class ReturnEnds:
+    """What the return must join: driving angles, the driven angle to cover, ratio and its slope at both ends."""
+
+    start_rad: float
+    end_rad: float
+    start_driven_rad: float
+    end_driven_rad: float
+    start_ratio: float
+    start_ratio_slope: float
+    end_ratio: float
+    end_ratio_slope: float
+
+    @property
+    def length_rad(self) -> float:
+        """Driving angle of the return."""
+        return self.end_rad - self.start_rad
+
+    @property
+    def driven_length_rad(self) -> float:
+        """Driven angle of the return."""
+        return self.end_driven_rad - self.start_driven_rad
+
+    def inverted(self) -> ReturnEnds:
+        """The same ends for 1/i12 in place of i12."""
+        return replace(
+            self,
+            start_ratio=1.0 / self.start_ratio,
+            start_ratio_slope=-self.start_ratio_slope / self.start_ratio**2,
+            end_ratio=1.0 / self.end_ratio,
+            end_ratio_slope=-self.end_ratio_slope / self.end_ratio**2,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class ReturnLaw:
+    """The closed return: ``polynomial`` in tau is i12, or 1/i12 when ``inverse`` is true."""
+
+    ends: ReturnEnds
+    polynomial: Polynomial
+    inverse: bool
+
+    @property
+    def extrapolated_ratio(self) -> float:
+        """The polynomial's value at phi1 = 0, the published method's e."""
+        return float(self.polynomial(-self.ends.start_rad / self.ends.length_rad))
+
+    def slope(self, phi1: Array, order: int) -> Jet:
+        """dphi2/dphi1 = 1/i12 with derivatives."""
+        tau = (Jet.variable(phi1, order) - self.ends.start_rad) * (1.0 / self.ends.length_rad)
+        value = jet.polynomial(np.asarray(self.polynomial.coef, dtype=float), tau)
+        return value if self.inverse else 1.0 / value
+
+    def driven_angle(self, phi1: Array, order: int) -> Jet:
+        """phi2 with derivatives; the integral is spectral, to rounding error."""
+        values = self.ends.start_driven_rad + self._driven_integral(phi1)
+        if order == 0:
+            return Jet(values[None, :])
+        return self.slope(phi1, order - 1).integrated(values)
+
+    @cached_property
+    def _driven_integral(self) -> PiecewiseChebyshev:
+        ends = (self.ends.start_rad, self.ends.end_rad)
+        return chebyshev.fitted(lambda phi1: self.slope(phi1, 0).value, ends).integrated()
+
+    @property
+    def closure_error_rad(self) -> float:
+        """Driven angle of the return minus what it should be."""
+        return self._driven_integral.final - self.ends.driven_length_rad
+
+
+def return_with_constant(ends: ReturnEnds, constant: float) -> ReturnLaw:
+    """The published return: i12 polynomial whose value extrapolated to phi1 = 0 is ``constant`` (the paper's e).
+
+    Raises NoSuchMechanism when no such polynomial closes the cycle with a positive ratio.
+    """
+    origin = -ends.start_rad / ends.length_rad
+    base = _hermite(ends)
+    lift = (constant - base(origin)) / BUMP(origin)
+    direction = BUMP * Polynomial([-origin, 1.0])
+    return _polished(_closed_ratio(ends, base + lift * BUMP, direction), direction)
+
+
+def return_of_least_acceleration(ends: ReturnEnds, linkage: CrankSlider, *, inverse: bool) -> ReturnLaw:
+    """The return whose peak slider acceleration is least within its basis.
+
+    The skewness of the polynomial is scanned, and the best of the scan refined by a bounded minimisation.
+    """
+    family = _inverse_family(ends) if inverse else _ratio_family(ends)
+    evaluator = _ReturnAcceleration(ends, linkage)
+
+    def peak(skewness: float) -> float:
+        try:
+            return evaluator.peak(family(skewness))
+        except NoSuchMechanism:
+            return np.inf
+
+    scale = 16.0 * (ends.driven_length_rad / ends.length_rad) ** (1 if inverse else -1)
+    grid = scale * np.sinh(np.linspace(-3.0, 3.0, 31))
+    peaks = np.array([peak(skewness) for skewness in grid])
+    best = int(np.argmin(peaks))
+    bounds = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
+    refined = minimize_scalar(peak, bounds=bounds, method="bounded", options={"xatol": 1e-7 * scale})
+    law = family(float(refined.x) if refined.fun <= peaks[best] else float(grid[best]))
+    return law if inverse else _polished(law, BUMP)
+
+
+def _hermite(ends: ReturnEnds) -> Polynomial:
+    """Cubic in tau with the values and slopes of the two ends."""
+    slope0, slope1 = ends.start_ratio_slope * ends.length_rad, ends.end_ratio_slope * ends.length_rad
+    rise = ends.end_ratio - ends.start_ratio
+    return Polynomial([ends.start_ratio, slope0, 3.0 * rise - 2.0 * slope0 - slope1, slope0 + slope1 - 2.0 * rise])
+
+
+def _ratio_family(ends: ReturnEnds) -> Callable[[float], ReturnLaw]:
+    base = _hermite(ends)
+    return lambda skewness: _closed_ratio(ends, base + skewness * SKEW * BUMP, BUMP)
+
+
+def _inverse_family(ends: ReturnEnds) -> Callable[[float], ReturnLaw]:
+    base = _hermite(ends.inverted())
+
+    def closed(skewness: float) -> ReturnLaw:
+        shape = base + skewness * SKEW * BUMP
+        missing = ends.driven_length_rad / ends.length_rad - _unit_integral(shape)
+        polynomial = shape + BUMP * (missing / _unit_integral(BUMP))
+        lowest, at = _lowest(polynomial)
+        if not lowest > 0.0:
+            raise _not_positive(ends, at)
+        return ReturnLaw(ends, polynomial, inverse=True)
+
+    return closed
+
+
+def _closed_ratio(ends: ReturnEnds, base: Polynomial, direction: Polynomial) -> ReturnLaw:
+    """i12 = base + c direction with c such that the return covers its driven angle.
+
+    ``direction`` is positive inside the return, so the covered angle falls as c grows; it grows without bound as c
+    falls to where the polynomial touches zero.  Between the two there is exactly one solution.
+    """
+    if not (ends.start_ratio > 0.0 and ends.end_ratio > 0.0):
+        raise _not_positive(ends, 0.0)
+    least = _touching_multiple(base, direction)
+    scale = max(1.0, abs(least), *np.abs(base.coef))
+    target = ends.driven_length_rad / ends.length_rad
+    nodes, weights = _panels()
+    base_values, direction_values = base(nodes), direction(nodes)
+
+    def excess(log_step: float) -> float:
+        return float(weights @ (1.0 / (base_values + (least + np.exp(log_step)) * direction_values))) - target
+
+    low, high = np.log(scale) - 30.0, np.log(scale) + 30.0
+    if not excess(low) > 0.0 > excess(high):
+        raise NoSuchMechanism(
+            f"the return from phi1 = {ends.start_rad:.6g} rad ({degrees(ends.start_rad):.4g} deg) cannot close: no "
+            f"polynomial of this basis covers a driven angle of {ends.driven_length_rad:.6g} rad; change theta4, e, or "
+            "the return's basis",
+            key="motion.return",
+        )
+    step = np.exp(brentq(excess, low, high, xtol=1e-15, rtol=1e-15))
+    return ReturnLaw(ends, base + (least + step) * direction, inverse=False)
+
+
+def _polished(law: ReturnLaw, direction: Polynomial) -> ReturnLaw:
+    """Newton steps on the spectral integral, which the fixed panels of the solve only approximate.
+
+    Raises NoSuchMechanism when the ratio comes so near zero that closure cannot be reached to CLOSED.
+    """
+    best = law
+    for _ in range(6):
+        if abs(best.closure_error_rad) <= CLOSED / 20.0:
+            return best
+        ends, polynomial = best.ends, best.polynomial
+        sensitivity = _closing_sensitivity(polynomial, direction)
+        moved = polynomial + direction * (best.closure_error_rad / (sensitivity * ends.length_rad))
+        candidate = replace(best, polynomial=moved)
+        if not (_lowest(moved)[0] > 0.0 and abs(candidate.closure_error_rad) < abs(best.closure_error_rad)):
+            break
+        best = candidate
+    if abs(best.closure_error_rad) > CLOSED:
+        raise NoSuchMechanism(
+            f"the return closes only to {best.closure_error_rad:.2g} rad: its ratio comes too near zero",
+            key="motion.return",
+        )
+    return best
+
+
+def _closing_sensitivity(polynomial: Polynomial, direction: Polynomial) -> float:
+    """How fast the integral of 1/polynomial over [0, 1] falls as a multiple of ``direction`` is added."""
+    return chebyshev.fitted(lambda tau: direction(tau) / polynomial(tau) ** 2, (0.0, 1.0)).integrated().final
+
+
+def _touching_multiple(base: Polynomial, direction: Polynomial) -> float:
+    """Smallest c for which base + c direction is not negative on [0, 1]."""
+    inner = (base.deriv() * direction - base * direction.deriv()).roots()
+    candidates = inner.real[(np.abs(inner.imag) < 1e-9) & (inner.real > 1e-9) & (inner.real < 1.0 - 1e-9)]
+    samples = np.concatenate([candidates, np.linspace(0.02, 0.98, 97)])
+    return float(np.max(-base(samples) / direction(samples)))
+
+
+def _lowest(polynomial: Polynomial) -> tuple[float, float]:
+    """Smallest value on [0, 1] and where."""
+    inner = polynomial.deriv().roots()
+    candidates = np.clip(inner.real[np.abs(inner.imag) < 1e-9], 0.0, 1.0)
+    points = np.concatenate([candidates, np.linspace(0.0, 1.0, 65)])
+    values = polynomial(points)
+    index = int(np.argmin(values))
+    return float(values[index]), float(points[index])
+
+
+def _unit_integral(polynomial: Polynomial) -> float:
+    antiderivative = polynomial.integ()
+    return float(antiderivative(1.0) - antiderivative(0.0))
+
+
+def _panels(count: int = 16, points: int = 16) -> tuple[Array, Array]:
+    """Composite Gauss-Legendre rule on [0, 1], panels shorter towards the ends."""
+    edges = (1.0 - np.cos(np.linspace(0.0, np.pi, count + 1))) / 2.0
+    unit, weights = legendre.leggauss(points)
+    middle, half = (edges[1:] + edges[:-1]) / 2.0, np.diff(edges) / 2.0
+    return (middle[:, None] + half[:, None] * unit).ravel(), (half[:, None] * weights).ravel()
+
+
+def _not_positive(ends: ReturnEnds, tau: float) -> NoSuchMechanism:
+    at = ends.start_rad + tau * ends.length_rad
+    return NoSuchMechanism(
+        f"the return's ratio passes through zero or infinity at phi1 = {at:.6g} rad ({degrees(at):.4g} deg); a "
+        "smaller theta4, an a1 nearer to zero, or the other basis of the return helps",
+        key="motion.return",
+    )
+
+
+class _ReturnAcceleration:
+    """Peak of |d2x/dphi1^2| over a return, on one Chebyshev grid whose integration matrix is made once."""
+
+    DEGREE = 128
+
+    def __init__(self, ends: ReturnEnds, linkage: CrankSlider) -> None:
+        self._start = ends.start_driven_rad
+        self._linkage = linkage
+        start, end = np.array([ends.start_rad]), np.array([ends.end_rad])
+        self._points = chebyshev.nodes(start, end, self.DEGREE).ravel()
+        self._integration = chebyshev.integration_matrix(self.DEGREE) * (ends.length_rad / 2.0)
+
+    def peak(self, law: ReturnLaw) -> float:
+        slope = law.slope(self._points, 1)
+        driven = slope.integrated(self._start + self._integration @ slope.value)
+        return float(np.max(np.abs(self._linkage.displacement(driven).derivative(2))))

@@ -1,0 +1,75 @@
+"""A law written as an expression in ``phi``: the ratio i12 itself, or the driven angle phi2."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
+from ncgear.ratio.formula import compiled
+from ncgear.ratio.laws.integrated import NEARLY_CLOSED, integrated_law
+from ncgear.ratio.transmission import Lobes, Piece, Transmission
+
+ORDER = 5
+"""Derivatives compiled: the contact analysis and the curvature's extremes need the fourth of phi2."""
+
+NO_JUMP = 1e-9
+"""Relative difference between both ends of the cycle that counts as none: ten written digits give this."""
+
+
+def ratio_expression_law(text: str, lobes: Lobes, *, scale_to_close: bool) -> Transmission:
+    """The law of a ratio i12(phi); raises WrongInput or NoSuchMechanism for the key ``motion.ratio``."""
+    key = "motion.ratio"
+    ratio = compiled(text, ORDER, key)
+    _refuse_jump(ratio, lobes, key)
+
+    def slope(phi1: Array, order: int) -> Jet:
+        with np.errstate(all="ignore"):
+            return 1.0 / ratio(phi1).truncated(order)
+
+    return integrated_law(slope, np.empty(0), lobes, scale_to_close=scale_to_close, key=key)
+
+
+def driven_angle_expression_law(text: str, lobes: Lobes) -> Transmission:
+    """The law of a driven angle phi2(phi), shifted so that phi2 = 0 at phi1 = 0; key ``motion.driven_angle``."""
+    key = "motion.driven_angle"
+    angle = compiled(text, ORDER, key)
+
+    def slope(phi1: Array) -> Jet:
+        return angle(phi1).differentiated()
+
+    _refuse_jump(slope, lobes, key)
+    ends = angle(np.array([0.0, lobes.driving_period_rad])).value
+    if not abs(ends[1] - ends[0] - lobes.driven_period_rad) <= NEARLY_CLOSED * lobes.driven_period_rad:
+        raise NoSuchMechanism(
+            f"the cycle does not close: the driven angle grows by {ends[1] - ends[0]:.12g} rad over a cycle, and must "
+            f"grow by {lobes.driven_period_rad:.12g}",
+            key=key,
+        )
+    panels = integrated_law(
+        lambda phi1, order: slope(phi1).truncated(order), np.empty(0), lobes, scale_to_close=True, key=key
+    )
+    factor = lobes.driven_period_rad / float(ends[1] - ends[0])
+
+    def driven_angle(phi1: Array, order: int) -> Jet:
+        return (angle(phi1).truncated(order) - float(ends[0])) * factor
+
+    whole = panels.pieces[0]
+    return Transmission((Piece(whole.start_rad, whole.end_rad, driven_angle, whole.knots_rad),), lobes)
+
+
+def _refuse_jump(function: Callable[[Array], Jet], lobes: Lobes, key: str) -> None:
+    """The ratio must come back to its value, or the slider's velocity would jump."""
+    ends = function(np.array([0.0, lobes.driving_period_rad])).value
+    if not np.all(np.isfinite(ends)):
+        raise NoSuchMechanism("the expression has no finite value at the cycle's ends, phi1 = 0 or its period", key=key)
+    if abs(ends[1] - ends[0]) > NO_JUMP * np.max(np.abs(ends)):
+        raise NoSuchMechanism(
+            f"the ratio jumps where the cycle begins again: it goes from {ends[1]:.9g} at the end to "
+            f"{ends[0]:.9g} at phi1 "
+            f"= 0; an expression of period {lobes.driving_period_rad:.6g} rad is needed",
+            key=key,
+        )

@@ -1,0 +1,67 @@
+"""What laws given by their ratio share: integration of 1/i12, and closing of the cycle."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import degrees
+
+import numpy as np
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics import chebyshev
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.chebyshev import NotSmooth
+from ncgear.numerics.jet import Jet
+from ncgear.ratio.transmission import JetFunction, Lobes, Piece, Transmission
+
+NEARLY_CLOSED = 1e-9
+"""Relative closure error that is scaled away unasked: a ratio written with ten digits has one of this size."""
+
+
+def integrated_law(
+    slope: Callable[[Array, int], Jet], knots: Array, lobes: Lobes, *, scale_to_close: bool, key: str
+) -> Transmission:
+    """The law whose dphi2/dphi1 is ``slope`` times the constant that closes the cycle.
+
+    ``knots`` (shape (m,), inner points of [0, period]) are where derivatives may jump.  Raises NoSuchMechanism where
+    the slope is not finite, or when the constant is not 1 and ``scale_to_close`` is not asked for.
+    """
+    period = lobes.driving_period_rad
+    breaks = np.concatenate([[0.0], knots, [period]])
+    try:
+        integral = chebyshev.fitted(lambda phi1: slope(phi1, 0).value, breaks).integrated()
+    except NotSmooth as fault:
+        raise NoSuchMechanism(
+            f"the ratio is zero, infinite or jumps near phi1 = {fault.at:.6g} rad "
+            f"({degrees(fault.at):.4g} deg); it must "
+            "be smooth and positive over the whole cycle",
+            key=key,
+        ) from fault
+    factor = _closing_factor(integral.final, lobes, scale_to_close, key)
+
+    def driven_angle(phi1: Array, order: int) -> Jet:
+        values = factor * integral(phi1)
+        return (slope(phi1, order - 1) * factor).integrated(values) if order else Jet(values[None, :])
+
+    return Transmission(_pieces(driven_angle, integral.breaks, knots), lobes)
+
+
+def _pieces(driven_angle: JetFunction, panels: Array, knots: Array) -> tuple[Piece, ...]:
+    """One piece; the panels' ends are its knots, so that whatever the integral had to resolve is seen by everyone."""
+    inner = np.unique(np.concatenate([panels[1:-1], knots]))
+    return (Piece(float(panels[0]), float(panels[-1]), driven_angle, tuple(inner.tolist())),)
+
+
+def _closing_factor(covered: float, lobes: Lobes, scale_to_close: bool, key: str) -> float:
+    target = lobes.driven_period_rad
+    if not covered > 0.0:
+        raise NoSuchMechanism("the ratio is negative; it must be positive over the whole cycle", key=key)
+    factor = target / covered
+    if not scale_to_close and abs(factor - 1.0) > NEARLY_CLOSED:
+        raise NoSuchMechanism(
+            f"the cycle does not close: the driven gear turns by {covered:.12g} rad while the driving gear turns by "
+            f"{lobes.driving_period_rad:.6g} rad, and it must turn by {target:.12g}; multiply the ratio by "
+            f"{1.0 / factor:.12g}, or set scale_to_close: true",
+            key=key,
+        )
+    return factor

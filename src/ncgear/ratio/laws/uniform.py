@@ -1,0 +1,16 @@
+"""The uniform crank: circular gears, the machine every design is compared with."""
+
+from __future__ import annotations
+
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
+from ncgear.ratio.transmission import Lobes, Piece, Transmission
+
+
+def uniform_law(lobes: Lobes) -> Transmission:
+    """A constant ratio i12 = n2 / n1."""
+
+    def driven_angle(phi1: Array, order: int) -> Jet:
+        return Jet.variable(phi1, order) * (lobes.driving / lobes.driven)
+
+    return Transmission((Piece(0.0, lobes.driving_period_rad, driven_angle),), lobes)

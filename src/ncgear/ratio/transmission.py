@@ -1,0 +1,140 @@
+"""The contract that every law fulfils: the driven angle as a jet on consecutive pieces of one period.
+
+With lobes n1:n2 the driving gear repeats its curve n1 times a turn and the driven gear n2 times; one period takes
+2 pi / n1 of the driving angle and 2 pi / n2 of the driven angle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from math import degrees, pi
+
+import numpy as np
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics import jet
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.extrema import SAMPLES, Extremum, extremes
+from ncgear.numerics.jet import Jet
+
+JetFunction = Callable[[Array, int], Jet]
+"""Points (shape (n,)) and an order to a jet; the driven angle in rad at driving angles in rad."""
+
+CLOSED = 1e-12
+"""Closure error in rad that counts as none: about 500 rounding errors of a full turn (tests/test_ratio.py)."""
+
+
+@dataclass(frozen=True)
+class Lobes:
+    """How often each gear's pitch curve repeats in a turn."""
+
+    driving: int = 1
+    driven: int = 1
+
+    @property
+    def driving_period_rad(self) -> float:
+        """Driving angle of one period."""
+        return 2.0 * pi / self.driving
+
+    @property
+    def driven_period_rad(self) -> float:
+        """Driven angle of one period."""
+        return 2.0 * pi / self.driven
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A stretch of the period on which the driven angle is smooth, ends included as one-sided limits.
+
+    ``knots_rad`` are inner points where only a high derivative jumps, as in a spline.
+    """
+
+    start_rad: float
+    end_rad: float
+    driven_angle: JetFunction
+    knots_rad: tuple[float, ...] = ()
+
+    @property
+    def samples(self) -> int:
+        """Points on which an extremum of anything along the piece is looked for: four for each knot, 129 at least."""
+        return SAMPLES + 4 * len(self.knots_rad)
+
+    def slope(self, phi1: Array, order: int) -> Jet:
+        """dphi2/dphi1 = 1/i12 with derivatives by phi1."""
+        return self.driven_angle(phi1, order + 1).differentiated()
+
+    def extremes(self, quantity: Callable[[Array], Jet]) -> tuple[Extremum, Extremum]:
+        """Smallest and largest value on the piece of a function of phi1 that returns jets of order 1 or more."""
+        return extremes(quantity, self.start_rad, self.end_rad, self.samples)
+
+
+@dataclass(frozen=True, eq=False)
+class Transmission:
+    """A closed law phi2(phi1); raises NoSuchMechanism where the ratio is not positive and finite."""
+
+    pieces: tuple[Piece, ...]
+    lobes: Lobes
+
+    def __post_init__(self) -> None:
+        for extremum in self.slope_range:
+            if not (np.isfinite(extremum.value) and extremum.value > 0.0):
+                raise NoSuchMechanism(
+                    f"the driven gear stops or turns back at phi1 = {extremum.at:.6g} rad ({degrees(extremum.at):.4g} "
+                    f"deg), where dphi2/dphi1 = {extremum.value:.4g}; the ratio must stay positive and finite",
+                    key="motion",
+                )
+
+    @property
+    def joints_rad(self) -> Array:
+        """Driving angles between which the law is analytic: ends of pieces and their knots, from 0 to the period."""
+        starts = [angle for piece in self.pieces for angle in (piece.start_rad, *piece.knots_rad)]
+        return np.array([*starts, self.pieces[-1].end_rad])
+
+    @property
+    def cycle_rad(self) -> float:
+        """Driving angle of one turn of the driven gear, which is one cycle of the slider."""
+        return self.lobes.driven * self.lobes.driving_period_rad
+
+    @cached_property
+    def closure_error_rad(self) -> float:
+        """What the driven angle misses of its period at the end of the driving period."""
+        last = self.pieces[-1]
+        return float(last.driven_angle(np.array([last.end_rad]), 0).value[0]) - self.lobes.driven_period_rad
+
+    @cached_property
+    def slope_range(self) -> tuple[Extremum, Extremum]:
+        """Smallest and largest dphi2/dphi1 over the period."""
+        return self.extremes(lambda piece: lambda phi1: piece.slope(phi1, 1))
+
+    def extremes(self, quantity: Callable[[Piece], Callable[[Array], Jet]]) -> tuple[Extremum, Extremum]:
+        """Smallest and largest value over one period of a quantity given piece by piece."""
+        ranges = [piece.extremes(quantity(piece)) for piece in self.pieces]
+        return min((low for low, _ in ranges), key=_value), max((high for _, high in ranges), key=_value)
+
+    @property
+    def ratio_range(self) -> tuple[Extremum, Extremum]:
+        """Smallest and largest i12 over the period."""
+        slowest, fastest = self.slope_range
+        return Extremum(1.0 / fastest.value, fastest.at), Extremum(1.0 / slowest.value, slowest.at)
+
+    def driven_angle(self, phi1: Array, order: int = 0) -> Jet:
+        """phi2 in rad, with derivatives by phi1, at any driving angles (shape (n,)); right-hand limits at joints."""
+        points = np.asarray(phi1, dtype=float)
+        cycles, local = np.divmod(points, self.lobes.driving_period_rad)
+        starts = [piece.start_rad for piece in self.pieces]
+        index = np.maximum(np.searchsorted(starts, local, side="right") - 1, 0)
+        masks = [(index == number, piece) for number, piece in enumerate(self.pieces)]
+        parts = [(mask, piece.driven_angle(local[mask], order)) for mask, piece in masks if mask.any()]
+        return jet.joined(parts) + Jet(_constant(cycles * self.lobes.driven_period_rad, order))
+
+
+def _value(extremum: Extremum) -> float:
+    return extremum.value
+
+
+def _constant(values: Array, order: int) -> Array:
+    coefficients = np.zeros((order + 1, values.size))
+    coefficients[0] = values
+    return coefficients

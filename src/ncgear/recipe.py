@@ -1,0 +1,165 @@
+"""From what a design file says to machine elements and a closed law: units, defaults, and what must fit together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isclose, pi, radians
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ncgear.design.gears import Gears
+from ncgear.design.motion import Ellipse, RatioExpression, ThreeSegmentStroke, UniformCrank
+from ncgear.design.schema import Design
+from ncgear.design.table import TableLaw
+from ncgear.errors import WrongInput
+from ncgear.machine.linkage import CrankSlider
+from ncgear.machine.rack import BasicRack
+from ncgear.machine.resistance import Resistance
+from ncgear.machine.stroke import StrokeRequest, WorkingStroke, solved_stroke
+from ncgear.ratio.laws.ellipse import elliptical_law
+from ncgear.ratio.laws.expression import driven_angle_expression_law, ratio_expression_law
+from ncgear.ratio.laws.table import displacement_table_law, ratio_table_law
+from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
+from ncgear.ratio.laws.uniform import uniform_law
+from ncgear.ratio.transmission import Lobes, Transmission
+
+SAME_STROKE = 1e-6
+"""Relative difference of the file's stroke from the linkage's that counts as rounding in the file: seven digits."""
+
+RAD_S_PER_RPM = pi / 30.0
+
+
+@dataclass(frozen=True, eq=False)
+class Law:
+    """A closed law on its linkage, and the stroke it came from where a stroke was given."""
+
+    linkage: CrankSlider
+    transmission: Transmission
+    stroke_law: StrokeLaw | None = None
+
+
+def law_of(design: Design) -> Law:
+    """The design's linkage and law.
+
+    Raises WrongInput for values that contradict each other, NoSuchMechanism when no such motion exists.
+    """
+    motion, lobes = design.motion, lobes_of(design)
+    if isinstance(motion, ThreeSegmentStroke):
+        return _stroke_law(design, motion, lobes)
+    linkage = _linkage(design)
+    return Law(linkage, _direct_law(motion, linkage, lobes))
+
+
+def lobes_of(design: Design) -> Lobes:
+    """Lobes of both gears; one each where the file says nothing."""
+    return Lobes(design.gears.lobes.driving, design.gears.lobes.driven) if design.gears else Lobes()
+
+
+def resistance_of(design: Design) -> Resistance:
+    """The resistance; none where the file says nothing."""
+    if design.resistance is None:
+        return Resistance()
+    return Resistance(design.resistance.polynomial_n, design.resistance.where_negative == "keep")
+
+
+def rack_of(gears: Gears, module_mm: float) -> BasicRack:
+    """The basic rack in mm at a module."""
+    rack = gears.rack
+    return BasicRack(
+        module_mm=module_mm,
+        pressure_angle_rad=radians(rack.pressure_angle_deg),
+        addendum_mm=rack.addendum * module_mm,
+        dedendum_mm=rack.dedendum * module_mm,
+        root_radius_mm=rack.root_radius * module_mm,
+        backlash_mm=gears.backlash_mm,
+    )
+
+
+def _linkage(design: Design) -> CrankSlider:
+    if design.linkage.crank_mm is None:
+        raise WrongInput("missing; only a stroke that is solved for gives the crank", key="linkage.crank_mm")
+    return CrankSlider(design.linkage.crank_mm, design.linkage.rod_mm, design.linkage.offset_mm)
+
+
+def _direct_law(
+    motion: RatioExpression | Ellipse | TableLaw | UniformCrank, linkage: CrankSlider, lobes: Lobes
+) -> Transmission:
+    match motion:
+        case UniformCrank():
+            return uniform_law(lobes)
+        case Ellipse():
+            return elliptical_law(motion.eccentricity, motion.phase, lobes)
+        case RatioExpression(ratio=str() as text):
+            return ratio_expression_law(text, lobes, scale_to_close=motion.scale_to_close)
+        case RatioExpression(driven_angle=str() as text):
+            return driven_angle_expression_law(text, lobes)
+        case TableLaw(displacement_mm=tuple() as displacements):
+            return displacement_table_law(np.array(motion.phi1), np.array(displacements), linkage, lobes)
+        case TableLaw(ratio=tuple() as ratios):
+            return ratio_table_law(np.array(motion.phi1), np.array(ratios), lobes, scale_to_close=motion.scale_to_close)
+    raise AssertionError(f"no law for {motion.law}")
+
+
+def _stroke_law(design: Design, motion: ThreeSegmentStroke, lobes: Lobes) -> Law:
+    if motion.solve_for == "stroke":
+        stroke = solved_stroke(_request(motion, None))
+        linkage = _linkage_of_stroke(design, stroke)
+    else:
+        linkage = _linkage(design)
+        _refuse_other_stroke(motion.stroke_mm, linkage)
+        stroke = solved_stroke(_request(motion, linkage.stroke_mm))
+    law = stroke_law(
+        stroke,
+        linkage,
+        lobes,
+        constant=None if motion.return_.e == "least_acceleration" else motion.return_.e,
+        inverse_basis=motion.return_.basis == "inverse_ratio",
+    )
+    return Law(linkage, law.transmission, law)
+
+
+def _request(motion: ThreeSegmentStroke, stroke_mm: float | None) -> StrokeRequest:
+    return StrokeRequest(
+        theta1_rad=motion.theta1,
+        theta2_rad=motion.theta2,
+        theta3_rad=motion.theta3,
+        theta4_rad=motion.theta4,
+        v1_mm_s=motion.v1_mm_s,
+        v2_mm_s=motion.v2_mm_s,
+        a1_mm_s2=motion.a1_mm_s2,
+        law_speed_rad_s=None if motion.law_speed_rpm is None else motion.law_speed_rpm * RAD_S_PER_RPM,
+        stroke_mm=stroke_mm,
+        a1_speed_rad_s=None if motion.a1_speed_rpm is None else motion.a1_speed_rpm * RAD_S_PER_RPM,
+    )
+
+
+def _refuse_other_stroke(stroke_mm: float | None, linkage: CrankSlider) -> None:
+    if stroke_mm is not None and not isclose(stroke_mm, linkage.stroke_mm, rel_tol=SAME_STROKE):
+        relation = "longer" if stroke_mm > linkage.stroke_mm else "shorter"
+        raise WrongInput(
+            f"{stroke_mm:.9g} mm is {relation} than the linkage's stroke of {linkage.stroke_mm:.9g} mm; give that one, "
+            "leave the key out, or change linkage.crank_mm",
+            key="motion.stroke_mm",
+        )
+
+
+def _linkage_of_stroke(design: Design, stroke: WorkingStroke) -> CrankSlider:
+    """The linkage whose crank gives the stroke that the law came out with."""
+    rod, offset, wanted = design.linkage.rod_mm, design.linkage.offset_mm, stroke.stroke_mm
+    if design.linkage.crank_mm is not None:
+        raise WrongInput(
+            f"{design.linkage.crank_mm:g} mm is given, but the crank follows from the stroke that is "
+            "solved for; leave it out",
+            key="linkage.crank_mm",
+        )
+    longest = (rod - abs(offset)) * (1.0 - 1e-9)
+    if not CrankSlider(longest, rod, offset).stroke_mm > wanted > 0.0:
+        raise WrongInput(
+            f"a rod of {rod:g} mm cannot give the stroke of {wanted:.6g} mm that follows from the law",
+            key="linkage.rod_mm",
+        )
+    crank = brentq(
+        lambda length: CrankSlider(length, rod, offset).stroke_mm - wanted, 1e-9 * rod, longest, xtol=1e-13 * rod
+    )
+    return CrankSlider(float(crank), rod, offset)

@@ -1,0 +1,63 @@
+"""How the two gears go together at phi1 = 0, in words and numbers for whoever puts them on their shafts."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from math import cos, sin
+from typing import Any
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array
+from ncgear.solids.index_hole import DRIVEN_DIRECTION_RAD, DRIVING_DIRECTION_RAD, IndexHole
+
+FLANK_BAND_IN_MODULES = 0.1
+"""Within this distance of the pitch curve the line of centres is said to meet a flank, not a tooth or a space."""
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """One gear as the assembly sees it: outline (mm, shape (n, 2)), pitch radius on the line of centres, mark."""
+
+    outline_mm: Array
+    pitch_radius_mm: float
+    index_hole: IndexHole | None
+
+
+def assembly_report(driving: Placed, driven: Placed, center_distance_mm: float, module_mm: float) -> dict[str, Any]:
+    """The pose of phi1 = 0, ready for JSON: for each gear the polar angle of the line of centres in its own frame,
+    whether a tooth, a space or a flank lies there, and the index hole (None where there was no room)."""
+    return {
+        "center_distance_mm": center_distance_mm,
+        "driving": _gear(driving, DRIVING_DIRECTION_RAD, module_mm),
+        "driven": _gear(driven, DRIVEN_DIRECTION_RAD, module_mm),
+    }
+
+
+def _gear(gear: Placed, direction: float, module: float) -> dict[str, Any]:
+    return {
+        "line_of_centers_rad": direction,
+        "pitch_radius_mm": gear.pitch_radius_mm,
+        "on_line_of_centers": met_at(gear, direction, module),
+        "index_hole": asdict(gear.index_hole) if gear.index_hole else None,
+    }
+
+
+def met_at(gear: Placed, direction_rad: float, module_mm: float) -> str:
+    """``tooth``, ``space`` or ``flank``: what a ray from the axis meets at the pitch curve."""
+    beyond = outline_radius_mm(gear.outline_mm, direction_rad) - gear.pitch_radius_mm
+    if abs(beyond) < FLANK_BAND_IN_MODULES * module_mm:
+        return "flank"
+    return "tooth" if beyond > 0.0 else "space"
+
+
+def outline_radius_mm(outline_mm: Array, direction_rad: float) -> float:
+    """Distance from the axis at which a ray leaves the outline for good; NaN when it never meets it."""
+    turned = outline_mm @ np.array(
+        [[cos(direction_rad), -sin(direction_rad)], [sin(direction_rad), cos(direction_rad)]]
+    )
+    following = np.roll(turned, -1, axis=0)
+    crossing = (turned[:, 1] >= 0.0) != (following[:, 1] >= 0.0)
+    (x0, y0), (x1, y1) = turned[crossing].T, following[crossing].T
+    x = x0 + (x1 - x0) * y0 / (y0 - y1)
+    return float(np.max(x[x > 0.0], initial=-np.inf)) if np.any(x > 0.0) else float("nan")

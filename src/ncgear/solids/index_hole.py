@@ -1,0 +1,79 @@
+"""The index hole: a small through hole that shows how the two gears go together.
+
+Driving gear: on polar angle 0 of its own frame; driven gear: on polar angle pi. At phi1 = 0 both lie on the line of
+centres and face each other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, pi, sin
+
+import numpy as np
+import shapely
+from shapely import LineString, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from ncgear.numerics.arrays import Array
+from ncgear.solids.bore import Bore, bore_points, circle_points
+
+DRIVING_DIRECTION_RAD = 0.0
+"""Polar angle of the line of centres in the driving gear's frame at phi1 = 0."""
+
+DRIVEN_DIRECTION_RAD = pi
+"""Polar angle of the line of centres in the driven gear's frame at phi1 = 0."""
+
+DIAMETER_IN_MODULES = 0.5
+WALL_IN_MODULES = 1.0
+"""Least material between the hole and the tooth outline, and between the hole and the bore or keyway.
+
+Under a root this keeps at least one module of rim, about half a tooth's height.
+"""
+
+
+@dataclass(frozen=True)
+class IndexHole:
+    """A round through hole; centre in the gear's own frame."""
+
+    x_mm: float
+    y_mm: float
+    diameter_mm: float
+
+
+def index_hole(disc: Polygon, bore: Bore | None, direction_rad: float, module_mm: float) -> IndexHole | None:
+    """The hole farthest out on the ray from the axis at polar angle ``direction_rad``; None where no wall allows one.
+
+    Its diameter is half a module; a wall of one module is left to the outline, to the bore and keyway, and to the
+    axis of a gear without bore. ``disc`` is the gear's section without bore, in mm.
+    """
+    diameter = DIAMETER_IN_MODULES * module_mm
+    clearance = diameter / 2.0 + WALL_IN_MODULES * module_mm
+    allowed = _ray(disc, direction_rad).difference(_kept_free(disc, bore, clearance))
+    points = _points(allowed)
+    if not len(points):
+        return None
+    x, y = points[np.argmax(np.hypot(points[:, 0], points[:, 1]))]
+    return IndexHole(float(x), float(y), diameter)
+
+
+def hole_points(hole: IndexHole, chord_tolerance_mm: float) -> Array:
+    """The hole's polygon in mm, shape (n, 2), counter-clockwise, first point not repeated."""
+    center = np.array([hole.x_mm, hole.y_mm])
+    return center + circle_points(hole.diameter_mm / 2.0, chord_tolerance_mm)
+
+
+def _ray(disc: Polygon, direction: float) -> BaseGeometry:
+    """The part of the ray from the axis that lies in the disc."""
+    reach = float(np.abs(disc.bounds).max()) * 2.0
+    return LineString([(0.0, 0.0), (reach * cos(direction), reach * sin(direction))]).intersection(disc)
+
+
+def _kept_free(disc: Polygon, bore: Bore | None, clearance: float) -> BaseGeometry:
+    """Where no centre may lie: within ``clearance`` of the outline or of what is cut around the axis."""
+    axis = Polygon(bore_points(bore or Bore(1e-3 * clearance), 0.01 * clearance))
+    return disc.exterior.buffer(clearance).union(axis.buffer(clearance))
+
+
+def _points(geometry: BaseGeometry) -> Array:
+    """End points of the line or lines left of a ray, shape (n, 2)."""
+    return np.asarray(shapely.get_coordinates(geometry), dtype=float)

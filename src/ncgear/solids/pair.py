@@ -1,0 +1,53 @@
+"""Both gears of a pair as solids, with the marks that show how they go together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from trimesh import Trimesh
+
+from ncgear.numerics.arrays import Array
+from ncgear.solids.bore import Bore
+from ncgear.solids.extrude import extruded
+from ncgear.solids.index_hole import DRIVEN_DIRECTION_RAD, DRIVING_DIRECTION_RAD, IndexHole, index_hole
+from ncgear.solids.section import cut, disc_with_room
+
+
+@dataclass(frozen=True)
+class Blank:
+    """What makes a tooth outline a body: face width and bore."""
+
+    face_width_mm: float
+    bore: Bore | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class GearSolid:
+    """One gear's mesh in its own frame in the pose of phi1 = 0, and its index hole where there was room for one."""
+
+    mesh: Trimesh
+    index_hole: IndexHole | None
+
+
+@dataclass(frozen=True, eq=False)
+class SolidPair:
+    """The solids of a pair."""
+
+    driving: GearSolid
+    driven: GearSolid
+
+
+def driving_solid(outline_mm: Array, blank: Blank, module_mm: float, chord_tolerance_mm: float) -> GearSolid:
+    """The driving gear with its index hole; raises as ``gear_solid`` does."""
+    return _marked(outline_mm, blank, module_mm, chord_tolerance_mm, DRIVING_DIRECTION_RAD, "gears.driving")
+
+
+def driven_solid(outline_mm: Array, blank: Blank, module_mm: float, chord_tolerance_mm: float) -> GearSolid:
+    """The driven gear with its index hole; raises as ``gear_solid`` does."""
+    return _marked(outline_mm, blank, module_mm, chord_tolerance_mm, DRIVEN_DIRECTION_RAD, "gears.driven")
+
+
+def _marked(outline: Array, blank: Blank, module: float, tolerance: float, direction: float, key: str) -> GearSolid:
+    disc = disc_with_room(outline, blank.bore, tolerance, key)
+    mark = index_hole(disc, blank.bore, direction, module)
+    return GearSolid(extruded(cut(disc, blank.bore, mark, tolerance), blank.face_width_mm), mark)

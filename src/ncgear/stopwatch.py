@@ -1,0 +1,28 @@
+"""Time spent in named stages, each without the stages inside it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from time import perf_counter
+
+
+class Stopwatch:
+    """Adds up seconds by stage; a stage entered inside another stops the outer one's time."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+        self._inner: list[float] = []
+
+    @contextmanager
+    def __call__(self, stage: str) -> Iterator[None]:
+        """Time the body as ``stage``."""
+        start = perf_counter()
+        self._inner.append(0.0)
+        try:
+            yield
+        finally:
+            whole = perf_counter() - start
+            self.seconds[stage] = self.seconds.get(stage, 0.0) + whole - self._inner.pop()
+            if self._inner:
+                self._inner[-1] += whole

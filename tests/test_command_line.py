@@ -1,0 +1,552 @@
+"""The command line: exit status, what goes to which stream, and above all what is said about a wrong design file."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+import ncgear
+import ncgear.cli
+from ncgear.design.schema import Design
+from ncgear.design.template import Law, template
+from ncgear.errors import DesignError, NoSuchMechanism
+
+STROKE = template("baler")
+TABLE = template("points", Law.TABLE)
+PLAIN = "name: a\nlinkage: {crank_mm: 1, rod_mm: 3}\noperation: {speed_rpm: 1}\n"
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
+    """Run the command line in this process, in an empty folder: its status, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("NCGEAR_DEBUG", raising=False)
+
+    def run_once(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["ncgear", *arguments])
+        with pytest.raises(SystemExit) as exit_:
+            ncgear.cli.main()
+        out, err = capsys.readouterr()
+        return int(exit_.value.code or 0), out, err
+
+    return run_once
+
+
+def fresh(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run ``python -m ncgear`` as a user does, in a process of its own."""
+    command = [sys.executable, "-m", "ncgear", *arguments]
+    source = str(Path(ncgear.__file__).parents[1])
+    environment = {**os.environ, "PYTHONPATH": source}
+    return subprocess.run(command, capture_output=True, text=True, cwd=folder, timeout=60, env=environment)
+
+
+def changed(text: str, old: str, new: str) -> str:
+    """``text`` with its only ``old`` replaced."""
+    assert text.count(old) == 1, f"{old!r} stands {text.count(old)} times in the template"
+    return text.replace(old, new)
+
+
+def spot(text: str, mark: str) -> str:
+    """``LINE:COLUMN`` of the only ``mark`` in ``text``."""
+    assert text.count(mark) == 1, f"{mark!r} stands {text.count(mark)} times"
+    before = text[: text.index(mark)]
+    return f"{before.count(chr(10)) + 1}:{len(before) - before.rfind(chr(10))}"
+
+
+# Each row: what the design file holds, the text at which the fault is to be reported (or the LINE:COLUMN itself),
+# the key that is to be named, and what is to be said.
+ROD = "rod_mm: 960"
+BAD: dict[str, tuple[str, str, str, str]] = {
+    "empty": ("", "1:1", "", "is empty; a design file is lines of `key: value`"),
+    "only a comment": ("# nothing\n", "1:1", "", "is empty"),
+    "a list": ("- 1\n- 2\n", "1:1", "", "holds a list"),
+    "a word": ("hello\n", "1:1", "", "holds 'hello'"),
+    "syntax": (changed(STROKE, ROD, "rod_mm: 960: 1"), "10:14", "", "is not YAML: mapping values are not allowed here"),
+    "tab": (changed(STROKE, "  " + ROD, "\t" + ROD), "10:1", "", "is not YAML"),
+    "unclosed bracket": ("a: [1, 2\n", "2:1", "", "is not YAML"),
+    "NUL": ("name: a\nb: \x00\n", "2:4", "", "cannot stand in a text"),
+    "half a character": (changed(STROKE, 'description: ""', r'description: "\ud800"'), "6:14", "description", "escape"),
+    "half a character as key": (r'"\ud800": 1', "1:1", "", "write the character itself"),
+    "two documents": (PLAIN + "---\n" + PLAIN, "5:1", "", "a second document begins"),
+    "duplicate key": (changed(STROKE, ROD, f"{ROD}\n  rod_mm: 961"), "11:3", "linkage.rod_mm", "first in line 10"),
+    "anchor": (changed(STROKE, ROD, "rod_mm: &r 960"), "10:11", "linkage.rod_mm", "&r is an anchor or alias"),
+    "alias": (changed(STROKE, ROD, "rod_mm: *r"), "10:11", "linkage.rod_mm", "*r is an anchor or alias"),
+    "anchored group": ("a: &a [x]\nb: &b [*a, *a]\n", "1:4", "a", "write the value itself"),
+    "tag": (changed(STROKE, ROD, "rod_mm: !!float 960"), "10:11", "linkage.rod_mm", "is a tag"),
+    "deep lists": ("a: " + "[" * 100_000, "1:15", "", "nested over 12 levels deep"),
+    "deep groups": ("{a: " * 100_000, "1:49", "", "nested over 12 levels deep"),
+    "many keys": ("".join(f"k{i}: 1\n" for i in range(1000)), "201:1", "", "over 200 keys in one group"),
+    "group as key": ("? [1]\n: 2\n", "1:3", "", "a key is a word"),
+    "misspelt key": (
+        changed(STROKE, "rod_mm", "rod_m"),
+        "rod_m:",
+        "linkage.rod_m",
+        "unknown key; did you mean rod_mm?",
+    ),
+    "unknown key": (
+        changed(STROKE, ROD, f"{ROD}\n  zzz: 1"),
+        "zzz:",
+        "linkage.zzz",
+        "unknown key; known are crank_mm, rod_mm and offset_mm",
+    ),
+    "unknown key of a law": (changed(STROKE, "v1_mm_s", "v1_m_s"), "v1_m_s", "motion.v1_m_s", "did you mean v1_mm_s?"),
+    "unknown top key": (changed(STROKE, "output:", "outputs:"), "outputs:", "outputs", "did you mean output?"),
+    "python name of a key": (changed(STROKE, "  return:", "  return_:"), "return_:", "motion.return_", "mean return?"),
+    "missing key": (changed(STROKE, ROD, "# gone"), "linkage:", "linkage.rod_mm", "missing; give it (length of the"),
+    "missing top key": (
+        changed(STROKE, "operation:\n  speed_rpm: 20", "#"),
+        "name: baler ",
+        "operation",
+        "missing; give it",
+    ),
+    "missing crank": (
+        changed(STROKE, "crank_mm: 380", "# gone"),
+        "linkage:",
+        "linkage.crank_mm",
+        "missing; only motion",
+    ),
+    "text for a number": (
+        changed(STROKE, ROD, "rod_mm: long"),
+        "rod_mm",
+        "linkage.rod_mm",
+        "'long' given; a number is",
+    ),
+    "quoted number": (changed(STROKE, ROD, "rod_mm: '960'"), "rod_mm", "linkage.rod_mm", "'960' given; a number is"),
+    "truth for a number": (changed(STROKE, ROD, "rod_mm: true"), "rod_mm", "linkage.rod_mm", "true given; a number is"),
+    "date for a number": (changed(STROKE, ROD, "rod_mm: 2001-01-01"), "rod_mm", "linkage.rod_mm", "a number is needed"),
+    "blank for a number": (changed(STROKE, ROD, "rod_mm:"), "rod_mm", "linkage.rod_mm", "nothing given; a number is"),
+    "list for a number": (changed(STROKE, ROD, "rod_mm: [1]"), "rod_mm", "linkage.rod_mm", "a list given; a number is"),
+    "nan": (changed(STROKE, ROD, "rod_mm: .nan"), "rod_mm", "linkage.rod_mm", ".nan given; a finite number is needed"),
+    "inf": (
+        changed(STROKE, ROD, "rod_mm: -.inf"),
+        "rod_mm",
+        "linkage.rod_mm",
+        "-.inf given; a finite number is needed",
+    ),
+    "overflow": (changed(STROKE, ROD, "rod_mm: 1e999"), "rod_mm", "linkage.rod_mm", "a finite number is needed"),
+    "400 digits": (changed(STROKE, ROD, f"rod_mm: {'9' * 399}"), "rod_mm", "linkage.rod_mm", "a number is needed"),
+    "5000 digits": (changed(STROKE, ROD, f"rod_mm: {'9' * 5000}"), "rod_mm", "linkage.rod_mm", "number is needed"),
+    "negative": (changed(STROKE, ROD, "rod_mm: -960"), "rod_mm", "linkage.rod_mm", "-960 given; a number over 0 is"),
+    "number for a group": (
+        changed(STROKE, "operation:\n  speed_rpm: 20", "operation: 20\n#"),
+        "operation",
+        "operation",
+        "20 given; a group of keys is needed: speed_rpm",
+    ),
+    "path as name": (changed(STROKE, "name: baler ", "name: ../x "), "name: ../x", "name", "letters, digits, - and _"),
+    "long name": (changed(STROKE, "name: baler ", f"name: {'x' * 65} "), "name: xx", "name", "at most 64"),
+    "number as name": (changed(STROKE, "name: baler ", "name: 12 "), "name: 12", "name", "in quotes, if it looks like"),
+    "misspelt law": (
+        changed(STROKE, "law: three_segment_stroke", "law: three_segments"),
+        "law: three",
+        "motion.law",
+        "did you mean three_segment_stroke?",
+    ),
+    "unknown law": (
+        PLAIN + "motion: {law: 3}\n",
+        "law",
+        "motion.law",
+        "3 is no known law; one of three_segment_stroke",
+    ),
+    "list as law": (PLAIN + "motion: {law: [a]}\n", "law", "motion.law", "a list is no known law; one of"),
+    "no law": (
+        PLAIN + "motion: {e: 3}\n",
+        "motion",
+        "motion.law",
+        "missing; give one of three_segment_stroke, ratio_ex",
+    ),
+    "number as motion": (PLAIN + "motion: 3\n", "motion", "motion", "a group of keys with law, one of three_segment"),
+    "unknown solve_for": (
+        changed(STROKE, "solve_for: law_speed ", "solve_for: speed "),
+        "solve_for",
+        "motion.solve_for",
+        "'speed' given; law_speed, v1, v2, a1 or stroke is needed",
+    ),
+    "solved quantity given": (
+        changed(STROKE, "solve_for: law_speed ", "solve_for: v1 "),
+        "v1_mm_s:",
+        "motion.v1_mm_s",
+        "leave v1_mm_s out",
+    ),
+    "needed quantity absent": (
+        changed(STROKE, "v1_mm_s: 1600", "# gone"),
+        "motion:",
+        "motion.v1_mm_s",
+        "missing; solve_for: law_speed needs v1_mm_s, v2_mm_s and a1_mm_s2",
+    ),
+    "angle twice": (
+        changed(STROKE, "theta2_pi: 0.7", "theta2_pi: 0.7\n  theta2_deg: 126"),
+        "theta2_pi",
+        "motion.theta2_pi",
+        "keep one",
+    ),
+    "angle absent": (changed(STROKE, "theta2_pi: 0.7", ""), "motion:", "motion", "theta2_rad, theta2_deg or theta2_pi"),
+    "angle of zero": (changed(STROKE, "theta1_pi: 0.4", "theta1_pi: 0"), "theta1_pi", "motion.theta1_pi", "be over 0"),
+    "angles fall": (
+        changed(STROKE, "theta2_pi: 0.7", "theta2_deg: 9"),
+        "theta2_deg",
+        "motion.theta2_deg",
+        "over theta1",
+    ),
+    "theta3 low": (
+        changed(STROKE, "theta3_pi: 1.0", "theta3_pi: .69"),
+        "theta3_pi",
+        "motion.theta3_pi",
+        "theta2 or over",
+    ),
+    "full turn": (changed(STROKE, "theta4_pi: 1.3", "theta4_deg: 360"), "theta4_deg", "motion.theta4_deg", "and 2 pi"),
+    "word for e": (
+        changed(STROKE, "e: least_acceleration", "e: least"),
+        "e: least ",
+        "motion.return.e",
+        "'least' given; a finite number or the word least_acceleration is needed",
+    ),
+    "nan for e": (changed(STROKE, "e: least_acceleration", "e: .nan"), "e: .nan", "motion.return.e", ".nan given"),
+    "truth for e": (changed(STROKE, "e: least_acceleration", "e: true"), "e: true", "motion.return.e", "true given"),
+    "e of inverse ratio": (
+        changed(changed(STROKE, "e: least_acceleration", "e: 1"), "basis: ratio ", "basis: inverse_ratio "),
+        "e: 1 ",
+        "motion.return.e",
+        "needs basis ratio",
+    ),
+    "two formulas": (
+        PLAIN + "motion: {law: ratio_expression, ratio: '1', driven_angle: phi}\n",
+        "driven_angle",
+        "motion.driven_angle",
+        "ratio and driven_angle are given",
+    ),
+    "scaled angle": (
+        PLAIN + "motion: {law: ratio_expression, driven_angle: phi, scale_to_close: true}\n",
+        "scale_to_close",
+        "motion.scale_to_close",
+        "there is no ratio to scale",
+    ),
+    "eccentricity of 1": (
+        PLAIN + "motion: {law: ellipse, eccentricity: 1}\n",
+        "eccentricity",
+        "motion.eccentricity",
+        "a number under 1 is needed",
+    ),
+    "half a tooth": (changed(STROKE, "teeth: 25 ", "teeth: 25.5 "), "teeth: 25.5", "gears.teeth", "a whole number is"),
+    "two teeth": (changed(STROKE, "teeth: 25 ", "teeth: 2 "), "teeth: 2 ", "gears.teeth", "a number of 3 or over is"),
+    "one size": (changed(STROKE, "teeth: 25 ", "# "), "gears:", "gears", "only module_mm is given; two of teeth"),
+    "profile": (changed(STROKE, "profile: A ", "profile: E "), "profile: E", "gears.rack.profile", "A, B, C or D is"),
+    "pressure angle": (
+        changed(STROKE, "pressure_angle_deg: 20", "pressure_angle_deg: 40"),
+        "pressure_angle_deg",
+        "gears.rack.pressure_angle_deg",
+        "under 40",
+    ),
+    "wide keyway": (
+        changed(STROKE, "width_mm: 4,", "width_mm: 12,"),
+        "width_mm: 12,",
+        "gears.driving.keyway.width_mm",
+        "under 12 mm is right",
+    ),
+    "keyway without bore": (changed(STROKE, "bore_mm: 12, ", ""), "keyway", "gears.driving.keyway", "give bore_mm"),
+    "lobes": (changed(STROKE, "driven: 1}", "driven: 2}"), "driven: 2", "gears.lobes.driven", "1 is right"),
+    "coefficient": (
+        changed(STROKE, "[-131.2779, 3.447", "[-131.2779, x"),
+        "x, 1.846e-2",
+        "resistance.polynomial_n.1",
+        "'x' given; a number is needed",
+    ),
+    "no figure": (
+        PLAIN + "motion: {law: uniform_crank}\ncomparison:\n  published:\n    - {name: x, speed_rpm: 1}\n",
+        "{name",
+        "comparison.published.0",
+        "give at least one of peak_power_w",
+    ),
+    "quoted power alone": (
+        PLAIN + "motion: {law: uniform_crank}\ncomparison:\n  published:\n"
+        "    - {name: x, speed_rpm: 1, peak_power_w: 2, quoted_power_w: 3}\n",
+        "quoted_power_w",
+        "comparison.published.0.quoted_power_w",
+        "need each other",
+    ),
+    "tolerance": (
+        changed(STROKE, "chord_tolerance_mm: 0.005", "chord_tolerance_mm: 0"),
+        "chord_tolerance_mm",
+        "output.chord_tolerance_mm",
+        "a number of 1e-05 or over",
+    ),
+    "table falls": (changed(TABLE, "[0, 30, 60", "[0, 60, 59"), "59,", "motion.phi1_deg.2", "59 follows 60"),
+    "table over a turn": (changed(TABLE, "330]", "361]"), "361]", "motion.phi1_deg.11", "361 is outside the cycle"),
+    "table uneven": (changed(TABLE, "[0, 30, 60", "[0, 60"), "ratio: [", "motion.ratio", "12 values for 11 angles"),
+    "table of a word": (changed(TABLE, "330]", "no]"), "no]", "motion.phi1_deg.11", "'no' given; a number is needed"),
+    "table with nan": (changed(TABLE, "330]", ".nan]"), ".nan]", "motion.phi1_deg.11", "a finite number is needed"),
+    "table too short": (
+        PLAIN + "motion: {law: table, phi1_deg: [0, 1], ratio: [1, 1]}\n",
+        "phi1_deg",
+        "motion.phi1_deg",
+        "at least 4, not 2, items",
+    ),
+    "table without file": (
+        PLAIN + "motion: {law: table, file: no.csv}\n",
+        "file",
+        "motion.file",
+        "no.csv cannot be read",
+    ),
+}
+
+
+@pytest.mark.parametrize(("text", "where", "key", "said"), BAD.values(), ids=BAD.keys())
+@pytest.mark.parametrize("command", ["check", "build"])
+def test_wrong_design_file(run: Run, tmp_path: Path, command: str, text: str, where: str, key: str, said: str) -> None:
+    Path(tmp_path, "d.yaml").write_text(text, encoding="utf-8")
+    place = where if where.replace(":", "").isdigit() else spot(text, where)
+    status, out, err = run(command, "d.yaml")
+    assert (status, out) == (2, "")
+    assert err.startswith(f"d.yaml:{place}: {key + ': ' if key else ''}")
+    assert said in err.splitlines()[0]
+    assert "Traceback" not in err
+    assert os.listdir(tmp_path) == ["d.yaml"]
+
+
+def test_faults_come_in_file_order_up_to_ten(run: Run, tmp_path: Path) -> None:
+    lines = "".join(f"k{i}: 1\n" for i in range(30))
+    Path(tmp_path, "d.yaml").write_text(PLAIN + lines + "motion: {law: uniform_crank}\n")
+    status, _, err = run("check", "d.yaml")
+    assert status == 2
+    starts = [line.split(" ")[0] for line in err.splitlines()[:10]]
+    assert starts == [f"d.yaml:{4 + i}:1:" for i in range(10)]
+    assert err.splitlines()[10:] == ["and 20 more"]
+
+
+def test_misspelt_key_is_not_reported_as_missing_too(run: Run, tmp_path: Path) -> None:
+    Path(tmp_path, "d.yaml").write_text(changed(STROKE, "rod_mm", "rod_m"))
+    assert len(run("check", "d.yaml")[2].splitlines()) == 1
+
+
+def test_file_missing(run: Run) -> None:
+    status, out, err = run("check", "no.yaml")
+    assert (status, out) == (2, "")
+    assert err.startswith("no.yaml: cannot be read: No such file or directory; give an existing")
+
+
+def test_file_is_a_folder(run: Run, tmp_path: Path) -> None:
+    Path(tmp_path, "d.yaml").mkdir()
+    status, _, err = run("check", "d.yaml")
+    assert (status, err) == (2, "d.yaml: is a folder; give a file\n")
+
+
+def test_file_is_a_pipe(run: Run, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "d.yaml")
+    status, _, err = run("check", "d.yaml")
+    assert (status, err) == (2, "d.yaml: is no regular file; give one on disk\n")
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may read every file")
+def test_file_unreadable(run: Run, tmp_path: Path) -> None:
+    Path(tmp_path, "d.yaml").write_text(STROKE)
+    Path(tmp_path, "d.yaml").chmod(0)
+    status, _, err = run("check", "d.yaml")
+    assert status == 2
+    assert err.startswith("d.yaml: cannot be read: Permission denied")
+
+
+def test_file_of_100_mb_is_not_read(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with Path(tmp_path, "d.yaml").open("wb") as file:
+        file.truncate(100_000_000)
+    monkeypatch.setattr(Path, "read_bytes", lambda path: pytest.fail("the file was read"))
+    status, _, err = run("check", "d.yaml")
+    assert (status, err) == (2, "d.yaml: holds 100.0 MB; at most 5 MB is right\n")
+
+
+def test_file_is_not_utf8(run: Run, tmp_path: Path) -> None:
+    Path(tmp_path, "d.yaml").write_bytes(b"name: a\nb: \xfcber\n")
+    status, _, err = run("check", "d.yaml")
+    assert (status, err) == (2, "d.yaml:2:4: byte 0xfc is not UTF-8 text; save the file as UTF-8\n")
+
+
+def test_build_needs_gears_and_says_so_before_computing(run: Run, tmp_path: Path) -> None:
+    Path(tmp_path, "d.yaml").write_text(PLAIN + "motion: {law: uniform_crank}\n")
+    status, out, err = run("build", "d.yaml")
+    assert (status, out) == (2, "")
+    assert err.startswith("d.yaml:1:1: gears: missing; a build needs it")
+
+
+def test_output_folder_is_a_file(run: Run, tmp_path: Path) -> None:
+    Path(tmp_path, "d.yaml").write_text(STROKE)
+    Path(tmp_path, "taken").write_text("")
+    for out_folder in ("taken", "taken/below"):
+        status, out, err = run("build", "d.yaml", "--out", out_folder)
+        assert (status, out) == (2, "")
+        assert "taken: is no folder; choose another one with --out" in err
+
+
+def test_new_writes_a_design_that_loads_and_does_not_overwrite(run: Run, tmp_path: Path) -> None:
+    from ncgear.design.load import load
+
+    assert run("new", "mine", "--law", "ellipse") == (0, "mine.yaml\n", "")
+    assert load(Path("mine.yaml")).design.motion.law == "ellipse"
+    Path(tmp_path, "mine.yaml").write_text("precious")
+    status, out, err = run("new", "mine")
+    assert (status, out, err) == (2, "", "mine.yaml: exists already; choose another name, or remove it\n")
+    assert Path(tmp_path, "mine.yaml").read_text() == "precious"
+
+
+@pytest.mark.parametrize("name", ["../x", "a.yaml", "", "x" * 65, "a b", "é", "a\n"])
+def test_new_refuses_names_that_are_no_names(run: Run, tmp_path: Path, name: str) -> None:
+    status, out, err = run("new", name)
+    assert (status, out) == (2, "")
+    assert "letters, digits, - and _, at most 64 of them" in err
+    assert os.listdir(tmp_path) == []
+
+
+def test_schema_is_json_on_stdout(run: Run) -> None:
+    status, out, err = run("schema")
+    assert (status, err) == (0, "")
+    assert json.loads(out)["$schema"].startswith("https://json-schema.org/")
+
+
+def test_version(run: Run) -> None:
+    assert run("--version") == (0, f"ncgear {ncgear.__version__}\n", "")
+
+
+@pytest.mark.parametrize("arguments", [["nonsense"], ["check"], ["check", "--no"], ["new", "a", "--law", "circle"]])
+def test_usage_errors(run: Run, arguments: list[str]) -> None:
+    status, out, err = run(*arguments)
+    assert (status, out) == (2, "")
+    assert "Usage:" in err
+    assert "Traceback" not in err
+
+
+def failing(error: BaseException) -> Callable[[Path], None]:
+    """A stand-in for loading that raises ``error``."""
+
+    def load(path: Path) -> None:
+        raise error
+
+    return load
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "said"),
+    [
+        (NoSuchMechanism("no stroke", key="motion", location="d.yaml:1:1"), 3, "d.yaml:1:1: motion: no stroke\n"),
+        (PermissionError(13, "Permission denied", "out"), 2, "out: Permission denied; give a path that can be read"),
+        (OSError(28, "No space left on device"), 2, "No space left on device"),
+        (ZeroDivisionError("by\nzero"), 1, "ncgear: internal fault: ZeroDivisionError: by zero, please report\n"),
+        (RecursionError("too deep"), 1, "ncgear: internal fault: RecursionError: too deep, please report\n"),
+        (KeyboardInterrupt(), 130, ""),
+    ],
+)
+def test_exit_status(run: Run, monkeypatch: pytest.MonkeyPatch, error: BaseException, status: int, said: str) -> None:
+    monkeypatch.setattr("ncgear.design.load.load", failing(error))
+    got, out, err = run("check", "d.yaml")
+    assert (got, out) == (status, "")
+    assert err.startswith(said)
+    assert "Traceback" not in err
+
+
+class StandIn:
+    """A drive that computes nothing, or raises ``error`` when it is reported on."""
+
+    error: DesignError | None = None
+
+    def __init__(self, design: Design) -> None:
+        self.name = design.name
+
+
+def _check_text(drive: StandIn) -> str:
+    if drive.error:
+        raise drive.error
+    return f"check of {drive.name}"
+
+
+def _build(drive: StandIn, folder: Path, on_stage: Callable[[str], None]) -> list[Path]:
+    on_stage("pitch curves")
+    return [folder / "summary.json"]
+
+
+@pytest.fixture
+def stand_ins(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Stand-ins for all that the command line calls, so that only what it does itself is tested."""
+    modules: dict[str, dict[str, object]] = {
+        "ncgear.drive": {"Drive": StandIn},
+        "ncgear.output": {},
+        "ncgear.output.build": {"build": _build},
+        "ncgear.output.report": {
+            "check_text": _check_text,
+            "build_text": lambda drive, paths: f"built {drive.name}: {', '.join(map(str, paths))}",
+            "timing_text": lambda drive: "timing",
+        },
+        "ncgear.output.summary": {"check_summary": lambda drive: {"design": {"name": drive.name}}},
+    }
+    for name, content in modules.items():
+        module = ModuleType(name)
+        vars(module).update(content)
+        monkeypatch.setitem(sys.modules, name, module)
+
+
+@pytest.mark.usefixtures("stand_ins")
+def test_results_go_to_stdout_and_timing_to_stderr(run: Run, tmp_path: Path) -> None:
+    Path(tmp_path, "d.yaml").write_text(STROKE)
+    assert run("check", "d.yaml") == (0, "check of baler\n", "")
+    assert run("build", "d.yaml") == (0, "built baler: export/baler/summary.json\n", "")
+    assert run("build", "d.yaml", "--out", "o", "--timing") == (0, "built baler: o/summary.json\n", "timing\n")
+    status, out, err = run("check", "d.yaml", "--json", "--timing")
+    assert (status, json.loads(out), err) == (0, {"design": {"name": "baler"}}, "timing\n")
+
+
+@pytest.mark.usefixtures("stand_ins")
+def test_later_errors_get_the_place_of_their_key(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    Path(tmp_path, "d.yaml").write_text(STROKE)
+    monkeypatch.setattr(StandIn, "error", NoSuchMechanism("the slider would jump", key="motion.theta2"))
+    status, out, err = run("check", "d.yaml")
+    place = spot(STROKE, "theta2_pi")
+    assert (status, out, err) == (3, "", f"d.yaml:{place}: motion.theta2_pi: the slider would jump\n")
+
+
+def test_traceback_of_a_fault_on_demand(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("ncgear.design.load.load", failing(ZeroDivisionError("by zero")))
+    monkeypatch.setenv("NCGEAR_DEBUG", "1")
+    status, out, err = run("check", "d.yaml")
+    assert (status, out) == (1, "")
+    assert "Traceback" in err
+    assert err.endswith("ncgear: internal fault: ZeroDivisionError: by zero, please report\n")
+
+
+def test_in_a_process_of_its_own(tmp_path: Path) -> None:
+    assert fresh("new", "mine", folder=tmp_path).returncode == 0
+    Path(tmp_path, "mine.yaml").write_text(changed(template("mine"), "rod_mm", "rod_m"))
+    done = fresh("check", "mine.yaml", folder=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == "mine.yaml:10:3: linkage.rod_m: unknown key; did you mean rod_mm?\n"
+
+
+def test_help_names_every_command(tmp_path: Path) -> None:
+    done = fresh("--help", folder=tmp_path)
+    assert done.returncode == 0
+    assert all(f"  {command} " in done.stdout for command in ("build", "check", "new", "schema"))
+
+
+HEAVY = ("numpy", "pydantic", "sympy", "matplotlib", "trimesh", "scipy", "ruamel", "rich")
+ASK_HELP = f"""
+import sys
+import ncgear.cli
+sys.argv = ["ncgear", "--help"]
+try:
+    ncgear.cli.main()
+finally:
+    print("loaded:", [name for name in {HEAVY} if name in sys.modules])
+"""
+
+
+def test_help_loads_no_library_it_does_not_need() -> None:
+    source = str(Path(ncgear.__file__).parents[1])
+    environment = {**os.environ, "PYTHONPATH": source}
+    command = [sys.executable, "-c", ASK_HELP]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, env=environment)
+    assert "Usage:" in done.stdout
+    assert done.stdout.endswith("loaded: []\n")

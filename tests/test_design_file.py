@@ -1,0 +1,308 @@
+"""Loading design files: what they mean, where their values stand, points from CSV files, templates, JSON Schema."""
+
+from __future__ import annotations
+
+import json
+from math import inf, pi
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ncgear.design.gears import PROFILES, Rack
+from ncgear.design.load import LoadedDesign, load, with_location
+from ncgear.design.motion import LAWS, SOLVED_KEY, Ellipse, RatioExpression, ThreeSegmentStroke
+from ncgear.design.positions import read_yaml
+from ncgear.design.scalars import plain_value
+from ncgear.design.schema import Design, json_schema
+from ncgear.design.table import MOST_POINTS, TableLaw
+from ncgear.design.template import Law, template
+from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
+
+HEAD = "name: a\nlinkage: {crank_mm: 100, rod_mm: 300}\noperation: {speed_rpm: 60}\n"
+
+
+def loaded(folder: Path, text: str) -> LoadedDesign:
+    """Load ``text`` from a file d.yaml in ``folder``."""
+    path = folder / "d.yaml"
+    path.write_text(text, encoding="utf-8")
+    return load(path)
+
+
+def refusal(folder: Path, text: str) -> WrongInput:
+    """The error that loading ``text`` raises."""
+    with pytest.raises(WrongInput) as caught:
+        loaded(folder, text)
+    return caught.value
+
+
+def test_baler_template_holds_what_it_says(tmp_path: Path) -> None:
+    design = loaded(tmp_path, template("baler")).design
+    motion = design.motion
+    assert isinstance(motion, ThreeSegmentStroke)
+    angles = (motion.theta1, motion.theta2, motion.theta3, motion.theta4)
+    assert angles == pytest.approx((0.4 * pi, 0.7 * pi, pi, 1.3 * pi), rel=1e-15)
+    assert (motion.v1_mm_s, motion.v2_mm_s, motion.a1_mm_s2, motion.a1_speed_rpm) == (1600, 1100, -1500, 20)
+    assert (motion.law_speed_rpm, motion.stroke_mm) == (None, 760)
+    assert (motion.return_.basis, motion.return_.e) == ("ratio", "least_acceleration")
+    assert design.resistance is not None
+    assert design.resistance.polynomial_n == (-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7)
+    assert design.law_gives_slider
+
+
+@pytest.mark.parametrize("law", list(Law))
+def test_every_template_loads(tmp_path: Path, law: Law) -> None:
+    design = loaded(tmp_path, template("mine", law)).design
+    assert (design.name, design.motion.law) == ("mine", law.value)
+    assert design.gears is not None
+
+
+def test_there_is_a_template_for_every_law() -> None:
+    assert {law.value for law in Law} == set(LAWS)
+
+
+def test_defaults(tmp_path: Path) -> None:
+    design = loaded(
+        tmp_path, HEAD + "motion: {law: uniform_crank}\ngears: {teeth: 20, module_mm: 2, face_width_mm: 9}\n"
+    )
+    gears = design.design.gears
+    assert gears is not None
+    assert (gears.lobes.driving, gears.lobes.driven, gears.backlash_mm, gears.center_distance_mm) == (1, 1, 0.0, None)
+    assert (gears.driving.bore_mm, gears.driven.keyway) == (None, None)
+    assert (design.design.linkage.offset_mm, design.design.output.chord_tolerance_mm) == (0.0, 0.005)
+    assert (design.design.resistance, design.design.comparison, design.design.description) == (None, None, "")
+    assert not design.design.law_gives_slider
+
+
+@pytest.mark.parametrize("profile", "ABCD")
+def test_rack_takes_its_coefficients_from_the_profile(profile: str) -> None:
+    rack = Rack.model_validate({"profile": profile, "root_radius": 0.1})
+    assert (rack.addendum, rack.dedendum, rack.root_radius) == (1.0, PROFILES[profile].dedendum, 0.1)
+    assert Rack.model_validate({"profile": profile}).root_radius == PROFILES[profile].root_radius
+
+
+def test_wrong_profile_is_one_fault_not_four(tmp_path: Path) -> None:
+    text = (
+        HEAD + "motion: {law: uniform_crank}\ngears: {teeth: 20, module_mm: 2, face_width_mm: 9, rack: {profile: E}}\n"
+    )
+    assert str(refusal(tmp_path, text)).count("\n") == 0
+
+
+@pytest.mark.parametrize("spelling", ["phase_rad: 1.5707963267948966", "phase_deg: 90", "phase_pi: 0.5"])
+def test_angle_in_any_unit(tmp_path: Path, spelling: str) -> None:
+    motion = loaded(tmp_path, HEAD + f"motion: {{law: ellipse, eccentricity: 0, {spelling}}}\n").design.motion
+    assert isinstance(motion, Ellipse)
+    assert motion.phase == pytest.approx(pi / 2, rel=1e-15)
+
+
+def test_crank_may_be_left_out_when_the_stroke_is_solved_for(tmp_path: Path) -> None:
+    text = template("baler").replace("solve_for: law_speed ", "solve_for: stroke ").replace("crank_mm: 380", "# gone")
+    text = text.replace("# law_speed_rpm: ", "law_speed_rpm: 50 ").replace("stroke_mm: 760", "# gone")
+    assert loaded(tmp_path, text).design.linkage.crank_mm is None
+
+
+def test_theta2_and_theta3_may_coincide(tmp_path: Path) -> None:
+    motion = loaded(tmp_path, template("baler").replace("theta3_pi: 1.0", "theta3_deg: 126 ")).design.motion
+    assert isinstance(motion, ThreeSegmentStroke)
+    assert motion.theta3 == motion.theta2
+
+
+@pytest.mark.parametrize(("solved", "key"), SOLVED_KEY.items())
+def test_each_quantity_can_be_solved_for(tmp_path: Path, solved: str, key: str) -> None:
+    text = template("baler").replace("solve_for: law_speed ", f"solve_for: {solved} ")
+    text = text.replace("# law_speed_rpm: ", "law_speed_rpm: 50 ") if key != "law_speed_rpm" else text
+    motion = loaded(tmp_path, text.replace(f"  {key}:", f"  # {key}:")).design.motion
+    assert isinstance(motion, ThreeSegmentStroke)
+    assert [name for name in SOLVED_KEY.values() if getattr(motion, name) is None] == [key]
+
+
+def test_both_formulas_are_allowed_alone(tmp_path: Path) -> None:
+    motion = loaded(tmp_path, HEAD + 'motion: {law: ratio_expression, driven_angle: "phi"}\n').design.motion
+    assert isinstance(motion, RatioExpression)
+    assert (motion.ratio, motion.driven_angle, motion.scale_to_close) == (None, "phi", False)
+
+
+def test_number_e_is_kept(tmp_path: Path) -> None:
+    motion = loaded(tmp_path, template("baler").replace("e: least_acceleration", "e: 0 ")).design.motion
+    assert isinstance(motion, ThreeSegmentStroke)
+    assert motion.return_.e == 0.0
+
+
+def test_design_cannot_be_changed(tmp_path: Path) -> None:
+    design, field = loaded(tmp_path, HEAD + "motion: {law: uniform_crank}\n").design, "name"
+    with pytest.raises(ValueError, match="frozen"):
+        setattr(design, field, "b")
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("1e-3", 1e-3),
+        ("-1.5E+2", -150.0),
+        (".5", 0.5),
+        ("010", 10),
+        ("-.inf", -inf),
+        ("true", True),
+        ("~", None),
+        ("", None),
+        # Text: other dialects read these as truth values, a date, and numbers.
+        ("no", "no"),
+        ("on", "on"),
+        ("2001-01-01", "2001-01-01"),
+        ("0x10", "0x10"),
+        ("1_000", "1_000"),
+    ],
+)
+def test_plain_scalars_mean_what_yaml_1_2_says(text: str, value: object) -> None:
+    assert plain_value(text) == value
+    assert type(plain_value(text)) is type(value)
+
+
+def test_locate(tmp_path: Path) -> None:
+    design = loaded(tmp_path, template("baler"))
+    file = tmp_path / "d.yaml"
+    assert design.locate("linkage.rod_mm") == f"{file}:10:3"
+    assert design.locate("linkage.nothing.below") == f"{file}:8:1"
+    assert design.locate("nothing") == f"{file}:5:1"
+    assert design.locate("") == f"{file}:5:1"
+    assert design.locate("motion.theta2") == design.locate("motion.theta2_rad") == f"{file}:20:3"
+    assert design.locate("resistance.polynomial_n.1").endswith(":50:29")
+
+
+def test_with_location_adds_the_place_and_keeps_a_known_one(tmp_path: Path) -> None:
+    design = loaded(tmp_path, template("baler"))
+    error: DesignError = NoSuchMechanism("does not exist", key="motion.theta1")
+    assert with_location(error, design) is error
+    assert str(error) == f"{tmp_path}/d.yaml:19:3: motion.theta1_pi: does not exist"
+    placed = with_location(WrongInput("x", key="motion", location="other:1:1"), design)
+    assert placed.location == "other:1:1"
+
+
+def points(folder: Path, csv: str, more: str = "") -> TableLaw:
+    """The table law of a design file that names a CSV file holding ``csv``."""
+    (folder / "p.csv").write_text(csv)
+    motion = loaded(folder, f"{HEAD}motion:\n  law: table\n  file: p.csv\n{more}").design.motion
+    assert isinstance(motion, TableLaw)
+    return motion
+
+
+def test_points_from_a_file(tmp_path: Path) -> None:
+    law = points(tmp_path, "displacement_mm, phi1_deg\n0,0\n\n10,90\n 20 ,180\n1e1,270\n")
+    assert law.displacement_mm == (0.0, 10.0, 20.0, 10.0)
+    assert law.phi1 == pytest.approx((0.0, pi / 2, pi, 3 * pi / 2), rel=1e-15)
+    assert law.ratio is None
+
+
+def test_points_file_lies_beside_the_design_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir("/")
+    assert points(tmp_path, "phi1_pi,ratio\n0,1\n.5,1\n1,1\n1.5,1\n").phi1_pi == (0.0, 0.5, 1.0, 1.5)
+
+
+def test_many_points(tmp_path: Path) -> None:
+    rows = "".join(f"{360 * i / MOST_POINTS!r},1\n" for i in range(MOST_POINTS))
+    assert len(points(tmp_path, "phi1_deg,ratio\n" + rows).phi1) == MOST_POINTS
+    with pytest.raises(WrongInput, match=rf"p.csv:{MOST_POINTS + 2}:1: over 200000 points"):
+        points(tmp_path, "phi1_deg,ratio\n" + rows + "360,1\n")
+
+
+ROWS = "0,1\n90,1\n180,1\n270,1\n"
+
+
+@pytest.mark.parametrize(
+    ("csv", "said"),
+    [
+        ("", "p.csv:1:1: the first line must name one of the columns phi1_rad"),
+        ("phi1_deg,ratio\n0,1\n90,x\n180,1\n", "p.csv:3:4: ratio: 'x' is not a finite number"),
+        ("phi1_deg,ratio\n0,1\n\nnan,1\n", "p.csv:4:1: phi1_deg: 'nan' is not a finite number"),
+        ("phi1_deg,ratio\n0,1e999\n", "p.csv:2:3: ratio: '1e999' is not a finite number"),
+        ("phi1_deg,ratio\n0,\n", "p.csv:2:3: ratio: '' is not a finite number"),
+        ("phi1_deg,ratio\n0,1,2\n", "p.csv:2:1: 3 values for 2 columns"),
+        ("phi1_deg;ratio\n" + ROWS, "p.csv:1:1: unknown column: 'phi1_deg;ratio'"),
+        ("phi1_deg,speed\n" + ROWS, "p.csv:1:10: unknown column: 'speed'; columns can be phi1_rad"),
+        ("ratio,ratio\n" + ROWS, "p.csv:1:7: column given twice: 'ratio'"),
+        ("phi1_deg,phi1_rad\n" + ROWS, "p.csv:1:1: the first line must name one of the columns phi1_rad"),
+        ("phi1_deg\n0\n90\n180\n270\n", "p.csv:1:1: the first line must name one of the columns displacement_mm"),
+        ('phi1_deg,ratio\n0,"1\n', "p.csv:2:1: is not CSV"),
+        ("phi1_deg,ratio\n0,1\n90,1\n\n90,1\n270,1\n", "p.csv:5:1: motion.phi1_deg.2: 90 follows 90"),
+        ("phi1_deg,ratio\n0,1\n90,1\n", "p.csv:1:1: motion.phi1_deg: a list given; a list of at least 4, not 2"),
+    ],
+)
+def test_fault_in_the_points_file_has_a_line_of_it(tmp_path: Path, csv: str, said: str) -> None:
+    with pytest.raises(WrongInput) as caught:
+        points(tmp_path, csv)
+    assert str(caught.value).removeprefix(f"{tmp_path}/").startswith(said)
+
+
+def test_points_file_that_cannot_be_had_is_a_fault_of_the_design_file(tmp_path: Path) -> None:
+    (tmp_path / "p.csv").mkdir()
+    error = refusal(tmp_path, f"{HEAD}motion:\n  law: table\n  file: p.csv\n")
+    assert str(error) == f"{tmp_path}/d.yaml:6:3: motion.file: {tmp_path}/p.csv is a folder; give a file"
+
+
+def test_huge_points_file_is_refused_unread(tmp_path: Path) -> None:
+    with (tmp_path / "p.csv").open("wb") as file:
+        file.truncate(100_000_000)
+    error = refusal(tmp_path, f"{HEAD}motion:\n  law: table\n  file: p.csv\n")
+    assert "holds 100.0 MB; at most 20 MB is right" in str(error)
+
+
+def test_points_beside_a_file_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(WrongInput, match=r"d\.yaml:7:3: motion\.ratio: given beside file; keep one"):
+        points(tmp_path, "phi1_deg,ratio\n" + ROWS, more="  ratio: [1]\n")
+
+
+def descriptions_missing(schema: Any) -> list[str]:
+    """Paths of the properties in a JSON Schema that nothing is said about."""
+    found = []
+    for model, definition in {**schema["$defs"], "Design": schema}.items():
+        for name, field in definition["properties"].items():
+            if "description" not in field:
+                found.append(f"{model}.{name}")
+    return found
+
+
+def test_json_schema_describes_every_key() -> None:
+    schema = json_schema()
+    assert schema["title"] == "ncgear design file"
+    assert set(schema["required"]) == {"name", "linkage", "operation", "motion"}
+    assert set(schema["properties"]) == set(Design.model_fields)
+    assert schema["additionalProperties"] is False
+    assert descriptions_missing(schema) == []
+
+
+def test_json_schema_knows_the_laws_and_the_keys_as_written() -> None:
+    schema = json_schema()
+    assert set(schema["properties"]["motion"]["discriminator"]["mapping"]) == set(LAWS)
+    assert {"return", "theta1_pi", "law_speed_rpm"} <= set(schema["$defs"]["ThreeSegmentStroke"]["properties"])
+    assert schema["$defs"]["Linkage"]["required"] == ["rod_mm"]
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.text(alphabet=" \n-:[]{}&*!|>'\"#%,?a1.\t\x00\ufeff\u2028é", max_size=40))
+def test_any_text_is_read_or_refused_with_a_place(text: str) -> None:
+    try:
+        read_yaml(text, "d.yaml")
+    except WrongInput as error:
+        assert error.location.startswith("d.yaml:")
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.sampled_from(["law", "e", "teeth", "x"]), inner),
+    max_leaves=6,
+)
+KEYS = [*Design.model_fields, "zzz"]
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.dictionaries(st.sampled_from(KEYS), JSON), st.sampled_from(list(LAWS)), st.dictionaries(st.text(), JSON))
+def test_any_values_are_refused_in_words(
+    tmp_path_factory: pytest.TempPathFactory, data: dict[str, Any], law: str, motion: dict[str, Any]
+) -> None:
+    values = {**data, "motion": data.get("motion", {**motion, "law": law})}
+    text = json.dumps(values).replace("NaN", ".nan").replace("Infinity", ".inf")
+    error = refusal(tmp_path_factory.getbasetemp(), text)
+    assert "d.yaml:1:" in error.location
+    assert "Input should" not in str(error)

@@ -1,0 +1,381 @@
+"""The output side: exact tables, files that arrive together or not at all, readable reports, pictures that show."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from io import BytesIO
+from math import pi
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from ncgear.errors import WrongInput
+from ncgear.kinematics.slider import SliderMotion
+from ncgear.output import plots
+from ncgear.output.build import build
+from ncgear.output.comparison import MIXED_SPEEDS, SAME_SPEED
+from ncgear.output.numbers import label_and_unit, shown
+from ncgear.output.publish import STAGING_PREFIX, prepare, publish
+from ncgear.output.report import WIDTH, summary_text, timing_text
+from ncgear.output.tables import LAW_COLUMNS, law_csv, outline_csv
+
+FILES = {"a.txt": b"first", "b.txt": b"second", "summary.json": b"{}"}
+
+
+def motion(rows: int = 2001, amplitude: float = 1.0) -> SliderMotion:
+    """A made-up motion of realistic size, 20 r/min."""
+    phi = np.linspace(0.0, 2.0 * pi, rows)
+    speed = 2.0 * pi / 3.0
+    displacement = 380.0 * (1.0 - np.cos(phi)) + 20.0 * amplitude * np.sin(phi) ** 2
+    velocity = speed * (380.0 * np.sin(phi) + 20.0 * amplitude * np.sin(2.0 * phi))
+    force = np.where(velocity > 0.0, 1e-9 * displacement**4, 0.0)
+    return SliderMotion(
+        phi1_rad=phi,
+        phi2_rad=phi - 0.1 * amplitude * np.sin(phi),
+        ratio=1.0 / (1.0 - 0.1 * amplitude * np.cos(phi)),
+        displacement_mm=displacement,
+        velocity_mm_s=velocity,
+        acceleration_mm_s2=speed**2 * (380.0 * np.cos(phi) + 40.0 * amplitude * np.cos(2.0 * phi)),
+        force_n=force,
+        power_w=force * velocity / 1e3,
+    )
+
+
+# --- tables
+
+
+def read(text: str) -> tuple[str, np.ndarray]:
+    header, *lines = text.removesuffix("\n").split("\n")
+    return header, np.array([[float(cell) for cell in line.split(",")] for line in lines])
+
+
+def test_law_table_reads_back_exactly() -> None:
+    table = motion()
+    header, values = read(law_csv(table))
+    assert header == ("phi1_rad,phi2_rad,ratio,displacement_mm,velocity_mm_s,acceleration_mm_s2,force_n,power_w")
+    np.testing.assert_array_equal(values, np.column_stack([getattr(table, name) for name in LAW_COLUMNS]))
+
+
+def test_outline_table_reads_back_exactly() -> None:
+    outline = np.random.default_rng(1).normal(size=(500, 2)) * 10.0 ** np.arange(-150, 350, 1)[:, None].clip(-150, 150)
+    header, values = read(outline_csv(outline))
+    assert header == "x_mm,y_mm"
+    np.testing.assert_array_equal(values, outline)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_tables_hold_finite_numbers_only(bad: float) -> None:
+    with pytest.raises(ValueError, match="y_mm"):
+        outline_csv(np.array([[0.0, 1.0], [2.0, bad]]))
+
+
+# --- publishing
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def test_publish_creates_the_folder_and_writes_every_file(tmp_path: Path) -> None:
+    folder = tmp_path / "deep" / "down"
+    assert publish(folder, FILES) == [folder / name for name in FILES]
+    assert contents(folder) == FILES
+
+
+def test_publish_replaces_earlier_files_and_leaves_others(tmp_path: Path) -> None:
+    publish(tmp_path, {"a.txt": b"old", "mine.txt": b"keep"})
+    publish(tmp_path, FILES)
+    assert contents(tmp_path) == {**FILES, "mine.txt": b"keep"}
+
+
+@pytest.mark.parametrize("stage", ["write_bytes", "replace"])
+@pytest.mark.parametrize("fault", [OSError(28, "No space left on device"), KeyboardInterrupt()])
+def test_failure_in_the_middle_leaves_the_last_good_build(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stage: str, fault: BaseException
+) -> None:
+    old = {"a.txt": b"old first", "summary.json": b"old"}
+    publish(tmp_path, old)
+    real, calls = getattr(Path, stage), []
+
+    def failing(self: Path, *arguments: Any) -> Any:
+        calls.append(self)
+        if len(calls) == 3:
+            raise fault
+        return real(self, *arguments)
+
+    monkeypatch.setattr(Path, stage, failing)
+    with pytest.raises((WrongInput, KeyboardInterrupt)):
+        publish(tmp_path, FILES)
+    monkeypatch.undo()
+    assert contents(tmp_path) == old
+    # The negative control: without the fault the same call does change the folder.
+    publish(tmp_path, FILES)
+    assert contents(tmp_path) == FILES
+
+
+def test_failure_because_a_folder_is_in_the_way_of_a_file(tmp_path: Path) -> None:
+    publish(tmp_path, {"a.txt": b"old"})
+    (tmp_path / "b.txt").mkdir()
+    with pytest.raises(WrongInput, match="cannot be written"):
+        publish(tmp_path, FILES)
+    assert (tmp_path / "a.txt").read_bytes() == b"old"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.txt", "b.txt"]
+
+
+def test_leftovers_of_killed_runs_are_removed(tmp_path: Path) -> None:
+    leftover = tmp_path / f"{STAGING_PREFIX}killed" / "fresh"
+    leftover.mkdir(parents=True)
+    (leftover / "a.txt").write_bytes(b"half")
+    publish(tmp_path, FILES)
+    assert contents(tmp_path) == FILES
+
+
+def test_folder_that_is_a_file_is_refused(tmp_path: Path) -> None:
+    place = tmp_path / "out"
+    place.write_bytes(b"precious")
+    for folder in (place, place / "below"):
+        for refuse in (prepare, lambda target: publish(target, FILES)):
+            with pytest.raises(WrongInput, match="--out") as caught:
+                refuse(folder)
+            assert caught.value.location == str(place)
+    assert place.read_bytes() == b"precious"
+
+
+def test_folder_that_cannot_be_written_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Root may write everywhere, so the system's answer is simulated.
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    with pytest.raises(WrongInput, match="cannot be written"):
+        prepare(tmp_path / "new")
+
+
+def test_prepare_creates_nothing(tmp_path: Path) -> None:
+    prepare(tmp_path / "deep" / "down")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", ["", ".", "..", "../a", "a/b", "a\\b", "/a", "a\0", f"{STAGING_PREFIX}x"])
+def test_names_that_would_escape_are_refused_before_anything_is_written(tmp_path: Path, name: str) -> None:
+    with pytest.raises(ValueError, match="plain"):
+        publish(tmp_path / "out", {"a.txt": b"", name: b""})
+    assert not list(tmp_path.iterdir())
+
+
+# --- reports
+
+
+ROW = {
+    "peak_power_w": 6315.1,
+    "mean_power_w": 1043.4,
+    "peak_acceleration_cycle_mm_s2": 7341.1,
+    "peak_speed_mm_s": 1874.1,
+}
+SUMMARY: dict[str, Any] = {
+    "design": {"name": "baler"},
+    "ratio": {"min": 0.44058, "max": 2.0545, "min_at_rad": pi, "max_at_rad": 0.5},
+    "teeth": {"undercut_driving": [1, 2, 3, 7], "undercut_driven": [], "module_mm": 3.0},
+    "pitch": {
+        "driving_convex": False,
+        "min_concave_radius_driven_mm": None,
+        "concave_driving_rad": [[0.0, 0.1], [2.0, 3.0]],
+    },
+    "comparison": [
+        {"name": "this design", "speed_rpm": 20.0, **ROW, "same_speed": True, "note": ""},
+        {
+            "name": "quoted elsewhere",
+            "speed_rpm": 60.0,
+            **ROW,
+            "mean_power_w": None,
+            "same_speed": False,
+            "note": "so ",
+        },
+        {"name": "a mechanism " * 9, "speed_rpm": 20.0, **ROW, "same_speed": True, "note": "a note " * 30},
+    ],
+    "warnings": ["something to know " * 12, "short"],
+    "timing_s": {"teeth": 0.1},
+}
+
+
+def test_rows_at_other_speeds_are_set_apart() -> None:
+    text = summary_text(SUMMARY)
+    same, mixed = text.split(MIXED_SPEEDS)
+    assert SAME_SPEED in same
+    assert "this design" in same
+    assert "a mechanism" in same
+    assert "quoted elsewhere" not in same
+    assert "quoted elsewhere" in mixed
+    assert "this design" not in mixed
+
+
+def test_no_heading_without_rows_at_other_speeds() -> None:
+    rows = [row for row in SUMMARY["comparison"] if row["same_speed"]]
+    assert MIXED_SPEEDS not in summary_text({**SUMMARY, "comparison": rows})
+    assert SAME_SPEED not in summary_text({**SUMMARY, "comparison": []})
+
+
+def test_report_is_aligned_and_not_too_wide() -> None:
+    lines = summary_text(SUMMARY).split("\n")
+    assert max(map(len, lines)) <= WIDTH
+    rows = [line for line in lines if line.endswith("1874.1")]
+    assert len(rows) == 3
+    assert len({len(line) for line in rows if "quoted" not in line}) == 1
+    assert sum(line.startswith("warning: ") for line in lines) == 2
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "min                         0.44058 at phi1 = 180 deg",
+        "undercut driving            1-3, 7",
+        "undercut driven             none",
+        "module                      3 mm",
+        "driving convex              no",
+        "min concave radius driven   -",
+        "concave driving             0..0.1, 2..3 rad",
+    ],
+)
+def test_values_are_shown_as_a_person_reads_them(line: str) -> None:
+    assert " ".join(line.split()) in [" ".join(shown_line.split()) for shown_line in summary_text(SUMMARY).split("\n")]
+
+
+def test_numbers_and_units() -> None:
+    assert label_and_unit("peak_acceleration_cycle_mm_s2") == ("peak acceleration cycle", "mm/s2")
+    assert label_and_unit("teeth") == ("teeth", "")
+    assert [shown(value) for value in (123456.7, 12345.6, 1.5e-15, 0.0, True, None)] == [
+        "123457", "12346", "1.5e-15", "0", "yes", "-",
+    ]  # fmt: skip
+    assert shown(list(np.arange(20.0))).endswith("and 8 more")
+
+
+def test_timing_adds_up() -> None:
+    drive: Any = SimpleNamespace(timing_s={"teeth": 0.25, "pitch curves": 0.5})
+    assert timing_text(drive).split("\n")[-1].split() == ["sum", "0.750"]
+
+
+# --- pictures
+
+
+def wavy(radius: float, phase: float) -> np.ndarray:
+    angle = np.linspace(0.0, 2.0 * pi, 4000, endpoint=False)
+    rim = radius + 2.0 * np.cos(40 * angle + phase)
+    return np.asarray(rim[:, None] * np.column_stack([np.cos(angle), np.sin(angle)]))
+
+
+def shades(png: bytes) -> np.ndarray:
+    """The picture as RGB, shape (height, width, 3)."""
+    image = Image.open(BytesIO(png))
+    assert image.format == "PNG"
+    return np.asarray(image.convert("RGB"), dtype=float)
+
+
+def near(pixels: np.ndarray, color: tuple[int, int, int]) -> int:
+    return int(np.sum(np.abs(pixels - color).max(axis=2) < 25))
+
+
+DRIVING, DRIVEN, HIGHLIGHT = (0x00, 0x72, 0xB2), (0xD5, 0x5E, 0x00), (0xCC, 0x79, 0xA7)
+
+
+def test_pitch_curves_show_both_gears_and_concave_stretches_only_where_there_are_any() -> None:
+    driving, driven = wavy(50.0, 0.0), wavy(50.0, pi)
+    plain = shades(plots.pitch_curves(driving, driven, 100.0))
+    assert min(near(plain, DRIVING), near(plain, DRIVEN)) > 500
+    assert near(plain, HIGHLIGHT) == 0
+    none, some = np.zeros(4000, dtype=bool), np.arange(4000) < 1000
+    assert near(shades(plots.pitch_curves(driving, driven, 100.0, none, none)), HIGHLIGHT) == 0
+    assert near(shades(plots.pitch_curves(driving, driven, 100.0, some, None)), HIGHLIGHT) > 500
+
+
+def test_tooth_pair_shows_every_position() -> None:
+    positions = [plots.Position(angle, angle, 50.0) for angle in (0.0, 1.0, 2.0)]
+    pixels = shades(plots.tooth_pair(wavy(50.0, 0.0), wavy(50.0, pi), 100.0, 2.5, positions))
+    for column in np.array_split(pixels[:, : pixels.shape[1] // 3 * 3], 3, axis=1):
+        assert min(near(column, DRIVING), near(column, DRIVEN)) > 300
+
+
+def test_gears_turn_opposite_ways() -> None:
+    np.testing.assert_allclose(plots.turned(np.array([[1.0, 0.0]]), pi / 2.0), [[0.0, 1.0]], atol=1e-15)
+
+
+@pytest.mark.parametrize("draw", [plots.motion, plots.power])
+@pytest.mark.parametrize("joints", [np.empty(0), np.array([1.0, 2.0])])
+def test_curves_are_drawn(draw: Any, joints: np.ndarray) -> None:
+    pixels = shades(draw(motion(), motion(amplitude=0.0), "baler: 20 r/min", joints))
+    assert near(pixels, DRIVING) > 1000
+    assert pixels.shape[0] > 500
+
+
+def test_power_without_resistance_and_a_name_with_dollar_signs_can_be_drawn() -> None:
+    idle = motion()
+    idle = SliderMotion(**{**vars(idle), "force_n": 0.0 * idle.force_n, "power_w": 0.0 * idle.power_w})
+    assert near(shades(plots.power(idle, idle, "a $ and $\\frac")), DRIVING) > 500
+
+
+def test_pictures_are_the_same_bytes_each_time() -> None:
+    assert plots.motion(motion(), motion(), "a") == plots.motion(motion(), motion(), "a")
+
+
+def test_no_global_plotting_state_is_touched() -> None:
+    plots.motion(motion(), motion(), "a")
+    assert "matplotlib.pyplot" not in sys.modules
+
+
+# --- a whole build
+
+
+DESIGN = """
+name: small
+linkage: {crank_mm: 380, rod_mm: 960}
+operation: {speed_rpm: 20}
+motion: {law: uniform_crank}
+gears:
+  teeth: 24
+  module_mm: 3
+  face_width_mm: 20
+  driving: {bore_mm: 16, keyway: {width_mm: 5, depth_mm: 2.3}}
+"""
+
+
+def drive_of(text: str, folder: Path) -> Any:
+    from ncgear.design.load import load
+    from ncgear.drive import Drive
+
+    path = folder / "small.yaml"
+    path.write_text(text)
+    return Drive(load(path).design)
+
+
+def test_build_writes_a_whole_set_of_files(tmp_path: Path) -> None:
+    stages: list[str] = []
+    out = tmp_path / "out"
+    paths = build(drive_of(DESIGN, tmp_path), out, stages.append)
+    assert stages == ["motion", "pitch curves", "teeth", "contact", "solids", "plots", "files"]
+    assert sorted(path.name for path in out.iterdir()) == sorted(path.name for path in paths)
+    assert paths[-1].name == "summary.json"
+    assembly = json.loads((out / "assembly.json").read_text())
+    assert (assembly["driving"]["on_line_of_centers"], assembly["driven"]["on_line_of_centers"]) == ("tooth", "space")
+    summary = json.loads((out / "summary.json").read_text())
+    assert {"plots", "files"} <= summary["timing_s"].keys()
+    assert len((out / "law.csv").read_text().splitlines()) >= 2002
+
+
+def test_build_into_a_file_is_refused_before_any_stage(tmp_path: Path) -> None:
+    place, stages = tmp_path / "out", list[str]()
+    place.write_bytes(b"")
+    with pytest.raises(WrongInput):
+        build(drive_of(DESIGN, tmp_path), place, stages.append)
+    assert not stages
+
+
+def test_failing_build_leaves_the_last_good_one(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    build(drive_of(DESIGN, tmp_path), out, lambda _: None)
+    good = contents(out)
+    with pytest.raises(WrongInput, match="largest that fits") as caught:
+        build(drive_of(DESIGN.replace("bore_mm: 16", "bore_mm: 70"), tmp_path), out, lambda _: None)
+    assert caught.value.key == "gears.driving.bore_mm"
+    assert contents(out) == good

@@ -1,0 +1,223 @@
+"""Solids: volumes against closed forms, bores and keyways, what is refused, and where the index hole goes."""
+
+from __future__ import annotations
+
+from math import asin, hypot, pi, sqrt
+
+import numpy as np
+import pytest
+from shapely import Point, Polygon
+
+from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.output.stl import read_back, stl_bytes
+from ncgear.solids.assembly import Placed, assembly_report, met_at, outline_radius_mm
+from ncgear.solids.bore import Bore, Keyway, bore_points, circle_points
+from ncgear.solids.extrude import extruded, gear_solid
+from ncgear.solids.index_hole import WALL_IN_MODULES, index_hole
+from ncgear.solids.pair import Blank, driven_solid, driving_solid
+from ncgear.solids.section import full_disc, largest_bore_mm
+
+TOLERANCE = 0.005
+MODULE = 2.5
+TEETH = 40
+RADIUS = TEETH * MODULE / 2.0
+WAVE = 1.1 * MODULE
+
+
+def wavy(points: int = 40_000, phase: float = 0.0) -> np.ndarray:
+    """A gear-like outline, radius RADIUS + WAVE cos(TEETH angle): a tooth on polar angle 0 when the phase is 0."""
+    angle = np.linspace(0.0, 2.0 * pi, points, endpoint=False)
+    radius = RADIUS + WAVE * np.cos(TEETH * angle + phase)
+    return radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def cut_area(bore: Bore) -> float:
+    """Exact area of a bore with its keyway: circle, plus the rectangle, less the segment that both have."""
+    radius, keyway = bore.diameter_mm / 2.0, bore.keyway
+    if keyway is None:
+        return pi * radius**2
+    half = keyway.width_mm / 2.0
+    chord = sqrt(radius**2 - half**2)
+    segment = radius**2 * asin(half / radius) - half * chord
+    return pi * radius**2 + keyway.width_mm * (radius + keyway.depth_mm - chord) - segment
+
+
+BORES = [None, Bore(30.0), Bore(30.0, Keyway(8.0, 3.3)), Bore(6.0, Keyway(5.9, 1.0))]
+
+
+@pytest.mark.parametrize("bore", BORES)
+def test_volume_is_that_of_the_closed_form(bore: Bore | None) -> None:
+    mesh = gear_solid(wavy(), 20.0, bore, 1e-4)
+    area = pi * (RADIUS**2 + WAVE**2 / 2.0) - (cut_area(bore) if bore else 0.0)
+    # Chords of 8 um on the outline, a chord tolerance of 0.1 um on a bore of 100 mm around at most.
+    assert mesh.volume == pytest.approx(20.0 * area, rel=3e-6)
+    assert mesh.is_watertight
+    assert mesh.euler_number == (0 if bore else 2)
+    np.testing.assert_allclose(mesh.bounds[:, 2], [0.0, 20.0], rtol=0.0, atol=0.0)
+
+
+@pytest.mark.parametrize("bore", BORES)
+def test_stl_reads_back_as_the_same_solid(bore: Bore | None) -> None:
+    mesh = gear_solid(wavy(4000), 20.0, bore, TOLERANCE)
+    data = stl_bytes(mesh)
+    again = read_back(data, mesh)
+    assert len(data) == 84 + 50 * len(mesh.faces)
+    assert again.is_watertight
+    assert again.volume == pytest.approx(mesh.volume, rel=1e-6)
+
+
+def test_a_lost_facet_is_noticed() -> None:
+    mesh = gear_solid(wavy(400), 20.0, None, TOLERANCE)
+    data = stl_bytes(mesh)
+    count = len(mesh.faces) - 1
+    with pytest.raises(RuntimeError, match="watertight"):
+        read_back(data[:80] + count.to_bytes(4, "little") + data[84:-50], mesh)
+
+
+def test_another_solid_is_noticed() -> None:
+    mesh = gear_solid(wavy(400), 20.0, None, TOLERANCE)
+    moved = mesh.copy()
+    moved.apply_translation([0.0, 0.0, 0.01])
+    with pytest.raises(RuntimeError, match="spans"):
+        read_back(stl_bytes(moved), mesh)
+    with pytest.raises(RuntimeError, match="mm3"):
+        read_back(stl_bytes(gear_solid(wavy(400), 20.01, None, TOLERANCE)), mesh)
+
+
+def test_points_that_single_precision_cannot_tell_apart_do_no_harm() -> None:
+    outline = wavy(400)
+    doubled = np.repeat(outline, 2, axis=0)
+    doubled[1::2] += 1e-7
+    mesh = gear_solid(doubled, 20.0, Bore(30.0), TOLERANCE)
+    assert read_back(stl_bytes(mesh), mesh).is_watertight
+
+
+@pytest.mark.parametrize("radius", [0.5, 10.0, 300.0])
+@pytest.mark.parametrize("tolerance", [1e-4, 0.005, 0.5, 5.0])
+def test_circles_keep_the_chord_tolerance(radius: float, tolerance: float) -> None:
+    points = circle_points(radius, tolerance)
+    middles = (points + np.roll(points, -1, axis=0)) / 2.0
+    np.testing.assert_allclose(np.hypot(*points.T), radius, rtol=1e-14)
+    assert radius - np.hypot(*middles.T).min() <= tolerance
+    assert len(points) >= 24
+
+
+def test_keyway_points_along_x() -> None:
+    points = bore_points(Bore(30.0, Keyway(8.0, 3.3)), TOLERANCE)
+    floor = points[points[:, 0] > 15.0 + 1e-9]
+    np.testing.assert_allclose(floor, [[18.3, -4.0], [18.3, 4.0]])
+    polygon = Polygon(points)
+    assert polygon.is_valid
+    assert polygon.exterior.is_ccw
+
+
+def test_keyway_as_wide_as_the_bore_is_refused() -> None:
+    with pytest.raises(ValueError, match="keyway"):
+        Bore(8.0, Keyway(8.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("bore", "largest"),
+    [
+        (Bore(200.0), 2.0 * (RADIUS - WAVE)),
+        (Bore(97.0), 2.0 * (RADIUS - WAVE)),
+        # The keyway's corners reach the outline at polar angles near 5 deg, where there is a root.
+        (Bore(90.0, Keyway(8.0, 6.0)), None),
+    ],
+)
+def test_bore_that_does_not_fit_is_refused_with_the_largest_that_does(bore: Bore, largest: float | None) -> None:
+    with pytest.raises(WrongInput, match="largest that fits is") as caught:
+        gear_solid(wavy(), 20.0, bore, TOLERANCE, key="gears.driven")
+    assert caught.value.key == "gears.driven.bore_mm"
+    stated = float(caught.value.problem.split("fits is ")[1].split(" mm")[0])
+    gear_solid(wavy(), 20.0, Bore(stated, bore.keyway), TOLERANCE)
+    with pytest.raises(WrongInput):
+        gear_solid(wavy(), 20.0, Bore(stated + 0.03, bore.keyway), TOLERANCE)
+    if largest is not None:
+        assert stated == pytest.approx(largest - 2.0 * TOLERANCE, abs=0.03)
+
+
+def test_keyway_that_no_bore_makes_room_for() -> None:
+    bore = Bore(20.0, Keyway(8.0, 60.0))
+    assert largest_bore_mm(full_disc(wavy(), "gears.driving"), bore, TOLERANCE) == 0.0
+    with pytest.raises(WrongInput, match="none fits"):
+        gear_solid(wavy(), 20.0, bore, TOLERANCE)
+
+
+def test_outline_that_crosses_itself_is_refused_where_it_does() -> None:
+    outline = np.array([[-10.0, -10.0], [10.0, 10.0], [10.0, -10.0], [-10.0, 10.0]]) + (30.0, 40.0)
+    with pytest.raises(
+        NoSuchMechanism, match=r"crosses itself at x = 30 mm, y = 40 mm \(polar angle 53.13 deg"
+    ) as caught:
+        gear_solid(outline, 20.0, None, TOLERANCE)
+    assert caught.value.key == "gears.driving"
+
+
+def test_a_section_whose_mesh_is_wrong_is_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
+    import trimesh.creation
+
+    monkeypatch.setattr(trimesh.creation, "extrude_polygon", lambda *_, **__: trimesh.creation.box((1.0, 1.0, 1.0)))
+    with pytest.raises(RuntimeError, match="mm3"):
+        extruded(Polygon(wavy(100)), 20.0)
+
+
+@pytest.mark.parametrize("direction", [0.0, pi, 1.0])
+@pytest.mark.parametrize("bore", [None, Bore(30.0), Bore(30.0, Keyway(8.0, 3.3))])
+def test_index_hole_keeps_its_walls(bore: Bore | None, direction: float) -> None:
+    disc = full_disc(wavy(4000), "gears.driving")
+    hole = index_hole(disc, bore, direction, MODULE)
+    assert hole is not None
+    assert np.arctan2(hole.y_mm, hole.x_mm) == pytest.approx(direction, abs=1e-9)
+    assert hole.diameter_mm == MODULE / 2.0
+    wall = disc.exterior.distance(Point(hole.x_mm, hole.y_mm)) - hole.diameter_mm / 2.0
+    # As far out as the wall allows; buffers are polygons, a thousandth off.
+    assert wall == pytest.approx(WALL_IN_MODULES * MODULE, rel=5e-3)
+
+
+def test_index_hole_is_left_out_without_room() -> None:
+    disc = full_disc(wavy(4000), "gears.driving")
+    free = RADIUS - WAVE - (2.0 * WALL_IN_MODULES + 0.5) * MODULE
+    assert index_hole(disc, Bore(2.0 * free - 0.5), pi, MODULE) is not None
+    assert index_hole(disc, Bore(2.0 * free + 2.0), pi, MODULE) is None
+
+
+def test_keyway_takes_the_room_of_the_index_hole_on_its_own_side_only() -> None:
+    disc = full_disc(wavy(4000), "gears.driving")
+    bore = Bore(60.0, Keyway(10.0, 12.0))
+    assert index_hole(disc, bore, 0.0, MODULE) is None
+    assert index_hole(disc, bore, pi, MODULE) is not None
+
+
+def test_index_holes_face_each_other_on_the_line_of_centres() -> None:
+    blank = Blank(20.0, Bore(30.0))
+    driving = driving_solid(wavy(4000), blank, MODULE, TOLERANCE)
+    driven = driven_solid(wavy(4000, pi), blank, MODULE, TOLERANCE)
+    assert driving.index_hole is not None
+    assert driven.index_hole is not None
+    assert 0.0 < driving.index_hole.x_mm < 2.0 * RADIUS + driven.index_hole.x_mm
+    assert abs(driving.index_hole.y_mm) + abs(driven.index_hole.y_mm) < 1e-12
+    for solid in (driving, driven):
+        assert solid.mesh.euler_number == -2
+        hole = solid.index_hole
+        assert hole is not None
+        # The mesh really has the hole, at the place that is reported.
+        away = np.hypot(solid.mesh.vertices[:, 0] - hole.x_mm, solid.mesh.vertices[:, 1] - hole.y_mm)
+        assert away.min() == pytest.approx(hole.diameter_mm / 2.0)
+
+
+def test_assembly_report_names_what_meets() -> None:
+    driving, driven = wavy(4000), wavy(4000, pi)
+    report = assembly_report(Placed(driving, RADIUS, None), Placed(driven, RADIUS, None), 2.0 * RADIUS, MODULE)
+    assert report["center_distance_mm"] == 2.0 * RADIUS
+    # Forty teeth: a space of the driven gear stands on pi as on 0.
+    assert (report["driving"]["on_line_of_centers"], report["driven"]["on_line_of_centers"]) == ("tooth", "space")
+    assert (report["driving"]["line_of_centers_rad"], report["driven"]["line_of_centers_rad"]) == (0.0, pi)
+    assert report["driving"]["index_hole"] is None
+    assert met_at(Placed(wavy(4000, pi / 2.0), RADIUS, None), 0.0, MODULE) == "flank"
+
+
+def test_outline_radius_along_a_ray() -> None:
+    square = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    assert outline_radius_mm(square, 0.0) == pytest.approx(1.0)
+    assert outline_radius_mm(square, pi / 4.0 - 1e-9) == pytest.approx(hypot(1.0, 1.0))
+    assert np.isnan(outline_radius_mm(square + 10.0, pi))
