@@ -9,11 +9,12 @@ import pytest
 from shapely import Point, Polygon
 
 from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.numerics.arrays import Array
 from ncgear.output.stl import read_back, stl_bytes
 from ncgear.solids.assembly import Placed, assembly_report, met_at, outline_radius_mm
 from ncgear.solids.bore import Bore, Keyway, bore_points, circle_points
 from ncgear.solids.extrude import extruded, gear_solid
-from ncgear.solids.index_hole import WALL_IN_MODULES, index_hole
+from ncgear.solids.index_hole import INNER_WALL_IN_MODULES, OUTER_WALL_IN_MODULES, index_hole
 from ncgear.solids.pair import Blank, driven_solid, driving_solid
 from ncgear.solids.section import full_disc, largest_bore_mm
 
@@ -24,11 +25,11 @@ RADIUS = TEETH * MODULE / 2.0
 WAVE = 1.1 * MODULE
 
 
-def wavy(points: int = 40_000, phase: float = 0.0) -> np.ndarray:
+def wavy(points: int = 40_000, phase: float = 0.0) -> Array:
     """A gear-like outline, radius RADIUS + WAVE cos(TEETH angle): a tooth on polar angle 0 when the phase is 0."""
     angle = np.linspace(0.0, 2.0 * pi, points, endpoint=False)
     radius = RADIUS + WAVE * np.cos(TEETH * angle + phase)
-    return radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    return np.asarray(radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)]), dtype=float)
 
 
 def cut_area(bore: Bore) -> float:
@@ -127,12 +128,12 @@ def test_keyway_as_wide_as_the_bore_is_refused() -> None:
 )
 def test_bore_that_does_not_fit_is_refused_with_the_largest_that_does(bore: Bore, largest: float | None) -> None:
     with pytest.raises(WrongInput, match="largest that fits is") as caught:
-        gear_solid(wavy(), 20.0, bore, TOLERANCE, key="gears.driven")
+        gear_solid(wavy(4000), 20.0, bore, TOLERANCE, key="gears.driven")
     assert caught.value.key == "gears.driven.bore_mm"
     stated = float(caught.value.problem.split("fits is ")[1].split(" mm")[0])
-    gear_solid(wavy(), 20.0, Bore(stated, bore.keyway), TOLERANCE)
+    gear_solid(wavy(4000), 20.0, Bore(stated, bore.keyway), TOLERANCE)
     with pytest.raises(WrongInput):
-        gear_solid(wavy(), 20.0, Bore(stated + 0.03, bore.keyway), TOLERANCE)
+        gear_solid(wavy(4000), 20.0, Bore(stated + 0.03, bore.keyway), TOLERANCE)
     if largest is not None:
         assert stated == pytest.approx(largest - 2.0 * TOLERANCE, abs=0.03)
 
@@ -145,7 +146,7 @@ def test_keyway_that_no_bore_makes_room_for() -> None:
 
 
 def test_outline_that_crosses_itself_is_refused_where_it_does() -> None:
-    outline = np.array([[-10.0, -10.0], [10.0, 10.0], [10.0, -10.0], [-10.0, 10.0]]) + (30.0, 40.0)
+    outline = np.array([[-10.0, -10.0], [10.0, 10.0], [10.0, -10.0], [-10.0, 10.0]]) + np.array([30.0, 40.0])
     with pytest.raises(
         NoSuchMechanism, match=r"crosses itself at x = 30 mm, y = 40 mm \(polar angle 53.13 deg"
     ) as caught:
@@ -171,14 +172,14 @@ def test_index_hole_keeps_its_walls(bore: Bore | None, direction: float) -> None
     assert hole.diameter_mm == MODULE / 2.0
     wall = disc.exterior.distance(Point(hole.x_mm, hole.y_mm)) - hole.diameter_mm / 2.0
     # As far out as the wall allows; buffers are polygons, a thousandth off.
-    assert wall == pytest.approx(WALL_IN_MODULES * MODULE, rel=5e-3)
+    assert wall == pytest.approx(OUTER_WALL_IN_MODULES * MODULE, rel=5e-3)
 
 
 def test_index_hole_is_left_out_without_room() -> None:
-    disc = full_disc(wavy(4000), "gears.driving")
-    free = RADIUS - WAVE - (2.0 * WALL_IN_MODULES + 0.5) * MODULE
+    disc = full_disc(wavy(4000, pi), "gears.driving")
+    free = RADIUS - WAVE - (INNER_WALL_IN_MODULES + OUTER_WALL_IN_MODULES + 0.5) * MODULE
     assert index_hole(disc, Bore(2.0 * free - 0.5), pi, MODULE) is not None
-    assert index_hole(disc, Bore(2.0 * free + 2.0), pi, MODULE) is None
+    assert index_hole(disc, Bore(2.0 * free + 0.5), pi, MODULE) is None
 
 
 def test_keyway_takes_the_room_of_the_index_hole_on_its_own_side_only() -> None:

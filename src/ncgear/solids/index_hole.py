@@ -11,7 +11,7 @@ from math import cos, pi, sin
 
 import numpy as np
 import shapely
-from shapely import LineString, Polygon
+from shapely import LineString, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from ncgear.numerics.arrays import Array
@@ -24,11 +24,11 @@ DRIVEN_DIRECTION_RAD = pi
 """Polar angle of the line of centres in the driven gear's frame at phi1 = 0."""
 
 DIAMETER_IN_MODULES = 0.5
-WALL_IN_MODULES = 1.0
-"""Least material between the hole and the tooth outline, and between the hole and the bore or keyway.
-
-Under a root this keeps at least one module of rim, about half a tooth's height.
-"""
+OUTER_WALL_IN_MODULES = 1.5
+"""Least material between the hole and the tooth outline: enough that the hole does not reach into the foot of a tooth,
+between the roots at its sides."""
+INNER_WALL_IN_MODULES = 1.0
+"""Least material between the hole and the bore, its keyway, or the axis of a gear without bore."""
 
 
 @dataclass(frozen=True)
@@ -43,13 +43,13 @@ class IndexHole:
 def index_hole(disc: Polygon, bore: Bore | None, direction_rad: float, module_mm: float) -> IndexHole | None:
     """The hole farthest out on the ray from the axis at polar angle ``direction_rad``; None where no wall allows one.
 
-    Its diameter is half a module; a wall of one module is left to the outline, to the bore and keyway, and to the
-    axis of a gear without bore. ``disc`` is the gear's section without bore, in mm.
+    Its diameter is half a module; the walls above are left all around it. ``disc`` is the gear's section without
+    bore, in mm.
     """
     diameter = DIAMETER_IN_MODULES * module_mm
-    clearance = diameter / 2.0 + WALL_IN_MODULES * module_mm
-    allowed = _ray(disc, direction_rad).difference(_kept_free(disc, bore, clearance))
-    points = _points(allowed)
+    outline = disc.exterior.buffer(diameter / 2.0 + OUTER_WALL_IN_MODULES * module_mm)
+    inside = _axis(bore, module_mm).buffer(diameter / 2.0 + INNER_WALL_IN_MODULES * module_mm)
+    points = shapely.get_coordinates(_ray(disc, direction_rad).difference(outline.union(inside)))
     if not len(points):
         return None
     x, y = points[np.argmax(np.hypot(points[:, 0], points[:, 1]))]
@@ -68,12 +68,6 @@ def _ray(disc: Polygon, direction: float) -> BaseGeometry:
     return LineString([(0.0, 0.0), (reach * cos(direction), reach * sin(direction))]).intersection(disc)
 
 
-def _kept_free(disc: Polygon, bore: Bore | None, clearance: float) -> BaseGeometry:
-    """Where no centre may lie: within ``clearance`` of the outline or of what is cut around the axis."""
-    axis = Polygon(bore_points(bore or Bore(1e-3 * clearance), 0.01 * clearance))
-    return disc.exterior.buffer(clearance).union(axis.buffer(clearance))
-
-
-def _points(geometry: BaseGeometry) -> Array:
-    """End points of the line or lines left of a ray, shape (n, 2)."""
-    return np.asarray(shapely.get_coordinates(geometry), dtype=float)
+def _axis(bore: Bore | None, module: float) -> BaseGeometry:
+    """What is cut around the axis; the axis itself where nothing is."""
+    return Polygon(bore_points(bore, 0.01 * module)) if bore else Point(0.0, 0.0)

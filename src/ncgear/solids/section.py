@@ -55,9 +55,10 @@ def full_disc(outline_mm: Array, key: str) -> Polygon:
 
 
 def _distinct(outline: Array) -> Array:
-    """Without points that the single precision of STL files could not tell from the one before."""
-    stored = outline.astype(np.float32)
-    return outline[np.any(stored != np.roll(stored, 1, axis=0), axis=1)]
+    """Without points so close to the one before that the single precision of STL files could merge the two."""
+    step = 2.0 * float(np.spacing(np.float32(np.abs(outline).max())))
+    gap = outline - np.roll(outline, 1, axis=0)
+    return outline[np.hypot(gap[:, 0], gap[:, 1]) > step]
 
 
 def _place(polygon: Polygon) -> str:

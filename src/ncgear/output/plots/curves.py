@@ -29,13 +29,11 @@ UNIFORM: dict[str, Any] = {
 
 JOINT: dict[str, Any] = {"color": "#8A8A8A", "linewidth": 0.8, "linestyle": (0, (1.5, 2.5)), "zorder": 0.8}
 
-NOTE: dict[str, Any] = {
-    "size": SMALL,
-    "color": INK,
-    "bbox": {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
-}
-LATE = 0.75
-"""Share of the scale beyond which there is no room for a note at the right of a point."""
+MOST_JOINTS = 12
+"""More joints than these, as of a table, are not marked: they would say no more than a grid."""
+
+EDGE = 0.15
+"""Share of the scale at either end in which a note stands beside its point, not above or below the middle of it."""
 
 
 @dataclass(frozen=True)
@@ -96,11 +94,17 @@ def _over_angle(axes: Axes, table: SliderMotion, uniform: SliderMotion, quantity
     angle, values = np.degrees(table.phi1_rad), quantity.of(table)
     axes.plot(angle, values, **OWN)
     axes.plot(np.degrees(uniform.phi1_rad), quantity.of(uniform), **UNIFORM)
-    for number, joint in enumerate(np.degrees(joints_rad)):
-        axes.axvline(joint, label=None if number else "joints of the law", **JOINT)
+    _mark_joints(axes, np.degrees(joints_rad))
     dress(axes, "", f"{quantity.name} in {quantity.unit}")
     if quantity.extreme:
         _mark_extreme(axes, angle, values, quantity.unit)
+
+
+def _mark_joints(axes: Axes, joints_deg: Array) -> None:
+    if joints_deg.size > MOST_JOINTS:
+        return
+    for number, joint in enumerate(joints_deg):
+        axes.axvline(joint, label=None if number else "joints of the law", **JOINT)
 
 
 def _over_displacement(axes: Axes, table: SliderMotion, uniform: SliderMotion, quantity: Quantity) -> None:
@@ -110,17 +114,24 @@ def _over_displacement(axes: Axes, table: SliderMotion, uniform: SliderMotion, q
 
 
 def _mark_extreme(axes: Axes, angle: Array, values: Array, unit: str) -> None:
-    """Mark and name the value that is largest in size: at its right, or at its left where the scale ends soon."""
+    """Mark and name the value that is largest in size: above a maximum, below a minimum."""
     place = int(np.argmax(np.abs(values)))
-    if values[place] == 0.0:
+    x, y = float(angle[place]), float(values[place])
+    if y == 0.0:
+        axes.set_ylim(0.0, 1.0)
         return
-    point = angle[place], values[place]
-    side = "right" if angle[place] > LATE * angle[-1] else "left"
-    axes.plot(*point, "o", color=DRIVING, markersize=4.5)
-    text = f"{values[place]:.4g} {unit} at {angle[place]:.0f}\u00b0".replace("-", "\u2212")
-    offset = (-7.0 if side == "right" else 7.0, 0.0)
-    axes.annotate(text, point, xytext=offset, textcoords="offset points", ha=side, va="center", **NOTE)
-    axes.margins(y=0.08)
+    axes.plot(x, y, "o", color=DRIVING, markersize=4.5)
+    text = f"{y:.4g} {unit} at {x:.0f}\u00b0".replace("-", "\u2212")
+    side: dict[str, Any] = {"ha": _alignment(x / float(angle[-1])), "va": "bottom" if y > 0.0 else "top"}
+    offset = (0.0, 5.0 if y > 0.0 else -5.0)
+    axes.annotate(text, (x, y), xytext=offset, textcoords="offset points", size=SMALL, color=INK, **side)
+    axes.margins(y=0.16)
+
+
+def _alignment(share: float) -> str:
+    if share < EDGE:
+        return "left"
+    return "right" if share > 1.0 - EDGE else "center"
 
 
 def _angle_scale(column: Sequence[Axes], end_deg: float) -> None:

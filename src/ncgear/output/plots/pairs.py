@@ -172,8 +172,9 @@ def _whole(axes: Axes, pair: _Pair, position: Position) -> None:
     axes.set_ylim(-max(pair.reach), max(pair.reach))
     axes.set_aspect("equal")
     axes.set_axis_off()
-    phi1, phi2 = degrees(position.phi1_rad), degrees(position.phi2_rad)
-    axes.set_title(f"phi1 = {phi1:.4g}\u00b0, phi2 = {phi2:.4g}\u00b0", size=SMALL + 1.0, color=INK)
+    # Adding zero turns a rounded -0.0 into 0.0.
+    phi1, phi2 = (round(degrees(angle), 1) + 0.0 for angle in (position.phi1_rad, position.phi2_rad))
+    axes.set_title(f"phi1 = {phi1:g}\u00b0, phi2 = {phi2:g}\u00b0", size=SMALL + 1.0, color=INK)
 
 
 def _mesh(axes: Axes, pair: _Pair, half: float, position: Position) -> None:
