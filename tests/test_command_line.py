@@ -236,9 +236,9 @@ BAD: dict[str, tuple[str, str, str, str]] = {
         "motion.eccentricity",
         "a number under 1 is needed",
     ),
-    "half a tooth": (changed(STROKE, "teeth: 25 ", "teeth: 25.5 "), "teeth: 25.5", "gears.teeth", "a whole number is"),
-    "two teeth": (changed(STROKE, "teeth: 25 ", "teeth: 2 "), "teeth: 2 ", "gears.teeth", "a number of 3 or over is"),
-    "one size": (changed(STROKE, "teeth: 25 ", "# "), "gears:", "gears", "only module_mm is given; two of teeth"),
+    "half a tooth": (changed(STROKE, "teeth: 90 ", "teeth: 90.5 "), "teeth: 90.5", "gears.teeth", "a whole number is"),
+    "two teeth": (changed(STROKE, "teeth: 90 ", "teeth: 2 "), "teeth: 2 ", "gears.teeth", "a number of 3 or over is"),
+    "one size": (changed(STROKE, "teeth: 90 ", "# "), "gears:", "gears", "only module_mm is given; two of teeth"),
     "profile": (changed(STROKE, "profile: A ", "profile: E "), "profile: E", "gears.rack.profile", "A, B, C or D is"),
     "pressure angle": (
         changed(STROKE, "pressure_angle_deg: 20", "pressure_angle_deg: 40"),
@@ -381,7 +381,7 @@ def test_output_folder_is_a_file(run: Run, tmp_path: Path) -> None:
     for out_folder in ("taken", "taken/below"):
         status, out, err = run("build", "d.yaml", "--out", out_folder)
         assert (status, out) == (2, "")
-        assert "taken: is no folder; choose another one with --out" in err
+        assert "taken: is no folder; choose another folder with --out" in err
 
 
 def test_new_writes_a_design_that_loads_and_does_not_overwrite(run: Run, tmp_path: Path) -> None:

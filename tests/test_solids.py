@@ -190,7 +190,7 @@ def test_keyway_takes_the_room_of_the_index_hole_on_its_own_side_only() -> None:
 
 
 def test_index_holes_face_each_other_on_the_line_of_centres() -> None:
-    blank = Blank(20.0, Bore(30.0))
+    blank = Blank(20.0, Bore(30.0), index_hole=True)
     driving = driving_solid(wavy(4000), blank, MODULE, TOLERANCE)
     driven = driven_solid(wavy(4000, pi), blank, MODULE, TOLERANCE)
     assert driving.index_hole is not None

@@ -88,9 +88,11 @@ def build(
     timing: Timing = False,
 ) -> None:
     """Build the gears: outlines, solids, plots, motion law and summary, into a folder."""
+    from ncgear.output.publish import prepare
+
     with _design(design_file) as loaded:
         folder = out or Path("export") / loaded.design.name
-        _require_folder(folder)
+        prepare(folder)
         if loaded.design.gears is None:
             raise WrongInput("missing; a build needs it (teeth, module_mm, face_width_mm, ...)", key="gears")
 
@@ -163,15 +165,6 @@ def _design(path: Path) -> Iterator[LoadedDesign]:
         yield loaded
     except DesignError as error:
         raise with_location(error, loaded) from error
-
-
-def _require_folder(folder: Path) -> None:
-    """Refuse an output folder that cannot be written before minutes of work, not after."""
-    existing = next(place for place in (folder, *folder.absolute().parents) if place.exists())
-    if not existing.is_dir():
-        raise WrongInput("is no folder; choose another one with --out", location=str(existing))
-    if not os.access(existing, os.W_OK | os.X_OK):
-        raise WrongInput("cannot be written; choose another folder with --out", location=str(existing))
 
 
 @contextmanager

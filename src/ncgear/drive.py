@@ -142,12 +142,14 @@ class Drive:
 
     @cached_property
     def contact(self) -> PairContact:
-        """Contact of the exact flanks and of the outlines."""
-        from ncgear.contact.pair_contact import pair_contact
+        """Contact of the exact flanks and of the outlines, which must not overlap."""
+        from ncgear.contact.pair_contact import pair_contact, refuse_overlap
 
         pitch, teeth = self.pitch, self.teeth
         with self.stopwatch("contact"):
-            return pair_contact(pitch, teeth)
+            contact = pair_contact(pitch, teeth)
+            refuse_overlap(contact, pitch, teeth, self.design.output.chord_tolerance_mm)
+            return contact
 
     @cached_property
     def solids(self) -> SolidPair:
@@ -172,7 +174,6 @@ def _blank(gears: Gears, body: GearBody) -> Blank:
     from ncgear.solids.bore import Bore, Keyway
     from ncgear.solids.pair import Blank
 
-    if body.bore_mm is None:
-        return Blank(gears.face_width_mm)
     keyway = Keyway(body.keyway.width_mm, body.keyway.depth_mm) if body.keyway else None
-    return Blank(gears.face_width_mm, Bore(body.bore_mm, keyway))
+    bore = Bore(body.bore_mm, keyway) if body.bore_mm is not None else None
+    return Blank(gears.face_width_mm, bore, gears.index_holes)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from math import lcm, pi
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 
@@ -68,8 +69,8 @@ def outline_contact(
     """
     axis = np.array([center_distance_mm, 0.0])
     pitch_point = np.column_stack([radius_mm, np.zeros_like(radius_mm)])
-    driving = _near(_turned(driving_mm[None, :, :], phi1[:, None]), pitch_point, reach_mm)
-    driven = _near(_turned(driven_mm[None, :, :], -phi2[:, None]) + axis, pitch_point, reach_mm)
+    driving = _near(driving_mm, phi1, np.zeros(2), pitch_point, reach_mm)
+    driven = _near(driven_mm, -phi2, axis, pitch_point, reach_mm)
     driving, driven = _about(driving, axis), _about(driven, axis)
     own, other = _play_of_vertices(driving, driven), _play_of_vertices(driven, driving)
     # A vertex of the driving gear that may move on by +g lets the driven gear turn back by g, and the other way round.
@@ -92,17 +93,30 @@ def _turned(points: Array, angle: Array) -> Array:
     return np.stack([x * cosine - y * sine, x * sine + y * cosine], axis=-1)
 
 
-def _near(outline: Array, center: Array, reach: float) -> _Chords:
-    """The chords of which an end lies within reach of the centre, position by position."""
-    offset = outline - center[:, None, :]
-    within = np.sum(offset * offset, axis=2) < reach**2
-    kept = within | np.roll(within, -1, axis=1)
-    width = int(kept.sum(axis=1).max())
-    order = np.argsort(~kept, axis=1, kind="stable")[:, :width, None]
-    valid = np.take_along_axis(kept[..., None], order, axis=1)
-    start = np.take_along_axis(outline, order, axis=1)
-    end = np.take_along_axis(outline, (order + 1) % outline.shape[1], axis=1)
+def _near(outline: Array, angle: Array, axis: Array, center: Array, reach: float) -> _Chords:
+    """The chords of which an end lies within reach of the centre, position by position.
+
+    The outline stands at ``axis`` turned by ``angle`` (shape (positions,)); ``center`` has shape (positions, 2).
+    """
+    number = _chord_numbers(outline, _turned(center - axis, -angle), reach)
+    valid = (number >= 0)[..., None]
+    start = _turned(outline[number], angle[:, None]) + axis
+    end = _turned(outline[(number + 1) % len(outline)], angle[:, None]) + axis
     return _Chords(np.where(valid, start, np.nan), np.where(valid, end, np.nan))
+
+
+def _chord_numbers(outline: Array, center: Array, reach: float) -> IndexArray:
+    """Numbers of the chords near each centre in the outline's own frame, one row each, padded with -1."""
+    found = cKDTree(outline).query_ball_point(center, reach)
+    row = np.repeat(np.arange(len(center)), [len(near) for near in found])
+    vertex = np.concatenate([np.asarray(near, dtype=int) for near in found])
+    count = len(outline)
+    key = np.unique(np.concatenate([row * count + vertex, row * count + (vertex - 1) % count]))
+    row, chord = np.divmod(key, count)
+    widths = np.bincount(row, minlength=len(center))
+    table = np.full((len(center), int(widths.max())), -1)
+    table[row, np.arange(row.size) - np.repeat(np.cumsum(widths) - widths, widths)] = chord
+    return table
 
 
 def _about(chords: _Chords, axis: Array) -> _Chords:

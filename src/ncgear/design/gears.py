@@ -98,6 +98,10 @@ class Gears(Model):
     face_width_mm: Length = Field(description="width of both gears along their axes in mm")
     rack: Rack = Field(default_factory=Rack, description="basic rack; left out: ISO 53 profile A at 20 degrees")
     backlash_mm: float = Field(default=0.0, ge=0.0, le=1000.0, description="normal backlash of the pair in mm")
+    index_holes: bool = Field(
+        default=False,
+        description="true: a small hole in each gear, half a module wide, which face each other at phi1 = 0",
+    )
     driving: GearBody = Field(default_factory=GearBody, description="bore and keyway of the driving gear")
     driven: GearBody = Field(default_factory=GearBody, description="bore and keyway of the driven gear")
 

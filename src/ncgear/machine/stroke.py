@@ -13,12 +13,13 @@ follow in closed form.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import degrees, pi, sqrt
+from math import pi, sqrt
 
 import numpy as np
 from numpy.polynomial import Polynomial
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.angles import in_words
 from ncgear.numerics.arrays import Array
 
 
@@ -217,7 +218,7 @@ def _first_zero(coefficients: Array, end: float) -> float | None:
 
 def _reversal(angle: float, reason: str, key: str) -> NoSuchMechanism:
     return NoSuchMechanism(
-        f"the slider stops or reverses inside the working stroke at phi1 = {angle:.6g} rad ({degrees(angle):.4g} deg, "
-        f"{angle / pi:.4g} pi): {reason}",
+        f"the slider stops or reverses inside the working stroke at phi1 = {in_words(angle)}, "
+        f"{angle / pi:.4g} pi: {reason}",
         key=key,
     )

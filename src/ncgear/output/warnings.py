@@ -30,7 +30,7 @@ def build_warnings(drive: Drive) -> list[str]:
     from ncgear.pitch.shape import Gear
 
     warnings = [_pressure_angle(drive), *(_concave(drive, gear) for gear in Gear), _undercut(drive), _pointed(drive)]
-    return [warning for warning in [*warnings, _contact(drive), _penetration(drive)] if warning]
+    return [warning for warning in [*warnings, _contact(drive)] if warning]
 
 
 def _ratio_range(drive: Drive) -> str:
@@ -115,13 +115,4 @@ def _contact(drive: Drive) -> str:
         f"contact ratio: the shortest contact of a flank pair lasts {flanks.least_ratio:.3g} pitches, "
         "and at some positions "
         "no flanks touch: the driven gear is carried by an edge there, off the law by up to the transmission error"
-    )
-
-
-def _penetration(drive: Drive) -> str:
-    depth, allowed = drive.contact.outlines.largest_penetration_mm, 2.0 * drive.design.output.chord_tolerance_mm
-    if depth <= allowed:
-        return ""
-    return (
-        f"the outlines overlap by up to {depth:.3g} mm, more than the chord tolerance of both ({allowed:g} mm) explains"
     )

@@ -15,7 +15,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import degrees
 
 import numpy as np
 from numpy.polynomial import Polynomial, legendre
@@ -24,6 +23,7 @@ from scipy.optimize import brentq, minimize_scalar
 from ncgear.errors import NoSuchMechanism
 from ncgear.machine.linkage import CrankSlider
 from ncgear.numerics import chebyshev, jet
+from ncgear.numerics.angles import in_words
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
 from ncgear.numerics.jet import Jet
@@ -187,7 +187,7 @@ def _closed_ratio(ends: ReturnEnds, base: Polynomial, direction: Polynomial) -> 
     low, high = np.log(scale) - 30.0, np.log(scale) + 30.0
     if not excess(low) > 0.0 > excess(high):
         raise NoSuchMechanism(
-            f"the return from phi1 = {ends.start_rad:.6g} rad ({degrees(ends.start_rad):.4g} deg) cannot close: no "
+            f"the return from phi1 = {in_words(ends.start_rad)} cannot close: no "
             f"polynomial of this basis covers a driven angle of {ends.driven_length_rad:.6g} rad; change theta4, e, or "
             "the return's basis",
             key="motion.return",
@@ -259,7 +259,7 @@ def _panels(count: int = 16, points: int = 16) -> tuple[Array, Array]:
 def _not_positive(ends: ReturnEnds, tau: float) -> NoSuchMechanism:
     at = ends.start_rad + tau * ends.length_rad
     return NoSuchMechanism(
-        f"the return's ratio passes through zero or infinity at phi1 = {at:.6g} rad ({degrees(at):.4g} deg); a "
+        f"the return's ratio passes through zero or infinity at phi1 = {in_words(at)}; a "
         "smaller theta4, an a1 nearer to zero, or the other basis of the return helps",
         key="motion.return",
     )

@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from math import degrees, pi
+from math import pi
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics import jet
+from ncgear.numerics.angles import in_words
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import SAMPLES, Extremum, extremes
 from ncgear.numerics.jet import Jet
@@ -81,8 +82,8 @@ class Transmission:
         for extremum in self.slope_range:
             if not (np.isfinite(extremum.value) and extremum.value > 0.0):
                 raise NoSuchMechanism(
-                    f"the driven gear stops or turns back at phi1 = {extremum.at:.6g} rad ({degrees(extremum.at):.4g} "
-                    f"deg), where dphi2/dphi1 = {extremum.value:.4g}; the ratio must stay positive and finite",
+                    f"the driven gear stops or turns back at phi1 = {in_words(extremum.at)}, where "
+                    f"dphi2/dphi1 = {extremum.value:.4g}; the ratio must stay positive and finite",
                     key="motion",
                 )
 

@@ -26,7 +26,7 @@ class Placed:
 
 def assembly_report(driving: Placed, driven: Placed, center_distance_mm: float, module_mm: float) -> dict[str, Any]:
     """The pose of phi1 = 0, ready for JSON: for each gear the polar angle of the line of centres in its own frame,
-    whether a tooth, a space or a flank lies there, and the index hole (None where there was no room)."""
+    whether a tooth, a space or a flank lies there, and the index hole (None where none was wanted or had room)."""
     return {
         "center_distance_mm": center_distance_mm,
         "driving": _gear(driving, DRIVING_DIRECTION_RAD, module_mm),

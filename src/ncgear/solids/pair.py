@@ -15,15 +15,17 @@ from ncgear.solids.section import cut, disc_with_room
 
 @dataclass(frozen=True)
 class Blank:
-    """What makes a tooth outline a body: face width and bore."""
+    """What makes a tooth outline a body: face width, bore, and whether an index hole is wanted."""
 
     face_width_mm: float
     bore: Bore | None = None
+    index_hole: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class GearSolid:
-    """One gear's mesh in its own frame in the pose of phi1 = 0, and its index hole where there was room for one."""
+    """One gear's mesh in its own frame in the pose of phi1 = 0, and its index hole where one was wanted and had room.
+    One gear's mesh in its own frame in the pose of phi1 = 0, and its index hole where one was wanted and had room."""
 
     mesh: Trimesh
     index_hole: IndexHole | None
@@ -38,16 +40,16 @@ class SolidPair:
 
 
 def driving_solid(outline_mm: Array, blank: Blank, module_mm: float, chord_tolerance_mm: float) -> GearSolid:
-    """The driving gear with its index hole; raises as ``gear_solid`` does."""
+    """The driving gear, with its index hole if wanted; raises as ``gear_solid`` does."""
     return _marked(outline_mm, blank, module_mm, chord_tolerance_mm, DRIVING_DIRECTION_RAD, "gears.driving")
 
 
 def driven_solid(outline_mm: Array, blank: Blank, module_mm: float, chord_tolerance_mm: float) -> GearSolid:
-    """The driven gear with its index hole; raises as ``gear_solid`` does."""
+    """The driven gear, with its index hole if wanted; raises as ``gear_solid`` does."""
     return _marked(outline_mm, blank, module_mm, chord_tolerance_mm, DRIVEN_DIRECTION_RAD, "gears.driven")
 
 
 def _marked(outline: Array, blank: Blank, module: float, tolerance: float, direction: float, key: str) -> GearSolid:
     disc = disc_with_room(outline, blank.bore, tolerance, key)
-    mark = index_hole(disc, blank.bore, direction, module)
+    mark = index_hole(disc, blank.bore, direction, module) if blank.index_hole else None
     return GearSolid(extruded(cut(disc, blank.bore, mark, tolerance), blank.face_width_mm), mark)

@@ -13,6 +13,7 @@ from math import tan
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.angles import in_words
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import chord_crossings, refined_crossings
 from ncgear.teeth.flank import FILLET, FLANK, Flanks
@@ -108,32 +109,35 @@ def tooth_name(flanks: Flanks, flank: int) -> str:
     facing = "front" if flanks.side[flank] > 0 else "back"
     phi1 = float(flanks.curve.driving_angle(flanks.crossing_mm[flank : flank + 1])[0])
     gear = flanks.curve.gear.value
-    return f"the {facing} flank of tooth {flanks.tooth[flank]} of the {gear} gear (phi1 = {phi1:.4g} rad)"
+    return f"the {facing} flank of tooth {flanks.tooth[flank]} of the {gear} gear (phi1 = {in_words(phi1)})"
 
 
 def refuse_folded_lands(flanks: Flanks) -> None:
-    """Tip and root lands are parallel to the pitch curve and fold where its radius of curvature is less than they are
-    far.
+    """Refuse a pitch curve that is too sharply curved for its tip and root lands.
 
-    Raises NoSuchMechanism with the radius and the angle.
+    Both are parallel to the pitch curve and fold where its radius of curvature is less than they are far.  Raises
+    NoSuchMechanism with the radius and the angle.
     """
     sigma = np.linspace(0.0, flanks.curve.length_mm, 64 * flanks.count)
     curvature = flanks.curve.at_length(sigma).curvature
-    lands = (
-        (flanks.rack.addendum_mm, np.argmin(curvature), "addendum"),
-        (-flanks.rack.dedendum_mm, np.argmax(curvature), "dedendum"),
+    addendum, dedendum = flanks.rack.addendum_mm, flanks.rack.dedendum_mm
+    hollow, sharp = int(np.argmin(curvature)), int(np.argmax(curvature))
+    if 1.0 + addendum * curvature[hollow] <= 0.0:
+        raise _folded(
+            flanks, sigma[hollow], -1.0 / curvature[hollow], f"concave, less than the addendum of {addendum:.4g}"
+        )
+    if 1.0 - dedendum * curvature[sharp] <= 0.0:
+        raise _folded(flanks, sigma[sharp], 1.0 / curvature[sharp], f"convex, less than the dedendum of {dedendum:.4g}")
+
+
+def _folded(flanks: Flanks, sigma: float, radius: float, problem: str) -> NoSuchMechanism:
+    phi1 = float(flanks.curve.driving_angle(np.array([sigma]))[0])
+    return NoSuchMechanism(
+        f"the {flanks.curve.gear.value} pitch curve's radius is {radius:.4g} mm at phi1 = "
+        f"{in_words(phi1)}, {problem} mm; "
+        "more teeth of a smaller module are needed, or a smaller range of the ratio",
+        key="gears.teeth",
     )
-    for height, extreme, part in lands:
-        if 1.0 + height * curvature[extreme] <= 0.0:
-            phi1 = float(flanks.curve.driving_angle(sigma[extreme : extreme + 1])[0])
-            raise NoSuchMechanism(
-                f"the {flanks.curve.gear.value} pitch curve's radius of curvature, "
-                f"{1.0 / curvature[extreme]:.4g} mm at "
-                f"phi1 = {phi1:.4g} rad, is less than the {part} of {abs(height):.4g} mm; more teeth of "
-                "a smaller module "
-                "are needed",
-                key="gears.teeth",
-            )
 
 
 def _tip_crossing(flanks: Flanks) -> tuple[Array, Array, Mask]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
-from ncgear.numerics.crossing import chord_crossings, refined_crossings
+from ncgear.numerics.crossing import chord_crossings, refined_crossings, zoomed_crossings
 from ncgear.teeth.flank import FLANK, Flanks
 from ncgear.teeth.sides import AGREEMENT, Sides, tooth_name
 
@@ -44,6 +44,12 @@ class _Paths:
         low = np.minimum(local.astype(int), POINTS - 2)
         before, after = self.parameters[row, kind, low], self.parameters[row, kind, low + 1]
         return kind, before + (after - before) * (local - low)
+
+    def spacing(self, row: IndexArray, kind: IndexArray, index: Array) -> Array:
+        """Difference of parameter between the points on both sides of fractional indices, as a positive number."""
+        low = np.clip((index - kind * POINTS).astype(int), 0, POINTS - 2)
+        spacing: Array = np.abs(self.parameters[row, kind, low + 1] - self.parameters[row, kind, low])
+        return spacing
 
     def index(self, row: IndexArray, kind: IndexArray, parameter: Array) -> Array:
         """Fractional indices at which the chords have the given parameters; the inverse of ``place``."""
@@ -159,31 +165,49 @@ def _loops(paths: _Paths) -> list[list[tuple[float, float]]]:
     for number in np.lexsort((first, row)):
         if not chosen or row[chosen[-1]] != row[number] or first[number] > second[chosen[-1]]:
             chosen.append(int(number))
-    enter, leave = _exact_loops(paths, row[chosen], first[chosen], second[chosen])
+    chosen_row = row[chosen]
+    enter, leave, there = _exact_loops(paths, chosen_row, first[chosen], second[chosen])
     loops: list[list[tuple[float, float]]] = [[] for _ in range(paths.owner.size)]
-    for number, place in enumerate(row[chosen]):
-        loops[place].append((float(enter[number]), float(leave[number])))
+    for number in np.nonzero(there)[0]:
+        loops[chosen_row[number]].append((float(enter[number]), float(leave[number])))
     return loops
 
 
-def _exact_loops(paths: _Paths, row: IndexArray, first: Array, second: Array) -> tuple[Array, Array]:
-    owner = paths.owner[row]
+def _exact_loops(paths: _Paths, row: IndexArray, first: Array, second: Array) -> tuple[Array, Array, Mask]:
+    """Exact indices of crossings found on chords, and which of them the curves themselves have."""
+    flanks, owner = paths.flanks, paths.owner[row]
     kind1, start1 = paths.place(row, first)
     kind2, start2 = paths.place(row, second)
     at1, at2, met = refined_crossings(
-        lambda t: paths.flanks.curve_of(kind1, owner, t),
-        lambda t: paths.flanks.curve_of(kind2, owner, t),
+        lambda t: flanks.curve_of(kind1, owner, t),
+        lambda t: flanks.curve_of(kind2, owner, t),
         start1,
         start2,
-        AGREEMENT * paths.flanks.rack.module_mm,
+        AGREEMENT * flanks.rack.module_mm,
     )
-    _require(paths.flanks, owner, met, "crossing with itself")
-    return paths.index(row, kind1, at1), paths.index(row, kind2, at2)
+    spacing1, spacing2 = paths.spacing(row, kind1, first), paths.spacing(row, kind2, second)
+    met &= (np.abs(at1 - start1) <= 2.0 * spacing1) & (np.abs(at2 - start2) <= 2.0 * spacing2)
+    lost = np.nonzero(~met)[0]
+    if lost.size:
+        at1[lost], at2[lost], met[lost] = zoomed_crossings(
+            lambda t: flanks.curve_of(kind1[lost], owner[lost], t),
+            lambda t: flanks.curve_of(kind2[lost], owner[lost], t),
+            start1[lost],
+            start2[lost],
+            1.5 * spacing1[lost],
+            1.5 * spacing2[lost],
+        )
+    return paths.index(row, kind1, at1), paths.index(row, kind2, at2), met
 
 
 def _require(flanks: Flanks, owner: IndexArray, met: Mask, what: str) -> None:
     if not met.all():
-        raise ArithmeticError(f"{tooth_name(flanks, int(owner[~met][0]))}: its {what} was not found")
+        raise NoSuchMechanism(
+            f"{tooth_name(flanks, int(owner[~met][0]))}: its {what} cannot be found, so irregular is the "
+            "tooth; more teeth "
+            "of a smaller module are needed",
+            key="gears.teeth",
+        )
 
 
 def _merged(sides: Sides, replaced: Mask, rows: list[tuple[int, int, float, float]]) -> Sides:

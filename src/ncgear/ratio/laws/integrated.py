@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import degrees
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics import chebyshev
+from ncgear.numerics.angles import in_words
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import NotSmooth
 from ncgear.numerics.jet import Jet
@@ -32,9 +32,9 @@ def integrated_law(
         integral = chebyshev.fitted(lambda phi1: slope(phi1, 0).value, breaks).integrated()
     except NotSmooth as fault:
         raise NoSuchMechanism(
-            f"the ratio is zero, infinite or jumps near phi1 = {fault.at:.6g} rad "
-            f"({degrees(fault.at):.4g} deg); it must "
-            "be smooth and positive over the whole cycle",
+            f"the ratio is zero, infinite or jumps near phi1 = {in_words(fault.at)}; it must be smooth "
+            "and positive over "
+            "the whole cycle",
             key=key,
         ) from fault
     factor = _closing_factor(integral.final, lobes, scale_to_close, key)

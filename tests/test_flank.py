@@ -1,0 +1,403 @@
+"""Flanks, fillets and crowns: involute and trochoid in closed form, the law of gearing, derivatives, cusps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from math import cos, pi, radians, sin
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mpmath import mp
+from scipy.optimize import brentq
+
+from ncgear.design.load import load
+from ncgear.drive import Drive
+from ncgear.machine.rack import BasicRack
+from ncgear.pitch.arc import arc_length
+from ncgear.pitch.pair import PitchPair, unit_driving_length
+from ncgear.pitch.shape import Gear
+from ncgear.pitch.sizing import solved_size
+from ncgear.ratio.laws.ellipse import elliptical_law
+from ncgear.ratio.laws.expression import driven_angle_expression_law
+from ncgear.ratio.laws.uniform import uniform_law
+from ncgear.ratio.transmission import Lobes, Transmission
+from ncgear.teeth.flank import CROWN, FILLET, FLANK, Flanks, flanks_of
+
+MODULE = 2.0
+ALPHA = radians(20.0)
+BALER = Path(__file__).parents[1] / "designs" / "baler.yaml"
+
+LAWS: dict[str, tuple[Callable[[], Transmission], int]] = {
+    "uniform": (lambda: uniform_law(Lobes(1, 2)), 24),
+    "ellipse": (lambda: elliptical_law(0.35, 0.0, Lobes()), 37),
+    "ellipse 2:3": (lambda: elliptical_law(0.15, 0.4, Lobes(2, 3)), 30),
+    "expression": (lambda: driven_angle_expression_law("phi - 0.08*sin(2*phi)", Lobes()), 25),
+    "baler": (lambda: Drive(load(BALER).design).transmission, 25),
+}
+
+Array = np.ndarray
+
+
+def rack(module: float = MODULE, backlash_mm: float = 0.0) -> BasicRack:
+    """ISO 53 profile A."""
+    return BasicRack(module, ALPHA, module, 1.25 * module, 0.38 * module, backlash_mm)
+
+
+@cache
+def pitch_pair(name: str) -> PitchPair:
+    """The pitch curves of one of the laws at module 2."""
+    law, teeth = LAWS[name][0](), LAWS[name][1]
+    arc = arc_length(law)
+    return PitchPair(law, arc, solved_size(unit_driving_length(law, arc), law.lobes, teeth, MODULE, None))
+
+
+@cache
+def flanks(name: str, gear: Gear, backlash_mm: float = 0.0) -> Flanks:
+    """The flanks of one gear."""
+    pair = pitch_pair(name)
+    driving = gear is Gear.DRIVING
+    teeth = pair.size.driving_teeth if driving else pair.size.driven_teeth
+    return flanks_of(pair.driving if driving else pair.driven, rack(backlash_mm=backlash_mm), teeth, tooth_at_zero=driving)
+
+
+def pitch_radius(gear: Gear) -> float:
+    """Of the uniform pair, in closed form."""
+    return LAWS["uniform"][1] * MODULE / 2.0 * (1.0 if gear is Gear.DRIVING else 2.0)
+
+
+def involute(angle: Array | float) -> Array:
+    """Involute function."""
+    return np.tan(angle) - np.asarray(angle)
+
+
+def wrapped(angle: Array) -> Array:
+    """Angles brought to -pi..pi."""
+    return np.mod(angle + pi, 2.0 * pi) - pi
+
+
+# --- circular gears ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("gear", Gear)
+@pytest.mark.parametrize("backlash_mm", [0.0, 0.1])
+def test_flank_of_a_circular_gear_is_the_involute(gear: Gear, backlash_mm: float) -> None:
+    own, radius = flanks("uniform", gear, backlash_mm), pitch_radius(gear)
+    number = np.arange(own.count)[:, None]
+    point, _ = own.flank(number, np.linspace(-0.9, 0.95, 31) * MODULE)
+    distance = np.hypot(point[..., 0], point[..., 1])
+    # The driving gear's arc length runs clockwise from polar angle 0, the driven one's counter-clockwise from pi.
+    sense, start, first = (-1.0, 0.0, 0.0) if gear is Gear.DRIVING else (1.0, pi, 0.5)
+    middle = (number // 2 + first) * 2.0 * pi / own.tooth.max()
+    thickness = pi * MODULE / 2.0 - backlash_mm / 2.0 / cos(ALPHA)
+    half = thickness / 2.0 / radius + involute(ALPHA) - involute(np.arccos(radius * cos(ALPHA) / distance))
+    expected = start + sense * (middle + own.side[:, None] * half)
+    error = distance * wrapped(np.arctan2(point[..., 1], point[..., 0]) - expected)
+    # Rounding: a few dozen units of 1e-16, more near the base circle where the involute's angle goes as a square root.
+    assert np.max(np.abs(error)) < 1e-12 * radius
+    assert distance.min() < radius - 0.5 * MODULE < radius + 0.9 * MODULE < distance.max()
+
+
+def rounding_center(gear: Gear, center: mp.mpf, height: mp.mpf, sigma: mp.mpf) -> mp.matrix:
+    """Centre of a rounding that rolls with the tangent of a circular pitch curve, in the gear's frame."""
+    radius = mp.mpf(pitch_radius(gear))
+    sense, start = (-1, 0) if gear is Gear.DRIVING else (1, mp.pi)
+    angle = start + sense * sigma / radius
+    ahead = center - sigma
+    outwards, along = radius + height, sense * ahead
+    return mp.matrix([outwards * mp.cos(angle) - along * mp.sin(angle), outwards * mp.sin(angle) + along * mp.cos(angle)])
+
+
+def trochoid(gear: Gear, center: float, height: float, sigma: float) -> Array:
+    """The envelope of the rounding's circle: its centre's path, moved by the radius along the path's normal."""
+    with mp.workdps(50):
+        path = [lambda s, k=k: rounding_center(gear, mp.mpf(center), mp.mpf(height), s)[k] for k in (0, 1)]
+        x, y = (f(mp.mpf(sigma)) for f in path)
+        dx, dy = (mp.diff(f, mp.mpf(sigma)) for f in path)
+        shift = mp.mpf(rack().root_radius_mm) / mp.hypot(dx, dy)
+        # Of the two parallel curves the one on the side of the tooth tip that the rounding belongs to.
+        candidates = [(x + sign * shift * dy, y - sign * shift * dx) for sign in (1, -1)]
+        chosen = (max if height > 0 else min)(candidates, key=lambda p: mp.hypot(*p))
+        return np.array([float(value) for value in chosen])
+
+
+@pytest.mark.parametrize("gear", Gear)
+@pytest.mark.parametrize("kind", [FILLET, CROWN])
+def test_fillet_of_a_circular_gear_is_the_trochoid_of_the_rounded_tip(gear: Gear, kind: int) -> None:
+    own = flanks("uniform", gear)
+    curve, centers = (own.fillet, own.rounding_mm) if kind == FILLET else (own.crown, own.crown_rounding_mm)
+    height = (-1.0 if kind == FILLET else 1.0) * own.rack.rounding_depth_mm
+    for number in (0, 1, own.count - 3):
+        start = own.rolled_mm(np.array([number]), np.array([np.sign(height) * own.rack.flank_depth_mm]))[0]
+        for share in (0.0, 0.3, 0.7, 0.95):
+            sigma = start + share * (centers[number] - start)
+            point = curve(np.array([number]), np.array([sigma]))[0][0]
+            expected = trochoid(gear, centers[number], height, sigma)
+            # Rounding of sigma, some tens of mm, turns the frame by 1e-16: 1e-12 of the radius leaves two digits.
+            assert np.linalg.norm(point - expected) < 1e-12 * pitch_radius(gear)
+
+
+@pytest.mark.parametrize("gear", Gear)
+def test_cusp_of_a_circular_gear_is_on_its_base_circle(gear: Gear) -> None:
+    own, every = flanks("uniform", gear), np.arange(2)
+    height = -pitch_radius(gear) * sin(ALPHA) ** 2
+    point, slope = own.flank(every, np.full(2, height))
+    assert np.hypot(*point.T) == pytest.approx(pitch_radius(gear) * cos(ALPHA), rel=1e-14)
+    assert np.abs(slope).max() < 1e-13
+    assert own.regularity(every, np.full(2, height)) == pytest.approx(0.0, abs=1e-14)
+
+
+# --- law of gearing ----------------------------------------------------------------------------------------------
+
+
+def turned(points: Array, angle: Array) -> Array:
+    """Vectors (n, 2) turned by angles (n,)."""
+    cosine, sine, (x, y) = np.cos(angle), np.sin(angle), points.T
+    return np.column_stack([x * cosine - y * sine, x * sine + y * cosine])
+
+
+def mates(own: Flanks, other: Flanks, number: Array) -> Array:
+    """The other gear's flanks that cross the pitch curve at the same arc length, cycle after cycle."""
+    gap = np.mod(own.crossing_mm[number][:, None] - other.crossing_mm + 1e-6, other.curve.length_mm)
+    found = np.argmin(gap, axis=1)
+    assert np.max(gap[np.arange(number.size), found]) < 2e-6
+    return found
+
+
+class Meeting:
+    """Random contacts of a pair of gears, each placed in the fixed frame as the law says."""
+
+    def __init__(self, name: str, count: int = 400) -> None:
+        random = np.random.default_rng(20)
+        self.pair, law = pitch_pair(name), pitch_pair(name).transmission
+        own, other = flanks(name, Gear.DRIVING), flanks(name, Gear.DRIVEN)
+        number = random.integers(own.count, size=count)
+        self.height = random.uniform(-0.99, 0.99, count) * MODULE
+        sigma = own.rolled_mm(number, self.height)
+        self.phi1 = own.curve.driving_angle(sigma)
+        angle = law.driven_angle(self.phi1, 1)
+        self.phi2, self.speed = angle.value, angle.derivative(1)
+        self.mate = mates(own, other, number)
+        self.axis = np.array([self.pair.center_distance_mm, 0.0])
+        self.own, self.own_along = self._placed(own.flank(number, self.height), self.phi1, 0.0 * self.axis)
+        self.other, self.other_along = self._placed(other.flank(self.mate, -self.height), -self.phi2, self.axis)
+        self.sides = own.side[number], other.side[self.mate]
+
+    @staticmethod
+    def _placed(flank: tuple[Array, Array], angle: Array, axis: Array) -> tuple[Array, Array]:
+        point, slope = flank
+        length = np.linalg.norm(slope, axis=1)[:, None]
+        return turned(point, angle) + axis, turned(slope / length, angle)
+
+    @property
+    def pitch_point(self) -> Array:
+        """On the line of centres, dividing it by the law's momentary ratio."""
+        radius = self.pair.center_distance_mm * self.speed / (1.0 + self.speed)
+        return np.column_stack([radius, np.zeros_like(radius)])
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Plane cross product of rows."""
+    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_flanks_of_both_gears_touch_in_the_fixed_frame(name: str) -> None:
+    meeting = Meeting(name)
+    assert np.all(meeting.sides[0] == -meeting.sides[1])
+    # Largest seen 2e-13 mm; frames turned by up to 2 pi at radii of 50 mm round to 1e-14 mm each.
+    assert np.linalg.norm(meeting.own - meeting.other, axis=1).max() < 1e-11 * MODULE
+    assert np.abs(cross(meeting.own_along, meeting.other_along)).max() < 1e-11
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_common_normal_goes_through_the_pitch_point(name: str) -> None:
+    meeting = Meeting(name)
+    arm = meeting.own - meeting.pitch_point
+    for along in (meeting.own_along, meeting.other_along):
+        assert np.abs(np.sum(arm * along, axis=1)).max() < 1e-11 * MODULE
+    assert np.linalg.norm(arm, axis=1) == pytest.approx(np.abs(meeting.height) / sin(ALPHA), abs=1e-11)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_touching_flanks_move_alike_along_their_normal(name: str) -> None:
+    """The law of gearing itself, from both bodies' velocities by phi1; the driven gear turns the other way."""
+    meeting = Meeting(name)
+    normal = np.column_stack([-meeting.own_along[:, 1], meeting.own_along[:, 0]])
+    own = np.column_stack([-meeting.own[:, 1], meeting.own[:, 0]])
+    arm = meeting.other - meeting.axis
+    other = -meeting.speed[:, None] * np.column_stack([-arm[:, 1], arm[:, 0]])
+    assert np.abs(np.sum((own - other) * normal, axis=1)).max() < 1e-11 * MODULE
+
+
+def test_a_wrong_driven_angle_parts_the_flanks() -> None:
+    """Negative control: a millionth of a radian is seen as its arc."""
+    meeting = Meeting("expression", 50)
+    arm = meeting.other - meeting.axis
+    parted = turned(arm, np.full(50, 1e-6)) + meeting.axis - meeting.own
+    assert np.linalg.norm(parted, axis=1) == pytest.approx(1e-6 * np.linalg.norm(arm, axis=1), rel=1e-4)
+
+
+# --- derivatives -------------------------------------------------------------------------------------------------
+
+
+def fourth_order(function: Callable[[Array], Array], at: Array, step: float) -> Array:
+    """Central difference of order 4."""
+    near, far = (function(at + k * step) - function(at - k * step) for k in (1, 2))
+    return (8.0 * near - far) / (12.0 * step)
+
+
+def smooth_places(name: str, gear: Gear, kind: int) -> tuple[Array, Array]:
+    """Flanks and parameters half way along the curves, as far as no joint of the law is near."""
+    own, every = flanks(name, gear), np.arange(flanks(name, gear).count)
+    depth = np.full(own.count, own.rack.flank_depth_mm)
+    start, end = {
+        CROWN: (own.crown_rounding_mm, own.rolled_mm(every, depth)),
+        FLANK: (depth, -depth),
+        FILLET: (own.rolled_mm(every, -depth), own.rounding_mm),
+    }[kind]
+    parameter = start + 0.4 * (end - start)
+    sigma = own.rolled_mm(every, parameter) if kind == FLANK else parameter
+    joints = own.curve.arc.length(own.curve.transmission.joints_rad) * own.curve.center_distance_mm
+    gap = np.mod(sigma[:, None] - joints, own.curve.arc.period * own.curve.center_distance_mm)
+    far = np.min(np.minimum(gap, own.curve.arc.period * own.curve.center_distance_mm - gap), axis=1) > 1.5 * MODULE
+    return every[far], parameter[far]
+
+
+@pytest.mark.parametrize("name", ["uniform", "ellipse", "baler"])
+@pytest.mark.parametrize("gear", Gear)
+@pytest.mark.parametrize("kind", [CROWN, FLANK, FILLET], ids=["crown", "flank", "fillet"])
+def test_derivatives_are_the_limits_of_fourth_order_differences(name: str, gear: Gear, kind: int) -> None:
+    own = flanks(name, gear)
+    number, at = smooth_places(name, gear, kind)
+    curve = (own.crown, own.flank, own.fillet)[kind]
+    slope = curve(number, at)[1]
+    step = (0.1 if kind == FLANK else 0.01) * MODULE  # flanks are so smooth that less would be lost in rounding
+    coarse, fine = (
+        np.linalg.norm(fourth_order(lambda t: curve(number, t)[0], at, step) - slope, axis=1).max()
+        for step in (2.0 * step, step)
+    )
+    # Order 4: halving the step divides the error by 16, less what the sixth derivative and rounding (1e-12) add.
+    assert coarse / fine == pytest.approx(16.0, rel=0.15)
+    assert fine < 1e-4
+
+
+@pytest.mark.parametrize("gear", Gear)
+def test_offset_curve_has_the_stated_derivative(gear: Gear) -> None:
+    own = flanks("expression", gear)
+    sigma = np.linspace(1.0, 150.0, 40)
+    for height in (MODULE, -1.25 * MODULE):
+        slope = own.offset(sigma, height)[1]
+        coarse, fine = (
+            np.abs(fourth_order(lambda s, h=height: own.offset(s, h)[0], sigma, step) - slope).max()
+            for step in (0.2, 0.1)
+        )
+        assert coarse / fine == pytest.approx(16.0, rel=0.1)
+        assert fine < 1e-6
+
+
+@pytest.mark.parametrize("gear", Gear)
+def test_mixed_curves_are_the_single_ones(gear: Gear) -> None:
+    own = flanks("baler", gear)
+    kind, number = np.array([FLANK, FILLET, CROWN, FLANK, FILLET]), np.array([3, 8, 1, 20, 2])
+    at = np.where(kind == FLANK, 0.3, own.crossing_mm[number])
+    points, slopes = own.curve_of(kind, number, at)
+    for k, i, t, point, slope in zip(kind, number, at, points, slopes, strict=True):
+        single = (own.crown, own.flank, own.fillet)[k](np.array([i]), np.array([t]))
+        assert np.array_equal(single[0][0], point)
+        assert np.array_equal(single[1][0], slope)
+
+
+# --- joints and cusps --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("gear", Gear)
+def test_flank_passes_into_fillet_and_crown_tangentially(name: str, gear: Gear) -> None:
+    own, every = flanks(name, gear), np.arange(flanks(name, gear).count)
+    for sign, envelope in ((-1.0, own.fillet), (1.0, own.crown)):
+        height = np.full(own.count, sign * own.rack.flank_depth_mm)
+        (point, slope), (meeting, onward) = own.flank(every, height), envelope(every, own.rolled_mm(every, height))
+        assert np.linalg.norm(point - meeting, axis=1).max() < 1e-12 * MODULE * own.count
+        lengths = np.linalg.norm(slope, axis=1) * np.linalg.norm(onward, axis=1)
+        clear = np.abs(own.regularity(every, height)) > 1e-3
+        assert np.abs(cross(slope, onward) / lengths)[clear].max() < 1e-10
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("gear", Gear)
+def test_speed_of_a_flank_is_its_regularity(name: str, gear: Gear) -> None:
+    own, number = flanks(name, gear), np.arange(flanks(name, gear).count)[:, None]
+    height = np.linspace(-1.0, 1.0, 21) * MODULE
+    speed = np.linalg.norm(own.flank(number, height)[1], axis=-1)
+    expected = np.abs(own.regularity(number, height)) / (sin(ALPHA) ** 2 * cos(ALPHA))
+    assert speed == pytest.approx(expected, abs=1e-13)
+
+
+def cusps(own: Flanks) -> list[tuple[int, float]]:
+    """Flanks whose regularity changes its sign, and the height at which it does, away from jumps."""
+    heights = np.linspace(-0.99, 0.99, 199) * MODULE
+    found = []
+    for number in range(own.count):
+        regular = own.regularity(np.full(heights.size, number), heights)
+        for k in np.nonzero(np.diff(np.sign(regular)))[0]:
+
+            def value(height: float, number: int = number) -> float:
+                return float(own.regularity(np.array([number]), np.array([height]))[0])
+
+            root = brentq(value, heights[k], heights[k + 1], xtol=1e-15)
+            if abs(value(root)) < 1e-12:
+                found.append((number, root))
+    return found
+
+
+@pytest.mark.parametrize("gear", Gear)
+def test_flank_turns_back_where_its_regularity_changes_sign(gear: Gear) -> None:
+    own = flanks("baler", gear)
+    found = cusps(own)
+    assert len(found) >= 10  # the baler's 25 teeth are undercut on sharp stretches of both gears
+    step = 1e-4 * MODULE
+    for number, height in found:
+        around = height + step * np.array([-2.0, -1.0, 0.0, 1.0, 2.0])
+        point, slope = own.flank(np.full(5, number), around)
+        assert np.linalg.norm(slope[2]) < 1e-10
+        before, after = point[1] - point[0], point[4] - point[3]
+        cosine = before @ after / np.linalg.norm(before) / np.linalg.norm(after)
+        # The curve comes back on itself: its two branches part as the 3/2 power of the distance.
+        assert cosine < -0.999
+
+
+@pytest.mark.parametrize("gear", Gear)
+def test_regular_flanks_never_turn_back(gear: Gear) -> None:
+    own, number = flanks("expression", gear), np.arange(flanks("expression", gear).count)[:, None]
+    height = np.linspace(-0.99, 0.99, 199) * MODULE
+    assert own.regularity(number, height).min() > 0.0
+    chord = np.diff(own.flank(number, height)[0], axis=1)
+    assert np.sum(chord[:, 1:] * chord[:, :-1], axis=-1).min() > 0.0
+
+
+# --- where teeth stand -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("gear", Gear)
+def test_flanks_stand_a_tooth_thickness_apart(name: str, gear: Gear) -> None:
+    own = flanks(name, gear, 0.1)
+    thickness = pi * MODULE / 2.0 - 0.05 / cos(ALPHA)
+    centers = (own.crossing_mm[1::2] + own.crossing_mm[0::2]) / 2.0
+    assert own.crossing_mm[1::2] - own.crossing_mm[0::2] == pytest.approx(thickness, rel=1e-12)
+    assert np.diff(centers) == pytest.approx(pi * MODULE, rel=1e-12)
+    assert centers[0] == pytest.approx(0.0 if gear is Gear.DRIVING else pi * MODULE / 2.0, abs=1e-12)
+    assert np.array_equal(own.tooth[::2], np.arange(1, own.count // 2 + 1))
+    assert list(own.side[:4]) == [-1.0, 1.0, -1.0, 1.0]
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("gear", Gear)
+def test_flank_is_on_the_pitch_curve_at_its_crossing(name: str, gear: Gear) -> None:
+    own, every = flanks(name, gear), np.arange(flanks(name, gear).count)
+    point = own.flank(every, np.zeros(own.count))[0]
+    angle = own.curve.driving_angle(own.crossing_mm)
+    # at_angle is the closed form, flank reads the Chebyshev form by arc length.
+    assert np.linalg.norm(point - own.curve.at_angle(angle).position, axis=1).max() < 1e-11 * MODULE

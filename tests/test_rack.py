@@ -1,0 +1,135 @@
+"""The basic rack: its measures against the cutter that the brute-force oracle draws, and against closed forms."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import cos, pi, radians, sin, tan
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ncgear.errors import WrongInput
+from ncgear.machine.rack import BasicRack
+from oracles import rack_cut
+
+ISO_53 = {"A": (1.25, 0.38), "B": (1.25, 0.30), "C": (1.25, 0.25), "D": (1.40, 0.39)}
+"""Dedendum and root radius in modules, at an addendum of one module and 20 degrees."""
+
+
+def rack(
+    module: float = 2.0,
+    angle_deg: float = 20.0,
+    addendum: float = 1.0,
+    dedendum: float = 1.25,
+    root_radius: float = 0.38,
+    backlash_mm: float = 0.0,
+) -> BasicRack:
+    """A rack from its coefficients."""
+    sizes = (addendum * module, dedendum * module, root_radius * module)
+    return BasicRack(module, radians(angle_deg), *sizes, backlash_mm)
+
+
+RACKS = [rack(dedendum=d, root_radius=r) for d, r in ISO_53.values()]
+RACKS += [rack(angle_deg=14.5), rack(angle_deg=25.0, root_radius=0.25), rack(0.3, backlash_mm=0.02), rack(20.0)]
+
+
+def drawn(basic: BasicRack) -> np.ndarray:
+    """The oracle's cutter tooth as (u, height): from the middle of its tip's right corner the points run up again."""
+    thinning = basic.backlash_mm / 2.0 / cos(basic.pressure_angle_rad)
+    sizes = (basic.module_mm, basic.pressure_angle_rad, basic.addendum_mm, basic.dedendum_mm, basic.root_radius_mm)
+    return rack_cut.rack_tooth(rack_cut.Proportions(*sizes, thinning), basic.pitch_mm, basic.addendum_mm)
+
+
+@pytest.mark.parametrize("basic", RACKS)
+def test_measures_are_those_of_the_drawn_cutter(basic: BasicRack) -> None:
+    right = drawn(basic)[: rack_cut.ARC_SEGMENTS + 2]
+    (far, rounding), flat = right[:2], right[-1]
+    share = -far[1] / (rounding[1] - far[1])
+    assert far[0] + share * (rounding[0] - far[0]) == pytest.approx(basic.cutter_half_width_mm, rel=1e-14)
+    assert -rounding[1] == pytest.approx(basic.flank_depth_mm, rel=1e-14)
+    assert flat == pytest.approx([basic.tip_half_width_mm, -basic.dedendum_mm], rel=1e-13)
+
+
+@pytest.mark.parametrize("basic", RACKS)
+def test_rounding_touches_flank_and_tip(basic: BasicRack) -> None:
+    angle = basic.pressure_angle_rad
+    center = np.array([basic.tip_half_width_mm, -basic.rounding_depth_mm])
+    on_flank = np.array([basic.cutter_half_width_mm, 0.0])
+    normal = np.array([cos(angle), -sin(angle)])
+    assert (on_flank - center) @ normal == pytest.approx(basic.root_radius_mm, rel=1e-13)
+    touching = center + basic.root_radius_mm * normal
+    assert touching[1] == pytest.approx(-basic.flank_depth_mm, rel=1e-13)
+    assert basic.dedendum_mm - basic.rounding_depth_mm == pytest.approx(basic.root_radius_mm, rel=1e-13)
+
+
+@pytest.mark.parametrize("basic", RACKS)
+def test_teeth_of_a_pair_leave_the_normal_backlash_between_their_flanks(basic: BasicRack) -> None:
+    along = basic.pitch_mm - 2 * 2 * basic.tooth_half_width_mm
+    # What is left is a difference of pitches, which costs a few rounding errors of one.
+    assert along * cos(basic.pressure_angle_rad) == pytest.approx(basic.backlash_mm, abs=1e-15 * basic.pitch_mm)
+    assert basic.tooth_half_width_mm + basic.cutter_half_width_mm == pytest.approx(basic.pitch_mm / 2, rel=1e-15)
+
+
+@pytest.mark.parametrize(("dedendum", "root_radius"), ISO_53.values(), ids=ISO_53)
+def test_largest_root_radius_is_the_standards_formula(dedendum: float, root_radius: float) -> None:
+    """ISO 53: (pi/4 m - hfP tan(alpha)) / tan((90 deg - alpha) / 2), which the four profiles keep below."""
+    basic = rack(dedendum=dedendum, root_radius=root_radius)
+    formula = (pi / 4 * 2.0 - dedendum * 2.0 * tan(radians(20))) / tan(radians(35))
+    assert basic.largest_root_radius_mm == pytest.approx(formula, rel=1e-14)
+    assert basic.root_radius_mm < formula
+    assert replace(basic, root_radius_mm=formula * (1 - 1e-12)).tip_half_width_mm == pytest.approx(0.0, abs=1e-11)
+
+
+def test_profile_a_s_flank_is_as_long_as_the_mates_addendum() -> None:
+    """hfP - rho (1 - sin alpha) = 1.25 - 0.38 x 0.65798 = 0.99997: why profile A's undercut limit is 17.1 teeth."""
+    assert rack(1.0).flank_depth_mm == pytest.approx(0.9999676543, abs=1e-9)
+
+
+@given(
+    st.floats(0.1, 50.0),
+    st.floats(14.0, 26.0),
+    st.floats(0.7, 1.1),
+    st.floats(1.0, 1.3),
+    st.floats(0.0, 0.25),
+    st.floats(0.0, 0.1),
+)
+def test_sizes_scale_with_the_module(
+    module: float, angle: float, addendum: float, dedendum: float, root_radius: float, backlash: float
+) -> None:
+    unit = rack(1.0, angle, addendum, dedendum, root_radius, backlash)
+    large = rack(module, angle, addendum, dedendum, root_radius, backlash * module)
+    for name in ("cutter_half_width_mm", "tooth_half_width_mm", "flank_depth_mm", "tip_half_width_mm"):
+        # The narrowest tips are a difference of widths a hundred times as large.
+        assert getattr(large, name) == pytest.approx(module * getattr(unit, name), rel=1e-12, abs=1e-15 * module)
+    assert 0 < unit.tooth_half_width_mm <= unit.cutter_half_width_mm
+
+
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [
+        ({"root_radius": 0.48}, "gears.rack.root_radius"),  # the tip's flat vanishes at 0.4719 modules
+        ({"dedendum": 2.2, "root_radius": 0.0}, "gears.rack.root_radius"),  # the cutter is pointed at 2.158 modules
+        ({"dedendum": 0.2, "root_radius": 0.35}, "gears.rack.root_radius"),  # rounded beyond the pitch line
+        ({"addendum": 2.16}, "gears.rack.addendum"),
+        ({"addendum": 1.0, "backlash_mm": 3.2}, "gears.rack.addendum"),
+    ],
+)
+def test_rack_that_cannot_be_is_refused(change: dict[str, float], key: str) -> None:
+    with pytest.raises(WrongInput) as caught:
+        rack(**change)
+    assert caught.value.key == key
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"root_radius": 0.4719}, {"dedendum": 2.157, "root_radius": 0.0}, {"addendum": 2.157}, {"backlash_mm": 3.1}],
+)
+def test_rack_just_possible_is_taken(change: dict[str, float]) -> None:
+    assert rack(**change).tip_half_width_mm >= 0.0
+
+
+def test_refusal_names_the_largest_radius() -> None:
+    with pytest.raises(WrongInput, match=r"0\.9438 mm is the most"):
+        rack(root_radius=0.6)

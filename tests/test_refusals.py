@@ -1,0 +1,207 @@
+"""What a user sees when a design cannot be: status, place, key and remedy, by the real program; and what stays untouched."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+BALER = (ROOT / "designs" / "baler.yaml").read_text(encoding="utf-8")
+ELLIPSE = (ROOT / "designs" / "ellipse.yaml").read_text(encoding="utf-8")
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Run:
+    def ncgear(*arguments: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [sys.executable, "-m", "ncgear", *arguments], capture_output=True, text=True, cwd=tmp_path, timeout=120
+        )
+
+    return ncgear
+
+
+def changed(text: str, old: str, new: str) -> str:
+    assert text.count(old) == 1, f"{old!r} stands {text.count(old)} times"
+    return text.replace(old, new)
+
+
+def line_of(text: str, word: str) -> int:
+    return next(number for number, line in enumerate(text.splitlines(), 1) if word in line)
+
+
+WRONG = {
+    # name: (command, text, where it points, key, what it says)
+    "rod shorter than crank": (
+        "check",
+        changed(BALER, "rod_mm: 960", "rod_mm: 300"),
+        "rod_mm",
+        "linkage.rod_mm",
+        "a rod over 380 mm does",
+    ),
+    "offset beyond reach": (
+        "check",
+        changed(ELLIPSE, "offset_mm: 12", "offset_mm: 111"),
+        "rod_mm",
+        "linkage.rod_mm",
+        "it must exceed the offset of 111 mm",
+    ),
+    "stroke longer than the linkage has": (
+        "check",
+        changed(BALER, "stroke_mm: 760", "stroke_mm: 761"),
+        "stroke_mm",
+        "motion.stroke_mm",
+        "longer than the linkage's stroke of 760 mm",
+    ),
+    "three sizes that disagree": (
+        "build",
+        changed(BALER, "  module_mm: 3 ", "  center_distance_mm: 200\n  module_mm: 3 "),
+        "center_distance_mm",
+        "gears.center_distance_mm",
+        "center_distance_mm: 74.88",
+    ),
+    "no whole number of teeth": (
+        "build",
+        changed(ELLIPSE, "teeth: 37", "center_distance_mm: 76"),
+        "center_distance_mm",
+        "gears.center_distance_mm",
+        "with 37 teeth",
+    ),
+    "bore beyond the roots": (
+        "build",
+        changed(ELLIPSE, "  driving: {bore_mm: 10}", "  driving: {bore_mm: 60}"),
+        "driving: {bore_mm",
+        "gears.driving.bore_mm",
+        "",
+    ),
+    "root radius too large": (
+        "build",
+        changed(BALER, "rack: {profile: A}", "rack: {profile: A, root_radius: 0.6}"),
+        "rack:",
+        "gears.rack.root_radius",
+        "is the most",
+    ),
+    "name outside the whitelist": (
+        "check",
+        changed(ELLIPSE, "motion: {law: ellipse, eccentricity: 0.35, phase_deg: 200}", 'motion: {law: ratio_expression, ratio: "x"}'),
+        "motion:",
+        "motion.ratio",
+        "unknown name 'x'",
+    ),
+    "call outside the whitelist": (
+        "check",
+        changed(
+            ELLIPSE,
+            "motion: {law: ellipse, eccentricity: 0.35, phase_deg: 200}",
+            "motion: {law: ratio_expression, ratio: \"__import__('os').system('touch owned')\"}",
+        ),
+        "motion:",
+        "motion.ratio",
+        "unknown function",
+    ),
+}
+
+IMPOSSIBLE = {
+    "slider reverses": (
+        "check",
+        changed(BALER, "v2_mm_s: 1100", "v2_mm_s: 40"),
+        "motion.",
+        "reverses inside the working stroke at phi1 =",
+    ),
+    "a1 positive": ("check", changed(BALER, "a1_mm_s2: -1500", "a1_mm_s2: 1500"), "motion.a1_mm_s2", "phi1 = 4.08407 rad"),
+    "ratio does not close": (
+        "check",
+        changed(
+            ELLIPSE,
+            "motion: {law: ellipse, eccentricity: 0.35, phase_deg: 200}",
+            'motion: {law: ratio_expression, ratio: "1 + 0.3*cos(phi)"}',
+        ),
+        "motion.ratio",
+        "multiply the ratio by 1.0482848",
+    ),
+    "ratio through zero": (
+        "check",
+        changed(
+            ELLIPSE,
+            "motion: {law: ellipse, eccentricity: 0.35, phase_deg: 200}",
+            'motion: {law: ratio_expression, ratio: "0.5 + cos(phi)", scale_to_close: true}',
+        ),
+        "motion.ratio",
+        "near phi1 =",
+    ),
+    "pitch curve too sharp for its teeth": (
+        "build",
+        changed(BALER, "teeth: 25", "teeth: 9"),
+        "gears.teeth",
+        "more teeth of a smaller module",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_wrong_input(case: str, run: Run, tmp_path: Path) -> None:
+    command, text, place, key, says = WRONG[case]
+    (tmp_path / "d.yaml").write_text(text, encoding="utf-8")
+    done = run(command, "d.yaml")
+    assert done.returncode == 2
+    assert done.stderr.startswith(f"d.yaml:{line_of(text, place)}:")
+    assert f" {key}: " in done.stderr
+    assert says in done.stderr
+    assert done.stdout == ""
+    assert "Traceback" not in done.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {"d.yaml"}
+
+
+@pytest.mark.parametrize("case", IMPOSSIBLE)
+def test_no_such_mechanism(case: str, run: Run, tmp_path: Path) -> None:
+    command, text, key, says = IMPOSSIBLE[case]
+    (tmp_path / "d.yaml").write_text(text, encoding="utf-8")
+    done = run(command, "d.yaml")
+    assert done.returncode == 3
+    assert done.stderr.startswith("d.yaml:")
+    assert key in done.stderr
+    assert says in done.stderr
+    assert done.stdout == ""
+    assert "Traceback" not in done.stderr
+
+
+def test_a_failed_build_leaves_the_last_good_one(run: Run, tmp_path: Path) -> None:
+    design = tmp_path / "d.yaml"
+    design.write_text(ELLIPSE, encoding="utf-8")
+    assert run("build", "d.yaml", "--out", "out").returncode == 0
+    before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
+    design.write_text(changed(ELLIPSE, "bore_mm: 10}\n  driven", "bore_mm: 60}\n  driven"), encoding="utf-8")
+    assert run("build", "d.yaml", "--out", "out").returncode == 2
+    assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
+
+
+def test_results_go_to_the_pipe_and_nothing_else(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "d.yaml").write_text(BALER, encoding="utf-8")
+    done = run("check", "d.yaml", "--json")
+    assert done.stderr == ""
+    assert json.loads(done.stdout)["check"]["peak_power_w"] == pytest.approx(6315.1, abs=0.1)
+    built = run("build", "d.yaml", "--out", "out")
+    assert built.stderr == ""
+    assert "out/driving.stl" in built.stdout
+
+
+def test_timing_is_reported_beside_the_results(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "d.yaml").write_text(ELLIPSE, encoding="utf-8")
+    done = run("build", "d.yaml", "--out", "out", "--timing")
+    assert "teeth" in done.stderr
+    timing = json.loads((tmp_path / "out" / "summary.json").read_text())["timing_s"]
+    assert {"law", "pitch curves", "teeth", "contact", "solids", "plots"} <= set(timing)
+
+
+@pytest.mark.parametrize("law", ["three_segment_stroke", "ratio_expression", "ellipse", "table", "uniform_crank"])
+def test_a_new_design_builds(law: str, run: Run, tmp_path: Path) -> None:
+    assert run("new", "mine", "--law", law).returncode == 0
+    done = run("build", "mine.yaml")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "export" / "mine" / "summary.json").exists()

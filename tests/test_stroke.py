@@ -1,0 +1,280 @@
+"""The working stroke against its defining conditions, solved here as plain linear equations, and against mpmath."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import permutations
+from math import pi
+from re import search
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.polynomial import Polynomial
+from oracles import stroke as oracle
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.machine.stroke import StrokeRequest, WorkingStroke, solved_stroke
+
+RPM = pi / 30.0
+
+BALER = StrokeRequest(0.4 * pi, 0.7 * pi, pi, 1.3 * pi, 1600.0, 1100.0, -1500.0, None, 760.0, 20.0 * RPM)
+"""Table 1 of the baler paper, a1 at the 20 r/min of its simulation."""
+
+AT_LAW_SPEED = replace(BALER, a1_speed_rad_s=None)
+"""The other reading: a1 at the speed of v1 and v2."""
+
+SHORT = StrokeRequest(0.3 * pi, 0.6 * pi, 0.75 * pi, 1.1 * pi, 700.0, 500.0, -9000.0, None, 130.0, None)
+NO_PRESSING = replace(BALER, theta3_rad=0.7 * pi)
+REQUESTS = {"baler": BALER, "at law speed": AT_LAW_SPEED, "short": SHORT, "no pressing": NO_PRESSING}
+
+every_request = pytest.mark.parametrize("name", REQUESTS)
+
+FIELDS = {
+    "law_speed_rad_s": "law_speed_rad_s",
+    "v1_mm_s": "v1_mm_s",
+    "v2_mm_s": "v2_mm_s",
+    "a1_mm_s2": "a1_mm_s2",
+    "stroke_mm": "stroke_mm",
+}
+
+
+def displacements(stroke: WorkingStroke) -> tuple[Polynomial, Polynomial, Polynomial]:
+    """Displacement over the three segments as polynomials of phi1, from the divided-out forms."""
+    phi, before_end = Polynomial([0.0, 1.0]), Polynomial([stroke.theta4_rad, -1.0])
+    approach = phi**2 * Polynomial(stroke.approach_root)
+    pressing = stroke.pressing_start_mm + stroke.pressing_mm_rad * (phi - stroke.theta2_rad)
+    braking = stroke.stroke_mm - before_end**2 * Polynomial(stroke.braking_root)(before_end)
+    return approach, pressing, braking
+
+
+def conditions(request: StrokeRequest, stroke: WorkingStroke) -> list[tuple[str, float, float]]:
+    """Name, value found and value wanted of eqs. (3.3) to (3.7) and the joints, in mm and rad."""
+    first, second, third = displacements(stroke)
+    t1, t2, t3, t4 = request.theta1_rad, request.theta2_rad, request.theta3_rad, request.theta4_rad
+    omega = stroke.law_speed_rad_s
+    braking = stroke.a1_mm_s2 / (request.a1_speed_rad_s or omega) ** 2
+    return [
+        ("start", first(0.0), 0.0),
+        ("start velocity", first.deriv()(0.0), 0.0),
+        ("v1", first.deriv()(t1), stroke.v1_mm_s / omega),
+        ("a at theta1", first.deriv(2)(t1), 0.0),
+        ("v2", first.deriv()(t2), stroke.v2_mm_s / omega),
+        ("a at theta2", first.deriv(2)(t2), 0.0),
+        ("joint at theta2", first(t2), second(t2)),
+        ("pressing", second.deriv()(t2), stroke.v2_mm_s / omega),
+        ("joint at theta3", second(t3), third(t3)),
+        ("v2 at theta3", third.deriv()(t3), stroke.v2_mm_s / omega),
+        ("a at theta3", third.deriv(2)(t3), 0.0),
+        ("v at theta4", third.deriv()(t4), 0.0),
+        ("a1", third.deriv(2)(t4), braking),
+        ("stroke", third(t4), stroke.stroke_mm),
+    ]
+
+
+def assert_conditions(request: StrokeRequest, stroke: WorkingStroke) -> None:
+    """Every condition, to the rounding of expanded powers of phi1: terms of 1000 stroke that cancel."""
+    for name, found, wanted in conditions(request, stroke):
+        assert found == pytest.approx(wanted, abs=1e-12 * stroke.stroke_mm), name
+
+
+@every_request
+def test_every_condition_of_the_paper_holds(name: str) -> None:
+    assert_conditions(REQUESTS[name], solved_stroke(REQUESTS[name]))
+
+
+def test_the_conditions_would_show_a_wrong_speed() -> None:
+    stroke = solved_stroke(BALER)
+    wrong = replace(stroke, law_speed_rad_s=stroke.law_speed_rad_s * (1.0 + 1e-9))
+    misses = [abs(found - wanted) for _, found, wanted in conditions(BALER, wrong)]
+    assert max(misses) > 1e-12 * stroke.stroke_mm
+
+
+@every_request
+def test_velocity_forms_are_the_derivatives_of_the_displacement_forms(name: str) -> None:
+    stroke = solved_stroke(REQUESTS[name])
+    for slope, root in ((stroke.approach_slope, stroke.approach_root), (stroke.braking_slope, stroke.braking_root)):
+        integral = (Polynomial([0.0, 1.0]) * Polynomial(slope)).integ()
+        assert np.allclose(integral.coef[2:], root, rtol=1e-15, atol=0.0)
+
+
+@every_request
+def test_the_segments_add_up_to_the_stroke(name: str) -> None:
+    stroke = solved_stroke(REQUESTS[name])
+    # Three terms of about the stroke and their Horner sums of four terms: ten rounding errors
+    assert abs(stroke.closing_error_mm) <= 3e-15 * stroke.stroke_mm
+    assert replace(stroke, stroke_mm=stroke.stroke_mm + 1e-6).closing_error_mm < -0.5e-6
+
+
+@pytest.mark.parametrize(("request_", "rpm"), [(BALER, 52.81), (AT_LAW_SPEED, 51.31)])
+def test_both_readings_of_the_paper(request_: StrokeRequest, rpm: float) -> None:
+    """Four written digits: half a unit of the last one."""
+    assert solved_stroke(request_).law_speed_rad_s / RPM == pytest.approx(rpm, abs=0.005)
+
+
+def exact_parameters(request: StrokeRequest) -> oracle.StrokeParameters:
+    """The oracle's parameters for the in-line linkage of the request's stroke."""
+    angles = request.theta1_rad, request.theta2_rad, request.theta3_rad, request.theta4_rad
+    speeds = request.v1_mm_s, request.v2_mm_s, request.a1_mm_s2
+    crank = (request.stroke_mm or 0.0) / 2.0
+    return oracle.StrokeParameters(*angles, *speeds, crank, 3.0 * crank, 0.0, request.a1_speed_rad_s)
+
+
+@pytest.mark.parametrize("name", ["baler", "at law speed", "short"])
+def test_law_speed_and_displacements_against_mpmath(name: str) -> None:
+    request = REQUESTS[name]
+    stroke, exact = solved_stroke(request), oracle.Stroke(exact_parameters(request))
+    assert abs(stroke.law_speed_rad_s / exact.omega - 1) < 1e-14  # some tens of rounding errors, nothing cancels
+    edges = [0.0, request.theta2_rad, request.theta3_rad, request.theta4_rad]
+    for form, low, high in zip(displacements(stroke), edges[:-1], edges[1:], strict=True):
+        for phi in np.linspace(low, high, 7).tolist():
+            assert form(phi) == pytest.approx(float(exact.displacement(phi)), abs=1e-12 * stroke.stroke_mm)
+            assert form.deriv()(phi) == pytest.approx(float(exact.displacement(phi, 1)), abs=1e-12 * stroke.stroke_mm)
+
+
+@pytest.mark.parametrize(("known", "free"), list(permutations(FIELDS, 2)))
+@pytest.mark.parametrize("name", ["baler", "at law speed"])
+def test_what_was_solved_for_gives_back_what_was_given(name: str, known: str, free: str) -> None:
+    """Solve for one quantity, feed it back, solve for another: the other comes out as it was."""
+    whole = solved_stroke(REQUESTS[name])
+    complete = replace(REQUESTS[name], **{field: getattr(whole, field) for field in FIELDS})
+    there = solved_stroke(replace(complete, **{known: None}))
+    back = solved_stroke(replace(complete, **{known: getattr(there, known), free: None}))
+    # a1 moves the stroke least, by a fourteenth of it: rounding errors of the stroke are 14 times larger in a1
+    assert getattr(back, free) == pytest.approx(getattr(whole, free), rel=1e-13)
+
+
+def test_a_different_stroke_gives_a_different_speed() -> None:
+    """At a fixed a1 per radian the rest of the stroke is inversely proportional to the law speed."""
+    brake = 1500.0 / (20.0 * RPM) ** 2 * (0.3 * pi) ** 2 / 12.0
+    speeds = [solved_stroke(replace(BALER, stroke_mm=stroke)).law_speed_rad_s for stroke in (760.0, 500.0)]
+    assert speeds[0] / speeds[1] == pytest.approx((500.0 - brake) / (760.0 - brake), rel=1e-14)
+
+
+# --- refusals ------------------------------------------------------------------------------------------------------
+
+
+def refusal(request: StrokeRequest) -> NoSuchMechanism:
+    """The error that solving raises."""
+    with pytest.raises(NoSuchMechanism) as caught:
+        solved_stroke(request)
+    return caught.value
+
+
+def stated_angle(fault: NoSuchMechanism) -> float:
+    """The angle that the message names, in rad."""
+    found = search(r"phi1 = ([-0-9.e]+) rad", fault.problem)
+    assert found is not None, fault.problem
+    return float(found.group(1))
+
+
+def approach_velocity(t1: float, t2: float, v1: float, v2: float) -> Polynomial:
+    """The approach's velocity from its five conditions, as linear equations in powers of phi1 / theta2."""
+    u = t1 / t2
+    powers = np.arange(5)
+
+    def row(at: float, order: int) -> np.ndarray:
+        return at**powers if order == 0 else powers * at ** np.maximum(powers - 1, 0)
+
+    rows = np.array([row(0.0, 0), row(u, 0), row(u, 1), row(1.0, 0), row(1.0, 1)])
+    return Polynomial(np.linalg.solve(rows, [0.0, v1, 0.0, v2, 0.0]))(Polynomial([0.0, 1.0 / t2]))
+
+
+def reverses(t1: float, t2: float, v1: float, v2: float) -> float:
+    """Least of velocity / angle over the approach, sampled: negative where the slider runs backwards."""
+    phi = np.linspace(t2 / 4000.0, t2, 4000)
+    velocity = approach_velocity(t1, t2, v1, v2)
+    return float(min((velocity(phi) / phi).min(), velocity.deriv()(0.0)))
+
+
+OPEN = replace(BALER, law_speed_rad_s=5.0, stroke_mm=None)
+"""The stroke is what comes out, so that every law closes."""
+
+
+def test_v2_just_too_small_against_v1() -> None:
+    """Early theta1: the velocity starts backwards unless v2 exceeds a share of v1, found here by bisection."""
+    t1, t2, v1 = 0.55 * pi, 0.7 * pi, 1600.0
+    low, high = 1e-3 * v1, v1
+    assert reverses(t1, t2, v1, low) < 0.0 < reverses(t1, t2, v1, high)
+    for _ in range(40):
+        middle = (low + high) / 2.0
+        low, high = (low, middle) if reverses(t1, t2, v1, middle) > 0.0 else (middle, high)
+    solved_stroke(replace(OPEN, theta1_rad=t1, v2_mm_s=high * (1.0 + 1e-6)))
+    fault = refusal(replace(OPEN, theta1_rad=t1, v2_mm_s=low * (1.0 - 1e-4)))
+    assert fault.key == "motion.v1_mm_s"
+    phi = np.linspace(1e-4, t2, 4001)
+    backwards = phi[approach_velocity(t1, t2, v1, low * (1.0 - 1e-2))(phi) <= 0.0]
+    assert backwards.min() - 0.05 <= stated_angle(fault) <= backwards.max() + 0.05
+
+
+@settings(max_examples=80)
+@given(st.floats(0.05, 0.9), st.floats(0.5, 3.0), st.floats(0.02, 3.0))
+def test_refused_exactly_where_the_velocity_turns_negative(share: float, t2: float, against: float) -> None:
+    t1, v1 = share * t2, 1000.0
+    least = reverses(t1, t2, v1, against * v1)
+    request = replace(
+        OPEN, theta1_rad=t1, theta2_rad=t2, theta3_rad=t2 + 0.3, theta4_rad=t2 + 1.0, v1_mm_s=v1, v2_mm_s=against * v1
+    )
+    if abs(least) < 1e-3 * v1:
+        return  # sampling cannot decide
+    if least > 0.0:
+        assert_conditions(request, solved_stroke(request))
+        return
+    fault = refusal(request)
+    phi = np.linspace(0.0, t2, 4001)[1:]
+    backwards = phi[approach_velocity(t1, t2, v1, against * v1)(phi) < 0.0]
+    # The message gives the first zero to six digits; the samples are a 4000th of theta2 apart
+    first = 0.0 if backwards[0] == phi[0] else float(backwards[0])
+    assert stated_angle(fault) == pytest.approx(first, abs=2.0 * t2 / 4000.0)
+    assert fault.key == "motion.v1_mm_s"
+    assert fault.exit_status == 3
+
+
+@pytest.mark.parametrize("a1", [0.0, 1.0, 1500.0])
+def test_an_end_that_does_not_brake_is_refused(a1: float) -> None:
+    fault = refusal(replace(OPEN, a1_mm_s2=a1))
+    assert fault.key == "motion.a1_mm_s2"
+    assert stated_angle(fault) == pytest.approx(1.3 * pi, rel=1e-5)
+
+
+def steepest_a1() -> float:
+    """The braking term alone, -a1 delta^2 / (12 omega^2), covers the whole stroke of 760 mm."""
+    return -760.0 * 12.0 * (20.0 * RPM) ** 2 / (0.3 * pi) ** 2
+
+
+def test_a1_so_steep_that_nothing_is_left_of_the_stroke() -> None:
+    assert solved_stroke(replace(BALER, a1_mm_s2=0.999 * steepest_a1())).law_speed_rad_s > 1000.0 * 5.53 * 0.9
+    fault = refusal(replace(BALER, a1_mm_s2=1.001 * steepest_a1()))
+    assert fault.key == "motion.solve_for"
+    assert "no law speed closes" in fault.problem
+
+
+def test_a1_that_accelerates_leaves_no_law_speed_in_the_other_reading() -> None:
+    """The quadratic in 1/omega has no real root beyond some positive a1."""
+    assert refusal(replace(AT_LAW_SPEED, a1_mm_s2=1e5)).key == "motion.solve_for"
+
+
+@settings(max_examples=50)
+@given(st.floats(-1e6, -1e-3), st.floats(1.0, 5000.0), st.floats(0.05, 3.0))
+def test_braking_alone_never_reverses_the_slider(a1: float, v2: float, delta: float) -> None:
+    """v / delta = -a1 (1 - u)^2 + (v2 / delta) u (3 - 2 u) is a sum of terms that are not negative: no a1 is too steep."""
+    request = replace(OPEN, theta4_rad=pi + delta, v1_mm_s=v2, v2_mm_s=v2, a1_mm_s2=a1)
+    stroke = solved_stroke(request)
+    u = np.linspace(0.0, 1.0, 201)
+    assert np.all(Polynomial(stroke.braking_slope)(u * delta) > 0.0)
+
+
+@pytest.mark.parametrize(
+    ("free", "changed", "key"),
+    [
+        ("v1_mm_s", {"stroke_mm": 300.0}, "motion.v1_mm_s"),
+        ("v2_mm_s", {"stroke_mm": 100.0}, "motion.v2_mm_s"),
+        ("a1_mm_s2", {"stroke_mm": 500.0}, "motion.a1_mm_s2"),
+    ],
+)
+def test_closing_values_of_the_wrong_sign_are_refused(free: str, changed: dict[str, Any], key: str) -> None:
+    fault = refusal(replace(BALER, law_speed_rad_s=5.53, **{**changed, free: None}))
+    assert fault.key == key
+    assert 0.0 < stated_angle(fault) <= 1.3 * pi + 1e-5
