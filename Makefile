@@ -17,4 +17,8 @@ lint: .venv  ## style, formatting, types
 bench: .venv  ## measure how long builds take and write benchmarks/timing.md
 	$(PYTHON) benchmarks/timing.py
 
-.PHONY: test slow lint bench
+docs: .venv  ## make the pictures of the README anew
+	.venv/bin/ncgear build designs/baler-86.yaml
+	cp export/baler-86/tooth_pair.png docs/images/baler-86-tooth-pair.png
+
+.PHONY: test slow lint bench docs

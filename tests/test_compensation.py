@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from mpmath import mp
 from numpy.polynomial import Polynomial
-from oracles import stroke as oracle
 from scipy.integrate import cumulative_simpson
 
 from ncgear.errors import NoSuchMechanism
@@ -21,6 +20,7 @@ from ncgear.numerics.jet import Array
 from ncgear.ratio.compensation import ReturnEnds, ReturnLaw, return_of_least_acceleration, return_with_constant
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.transmission import Lobes
+from oracles import stroke as oracle
 from test_stroke import AT_LAW_SPEED, BALER
 
 LINKAGES = {"baler": CrankSlider(380.0, 960.0), "offset": CrankSlider(380.0, 960.0, 100.0)}

@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from oracles import meshing
 
 from ncgear.design.load import load
 from ncgear.drive import Drive
 from ncgear.errors import NoSuchMechanism
 from ncgear.output.build import build
+from oracles import meshing
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 
@@ -143,7 +143,9 @@ def test_law_table_is_consistent_in_itself(name: str) -> None:
         summed = np.concatenate([[0.0], np.cumsum(np.diff(time) * (table[rate][1:] + table[rate][:-1]) / 2)])
         # 2001 points: (2 pi / 2000)^2 / 12 is 1e-6 of the second derivative, at most 1e-4 of the range with these laws.
         assert np.max(np.abs(summed - (table[value] - table[value][0]))) <= 1e-4 * np.ptp(table[value])
-    turned = np.concatenate([[0.0], np.cumsum(np.diff(table["phi1_rad"]) * (1 / table["ratio"][1:] + 1 / table["ratio"][:-1]) / 2)])
+    turned = np.concatenate(
+        [[0.0], np.cumsum(np.diff(table["phi1_rad"]) * (1 / table["ratio"][1:] + 1 / table["ratio"][:-1]) / 2)]
+    )
     assert np.max(np.abs(turned - table["phi2_rad"])) <= 1e-4
     assert table["power_w"] == pytest.approx(table["force_n"] * table["velocity_mm_s"] / 1000, rel=1e-12, abs=1e-9)
 
@@ -190,7 +192,10 @@ def test_a_wrong_law_or_distance_is_seen() -> None:
     near = meshing.read_pair(*files, distance - 0.3)
     assert near.report(41).overlap_depth.max() > 0.02
     true = meshing.read_pair(*files, distance)
-    assert max(true.overlap(phi1, phi2 + 0.01)[1] for phi1, phi2 in zip(true.phi1[::100], true.phi2[::100], strict=True)) > 0.02
+    assert (
+        max(true.overlap(phi1, phi2 + 0.01)[1] for phi1, phi2 in zip(true.phi1[::100], true.phi2[::100], strict=True))
+        > 0.02
+    )
 
 
 @pytest.mark.parametrize("name", BUILT)

@@ -9,13 +9,13 @@ from math import pi
 import numpy as np
 import pytest
 from mpmath import mp
-from oracles import stroke as oracle
 
 from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.stroke import StrokeRequest, WorkingStroke, solved_stroke
 from ncgear.numerics.jet import Array
 from ncgear.ratio.inversion import working_pieces
 from ncgear.ratio.transmission import Piece
+from oracles import stroke as oracle
 from test_stroke import AT_LAW_SPEED, BALER, NO_PRESSING
 
 CASES: dict[str, tuple[StrokeRequest, tuple[float, float, float]]] = {

@@ -13,12 +13,12 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp
-from oracles import stroke as oracle
 
 from ncgear.errors import WrongInput
 from ncgear.machine.linkage import CrankSlider
 from ncgear.numerics import jet
 from ncgear.numerics.jet import Array, Jet
+from oracles import stroke as oracle
 
 LENGTHS = [
     (380.0, 960.0, 0.0),

@@ -89,7 +89,11 @@ WRONG = {
     ),
     "name outside the whitelist": (
         "check",
-        changed(ELLIPSE, "motion: {law: ellipse, eccentricity: 0.35, phase_deg: 200}", 'motion: {law: ratio_expression, ratio: "x"}'),
+        changed(
+            ELLIPSE,
+            "motion: {law: ellipse, eccentricity: 0.35, phase_deg: 200}",
+            'motion: {law: ratio_expression, ratio: "x"}',
+        ),
         "motion:",
         "motion.ratio",
         "unknown name 'x'",
@@ -114,7 +118,12 @@ IMPOSSIBLE = {
         "motion.",
         "reverses inside the working stroke at phi1 =",
     ),
-    "a1 positive": ("check", changed(BALER, "a1_mm_s2: -1500", "a1_mm_s2: 1500"), "motion.a1_mm_s2", "phi1 = 4.08407 rad"),
+    "a1 positive": (
+        "check",
+        changed(BALER, "a1_mm_s2: -1500", "a1_mm_s2: 1500"),
+        "motion.a1_mm_s2",
+        "phi1 = 4.08407 rad",
+    ),
     "ratio does not close": (
         "check",
         changed(

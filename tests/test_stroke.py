@@ -13,10 +13,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
-from oracles import stroke as oracle
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.machine.stroke import StrokeRequest, WorkingStroke, solved_stroke
+from oracles import stroke as oracle
 
 RPM = pi / 30.0
 

@@ -64,7 +64,8 @@ def refuse_overlap(contact: PairContact, pitch: PitchPair, teeth: ToothedPair, t
     rolled = float(pitch.arc.length(np.array(phi1))) * pitch.center_distance_mm
     tooth = round(rolled / teeth.driving.flanks.rack.pitch_mm) % teeth.driving.teeth + 1
     raise NoSuchMechanism(
-        f"the teeth run into each other by {outlines.penetration_mm[worst]:.3g} mm near tooth {tooth} of the driving gear "
+        f"the teeth run into each other by {outlines.penetration_mm[worst]:.3g} mm near tooth {tooth} of "
+        "the driving gear "
         f"at phi1 = {in_words(phi1)}: tips of a concave stretch foul the mating gear there; more teeth of a smaller "
         "module are needed, or a smaller range of the ratio",
         key="gears.teeth",
