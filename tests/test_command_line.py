@@ -8,15 +8,13 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 
 import ncgear
 import ncgear.cli
-from ncgear.design.schema import Design
 from ncgear.design.template import Law, template
-from ncgear.errors import DesignError, NoSuchMechanism
+from ncgear.errors import NoSuchMechanism
 
 STROKE = template("baler")
 TABLE = template("points", Law.TABLE)
@@ -449,60 +447,19 @@ def test_exit_status(run: Run, monkeypatch: pytest.MonkeyPatch, error: BaseExcep
     assert "Traceback" not in err
 
 
-class StandIn:
-    """A drive that computes nothing, or raises ``error`` when it is reported on."""
+def raising(error: Exception) -> Callable[[object], None]:
+    """A stand-in for a stage of the drive that raises ``error``."""
 
-    error: DesignError | None = None
+    def law_of(design: object) -> None:
+        raise error
 
-    def __init__(self, design: Design) -> None:
-        self.name = design.name
-
-
-def _check_text(drive: StandIn) -> str:
-    if drive.error:
-        raise drive.error
-    return f"check of {drive.name}"
+    return law_of
 
 
-def _build(drive: StandIn, folder: Path, on_stage: Callable[[str], None]) -> list[Path]:
-    on_stage("pitch curves")
-    return [folder / "summary.json"]
-
-
-@pytest.fixture
-def stand_ins(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Stand-ins for all that the command line calls, so that only what it does itself is tested."""
-    modules: dict[str, dict[str, object]] = {
-        "ncgear.drive": {"Drive": StandIn},
-        "ncgear.output": {},
-        "ncgear.output.build": {"build": _build},
-        "ncgear.output.report": {
-            "check_text": _check_text,
-            "build_text": lambda drive, paths: f"built {drive.name}: {', '.join(map(str, paths))}",
-            "timing_text": lambda drive: "timing",
-        },
-        "ncgear.output.summary": {"check_summary": lambda drive: {"design": {"name": drive.name}}},
-    }
-    for name, content in modules.items():
-        module = ModuleType(name)
-        vars(module).update(content)
-        monkeypatch.setitem(sys.modules, name, module)
-
-
-@pytest.mark.usefixtures("stand_ins")
-def test_results_go_to_stdout_and_timing_to_stderr(run: Run, tmp_path: Path) -> None:
-    Path(tmp_path, "d.yaml").write_text(STROKE)
-    assert run("check", "d.yaml") == (0, "check of baler\n", "")
-    assert run("build", "d.yaml") == (0, "built baler: export/baler/summary.json\n", "")
-    assert run("build", "d.yaml", "--out", "o", "--timing") == (0, "built baler: o/summary.json\n", "timing\n")
-    status, out, err = run("check", "d.yaml", "--json", "--timing")
-    assert (status, json.loads(out), err) == (0, {"design": {"name": "baler"}}, "timing\n")
-
-
-@pytest.mark.usefixtures("stand_ins")
 def test_later_errors_get_the_place_of_their_key(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A stage names a quantity; the user reads the key as it is written in the file, and where."""
     Path(tmp_path, "d.yaml").write_text(STROKE)
-    monkeypatch.setattr(StandIn, "error", NoSuchMechanism("the slider would jump", key="motion.theta2"))
+    monkeypatch.setattr("ncgear.drive.law_of", raising(NoSuchMechanism("the slider would jump", key="motion.theta2")))
     status, out, err = run("check", "d.yaml")
     place = spot(STROKE, "theta2_pi")
     assert (status, out, err) == (3, "", f"d.yaml:{place}: motion.theta2_pi: the slider would jump\n")

@@ -63,8 +63,9 @@ def built(name: str) -> Built:
 
 
 PINNED = {
-    # Sources: the published 6300 W and 1500 mm/s^2 and the checked 16 675 W, 6315 W and 52.81 r/min; the pitch length by the
-    # oracle (tests/test_pitch.py); 434.5 W per r/min and 20 940 mm/s^2 for the uniform crank; the others from closed forms.
+    # Sources: the published 6300 W and 1500 mm/s^2 and the checked 16 675 W, 6315 W and 52.81 r/min; the pitch length by
+    # the oracle (tests/test_pitch.py); 434.5 W per r/min and 20 940 mm/s^2 for the uniform crank; the others are closed
+    # forms.
     "baler": [
         ("check.peak_power_w", 6315.0, 0.5),
         ("check.peak_acceleration_working_mm_s2", 1500.0, 1e-6),
@@ -81,7 +82,7 @@ PINNED = {
     ],
     # Ratio extremes of an ellipse about its focus: ((1 + e)/(1 - e))^-1 and its inverse.
     "ellipse": [("ratio.max", 1.35 / 0.65, 1e-12), ("ratio.min", 0.65 / 1.35, 1e-12)],
-    # A constant resistance of 400 N over a stroke of 60 mm, at 240 r/min and two driving turns a stroke: 2 strokes a second.
+    # A constant resistance of 400 N over a stroke of 60 mm, at 240 r/min and two turns a stroke: two strokes a second.
     "pump-1-2": [("check.mean_power_w", 400.0 * 0.060 * 2.0, 1e-9), ("teeth.driven", 48, 0)],
     "feeder-table": [("drive.working_driving_angle_deg", 210.0, 1e-9), ("pitch.center_distance_mm", 120.0, 0.0)],
 }

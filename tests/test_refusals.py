@@ -1,4 +1,4 @@
-"""What a user sees when a design cannot be: status, place, key and remedy, by the real program; and what stays untouched."""
+"""What a user sees when a design cannot be, by the real program: status, place, key, remedy; and what stays untouched."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 BALER = (ROOT / "designs" / "baler.yaml").read_text(encoding="utf-8")
+MOTION = "motion: {law: ellipse, eccentricity: 0.35, phase_deg: 200}"
 ELLIPSE = (ROOT / "designs" / "ellipse.yaml").read_text(encoding="utf-8")
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
@@ -91,7 +92,7 @@ WRONG = {
         "check",
         changed(
             ELLIPSE,
-            "motion: {law: ellipse, eccentricity: 0.35, phase_deg: 200}",
+            MOTION,
             'motion: {law: ratio_expression, ratio: "x"}',
         ),
         "motion:",
@@ -102,7 +103,7 @@ WRONG = {
         "check",
         changed(
             ELLIPSE,
-            "motion: {law: ellipse, eccentricity: 0.35, phase_deg: 200}",
+            MOTION,
             "motion: {law: ratio_expression, ratio: \"__import__('os').system('touch owned')\"}",
         ),
         "motion:",
@@ -128,7 +129,7 @@ IMPOSSIBLE = {
         "check",
         changed(
             ELLIPSE,
-            "motion: {law: ellipse, eccentricity: 0.35, phase_deg: 200}",
+            MOTION,
             'motion: {law: ratio_expression, ratio: "1 + 0.3*cos(phi)"}',
         ),
         "motion.ratio",
@@ -138,7 +139,7 @@ IMPOSSIBLE = {
         "check",
         changed(
             ELLIPSE,
-            "motion: {law: ellipse, eccentricity: 0.35, phase_deg: 200}",
+            MOTION,
             'motion: {law: ratio_expression, ratio: "0.5 + cos(phi)", scale_to_close: true}',
         ),
         "motion.ratio",

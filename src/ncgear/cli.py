@@ -102,8 +102,8 @@ def build(
 
         drive = Drive(loaded.design)
         with _progress() as on_stage:
-            paths = build_files(drive, folder, on_stage)
-        typer.echo(build_text(drive, paths))
+            built = build_files(drive, folder, on_stage)
+        typer.echo(build_text(built.summary, built.paths))
         if timing:
             typer.echo(timing_text(drive), err=True)
 

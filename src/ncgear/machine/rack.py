@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import cos, degrees, pi, sin, tan
 
 from ncgear.errors import WrongInput
@@ -37,6 +37,11 @@ class BasicRack:
                 "the rack's teeth are pointed below their tips; a smaller addendum, pressure angle or backlash helps",
                 key="gears.rack.addendum",
             )
+
+    def scaled(self, factor: float) -> BasicRack:
+        """The same rack with every length but the backlash multiplied by ``factor``."""
+        names = ("module_mm", "addendum_mm", "dedendum_mm", "root_radius_mm")
+        return replace(self, **{name: factor * getattr(self, name) for name in names})
 
     @property
     def pitch_mm(self) -> float:

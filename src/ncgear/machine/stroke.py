@@ -191,7 +191,11 @@ def _assembled(request: StrokeRequest) -> WorkingStroke:
 
 
 def _refuse_reversal(stroke: WorkingStroke, theta1: float) -> None:
-    """Velocity must be positive between the dead centres, and its divided-out zeros must be simple."""
+    """Velocity must be positive between the dead centres, and its divided-out zeros must be simple.
+
+    Braking needs no look of its own: with u = delta / (theta4 - theta3), R = -a1 (1 - u)^2 + (v2 / delta34) u (3 - 2
+    u) is a sum of terms that are not negative.
+    """
     for name, value in (("v1_mm_s", stroke.v1_mm_s), ("v2_mm_s", stroke.v2_mm_s)):
         if not value > 0.0:
             at = theta1 if name == "v1_mm_s" else stroke.theta2_rad
@@ -201,9 +205,6 @@ def _refuse_reversal(stroke: WorkingStroke, theta1: float) -> None:
     angle = _first_zero(stroke.approach_slope, stroke.theta2_rad)
     if angle is not None:
         raise _reversal(angle, "v1 and v2 are too far apart, or theta1 lies too near theta2 or 0", "motion.v1_mm_s")
-    before_end = _first_zero(stroke.braking_slope, stroke.theta4_rad - stroke.theta3_rad)
-    if before_end is not None:
-        raise _reversal(stroke.theta4_rad - before_end, "a1 is too steep for v2 and theta4", "motion.a1_mm_s2")
 
 
 def _first_zero(coefficients: Array, end: float) -> float | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -37,8 +38,16 @@ POSITIONS = 3
 """Positions of the pair in the picture of its teeth, evenly spread over a turn of the driving gear."""
 
 
-def build(drive: Drive, folder: Path, on_stage: Callable[[str], None]) -> list[Path]:
-    """Compute everything, write all files into ``folder`` (created if need be), and return their paths.
+@dataclass(frozen=True)
+class Built:
+    """What a build has done: the files it wrote and the summary it wrote among them."""
+
+    paths: list[Path]
+    summary: dict[str, Any]
+
+
+def build(drive: Drive, folder: Path, on_stage: Callable[[str], None]) -> Built:
+    """Compute everything, and write all files into ``folder``, which is created if need be.
 
     ``on_stage`` is told each stage before it begins. Raises WrongInput or NoSuchMechanism from the stages, and
     WrongInput when the folder cannot be written; whatever fails, the last good build in ``folder`` stays.
@@ -53,8 +62,9 @@ def build(drive: Drive, folder: Path, on_stage: Callable[[str], None]) -> list[P
     with _timed(drive, "files", on_stage):
         files = {**_tables(drive), **_meshes(drive), **pictures, "assembly.json": _json(_assembly(drive))}
     # Last: only now are the timings known, and a summary is then never newer in its folder than what it sums up.
-    files["summary.json"] = _json(build_summary(drive))
-    return publish(folder, files)
+    summary = build_summary(drive)
+    files["summary.json"] = _json(summary)
+    return Built(publish(folder, files), summary)
 
 
 @contextmanager

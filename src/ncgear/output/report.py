@@ -11,7 +11,7 @@ from typing import Any
 from ncgear.drive import Drive
 from ncgear.output.comparison import comparison_lines
 from ncgear.output.numbers import label_and_unit, shown
-from ncgear.output.summary import build_summary, check_summary
+from ncgear.output.summary import check_summary
 
 WIDTH = 110
 INDENT = "  "
@@ -46,10 +46,10 @@ def check_text(drive: Drive) -> str:
     return summary_text(check_summary(drive))
 
 
-def build_text(drive: Drive, paths: Sequence[Path]) -> str:
-    """The results of a build, as ``check_text``, and the files it has written."""
+def build_text(summary: Mapping[str, Any], paths: Sequence[Path]) -> str:
+    """The results of a build, as ``check_text`` has those of a check, and the files it has written."""
     written = ["Written", *(f"{INDENT}{path}" for path in paths)]
-    return "\n".join([summary_text(build_summary(drive)), "", *written])
+    return "\n".join([summary_text(summary), "", *written])
 
 
 def timing_text(drive: Drive) -> str:

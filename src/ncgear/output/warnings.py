@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ncgear.drive import Drive
+from ncgear.output.numbers import shown
 
 if TYPE_CHECKING:
     from ncgear.pitch.shape import Gear
@@ -95,8 +96,16 @@ def _undercut(drive: Drive) -> str:
 
 
 def _pointed(drive: Drive) -> str:
+    from ncgear.teeth.gear import teeth_free_of_points
+
     named = [_named(gear.pointed, name) for gear, name in _both(drive) if gear.pointed]
-    return f"pointed: {'; '.join(named)}. A smaller addendum or more teeth of a smaller module help" if named else ""
+    if not named:
+        return ""
+    enough = teeth_free_of_points(drive.pitch, drive.rack)
+    remedy = (
+        f"At {enough} driving teeth at this centre distance there is none" if enough else "A smaller addendum helps"
+    )
+    return f"pointed: {'; '.join(named)}. {remedy}"
 
 
 def _both(drive: Drive) -> tuple[tuple[ToothedGear, str], ...]:
@@ -104,7 +113,7 @@ def _both(drive: Drive) -> tuple[tuple[ToothedGear, str], ...]:
 
 
 def _named(teeth: list[int], gear: str) -> str:
-    return f"teeth {', '.join(map(str, teeth))} of the {gear} gear"
+    return f"teeth {shown(teeth)} of the {gear} gear"
 
 
 def _contact(drive: Drive) -> str:

@@ -7,6 +7,7 @@ from math import ceil, sin
 
 import numpy as np
 
+from ncgear.errors import NoSuchMechanism
 from ncgear.machine.rack import BasicRack
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
@@ -92,6 +93,37 @@ def teeth_free_of_undercut(pitch: PitchPair, rack: BasicRack) -> int:
     lobes = pitch.transmission.lobes
     exact = pitch.size.driving_teeth * sharpest * per_curvature
     return lobes.driving * ceil(exact / lobes.driving)
+
+
+def teeth_free_of_points(pitch: PitchPair, rack: BasicRack, limit: int = 4000) -> int | None:
+    """Smallest number of driving teeth, above the present one, at which no tooth is pointed; None beyond ``limit``.
+
+    Found by trial on the exact flanks at the same pitch curves: doubling until there is none, then halving the
+    interval.
+    """
+    lobes = pitch.transmission.lobes.driving
+    pointed = pitch.size.driving_teeth // lobes
+    free = 2 * pointed
+    while _any_pointed(pitch, rack, free * lobes):
+        pointed, free = free, 2 * free
+        if free * lobes > limit:
+            return None
+    while free - pointed > 1:
+        middle = (free + pointed) // 2
+        pointed, free = (middle, free) if _any_pointed(pitch, rack, middle * lobes) else (pointed, middle)
+    return free * lobes
+
+
+def _any_pointed(pitch: PitchPair, rack: BasicRack, teeth: int) -> bool:
+    """Whether a tooth of either gear is pointed, or cannot stand at all, with another number of teeth on the curves."""
+    scaled = rack.scaled(pitch.size.driving_teeth / teeth)
+    driven = teeth * pitch.size.driven_teeth // pitch.size.driving_teeth
+    try:
+        driving_sides = sides_of(flanks_of(pitch.driving, scaled, teeth, tooth_at_zero=True))
+        driven_sides = sides_of(flanks_of(pitch.driven, scaled, driven, tooth_at_zero=False))
+    except NoSuchMechanism:
+        return True
+    return bool(driving_sides.pointed.any() or driven_sides.pointed.any())
 
 
 def _numbers(flanks: Flanks, marked: np.ndarray) -> list[int]:

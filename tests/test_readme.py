@@ -1,0 +1,80 @@
+"""The README says what the program does: its commands are those of CI, its figures those of today's run."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def shell_blocks() -> list[str]:
+    return re.findall(r"```sh\n(.*?)\n```", README, flags=re.DOTALL)
+
+
+def test_the_two_commands() -> None:
+    build, test = shell_blocks()
+    assert build.startswith("python3 -m venv .venv && ")
+    assert build.endswith(".venv/bin/ncgear build designs/baler.yaml")
+    assert test in (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()
+
+
+@cache
+def checked(design: str) -> dict[str, Any]:
+    done = subprocess.run(
+        [sys.executable, "-m", "ncgear", "check", f"designs/{design}.yaml", "--json"],
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=ROOT,
+    )
+    return json.loads(done.stdout)
+
+
+def table_rows() -> dict[str, tuple[float, float]]:
+    rows = re.findall(r"^\| ([^|]+) \| (\d+) \| (\d+) \|$", README, flags=re.MULTILINE)
+    return {name: (float(power), float(acceleration)) for name, power, acceleration in rows}
+
+
+@pytest.mark.parametrize(
+    ("row", "name"),
+    [
+        ("the paper's mechanism", "this design"),
+        ("uniform crank, same linkage", "uniform crank"),
+        ("earlier mechanism (its figures brought from 60 to 20 r/min)", "Lei et al. 2012"),
+    ],
+)
+def test_the_comparison_is_todays(row: str, name: str) -> None:
+    found = next(r for r in checked("baler")["comparison"] if r["name"] == name and r["same_speed"])
+    power, acceleration = table_rows()[row]
+    assert round(found["peak_power_w"]) == power
+    assert round(found["peak_acceleration_cycle_mm_s2"]) == acceleration
+
+
+@pytest.mark.parametrize(("name", "words"), [("uniform crank", "27.3 %"), ("Lei et al. 2012", "1.0 %")])
+def test_the_savings_are_todays(name: str, words: str) -> None:
+    row = next(r for r in checked("baler")["comparison"] if r["name"] == name and r["same_speed"])
+    assert words in row["note"]
+    assert words in README
+
+
+def test_every_command_of_the_readme_exists() -> None:
+    shown = subprocess.run(
+        [sys.executable, "-m", "ncgear", "--help"], capture_output=True, text=True, check=True
+    ).stdout
+    named = set(re.findall(r"`ncgear (\w+)", README))
+    assert named == {"build", "check", "new", "schema"}
+    assert all(command in shown for command in named)
+
+
+@pytest.mark.parametrize("target", re.findall(r"\]\(([^)#]+)\)", README))
+def test_links_lead_somewhere(target: str) -> None:
+    assert (ROOT / target).exists()
