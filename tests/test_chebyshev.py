@@ -11,7 +11,7 @@ from numpy.polynomial import legendre
 
 from ncgear.numerics import chebyshev
 from ncgear.numerics.chebyshev import NotSmooth
-from ncgear.numerics.jet import Array
+from ncgear.numerics.arrays import Array
 
 ACROSS = np.random.default_rng(3).uniform(0.0, 1.0, 997)
 

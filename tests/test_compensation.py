@@ -16,7 +16,7 @@ from scipy.integrate import cumulative_simpson
 from ncgear.errors import NoSuchMechanism
 from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.stroke import StrokeRequest, solved_stroke
-from ncgear.numerics.jet import Array
+from ncgear.numerics.arrays import Array
 from ncgear.ratio.compensation import ReturnEnds, ReturnLaw, return_of_least_acceleration, return_with_constant
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.transmission import Lobes

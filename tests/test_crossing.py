@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ncgear.numerics.crossing import CurveFunction, chord_crossings, refined_crossings
-from ncgear.numerics.jet import Array
+from ncgear.numerics.arrays import Array
 
 TIGHT = 1e-13
 """Curves of size 1 to 5: some tens of rounding errors of a point."""

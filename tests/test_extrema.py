@@ -13,7 +13,8 @@ from numpy.polynomial import Polynomial
 
 from ncgear.numerics import jet
 from ncgear.numerics.extrema import extremes, stationary_points
-from ncgear.numerics.jet import Array, Jet
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
 
 ORDER = 2
 

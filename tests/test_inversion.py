@@ -12,7 +12,7 @@ from mpmath import mp
 
 from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.stroke import StrokeRequest, WorkingStroke, solved_stroke
-from ncgear.numerics.jet import Array
+from ncgear.numerics.arrays import Array
 from ncgear.ratio.inversion import working_pieces
 from ncgear.ratio.transmission import Piece
 from oracles import stroke as oracle

@@ -14,7 +14,8 @@ from mpmath import mp
 from numpy.polynomial import Polynomial
 
 from ncgear.numerics import jet
-from ncgear.numerics.jet import Array, Jet
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
 
 ORDER = 5
 

@@ -17,7 +17,8 @@ from oracles import stroke as oracle
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.stroke import StrokeRequest, solved_stroke
-from ncgear.numerics.jet import Array, Jet
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import driven_angle_expression_law, ratio_expression_law
 from ncgear.ratio.laws.table import displacement_table_law, ratio_table_law

@@ -17,7 +17,8 @@ from mpmath import mp
 from ncgear.errors import WrongInput
 from ncgear.machine.linkage import CrankSlider
 from ncgear.numerics import jet
-from ncgear.numerics.jet import Array, Jet
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
 from oracles import stroke as oracle
 
 LENGTHS = [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import pi
 
 import numpy as np
@@ -42,7 +43,7 @@ class Machine:
         """Slider displacement in mm, with derivatives by the driving angle."""
         return self.linkage.displacement(self.transmission.driven_angle(phi1, order))
 
-    @property
+    @cached_property
     def extended_rad(self) -> float:
         """Driving angle in the first cycle at which the slider is at its extended dead centre."""
         target = self.linkage.working_angle_rad

@@ -9,9 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ncgear.errors import NoSuchMechanism
 from ncgear.numerics import chebyshev
+from ncgear.numerics.angles import in_words
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.chebyshev import PiecewiseChebyshev
+from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
 from ncgear.pitch import shape
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.transmission import Transmission
@@ -48,15 +50,31 @@ class ArcLength:
 
 
 def arc_length(transmission: Transmission) -> ArcLength:
-    """Both maps, each resolved to rounding error panel by panel."""
+    """Both maps, each resolved to rounding error panel by panel.
+
+    Raises NoSuchMechanism where the curves turn too sharply to be resolved.
+    """
     joints = transmission.joints_rad
-    by_angle = chebyshev.fitted(lambda phi1: _speed(transmission, phi1, Gear.DRIVING), joints).integrated()
+    try:
+        by_angle = chebyshev.fitted(lambda phi1: _speed(transmission, phi1, Gear.DRIVING), joints).integrated()
+    except NotSmooth as fault:
+        raise too_sharp(fault.at) from fault
     joint_lengths = np.append(by_angle(joints[:-1]), by_angle.final)
+    try:
+        by_length = chebyshev.fitted(lambda sigma: _inverse(transmission, by_angle, sigma), joint_lengths)
+    except NotSmooth as fault:
+        raise too_sharp(float(np.interp(fault.at, joint_lengths, joints))) from fault
+    return ArcLength(by_angle, by_length)
 
-    def angle(sigma: Array) -> Array:
-        return _inverse(transmission, by_angle, sigma)
 
-    return ArcLength(by_angle, chebyshev.fitted(angle, joint_lengths))
+def too_sharp(phi1_rad: float) -> NoSuchMechanism:
+    """The refusal of a pitch curve that turns faster than numbers of 16 digits can follow."""
+    return NoSuchMechanism(
+        f"the pitch curves turn too sharply near phi1 = {in_words(phi1_rad)} to be computed; a smaller "
+        "range of the ratio "
+        "is needed",
+        key="motion",
+    )
 
 
 def period_length(transmission: Transmission, gear: Gear) -> float:

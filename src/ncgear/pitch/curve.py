@@ -9,9 +9,9 @@ import numpy as np
 
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.chebyshev import PiecewiseChebyshev
+from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
 from ncgear.pitch import shape
-from ncgear.pitch.arc import ArcLength
+from ncgear.pitch.arc import ArcLength, too_sharp
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.transmission import Transmission
 
@@ -76,7 +76,10 @@ class PitchCurve:
 
         period = self.arc.length(self.transmission.joints_rad[:-1])
         joints = np.concatenate([period + number * self.arc.period for number in range(self.periods)])
-        return chebyshev.fitted(columns, np.append(joints, self.periods * self.arc.period))
+        try:
+            return chebyshev.fitted(columns, np.append(joints, self.periods * self.arc.period))
+        except NotSmooth as fault:
+            raise too_sharp(float(self.arc.angle(np.array(fault.at)))) from fault
 
     def at_angle(self, phi1: Array) -> CurvePoints:
         """The curve at driving angles in rad, of any shape."""

@@ -25,7 +25,7 @@ from ncgear.machine.linkage import CrankSlider
 from ncgear.numerics import chebyshev, jet
 from ncgear.numerics.angles import in_words
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.chebyshev import PiecewiseChebyshev
+from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
 from ncgear.numerics.jet import Jet
 from ncgear.ratio.transmission import CLOSED
 
@@ -96,7 +96,10 @@ class ReturnLaw:
     @cached_property
     def _driven_integral(self) -> PiecewiseChebyshev:
         ends = (self.ends.start_rad, self.ends.end_rad)
-        return chebyshev.fitted(lambda phi1: self.slope(phi1, 0).value, ends).integrated()
+        try:
+            return chebyshev.fitted(lambda phi1: self.slope(phi1, 0).value, ends).integrated()
+        except NotSmooth as fault:
+            raise _not_positive(fault.at) from fault
 
     @property
     def closure_error_rad(self) -> float:
@@ -161,7 +164,7 @@ def _inverse_family(ends: ReturnEnds) -> Callable[[float], ReturnLaw]:
         polynomial = shape + BUMP * (missing / _unit_integral(BUMP))
         lowest, at = _lowest(polynomial)
         if not lowest > 0.0:
-            raise _not_positive(ends, at)
+            raise _not_positive(ends.start_rad + at * ends.length_rad)
         return ReturnLaw(ends, polynomial, inverse=True)
 
     return closed
@@ -174,7 +177,7 @@ def _closed_ratio(ends: ReturnEnds, base: Polynomial, direction: Polynomial) -> 
     falls to where the polynomial touches zero.  Between the two there is exactly one solution.
     """
     if not (ends.start_ratio > 0.0 and ends.end_ratio > 0.0):
-        raise _not_positive(ends, 0.0)
+        raise _not_positive(ends.start_rad)
     least = _touching_multiple(base, direction)
     scale = max(1.0, abs(least), *np.abs(base.coef))
     target = ends.driven_length_rad / ends.length_rad
@@ -221,8 +224,12 @@ def _polished(law: ReturnLaw, direction: Polynomial) -> ReturnLaw:
 
 
 def _closing_sensitivity(polynomial: Polynomial, direction: Polynomial) -> float:
-    """How fast the integral of 1/polynomial over [0, 1] falls as a multiple of ``direction`` is added."""
-    return chebyshev.fitted(lambda tau: direction(tau) / polynomial(tau) ** 2, (0.0, 1.0)).integrated().final
+    """How fast the integral of 1/polynomial over [0, 1] falls as a multiple of ``direction`` is added.
+
+    By the fixed panels: it only sets the length of a Newton step.
+    """
+    nodes, weights = _panels()
+    return float(weights @ (direction(nodes) / polynomial(nodes) ** 2))
 
 
 def _touching_multiple(base: Polynomial, direction: Polynomial) -> float:
@@ -230,6 +237,8 @@ def _touching_multiple(base: Polynomial, direction: Polynomial) -> float:
     inner = (base.deriv() * direction - base * direction.deriv()).roots()
     candidates = inner.real[(np.abs(inner.imag) < 1e-9) & (inner.real > 1e-9) & (inner.real < 1.0 - 1e-9)]
     samples = np.concatenate([candidates, np.linspace(0.02, 0.98, 97)])
+    # Nearer to the ends than this the double zeros of the direction drown in rounding, and the base decides alone.
+    samples = samples[direction(samples) > 1e-12]
     return float(np.max(-base(samples) / direction(samples)))
 
 
@@ -256,11 +265,11 @@ def _panels(count: int = 16, points: int = 16) -> tuple[Array, Array]:
     return (middle[:, None] + half[:, None] * unit).ravel(), (half[:, None] * weights).ravel()
 
 
-def _not_positive(ends: ReturnEnds, tau: float) -> NoSuchMechanism:
-    at = ends.start_rad + tau * ends.length_rad
+def _not_positive(at_rad: float) -> NoSuchMechanism:
     return NoSuchMechanism(
-        f"the return's ratio passes through zero or infinity at phi1 = {in_words(at)}; a "
-        "smaller theta4, an a1 nearer to zero, or the other basis of the return helps",
+        f"the return's ratio passes through zero or infinity at phi1 = {in_words(at_rad)}; a smaller "
+        "theta4, an a1 nearer "
+        "to zero, or the other basis of the return helps",
         key="motion.return",
     )
 
@@ -278,6 +287,9 @@ class _ReturnAcceleration:
         self._integration = chebyshev.integration_matrix(self.DEGREE) * (ends.length_rad / 2.0)
 
     def peak(self, law: ReturnLaw) -> float:
-        slope = law.slope(self._points, 1)
-        driven = slope.integrated(self._start + self._integration @ slope.value)
-        return float(np.max(np.abs(self._linkage.displacement(driven).derivative(2))))
+        """The peak; infinite where the ratio is zero at a point of the grid."""
+        with np.errstate(all="ignore"):
+            slope = law.slope(self._points, 1)
+            driven = slope.integrated(self._start + self._integration @ slope.value)
+            peak = float(np.max(np.abs(self._linkage.displacement(driven).derivative(2))))
+        return peak if np.isfinite(peak) else np.inf

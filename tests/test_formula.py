@@ -1,0 +1,301 @@
+"""Expressions in phi: values and derivatives against mpmath, and refusal of everything outside the whitelist."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from mpmath import mp
+
+from ncgear.errors import WrongInput
+from ncgear.numerics.arrays import Array
+from ncgear.ratio.formula import FUNCTIONS, compiled
+
+KEY = "motion.ratio"
+ORDER = 4
+POINTS = np.array([0.1, 0.7, 1.3, 2.9, 5.0])
+
+Function = Callable[[Any], Any]
+
+EXPRESSIONS: dict[str, Function] = {
+    "phi": lambda x: x,
+    "3": lambda x: mp.mpf(3) + 0 * x,
+    "1 + 0.3*cos(phi)": lambda x: 1 + mp.mpf(0.3) * mp.cos(x),
+    "2 + 0.5*cos(phi) + 0.1*sin(2*phi)": lambda x: 2 + mp.mpf(0.5) * mp.cos(x) + mp.mpf(0.1) * mp.sin(2 * x),
+    "1/(1 + 0.3*cos(phi - pi/4))": lambda x: 1 / (1 + mp.mpf(0.3) * mp.cos(x - mp.pi / 4)),
+    "-phi**2 + 4": lambda x: 4 - x**2,
+    "2**3**2 * phi": lambda x: 512 * x,
+    "phi**-1": lambda x: 1 / x,
+    "phi**0.5": mp.sqrt,
+    "(1 + phi)**(1/3)": lambda x: mp.cbrt(1 + x),
+    "1 - 2 - 3 + phi/2/2": lambda x: x / 4 - 4,
+    "+phi - -phi": lambda x: 2 * x,
+    "sin(cos(phi))": lambda x: mp.sin(mp.cos(x)),
+    "tan(phi/8)": lambda x: mp.tan(x / 8),
+    "exp(-phi**2/4)": lambda x: mp.exp(-(x**2) / 4),
+    "log(2 + phi)": lambda x: mp.log(2 + x),
+    "sqrt(1 + sin(phi)**2)": lambda x: mp.sqrt(1 + mp.sin(x) ** 2),
+    "atan(3*phi)": lambda x: mp.atan(3 * x),
+    "sinh(phi/3)*cosh(phi/3) - tanh(phi)": lambda x: mp.sinh(x / 3) * mp.cosh(x / 3) - mp.tanh(x),
+    "1.5e-3*phi + 1e2 + .5": lambda x: mp.mpf(1.5e-3) * x + 100.5,
+    " ( phi +\n 1 ) ": lambda x: x + 1,
+}
+
+
+def exact_taylor(function: Function, points: Array) -> Array:
+    """Taylor coefficients from mpmath, shape (ORDER + 1, n)."""
+    with mp.workdps(40):
+        return np.array([[float(c) for c in mp.taylor(function, mp.mpf(float(x)), ORDER)] for x in points]).T
+
+
+def assert_series(text: str, function: Function, points: Array) -> None:
+    """Value and derivatives: a few dozen operations, whose partial results may exceed the sum some hundred times."""
+    found, exact = compiled(text, ORDER, KEY)(points).coefficients, exact_taylor(function, points)
+    assert found.shape == exact.shape
+    assert np.max(np.abs(found - exact) / (np.abs(exact).max(axis=0) + 1.0)) <= 1e-13
+
+
+@pytest.mark.parametrize("text", EXPRESSIONS)
+def test_values_and_derivatives(text: str) -> None:
+    assert_series(text, EXPRESSIONS[text], POINTS)
+
+
+def test_the_comparison_would_see_another_expression() -> None:
+    with pytest.raises(AssertionError):
+        assert_series("phi + 1e-12*phi**4", lambda x: x, POINTS)
+
+
+@pytest.mark.parametrize("order", [0, 1, 5])
+def test_the_order_is_the_one_asked_for(order: int) -> None:
+    series = compiled("7", order, KEY)(POINTS)
+    assert series.coefficients.shape == (order + 1, POINTS.size)
+    assert not series.coefficients[1:].any()
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_every_listed_function_is_its_mathematical_namesake(name: str) -> None:
+    function = getattr(mp, name)
+    assert_series(f"{name}(0.2*phi + 0.1)", lambda x: function(mp.mpf(0.2) * x + mp.mpf(0.1)), POINTS)
+
+
+@pytest.mark.parametrize(("text", "where"), [("1/(phi - 0.7)", 1), ("log(0.7 - phi)", 1), ("sqrt(phi - 1)", 0)])
+def test_points_without_a_value_are_not_finite(text: str, where: int) -> None:
+    """Laws refuse them by their angle; there must be neither a warning nor a number."""
+    value = compiled(text, 2, KEY)(POINTS).value
+    assert not np.isfinite(value[where])
+    assert np.isfinite(value).any()
+
+
+# Random expressions as (text, function): every operation keeps values moderate and away from poles.
+Made = tuple[str, Function]
+
+
+def combined(first: Made, second: Made, symbol: str) -> Made:
+    """A binary operation of two expressions; quotients get a divisor of 2 or more."""
+    (left, f), (right, g) = first, second
+    if symbol == "/":
+        return f"({left})/(2 + ({right})**2)", lambda x: f(x) / (2 + g(x) ** 2)
+    operation: Callable[[Any, Any], Any] = {"+": mp.fadd, "-": mp.fsub, "*": mp.fmul}[symbol]
+    return f"({left}){symbol}({right})", lambda x: operation(f(x), g(x))
+
+
+def applied(inner: Made, name: str) -> Made:
+    """A bounded function of an expression."""
+    text, f = inner
+    wrappers: dict[str, Made] = {
+        "sin": (f"sin({text})", lambda x: mp.sin(f(x))),
+        "cos": (f"cos({text})", lambda x: mp.cos(f(x))),
+        "atan": (f"atan({text})", lambda x: mp.atan(f(x))),
+        "sqrt": (f"sqrt(1 + ({text})**2)", lambda x: mp.sqrt(1 + f(x) ** 2)),
+        "-": (f"-({text})", lambda x: -f(x)),
+    }
+    return wrappers[name]
+
+
+leaves: st.SearchStrategy[Made] = st.one_of(
+    st.just(("phi", lambda x: x)),
+    st.just(("pi", lambda x: mp.pi + 0 * x)),
+    st.floats(-2.0, 2.0).map(lambda c: (repr(c), lambda x: mp.mpf(c) + 0 * x)),
+)
+expressions = st.recursive(
+    leaves,
+    lambda inner: st.one_of(
+        st.builds(combined, inner, inner, st.sampled_from("+-*/")),
+        st.builds(applied, inner, st.sampled_from(["sin", "cos", "atan", "sqrt", "-"])),
+    ),
+    max_leaves=4,
+)
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(expressions, st.floats(0.1, 2.0))
+def test_random_expressions_against_mpmath(made: Made, point: float) -> None:
+    text, function = made
+    found = compiled(text, 2, KEY)(np.array([point])).coefficients[:, 0]
+    with mp.workdps(40):
+        exact = np.array([float(c) for c in mp.taylor(function, mp.mpf(point), 2)])
+        # How far the value moves with its constants is bounded by its third derivative for these tame expressions
+        wide = max(abs(float(c)) for c in mp.taylor(function, mp.mpf(point), 4))
+    assert np.max(np.abs(found - exact)) <= 1e-12 * (1.0 + wide)
+
+
+REFUSED = [
+    # attributes, subscripts, calls of anything else
+    "phi.__class__",
+    "phi.__class__.__bases__[0]",
+    "(1).__class__",
+    "phi[0]",
+    "phi(1)",
+    "pi(phi)",
+    "abs(phi)",
+    "eval(phi)",
+    "__import__('os')",
+    "sin.__call__(phi)",
+    "(lambda: phi)()",
+    "getattr(phi, 'name')",
+    # wrong number or kind of arguments
+    "sin()",
+    "sin(phi, phi)",
+    "sin(x=phi)",
+    "sin(*[phi])",
+    "sin(**{})",
+    "sin(sin)",
+    # names
+    "x",
+    "sin",
+    "e",
+    "nan",
+    "inf",
+    "I",
+    "__builtins__",
+    "None",
+    "True",
+    "phi + False",
+    # other literals and constructs
+    "'phi'",
+    "f'{phi}'",
+    "b'1'",
+    "1j",
+    "...",
+    "[phi]",
+    "(phi, 1)",
+    "{phi}",
+    "{}",
+    "[phi for phi in (1,)]",
+    "(phi for phi in (1,))",
+    "lambda: 1",
+    "(phi := 3)",
+    "phi if phi else 1",
+    "phi and 1",
+    "not phi",
+    "phi < 1",
+    "phi == 1",
+    "phi // 2",
+    "phi % 2",
+    "phi @ phi",
+    "phi ^ 2",
+    "phi | 1",
+    "phi << 3",
+    "~phi",
+    "await phi",
+    "yield phi",
+    # not one expression
+    "",
+    "   ",
+    "phi;1",
+    "phi\n+1",
+    "phi = 1",
+    "import os",
+    "phi +",
+    "2phi",
+    "phi phi",
+    "phi!",
+    "$",
+    "phi\x00",
+    "((phi)",
+    # powers that are not numbers of moderate size
+    "phi**phi",
+    "2**phi",
+    "phi**65",
+    "phi**-65",
+    "phi**64**2",
+    "9**9**9",
+    "9**9**9**9",
+    "(2**64)**64",
+    "((2**64)**64)**64",
+    "10**300*10**300",
+    "phi**exp(1000)",
+    "phi**exp(exp(exp(9)))",
+    "(-1)**0.5",
+    "(-8)**(1/3)",
+    "0**-1",
+    # division by zero, infinite numbers
+    "1/0",
+    "phi/0",
+    "1/(1 - 1)",
+    "1/(phi - phi)",
+    "1/sin(0)",
+    "phi**(1/0)",
+    "1e400",
+    "phi + 1e999",
+    # unicode
+    "π",
+    "φ",
+    "рhi",  # noqa: RUF001  (the first letter is Cyrillic)
+    "phi − 1",  # noqa: RUF001  (a minus sign)
+    "phi\u00b2",
+    "\u202ephi",
+    "\ud800",
+    # depth and length
+    "(" * 450 + "phi" + ")" * 450,
+    "(" * 1000 + "phi" + ")" * 1000,
+    "-" * 900 + "phi",
+    "sin(" * 60 + "phi" + ")" * 60,
+    "1" + "+1" * 490,
+    "phi+" * 2500,
+    "9" * 10_000,
+    "x" * 1000,
+]
+
+
+@pytest.mark.parametrize("text", REFUSED, ids=lambda text: ascii(text)[:40])
+def test_anything_else_is_refused_at_once_and_by_its_key(text: str) -> None:
+    start = perf_counter()
+    with pytest.raises(WrongInput) as caught:
+        compiled(text, ORDER, "motion.driven_angle")
+    # Most take a millisecond; the first one imports sympy, which takes up to a second on a busy machine
+    assert perf_counter() - start < 3.0
+    assert caught.value.key == "motion.driven_angle"
+    assert caught.value.exit_status == 2
+    assert len(caught.value.problem) < 3000
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("phi + foo", "'foo'"),
+        ("acos(phi)", "'acos'"),
+        ("phi.real", "'phi.real'"),
+        ("phi**99", "'99'"),
+        ("phi/0", "division by zero"),
+        ("1" * 1001, "1001 characters"),
+    ],
+)
+def test_refusals_name_what_is_wrong(text: str, named: str) -> None:
+    with pytest.raises(WrongInput) as caught:
+        compiled(text, ORDER, KEY)
+    assert named in caught.value.problem
+
+
+@settings(max_examples=200, deadline=None, derandomize=True)
+@given(st.text(alphabet="phisncotael0123456789.+-*/()[]{}_ ,:='\"\\\n\t@", max_size=25))
+def test_random_text_gives_a_series_or_a_refusal(text: str) -> None:
+    try:
+        compiled(text, 1, KEY)
+    except WrongInput as fault:
+        assert fault.key == KEY
