@@ -10,21 +10,24 @@ from numpy.polynomial import chebyshev as numpy_chebyshev
 from numpy.polynomial import legendre
 
 from ncgear.numerics import chebyshev
-from ncgear.numerics.chebyshev import NotSmooth
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.chebyshev import NotSmooth
 
 ACROSS = np.random.default_rng(3).uniform(0.0, 1.0, 997)
+
+NEAR = 25000.0**0.5
+"""1/(1 + 25000 x^2) has its poles at +-i/158."""
 
 Case = tuple[Callable[[Array], Array], Callable[[Array], Array], Sequence[float]]
 
 CASES: dict[str, Case] = {
     "sine": (np.cos, np.sin, [0.0, 7.0]),
     "exponential": (np.exp, np.exp, [-3.0, 1.0, 2.0]),
-    "near pole": (lambda x: 1.0 / (1.0 + 25000.0 * x**2), lambda x: np.arctan(158.11388300841898 * x) / 158.11388300841898, [-1, 1]),
+    "near pole": (lambda x: 1.0 / (1.0 + (NEAR * x) ** 2), lambda x: np.arctan(NEAR * x) / NEAR, [-1, 1]),
     "fast oscillation": (lambda x: np.cos(300.0 * x), lambda x: np.sin(300.0 * x) / 300.0, [0.0, 2.0]),
     "polynomial": (lambda x: x**7, lambda x: x**8 / 8.0, [-1.0, 0.5, 2.0]),
     "reciprocal near zero": (lambda x: 1.0 / x, np.log, [1e-3, 1.0]),
-    "jump at a break": (lambda x: np.where(x < 1.0, 2.0, -3.0), lambda x: np.where(x < 1.0, 2 * x, 5.0 - 3 * x), [0, 1, 2]),
+    "jump at a break": (lambda x: np.where(x < 1, 2.0, -3.0), lambda x: np.where(x < 1, 2 * x, 5 - 3 * x), [0, 1, 2]),
     "kink at a break": (lambda x: np.abs(x - 0.3), lambda x: 0.5 * (x - 0.3) * np.abs(x - 0.3), [0.0, 0.3, 1.0]),
 }
 

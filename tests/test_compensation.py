@@ -152,7 +152,7 @@ def dense_peak(law: ReturnLaw, linkage: CrankSlider, count: int = 4001) -> float
 
 
 def skewed(law: ReturnLaw, amount: float) -> ReturnLaw:
-    """An inverse-basis return skewed further: tau^2 (1 - tau)^2 (2 tau - 1) is odd about the middle, so it still closes."""
+    """An inverse-basis return skewed further: tau^2 (1 - tau)^2 (2 tau - 1) is odd about the middle, so it closes."""
     bump = Polynomial([0.0, 1.0]) ** 2 * Polynomial([1.0, -1.0]) ** 2
     return replace(law, polynomial=law.polynomial + amount * bump * Polynomial([-1.0, 2.0]))
 
@@ -276,8 +276,10 @@ def test_level_ends_give_the_level_return(inverse: bool) -> None:
 
 
 def test_inverse_basis_refuses_a_return_that_would_turn_back() -> None:
-    """1/i12 is 1 at both ends but 0.2 on average.  An even quartic is 1 - 24 tau^2 (1 - tau)^2 then, -0.5 in the middle;
-    skewing it only deepens one side."""
+    """1/i12 is 1 at both ends but 0.2 on average.
+
+    An even quartic is 1 - 24 tau^2 (1 - tau)^2 then, -0.5 in the middle; skewing it only deepens one side.
+    """
     short = replace(LEVEL, end_driven_rad=3.4)
     with pytest.raises(NoSuchMechanism) as caught:
         return_of_least_acceleration(short, CrankSlider(100.0, 400.0), inverse=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 from functools import cache
 from math import pi
@@ -116,7 +117,7 @@ def test_linkage_leads_back_to_the_displacement_asked_for(name: str) -> None:
 def test_pieces_meet_with_equal_value_slope_and_bend(name: str) -> None:
     """Displacement, velocity and acceleration are continuous at theta2 and theta3, so phi2'' is."""
     pieces = working_pieces(*case(name)[:2])
-    for before, after in zip(pieces[:-1], pieces[1:], strict=True):
+    for before, after in itertools.pairwise(pieces):
         assert before.end_rad == after.start_rad
         joint = np.array([before.end_rad])
         left, right = before.driven_angle(joint, 3), after.driven_angle(joint, 3)

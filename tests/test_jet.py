@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp
 from numpy.polynomial import Polynomial
@@ -144,6 +144,7 @@ def test_joined_leaves_uncovered_points_undefined() -> None:
 SMALL = st.lists(st.floats(-2.0, 2.0), min_size=4, max_size=4)
 
 
+@settings(deadline=None)
 @given(SMALL, SMALL, st.floats(-1.5, 1.5))
 def test_products_of_polynomials_are_polynomials(first: list[float], second: list[float], point: float) -> None:
     variable = Jet.variable(point, 6)
@@ -154,6 +155,7 @@ def test_products_of_polynomials_are_polynomials(first: list[float], second: lis
     assert np.allclose(found.coefficients[:, 0], exact, rtol=0.0, atol=1e-12)
 
 
+@settings(deadline=None)
 @given(SMALL, st.floats(-1.5, 1.5))
 def test_square_root_and_division_undo_multiplication(coefficients: list[float], point: float) -> None:
     series = jet.polynomial(coefficients, Jet.variable(point, ORDER))
@@ -165,6 +167,7 @@ def test_square_root_and_division_undo_multiplication(coefficients: list[float],
     assert np.allclose((positive / root).coefficients, root.coefficients, rtol=0.0, atol=ROUNDING * scale)
 
 
+@settings(deadline=None)
 @given(SMALL, st.floats(-1.5, 1.5))
 def test_sine_and_cosine_squares_add_to_one(coefficients: list[float], point: float) -> None:
     sine, cosine = jet.sin_cos(jet.polynomial(coefficients, Jet.variable(point, ORDER)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -33,7 +34,9 @@ def machine(name: str, rpm: float, linkage: CrankSlider = BALER_LINKAGE, resista
 
 
 @cache
-def check(name: str, rpm: float, linkage: CrankSlider = BALER_LINKAGE, resistance: Resistance = PRESS) -> KinematicCheck:
+def check(
+    name: str, rpm: float, linkage: CrankSlider = BALER_LINKAGE, resistance: Resistance = PRESS
+) -> KinematicCheck:
     """Its figures."""
     return kinematic_check(machine(name, rpm, linkage, resistance))
 
@@ -44,7 +47,8 @@ def test_uniform_crank_at_sixty() -> None:
     assert found.peak_power_w.value / 60.0 == pytest.approx(434.5, abs=0.05)
     assert found.peak_acceleration_cycle_mm_s2.value == pytest.approx(20940.0, abs=5.0)
     # In line the crank's own formula at the extended end: l2 w^2 (1 + l2/l3)
-    assert found.peak_acceleration_cycle_mm_s2.value == pytest.approx(380.0 * (2 * pi) ** 2 * (1 + 380 / 960), rel=1e-13)
+    exact = 380.0 * (2.0 * pi) ** 2 * (1.0 + 380.0 / 960.0)
+    assert found.peak_acceleration_cycle_mm_s2.value == pytest.approx(exact, rel=1e-13)
     assert found.speed_rpm == pytest.approx(60.0, rel=1e-15)
 
 
@@ -95,11 +99,15 @@ class Sampled:
     values: Array
 
 
+def joints_of(of: Machine) -> list[float]:
+    """Every joint of the law in one cycle of the slider, both ends included."""
+    lobes, joints = of.transmission.lobes, of.transmission.joints_rad.tolist()
+    return [k * lobes.driving_period_rad + joint for k in range(lobes.driven) for joint in joints]
+
+
 def dense_angles(of: Machine, count: int = 6007) -> Array:
     """Even angles over one cycle, and both sides of every joint and of the extended dead centre."""
-    lobes = of.transmission.lobes
-    starts = [k * lobes.driving_period_rad + piece.end_rad for k in range(lobes.driven) for piece in of.transmission.pieces]
-    sides = [joint + side for joint in [*starts, of.extended_rad] for side in (-1e-9, 1e-9)]
+    sides = [joint + side for joint in [*joints_of(of), of.extended_rad] for side in (-1e-9, 1e-9)]
     angles = np.concatenate([np.linspace(0.0, of.transmission.cycle_rad, count), sides])
     return np.unique(angles[(angles >= 0.0) & (angles < of.transmission.cycle_rad)])
 
@@ -154,12 +162,11 @@ def test_velocity_and_acceleration_are_derivatives_of_the_displacement(name: str
 def quadrature_of_power(of: Machine) -> float:
     """Mean power from Gauss-Legendre quadrature of the sampled power, piece by piece."""
     unit, weights = legendre.leggauss(24)
-    lobes = of.transmission.lobes
     zero = np.array([cross for cross in real_zeros(of.resistance) if 0.0 < cross < of.linkage.stroke_mm])
-    starts = [k * lobes.driving_period_rad + joint for k in range(lobes.driven) for joint in of.transmission.joints_rad]
-    edges = np.unique([edge for edge in [*starts, of.extended_rad, *crossings(of, zero)] if edge <= of.extended_rad + 1e-12])
+    candidates = np.array([*joints_of(of), of.extended_rad, *crossings(of, zero)])
+    edges = np.unique(candidates[candidates <= of.extended_rad])
     total = 0.0
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in itertools.pairwise(edges):
         for part in range(8):
             a, b = low + (high - low) * part / 8.0, low + (high - low) * (part + 1) / 8.0
             phi1 = (a + b) / 2.0 + (b - a) / 2.0 * unit
@@ -192,11 +199,12 @@ def test_mean_power_is_the_work_in_the_cycle_time(name: str, linkage: str, keep:
     resistance = Resistance(FIT, keep_negative=keep)
     of = machine(name, 30.0, LINKAGES[linkage], resistance)
     # Work does not depend on the law; quadrature of smooth parts is exact to rounding of some thousand products
-    assert quadrature_of_power(of) == pytest.approx(check(name, 30.0, LINKAGES[linkage], resistance).mean_power_w, rel=1e-10)
+    mean = check(name, 30.0, LINKAGES[linkage], resistance).mean_power_w
+    assert quadrature_of_power(of) == pytest.approx(mean, rel=1e-10)
 
 
 def test_work_with_negative_resistance_kept_or_taken_as_zero() -> None:
-    """The fit crosses zero near 34 mm: kept, its antiderivative over the stroke; clamped, that minus the negative part."""
+    """The fit crosses zero near 34 mm: kept, its antiderivative over the stroke; clamped, without the negative part."""
     fit = Polynomial(FIT)
     whole = float(fit.integ()(760.0)) / 1000.0
     crossing = min(zero for zero in real_zeros(PRESS) if zero > 0.0)
@@ -212,7 +220,9 @@ def test_work_with_negative_resistance_kept_or_taken_as_zero() -> None:
     assert clamped == pytest.approx(trapezoid, rel=1e-8)  # steps of 2e-3 mm: (2e-3)^2 relative, kinks included
 
 
-@pytest.mark.parametrize(("coefficients", "keep", "work"), [((400.0,), False, 24.0), ((-400.0,), False, 0.0), ((-400.0,), True, -24.0)])
+@pytest.mark.parametrize(
+    ("coefficients", "keep", "work"), [((400.0,), False, 24.0), ((-400.0,), False, 0.0), ((-400.0,), True, -24.0)]
+)
 def test_work_of_constant_resistance(coefficients: tuple[float, ...], keep: bool, work: float) -> None:
     assert work_per_stroke_j(Resistance(coefficients, keep), 60.0) == pytest.approx(work, rel=1e-15)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
@@ -12,7 +13,6 @@ import numpy as np
 import pytest
 from mpmath import mp
 from numpy.polynomial import chebyshev, legendre
-from oracles import stroke as oracle
 
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.machine.linkage import CrankSlider
@@ -25,6 +25,7 @@ from ncgear.ratio.laws.table import displacement_table_law, ratio_table_law
 from ncgear.ratio.laws.three_segment import stroke_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Piece, Transmission
+from oracles import stroke as oracle
 from test_stroke import AT_LAW_SPEED, BALER
 
 BALER_LINKAGE = CrankSlider(380.0, 960.0)
@@ -119,7 +120,7 @@ def stretches(transmission: Transmission) -> list[tuple[Piece, float, float]]:
     found = []
     for piece in transmission.pieces:
         edges = [piece.start_rad, *piece.knots_rad, piece.end_rad]
-        found += [(piece, low, high) for low, high in zip(edges[:-1], edges[1:], strict=True)]
+        found += [(piece, low, high) for low, high in itertools.pairwise(edges)]
     return found
 
 
@@ -195,7 +196,7 @@ def test_the_integral_of_the_slope_is_the_driven_angle(name: str) -> None:
 
 @every_law
 def test_every_derivative_is_the_derivative_of_the_one_before(name: str) -> None:
-    """A Chebyshev interpolant of derivative k, differentiated in the middle of the stretch, against derivative k + 1."""
+    """A Chebyshev interpolant of derivative k, differentiated in the middle of a stretch, against derivative k + 1."""
     nodes = chebyshev.chebpts1(15)
     for piece, low, high in stretches(law(name))[::5]:
         centre, half = (low + high) / 2.0, min(0.3 * (high - low), 0.04)
@@ -264,7 +265,8 @@ def test_right_hand_limits_at_joints() -> None:
     transmission = law("stroke, e = 0")
     for piece in transmission.pieces:
         joint = np.array([piece.start_rad])
-        assert np.array_equal(transmission.driven_angle(joint, 4).coefficients, piece.driven_angle(joint, 4).coefficients)
+        found, exact = transmission.driven_angle(joint, 4), piece.driven_angle(joint, 4)
+        assert np.array_equal(found.coefficients, exact.coefficients)
 
 
 # --- uniform and elliptical ----------------------------------------------------------------------------------------
@@ -297,7 +299,8 @@ def test_elliptical_law_against_quadrature_of_its_radii(eccentricity: float, pha
         start = (1 + mp.mpf(lobes.driven) / lobes.driving) / (1 - mp.mpf(eccentricity) ** 2)
         bracket = (start * mp.mpf("0.7"), start * mp.mpf("1.5"))
         bracket = (max(bracket[0], mp.mpf("1.02") / (1 - mp.mpf(eccentricity))), bracket[1])
-        size = mp.findroot(lambda s: turned(period, s) - 2 * mp.pi / lobes.driven, bracket, solver="anderson", tol=1e-30)
+        missing = lambda s: turned(period, s) - 2 * mp.pi / lobes.driven  # noqa: E731
+        size = mp.findroot(missing, bracket, solver="anderson", tol=1e-30)
         for share in (0.2, 0.5, 0.9):
             phi = mp.mpf(float(share * period))
             found = float(transmission.driven_angle(np.array([float(phi)])).value[0])
@@ -325,7 +328,8 @@ def test_driven_angle_expression_is_taken_at_its_word() -> None:
     phi1 = np.linspace(0.0, pi, 51)
     exact = 2.0 * phi1 + 0.1 * (np.cos(4.0 * phi1) - 1.0)
     assert np.max(np.abs(law("driven angle 2:1").driven_angle(phi1).value - exact)) <= 5e-15
-    assert law("driven angle").driven_angle(np.ones(1), 1).derivative(1)[0] == pytest.approx(1.0 - 0.16 * np.cos(2.0), rel=1e-14)
+    slope = law("driven angle").driven_angle(np.ones(1), 1).derivative(1)[0]
+    assert slope == pytest.approx(1.0 - 0.16 * np.cos(2.0), rel=1e-14)
 
 
 def test_scaling_to_close_multiplies_the_ratio() -> None:
@@ -375,7 +379,6 @@ def test_ratios_that_give_no_law_are_refused(text: str, said: str, scale: bool) 
     ("text", "said"),
     [
         ("2*phi", "does not close"),
-        ("phi + 0.001*phi*sin(phi/2)**2", ""),
         ("phi**2/(2*pi)", "jumps"),
         ("log(phi)", "no finite value"),
         ("-phi", ""),
@@ -383,9 +386,6 @@ def test_ratios_that_give_no_law_are_refused(text: str, said: str, scale: bool) 
     ],
 )
 def test_driven_angles_that_give_no_law_are_refused(text: str, said: str) -> None:
-    if said == "" and "sin" in text:  # closes, slope equal at both ends: a law after all
-        assert driven_angle_expression_law(text, Lobes()).closure_error_rad == pytest.approx(0.0, abs=1e-12)
-        return
     with pytest.raises(DesignError) as caught:
         driven_angle_expression_law(text, Lobes())
     assert caught.value.key == "motion.driven_angle"
@@ -445,7 +445,8 @@ def test_a_closing_row_changes_nothing() -> None:
     phi1, displacement = table_of(ELLIPSE(), SMALL, 12)
     closed = displacement_table_law(np.append(phi1, 2.0 * pi), np.append(displacement, 0.0), SMALL, Lobes())
     points = np.linspace(0.0, 6.0, 31)
-    assert np.array_equal(closed.driven_angle(points, 2).coefficients, law("displacement table").driven_angle(points, 2).coefficients)
+    found, exact = closed.driven_angle(points, 2), law("displacement table").driven_angle(points, 2)
+    assert np.array_equal(found.coefficients, exact.coefficients)
 
 
 def test_few_points_are_interpolated_by_a_cubic() -> None:

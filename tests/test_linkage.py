@@ -220,7 +220,7 @@ turning = st.tuples(st.floats(10.0, 500.0), st.floats(0.05, 3.0), st.floats(-0.9
 """Linkages whose crank turns: the rod exceeds the crank, the offset stays below the difference."""
 
 
-@settings(max_examples=60)
+@settings(max_examples=60, deadline=None)
 @given(turning, st.floats(1e-3, 1e3), st.floats(0.0, 2.0 * pi))
 def test_a_scaled_linkage_moves_alike(lengths: Lengths, scale: float, angle: float) -> None:
     small = CrankSlider(*lengths)
@@ -233,7 +233,7 @@ def test_a_scaled_linkage_moves_alike(lengths: Lengths, scale: float, angle: flo
     assert np.allclose(first, second, rtol=0.0, atol=1e-12 * float(np.abs(second).max() + scale * lengths[0]))
 
 
-@settings(max_examples=60)
+@settings(max_examples=60, deadline=None)
 @given(turning, st.floats(0.0, 2.0 * pi))
 def test_the_slider_stays_between_its_ends(lengths: Lengths, angle: float) -> None:
     linkage = CrankSlider(*lengths)

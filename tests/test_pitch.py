@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from functools import cache
 from math import cos, hypot, pi, radians, sin, sqrt
 
@@ -9,7 +10,6 @@ import numpy as np
 import pytest
 from mpmath import mp
 from numpy.polynomial import Chebyshev, legendre
-from oracles import stroke as oracle
 
 from ncgear.numerics.arrays import Array
 from ncgear.pitch import shape
@@ -21,6 +21,7 @@ from ncgear.pitch.sizing import Size
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
+from oracles import stroke as oracle
 from test_laws import LAWS, law
 
 DISTANCE = 200.0
@@ -150,7 +151,7 @@ def test_both_points_are_on_the_centre_line_together(name: str) -> None:
     phi1 = angles_of(found.transmission)
     series = found.transmission.driven_angle(phi1, 1)
     driving = turned(found.driving.at_angle(phi1).position, phi1)
-    driven = turned(found.driven.at_angle(phi1).position, -series.value) + [DISTANCE, 0.0]
+    driven = turned(found.driven.at_angle(phi1).position, -series.value) + np.array([DISTANCE, 0.0])
     ratio = 1.0 / series.derivative(1)
     exact = np.column_stack([DISTANCE / (1.0 + ratio), np.zeros(phi1.size)])
     # Angles up to 6 pi carry rounding of 2e-15, times the 200 mm
@@ -183,7 +184,7 @@ def test_the_curves_roll_without_slip(name: str, gear: Gear) -> None:
     for count in (512, 1024, 2048):
         points = curve(found, gear).at_angle(np.linspace(start, 0.9 * end, count + 1)).position
         lengths.append(float(np.hypot(*np.diff(points, axis=0).T).sum()))
-    once = [(4.0 * fine - coarse) / 3.0 for coarse, fine in zip(lengths[:-1], lengths[1:], strict=True)]
+    once = [(4.0 * fine - coarse) / 3.0 for coarse, fine in itertools.pairwise(lengths)]
     extrapolated = (16.0 * once[1] - once[0]) / 15.0
     low, high = found.arc.length(np.array([start, 0.9 * end])) * DISTANCE
     # Chord sums have an error series in h^2; two extrapolations leave h^6, below 1e-9 for the sharpest of these laws
@@ -248,7 +249,8 @@ def stacked(points: CurvePoints, size: float) -> Array:
 def test_points_by_length_are_points_by_angle(name: str, gear: Gear) -> None:
     of = curve(pair(name), gear)
     sigma = np.linspace(0.003, 0.997, 47) * of.length_mm
-    by_length, by_angle = stacked(of.at_length(sigma), DISTANCE), stacked(of.at_angle(of.driving_angle(sigma)), DISTANCE)
+    by_length = stacked(of.at_length(sigma), DISTANCE)
+    by_angle = stacked(of.at_angle(of.driving_angle(sigma)), DISTANCE)
     scale = np.maximum(np.abs(by_angle).max(), 1.0)
     # Chebyshev forms resolved to 4e-15 of the largest column, the curvature, through an angle inverted to 1e-14
     assert np.max(np.abs(by_length - by_angle)) <= 1e-11 * scale
@@ -260,7 +262,7 @@ def test_points_by_length_are_points_by_angle(name: str, gear: Gear) -> None:
 def test_tangent_and_curvature_are_derivatives_along_the_curve(name: str, gear: Gear) -> None:
     """Interpolants of position and tangent over a short stretch by arc length, differentiated in its middle."""
     of, joints = curve(pair(name), gear), pair(name).transmission.joints_rad
-    for low, high in list(zip(joints[:-1], joints[1:], strict=True))[::7]:
+    for low, high in list(itertools.pairwise(joints))[::7]:
         ends = of.arc.length(np.array([low, high])) * DISTANCE
         centre, half = float(ends.mean()), min(0.3 * float(ends[1] - ends[0]), 4.0)
         sigma = centre + half * np.cos(np.pi * (np.arange(13) + 0.5) / 13.0)
@@ -331,16 +333,18 @@ def exact_cycle() -> oracle.Cycle:
     return oracle.cycle(oracle.BALER, "0")
 
 
+def exact_radius(phi1: Array) -> Array:
+    """The driving pitch radius by the oracle's ratio."""
+    return np.array([DISTANCE / (1.0 + float(exact_cycle().ratio(angle))) for angle in phi1.tolist()])
+
+
 @cache
 def exact_radii() -> list[tuple[tuple[float, float], Chebyshev]]:
     """The driving radius on each of the four parts, a Chebyshev interpolant of 50-digit ratios at 48 points."""
     joints = [0.0, 0.7 * pi, pi, 1.3 * pi, 2.0 * pi]
     parts = []
-    for low, high in zip(joints[:-1], joints[1:], strict=True):
-        def radius(phi1: Array) -> Array:
-            return np.array([DISTANCE / (1.0 + float(exact_cycle().ratio(angle))) for angle in phi1.tolist()])
-
-        parts.append(((low, high), Chebyshev.interpolate(radius, 47, domain=[low, high])))
+    for low, high in itertools.pairwise(joints):
+        parts.append(((low, high), Chebyshev.interpolate(exact_radius, 47, domain=[low, high])))
     return parts
 
 

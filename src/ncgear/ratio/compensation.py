@@ -137,8 +137,14 @@ def return_of_least_acceleration(ends: ReturnEnds, linkage: CrankSlider, *, inve
     grid = scale * np.sinh(np.linspace(-3.0, 3.0, 31))
     peaks = np.array([peak(skewness) for skewness in grid])
     best = int(np.argmin(peaks))
+    if not np.isfinite(peaks[best]):
+        family(0.0)  # refuses by itself where the return cannot close
+        raise NoSuchMechanism("no return of this basis has a finite acceleration", key="motion.return")
     bounds = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
-    refined = minimize_scalar(peak, bounds=bounds, method="bounded", options={"xatol": 1e-7 * scale})
+    wall = 1e6 * peaks[best]  # a minimiser that interpolates cannot work with infinities
+    refined = minimize_scalar(
+        lambda skewness: min(peak(skewness), wall), bounds=bounds, method="bounded", options={"xatol": 1e-7 * scale}
+    )
     law = family(float(refined.x) if refined.fun <= peaks[best] else float(grid[best]))
     return law if inverse else _polished(law, BUMP)
 
