@@ -88,6 +88,14 @@ def test_values_may_be_vectors_and_points_of_any_shape() -> None:
     assert form(np.float64(2.0)).shape == (3,)
 
 
+@pytest.mark.parametrize("frequency", range(1, 26))
+def test_every_frequency_is_resolved_whether_or_not_a_panel_just_fails_to(frequency: int) -> None:
+    """A tail that counted as resolved too early would show at the frequency that just fits a panel."""
+    form = chebyshev.fitted(lambda x: np.cos(frequency * x), [-1.0, 1.0])
+    points = 2.0 * ACROSS - 1.0
+    assert np.max(np.abs(form(points) - np.cos(frequency * points))) <= 2e-14  # tails of 4e-15 and their neighbours
+
+
 def test_smooth_functions_need_no_more_than_a_few_panels() -> None:
     assert chebyshev.fitted(np.cos, [0.0, 3.0]).breaks.size == 2
     # One halving towards the pole each time its distance halves: log2(1/0.0063) = 7.3, on both sides

@@ -294,6 +294,18 @@ def test_the_same_ends_are_fine_in_the_ratio_basis() -> None:
     assert abs(law.closure_error_rad) <= 1e-12
 
 
+@pytest.mark.parametrize("covered", [0.1, 0.5, 5.0, 15.0])
+@pytest.mark.parametrize("constant", [0.0, 20.0])
+def test_closure_holds_however_far_the_driven_gear_must_turn(covered: float, constant: float) -> None:
+    """Ratios far below and above 1, whose reciprocals have poles next to the real axis."""
+    ends = replace(LEVEL, end_driven_rad=3.0 + covered)
+    law = return_with_constant(ends, constant)
+    with mp.workdps(30):
+        descending = [mp.mpf(float(c)) for c in law.polynomial.coef[::-1]]
+        exact = 2 * mp.quad(lambda t: 1 / mp.polyval(descending, t), mp.linspace(0, 1, 33))
+        assert abs(exact - mp.mpf(ends.driven_length_rad)) <= 1e-12  # the closure promised
+
+
 @pytest.mark.parametrize("changed", [{"start_ratio": -0.5}, {"end_ratio": 0.0}])
 def test_ends_that_are_not_positive_are_refused(changed: dict[str, float]) -> None:
     with pytest.raises(NoSuchMechanism) as caught:

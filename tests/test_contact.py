@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 from math import cos, floor, lcm, pi, radians, sin
 from pathlib import Path
@@ -246,49 +247,64 @@ def test_undercut_shortens_contact() -> None:
     assert expected < transverse_contact_ratio(12, 12, ALPHA)
 
 
-def counted(pair: Made, sigma: Array) -> Array:
-    """Pairs of flanks that touch at rolled lengths, by asking each in turn; the worse side of the teeth."""
+@dataclass(frozen=True)
+class FlankPair:
+    """A driving flank, one of its mates found by where both cross the pitch curves, and the heights both still have."""
+
+    crossing_mm: float
+    side: float
+    low_mm: float
+    high_mm: float
+
+
+def flank_pairs(pair: Made) -> tuple[list[FlankPair], float]:
+    """All pairs of flanks that meet in a meeting cycle, and the cycle's length."""
     driving, driven = pair[1].driving, pair[1].driven
-    length = driving.flanks.curve.length_mm
     turns = lcm(driving.teeth, driven.teeth) // driving.teeth
-    ranges = [gear.sides.flank_range() for gear in (driving, driven)]
-    counts = []
-    for side in (1.0, -1.0):
-        total = np.zeros(sigma.size, dtype=int)
-        for own in np.nonzero(driving.flanks.side == side)[0]:
-            for cross in driving.flanks.crossing_mm[own] + np.arange(turns) * length:
-                total += touching(pair, ranges, own, cross, side, sigma, turns * length)
-        counts.append(total)
-    return np.minimum(*counts)
+    (top, bottom), (other_top, other_bottom) = (gear.sides.flank_range() for gear in (driving, driven))
+    own, other = driving.flanks, driven.flanks
+    found = []
+    for number, cross in enumerate(own.crossing_mm):
+        for crossing in cross + np.arange(turns) * own.curve.length_mm:
+            gap = np.abs(np.mod(other.crossing_mm - crossing + 1.0, other.curve.length_mm) - 1.0)
+            mate = int(np.argmin(gap))
+            assert gap[mate] < 1e-6
+            low, high = max(bottom[number], -other_top[mate]), min(top[number], -other_bottom[mate])
+            found.append(FlankPair(crossing, own.side[number], low, high))
+    return found, turns * own.curve.length_mm
 
 
-def touching(
-    pair: Made, ranges: list[tuple[Array, Array]], own: int, cross: float, side: float, sigma: Array, reach: float
-) -> Array:
-    """Whether a driving flank and the driven one that crosses at the same place touch, at each rolled length."""
-    driven = pair[1].driven.flanks
-    gap = np.abs(np.mod(driven.crossing_mm - cross + 1.0, driven.curve.length_mm) - 1.0)
-    mate = int(np.argmin(gap))
-    assert gap[mate] < 1e-6
-    ahead = np.mod(cross - sigma + reach / 2.0, reach) - reach / 2.0
-    height = side * ahead * sin(ALPHA) * cos(ALPHA)
-    (top, bottom), (other_top, other_bottom) = ranges
-    inside = (height <= top[own]) & (height >= bottom[own])
-    return inside & (-height <= other_top[mate]) & (-height >= other_bottom[mate])
+def counted(pair: Made, sigma: Array) -> int:
+    """Least number of flank pairs that touch at rolled lengths, by asking each in turn; the worse side of the teeth."""
+    pairs, cycle = flank_pairs(pair)
+    totals = {1.0: np.zeros(sigma.size, dtype=int), -1.0: np.zeros(sigma.size, dtype=int)}
+    for one in pairs:
+        ahead = np.mod(one.crossing_mm - sigma + cycle / 2.0, cycle) - cycle / 2.0
+        height = one.side * ahead * sin(ALPHA) * cos(ALPHA)
+        totals[one.side] += (height >= one.low_mm) & (height <= one.high_mm)
+    return int(min(total.min() for total in totals.values()))
 
 
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 18), ("ellipse", 37), ("sine", 25), ("baler", 86)])
 def test_least_number_in_contact_is_what_counting_finds(name: str, teeth: int) -> None:
     pair = made(name, teeth)
     sigma = np.linspace(0.0, pair[0].driving.length_mm, 40 * teeth, endpoint=False)
-    assert counted(pair, sigma).min() == flank_contact(pair[1]).least_simultaneous == 1
+    assert counted(pair, sigma) == flank_contact(pair[1]).least_simultaneous == 1
+
+
+@pytest.mark.parametrize(("name", "teeth"), [("uniform 3:2", 30), ("ellipse", 37), ("sine", 25), ("baler", 86)])
+def test_least_contact_ratio_is_that_of_the_worst_pair_of_flanks(name: str, teeth: int) -> None:
+    pair = made(name, teeth)
+    arcs = [one.high_mm - one.low_mm for one in flank_pairs(pair)[0]]
+    expected = min(arcs) / (sin(ALPHA) * cos(ALPHA)) / (pi * MODULE)
+    assert flank_contact(pair[1]).least_ratio == pytest.approx(expected, rel=1e-12)
 
 
 def test_counting_sees_the_gap_in_the_undercut_balers_contact() -> None:
     pair = made("baler", 25)
     sigma = np.linspace(0.0, pair[0].driving.length_mm, 5000, endpoint=False)
     found = flank_contact(pair[1])
-    assert counted(pair, sigma).min() == found.least_simultaneous == 0
+    assert counted(pair, sigma) == found.least_simultaneous == 0
     assert found.least_ratio < 1.0
 
 

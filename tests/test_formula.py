@@ -162,6 +162,8 @@ REFUSED = [
     "sin()",
     "sin(phi, phi)",
     "sin(x=phi)",
+    "sin(phi, x=1)",
+    "sin(phi, **{})",
     "sin(*[phi])",
     "sin(**{})",
     "sin(sin)",

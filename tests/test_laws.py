@@ -65,6 +65,12 @@ def table_of(source: Transmission, linkage: CrankSlider, each_stroke: int) -> tu
 ELLIPSE = partial(elliptical_law, 0.3, 0.9, Lobes())
 
 
+def doubled_table() -> Transmission:
+    """The same table in half the driving angle, for two lobes."""
+    phi1, displacement = table_of(ELLIPSE(), SMALL, 12)
+    return displacement_table_law(phi1 / 2.0, displacement, SMALL, Lobes(2, 1))
+
+
 def displacement_table(each_stroke: int) -> Transmission:
     """An elliptical law by its displacements."""
     return displacement_table_law(*table_of(ELLIPSE(), SMALL, each_stroke), SMALL, Lobes())
@@ -95,6 +101,7 @@ LAWS: dict[str, Callable[[], Transmission]] = {
     "driven angle": lambda: driven_angle_expression_law("phi - 0.08*sin(2*phi)", Lobes()),
     "driven angle 2:1": lambda: driven_angle_expression_law("2*phi + 0.1*cos(4*phi)", Lobes(2, 1)),
     "displacement table": lambda: displacement_table(12),
+    "displacement table 2:1": doubled_table,
     "ratio table": lambda: ratio_table(30),
     "ratio table 2:3": lambda: ratio_table(24, Lobes(2, 3)),
     "stroke, e = 0": lambda: stroke_of(BALER, BALER_LINKAGE, Lobes(), 0.0),
@@ -521,10 +528,14 @@ def test_ratio_tables_must_close() -> None:
 # --- three segments ------------------------------------------------------------------------------------------------
 
 
-def test_two_lobes_run_the_same_law_twice_as_often() -> None:
-    """Halved angles and halved speeds are the same polynomials of twice the angle; the driven gear has one lobe."""
+SAME_LAWS = [("stroke, e = 0", "stroke, 2:1"), ("displacement table", "displacement table 2:1")]
+
+
+@pytest.mark.parametrize(("single", "double"), SAME_LAWS)
+def test_two_lobes_run_the_same_law_twice_as_often(single: str, double: str) -> None:
+    """Halved angles and halved speeds are the same functions of twice the angle; the driven gear has one lobe."""
     phi1 = np.linspace(0.0, 2.0 * pi, 101)[:-1]
-    once, twice = law("stroke, e = 0").driven_angle(phi1, 2), law("stroke, 2:1").driven_angle(phi1 / 2.0, 2)
+    once, twice = law(single).driven_angle(phi1, 2), law(double).driven_angle(phi1 / 2.0, 2)
     assert np.max(np.abs(once.value - twice.value)) <= 1e-12
     assert np.max(np.abs(2.0 * once.derivative(1) - twice.derivative(1))) <= 1e-11
 

@@ -1,4 +1,4 @@
-"""What a user sees when a design cannot be, by the real program: status, place, key, remedy; and what stays untouched."""
+"""What a user sees when a design cannot be, by the real program: status, place, key, remedy; what stays untouched."""
 
 from __future__ import annotations
 

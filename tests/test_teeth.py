@@ -241,6 +241,7 @@ def brute(
 
 
 CONVEX = {
+    "circle of 6": (lambda: uniform_law(Lobes()), 6),
     "circle of 12": (lambda: uniform_law(Lobes()), 12),
     "circle of 18": (lambda: uniform_law(Lobes()), 18),
     "ellipse": (lambda: elliptical_law(0.35, 0.0, Lobes()), 37),
@@ -257,6 +258,25 @@ def test_outline_on_a_convex_curve_is_what_a_rack_cuts(name: str, gear: Gear) ->
     pair = toothed_pair(pitch_pair(law, teeth), rack(), TOLERANCE)
     made = pair.driving if gear is Gear.DRIVING else pair.driven
     assert rack_cut.outline_distance(Polygon(made.outline_mm), brute(made), 0.02) < TOLERANCE + CUTTER_FACETS + SCALLOPS
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("teeth", [*range(7, 26), 30])
+@pytest.mark.parametrize("name", ["circle", "ellipse", "sharp ellipse", "sine"])
+def test_few_teeth_are_what_a_rack_cuts(name: str, teeth: int) -> None:
+    """From deep undercut to none, on curves whose teeth are undercut a little, much and not at all."""
+    laws = {
+        "circle": uniform_law(Lobes()),
+        "ellipse": elliptical_law(0.35, 0.3, Lobes()),
+        "sharp ellipse": elliptical_law(0.7, 0.3, Lobes()),
+        "sine": sine_law(0.08),
+    }
+    tolerance = 0.002
+    pair = toothed_pair(pitch_pair(laws[name], teeth), rack(), tolerance)
+    for made in (pair.driving, pair.driven):
+        assert Polygon(made.outline_mm).is_valid
+        apart = rack_cut.outline_distance(Polygon(made.outline_mm), brute(made, 50), 0.05)
+        assert apart < tolerance + CUTTER_FACETS + 4.0 * SCALLOPS  # at half the positions
 
 
 @pytest.mark.parametrize("gear", Gear)

@@ -5,8 +5,6 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from ncgear.design.gears import GearBody, Gears
 from ncgear.design.schema import Design
 from ncgear.errors import WrongInput
@@ -163,11 +161,6 @@ class Drive:
                 driving_solid(teeth.driving.outline_mm, _blank(gears, gears.driving), module, tolerance),
                 driven_solid(teeth.driven.outline_mm, _blank(gears, gears.driven), module, tolerance),
             )
-
-    @cached_property
-    def joints_rad(self) -> np.ndarray:
-        """Driving angles at which the law's pieces meet, over one period."""
-        return np.array([piece.start_rad for piece in self.transmission.pieces][1:])
 
 
 def _blank(gears: Gears, body: GearBody) -> Blank:

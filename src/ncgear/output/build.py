@@ -20,6 +20,7 @@ from ncgear.output.stl import stl_bytes
 from ncgear.output.summary import build_summary
 from ncgear.output.tables import law_csv, outline_csv
 from ncgear.pitch.curve import CurvePoints, PitchCurve
+from ncgear.ratio.transmission import Transmission
 from ncgear.solids.assembly import Placed, assembly_report
 
 STAGES = {
@@ -113,7 +114,7 @@ def _pitch_radius(curve: PitchCurve) -> float:
 def _pictures(drive: Drive) -> dict[str, bytes]:
     name, speed = drive.design.name, drive.design.operation.speed_rpm
     tables = drive.motion, drive.uniform_motion
-    joints = _joints(drive.transmission.joints_rad, drive.motion.phi1_rad[-1])
+    joints = _joints(drive.transmission, float(drive.motion.phi1_rad[-1]))
     return {
         "pitch_curves.png": _pitch_curves(drive),
         "tooth_pair.png": _tooth_pair(drive),
@@ -163,9 +164,12 @@ def _radius(curve: PitchCurve, phi1: Array) -> Array:
     return radius
 
 
-def _joints(joints_rad: Array, end_rad: float) -> Array:
-    """Joints of one period repeated up to a driving angle; the ends, which every picture has, left out."""
-    period = joints_rad[-1]
+def _joints(transmission: Transmission, end_rad: float) -> Array:
+    """Where the law's pieces meet up to a driving angle, the seam between periods too; none if it is of one piece."""
+    starts = [piece.start_rad for piece in transmission.pieces]
+    if len(starts) == 1:
+        return np.empty(0)
+    period = transmission.lobes.driving_period_rad
     cycles = np.arange(round(end_rad / period)) * period
-    repeated: Array = (cycles[:, None] + joints_rad[None, :-1]).ravel()
+    repeated: Array = (cycles[:, None] + np.array(starts)).ravel()
     return repeated[1:]
