@@ -64,8 +64,8 @@ def built(name: str) -> Built:
 
 PINNED = {
     # Sources: the published 6300 W and 1500 mm/s^2 and the checked 16 675 W, 6315 W and 52.81 r/min; the pitch length
-    # by the oracle (tests/test_pitch.py); 434.5 W per r/min and 20 940 mm/s^2 for the uniform crank; the others are closed
-    # forms.
+    # by the oracle (tests/test_pitch.py); 434.5 W per r/min and 20 940 mm/s^2 for the uniform crank; the others are
+    # closed forms.
     "baler": [
         ("check.peak_power_w", 6315.0, 0.5),
         ("check.peak_acceleration_working_mm_s2", 1500.0, 1e-6),

@@ -346,14 +346,10 @@ def test_outlines_of_many_sizes_mesh(name: str, teeth: int) -> None:
 @pytest.mark.parametrize("teeth", range(6, 41))
 @pytest.mark.parametrize("name", ["uniform", "sharp ellipse", "sine", "baler"])
 def test_few_teeth_are_made_whole_or_refused_by_name(name: str, teeth: int) -> None:
-    try:
-        both = gears(name, teeth)
-    except NoSuchMechanism as refusal:
-        assert name == "baler"
-        assert teeth <= 12
-        assert refusal.key == "gears.teeth"
-        assert "phi1 = " in refusal.problem
+    if name == "baler" and teeth <= 12:  # the radius of curvature is then less than the dedendum
+        with pytest.raises(NoSuchMechanism, match="phi1 = "):
+            gears(name, teeth)
         return
-    for gear in both:
+    for gear in gears(name, teeth):
         assert Polygon(gear.outline_mm).is_valid
         assert np.linalg.norm(steps(gear.outline_mm), axis=1).min() > 1e-9
