@@ -111,7 +111,7 @@ def test_the_other_reading_of_the_baler_is_flagged_and_refused(tmp_path: Path) -
     low, high = drive.transmission.ratio_range
     assert abs(drive.law_speed_rpm - 51.31) < 0.005
     assert (round(low.value, 2), round(high.value, 1)) == (0.12, 7.6)
-    with pytest.raises(NoSuchMechanism, match=r"phi1 = 4\.46485 rad"):
+    with pytest.raises(NoSuchMechanism, match=r"phi1 = 4\.46\d* rad"):
         build(drive, tmp_path / "out", lambda stage: None)
     assert not (tmp_path / "out").exists()
 

@@ -551,12 +551,33 @@ def test_the_published_law_against_mpmath_over_the_whole_turn() -> None:
         assert 1.0 / slope == pytest.approx(float(exact.ratio(at)), abs=1e-10)
 
 
-@pytest.mark.parametrize("lobes", [Lobes(2, 1), Lobes(2, 2), Lobes(3, 1)])
+@pytest.mark.parametrize("lobes", [Lobes(2, 1), Lobes(3, 1)])
 def test_a_stroke_longer_than_the_cycle_is_refused(lobes: Lobes) -> None:
     with pytest.raises(WrongInput) as caught:
         stroke_of(BALER, BALER_LINKAGE, lobes, 0.0)
     assert caught.value.key == "motion"
     assert "theta4 is 234 deg" in caught.value.problem
+
+
+@pytest.mark.parametrize("lobes", [Lobes(1, 2), Lobes(2, 3)])
+def test_a_slider_law_takes_one_turn_of_the_driven_gear(lobes: Lobes) -> None:
+    """A crank that turns half a cycle a turn would need the other half to be the same: strokes and tables say so."""
+    phi1 = np.linspace(0.0, lobes.driving_period_rad, 12, endpoint=False)
+    moved = BALER_LINKAGE.displacement(Jet(phi1[None, :] * lobes.driving)).value
+    for made in (
+        lambda: stroke_of(BALER, BALER_LINKAGE, lobes, 0.0),
+        lambda: displacement_table_law(phi1, moved, BALER_LINKAGE, lobes),
+    ):
+        with pytest.raises(WrongInput) as caught:
+            made()
+        assert caught.value.key == "gears.lobes.driven"
+
+
+@pytest.mark.parametrize("text", ["cos(phi)", "tan(phi/2)**2 + 1", "1/(1 + cos(phi))"])
+@pytest.mark.parametrize("scaled", [True, False])
+def test_a_ratio_with_a_pole_or_a_zero_is_no_law(text: str, scaled: bool) -> None:
+    with pytest.raises(NoSuchMechanism):
+        ratio_expression_law(text, Lobes(), scale_to_close=scaled)
 
 
 # --- the check that every law passes through ------------------------------------------------------------------------

@@ -79,8 +79,6 @@ def gears(name: str, teeth: int, module: float = 2.0, tolerance: float = TOLERAN
 
 
 CASES = [("uniform", 18), ("ellipse", 37), ("sharp ellipse", 25), ("sine", 25), ("1:2", 25), ("3:1", 60), ("baler", 25)]
-SMOOTH = [case for case in CASES if case[0] != "baler"]
-"""Laws without joints, where the curvature jumps."""
 
 
 # --- chords ------------------------------------------------------------------------------------------------------
@@ -112,7 +110,7 @@ def distances(points: Array, gear: ToothedGear) -> Array:
     return rack_cut.deviation_of_points(flat, Polygon(gear.outline_mm)).reshape(points.shape[:-1])
 
 
-@pytest.mark.parametrize(("name", "teeth"), SMOOTH)
+@pytest.mark.parametrize(("name", "teeth"), CASES)
 def test_no_exact_curve_is_farther_from_the_outline_than_the_tolerance(name: str, teeth: int) -> None:
     for gear in gears(name, teeth):
         for kind in (CROWN, FLANK, FILLET):
@@ -131,7 +129,7 @@ def test_vertices_are_on_the_exact_curves(name: str, teeth: int) -> None:
         assert shapely.distance(exact, shapely.points(gear.outline_mm)).max() < TOLERANCE / 200.0
 
 
-@pytest.mark.parametrize(("name", "teeth"), SMOOTH)
+@pytest.mark.parametrize(("name", "teeth"), CASES)
 @pytest.mark.parametrize("tolerance", [0.02, 0.001])
 def test_flanks_use_the_tolerance(name: str, teeth: int, tolerance: float) -> None:
     """Chord counts are whole numbers: the worst of many flanks uses a good share, if not every one does."""
@@ -184,13 +182,35 @@ def test_outline_is_a_simple_counter_clockwise_polygon(name: str, teeth: int) ->
         assert turns(gear.outline_mm).sum() == pytest.approx(2.0 * pi, abs=1e-9)
 
 
+@pytest.mark.parametrize("tolerance", [TOLERANCE, TOLERANCE / 10.0])
 @pytest.mark.parametrize(
-    ("name", "teeth"), [("uniform", 12), ("uniform", 18), ("ellipse", 37), ("sine", 25), ("1:2", 25)]
+    ("name", "teeth"),
+    [*CASES, *(("uniform", z) for z in (12, 16)), *(("baler", z) for z in (19, 23, 31, 38, 48)), ("sharp ellipse", 13)],
 )
-def test_outline_never_turns_back(name: str, teeth: int) -> None:
-    """A tip turns by 90 degrees less the pressure angle there; nothing else on a tooth is as sharp."""
-    for gear in gears(name, teeth):
+def test_outline_never_turns_back(name: str, teeth: int, tolerance: float) -> None:
+    """A tip turns by 90 degrees less the pressure angle there; nothing else on a tooth is as sharp.
+
+    Slightly undercut teeth and jumps of the curvature make loops of micrometres, which must be cut off as well.
+    """
+    for gear in gears(name, teeth, tolerance=tolerance):
         assert np.abs(turns(gear.outline_mm)).max() < pi / 2.0
+
+
+@pytest.mark.parametrize("tolerance", [0.02, 0.001, 0.0001])
+def test_the_tolerance_holds_across_jumps_of_the_curvature(tolerance: float) -> None:
+    for gear in gears("baler", 25, 3.0, tolerance):
+        assert max(distances(dense_sides(gear, kind), gear).max() for kind in (FLANK, FILLET)) <= tolerance
+
+
+@pytest.mark.parametrize("teeth", [25, 37])
+def test_sides_of_one_space_that_cross_are_refused(teeth: int) -> None:
+    """A space in the middle of a deeply concave stretch, whose two sides run into each other at the root."""
+    law = sine_law(0.3)
+    arc = arc_length(law)
+    pitch = PitchPair(law, arc, solved_size(unit_driving_length(law, arc), law.lobes, teeth, 2.0, None))
+    rack = BasicRack(2.0, radians(20.0), 2.0, 2.5, 0.76)
+    with pytest.raises(NoSuchMechanism, match=r"flank of tooth (13|19) of the driving gear \(phi1 = 3\.0"):
+        toothed_pair(pitch, rack, TOLERANCE)
 
 
 @pytest.mark.parametrize(("name", "teeth"), CASES)
@@ -336,8 +356,7 @@ MANY_SIZES = [
 def test_outlines_of_many_sizes_mesh(name: str, teeth: int) -> None:
     for gear in gears(name, teeth):
         assert Polygon(gear.outline_mm).is_valid
-        if name in dict(SMOOTH):
-            assert max(distances(dense_sides(gear, kind), gear).max() for kind in (FLANK, FILLET)) <= TOLERANCE
+        assert max(distances(dense_sides(gear, kind), gear).max() for kind in (FLANK, FILLET)) <= TOLERANCE
     report = judged(name, teeth, 2.0, TOLERANCE)
     assert max(report.overlap_depth.max(), report.gap.max()) <= 2.0 * TOLERANCE
 

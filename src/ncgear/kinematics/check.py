@@ -58,9 +58,7 @@ def work_per_stroke_j(resistance: Resistance, stroke_mm: float) -> float:
     """Work of the resistance over one working stroke in J, from the polynomial's antiderivative; the law does not
     matter."""
     force = Polynomial(resistance.coefficients_n)
-    zeros = force.roots()
-    inner = np.sort(zeros.real[(np.abs(zeros.imag) < 1e-9 * stroke_mm) & (zeros.real > 0.0) & (zeros.real < stroke_mm)])
-    edges = np.concatenate([[0.0], inner, [stroke_mm]])
+    edges = np.concatenate([[0.0], resistance.zeros_mm(stroke_mm), [stroke_mm]])
     parts = np.diff(force.integ()(edges))
     return float(np.sum(parts if resistance.keep_negative else np.maximum(parts, 0.0))) / 1000.0
 

@@ -84,10 +84,12 @@ def fitted(function: Callable[[Array], Array], breaks: Sequence[float] | Array) 
     scale = 0.0
     for _ in range(HALVINGS):
         coefficients = _panel_coefficients(function, left, right)
-        scale = max(scale, float(np.max(np.abs(coefficients))))
-        tails = np.abs(coefficients[-3:]).max(axis=(0, *range(2, coefficients.ndim)))
-        noise = (tails <= ROUNDING * scale) & (tails > 0.5 * coarser)
-        resolved = (tails <= RESOLVED * scale) | noise
+        tails, sizes = _largest(coefficients[-3:]), _largest(coefficients)
+        # Only panels that are resolved by their own size set the scale: one value beside a pole would dwarf all others.
+        scale = max(scale, float(np.max(sizes, where=tails <= RESOLVED * sizes, initial=0.0)))
+        size = np.maximum(sizes, scale)
+        noise = (tails <= ROUNDING * size) & (tails > 0.5 * coarser)
+        resolved = (tails <= RESOLVED * size) | noise
         done.append((left[resolved], coefficients[:, resolved]))
         left, right = left[~resolved], right[~resolved]
         if not left.size:
@@ -103,6 +105,12 @@ def nodes(left: Array, right: Array, degree: int = DEGREE) -> Array:
     """Chebyshev points of the first kind on each panel, shape (degree + 1, m); never an end point."""
     unit = _unit_nodes(degree)[:, None]
     return (left * (1.0 - unit) + right * (1.0 + unit)) / 2.0
+
+
+def _largest(coefficients: Array) -> Array:
+    """Largest magnitude of each panel's coefficients, shape (m,)."""
+    largest: Array = np.abs(coefficients).max(axis=(0, *range(2, coefficients.ndim)))
+    return largest
 
 
 def _panel_coefficients(function: Callable[[Array], Array], left: Array, right: Array) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 
 CurveFunction = Callable[[Array], tuple[Array, Array]]
-"""Parameters (shape (n,)), one for each of n curves, to points and derivatives by the parameter, shape (n, 2) each."""
+"""Parameters of n curves (shape (n,) or (n, m)) to points and derivatives by the parameter, shape (n, ..., 2) each."""
 
 NEWTON_STEPS = 12
 """Convergence is quadratic: from a hundredth of a curve's length five steps reach rounding error."""
@@ -23,13 +23,24 @@ def chord_crossings(first: Array, second: Array) -> tuple[IndexArray, Array, Arr
 
     Rows, and fractional indices along the first and the second polyline, one entry for each crossing.
     """
-    start1, step1 = first[:, :-1, None, :], np.diff(first, axis=1)[:, :, None, :]
-    start2, step2 = second[:, None, :-1, :], np.diff(second, axis=1)[:, None, :, :]
-    offset, area = start2 - start1, _cross(step1, step2)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        along1, along2 = _cross(offset, step2) / area, _cross(offset, step1) / area
-    row, index1, index2 = np.nonzero((along1 >= 0.0) & (along1 <= 1.0) & (along2 >= 0.0) & (along2 <= 1.0))
-    return row, index1 + along1[row, index1, index2], index2 + along2[row, index1, index2]
+    x1, y1, across1, up1 = (column[:, :, None] for column in _chords(first))
+    x2, y2, across2, up2 = (column[:, None, :] for column in _chords(second))
+    area = across1 * up2 - up1 * across2
+    aside, above = x2 - x1, y2 - y1
+    # Shares along both chords, times the area: dividing only where both lie within the chords saves half the time.
+    along1, along2 = aside * up2 - above * across2, aside * up1 - above * across1
+    sign = np.sign(area)
+    within1, within2 = along1 * sign, along2 * sign
+    size = np.abs(area)
+    inside = (within1 >= 0.0) & (within1 <= size) & (within2 >= 0.0) & (within2 <= size) & (size > 0.0)
+    row, index1, index2 = hit = np.nonzero(inside)
+    return row, index1 + along1[hit] / area[hit], index2 + along2[hit] / area[hit]
+
+
+def _chords(lines: Array) -> tuple[Array, Array, Array, Array]:
+    """Start and step of all chords, by coordinates, shape (n, p - 1) each."""
+    step = np.diff(lines, axis=1)
+    return lines[:, :-1, 0], lines[:, :-1, 1], step[..., 0], step[..., 1]
 
 
 def refined_crossings(
@@ -62,21 +73,16 @@ def zoomed_crossings(
     at1, at2, there = middle1.copy(), middle2.copy(), np.ones(middle1.size, dtype=bool)
     for step in range(ZOOMS):
         shares = np.linspace(-1.0, 1.0, ZOOM_POINTS) * ZOOM ** float(-step)
-        points1 = _sampled(first, at1, reach1, shares)
-        points2 = _sampled(second, at2, reach2, shares)
+        points1 = first(at1[:, None] + reach1[:, None] * shares)[0]
+        points2 = second(at2[:, None] + reach2[:, None] * shares)[0]
         row, index1, index2 = chord_crossings(points1, points2)
         there &= np.isin(np.arange(there.size), row)
-        chosen = np.unique(row, return_index=True)
-        index = np.arange(ZOOM_POINTS, dtype=float)
-        at1[chosen[0]] += reach1[chosen[0]] * np.interp(index1[chosen[1]], index, shares)
-        at2[chosen[0]] += reach2[chosen[0]] * np.interp(index2[chosen[1]], index, shares)
+        share1, share2 = (np.interp(index, np.arange(ZOOM_POINTS), shares) for index in (index1, index2))
+        nearest = np.lexsort((np.abs(share1) + np.abs(share2), row))
+        rows, chosen = np.unique(row[nearest], return_index=True)
+        at1[rows] += reach1[rows] * share1[nearest[chosen]]
+        at2[rows] += reach2[rows] * share2[nearest[chosen]]
     return at1, at2, there
-
-
-def _sampled(curve: CurveFunction, middle: Array, reach: Array, shares: Array) -> Array:
-    """Points of each curve about its middle, shape (n, shares, 2)."""
-    columns = [curve(middle + reach * share)[0] for share in shares]
-    return np.stack(columns, axis=1)
 
 
 def _cross(a: Array, b: Array) -> Array:

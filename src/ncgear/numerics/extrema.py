@@ -25,14 +25,16 @@ class Extremum:
 
 
 def stationary_points(function: Callable[[Array], Jet], start: float, end: float, samples: int = SAMPLES) -> Array:
-    """Both ends and every point between them where the derivative changes sign, in rising order.
+    """Both ends, every point between them where the derivative changes sign, and samples where it is not finite.
+
+    In rising order.
 
     ``function`` maps points (shape (n,)) to a jet of order 1 or more, and is evaluated within [start, end] only.
     """
     grid = np.linspace(start, end, samples)
     slope = function(grid).derivative(1)
     change = np.nonzero(np.sign(slope[:-1]) * np.sign(slope[1:]) < 0)[0]
-    flat = grid[1:-1][slope[1:-1] == 0.0]
+    flat = grid[1:-1][(slope[1:-1] == 0.0) | ~np.isfinite(slope[1:-1])]
     if not change.size:
         return np.unique(np.concatenate([[start, end], flat]))
     found = elementwise.find_root(

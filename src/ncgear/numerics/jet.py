@@ -106,6 +106,18 @@ class Jet:
             quotient[k] = (a[k] - sum(quotient[j] * b[k - j] for j in range(k))) / b[0]
         return Jet(quotient)
 
+    def __pow__(self, exponent: float) -> Jet:
+        """A constant power; the values must be positive unless the exponent is a whole number that is not negative."""
+        if float(exponent).is_integer() and exponent >= 0:
+            return _whole_power(self, int(exponent))
+        a = self.coefficients
+        power = np.empty_like(a)
+        power[0] = a[0] ** exponent
+        for k in range(1, len(a)):
+            terms = (((exponent + 1.0) * j - k) * a[j] * power[k - j] for j in range(1, k + 1))
+            power[k] = sum(terms) / (k * a[0])
+        return Jet(power)
+
     def __rtruediv__(self, other: float) -> Jet:
         numerator = np.zeros_like(self.coefficients)
         numerator[0] = other
@@ -131,6 +143,33 @@ def sin_cos(argument: Jet) -> tuple[Jet, Jet]:
         sine[k] = sum(j * a[j] * cosine[k - j] for j in range(1, k + 1)) / k
         cosine[k] = -sum(j * a[j] * sine[k - j] for j in range(1, k + 1)) / k
     return Jet(sine), Jet(cosine)
+
+
+def _whole_power(base: Jet, exponent: int) -> Jet:
+    result = base * 0.0 + 1.0
+    for bit in bin(exponent)[2:]:
+        result = result * result
+        if bit == "1":
+            result = result * base
+    return result
+
+
+def exp(argument: Jet) -> Jet:
+    """Exponential function."""
+    a = argument.coefficients
+    power = np.empty_like(a)
+    power[0] = np.exp(a[0])
+    for k in range(1, len(a)):
+        power[k] = sum(j * a[j] * power[k - j] for j in range(1, k + 1)) / k
+    return Jet(power)
+
+
+def log(argument: Jet) -> Jet:
+    """Natural logarithm; the argument's values must be positive."""
+    values = np.log(argument.value)
+    if argument.order == 0:
+        return Jet(values[None, :])
+    return (argument.differentiated() / argument.truncated(argument.order - 1)).integrated(values)
 
 
 def arctan(argument: Jet) -> Jet:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from math import degrees
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from ncgear.drive import Drive
 from ncgear.output.numbers import shown
 
@@ -56,13 +54,12 @@ def _speeds(drive: Drive) -> str:
 
 def _negative_resistance(drive: Drive) -> str:
     resistance = drive.machine.resistance
-    position = np.linspace(0.0, drive.linkage.stroke_mm, 1001)
-    fitted = np.polynomial.polynomial.polyval(position, np.array(resistance.coefficients_n))
-    if not np.any(fitted < 0.0):
+    stretches = resistance.negative_stretches_mm(drive.linkage.stroke_mm)
+    if not stretches:
         return ""
     taken = "kept, so that it drives the slider" if resistance.keep_negative else "taken as zero there"
-    low, high = position[fitted < 0.0][[0, -1]]
-    return f"the resistance polynomial is negative between {low:.3g} and {high:.3g} mm; it is {taken}"
+    named = ", ".join(f"{low:.3g}..{high:.3g}" for low, high in stretches)
+    return f"the resistance polynomial is negative for displacements of {named} mm; it is {taken}"
 
 
 def _pressure_angle(drive: Drive) -> str:

@@ -52,6 +52,15 @@ class PitchCurve:
         """Driving angle that turns this gear once."""
         return self.periods * self.transmission.lobes.driving_period_rad
 
+    @property
+    def joints_mm(self) -> Array:
+        """Arc lengths within one turn at which the curvature may jump; none for a law of one piece."""
+        starts = np.array([piece.start_rad for piece in self.transmission.pieces])
+        if starts.size == 1:
+            return np.empty(0)
+        cycles = np.arange(self.periods)[:, None] * self.arc.period
+        return (cycles + self.arc.length(starts)).ravel() * self.center_distance_mm
+
     def driving_angle(self, sigma_mm: Array) -> Array:
         """phi1 in rad at which the point at arc length sigma is the pitch point, any shape."""
         return self.arc.angle(sigma_mm / self.center_distance_mm)

@@ -30,19 +30,19 @@ def solved_size(
 
     Raises WrongInput when fewer than two are given, when three disagree, or when a number of teeth is not whole.
     """
-    match teeth, module_mm, center_distance_mm:
-        case None, float(), float():
-            teeth = _whole_teeth(driving_length, module_mm, center_distance_mm)
-        case int(), None, float():
-            module_mm = driving_length * center_distance_mm / (teeth * pi)
-        case int(), float(), None:
-            center_distance_mm = teeth * pi * module_mm / driving_length
-        case int(), float(), float():
-            _refuse_disagreement(driving_length, teeth, module_mm, center_distance_mm)
-        case _:
-            problem = "two of teeth, module_mm and center_distance_mm are needed; the third follows"
-            raise WrongInput(problem, key="gears")
-    return Size(teeth, _driven_teeth(teeth, lobes), module_mm, center_distance_mm)
+    if sum(value is None for value in (teeth, module_mm, center_distance_mm)) > 1:
+        raise WrongInput("two of teeth, module_mm and center_distance_mm are needed; the third follows", key="gears")
+    if teeth is None:
+        assert module_mm is not None
+        assert center_distance_mm is not None
+        teeth = _whole_teeth(driving_length, module_mm, center_distance_mm)
+    if module_mm is None:
+        assert center_distance_mm is not None
+        module_mm = driving_length * center_distance_mm / (teeth * pi)
+    elif center_distance_mm is not None:
+        _refuse_disagreement(driving_length, teeth, module_mm, center_distance_mm)
+    fitting = teeth * pi * module_mm / driving_length
+    return Size(teeth, _driven_teeth(teeth, lobes), module_mm, fitting)
 
 
 def _whole_teeth(driving_length: float, module_mm: float, center_distance_mm: float) -> int:

@@ -182,8 +182,9 @@ def _closed_ratio(ends: ReturnEnds, base: Polynomial, direction: Polynomial) -> 
     ``direction`` is positive inside the return, so the covered angle falls as c grows; it grows without bound as c
     falls to where the polynomial touches zero.  Between the two there is exactly one solution.
     """
-    if not (ends.start_ratio > 0.0 and ends.end_ratio > 0.0):
-        raise _not_positive(ends.start_rad)
+    for ratio, at_rad in ((ends.start_ratio, ends.start_rad), (ends.end_ratio, ends.end_rad)):
+        if not ratio > 0.0:
+            raise _not_positive(at_rad)
     least = _touching_multiple(base, direction)
     scale = max(1.0, abs(least), *np.abs(base.coef))
     target = ends.driven_length_rad / ends.length_rad
@@ -273,7 +274,8 @@ def _panels(count: int = 16, points: int = 16) -> tuple[Array, Array]:
 
 def _not_positive(at_rad: float) -> NoSuchMechanism:
     return NoSuchMechanism(
-        f"the return's ratio passes through zero or infinity at phi1 = {in_words(at_rad)}; a smaller "
+        f"the return's ratio passes through zero or infinity, or comes too near to it, at phi1 = "
+        f"{in_words(at_rad)}; a smaller "
         "theta4, an a1 nearer "
         "to zero, or the other basis of the return helps",
         key="motion.return",
@@ -297,5 +299,17 @@ class _ReturnAcceleration:
         with np.errstate(all="ignore"):
             slope = law.slope(self._points, 1)
             driven = slope.integrated(self._start + self._integration @ slope.value)
-            peak = float(np.max(np.abs(self._linkage.displacement(driven).derivative(2))))
+            peak = _interpolated_peak(self._points, np.abs(self._linkage.displacement(driven).derivative(2)))
         return peak if np.isfinite(peak) else np.inf
+
+
+def _interpolated_peak(points: Array, values: Array) -> float:
+    """Largest value of samples, of the parabola through the largest and its neighbours where it lies inside."""
+    top = int(np.argmax(values))
+    if not 0 < top < values.size - 1:
+        return float(values[top])
+    before, after = points[[top - 1, top + 1]] - points[top]
+    fall_before, fall_after = values[[top - 1, top + 1]] - values[top]
+    bend = (fall_after / after - fall_before / before) / (after - before)
+    slope = fall_before / before - bend * before
+    return float(values[top] - slope**2 / (4.0 * bend)) if bend < 0.0 else float(values[top])

@@ -13,7 +13,7 @@ from math import pi
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics import jet
 from ncgear.numerics.angles import in_words
 from ncgear.numerics.arrays import Array
@@ -27,12 +27,27 @@ CLOSED = 1e-12
 """Closure error in rad that counts as none: about 500 rounding errors of a full turn (tests/test_ratio.py)."""
 
 
+STANDSTILL = 1e-6
+"""Share of its largest speed below which the driven gear counts as standing still: the pitch radius would be as small a
+share of the centre distance, and a ratio of 1:100 is a hundredfold of what teeth can do."""
+
+
 @dataclass(frozen=True)
 class Lobes:
     """How often each gear's pitch curve repeats in a turn."""
 
     driving: int = 1
     driven: int = 1
+
+    def require_one_cycle(self) -> None:
+        """Refuse a driven gear of several lobes for a law that is one cycle of the slider; raises WrongInput."""
+        if self.driven != 1:
+            raise WrongInput(
+                f"{self.driven} lobes of the driven gear, but a slider's law is one cycle of the crank, "
+                "which is one turn of "
+                "the driven gear; 1 is right",
+                key="gears.lobes.driven",
+            )
 
     @property
     def driving_period_rad(self) -> float:
@@ -79,8 +94,9 @@ class Transmission:
     lobes: Lobes
 
     def __post_init__(self) -> None:
+        fastest = self.slope_range[1].value
         for extremum in self.slope_range:
-            if not (np.isfinite(extremum.value) and extremum.value > 0.0):
+            if not (np.isfinite(extremum.value) and extremum.value > STANDSTILL * abs(fastest)):
                 raise NoSuchMechanism(
                     f"the driven gear stops or turns back at phi1 = {in_words(extremum.at)}, where "
                     f"dphi2/dphi1 = {extremum.value:.4g}; the ratio must stay positive and finite",

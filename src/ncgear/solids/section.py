@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
-from math import atan2, degrees
 
 import numpy as np
-import shapely
 from shapely import Polygon
 
-from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.solids.bore import Bore, bore_points
 from ncgear.solids.index_hole import IndexHole, hole_points
-
-REMEDY = "more teeth, a smaller addendum or dedendum, or a less uneven ratio avoids that"
+from ncgear.teeth.soundness import simple_polygon
 
 BISECTIONS = 50
 """Halvings in the search for the largest bore: far below any chord tolerance."""
@@ -48,10 +44,7 @@ def full_disc(outline_mm: Array, key: str) -> Polygon:
 
     Raises NoSuchMechanism for ``key`` (``gears.driving``), naming the place, where the outline crosses itself.
     """
-    polygon = Polygon(_distinct(outline_mm))
-    if not polygon.is_valid:
-        raise NoSuchMechanism(f"the tooth outline crosses itself{_place(polygon)}; {REMEDY}", key=key)
-    return polygon
+    return simple_polygon(_distinct(outline_mm), key)
 
 
 def _distinct(outline: Array) -> Array:
@@ -59,15 +52,6 @@ def _distinct(outline: Array) -> Array:
     step = 2.0 * float(np.spacing(np.float32(np.abs(outline).max())))
     gap = outline - np.roll(outline, 1, axis=0)
     return outline[np.hypot(gap[:, 0], gap[:, 1]) > step]
-
-
-def _place(polygon: Polygon) -> str:
-    """Where a polygon is invalid, as far as GEOS says: its reason reads ``Self-intersection[x y]``."""
-    numbers = re.findall(r"-?\d[\d.e+-]*", shapely.is_valid_reason(polygon))
-    if len(numbers) < 2:
-        return ""
-    x, y = float(numbers[0]), float(numbers[1])
-    return f" at x = {x:.5g} mm, y = {y:.5g} mm (polar angle {degrees(atan2(y, x)):.4g} deg in the gear's frame)"
 
 
 def require_room(disc: Polygon, bore: Bore, chord_tolerance_mm: float, key: str) -> None:

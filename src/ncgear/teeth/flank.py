@@ -80,6 +80,19 @@ class Flanks:
         curvature = self.curve.at_length(self.rolled_mm(flank, height_mm)).curvature
         return sin(self.rack.pressure_angle_rad) ** 2 + height_mm * curvature
 
+    def envelope_regularity(self, kind: int, flank: IndexArray, sigma_mm: Array) -> Array:
+        """The same for fillets and crowns, which exist as bounds of the tooth where it is positive.
+
+        Along its tangent the envelope of a rounding runs with -+ k (D + rho) + rho d / D^2 per unit of sigma (minus for
+        crowns), D being the distance from the pitch point to the rounding's centre and d the latter's depth.
+        """
+        crown = kind == CROWN
+        center = (self.crown_rounding_mm if crown else self.rounding_mm)[flank]
+        depth, radius = self.rack.rounding_depth_mm, self.rack.root_radius_mm
+        curvature = self.curve.at_length(sigma_mm).curvature * (-1.0 if crown else 1.0)
+        distance = np.hypot(center - sigma_mm, depth)
+        return curvature * (distance + radius) + radius * depth / distance**2
+
     def fillet(self, flank: IndexArray, sigma_mm: Array) -> tuple[Array, Array]:
         """Points cut by the cutter's rounded tip when the pitch point is at sigma, and derivatives by sigma."""
         return self._envelope(self.rounding_mm[flank], -self.rack.rounding_depth_mm, sigma_mm)
@@ -101,12 +114,13 @@ class Flanks:
         return at.position + arm + radius * toward, center_slope + radius * turning
 
     def curve_of(self, kind: IndexArray, flank: IndexArray, parameter: Array) -> tuple[Array, Array]:
-        """Points and derivatives of mixed curves, each of shape (n,): kinds CROWN, FLANK, FILLET."""
-        point, slope = np.empty((kind.size, 2)), np.empty((kind.size, 2))
+        """Points and derivatives of n mixed curves (kinds CROWN, FLANK, FILLET) at parameters of shape (n, ...)."""
+        point, slope = np.empty((*parameter.shape, 2)), np.empty((*parameter.shape, 2))
+        rows = flank.reshape(-1, *[1] * (parameter.ndim - 1))
         for number, curve in ((CROWN, self.crown), (FLANK, self.flank), (FILLET, self.fillet)):
             mask = kind == number
             if mask.any():
-                point[mask], slope[mask] = curve(flank[mask], parameter[mask])
+                point[mask], slope[mask] = curve(rows[mask], parameter[mask])
         return point, slope
 
     def offset(self, sigma_mm: Array, height_mm: float) -> tuple[Array, Array]:

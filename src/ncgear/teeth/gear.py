@@ -16,6 +16,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.teeth.flank import Flanks, flanks_of
 from ncgear.teeth.outline import outline_points
 from ncgear.teeth.sides import Sides, refuse_folded_lands, regular_sides, with_points
+from ncgear.teeth.soundness import simple_polygon
 from ncgear.teeth.trimming import trimmed_sides
 
 
@@ -73,7 +74,9 @@ def toothed_gear(curve: PitchCurve, rack: BasicRack, teeth: int, tolerance_mm: f
     """One gear; teeth are numbered along growing arc length, tooth 1 of the driving gear at phi1 = 0."""
     flanks = flanks_of(curve, rack, teeth, tooth_at_zero=curve.gear is Gear.DRIVING)
     sides = sides_of(flanks)
-    return ToothedGear(flanks, sides, outline_points(flanks, sides, tolerance_mm))
+    outline = outline_points(flanks, sides, tolerance_mm)
+    simple_polygon(outline, f"gears.{curve.gear.value}")
+    return ToothedGear(flanks, sides, outline)
 
 
 def sides_of(flanks: Flanks) -> Sides:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,18 +15,40 @@ PROBES = 33
 """Points per curve on which its turning is measured to place the chords."""
 
 MARGIN = 0.9
-"""Share of the tolerance that is used: the turning is measured on chords, which see a tenth less than the curve."""
+"""Share of the tolerance that is used: a chord strays most near its middle, where it is checked, but not just there."""
+
+HALVINGS = 12
+"""Rounds of halving chords that stray too far: near a cusp the turning is not seen by the probes."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Stretch:
-    """One curve of every flank or land, between two parameters each; ``rank`` orders the curves within a tooth."""
+    """One curve of every flank or land, between two parameters each.
+
+    ``rolled`` are the arc lengths at which the two parameters touch, shape (2, n); between them it is linear in the
+    parameter.  ``rank`` orders the curves along the outline, ``span`` is the part of the rank up to the next that a row
+    takes.
+    """
 
     curve: Callable[[IndexArray, Array], Array]
     owner: IndexArray
     start: Array
     end: Array
-    rank: IndexArray
+    rolled: Array
+    rank: Array
+    span: Array
+
+    def kept(self, rows: Mask | IndexArray) -> _Stretch:
+        """The chosen rows."""
+        return replace(
+            self,
+            owner=self.owner[rows],
+            start=self.start[rows],
+            end=self.end[rows],
+            rolled=self.rolled[:, rows],
+            rank=self.rank[rows],
+            span=self.span[rows],
+        )
 
 
 def outline_points(flanks: Flanks, sides: Sides, tolerance_mm: float) -> Array:
@@ -35,9 +57,10 @@ def outline_points(flanks: Flanks, sides: Sides, tolerance_mm: float) -> Array:
     No chord is farther from the exact curve than ``tolerance_mm``.
     """
     points, keys = [], []
+    joints = _joints(flanks)
     for stretch in _stretches(flanks, sides):
-        kept = np.abs(stretch.end - stretch.start) > 1e-12 * flanks.rack.module_mm
-        sampled, key = _sampled(stretch, kept, tolerance_mm * MARGIN)
+        real = stretch.kept(np.abs(stretch.end - stretch.start) > 1e-12 * flanks.rack.module_mm)
+        sampled, key = _sampled(_split(real, joints), tolerance_mm * MARGIN)
         points.append(sampled)
         keys.append(key)
     joined, order = np.concatenate(points), np.argsort(np.concatenate(keys), kind="stable")
@@ -60,9 +83,9 @@ def _side_runs(flanks: Flanks, sides: Sides, kind: int) -> _Stretch:
     step = np.arange(sides.owner.size)[chosen]
     first, last = np.searchsorted(sides.owner, owner), np.searchsorted(sides.owner, owner, side="right") - 1
     rank = np.where(outwards, first + last - step, step)
-    return _Stretch(
-        lambda i, t: curve(i, t)[0], owner, np.where(outwards, end, start), np.where(outwards, start, end), 4 * rank
-    )
+    start, end = np.where(outwards, end, start), np.where(outwards, start, end)
+    rolled = np.array([start, end] if kind != FLANK else [flanks.rolled_mm(owner, start), flanks.rolled_mm(owner, end)])
+    return _Stretch(lambda i, t: curve(i, t)[0], owner, start, end, rolled, 4.0 * rank, np.ones(rank.size))
 
 
 def _tip_lands(flanks: Flanks, sides: Sides) -> _Stretch:
@@ -70,23 +93,56 @@ def _tip_lands(flanks: Flanks, sides: Sides) -> _Stretch:
     back = np.arange(0, flanks.count, 2)
     start = sides.tip_mm[back]
     end = np.where(sides.pointed[back], start, sides.tip_mm[back + 1])
-    rank = 4 * (np.searchsorted(sides.owner, back, side="right") - 1) + 1
-    return _Stretch(lambda i, t: flanks.offset(t, flanks.rack.addendum_mm)[0], back, start, end, rank)
+    last_run = np.searchsorted(sides.owner, back, side="right") - 1
+    return _land(flanks, flanks.rack.addendum_mm, back, start, end, last_run)
 
 
 def _root_lands(flanks: Flanks, sides: Sides) -> _Stretch:
     """From each tooth's front flank to the next one's back, after the last run of the front."""
     front = np.arange(1, flanks.count, 2)
     next_back = np.append(flanks.rounding_mm[2::2], flanks.rounding_mm[0] + flanks.curve.length_mm)
-    rank = 4 * (np.searchsorted(sides.owner, front, side="right") - 1) + 1
-    return _Stretch(
-        lambda i, t: flanks.offset(t, -flanks.rack.dedendum_mm)[0], front, flanks.rounding_mm[front], next_back, rank
+    last_run = np.searchsorted(sides.owner, front, side="right") - 1
+    return _land(flanks, -flanks.rack.dedendum_mm, front, flanks.rounding_mm[front], next_back, last_run)
+
+
+def _land(flanks: Flanks, height: float, owner: IndexArray, start: Array, end: Array, last_run: IndexArray) -> _Stretch:
+    rank, rolled = np.asarray(4.0 * last_run + 1.0, dtype=float), np.array([start, end])
+    return _Stretch(lambda i, t: flanks.offset(t, height)[0], owner, start, end, rolled, rank, np.ones(rank.size))
+
+
+def _joints(flanks: Flanks) -> Array:
+    """Arc lengths at which the curvature jumps, from one turn before to one turn after the first."""
+    joints, turn = flanks.curve.joints_mm, flanks.curve.length_mm
+    return np.concatenate([joints - turn, joints, joints + turn])
+
+
+def _split(stretch: _Stretch, joints: Array) -> _Stretch:
+    """The stretch cut where a joint is rolled over, since a curve's turning must not be averaged across a jump."""
+    low, high = stretch.rolled.min(axis=0), stretch.rolled.max(axis=0)
+    first, last = np.searchsorted(joints, low, side="right"), np.searchsorted(joints, high, side="left")
+    counts = np.maximum(last - first, 0)
+    cut = np.repeat(np.arange(counts.size), counts)
+    joint = joints[np.arange(cut.size) - np.repeat(np.cumsum(counts) - counts, counts) + first[cut]]
+    share_cut = (joint - stretch.rolled[0, cut]) / (stretch.rolled[1, cut] - stretch.rolled[0, cut])
+    every = np.arange(counts.size)
+    row, share = np.concatenate([every, cut]), np.concatenate([np.zeros(counts.size), share_cut])
+    order = np.lexsort((share, row))
+    row, share = row[order], share[order]
+    following = np.append(np.where(np.diff(row) == 0, share[1:], 1.0), 1.0)
+    parts = stretch.kept(row)
+    length = parts.end - parts.start
+    return replace(
+        parts,
+        start=parts.start + length * share,
+        end=np.where(following == 1.0, parts.end, parts.start + length * following),
+        rank=parts.rank + share,
+        span=following - share,
     )
 
 
-def _sampled(stretch: _Stretch, kept: Mask, tolerance: float) -> tuple[Array, Array]:
+def _sampled(stretch: _Stretch, tolerance: float) -> tuple[Array, Array]:
     """Points of a stretch without the last of each curve, and keys that order them along the outline."""
-    owner, start, end = stretch.owner[kept], stretch.start[kept], stretch.end[kept]
+    owner, start, end = stretch.owner, stretch.start, stretch.end
     if not owner.size:
         return np.empty((0, 2)), np.empty(0)
     share = np.linspace(0.0, 1.0, PROBES)
@@ -96,8 +152,47 @@ def _sampled(stretch: _Stretch, kept: Mask, tolerance: float) -> tuple[Array, Ar
     row = np.repeat(np.arange(owner.size), counts)
     place = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
     at = _inverse_rows(needed, share, row, place / counts[row])
-    points = stretch.curve(owner[row], start[row] + (end - start)[row] * at)
-    return points, stretch.rank[kept][row] + place / counts[row]
+    row, at, points = _with_halves(stretch, row, at, tolerance)
+    return points, stretch.rank[row] + stretch.span[row] * at
+
+
+def _with_halves(stretch: _Stretch, row: IndexArray, share: Array, tolerance: float) -> tuple[IndexArray, Array, Array]:
+    """Rows, shares and points, with points added until no chord's curve strays from it by more than the tolerance.
+
+    The last point of each row is checked against but not returned; what comes out is in no order.
+    """
+
+    def point(rows: IndexArray, shares: Array) -> Array:
+        return stretch.curve(stretch.owner[rows], stretch.start[rows] + (stretch.end - stretch.start)[rows] * shares)
+
+    points = point(row, share)
+    last = np.append(row[1:] != row[:-1], True)
+    low, high = share, np.where(last, 1.0, np.append(share[1:], 1.0))
+    ends = np.roll(points, -1, axis=0)
+    ends[last] = point(row[last], np.ones(int(last.sum())))
+    found = [(row, share, points)]
+    chords, start, end = (row, low, high), points, ends
+    for _ in range(HALVINGS):
+        rows, low, high = chords
+        middle = (low + high) / 2.0
+        between = point(rows, middle)
+        astray = _off_chord(start, end, between) > tolerance
+        if not astray.any():
+            break
+        rows, low, middle, high = rows[astray], low[astray], middle[astray], high[astray]
+        found.append((rows, middle, between[astray]))
+        chords = np.tile(rows, 2), np.concatenate([low, middle]), np.concatenate([middle, high])
+        start, end = (np.concatenate([start[astray], between[astray]]), np.concatenate([between[astray], end[astray]]))
+    rows, shares, added = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    return rows, shares, added
+
+
+def _off_chord(start: Array, end: Array, point: Array) -> Array:
+    """Distance of points from the chords' lines, shape (n,)."""
+    chord, arm = end - start, point - start
+    area = np.abs(chord[:, 0] * arm[:, 1] - chord[:, 1] * arm[:, 0])
+    distance: Array = area / np.maximum(np.hypot(chord[:, 0], chord[:, 1]), 1e-300)
+    return distance
 
 
 def _chords_needed(probe: Array, tolerance: float) -> Array:

@@ -13,9 +13,6 @@ from ncgear.ratio.formula import compiled
 from ncgear.ratio.laws.integrated import NEARLY_CLOSED, integrated_law
 from ncgear.ratio.transmission import Lobes, Piece, Transmission
 
-ORDER = 5
-"""Derivatives compiled: the contact analysis and the curvature's extremes need the fourth of phi2."""
-
 NO_JUMP = 1e-9
 """Relative difference between both ends of the cycle that counts as none: ten written digits give this."""
 
@@ -23,12 +20,12 @@ NO_JUMP = 1e-9
 def ratio_expression_law(text: str, lobes: Lobes, *, scale_to_close: bool) -> Transmission:
     """The law of a ratio i12(phi); raises WrongInput or NoSuchMechanism for the key ``motion.ratio``."""
     key = "motion.ratio"
-    ratio = compiled(text, ORDER, key)
+    ratio = compiled(text, key)
     _refuse_jump(ratio, lobes, key)
 
     def slope(phi1: Array, order: int) -> Jet:
         with np.errstate(all="ignore"):
-            return 1.0 / ratio(phi1).truncated(order)
+            return 1.0 / ratio(phi1, order)
 
     return integrated_law(slope, np.empty(0), lobes, scale_to_close=scale_to_close, key=key)
 
@@ -36,40 +33,37 @@ def ratio_expression_law(text: str, lobes: Lobes, *, scale_to_close: bool) -> Tr
 def driven_angle_expression_law(text: str, lobes: Lobes) -> Transmission:
     """The law of a driven angle phi2(phi), shifted so that phi2 = 0 at phi1 = 0; key ``motion.driven_angle``."""
     key = "motion.driven_angle"
-    angle = compiled(text, ORDER, key)
+    angle = compiled(text, key)
 
-    def slope(phi1: Array) -> Jet:
-        return angle(phi1).differentiated()
+    def slope(phi1: Array, order: int) -> Jet:
+        return angle(phi1, order + 1).differentiated()
 
     _refuse_jump(slope, lobes, key)
-    ends = angle(np.array([0.0, lobes.driving_period_rad])).value
-    if not abs(ends[1] - ends[0] - lobes.driven_period_rad) <= NEARLY_CLOSED * lobes.driven_period_rad:
+    start, end = (float(value) for value in angle(np.array([0.0, lobes.driving_period_rad]), 0).value)
+    if not abs(end - start - lobes.driven_period_rad) <= NEARLY_CLOSED * lobes.driven_period_rad:
         raise NoSuchMechanism(
-            f"the cycle does not close: the driven angle grows by {ends[1] - ends[0]:.12g} rad over a cycle, and must "
-            f"grow by {lobes.driven_period_rad:.12g}",
+            f"the cycle does not close: the driven angle grows by {end - start:.12g} rad over a cycle, "
+            "and must grow by "
+            f"{lobes.driven_period_rad:.12g}",
             key=key,
         )
-    panels = integrated_law(
-        lambda phi1, order: slope(phi1).truncated(order), np.empty(0), lobes, scale_to_close=True, key=key
-    )
-    factor = lobes.driven_period_rad / float(ends[1] - ends[0])
+    panels = integrated_law(slope, np.empty(0), lobes, scale_to_close=True, key=key).pieces[0]
+    factor = lobes.driven_period_rad / (end - start)
 
     def driven_angle(phi1: Array, order: int) -> Jet:
-        return (angle(phi1).truncated(order) - float(ends[0])) * factor
+        return (angle(phi1, order) - start) * factor
 
-    whole = panels.pieces[0]
-    return Transmission((Piece(whole.start_rad, whole.end_rad, driven_angle, whole.knots_rad),), lobes)
+    return Transmission((Piece(panels.start_rad, panels.end_rad, driven_angle, panels.knots_rad),), lobes)
 
 
-def _refuse_jump(function: Callable[[Array], Jet], lobes: Lobes, key: str) -> None:
+def _refuse_jump(function: Callable[[Array, int], Jet], lobes: Lobes, key: str) -> None:
     """The ratio must come back to its value, or the slider's velocity would jump."""
-    ends = function(np.array([0.0, lobes.driving_period_rad])).value
+    ends = function(np.array([0.0, lobes.driving_period_rad]), 0).value
     if not np.all(np.isfinite(ends)):
         raise NoSuchMechanism("the expression has no finite value at the cycle's ends, phi1 = 0 or its period", key=key)
     if abs(ends[1] - ends[0]) > NO_JUMP * np.max(np.abs(ends)):
         raise NoSuchMechanism(
-            f"the ratio jumps where the cycle begins again: it goes from {ends[1]:.9g} at the end to "
-            f"{ends[0]:.9g} at phi1 "
-            f"= 0; an expression of period {lobes.driving_period_rad:.6g} rad is needed",
+            f"the ratio jumps where the cycle begins again: it goes from {ends[1]:.9g} at the end to {ends[0]:.9g} at "
+            f"phi1 = 0; an expression of period {lobes.driving_period_rad:.6g} rad is needed",
             key=key,
         )

@@ -31,6 +31,7 @@ def displacement_table_law(phi1_rad: Array, displacement_mm: Array, linkage: Cra
     falling after it.  Raises WrongInput for points that are not so, NoSuchMechanism where the slider would turn back.
     """
     key = "motion.displacement_mm"
+    lobes.require_one_cycle()
     phi1, displacement = _without_closing_row(phi1_rad, displacement_mm, lobes, key)
     crank = linkage.crank_angle(*_strokes(phi1, displacement, linkage, key))
     excess = crank - phi1 * lobes.driving

@@ -36,6 +36,7 @@ def stroke_law(
 
     Raises WrongInput when theta4 leaves no room for the return, NoSuchMechanism when no return closes the cycle.
     """
+    lobes.require_one_cycle()
     if not stroke.theta4_rad < lobes.driving_period_rad:
         raise WrongInput(
             f"theta4 is {degrees(stroke.theta4_rad):g} deg and one cycle takes "
