@@ -17,16 +17,14 @@ from ncgear.contact.outline_contact import OutlineContact, outline_contact, posi
 from ncgear.contact.pair_contact import BEYOND, pair_contact
 from ncgear.design.load import load
 from ncgear.drive import Drive
-from ncgear.machine.rack import BasicRack
-from ncgear.pitch.arc import arc_length
-from ncgear.pitch.pair import PitchPair, unit_driving_length
-from ncgear.pitch.sizing import solved_size
+from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.gear import ToothedPair, toothed_pair
 from oracles import meshing
+from pairs import rack
 
 MODULE = 2.0
 TOLERANCE = 0.005
@@ -46,20 +44,14 @@ LAWS: dict[str, Callable[[], Transmission]] = {
 }
 
 
-def rack(angle_deg: float = 20.0, backlash_mm: float = 0.0) -> BasicRack:
-    """Module 2 and otherwise ISO 53 profile A."""
-    return BasicRack(MODULE, radians(angle_deg), MODULE, 1.25 * MODULE, 0.38 * MODULE, backlash_mm)
-
-
 @cache
 def made(
     name: str, teeth: int, tolerance: float = TOLERANCE, backlash_mm: float = 0.0, angle_deg: float = 20.0
 ) -> Made:
     """Pitch curves and teeth."""
     law = LAWS[name]()
-    arc = arc_length(law)
-    pitch = PitchPair(law, arc, solved_size(unit_driving_length(law, arc), law.lobes, teeth, MODULE, None))
-    return pitch, toothed_pair(pitch, rack(angle_deg, backlash_mm), tolerance)
+    pitch = sized_pair(law, teeth, MODULE, None)
+    return pitch, toothed_pair(pitch, rack(angle_deg, backlash_mm=backlash_mm), tolerance)
 
 
 def play(pair: Made, phi1: Array, ahead_rad: float = 0.0, apart_mm: float = 0.0) -> OutlineContact:

@@ -14,16 +14,14 @@ from scipy.optimize import brentq
 
 from ncgear.design.load import load
 from ncgear.drive import Drive
-from ncgear.machine.rack import BasicRack
-from ncgear.pitch.arc import arc_length
-from ncgear.pitch.pair import PitchPair, unit_driving_length
+from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
-from ncgear.pitch.sizing import solved_size
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.flank import CROWN, FILLET, FLANK, Flanks, flanks_of
+from pairs import rack
 
 MODULE = 2.0
 ALPHA = radians(20.0)
@@ -40,17 +38,11 @@ LAWS: dict[str, tuple[Callable[[], Transmission], int]] = {
 Array = np.ndarray
 
 
-def rack(module: float = MODULE, backlash_mm: float = 0.0) -> BasicRack:
-    """ISO 53 profile A."""
-    return BasicRack(module, ALPHA, module, 1.25 * module, 0.38 * module, backlash_mm)
-
-
 @cache
 def pitch_pair(name: str) -> PitchPair:
     """The pitch curves of one of the laws at module 2."""
     law, teeth = LAWS[name][0](), LAWS[name][1]
-    arc = arc_length(law)
-    return PitchPair(law, arc, solved_size(unit_driving_length(law, arc), law.lobes, teeth, MODULE, None))
+    return sized_pair(law, teeth, MODULE, None)
 
 
 @cache

@@ -12,20 +12,16 @@ import pytest
 import shapely
 from shapely import Polygon, affinity
 
-from ncgear.design.load import load
-from ncgear.drive import Drive
 from ncgear.errors import NoSuchMechanism
 from ncgear.machine.rack import BasicRack
-from ncgear.pitch.arc import arc_length
-from ncgear.pitch.pair import PitchPair, unit_driving_length
-from ncgear.pitch.sizing import solved_size
+from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
-from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.flank import CROWN, FILLET, FLANK
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 from oracles import meshing, rack_cut
+from pairs import baler_law, sine_law
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 TOLERANCE = 0.005
@@ -33,17 +29,6 @@ DENSE = 400
 """Points per exact curve: an outline has 2 to 20 chords on one, so chords are seen 20 times and more."""
 
 Array = np.ndarray
-
-
-@cache
-def baler_law() -> Transmission:
-    """The published baler's law."""
-    return Drive(load(DESIGNS / "baler.yaml").design).transmission
-
-
-def sine_law(depth: float) -> Transmission:
-    """phi2 = phi1 - depth sin 2 phi1."""
-    return driven_angle_expression_law(f"phi - {depth}*sin(2*phi)", Lobes())
 
 
 LAWS: dict[str, Callable[[], Transmission]] = {
@@ -60,8 +45,7 @@ LAWS: dict[str, Callable[[], Transmission]] = {
 def pitch_pair(name: str, teeth: int, module: float) -> PitchPair:
     """Pitch curves of a law for so many driving teeth."""
     law = LAWS[name]()
-    arc = arc_length(law)
-    return PitchPair(law, arc, solved_size(unit_driving_length(law, arc), law.lobes, teeth, module, None))
+    return sized_pair(law, teeth, module, None)
 
 
 @cache
@@ -206,8 +190,7 @@ def test_the_tolerance_holds_across_jumps_of_the_curvature(tolerance: float) -> 
 def test_sides_of_one_space_that_cross_are_refused(teeth: int) -> None:
     """A space in the middle of a deeply concave stretch, whose two sides run into each other at the root."""
     law = sine_law(0.3)
-    arc = arc_length(law)
-    pitch = PitchPair(law, arc, solved_size(unit_driving_length(law, arc), law.lobes, teeth, 2.0, None))
+    pitch = sized_pair(law, teeth, 2.0, None)
     rack = BasicRack(2.0, radians(20.0), 2.0, 2.5, 0.76)
     with pytest.raises(NoSuchMechanism, match=r"flank of tooth (13|19) of the driving gear \(phi1 = 3\.0"):
         toothed_pair(pitch, rack, TOLERANCE)

@@ -13,11 +13,9 @@ from numpy.polynomial import Chebyshev, legendre
 
 from ncgear.numerics.arrays import Array
 from ncgear.pitch import shape
-from ncgear.pitch.arc import arc_length
 from ncgear.pitch.curve import CurvePoints, PitchCurve
-from ncgear.pitch.pair import PitchPair, unit_driving_length
+from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
-from ncgear.pitch.sizing import Size
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
@@ -29,10 +27,7 @@ DISTANCE = 200.0
 
 def pair_of(transmission: Transmission, distance: float = DISTANCE) -> PitchPair:
     """A pair of 25 teeth a lobe at a centre distance."""
-    arc = arc_length(transmission)
-    driving, driven = 25 * transmission.lobes.driving, 25 * transmission.lobes.driven
-    module = unit_driving_length(transmission, arc) * distance / (driving * pi)
-    return PitchPair(transmission, arc, Size(driving, driven, module, distance))
+    return sized_pair(transmission, 25 * transmission.lobes.driving, None, distance)
 
 
 @cache

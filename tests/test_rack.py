@@ -13,26 +13,19 @@ from hypothesis import strategies as st
 from ncgear.errors import WrongInput
 from ncgear.machine.rack import BasicRack
 from oracles import rack_cut
+from pairs import rack
 
 ISO_53 = {"A": (1.25, 0.38), "B": (1.25, 0.30), "C": (1.25, 0.25), "D": (1.40, 0.39)}
 """Dedendum and root radius in modules, at an addendum of one module and 20 degrees."""
 
 
-def rack(
-    module: float = 2.0,
-    angle_deg: float = 20.0,
-    addendum: float = 1.0,
-    dedendum: float = 1.25,
-    root_radius: float = 0.38,
-    backlash_mm: float = 0.0,
-) -> BasicRack:
-    """A rack from its coefficients."""
-    sizes = (addendum * module, dedendum * module, root_radius * module)
-    return BasicRack(module, radians(angle_deg), *sizes, backlash_mm)
-
-
 RACKS = [rack(dedendum=d, root_radius=r) for d, r in ISO_53.values()]
-RACKS += [rack(angle_deg=14.5), rack(angle_deg=25.0, root_radius=0.25), rack(0.3, backlash_mm=0.02), rack(20.0)]
+RACKS += [
+    rack(angle_deg=14.5),
+    rack(angle_deg=25.0, root_radius=0.25),
+    rack(module=0.3, backlash_mm=0.02),
+    rack(module=20.0),
+]
 
 
 def drawn(basic: BasicRack) -> np.ndarray:
@@ -84,7 +77,7 @@ def test_largest_root_radius_is_the_standards_formula(dedendum: float, root_radi
 
 def test_profile_a_s_flank_is_as_long_as_the_mates_addendum() -> None:
     """hfP - rho (1 - sin alpha) = 1.25 - 0.38 x 0.65798 = 0.99997: why profile A's undercut limit is 17.1 teeth."""
-    assert rack(1.0).flank_depth_mm == pytest.approx(0.9999676543, abs=1e-9)
+    assert rack(module=1.0).flank_depth_mm == pytest.approx(0.9999676543, abs=1e-9)
 
 
 @given(
@@ -98,8 +91,8 @@ def test_profile_a_s_flank_is_as_long_as_the_mates_addendum() -> None:
 def test_sizes_scale_with_the_module(
     module: float, angle: float, addendum: float, dedendum: float, root_radius: float, backlash: float
 ) -> None:
-    unit = rack(1.0, angle, addendum, dedendum, root_radius, backlash)
-    large = rack(module, angle, addendum, dedendum, root_radius, backlash * module)
+    unit = rack(angle, addendum, dedendum, root_radius, backlash, module=1.0)
+    large = rack(angle, addendum, dedendum, root_radius, backlash * module, module=module)
     for name in ("cutter_half_width_mm", "tooth_half_width_mm", "flank_depth_mm", "tip_half_width_mm"):
         # The narrowest tips are a difference of widths a hundred times as large.
         assert getattr(large, name) == pytest.approx(module * getattr(unit, name), rel=1e-12, abs=1e-15 * module)

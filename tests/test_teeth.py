@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from contextlib import nullcontext
 from dataclasses import replace
-from functools import cache
 from math import cos, degrees, pi, radians, sin
 from pathlib import Path
 
@@ -15,23 +14,19 @@ from scipy.optimize import brentq
 from scipy.special import ellipe
 from shapely import Polygon
 
-from ncgear.design.load import load
-from ncgear.drive import Drive
 from ncgear.errors import NoSuchMechanism
 from ncgear.machine.rack import BasicRack
-from ncgear.pitch.arc import arc_length
 from ncgear.pitch.curve import PitchCurve
-from ncgear.pitch.pair import PitchPair, unit_driving_length
+from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
-from ncgear.pitch.sizing import solved_size
 from ncgear.ratio.laws.ellipse import elliptical_law
-from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.flank import flanks_of
 from ncgear.teeth.gear import ToothedGear, teeth_free_of_undercut, toothed_gear, toothed_pair
 from ncgear.teeth.sides import refuse_folded_lands, regular_sides
 from oracles import rack_cut
+from pairs import baler_law, rack, sine_law
 
 MODULE = 2.0
 DESIGNS = Path(__file__).parents[1] / "designs"
@@ -39,33 +34,9 @@ DESIGNS = Path(__file__).parents[1] / "designs"
 Array = np.ndarray
 
 
-def rack(
-    angle_deg: float = 20.0,
-    addendum: float = 1.0,
-    dedendum: float = 1.25,
-    root_radius: float = 0.38,
-    backlash_mm: float = 0.0,
-) -> BasicRack:
-    """A rack of module 2 from its coefficients; ISO 53 profile A when nothing is said."""
-    sizes = (addendum * MODULE, dedendum * MODULE, root_radius * MODULE)
-    return BasicRack(MODULE, radians(angle_deg), *sizes, backlash_mm)
-
-
 def pitch_pair(law: Transmission, teeth: int, module: float = MODULE) -> PitchPair:
     """Pitch curves for so many driving teeth."""
-    arc = arc_length(law)
-    return PitchPair(law, arc, solved_size(unit_driving_length(law, arc), law.lobes, teeth, module, None))
-
-
-def sine_law(depth: float, lobes: Lobes | None = None) -> Transmission:
-    """phi2 = phi1 - depth sin 2 phi1."""
-    return driven_angle_expression_law(f"phi - {depth}*sin(2*phi)", lobes or Lobes())
-
-
-@cache
-def baler_law() -> Transmission:
-    """The published baler's law."""
-    return Drive(load(DESIGNS / "baler.yaml").design).transmission
+    return sized_pair(law, teeth, module, None)
 
 
 def undercut_teeth(curve: PitchCurve, basic: BasicRack, teeth: int) -> list[int]:

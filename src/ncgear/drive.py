@@ -113,16 +113,11 @@ class Drive:
     @cached_property
     def pitch(self) -> PitchPair:
         """Both pitch curves at their size."""
-        from ncgear.pitch.arc import arc_length
-        from ncgear.pitch.pair import PitchPair, unit_driving_length
-        from ncgear.pitch.sizing import solved_size
+        from ncgear.pitch.pair import sized_pair
 
         gears, transmission = self.gears, self.transmission
         with self.stopwatch("pitch curves"):
-            arc = arc_length(transmission)
-            length = unit_driving_length(transmission, arc)
-            size = solved_size(length, transmission.lobes, gears.teeth, gears.module_mm, gears.center_distance_mm)
-            return PitchPair(transmission, arc, size)
+            return sized_pair(transmission, gears.teeth, gears.module_mm, gears.center_distance_mm)
 
     @cached_property
     def rack(self) -> BasicRack:

@@ -11,10 +11,10 @@ import numpy as np
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.pitch import shape
-from ncgear.pitch.arc import ArcLength, period_length
+from ncgear.pitch.arc import ArcLength, arc_length, period_length
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
-from ncgear.pitch.sizing import Size
+from ncgear.pitch.sizing import Size, solved_size
 from ncgear.ratio.transmission import Piece, Transmission
 
 STRAIGHT = 1e-9
@@ -120,6 +120,13 @@ class PitchPair:
         return CurvatureJump(after.start_rad, *values)
 
 
-def unit_driving_length(transmission: Transmission, arc: ArcLength) -> float:
-    """Length of the driving gear's closed pitch curve at unit centre distance."""
-    return transmission.lobes.driving * arc.period
+def sized_pair(
+    transmission: Transmission, teeth: int | None, module_mm: float | None, center_distance_mm: float | None
+) -> PitchPair:
+    """The pitch curves of a law at the size that any two of teeth, module and centre distance give.
+
+    Raises WrongInput as ``solved_size`` does, NoSuchMechanism for curves too sharp to be computed.
+    """
+    arc = arc_length(transmission)
+    length = transmission.lobes.driving * arc.period
+    return PitchPair(transmission, arc, solved_size(length, transmission.lobes, teeth, module_mm, center_distance_mm))
