@@ -252,3 +252,23 @@ def test_comparison_is_at_one_speed_and_mixed_speeds_are_marked() -> None:
     assert [row["speed_rpm"] for row in mixed] == [60, 20]
     assert "66.4 %" in mixed[1]["note"]
     assert "18945 W" in mixed[1]["note"]
+
+
+INTERFACE = """
+design.name drive.speed_rpm drive.law_speed_rpm closure.residual_rad closure.stroke_residual_mm ratio.min ratio.max
+pitch.center_distance_mm pitch.length_driving_mm pitch.length_driven_mm pitch.driving_convex pitch.driven_convex
+pitch.min_radius_driving_mm pitch.min_radius_driven_mm pitch.max_pressure_angle_deg teeth.driving teeth.driven
+teeth.module_mm teeth.undercut_driving teeth.undercut_driven contact.positions contact.transmission_error_rad
+contact.contact_ratio_min contact.penetration_max_mm check.peak_power_w check.peak_speed_mm_s
+check.peak_acceleration_working_mm_s2 check.peak_acceleration_cycle_mm_s2 timing_s
+""".split()
+"""Keys of summary.json that other programs may rely on."""
+
+
+@pytest.mark.parametrize("name", BUILT)
+def test_the_summary_has_every_key_of_the_interface(name: str) -> None:
+    values = {key: value_of(built(name).summary, key) for key in INTERFACE}
+    assert all(value is not None for value in values.values())
+    header = (built(name).folder / "law.csv").read_text().splitlines()[0]
+    assert header == "phi1_rad,phi2_rad,ratio,displacement_mm,velocity_mm_s,acceleration_mm_s2,force_n,power_w"
+    assert (built(name).folder / "driving.csv").read_text().splitlines()[0] == "x_mm,y_mm"
