@@ -254,14 +254,37 @@ def test_comparison_is_at_one_speed_and_mixed_speeds_are_marked() -> None:
     assert "18945 W" in mixed[1]["note"]
 
 
-INTERFACE = """
-design.name drive.speed_rpm drive.law_speed_rpm closure.residual_rad closure.stroke_residual_mm ratio.min ratio.max
-pitch.center_distance_mm pitch.length_driving_mm pitch.length_driven_mm pitch.driving_convex pitch.driven_convex
-pitch.min_radius_driving_mm pitch.min_radius_driven_mm pitch.max_pressure_angle_deg teeth.driving teeth.driven
-teeth.module_mm teeth.undercut_driving teeth.undercut_driven contact.positions contact.transmission_error_rad
-contact.contact_ratio_min contact.penetration_max_mm check.peak_power_w check.peak_speed_mm_s
-check.peak_acceleration_working_mm_s2 check.peak_acceleration_cycle_mm_s2 timing_s
-""".split()
+INTERFACE = [
+    "design.name",
+    "drive.speed_rpm",
+    "drive.law_speed_rpm",
+    "closure.residual_rad",
+    "closure.stroke_residual_mm",
+    "ratio.min",
+    "ratio.max",
+    "pitch.center_distance_mm",
+    "pitch.length_driving_mm",
+    "pitch.length_driven_mm",
+    "pitch.driving_convex",
+    "pitch.driven_convex",
+    "pitch.min_radius_driving_mm",
+    "pitch.min_radius_driven_mm",
+    "pitch.max_pressure_angle_deg",
+    "teeth.driving",
+    "teeth.driven",
+    "teeth.module_mm",
+    "teeth.undercut_driving",
+    "teeth.undercut_driven",
+    "contact.positions",
+    "contact.transmission_error_rad",
+    "contact.contact_ratio_min",
+    "contact.penetration_max_mm",
+    "check.peak_power_w",
+    "check.peak_speed_mm_s",
+    "check.peak_acceleration_working_mm_s2",
+    "check.peak_acceleration_cycle_mm_s2",
+    "timing_s",
+]
 """Keys of summary.json that other programs may rely on."""
 
 
