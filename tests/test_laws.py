@@ -559,6 +559,25 @@ def test_a_stroke_longer_than_the_cycle_is_refused(lobes: Lobes) -> None:
     assert "theta4 is 234 deg" in caught.value.problem
 
 
+def cosine_table(count: int) -> Transmission:
+    phi1 = np.linspace(0.0, 2.0 * pi, count, endpoint=False)
+    return ratio_table_law(phi1, 1.0 / (1.0 + 0.2 * np.cos(phi1)), Lobes(), scale_to_close=True)
+
+
+def test_the_densest_table_still_has_its_curvature() -> None:
+    """phi2 = phi1 + 0.2 sin(phi1): the pitch curves' curvature is made of its third derivative, -0.2 cos(phi1)."""
+    points = np.linspace(0.1, 6.0, 501)
+    third = cosine_table(2000).driven_angle(points, 3).derivative(3)
+    # Rounding of 1e-16 by the cube of 1/h = 318 is 3e-9; the sum over neighbours adds to it
+    assert np.max(np.abs(third + 0.2 * np.cos(points))) <= 1e-7
+
+
+def test_a_table_too_dense_for_its_digits_is_refused() -> None:
+    with pytest.raises(WrongInput, match="keep every 5th") as caught:
+        cosine_table(8001)
+    assert caught.value.key == "motion.ratio"
+
+
 @pytest.mark.parametrize("lobes", [Lobes(1, 2), Lobes(2, 3)])
 def test_a_slider_law_takes_one_turn_of_the_driven_gear(lobes: Lobes) -> None:
     """A crank that turns half a cycle a turn would need the other half to be the same: strokes and tables say so."""

@@ -20,6 +20,10 @@ from ncgear.ratio.laws.integrated import integrated_law
 from ncgear.ratio.transmission import Lobes, Piece, Transmission
 
 DEGREE = 5
+MOST_POINTS = 2000
+"""Points of a cycle beyond which the curvature of the pitch curves is lost: a spline through points h apart magnifies
+their rounding by 1/h^3 there, which for 16 digits and 4000 points is 1e-7 (tests/test_laws.py)."""
+
 AT_DEAD_CENTRE = 1e-6
 """Share of the stroke within which a point counts as the dead centre: a micrometre a metre, finer than tables are."""
 
@@ -35,7 +39,7 @@ def displacement_table_law(phi1_rad: Array, displacement_mm: Array, linkage: Cra
     phi1, displacement = _without_closing_row(phi1_rad, displacement_mm, lobes, key)
     crank = linkage.crank_angle(*_strokes(phi1, displacement, linkage, key))
     excess = crank - phi1 * lobes.driving
-    spline = _periodic_spline(phi1, excess, lobes)
+    spline = _periodic_spline(phi1, excess, lobes, key)
 
     def driven_angle(points: Array, order: int) -> Jet:
         return _jet(spline, points, order) + Jet.variable(points, order) * float(lobes.driving)
@@ -55,7 +59,7 @@ def ratio_table_law(phi1_rad: Array, ratio: Array, lobes: Lobes, *, scale_to_clo
         raise WrongInput(
             f"the ratio is {values[worst]:g} at phi1 = {phi1[worst]:.6g} rad; it must be positive", key=key
         )
-    spline = _periodic_spline(phi1, 1.0 / values, lobes)
+    spline = _periodic_spline(phi1, 1.0 / values, lobes, key)
     slope: Callable[[Array, int], Jet] = lambda points, order: _jet(spline, points, order)  # noqa: E731
     return integrated_law(slope, phi1[phi1 > 0.0], lobes, scale_to_close=scale_to_close, key=key)
 
@@ -97,7 +101,13 @@ def _strokes(phi1: Array, displacement: Array, linkage: CrankSlider, key: str) -
     return snapped, np.arange(snapped.size) > top
 
 
-def _periodic_spline(phi1: Array, values: Array, lobes: Lobes) -> BSpline:
+def _periodic_spline(phi1: Array, values: Array, lobes: Lobes, key: str) -> BSpline:
+    if phi1.size > MOST_POINTS:
+        raise WrongInput(
+            f"{phi1.size} points a cycle; a smooth curve through so many magnifies their rounding until the pitch "
+            f"curves have no curvature. At most {MOST_POINTS} are right: keep every {-(-phi1.size // MOST_POINTS)}th",
+            key=key,
+        )
     degree = DEGREE if phi1.size > DEGREE else 3
     closed = np.append(phi1, phi1[0] + lobes.driving_period_rad), np.append(values, values[0])
     return make_interp_spline(*closed, k=degree, bc_type="periodic")
