@@ -55,8 +55,7 @@ def kinematic_check(machine: Machine) -> KinematicCheck:
 
 
 def work_per_stroke_j(resistance: Resistance, stroke_mm: float) -> float:
-    """Work of the resistance over one working stroke in J, from the polynomial's antiderivative; the law does not
-    matter."""
+    """Work of the resistance over one working stroke in J, whatever the law; from the polynomial's antiderivative."""
     force = Polynomial(resistance.coefficients_n)
     edges = np.concatenate([[0.0], resistance.zeros_mm(stroke_mm), [stroke_mm]])
     parts = np.diff(force.integ()(edges))

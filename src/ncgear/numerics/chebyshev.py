@@ -51,8 +51,10 @@ class PiecewiseChebyshev:
     coefficients: Array
 
     def __call__(self, points: Array) -> Array:
-        """Values at ``points`` (any shape), trailing axes appended; a point at a break belongs to the panel on its
-        right."""
+        """Values at ``points`` (any shape), trailing axes appended.
+
+        A point at a break belongs to the panel on its right.
+        """
         panel = np.clip(np.searchsorted(self.breaks, points, side="right") - 1, 0, len(self.breaks) - 2)
         left, right = self.breaks[panel], self.breaks[panel + 1]
         local = ((points - left) - (right - points)) / (right - left)

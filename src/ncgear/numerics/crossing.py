@@ -64,11 +64,10 @@ def refined_crossings(
 def zoomed_crossings(
     first: CurveFunction, second: CurveFunction, middle1: Array, middle2: Array, reach1: Array, reach2: Array
 ) -> tuple[Array, Array, Mask]:
-    """Crossings within ``reach`` of the given parameters, closed in on by ever finer chords, and which are really
-    there.
+    """Crossings within ``reach`` of the given parameters, and which of them are really there.
 
-    All arrays have shape (n,), one curve pair each.  For crossings so flat that Newton's method wanders off; what only
-    the coarse chords showed disappears on the way and is reported as false.
+    Closed in on by ever finer chords.  All arrays have shape (n,), one curve pair each.  For crossings so flat that
+    Newton's method wanders off; what only the coarse chords showed disappears on the way and is reported as false.
     """
     at1, at2, there = middle1.copy(), middle2.copy(), np.ones(middle1.size, dtype=bool)
     for step in range(ZOOMS):

@@ -18,8 +18,11 @@ from ncgear.ratio.transmission import Transmission
 
 @dataclass(frozen=True, eq=False)
 class CurvePoints:
-    """Points of a pitch curve, each row one point: positions in mm, unit tangent in the sense of growing arc length,
-    unit normal away from the gear's material, curvature in 1/mm (positive where convex)."""
+    """Points of a pitch curve, each row one point.
+
+    Positions in mm, unit tangents in the sense of growing arc length, unit normals away from the gear's material,
+    curvatures in 1/mm (positive where convex).
+    """
 
     position: Array
     tangent: Array
@@ -60,6 +63,11 @@ class PitchCurve:
             return np.empty(0)
         cycles = np.arange(self.periods)[:, None] * self.arc.period
         return (cycles + self.arc.length(starts)).ravel() * self.center_distance_mm
+
+    @property
+    def joints_around_mm(self) -> Array:
+        """The same from one turn before to one turn after the first, for curves that reach across the seam."""
+        return np.concatenate([self.joints_mm - self.length_mm, self.joints_mm, self.joints_mm + self.length_mm])
 
     def driving_angle(self, sigma_mm: Array) -> Array:
         """phi1 in rad at which the point at arc length sigma is the pitch point, any shape."""

@@ -57,7 +57,7 @@ def outline_points(flanks: Flanks, sides: Sides, tolerance_mm: float) -> Array:
     No chord is farther from the exact curve than ``tolerance_mm``.
     """
     points, keys = [], []
-    joints = _joints(flanks)
+    joints = flanks.curve.joints_around_mm
     for stretch in _stretches(flanks, sides):
         real = stretch.kept(np.abs(stretch.end - stretch.start) > 1e-12 * flanks.rack.module_mm)
         sampled, key = _sampled(_split(real, joints), tolerance_mm * MARGIN)
@@ -108,12 +108,6 @@ def _root_lands(flanks: Flanks, sides: Sides) -> _Stretch:
 def _land(flanks: Flanks, height: float, owner: IndexArray, start: Array, end: Array, last_run: IndexArray) -> _Stretch:
     rank, rolled = np.asarray(4.0 * last_run + 1.0, dtype=float), np.array([start, end])
     return _Stretch(lambda i, t: flanks.offset(t, height)[0], owner, start, end, rolled, rank, np.ones(rank.size))
-
-
-def _joints(flanks: Flanks) -> Array:
-    """Arc lengths at which the curvature jumps, from one turn before to one turn after the first."""
-    joints, turn = flanks.curve.joints_mm, flanks.curve.length_mm
-    return np.concatenate([joints - turn, joints, joints + turn])
 
 
 def _split(stretch: _Stretch, joints: Array) -> _Stretch:

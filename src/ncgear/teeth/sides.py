@@ -162,26 +162,26 @@ def _tip_crossing(flanks: Flanks) -> tuple[Array, Array, Mask]:
 
 
 def _disturbed(flanks: Flanks, tip_mm: Array) -> Mask:
-    """Whether a fillet turns back on itself or is rolled over a jump of the curvature, or a crown dips below the tip
-    land.
+    """Whether a fillet folds, may fold unseen by any probe just after a jump of the curvature, or a crown dips."""
+    every, depth = np.arange(flanks.count), np.full(flanks.count, flanks.rack.flank_depth_mm)
+    rolled = _between(flanks.rolled_mm(every, -depth), flanks.rounding_mm)
+    folds: Mask = np.any(flanks.envelope_regularity(FILLET, every[:, None], rolled) < 0.0, axis=1)
+    joints = flanks.curve.joints_around_mm
+    jumps: Mask = np.searchsorted(joints, rolled.max(axis=1)) > np.searchsorted(joints, rolled.min(axis=1))
+    return folds | jumps | _dipping_crowns(flanks, tip_mm)
 
-    Just after a jump a fillet may fold so shortly that no probe sees it.
-    """
-    every, depth = np.arange(flanks.count)[:, None], np.full(flanks.count, flanks.rack.flank_depth_mm)
-    share = np.linspace(0.0, 1.0, PROBES)
 
-    def between(start: Array, end: Array) -> Array:
-        return start[:, None] + (end - start)[:, None] * share
-
-    sigma = between(flanks.rolled_mm(every[:, 0], -depth), flanks.rounding_mm)
-    folds: Mask = np.any(flanks.envelope_regularity(FILLET, every, sigma) < 0.0, axis=1)
-    crown = flanks.crown(every, between(flanks.rolled_mm(every[:, 0], depth), flanks.crown_rounding_mm))[0]
+def _dipping_crowns(flanks: Flanks, tip_mm: Array) -> Mask:
+    """Whether a crown, which on a convex curve stands clear of the tooth, reaches below the tip land."""
+    every, depth = np.arange(flanks.count), np.full(flanks.count, flanks.rack.flank_depth_mm)
+    crown = flanks.crown(every[:, None], _between(flanks.rolled_mm(every, depth), flanks.crown_rounding_mm))[0]
     reach = flanks.side * flanks.rack.pitch_mm / 4.0
-    land = flanks.offset(between(tip_mm + reach, tip_mm - reach), flanks.rack.addendum_mm)[0]
+    land = flanks.offset(_between(tip_mm + reach, tip_mm - reach), flanks.rack.addendum_mm)[0]
     dips = np.zeros(flanks.count, dtype=bool)
     dips[chord_crossings(crown, land)[0]] = True
-    joints, turn = flanks.curve.joints_mm, flanks.curve.length_mm
-    around = np.concatenate([joints - turn, joints, joints + turn])
-    low, high = sigma.min(axis=1), sigma.max(axis=1)
-    jumps: Mask = np.searchsorted(around, high) > np.searchsorted(around, low)
-    return dips | folds | jumps
+    return dips
+
+
+def _between(start: Array, end: Array) -> Array:
+    """PROBES numbers from each start to its end, shape (n, PROBES)."""
+    return start[:, None] + (end - start)[:, None] * np.linspace(0.0, 1.0, PROBES)
