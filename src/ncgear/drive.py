@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -13,7 +14,7 @@ from ncgear.kinematics.slider import Machine, SliderMotion, sample_angles
 from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.rack import BasicRack
 from ncgear.ratio.laws.uniform import uniform_law
-from ncgear.ratio.transmission import Lobes, Transmission
+from ncgear.ratio.transmission import Transmission
 from ncgear.recipe import RAD_S_PER_RPM, Law, law_of, rack_of, resistance_of
 from ncgear.stopwatch import Stopwatch
 
@@ -81,10 +82,7 @@ class Drive:
     @cached_property
     def uniform_machine(self) -> Machine:
         """The same linkage on a crank that turns evenly, at the same number of strokes per minute."""
-        machine, lobes = self.machine, self.transmission.lobes
-        return Machine(
-            uniform_law(Lobes(lobes.driving, lobes.driven)), machine.linkage, machine.resistance, machine.speed_rad_s
-        )
+        return replace(self.machine, transmission=uniform_law(self.transmission.lobes))
 
     @cached_property
     def motion(self) -> SliderMotion:

@@ -124,8 +124,10 @@ def _about(chords: _Chords, axis: Array) -> _Chords:
 
 
 def _play_of_vertices(moving: _Chords, fixed: _Chords) -> tuple[Array, Array, Array]:
-    """Least angles that vertices can move by +angle and by -angle about the origin, and the deepest arc, per position.
-    Least angles that vertices can move by +angle and by -angle about the origin, and the deepest arc, per position."""
+    """Least angles that vertices can move by +angle and by -angle about the origin, and the deepest arc.
+
+    One of each per position.
+    """
     count = len(moving.start)
     row, column = np.nonzero(np.isfinite(moving.start[..., 0]))
     points = moving.start[row, column]

@@ -65,8 +65,7 @@ def refuse_overlap(contact: PairContact, pitch: PitchPair, teeth: ToothedPair, t
     tooth = round(rolled / teeth.driving.flanks.rack.pitch_mm) % teeth.driving.teeth + 1
     raise NoSuchMechanism(
         f"the teeth run into each other by {outlines.penetration_mm[worst]:.3g} mm near tooth {tooth} of "
-        "the driving gear "
-        f"at phi1 = {in_words(phi1)}: tips of a concave stretch foul the mating gear there; more teeth of a smaller "
-        "module are needed, or a smaller range of the ratio",
+        f"the driving gear at phi1 = {in_words(phi1)}: tips of a concave stretch foul the mating gear "
+        "there; more teeth of a smaller module are needed, or a smaller range of the ratio",
         key="gears.teeth",
     )

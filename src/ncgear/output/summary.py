@@ -31,15 +31,14 @@ def check_summary(drive: Drive) -> dict[str, Any]:
 def build_summary(drive: Drive) -> dict[str, Any]:
     """All of the check, and pitch curves, teeth and contact."""
     summary = check_summary(drive)
-    comparison = summary.pop("comparison")
-    summary.pop("warnings")
+    comparison, warnings = summary.pop("comparison"), summary.pop("warnings")
     return {
         **summary,
         "pitch": _pitch(drive),
         "teeth": _teeth(drive),
         "contact": _contact(drive),
         "comparison": comparison,
-        "warnings": check_warnings(drive) + build_warnings(drive),
+        "warnings": warnings + build_warnings(drive),
         "timing_s": {stage: round(seconds, 6) for stage, seconds in drive.timing_s.items()},
     }
 

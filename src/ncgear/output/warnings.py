@@ -77,8 +77,7 @@ def _concave(drive: Drive, gear: Gear) -> str:
     stretches = ", ".join(f"{degrees(a):.0f}..{degrees(b):.0f}" for a, b in drive.pitch.concave_ranges(gear))
     return (
         f"the {gear.value} pitch curve is concave for phi1 in {stretches} deg (radius {radius:.4g} mm): "
-        "no hob can cut it; "
-        "wire, mill, print, or a shaper with a smaller cutter can"
+        "no hob can cut it; wire, mill, print, or a shaper with a smaller cutter can"
     )
 
 
@@ -119,6 +118,6 @@ def _contact(drive: Drive) -> str:
         return ""
     return (
         f"contact ratio: the shortest contact of a flank pair lasts {flanks.least_ratio:.3g} pitches, "
-        "and at some positions "
-        "no flanks touch: the driven gear is carried by an edge there, off the law by up to the transmission error"
+        "and at some positions no flanks touch: the driven gear is carried by an edge there, off the law by up to the "
+        "transmission error"
     )

@@ -71,8 +71,7 @@ def too_sharp(phi1_rad: float) -> NoSuchMechanism:
     """The refusal of a pitch curve that turns faster than numbers of 16 digits can follow."""
     return NoSuchMechanism(
         f"the pitch curves turn too sharply near phi1 = {in_words(phi1_rad)} to be computed; a smaller "
-        "range of the ratio "
-        "is needed",
+        "range of the ratio is needed",
         key="motion",
     )
 

@@ -52,9 +52,9 @@ def _whole_teeth(driving_length: float, module_mm: float, center_distance_mm: fl
     if not isclose(exact, whole, rel_tol=CONSISTENT):
         raise WrongInput(
             f"module {module_mm:g} mm and centre distance {center_distance_mm:g} mm make {exact:.6g} "
-            "teeth, not a whole "
-            f"number; with {whole} teeth either module_mm: {driving_length * center_distance_mm / (pi * whole):.9g} or "
-            f"center_distance_mm: {whole * pi * module_mm / driving_length:.9g} is right",
+            f"teeth, not a whole number; with {whole} teeth either module_mm: "
+            f"{driving_length * center_distance_mm / (pi * whole):.9g} or center_distance_mm: "
+            f"{whole * pi * module_mm / driving_length:.9g} is right",
             key="gears.center_distance_mm",
         )
     return whole

@@ -275,9 +275,7 @@ def _panels(count: int = 16, points: int = 16) -> tuple[Array, Array]:
 def _not_positive(at_rad: float) -> NoSuchMechanism:
     return NoSuchMechanism(
         f"the return's ratio passes through zero or infinity, or comes too near to it, at phi1 = "
-        f"{in_words(at_rad)}; a smaller "
-        "theta4, an a1 nearer "
-        "to zero, or the other basis of the return helps",
+        f"{in_words(at_rad)}; a smaller theta4, an a1 nearer to zero, or the other basis of the return helps",
         key="motion.return",
     )
 

@@ -44,8 +44,7 @@ class Lobes:
         if self.driven != 1:
             raise WrongInput(
                 f"{self.driven} lobes of the driven gear, but a slider's law is one cycle of the crank, "
-                "which is one turn of "
-                "the driven gear; 1 is right",
+                "which is one turn of the driven gear; 1 is right",
                 key="gears.lobes.driven",
             )
 

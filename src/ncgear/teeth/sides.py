@@ -141,8 +141,8 @@ def _folded(flanks: Flanks, sigma: float, radius: float, problem: str) -> NoSuch
     phi1 = float(flanks.curve.driving_angle(np.array([sigma]))[0])
     return NoSuchMechanism(
         f"the {flanks.curve.gear.value} pitch curve's radius is {radius:.4g} mm at phi1 = "
-        f"{in_words(phi1)}, {problem} mm; "
-        "more teeth of a smaller module are needed, or a smaller range of the ratio",
+        f"{in_words(phi1)}, {problem} mm; more teeth of a smaller module are needed, or a smaller range of the "
+        "ratio",
         key="gears.teeth",
     )
 

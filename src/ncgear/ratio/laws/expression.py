@@ -43,8 +43,7 @@ def driven_angle_expression_law(text: str, lobes: Lobes) -> Transmission:
     if not abs(end - start - lobes.driven_period_rad) <= NEARLY_CLOSED * lobes.driven_period_rad:
         raise NoSuchMechanism(
             f"the cycle does not close: the driven angle grows by {end - start:.12g} rad over a cycle, "
-            "and must grow by "
-            f"{lobes.driven_period_rad:.12g}",
+            f"and must grow by {lobes.driven_period_rad:.12g}",
             key=key,
         )
     panels = integrated_law(slope, np.empty(0), lobes, scale_to_close=True, key=key).pieces[0]

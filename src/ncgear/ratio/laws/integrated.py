@@ -33,8 +33,7 @@ def integrated_law(
     except NotSmooth as fault:
         raise NoSuchMechanism(
             f"the ratio is zero, infinite or jumps near phi1 = {in_words(fault.at)}; it must be smooth "
-            "and positive over "
-            "the whole cycle",
+            "and positive over the whole cycle",
             key=key,
         ) from fault
     factor = _closing_factor(integral.final, lobes, scale_to_close, key)
