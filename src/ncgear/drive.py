@@ -15,7 +15,7 @@ from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.rack import BasicRack
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Transmission
-from ncgear.recipe import RAD_S_PER_RPM, Law, law_of, rack_of, resistance_of
+from ncgear.recipe import RAD_S_PER_RPM, Law, law_of, rack_of, resistance_of, tooth_form
 from ncgear.stopwatch import Stopwatch
 
 if TYPE_CHECKING:
@@ -127,9 +127,10 @@ class Drive:
         """Both toothed gears."""
         from ncgear.teeth.gear import toothed_pair
 
-        pitch, rack = self.pitch, self.rack
+        pitch = self.pitch
         with self.stopwatch("teeth"):
-            return toothed_pair(pitch, rack, self.design.output.chord_tolerance_mm)
+            form = tooth_form(self.gears, pitch.size.module_mm)
+            return toothed_pair(pitch, form, self.design.output.chord_tolerance_mm)
 
     @cached_property
     def contact(self) -> PairContact:

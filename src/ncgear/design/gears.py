@@ -42,6 +42,50 @@ class Lobes(Model):
     driven: int = Field(default=1, ge=1, le=MOST_LOBES, description="lobes of the driven gear, a whole number")
 
 
+class TipRelief(Model):
+    """Material taken off the flanks near their tips, so that teeth that bend under load come together gently."""
+
+    amount: float = Field(gt=0.0, le=0.1, description="what is taken off at the tip, along the normal, in modules")
+    start: float = Field(
+        default=0.5, ge=0.0, le=10.0, description="height over the pitch line at which it begins, in modules"
+    )
+
+
+class ProfileShift(Model):
+    """Profile shift in modules, positive outwards; equal and opposite unless both are given."""
+
+    driving: float | None = Field(default=None, ge=-1.0, le=1.0, description="of the driving gear, in modules")
+    driven: float | None = Field(default=None, ge=-1.0, le=1.0, description="of the driven gear, in modules")
+    against_undercut: bool = Field(
+        default=False, description="true: chosen, equal and opposite, so that least is undercut"
+    )
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if self.against_undercut and (self.driving is not None or self.driven is not None):
+            raise fault("against_undercut", "the shifts are given; leave them out, or this")
+        return self
+
+
+class Cutter(Model):
+    """The tool that leaves the fillets."""
+
+    kind: Literal["auto", "rack", "pinion", "mate"] = Field(
+        default="auto",
+        description="rack (hob), pinion (shaper), mate (wire, mill or print: each gear cleared for the other's tips), "
+        "or auto: rack where both pitch curves are convex, else mate",
+    )
+    teeth: int | None = Field(
+        default=None, ge=3, le=1000, description="teeth of the pinion cutter; left out: the most that go in"
+    )
+
+    @model_validator(mode="after")
+    def _teeth_of_a_pinion(self) -> Self:
+        if self.teeth is not None and self.kind != "pinion":
+            raise fault("teeth", f"a cutter of kind {self.kind} has no teeth to count; leave it out, or kind: pinion")
+        return self
+
+
 class Rack(Model):
     """The basic rack: a profile of ISO 53, any of whose coefficients can be given by itself."""
 
@@ -59,6 +103,16 @@ class Rack(Model):
         le=10.0,
         description="radius of the root fillet in modules",
     )
+    tip_relief: TipRelief | None = Field(default=None, description="tip relief; left out: none")
+
+    @model_validator(mode="after")
+    def _relief_below_tip(self) -> Self:
+        if self.tip_relief is not None and self.tip_relief.start >= self.addendum:
+            raise fault(
+                "tip_relief.start",
+                f"{self.tip_relief.start:g} modules is not below the tip; under {self.addendum:g} is right",
+            )
+        return self
 
 
 class Keyway(Model):
@@ -97,7 +151,28 @@ class Gears(Model):
     center_distance_mm: Length | None = Field(default=None, description="distance of the two axes in mm")
     face_width_mm: Length = Field(description="width of both gears along their axes in mm")
     rack: Rack = Field(default_factory=Rack, description="basic rack; left out: ISO 53 profile A at 20 degrees")
-    backlash_mm: float = Field(default=0.0, ge=0.0, le=1000.0, description="normal backlash of the pair in mm")
+    backlash_mm: float = Field(
+        default=0.0, ge=0.0, le=1000.0, description="normal backlash of the pair in mm, taken off the idle flanks"
+    )
+    profile_shift: ProfileShift = Field(default_factory=ProfileShift, description="profile shift; left out: none")
+    cutter: Cutter = Field(default_factory=Cutter, description="tool that leaves the fillets; left out: kind auto")
+    undercut: Literal["avoid", "allow"] = Field(
+        default="avoid",
+        description="avoid: tips are shortened where they would undercut the mate; allow: full height, flanks cut away",
+    )
+    least_tip_land: float = Field(
+        default=0.2, ge=0.01, le=1.0, description="least width of tip lands in modules; sharper tips are shortened"
+    )
+    least_contact_ratio: float = Field(
+        default=1.0,
+        ge=0.0,
+        le=3.0,
+        description="least contact ratio of any pair of flanks; a pair with less is refused",
+    )
+    method: Literal["exact", "equivalent_gear"] = Field(
+        default="exact",
+        description="exact flanks, or for comparison those of the circular gear of the local radius of curvature",
+    )
     index_holes: bool = Field(
         default=False,
         description="true: a small hole in each gear, half a module wide, which face each other at phi1 = 0",

@@ -13,6 +13,7 @@ from ncgear.output.warnings import build_warnings, check_warnings
 
 if TYPE_CHECKING:
     from ncgear.pitch.pair import PitchPair
+    from ncgear.teeth.gear import ToothedGear
 
 
 def check_summary(drive: Drive) -> dict[str, Any]:
@@ -152,9 +153,10 @@ def _jumps(pitch: PitchPair) -> list[dict[str, float]]:
 
 
 def _teeth(drive: Drive) -> dict[str, Any]:
-    from ncgear.teeth.gear import teeth_free_of_undercut
+    from ncgear.teeth.shift import teeth_free_of_undercut
 
     teeth, size = drive.teeth, drive.pitch.size
+    racks = teeth.driving.flanks.rack, teeth.driven.flanks.rack
     return {
         "driving": size.driving_teeth,
         "driven": size.driven_teeth,
@@ -162,12 +164,27 @@ def _teeth(drive: Drive) -> dict[str, Any]:
         "backlash_mm": drive.rack.backlash_mm,
         "undercut_driving": teeth.driving.undercut,
         "undercut_driven": teeth.driven.undercut,
-        "pointed_driving": teeth.driving.pointed,
-        "pointed_driven": teeth.driven.pointed,
-        "free_of_undercut_from_driving_teeth": teeth_free_of_undercut(drive.pitch, drive.rack),
+        "free_of_undercut_from_driving_teeth": teeth_free_of_undercut(drive.pitch, *racks),
+        "method": drive.gears.method,
+        "cutter": teeth.cutter.value,
+        "profile_shift_driving_mm": racks[0].shift_mm,
+        "profile_shift_driven_mm": racks[1].shift_mm,
+        "tips_driving": _tips(teeth.driving),
+        "tips_driven": _tips(teeth.driven),
         "points_driving": len(teeth.driving.outline_mm),
         "points_driven": len(teeth.driven.outline_mm),
     }
+
+
+def _tips(gear: ToothedGear) -> dict[str, Any]:
+    """Least height of the tips, and numbers of the teeth whose tips are shortened, by reason."""
+    from ncgear.teeth.tips import Limit
+
+    result: dict[str, Any] = {"least_height_mm": float(gear.flanks.tip_height_mm.min())}
+    for reason in Limit:
+        if reason is not Limit.FULL and (numbers := gear.shortened(reason)):
+            result[f"shortened_for_{reason.name.lower()}"] = numbers
+    return result
 
 
 def _contact(drive: Drive) -> dict[str, Any]:

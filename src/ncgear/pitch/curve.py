@@ -83,6 +83,13 @@ class PitchCurve:
         return CurvePoints(columns[..., 0:2] * size, columns[..., 2:4], columns[..., 4:6], columns[..., 6] / size)
 
     @cached_property
+    def curvature_bounds(self) -> tuple[float, float]:
+        """Numbers in 1/mm below and above every curvature, proven by the coefficients of the Chebyshev forms."""
+        coefficients = self._by_length.coefficients[..., 6] / self.center_distance_mm
+        spread = np.abs(coefficients[1:]).sum(axis=0)
+        return float(np.min(coefficients[0] - spread)), float(np.max(coefficients[0] + spread))
+
+    @cached_property
     def _by_length(self) -> PiecewiseChebyshev:
         """Position, tangent, normal and curvature at unit centre distance over one turn of this gear."""
         size = self.center_distance_mm

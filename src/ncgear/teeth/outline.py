@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ncgear.numerics.arrays import Array, IndexArray, Mask
-from ncgear.teeth.flank import CROWN, FILLET, FLANK, Flanks
+from ncgear.teeth.flank import FILLET, FLANK, Flanks
 from ncgear.teeth.sides import Sides
 
 PROBES = 33
@@ -71,12 +71,12 @@ def outline_points(flanks: Flanks, sides: Sides, tolerance_mm: float) -> Array:
 def _stretches(flanks: Flanks, sides: Sides) -> list[_Stretch]:
     """All curves in the sense of growing arc length: a tooth's back from root to tip, land, front, root land."""
     lands = [_tip_lands(flanks, sides), _root_lands(flanks, sides)]
-    return [_side_runs(flanks, sides, kind) for kind in (CROWN, FLANK, FILLET)] + lands
+    return [_side_runs(flanks, sides, kind) for kind in (FLANK, FILLET)] + lands
 
 
 def _side_runs(flanks: Flanks, sides: Sides, kind: int) -> _Stretch:
     """Runs of one kind, inwards on front flanks and outwards on back flanks."""
-    curve = (flanks.crown, flanks.flank, flanks.fillet)[kind]
+    curve = (flanks.flank, flanks.fillet)[kind]
     chosen = sides.kind == kind
     owner, start, end = sides.owner[chosen], sides.start[chosen], sides.end[chosen]
     outwards = flanks.side[owner] < 0.0
@@ -89,25 +89,40 @@ def _side_runs(flanks: Flanks, sides: Sides, kind: int) -> _Stretch:
 
 
 def _tip_lands(flanks: Flanks, sides: Sides) -> _Stretch:
-    """From each tooth's back to its front flank, after the last run of the back; empty on a pointed tooth."""
+    """From each tooth's back to its front flank, after the last run of the back.
+
+    Parallel to the pitch curve, or straight where the two flanks end at different heights.
+    """
     back = np.arange(0, flanks.count, 2)
-    start = sides.tip_mm[back]
-    end = np.where(sides.pointed[back], start, sides.tip_mm[back + 1])
-    last_run = np.searchsorted(sides.owner, back, side="right") - 1
-    return _land(flanks, flanks.rack.addendum_mm, back, start, end, last_run)
+    start, end = sides.tip_mm[back], sides.tip_mm[back + 1]
+    edges = flanks.offset(sides.tip_mm, flanks.tip_height_mm)[0].reshape(-1, 2, 2)
+    slopes = flanks.tip_height_mm[back] != flanks.tip_height_mm[back + 1]
+
+    def curve(flank: IndexArray, sigma: Array) -> Array:
+        tooth = flank // 2
+        share = ((sigma - start[tooth]) / (end - start)[tooth])[..., None]
+        straight = edges[tooth, 0] + share * (edges[tooth, 1] - edges[tooth, 0])
+        parallel = flanks.offset(sigma, flanks.tip_height_mm[flank])[0]
+        return np.where(slopes[tooth][..., None], straight, parallel)
+
+    return _lands(curve, sides, back, start, end)
 
 
 def _root_lands(flanks: Flanks, sides: Sides) -> _Stretch:
     """From each tooth's front flank to the next one's back, after the last run of the front."""
-    front = np.arange(1, flanks.count, 2)
-    next_back = np.append(flanks.rounding_mm[2::2], flanks.rounding_mm[0] + flanks.curve.length_mm)
-    last_run = np.searchsorted(sides.owner, front, side="right") - 1
-    return _land(flanks, -flanks.rack.dedendum_mm, front, flanks.rounding_mm[front], next_back, last_run)
+    start, end = sides.roots.lands()
+    return _lands(
+        lambda flank, sigma: sides.roots.land(flank // 2, sigma), sides, np.arange(1, flanks.count, 2), start, end
+    )
 
 
-def _land(flanks: Flanks, height: float, owner: IndexArray, start: Array, end: Array, last_run: IndexArray) -> _Stretch:
+def _lands(
+    curve: Callable[[IndexArray, Array], Array], sides: Sides, owner: IndexArray, start: Array, end: Array
+) -> _Stretch:
+    """Lands after the last runs of their owners, every other flank."""
+    last_run = np.searchsorted(sides.owner, owner, side="right") - 1
     rank, rolled = np.asarray(4.0 * last_run + 1.0, dtype=float), np.array([start, end])
-    return _Stretch(lambda i, t: flanks.offset(t, height)[0], owner, start, end, rolled, rank, np.ones(rank.size))
+    return _Stretch(curve, owner, start, end, rolled, rank, np.ones(rank.size))
 
 
 def _split(stretch: _Stretch, joints: Array) -> _Stretch:
