@@ -14,7 +14,8 @@ from ncgear.teeth.flank import Flanks
 from ncgear.teeth.form import TipLimits
 from ncgear.teeth.fouling import Meeting, freed
 from ncgear.teeth.meeting import mating_flanks
-from ncgear.teeth.spaces import allowed_depth, cut_spaces, mated_spaces
+from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_depth
+from ncgear.teeth.spaces import cut_spaces, mated_spaces
 from ncgear.teeth.tips import Bounds, Limit, Tips, fitted_tips
 from ncgear.teeth.tool import PinionCircle
 
@@ -155,9 +156,10 @@ def _regular_tips(
 
 def _regular_spaces(gear: Flanks, avoid_undercut: bool) -> tuple[Array, Mask]:
     """Depths to which spaces may be cut, and which flanks are undercut at the rack's full depth."""
-    far = np.full(gear.count, FAR * gear.rack.dedendum_mm)
-    allowed, _ = allowed_depth(gear, far)
-    return (allowed if avoid_undercut else far), allowed < gear.flank_depth_mm
+    far = FAR * gear.rack.dedendum_mm
+    regular = regular_depth(gear, far)
+    allowed = np.where(regular < far, CLEAR_OF_CUSPS * regular, far)
+    return (allowed if avoid_undercut else np.full(gear.count, far)), regular < gear.flank_depth_mm
 
 
 def _deepened(own: Tips, mate: Tips, meeting: Meeting, clearance: float) -> Tips:

@@ -35,8 +35,10 @@ def cut_spaces(flanks: Flanks, avoid_undercut: bool) -> tuple[Flanks, Mask]:
     assert not isinstance(tool, PitchCurve)
     full = np.full(flanks.count, rack.root_depth_mm)
     depth = tool.flank_depth_mm(rack, full, flanks.root_radius_mm)
-    allowed, undercut = allowed_depth(flanks, depth)
-    bound = of_spaces(allowed) if avoid_undercut else np.full(flanks.count, np.inf)
+    regular = regular_depth(flanks, float(np.max(depth)))
+    undercut = regular < depth
+    allowed = np.where(undercut & avoid_undercut, CLEAR_OF_CUSPS * regular, np.inf)
+    bound = of_spaces(allowed)
     radii = _largest_radii(flanks, np.minimum(bound, depth))
     if not isinstance(tool, RackLine):
         radii = _fitted(flanks, radii, lambda r, i: np.minimum(bound[i], tool.flank_depth_mm(rack, full[i], r)))
@@ -53,13 +55,6 @@ def mated_spaces(flanks: Flanks, depth_mm: Array) -> Flanks:
     if lost.size:
         raise _no_root(flanks, int(lost[0]), "no rounded tip fits the mate's tooth")
     return rounded
-
-
-def allowed_depth(flanks: Flanks, depth_mm: Array) -> tuple[Array, Mask]:
-    """Depths, at most ``depth_mm``, to which flanks are regular, and which flanks are not that far."""
-    regular = regular_depth(flanks, float(np.max(depth_mm)))
-    undercut = regular < depth_mm
-    return np.where(undercut, CLEAR_OF_CUSPS * regular, depth_mm), undercut
 
 
 def of_spaces(values: Array) -> Array:
