@@ -65,7 +65,7 @@ def outline_contact(
     pitch_point_mm: Array,
     mesh: Mesh = Mesh.EXTERNAL,
 ) -> OutlineContact:
-    """Play at driving angles ``phi1`` with driven angles ``phi2`` and the pitch point at x = ``pitch_point_mm``, all (n,).
+    """Play at driving angles ``phi1`` and driven angles ``phi2``, the pitch point at x = ``pitch_point_mm``; all (n,).
 
     Outlines are looked at within ``reach_mm`` of the pitch point, which must cover the line of action.
     """

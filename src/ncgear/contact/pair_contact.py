@@ -23,8 +23,8 @@ CHORDS_OVERLAP = 2.2
 """Overlap across, in chord tolerances, that two outlines may show: one for each, and a tenth for the search."""
 
 CAUSES = {
-    Mesh.EXTERNAL: "tips of a concave stretch foul the mating gear there; more teeth of a smaller module are needed, or "
-    "a smaller range of the ratio",
+    Mesh.EXTERNAL: "tips of a concave stretch foul the mating gear there; more teeth of a smaller module are needed, "
+    "or a smaller range of the ratio",
     Mesh.INTERNAL: "tips foul the mating gear or, where a ring has too few teeth more than its driving gear, each "
     "other; a smaller addendum, more teeth of a smaller module, or more lobes of the driven gear are needed",
 }
