@@ -254,6 +254,12 @@ def test_baler_at_25_teeth_names_its_undercut_and_what_frees_it() -> None:
     assert built("baler-86").summary["teeth"]["undercut_driving"] == []
 
 
+def test_a_ring_is_warned_of_and_an_external_gear_is_not() -> None:
+    warnings = {name: " ".join(built(name).summary["warnings"]) for name in ("internal-1-2", "ellipse")}
+    assert "driven gear is internal: no hob can cut it" in warnings["internal-1-2"]
+    assert "internal" not in warnings["ellipse"]
+
+
 def test_comparison_is_at_one_speed_and_mixed_speeds_are_marked() -> None:
     rows = built("baler").summary["comparison"]
     same = {row["name"]: row for row in rows if row["same_speed"]}

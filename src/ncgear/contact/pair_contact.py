@@ -8,8 +8,8 @@ from math import cos, sin
 import numpy as np
 
 from ncgear.contact.flank_contact import FlankContact, flank_contact
-from ncgear.contact.fouling import tips_overlap_mm
 from ncgear.contact.outline_contact import OutlineContact, outline_contact, positions
+from ncgear.contact.reach import tips_overlap_mm
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.angles import in_words
 from ncgear.pitch.pair import PitchPair
