@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from io import BytesIO
 from math import cos, pi, radians, sin
@@ -23,10 +24,11 @@ from ncgear.numerics.arrays import Array
 from ncgear.output import plots
 from ncgear.output.stl import read_back, stl_bytes
 from ncgear.pitch.curve import CurvePoints, PitchCurve
-from ncgear.pitch.internal import LEAST_RATIO
+from ncgear.pitch.internal import LEAST_RATIO, require_ring
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.laws.expression import ratio_expression_law
+from ncgear.ratio.laws.table import ratio_table_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.solids.assembly import Placed, assembly_report
@@ -57,6 +59,17 @@ def variable_law() -> Transmission:
 def variable() -> PitchPair:
     """The internal pair of that law, 60 teeth in a ring of 120."""
     return sized_pair(variable_law(), 60, None, DISTANCE, Mesh.INTERNAL)
+
+
+@cache
+def table() -> PitchPair:
+    """Two lobes on three from points: a spline, whose third derivative jumps at each."""
+    phi1 = np.linspace(0.0, pi, 16, endpoint=False)
+    law = ratio_table_law(phi1, 1.5 + 0.1 * np.cos(2.0 * phi1), Lobes(2, 3), scale_to_close=True)
+    return sized_pair(law, 60, None, DISTANCE, Mesh.INTERNAL)
+
+
+every_pair = pytest.mark.parametrize("of", [variable, table])
 
 
 def curve(of: PitchPair, gear: Gear) -> PitchCurve:
@@ -130,20 +143,22 @@ def assembled(of: PitchPair, phi1: Array) -> tuple[CurvePoints, CurvePoints]:
     )
 
 
-def test_both_points_meet_beyond_the_driving_axis_where_velocities_agree() -> None:
-    driving, driven = assembled(variable(), ANGLES)
-    pitch_point = variable().pitch_point_mm(ANGLES)
+@every_pair
+def test_both_points_meet_beyond_the_driving_axis_where_velocities_agree(of: Callable[[], PitchPair]) -> None:
+    driving, driven = assembled(of(), ANGLES)
+    pitch_point = of().pitch_point_mm(ANGLES)
     for points in (driving, driven):
         # 180 mm, angles of up to 12 rad rounded
         assert np.max(np.abs(points.position - np.column_stack([pitch_point, np.zeros(43)]))) <= 1e-12
     assert pitch_point.max() < 0.0
-    slope = variable().transmission.driven_angle(ANGLES, 1).derivative(1)
+    slope = of().transmission.driven_angle(ANGLES, 1).derivative(1)
     # w1 x = w2 (x - a): both gears turn counter-clockwise
     assert pitch_point == pytest.approx(slope * (pitch_point - DISTANCE), rel=1e-13)
 
 
-def test_tangents_agree_and_the_normals_point_away_from_each_gears_material() -> None:
-    driving, driven = assembled(variable(), ANGLES)
+@every_pair
+def test_tangents_agree_and_the_normals_point_away_from_each_gears_material(of: Callable[[], PitchPair]) -> None:
+    driving, driven = assembled(of(), ANGLES)
     assert np.max(np.abs(driving.tangent - driven.tangent)) <= 1e-13
     assert np.max(np.abs(driving.normal + driven.normal)) <= 1e-13
     assert np.all(driving.normal[:, 0] < 0.0)  # away from the driving axis, which lies to the right of the pitch point
@@ -183,12 +198,13 @@ def test_arc_lengths_are_those_of_an_independent_quadrature(gear: Gear) -> None:
     assert of.length_mm(Gear.DRIVEN) == pytest.approx(2.0 * of.length_mm(Gear.DRIVING), rel=1e-13)
 
 
-def test_curvatures_differ_as_euler_and_savary_say() -> None:
+@every_pair
+def test_curvatures_differ_as_euler_and_savary_say(of: Callable[[], PitchPair]) -> None:
     """The common tangent turns by w1 dphi - k1 dsigma on one gear and by w2 dphi + k2 dsigma on the other."""
-    of = variable()
-    slope = of.transmission.driven_angle(ANGLES, 1).derivative(1)
-    total = of.driving.at_angle(ANGLES).curvature + of.driven.at_angle(ANGLES).curvature
-    speed = np.gradient(of.arc.length(np.linspace(-1e-4, 1e-4, 3)[:, None] + ANGLES) * DISTANCE, 1e-4, axis=0)[1]
+    pair = of()
+    slope = pair.transmission.driven_angle(ANGLES, 1).derivative(1)
+    total = pair.driving.at_angle(ANGLES).curvature + pair.driven.at_angle(ANGLES).curvature
+    speed = np.gradient(pair.arc.length(np.linspace(-1e-4, 1e-4, 3)[:, None] + ANGLES) * DISTANCE, 1e-4, axis=0)[1]
     assert total == pytest.approx((1.0 - slope) / speed, rel=1e-7)
 
 
@@ -221,10 +237,35 @@ def nearly_one(least: float) -> Transmission:
 def test_the_least_ratio_that_makes_a_ring() -> None:
     law = nearly_one(LEAST_RATIO + 1e-6)
     assert law.ratio_range[0].value == pytest.approx(LEAST_RATIO + 1e-6, rel=1e-9)
-    pair = sized_pair(law, 6000, None, 1.0, Mesh.INTERNAL)
-    assert -pair.pitch_point_mm(np.array([pi]))[0] == pytest.approx(1.0 / (LEAST_RATIO + 1e-6 - 1.0), rel=1e-6)
+    require_ring(law)
     with pytest.raises(NoSuchMechanism, match=r"falls to 1\.0009 at"):
-        sized_pair(nearly_one(LEAST_RATIO - 1e-4), 6000, None, 1.0, Mesh.INTERNAL)
+        require_ring(nearly_one(LEAST_RATIO - 1e-4))
+
+
+def longest(depth: float) -> Transmission:
+    """A ratio of 2 + depth cos(phi), scaled to close: the farther it varies, the longer the driving gear."""
+    return ratio_expression_law(f"2 + {depth}*cos(phi)", Lobes(1, 2), scale_to_close=True)
+
+
+def test_a_driving_gear_too_long_for_its_ring_is_refused_where_shapely_sees_it_stand_out() -> None:
+    """One lobe on two fits until, at phi1 = 0, the driving gear is as long as the ring is wide through its axis.
+
+    r1(0) + r1(pi) = 2 r2(0) is 1/(i(0) - 1) + 1/(i(pi) - 1) = 2 i(0)/(i(0) - 1) and, for i = c (2 +- d) with
+    c = (1 - d^2/4)^(-1/2), holds at d = 0.69157.
+    """
+    fits = sized_pair(longest(0.6912), 60, None, DISTANCE, Mesh.INTERNAL)
+    driving, ring = (
+        Polygon(of.at_angle(np.linspace(0.0, of.turn_rad, 4000, endpoint=False)).position)
+        for of in (fits.driving, fits.driven)
+    )
+    phi1 = np.linspace(0.0, 2.0 * pi, 26)
+    phi2 = fits.transmission.driven_angle(phi1).value
+    around = Polygon(ring.buffer(100.0).exterior, [ring.exterior])
+    # Chords of up to 0.6 mm on a ring of 75 mm: 6e-4 mm
+    assert meshing.Pair(driving, around, phi1, phi2, DISTANCE, 1.0).report(25).overlap_depth.max() <= 6e-4
+    with pytest.raises(NoSuchMechanism, match=r"at phi1 = 0 rad .* would stand .* mm out of the ring's") as caught:
+        sized_pair(longest(0.6920), 60, None, DISTANCE, Mesh.INTERNAL)
+    assert caught.value.key == "gears.mesh"
 
 
 # --- teeth ---------------------------------------------------------------------------------------------------------

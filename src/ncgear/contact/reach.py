@@ -7,8 +7,8 @@ many teeth, halfway round.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ncgear.pitch.internal import PlanePoints, passed_mm, plane
 from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.gear import ToothedGear, ToothedPair
 
@@ -22,18 +22,13 @@ POINTS_PER_TOOTH = 8
 def tips_overlap_mm(pitch: PitchPair, teeth: ToothedPair) -> float:
     """Largest distance from the pitch point at which the driving tip curve of an internal pair passes the ring's."""
     phi1 = np.linspace(0.0, pitch.transmission.lobes.driving_period_rad, POSITIONS)
-    phi2 = pitch.transmission.driven_angle(phi1).value
-    seen = _tip_curve(teeth.driving) * np.exp(1j * phi1[:, None])
-    from_ring_axis = (seen - pitch.center_distance_mm) * np.exp(-1j * phi2[:, None])
-    ring = _tip_curve(teeth.driven)
-    tip_radius = np.interp(np.angle(from_ring_axis), np.angle(ring), np.abs(ring), period=2.0 * np.pi)
-    beyond = np.abs(from_ring_axis) > tip_radius
-    return float(np.max(np.abs(seen - pitch.pitch_point_mm(phi1)[:, None]), where=beyond, initial=0.0))
+    tips = _tip_curve(teeth.driving)
+    beyond = passed_mm(tips, _tip_curve(teeth.driven), pitch.driving, phi1) > 0.0
+    from_pitch_point = np.abs(tips * np.exp(1j * phi1[:, None]) - pitch.pitch_point_mm(phi1)[:, None])
+    return float(np.max(from_pitch_point, where=beyond, initial=0.0))
 
 
-def _tip_curve(gear: ToothedGear) -> NDArray[np.complex128]:
-    """Where tips of full height end all around a gear, x + i y in mm in its own frame, shape (n,)."""
+def _tip_curve(gear: ToothedGear) -> PlanePoints:
+    """Where tips of full height end all around a gear, in mm in its own frame, shape (n,)."""
     sigma = np.linspace(0.0, gear.flanks.curve.length_mm, POINTS_PER_TOOTH * gear.teeth, endpoint=False)
-    points = gear.flanks.offset(sigma, gear.flanks.rack.addendum_mm)[0]
-    curve: NDArray[np.complex128] = points[:, 0] + 1j * points[:, 1]
-    return curve
+    return plane(gear.flanks.offset(sigma, gear.flanks.rack.addendum_mm)[0])

@@ -13,7 +13,7 @@ from ncgear.numerics.extrema import Extremum
 from ncgear.pitch import shape
 from ncgear.pitch.arc import ArcLength, arc_length, period_length
 from ncgear.pitch.curve import PitchCurve
-from ncgear.pitch.internal import require_ring
+from ncgear.pitch.internal import require_ring, require_room
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.pitch.sizing import Size, solved_size
 from ncgear.ratio.transmission import Piece, Transmission
@@ -158,7 +158,8 @@ def sized_pair(
     """The pitch curves of a law at the size that any two of teeth, module and centre distance give.
 
     Raises WrongInput as ``solved_size`` does, NoSuchMechanism for curves too sharp to be computed and for a law that
-    cannot drive a ring.
+    cannot drive a ring, or whose
+    driving curve does not fit into it.
     """
     if mesh is Mesh.INTERNAL:
         require_ring(transmission)
@@ -166,4 +167,7 @@ def sized_pair(
     size = solved_size(
         transmission.lobes.driving * arc.period, transmission.lobes, teeth, module_mm, center_distance_mm
     )
-    return PitchPair(transmission, arc, size, mesh)
+    pair = PitchPair(transmission, arc, size, mesh)
+    if mesh is Mesh.INTERNAL:
+        require_room(pair.driving, pair.driven)
+    return pair
