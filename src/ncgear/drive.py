@@ -15,13 +15,13 @@ from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.rack import BasicRack
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Transmission
-from ncgear.recipe import RAD_S_PER_RPM, Law, law_of, rack_of, resistance_of, tooth_form
+from ncgear.recipe import RAD_S_PER_RPM, Law, law_of, rack_of, resistance_of, rim_mm_of, tooth_form
 from ncgear.stopwatch import Stopwatch
 
 if TYPE_CHECKING:
     from ncgear.contact.pair_contact import PairContact
     from ncgear.pitch.pair import PitchPair
-    from ncgear.solids.pair import Blank, SolidPair
+    from ncgear.solids.pair import Blank, GearSolid, SolidPair
     from ncgear.teeth.gear import ToothedPair
 
 
@@ -112,10 +112,12 @@ class Drive:
     def pitch(self) -> PitchPair:
         """Both pitch curves at their size."""
         from ncgear.pitch.pair import sized_pair
+        from ncgear.pitch.shape import Mesh
 
         gears, transmission = self.gears, self.transmission
         with self.stopwatch("pitch curves"):
-            return sized_pair(transmission, gears.teeth, gears.module_mm, gears.center_distance_mm)
+            size = gears.teeth, gears.module_mm, gears.center_distance_mm
+            return sized_pair(transmission, *size, Mesh(gears.mesh))
 
     @cached_property
     def rack(self) -> BasicRack:
@@ -146,15 +148,30 @@ class Drive:
     @cached_property
     def solids(self) -> SolidPair:
         """Both gears as closed meshes."""
-        from ncgear.solids.pair import SolidPair, driven_solid, driving_solid
+        from ncgear.solids.pair import SolidPair
 
-        gears, teeth = self.gears, self.teeth
-        module, tolerance = self.pitch.size.module_mm, self.design.output.chord_tolerance_mm
         with self.stopwatch("solids"):
-            return SolidPair(
-                driving_solid(teeth.driving.outline_mm, _blank(gears, gears.driving), module, tolerance),
-                driven_solid(teeth.driven.outline_mm, _blank(gears, gears.driven), module, tolerance),
-            )
+            return SolidPair(_driving_solid(self), _driven_solid(self))
+
+
+def _driving_solid(drive: Drive) -> GearSolid:
+    from ncgear.solids.pair import driving_solid
+
+    pitch, blank = drive.pitch, _blank(drive.gears, drive.gears.driving)
+    tolerance = drive.design.output.chord_tolerance_mm
+    return driving_solid(drive.teeth.driving.outline_mm, blank, pitch.size.module_mm, tolerance, pitch.mesh)
+
+
+def _driven_solid(drive: Drive) -> GearSolid:
+    from ncgear.solids.pair import driven_solid
+    from ncgear.solids.ring import RingBlank, ring_solid
+
+    gears, outline, module = drive.gears, drive.teeth.driven.outline_mm, drive.pitch.size.module_mm
+    tolerance = drive.design.output.chord_tolerance_mm
+    if drive.pitch.driven.is_ring:
+        ring = RingBlank(gears.face_width_mm, rim_mm_of(gears, module), gears.index_holes)
+        return ring_solid(outline, ring, module, tolerance)
+    return driven_solid(outline, _blank(gears, gears.driven), module, tolerance)
 
 
 def _blank(gears: Gears, body: GearBody) -> Blank:

@@ -30,6 +30,10 @@ SAME_STROKE = 1e-6
 
 RAD_S_PER_RPM = pi / 30.0
 
+RIM_IN_MODULES = 3.5
+"""Rim of a ring where the file says nothing: from this thickness on ISO 6336-3 counts no weakening of internal teeth
+(value from secondary sources)."""
+
 
 @dataclass(frozen=True, eq=False)
 class Law:
@@ -99,6 +103,11 @@ def tooth_form(gears: Gears, module_mm: float) -> ToothForm:
         limits=TipLimits(gears.least_tip_land * module_mm, gears.undercut == "avoid"),
         equivalent=gears.method == "equivalent_gear",
     )
+
+
+def rim_mm_of(gears: Gears, module_mm: float) -> float:
+    """Thickness of a ring outside its deepest root."""
+    return RIM_IN_MODULES * module_mm if gears.driven.rim_mm is None else gears.driven.rim_mm
 
 
 def _linkage(design: Design) -> CrankSlider:

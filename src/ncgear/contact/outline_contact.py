@@ -15,6 +15,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.pitch.shape import Mesh
 
 FAR = 1.0
 """Angle in rad that stands for "no chord in reach"; play is never so large."""
@@ -61,21 +62,24 @@ def outline_contact(
     reach_mm: float,
     phi1: Array,
     phi2: Array,
-    radius_mm: Array,
+    pitch_point_mm: Array,
+    mesh: Mesh = Mesh.EXTERNAL,
 ) -> OutlineContact:
-    """Play at driving angles ``phi1`` with driven angles ``phi2``; ``radius_mm`` is the driving pitch radius, all (n,).
+    """Play at driving angles ``phi1`` and driven angles ``phi2``, the pitch point at x = ``pitch_point_mm``; all (n,).
 
     Outlines are looked at within ``reach_mm`` of the pitch point, which must cover the line of action.
     """
     axis = np.array([center_distance_mm, 0.0])
-    pitch_point = np.column_stack([radius_mm, np.zeros_like(radius_mm)])
+    pitch_point = np.column_stack([pitch_point_mm, np.zeros_like(pitch_point_mm)])
+    # Chords keep their gear's material on their left; a ring's outline runs counter-clockwise, with the hole there.
+    boundary_mm = driven_mm[::-1] if mesh is Mesh.INTERNAL else driven_mm
     driving = _near(driving_mm, phi1, np.zeros(2), pitch_point, reach_mm)
-    driven = _near(driven_mm, -phi2, axis, pitch_point, reach_mm)
+    driven = _near(boundary_mm, mesh.sense * phi2, axis, pitch_point, reach_mm)
     driving, driven = _about(driving, axis), _about(driven, axis)
     own, other = _play_of_vertices(driving, driven), _play_of_vertices(driven, driving)
-    # A vertex of the driving gear that may move on by +g lets the driven gear turn back by g, and the other way round.
-    # The driven gear turns clockwise: forward is the sense in which its vertices' angle about the axis falls.
-    forward, backward = np.minimum(own[0], other[1]), np.minimum(own[1], other[0])
+    # A vertex of the driving gear that may move by +g lets the driven gear turn by -g, and the other way round.
+    falling, rising = np.minimum(own[0], other[1]), np.minimum(own[1], other[0])
+    forward, backward = (rising, falling) if mesh is Mesh.INTERNAL else (falling, rising)
     return OutlineContact(phi1, forward, backward, np.maximum(own[2], other[2]))
 
 
@@ -146,8 +150,8 @@ def _play_of_vertices(moving: _Chords, fixed: _Chords) -> tuple[Array, Array, Ar
 def _free_angles(points: Array, fixed: _Chords, low: Array, high: Array, row: IndexArray) -> tuple[Array, Array]:
     """Angles to the next chord upwards and downwards; negative for the nearer one when the point is inside.
 
-    Counter-clockwise outlines rise from the axis where they are entered with growing angle, and fall where they are
-    left.
+    Chords with the material on their left rise from the axis where it is entered with growing angle, and fall where it
+    is left.
     """
     square = np.sum(points * points, axis=1)[:, None]
     vertex, chord = np.nonzero((low[row] <= square) != (high[row] <= square))

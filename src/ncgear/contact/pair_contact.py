@@ -9,18 +9,26 @@ import numpy as np
 
 from ncgear.contact.flank_contact import FlankContact, flank_contact
 from ncgear.contact.outline_contact import OutlineContact, outline_contact, positions
+from ncgear.contact.reach import tips_overlap_mm
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.angles import in_words
 from ncgear.pitch.pair import PitchPair
+from ncgear.pitch.shape import Mesh
 from ncgear.teeth.gear import ToothedPair
 
 BEYOND = 1.1
-"""How far beyond the end of the rack's line of action outlines are compared: a tenth, for tips that are cut by crowns.
-How far beyond the end of the rack's line of action outlines are compared: a tenth, for tips that are cut by crowns."""
-
+"""Share of the reach by which outlines are compared beyond it: a tenth, for tips that are cut by crowns."""
 
 CHORDS_OVERLAP = 2.2
 """Overlap across, in chord tolerances, that two outlines may show: one for each, and a tenth for the search."""
+
+CAUSES = {
+    Mesh.EXTERNAL: "tips of a concave stretch foul the mating gear there; more teeth of a smaller module are needed, "
+    "or a smaller range of the ratio",
+    Mesh.INTERNAL: "tips foul the mating gear or, where a ring has too few teeth more than its driving gear, each "
+    "other; a smaller addendum, more teeth of a smaller module, or more lobes of the driven gear are needed",
+}
+"""Why teeth overlap, and what helps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,20 +41,26 @@ class PairContact:
 
 def pair_contact(pitch: PitchPair, teeth: ToothedPair) -> PairContact:
     """Contact at 20 positions or more per tooth over a meeting cycle of all teeth."""
-    rack = teeth.driving.flanks.rack
     phi1 = positions(teeth.driving.teeth, teeth.driven.teeth)
     phi2 = pitch.transmission.driven_angle(phi1).value
-    radius = np.linalg.norm(pitch.driving.at_angle(phi1).position, axis=1)
     outlines = outline_contact(
         teeth.driving.outline_mm,
         teeth.driven.outline_mm,
         pitch.center_distance_mm,
-        BEYOND * rack.dedendum_mm / sin(rack.pressure_angle_rad),
+        _reach_mm(pitch, teeth),
         phi1,
         phi2,
-        radius,
+        pitch.pitch_point_mm(phi1),
+        pitch.mesh,
     )
     return PairContact(flank_contact(teeth), outlines)
+
+
+def _reach_mm(pitch: PitchPair, teeth: ToothedPair) -> float:
+    """How far from the pitch point outlines are compared: the line of action, and where a ring's tips can foul."""
+    rack = teeth.driving.flanks.rack
+    action = rack.dedendum_mm / sin(rack.pressure_angle_rad)
+    return BEYOND * (max(action, tips_overlap_mm(pitch, teeth)) if pitch.mesh is Mesh.INTERNAL else action)
 
 
 def refuse_overlap(contact: PairContact, pitch: PitchPair, teeth: ToothedPair, tolerance_mm: float) -> None:
@@ -65,7 +79,6 @@ def refuse_overlap(contact: PairContact, pitch: PitchPair, teeth: ToothedPair, t
     tooth = round(rolled / teeth.driving.flanks.rack.pitch_mm) % teeth.driving.teeth + 1
     raise NoSuchMechanism(
         f"the teeth run into each other by {outlines.penetration_mm[worst]:.3g} mm near tooth {tooth} of "
-        f"the driving gear at phi1 = {in_words(phi1)}: tips of a concave stretch foul the mating gear "
-        "there; more teeth of a smaller module are needed, or a smaller range of the ratio",
+        f"the driving gear at phi1 = {in_words(phi1)}: {CAUSES[pitch.mesh]}",
         key="gears.teeth",
     )

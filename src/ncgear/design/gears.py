@@ -140,9 +140,23 @@ class GearBody(Model):
         return self
 
 
+class DrivenBody(GearBody):
+    """What is cut into the driven gear around its axis or, of a ring, stands around its teeth."""
+
+    rim_mm: Length | None = Field(
+        default=None,
+        description="of a ring (mesh: internal): thickness in mm outside its deepest root; left out: 3.5 modules",
+    )
+
+
 class Gears(Model):
     """The pair of gears: lobes, size, rack, backlash, bodies."""
 
+    mesh: Literal["external", "internal"] = Field(
+        default="external",
+        description="external: gears side by side; internal: the driven gear is a ring around the driving one, which "
+        "needs a ratio over 1 everywhere",
+    )
     lobes: Lobes = Field(default_factory=Lobes, description="lobes of each gear; left out: one each")
     teeth: int | None = Field(
         default=None, ge=3, le=MOST_TEETH, description="teeth of the driving gear, a whole number"
@@ -178,7 +192,9 @@ class Gears(Model):
         description="true: a small hole in each gear, half a module wide, which face each other at phi1 = 0",
     )
     driving: GearBody = Field(default_factory=GearBody, description="bore and keyway of the driving gear")
-    driven: GearBody = Field(default_factory=GearBody, description="bore and keyway of the driven gear")
+    driven: DrivenBody = Field(
+        default_factory=DrivenBody, description="bore and keyway of the driven gear; rim of a driven ring"
+    )
 
     @model_validator(mode="after")
     def _two_sizes(self) -> Self:
@@ -187,4 +203,13 @@ class Gears(Model):
         if len(found) < 2:
             said = f"only {found[0]} is given" if found else "no size is given"
             raise fault("", f"{said}; two of {listed(names, 'and')} are needed")
+        return self
+
+    @model_validator(mode="after")
+    def _body_is_that_of_the_mesh(self) -> Self:
+        ring, driven = self.mesh == "internal", self.driven
+        if ring and driven.bore_mm is not None:
+            raise fault("driven.bore_mm", "given, but a ring (mesh: internal) has no bore; leave bore and keyway out")
+        if not ring and driven.rim_mm is not None:
+            raise fault("driven.rim_mm", "given, but only a ring has a rim; leave it out, or give mesh: internal")
         return self

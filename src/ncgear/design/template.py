@@ -90,6 +90,7 @@ motion:                    # circular gears, to compare with
 
 _GEARS = """\
 gears:                     # a check does without, a build needs it
+  mesh: external           # or internal: the driven gear is a ring, which needs a ratio over 1 everywhere
   lobes: {driving: 1, driven: 1}   # how often the law repeats in one turn
   teeth: 90                # of the driving gear; any two of teeth, module_mm and center_distance_mm
   module_mm: 2

@@ -123,7 +123,7 @@ def _pitch(drive: Drive) -> dict[str, Any]:
     from ncgear.pitch.shape import Gear
 
     pitch = drive.pitch
-    result: dict[str, Any] = {"center_distance_mm": pitch.center_distance_mm}
+    result: dict[str, Any] = {"mesh": pitch.mesh.value, "center_distance_mm": pitch.center_distance_mm}
     for gear in Gear:
         name = gear.value
         result[f"length_{name}_mm"] = pitch.length_mm(gear)

@@ -28,8 +28,9 @@ def build_warnings(drive: Drive) -> list[str]:
     """Warnings about pitch curves, teeth and contact."""
     from ncgear.pitch.shape import Gear
 
-    warnings = [_pressure_angle(drive), *(_concave(drive, gear) for gear in Gear), _undercut(drive), *_shortened(drive)]
-    return [warning for warning in [*warnings, _contact(drive)] if warning]
+    curves = [_pressure_angle(drive), _ring(drive), *(_concave(drive, gear) for gear in Gear)]
+    teeth = [_undercut(drive), *_shortened(drive), _contact(drive)]
+    return [warning for warning in [*curves, *teeth] if warning]
 
 
 def _ratio_range(drive: Drive) -> str:
@@ -68,6 +69,15 @@ def _pressure_angle(drive: Drive) -> str:
         return ""
     at = degrees(drive.pitch.largest_tangent_angle_rad.at)
     return f"the pressure angle reaches {angle:.3g} deg at phi1 = {at:.4g} deg; a smaller range of the ratio lowers it"
+
+
+def _ring(drive: Drive) -> str:
+    if not drive.pitch.driven.is_ring:
+        return ""
+    return (
+        "the driven gear is internal: no hob can cut it; wire, mill, print, or a shaper with a smaller cutter can; it "
+        "is carried on its rim, or by a plate behind the driving gear"
+    )
 
 
 def _concave(drive: Drive, gear: Gear) -> str:

@@ -11,9 +11,9 @@ part beyond is cut away (undercut).
 
 Fillet: the envelope of the rounded tip of a tool (tool.py) whose rolling curve has the curvature k_t.  The rounding's
 centre rests in the tool.  With u T + v N from P to it, the point that touches lies on the line from P through the
-centre, one radius rho beyond.  With K = k + k_t the centre moves by K (v T - u N) per unit of sigma, and the fillet runs
-along itself with K (D + rho) - rho v / D^2, D being the distance from P to the centre; it bounds the tooth where that is
-positive.
+centre, one radius rho beyond.  With K = k + k_t the centre moves by K (v T - u N) per unit of sigma, and the fillet
+runs along itself with K (D + rho) - rho v / D^2, D being the distance from P to the centre; it bounds the tooth where
+that is positive.
 Source of the principle: F. L. Litvin and A. Fuentes, "Gear Geometry and Applied Theory", 2nd edition, Cambridge 2004,
 chapters 6 (envelopes, singularities) and 12 (noncircular gears).
 """

@@ -29,8 +29,8 @@ def shifted_racks(pitch: PitchPair, form: ToothForm) -> tuple[BasicRack, BasicRa
     if spare < -1e-12 * form.rack.module_mm:
         raise WrongInput(
             f"shifts of {driving:g} and {driven:g} mm thicken the teeth by {form.rack.backlash_mm - spare:.4g} mm "
-            f"along the normal, more than the backlash of {form.rack.backlash_mm:g} mm; equal and opposite shifts, or more "
-            "backlash_mm, are right",
+            f"along the normal, more than the backlash of {form.rack.backlash_mm:g} mm; equal and opposite shifts, or "
+            "more backlash_mm, are right",
             key="gears.profile_shift",
         )
     return form.rack.shifted(driving), form.rack.shifted(driven)

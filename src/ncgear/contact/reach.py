@@ -1,0 +1,34 @@
+"""Where the teeth of an internal pair can foul: how far from the pitch point the tips reach into each other.
+
+A driving gear nestles in its ring, so that the tips overlap far beyond the line of action: of circles with nearly as
+many teeth, halfway round.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ncgear.pitch.internal import PlanePoints, passed_mm, plane
+from ncgear.pitch.pair import PitchPair
+from ncgear.teeth.gear import ToothedGear, ToothedPair
+
+POSITIONS = 64
+"""Positions over a period of the law at which the tip curves are laid over each other; they differ smoothly."""
+
+POINTS_PER_TOOTH = 8
+"""Points of a tip curve: an eighth of a pitch is what the reach may miss, far less than the margin it is taken with."""
+
+
+def tips_overlap_mm(pitch: PitchPair, teeth: ToothedPair) -> float:
+    """Largest distance from the pitch point at which the driving tip curve of an internal pair passes the ring's."""
+    phi1 = np.linspace(0.0, pitch.transmission.lobes.driving_period_rad, POSITIONS)
+    tips = _tip_curve(teeth.driving)
+    beyond = passed_mm(tips, _tip_curve(teeth.driven), pitch.driving, phi1) > 0.0
+    from_pitch_point = np.abs(tips * np.exp(1j * phi1[:, None]) - pitch.pitch_point_mm(phi1)[:, None])
+    return float(np.max(from_pitch_point, where=beyond, initial=0.0))
+
+
+def _tip_curve(gear: ToothedGear) -> PlanePoints:
+    """Where tips of full height end all around a gear, in mm in its own frame, shape (n,)."""
+    sigma = np.linspace(0.0, gear.flanks.curve.length_mm, POINTS_PER_TOOTH * gear.teeth, endpoint=False)
+    return plane(gear.flanks.offset(sigma, gear.flanks.rack.tip_height_mm)[0])
