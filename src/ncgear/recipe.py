@@ -92,8 +92,8 @@ def _relief(rack: Rack, module_mm: float) -> TipRelief | None:
 def tooth_form(gears: Gears, module_mm: float) -> ToothForm:
     """Everything asked of the teeth, in mm at a module; one shift given, the other is its opposite."""
     shift = gears.profile_shift
-    driving = shift.driving if shift.driving is not None else -(shift.driven or 0.0)
-    driven = shift.driven if shift.driven is not None else -driving
+    driving = shift.driving if shift.driving is not None else 0.0 - (shift.driven or 0.0)
+    driven = shift.driven if shift.driven is not None else 0.0 - driving
     return ToothForm(
         rack=rack_of(gears, module_mm),
         driving_shift_mm=driving * module_mm,

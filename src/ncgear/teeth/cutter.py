@@ -9,7 +9,7 @@ from ncgear.machine.rack import BasicRack
 from ncgear.numerics.angles import in_words
 from ncgear.numerics.arrays import Mask
 from ncgear.numerics.crossing import chord_crossings
-from ncgear.pitch.pair import PitchPair
+from ncgear.pitch.pair import STRAIGHT, PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.teeth.form import CutterKind
 from ncgear.teeth.tips import Tips
@@ -29,9 +29,9 @@ LEAVING = (0.15, 3.0)
 
 
 def least_concave_radius_mm(pitch: PitchPair) -> float | None:
-    """Of both gears; None where both curves are convex."""
-    radii = [radius for gear in Gear if (radius := pitch.least_concave_radius_mm(gear)) is not None]
-    return min(radii) if radii else None
+    """Least radius at which material of either gear is concave, a ring all around; None where both gears are convex."""
+    low = min(pitch.curvature_range[gear][0].value for gear in Gear)
+    return -1.0 / low if low * pitch.center_distance_mm < -STRAIGHT else None
 
 
 def chosen_kind(pitch: PitchPair) -> CutterKind:

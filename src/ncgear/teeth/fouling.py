@@ -27,6 +27,12 @@ NEIGHBOURS = 3
 PATH, FLANK_POINTS = 221, 33
 """Points of a tip's path and of a flank: chords stray from them by less than a five-thousandth of a module."""
 
+SKIP = 5
+"""Every fifth point of a path is looked at to find the flanks it comes near."""
+
+STRIDE = 0.5
+"""Pitches that a path may run between two such points, with a wide margin: it rolls over a sixth of one."""
+
 ASIDE = 0.02
 """Share of a flank's height, from the pitch curve outwards, that is left out: there the flanks touch as they should."""
 
@@ -78,10 +84,20 @@ def _fouling(flanks: Flanks, top: Array, mate: Tips, meeting: Meeting) -> Mask:
     hit = np.zeros(flanks.count, dtype=bool)
     for neighbour in range(-NEIGHBOURS, NEIGHBOURS + 1):
         number = (other + neighbour) % mate.flanks.count
-        heights = mate.height_mm[number][:, None] * np.linspace(ASIDE, 1.0, FLANK_POINTS)
-        row, _, _ = chord_crossings(path, mate.flanks.flank(number[:, None], heights)[0])
-        hit[own[row]] = True
+        near = np.nonzero(_near(path, mate, number))[0]
+        if near.size:
+            heights = mate.height_mm[number[near], None] * np.linspace(ASIDE, 1.0, FLANK_POINTS)
+            row, _, _ = chord_crossings(path[near], mate.flanks.flank(number[near, None], heights)[0])
+            hit[own[near[row]]] = True
     return hit
+
+
+def _near(path: Array, mate: Tips, number: IndexArray) -> Mask:
+    """Whether paths come so near to the middles of flanks' upper parts that they could cross them."""
+    middle = mate.flanks.flank(number, mate.height_mm[number] / 2.0)[0][:, None, :]
+    reach = mate.height_mm[number] + STRIDE * mate.flanks.rack.pitch_mm
+    near: Mask = np.min(np.linalg.norm(path[:, ::SKIP] - middle, axis=2), axis=1) < reach
+    return near
 
 
 def _in_mate(flanks: Flanks, mate: Flanks, point: Array, sigma: Array) -> Array:
