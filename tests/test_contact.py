@@ -143,7 +143,7 @@ def test_play_of_a_nearer_circular_pair_is_the_closed_form() -> None:
 
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 25), ("uniform 1:2", 24), ("uniform 3:2", 30)])
 def test_transmission_error_of_exact_flanks_vanishes_with_the_tolerance(name: str, teeth: int) -> None:
-    tolerances = 2e-2 * 10.0 ** -np.array([0.0, 0.5, 1.0, 1.5, 2.0])
+    tolerances = 1e-2 * 10.0 ** -np.array([0.0, 0.5, 1.0, 1.5, 2.0])
     errors = []
     for tolerance in tolerances:
         pitch, pair = made(name, teeth, tolerance)
