@@ -99,6 +99,15 @@ def test_play_is_what_shapely_finds(name: str, ahead_rad: float) -> None:
         assert (own.backward_rad[row], own.forward_rad[row]) == pytest.approx(expected, abs=2e-8)
 
 
+def test_tips_that_stand_square_on_the_line_of_centres_are_no_play_at_all() -> None:
+    """There a chord of the tip land runs along the circles on which vertices are followed."""
+    pair = made("sine", 200)
+    found = play(pair, positions(200, 200))
+    worst = np.abs([found.forward_rad, found.backward_rad]).max()
+    # Both outlines off by the tolerance along the normal, at the base radius of the driven gear's shortest radius.
+    assert worst < 2.0 * TOLERANCE / (least_driven_radius(pair[0]) * cos(ALPHA))
+
+
 @pytest.mark.parametrize("name", ["uniform", "sine", "baler"])
 @pytest.mark.parametrize("ahead_rad", [0.01, -0.01])
 def test_driven_gear_turned_too_far_overlaps(name: str, ahead_rad: float) -> None:
