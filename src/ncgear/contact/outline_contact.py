@@ -8,12 +8,13 @@ ways round give the exact play of two polygons.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import lcm, pi
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ncgear.contact.slopes import Chords, Slopes, product, slopes_of
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.pitch.shape import Mesh
 
@@ -21,7 +22,7 @@ FAR = 1.0
 """Angle in rad that stands for "no chord in reach"; play is never so large."""
 
 BLOCK = 8192
-"""Vertices treated at once, so that the table of candidate chords stays in the processor's cache."""
+"""Vertices treated at once, so that the table of slopes that they may meet stays in the processor's cache."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,19 +77,11 @@ def outline_contact(
     driving = _near(driving_mm, phi1, np.zeros(2), pitch_point, reach_mm)
     driven = _near(boundary_mm, mesh.sense * phi2, axis, pitch_point, reach_mm)
     driving, driven = _about(driving, axis), _about(driven, axis)
-    own, other = _play_of_vertices(driving, driven), _play_of_vertices(driven, driving)
+    own, other = (_play_of_vertices(*both, len(phi1)) for both in ((driving, driven), (driven, driving)))
     # A vertex of the driving gear that may move by +g lets the driven gear turn by -g, and the other way round.
     falling, rising = np.minimum(own[0], other[1]), np.minimum(own[1], other[0])
     forward, backward = (rising, falling) if mesh is Mesh.INTERNAL else (falling, rising)
     return OutlineContact(phi1, forward, backward, np.maximum(own[2], other[2]))
-
-
-@dataclass(frozen=True, eq=False)
-class _Chords:
-    """Chords of one outline near the mesh: start and end points, shape (positions, chords, 2), padded with NaN."""
-
-    start: Array
-    end: Array
 
 
 def _turned(points: Array, angle: Array) -> Array:
@@ -97,66 +90,57 @@ def _turned(points: Array, angle: Array) -> Array:
     return np.stack([x * cosine - y * sine, x * sine + y * cosine], axis=-1)
 
 
-def _near(outline: Array, angle: Array, axis: Array, center: Array, reach: float) -> _Chords:
+def _near(outline: Array, angle: Array, axis: Array, center: Array, reach: float) -> Chords:
     """The chords of which an end lies within reach of the centre, position by position.
 
     The outline stands at ``axis`` turned by ``angle`` (shape (positions,)); ``center`` has shape (positions, 2).
     """
-    number = _chord_numbers(outline, _turned(center - axis, -angle), reach)
-    valid = (number >= 0)[..., None]
-    start = _turned(outline[number], angle[:, None]) + axis
-    end = _turned(outline[(number + 1) % len(outline)], angle[:, None]) + axis
-    return _Chords(np.where(valid, start, np.nan), np.where(valid, end, np.nan))
+    position, number = _chord_numbers(outline, _turned(center - axis, -angle), reach)
+    turn = angle[position]
+    following = (number + 1) % len(outline)
+    return Chords(position, _turned(outline[number], turn) + axis, _turned(outline[following], turn) + axis)
 
 
-def _chord_numbers(outline: Array, center: Array, reach: float) -> IndexArray:
-    """Numbers of the chords near each centre in the outline's own frame, one row each, padded with -1."""
-    found = cKDTree(outline).query_ball_point(center, reach)
-    row = np.repeat(np.arange(len(center)), [len(near) for near in found])
+def _chord_numbers(outline: Array, center: Array, reach: float) -> tuple[IndexArray, IndexArray]:
+    """Positions and numbers of the chords near each centre in the outline's own frame, in that order."""
+    found = cKDTree(outline).query_ball_point(center, reach, return_sorted=True)
+    position = np.repeat(np.arange(len(center)), [len(near) for near in found])
     vertex = np.concatenate([np.asarray(near, dtype=int) for near in found])
-    count = len(outline)
-    key = np.unique(np.concatenate([row * count + vertex, row * count + (vertex - 1) % count]))
-    row, chord = np.divmod(key, count)
-    widths = np.bincount(row, minlength=len(center))
-    table = np.full((len(center), int(widths.max())), -1)
-    table[row, np.arange(row.size) - np.repeat(np.cumsum(widths) - widths, widths)] = chord
-    return table
+    # Each vertex begins a chord; the first of consecutive ones also ends one.
+    first = np.append(True, (np.diff(vertex) != 1) | (np.diff(position) != 0))[: vertex.size]
+    chord = np.insert(vertex, np.nonzero(first)[0], vertex[first] - 1) % len(outline)
+    return np.insert(position, np.nonzero(first)[0], position[first]), chord
 
 
-def _about(chords: _Chords, axis: Array) -> _Chords:
-    return _Chords(chords.start - axis, chords.end - axis)
+def _about(chords: Chords, axis: Array) -> Chords:
+    return replace(chords, start=chords.start - axis, end=chords.end - axis)
 
 
-def _play_of_vertices(moving: _Chords, fixed: _Chords) -> tuple[Array, Array, Array]:
+def _play_of_vertices(moving: Chords, fixed: Chords, positions: int) -> tuple[Array, Array, Array]:
     """Least angles that vertices can move by +angle and by -angle about the origin, and the deepest arc.
 
     One of each per position.
     """
-    count = len(moving.start)
-    row, column = np.nonzero(np.isfinite(moving.start[..., 0]))
-    points = moving.start[row, column]
-    upward, downward, depth = np.full(count, FAR), np.full(count, FAR), np.zeros(count)
-    low, high = np.sum(fixed.start**2, axis=2), np.sum(fixed.end**2, axis=2)
-    for begin in range(0, row.size, BLOCK):
-        block = row[begin : begin + BLOCK]
-        up, down = _free_angles(points[begin : begin + BLOCK], fixed, low, high, block)
-        np.minimum.at(upward, block, up)
-        np.minimum.at(downward, block, down)
-        inside = np.maximum(-np.minimum(up, down), 0.0) * np.hypot(*points[begin : begin + BLOCK].T)
-        np.maximum.at(depth, block, inside)
+    upward, downward, depth = np.full(positions, FAR), np.full(positions, FAR), np.zeros(positions)
+    slopes = slopes_of(fixed, positions)
+    for begin in range(0, moving.position.size, BLOCK):
+        row, points = moving.position[begin : begin + BLOCK], moving.start[begin : begin + BLOCK]
+        up, down = _free_angles(points, slopes, row)
+        np.minimum.at(upward, row, up)
+        np.minimum.at(downward, row, down)
+        np.maximum.at(depth, row, np.maximum(-np.minimum(up, down), 0.0) * np.hypot(*points.T))
     return upward, downward, depth
 
 
-def _free_angles(points: Array, fixed: _Chords, low: Array, high: Array, row: IndexArray) -> tuple[Array, Array]:
+def _free_angles(points: Array, slopes: Slopes, row: IndexArray) -> tuple[Array, Array]:
     """Angles to the next chord upwards and downwards; negative for the nearer one when the point is inside.
 
     Chords with the material on their left rise from the axis where it is entered with growing angle, and fall where it
     is left.
     """
-    square = np.sum(points * points, axis=1)[:, None]
-    vertex, chord = np.nonzero((low[row] <= square) != (high[row] <= square))
-    start, end = fixed.start[row[vertex], chord], fixed.end[row[vertex], chord]
-    angle, rising = _crossing_angles(points[vertex], start, end)
+    vertex, chord = slopes.met(row, product(points, points))
+    rising = slopes.rising[chord]
+    angle = _crossing_angles(points[vertex], slopes.chords.start[chord], slopes.chords.end[chord], rising)
     entered_above, left_above, entered_below, left_below = (
         _least(vertex, np.abs(angle), (rising == entering) & ((angle >= 0.0) == upwards), len(points))
         for upwards in (True, False)
@@ -177,13 +161,15 @@ def _least(group: IndexArray, values: Array, chosen: Mask, count: int) -> Array:
     return least
 
 
-def _crossing_angles(points: Array, start: Array, end: Array) -> tuple[Array, Mask]:
-    """Signed angles from points (shape (n, 2)) to where chords cross their circles, and whether they do so outwards."""
+def _crossing_angles(points: Array, start: Array, end: Array, rising: Mask) -> Array:
+    """Signed angles from points (shape (n, 2)) to where chords, rising or falling, cross their circles."""
     step = end - start
-    along, length = np.sum(start * step, axis=1), np.sum(step * step, axis=1)
-    excess = np.sum(start * start, axis=1) - np.sum(points * points, axis=1)
-    rising = np.sum(end * end, axis=1) > np.sum(start * start, axis=1)
+    along, length = product(start, step), product(step, step)
+    excess = product(start, start) - product(points, points)
     root = np.sqrt(np.maximum(along**2 - length * excess, 0.0))
-    at = start + (np.where(rising, root - along, -root - along) / length)[:, None] * step
+    # A chord found a rounding error beyond its end meets the circle there, however flat it runs along the circle.
+    share = np.clip(np.where(rising, root - along, -root - along) / length, 0.0, 1.0)
+    at = start + share[:, None] * step
     cross = points[:, 0] * at[:, 1] - points[:, 1] * at[:, 0]
-    return np.arctan2(cross, np.sum(points * at, axis=1)), rising
+    angle: Array = np.arctan2(cross, product(points, at))
+    return angle

@@ -12,10 +12,10 @@ from ncgear.teeth.flank import FILLET, FLANK, Flanks
 from ncgear.teeth.sides import Sides
 
 PROBES = 33
-"""Points per curve on which its turning is measured to place the chords."""
+"""Points per curve between which its turning is measured to place the chords."""
 
-MARGIN = 0.9
-"""Share of the tolerance that is used: a chord strays most near its middle, where it is checked, but not just there."""
+PLACED = 0.95
+"""Share of the tolerance for which chords are placed: between probes the turning is known to a few per cent only."""
 
 HALVINGS = 12
 """Rounds of halving chords that stray too far: near a cusp the turning is not seen by the probes."""
@@ -30,13 +30,19 @@ class _Stretch:
     takes.
     """
 
-    curve: Callable[[IndexArray, Array], Array]
+    curve: Callable[[IndexArray, Array], tuple[Array, Array]]
     owner: IndexArray
     start: Array
     end: Array
     rolled: Array
     rank: Array
     span: Array
+
+    def at(self, rows: IndexArray, share: Array) -> tuple[Array, Array]:
+        """Points of rows at shares of their way from start to end, and derivatives by the share; shapes broadcast."""
+        span = (self.end - self.start)[rows]
+        point, slope = self.curve(self.owner[rows], self.start[rows] + span * share)
+        return point, span[..., None] * slope
 
     def kept(self, rows: Mask | IndexArray) -> _Stretch:
         """The chosen rows."""
@@ -60,7 +66,7 @@ def outline_points(flanks: Flanks, sides: Sides, tolerance_mm: float) -> Array:
     joints = flanks.curve.joints_around_mm
     for stretch in _stretches(flanks, sides):
         real = stretch.kept(np.abs(stretch.end - stretch.start) > 1e-12 * flanks.rack.module_mm)
-        sampled, key = _sampled(_split(real, joints), tolerance_mm * MARGIN)
+        sampled, key = _sampled(_split(real, joints), tolerance_mm)
         points.append(sampled)
         keys.append(key)
     joined, order = np.concatenate(points), np.argsort(np.concatenate(keys), kind="stable")
@@ -85,7 +91,7 @@ def _side_runs(flanks: Flanks, sides: Sides, kind: int) -> _Stretch:
     rank = np.where(outwards, first + last - step, step)
     start, end = np.where(outwards, end, start), np.where(outwards, start, end)
     rolled = np.array([start, end] if kind != FLANK else [flanks.rolled_mm(owner, start), flanks.rolled_mm(owner, end)])
-    return _Stretch(lambda i, t: curve(i, t)[0], owner, start, end, rolled, 4.0 * rank, np.ones(rank.size))
+    return _Stretch(curve, owner, start, end, rolled, 4.0 * rank, np.ones(rank.size))
 
 
 def _tip_lands(flanks: Flanks, sides: Sides) -> _Stretch:
@@ -98,12 +104,14 @@ def _tip_lands(flanks: Flanks, sides: Sides) -> _Stretch:
     edges = flanks.offset(sides.tip_mm, flanks.tip_height_mm)[0].reshape(-1, 2, 2)
     slopes = flanks.tip_height_mm[back] != flanks.tip_height_mm[back + 1]
 
-    def curve(flank: IndexArray, sigma: Array) -> Array:
+    def curve(flank: IndexArray, sigma: Array) -> tuple[Array, Array]:
         tooth = flank // 2
-        share = ((sigma - start[tooth]) / (end - start)[tooth])[..., None]
-        straight = edges[tooth, 0] + share * (edges[tooth, 1] - edges[tooth, 0])
-        parallel = flanks.offset(sigma, flanks.tip_height_mm[flank])[0]
-        return np.where(slopes[tooth][..., None], straight, parallel)
+        length = (end - start)[tooth][..., None]
+        chord = (edges[tooth, 1] - edges[tooth, 0]) / length
+        straight = edges[tooth, 0] + (sigma - start[tooth])[..., None] * chord
+        parallel, slope = flanks.offset(sigma, flanks.tip_height_mm[flank])
+        chosen = slopes[tooth][..., None]
+        return np.where(chosen, straight, parallel), np.where(chosen, chord, slope)
 
     return _lands(curve, sides, back, start, end)
 
@@ -117,7 +125,7 @@ def _root_lands(flanks: Flanks, sides: Sides) -> _Stretch:
 
 
 def _lands(
-    curve: Callable[[IndexArray, Array], Array], sides: Sides, owner: IndexArray, start: Array, end: Array
+    curve: Callable[[IndexArray, Array], tuple[Array, Array]], sides: Sides, owner: IndexArray, start: Array, end: Array
 ) -> _Stretch:
     """Lands after the last runs of their owners, every other flank."""
     last_run = np.searchsorted(sides.owner, owner, side="right") - 1
@@ -151,14 +159,13 @@ def _split(stretch: _Stretch, joints: Array) -> _Stretch:
 
 def _sampled(stretch: _Stretch, tolerance: float) -> tuple[Array, Array]:
     """Points of a stretch without the last of each curve, and keys that order them along the outline."""
-    owner, start, end = stretch.owner, stretch.start, stretch.end
-    if not owner.size:
+    every = np.arange(stretch.owner.size)
+    if not every.size:
         return np.empty((0, 2)), np.empty(0)
     share = np.linspace(0.0, 1.0, PROBES)
-    probe = stretch.curve(owner[:, None], start[:, None] + (end - start)[:, None] * share)
-    needed = _chords_needed(probe, tolerance)
+    needed = _chords_needed(*stretch.at(every[:, None], share), tolerance * PLACED)
     counts = np.maximum(np.ceil(needed[:, -1]), 1).astype(int)
-    row = np.repeat(np.arange(owner.size), counts)
+    row = np.repeat(every, counts)
     place = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
     at = _inverse_rows(needed, share, row, place / counts[row])
     row, at, points = _with_halves(stretch, row, at, tolerance)
@@ -170,22 +177,18 @@ def _with_halves(stretch: _Stretch, row: IndexArray, share: Array, tolerance: fl
 
     The last point of each row is checked against but not returned; what comes out is in no order.
     """
-
-    def point(rows: IndexArray, shares: Array) -> Array:
-        return stretch.curve(stretch.owner[rows], stretch.start[rows] + (stretch.end - stretch.start)[rows] * shares)
-
-    points = point(row, share)
     last = np.append(row[1:] != row[:-1], True)
     low, high = share, np.where(last, 1.0, np.append(share[1:], 1.0))
+    points = stretch.at(row, share)[0]
     ends = np.roll(points, -1, axis=0)
-    ends[last] = point(row[last], np.ones(int(last.sum())))
+    ends[last] = stretch.at(row[last], np.ones(int(last.sum())))[0]
     found = [(row, share, points)]
     chords, start, end = (row, low, high), points, ends
     for _ in range(HALVINGS):
         rows, low, high = chords
         middle = (low + high) / 2.0
-        between = point(rows, middle)
-        astray = _off_chord(start, end, between) > tolerance
+        between, slope = stretch.at(rows, middle)
+        astray = _strayed(start, end, between, slope * (high - low)[:, None]) > tolerance
         if not astray.any():
             break
         rows, low, middle, high = rows[astray], low[astray], middle[astray], high[astray]
@@ -196,25 +199,30 @@ def _with_halves(stretch: _Stretch, row: IndexArray, share: Array, tolerance: fl
     return rows, shares, added
 
 
-def _off_chord(start: Array, end: Array, point: Array) -> Array:
-    """Distance of points from the chords' lines, shape (n,)."""
-    chord, arm = end - start, point - start
-    area = np.abs(chord[:, 0] * arm[:, 1] - chord[:, 1] * arm[:, 0])
-    distance: Array = area / np.maximum(np.hypot(chord[:, 0], chord[:, 1]), 1e-300)
-    return distance
+def _strayed(start: Array, end: Array, middle: Array, slope: Array) -> Array:
+    """How far a curve strays from its chords at most, shape (n,), from its middle and its slope by the share there.
+
+    Across the chord the curve is taken as a cubic that starts and ends on it: with d in the middle and the slope d'
+    there, it strays by sqrt(d^2 + d'^2 / 8) or less.
+    """
+    chord = end - start
+    across = np.stack([-chord[:, 1], chord[:, 0]], axis=1) / np.maximum(np.hypot(*chord.T), 1e-300)[:, None]
+    off, tilt = np.sum(across * (middle - start), axis=1), np.sum(across * slope, axis=1)
+    strayed: Array = np.sqrt(off**2 + tilt**2 / 8.0)
+    return strayed
 
 
-def _chords_needed(probe: Array, tolerance: float) -> Array:
+def _chords_needed(probe: Array, slope: Array, tolerance: float) -> Array:
     """Cumulated number of chords along each curve: a chord of length d that turns by t misses the curve by d t / 8.
 
-    Rows are scaled to start at 0; shape (n, PROBES).
+    Turning is taken from the curves' slopes, which give it exactly from probe to probe.  Rows are scaled to start at 0;
+    shape (n, PROBES).
     """
     chord = np.diff(probe, axis=1)
-    length = np.hypot(chord[..., 0], chord[..., 1])
-    area = chord[:, :-1, 0] * chord[:, 1:, 1] - chord[:, :-1, 1] * chord[:, 1:, 0]
-    turn = np.abs(np.arctan2(area, np.sum(chord[:, :-1] * chord[:, 1:], axis=2)))
-    turn = np.concatenate([turn[:, :1], (turn[:, 1:] + turn[:, :-1]) / 2.0, turn[:, -1:]], axis=1)
-    density = np.sqrt(length * turn / (8.0 * tolerance)) + 1e-9
+    before, after = slope[:, :-1], slope[:, 1:]
+    area = before[..., 0] * after[..., 1] - before[..., 1] * after[..., 0]
+    turn = np.abs(np.arctan2(area, np.sum(before * after, axis=2)))
+    density = np.sqrt(np.hypot(chord[..., 0], chord[..., 1]) * turn / (8.0 * tolerance)) + 1e-9
     return np.concatenate([np.zeros((len(probe), 1)), np.cumsum(density, axis=1)], axis=1)
 
 

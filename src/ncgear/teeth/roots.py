@@ -36,16 +36,20 @@ class Roots:
         """Arc lengths at which the land after each tooth begins and ends, shape (z,) each."""
         return self.end_mm[1::2], np.append(self.end_mm[2::2], self.end_mm[0] + self.flanks.curve.length_mm)
 
-    def land(self, tooth: IndexArray, sigma_mm: Array) -> Array:
-        """Points of the lands after teeth (numbered from 0) at arc lengths; shapes broadcast."""
+    def land(self, tooth: IndexArray, sigma_mm: Array) -> tuple[Array, Array]:
+        """Points of the lands after teeth (numbered from 0) at arc lengths, and derivatives; shapes broadcast.
+
+        The edge turns with K = k + k_t about the pitch point, while the foot of the perpendicular moves along it.
+        """
         flanks = self.flanks
         at, tool = flanks.curve.at_length(sigma_mm), flanks.tool.at_length(sigma_mm)
         normal, radius = self.normal[tooth], flanks.root_radius_mm[2 * tooth + 1]
         distance = np.sum((self.center_mm[tooth] - tool.position) * normal, axis=-1) + radius
-        along = distance * np.sum(normal * tool.tangent, axis=-1)
-        outwards = -distance * np.sum(normal * tool.normal, axis=-1)
-        points: Array = at.position + along[..., None] * at.tangent + outwards[..., None] * at.normal
-        return points
+        tilt, square = np.sum(normal * tool.tangent, axis=-1), -np.sum(normal * tool.normal, axis=-1)
+        across = tilt[..., None] * at.tangent + square[..., None] * at.normal
+        along = square[..., None] * at.tangent - tilt[..., None] * at.normal
+        speed = (at.curvature + tool.curvature) * distance + square
+        return at.position + distance[..., None] * across, speed[..., None] * along
 
 
 def roots_of(flanks: Flanks) -> Roots:
