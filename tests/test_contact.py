@@ -22,6 +22,7 @@ from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
+from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
 from oracles import meshing
 from pairs import rack
@@ -51,7 +52,7 @@ def made(
     """Pitch curves and teeth."""
     law = LAWS[name]()
     pitch = sized_pair(law, teeth, MODULE, None)
-    return pitch, toothed_pair(pitch, rack(angle_deg, backlash_mm=backlash_mm), tolerance)
+    return pitch, toothed_pair(pitch, ToothForm(rack(angle_deg, backlash_mm=backlash_mm)), tolerance)
 
 
 def play(pair: Made, phi1: Array, ahead_rad: float = 0.0, apart_mm: float = 0.0) -> OutlineContact:

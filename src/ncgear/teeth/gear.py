@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import cos
 
 import numpy as np
 
@@ -14,13 +15,19 @@ from ncgear.teeth.fitting import fitted_pair
 from ncgear.teeth.flank import Flanks, flanks_of
 from ncgear.teeth.form import CutterKind, ToothForm
 from ncgear.teeth.naming import tooth_name
-from ncgear.teeth.outline import outline_points
+from ncgear.teeth.outline import ChordTolerance, outline_points
 from ncgear.teeth.shift import shifted_racks
 from ncgear.teeth.sides import Sides, refuse_folded_lands, regular_sides
 from ncgear.teeth.soundness import simple_polygon
 from ncgear.teeth.tips import Limit, Tips
 from ncgear.teeth.tool import PinionCircle, RackLine, Tool
 from ncgear.teeth.trimming import trimmed_sides
+
+MOST_ASTRAY = 3.0
+"""Chord tolerances, over the driven pitch radius, by which the written driven gear may miss the law."""
+
+LEAST_COSINE = 0.1
+"""Of the pressure angle, for the chords' sake: beyond 84 degrees no gear can be driven anyway."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,15 +70,33 @@ class ToothedPair:
     cutter: CutterKind
 
 
-def toothed_pair(pitch: PitchPair, form: ToothForm, tolerance_mm: float, advance_mm: float = 0.0) -> ToothedPair:
+def toothed_pair(
+    pitch: PitchPair,
+    form: ToothForm,
+    tolerance_mm: float,
+    *,
+    flank_tolerance_mm: float | None = None,
+    advance_mm: float = 0.0,
+) -> ToothedPair:
     """Exact teeth on both pitch curves, outlines sampled to ``tolerance_mm``.
 
-    With ``advance_mm`` all teeth stand farther along both pitch curves, as in a section of helical gears.  Raises
+    ``flank_tolerance_mm`` is that of the working flanks, by default as fine as keeps the driven gear within three
+    tolerances, divided by the driven pitch radius, of the law.  With ``advance_mm`` all teeth stand farther along both pitch curves, as in a section of helical gears.  Raises
     NoSuchMechanism, naming gear and tooth, where no tooth can stand, and WrongInput where shifts contradict each other.
     """
     kind, tips = _fitted(pitch, form, advance_mm)
-    driving, driven = (_gear(side, tolerance_mm) for side in tips)
+    finer = flank_tolerance_mm or tolerance_mm * _flank_share(pitch, form)
+    driving, driven = (_gear(side, ChordTolerance(finer, tolerance_mm)) for side in tips)
     return ToothedPair(driving, driven, kind)
+
+
+def _flank_share(pitch: PitchPair, form: ToothForm) -> float:
+    """Share of the tolerance that flanks get: two chords astray by t turn the driven gear by 2 t / (r cos(angle)).
+
+    The angle is the pressure angle between the flanks' normal and the driven pitch point's way.
+    """
+    angle = form.rack.pressure_angle_rad + pitch.largest_tangent_angle_rad.value
+    return min(1.0, MOST_ASTRAY / 2.0 * max(cos(angle), LEAST_COSINE))
 
 
 def _fitted(pitch: PitchPair, form: ToothForm, advance: float) -> tuple[CutterKind, tuple[Tips, Tips]]:
@@ -125,12 +150,12 @@ def _tools(pitch: PitchPair, form: ToothForm, kind: CutterKind) -> tuple[Tool, T
             return RackLine(), RackLine()
 
 
-def _gear(tips: Tips, tolerance_mm: float) -> ToothedGear:
+def _gear(tips: Tips, chords: ChordTolerance) -> ToothedGear:
     """One gear; teeth are numbered along growing arc length, tooth 1 of the driving gear at phi1 = 0."""
     flanks = tips.flanks
     sides, irregular = regular_sides(tips)
     refuse_folded_lands(flanks, sides)
     sides = trimmed_sides(flanks, sides, irregular)
-    outline = outline_points(flanks, sides, tolerance_mm)
+    outline = outline_points(flanks, sides, chords)
     simple_polygon(outline, f"gears.{flanks.curve.gear.value}")
     return ToothedGear(tips, sides, outline)

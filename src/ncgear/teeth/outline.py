@@ -21,6 +21,14 @@ HALVINGS = 12
 """Rounds of halving chords that stray too far: near a cusp the turning is not seen by the probes."""
 
 
+@dataclass(frozen=True)
+class ChordTolerance:
+    """How far chords may stray from the exact curve: on the working flanks, and on fillets and lands."""
+
+    flanks_mm: float
+    elsewhere_mm: float
+
+
 @dataclass(frozen=True, eq=False)
 class _Stretch:
     """One curve of every flank or land, between two parameters each.
@@ -57,16 +65,16 @@ class _Stretch:
         )
 
 
-def outline_points(flanks: Flanks, sides: Sides, tolerance_mm: float) -> Array:
+def outline_points(flanks: Flanks, sides: Sides, chords: ChordTolerance) -> Array:
     """The outline in mm, shape (n, 2), counter-clockwise, first point not repeated.
 
-    No chord is farther from the exact curve than ``tolerance_mm``.
+    No chord is farther from the exact curve than its tolerance.
     """
     points, keys = [], []
     joints = flanks.curve.joints_around_mm
-    for stretch in _stretches(flanks, sides):
+    for stretch, tolerance in _stretches(flanks, sides, chords):
         real = stretch.kept(np.abs(stretch.end - stretch.start) > 1e-12 * flanks.rack.module_mm)
-        sampled, key = _sampled(_split(real, joints), tolerance_mm)
+        sampled, key = _sampled(_split(real, joints), tolerance)
         points.append(sampled)
         keys.append(key)
     joined, order = np.concatenate(points), np.argsort(np.concatenate(keys), kind="stable")
@@ -74,10 +82,13 @@ def outline_points(flanks: Flanks, sides: Sides, tolerance_mm: float) -> Array:
     return outline[::-1] if _signed_area(outline) < 0.0 else outline
 
 
-def _stretches(flanks: Flanks, sides: Sides) -> list[_Stretch]:
+def _stretches(flanks: Flanks, sides: Sides, chords: ChordTolerance) -> list[tuple[_Stretch, float]]:
     """All curves in the sense of growing arc length: a tooth's back from root to tip, land, front, root land."""
-    lands = [_tip_lands(flanks, sides), _root_lands(flanks, sides)]
-    return [_side_runs(flanks, sides, kind) for kind in (FLANK, FILLET)] + lands
+    elsewhere = (_side_runs(flanks, sides, FILLET), _tip_lands(flanks, sides), _root_lands(flanks, sides))
+    return [
+        (_side_runs(flanks, sides, FLANK), chords.flanks_mm),
+        *((curve, chords.elsewhere_mm) for curve in elsewhere),
+    ]
 
 
 def _side_runs(flanks: Flanks, sides: Sides, kind: int) -> _Stretch:
