@@ -35,7 +35,13 @@ def fitted_pair(driving: Flanks, driven: Flanks, limits: TipLimits) -> Both:
     pairs = mating_flanks(driving.count // 2, driven.count // 2)
     clearance = driving.rack.dedendum_mm - driving.rack.addendum_mm
     fit = _fitted_to_mates if isinstance(driving.tool, PitchCurve) else _fitted_to_cutter
-    return fit((driving, driven), (pairs, pairs[::-1]), limits, clearance)
+    first, second = fit((driving, driven), (pairs, pairs[::-1]), limits, clearance)
+    return _met(first, second, pairs), _met(second, first, pairs[::-1])
+
+
+def _met(own: Tips, mate: Tips, meeting: Meeting) -> Tips:
+    """Tips that know how deep their mates touch."""
+    return replace(own, met_depth_mm=_most(own.flanks.count, meeting, mate.height_mm))
 
 
 def _fitted_to_cutter(
@@ -134,7 +140,7 @@ def _least_overlap(tips: Both, meeting: Meeting) -> float:
 def _raised(own: Flanks, mate: Tips, meeting: Meeting) -> Flanks:
     """The gear with tips longer by what is missing of the mate's against undercut, so that less contact is lost."""
     short = np.where(mate.limit == Limit.UNDERCUT, mate.flanks.rack.tip_height_mm - mate.flanks.tip_height_mm, 0.0)
-    missing = np.maximum(-_least(own.count, meeting, -short), 0.0)
+    missing = _most(own.count, meeting, short)
     # Contact passes from tooth to tooth: a tip makes up for what the next tooth's pair has lost, too.
     most = np.max([np.roll(missing, shift) for shift in range(-2, 3)], axis=0)
     return replace(own, tip_height_mm=own.tip_height_mm + most)
@@ -165,7 +171,7 @@ def _regular_spaces(gear: Flanks, avoid_undercut: bool) -> tuple[Array, Mask]:
 def _deepened(own: Tips, mate: Tips, meeting: Meeting, clearance: float) -> Tips:
     """The gear with spaces for its mate's tips."""
     rack = own.flanks.rack
-    reach = -_least(own.flanks.count, meeting, -mate.height_mm) + max(clearance - rack.rounding_height_mm, 0.0)
+    reach = _most(own.flanks.count, meeting, mate.height_mm) + max(clearance - rack.rounding_height_mm, 0.0)
     return replace(own, flanks=mated_spaces(own.flanks, reach))
 
 
@@ -174,3 +180,8 @@ def _least(count: int, meeting: Meeting, of_mate: Array) -> Array:
     least = np.full(count, np.inf)
     np.minimum.at(least, meeting[0], of_mate[meeting[1]])
     return least
+
+
+def _most(count: int, meeting: Meeting, of_mate: Array) -> Array:
+    """Greatest value over all mates of each flank, shape (count,)."""
+    return -_least(count, meeting, -of_mate)

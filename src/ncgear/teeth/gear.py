@@ -81,8 +81,9 @@ def toothed_pair(
     """Exact teeth on both pitch curves, outlines sampled to ``tolerance_mm``.
 
     ``flank_tolerance_mm`` is that of the working flanks, by default as fine as keeps the driven gear within three
-    tolerances, divided by the driven pitch radius, of the law.  With ``advance_mm`` all teeth stand farther along both pitch curves, as in a section of helical gears.  Raises
-    NoSuchMechanism, naming gear and tooth, where no tooth can stand, and WrongInput where shifts contradict each other.
+    tolerances, divided by the driven pitch radius, of the law.  With ``advance_mm`` all teeth stand farther along both
+    pitch curves, as in a section of helical gears.  Raises NoSuchMechanism, naming gear and tooth, where no tooth can
+    stand, and WrongInput where shifts contradict each other.
     """
     kind, tips = _fitted(pitch, form, advance_mm)
     finer = flank_tolerance_mm or tolerance_mm * _flank_share(pitch, form)
@@ -156,6 +157,6 @@ def _gear(tips: Tips, chords: ChordTolerance) -> ToothedGear:
     sides, irregular = regular_sides(tips)
     refuse_folded_lands(flanks, sides)
     sides = trimmed_sides(flanks, sides, irregular)
-    outline = outline_points(flanks, sides, chords)
+    outline = outline_points(tips, sides, chords)
     simple_polygon(outline, f"gears.{flanks.curve.gear.value}")
     return ToothedGear(tips, sides, outline)

@@ -10,6 +10,7 @@ import numpy as np
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.teeth.flank import FILLET, FLANK, Flanks
 from ncgear.teeth.sides import Sides
+from ncgear.teeth.tips import Tips
 
 PROBES = 33
 """Points per curve between which its turning is measured to place the chords."""
@@ -65,14 +66,15 @@ class _Stretch:
         )
 
 
-def outline_points(flanks: Flanks, sides: Sides, chords: ChordTolerance) -> Array:
+def outline_points(tips: Tips, sides: Sides, chords: ChordTolerance) -> Array:
     """The outline in mm, shape (n, 2), counter-clockwise, first point not repeated.
 
     No chord is farther from the exact curve than its tolerance.
     """
+    flanks = tips.flanks
     points, keys = [], []
     joints = flanks.curve.joints_around_mm
-    for stretch, tolerance in _stretches(flanks, sides, chords):
+    for stretch, tolerance in _stretches(tips, sides, chords):
         real = stretch.kept(np.abs(stretch.end - stretch.start) > 1e-12 * flanks.rack.module_mm)
         sampled, key = _sampled(_split(real, joints), tolerance)
         points.append(sampled)
@@ -82,13 +84,47 @@ def outline_points(flanks: Flanks, sides: Sides, chords: ChordTolerance) -> Arra
     return outline[::-1] if _signed_area(outline) < 0.0 else outline
 
 
-def _stretches(flanks: Flanks, sides: Sides, chords: ChordTolerance) -> list[tuple[_Stretch, float]]:
+def _stretches(tips: Tips, sides: Sides, chords: ChordTolerance) -> list[tuple[_Stretch, float]]:
     """All curves in the sense of growing arc length: a tooth's back from root to tip, land, front, root land."""
+    flanks, runs = tips.flanks, _side_runs(tips.flanks, sides, FLANK)
+    parts = _parted(runs, -tips.met_depth_mm[runs.owner])
+    works = (parts.start + parts.end) / 2.0 > -tips.met_depth_mm[parts.owner]
     elsewhere = (_side_runs(flanks, sides, FILLET), _tip_lands(flanks, sides), _root_lands(flanks, sides))
     return [
-        (_side_runs(flanks, sides, FLANK), chords.flanks_mm),
-        *((curve, chords.elsewhere_mm) for curve in elsewhere),
+        (parts.kept(works), chords.flanks_mm),
+        *((curve, chords.elsewhere_mm) for curve in (parts.kept(~works), *elsewhere)),
     ]
+
+
+def _parted(stretch: _Stretch, cut: Array) -> _Stretch:
+    """The stretch with each row parted in two where its parameter is ``cut``, if that lies inside."""
+    share = (cut - stretch.start) / (stretch.end - stretch.start)
+    inside = (share > 0.0) & (share < 1.0)
+    share = np.where(inside, share, 1.0)
+    rolled = stretch.rolled[0] + share * (stretch.rolled[1] - stretch.rolled[0])
+    end = np.where(inside, cut, stretch.end)
+    first = replace(stretch, end=end, rolled=np.array([stretch.rolled[0], rolled]), span=share * stretch.span)
+    rest = replace(
+        stretch,
+        start=end,
+        rolled=np.array([rolled, stretch.rolled[1]]),
+        rank=stretch.rank + share * stretch.span,
+        span=(1.0 - share) * stretch.span,
+    ).kept(inside)
+    return _joined(first, rest)
+
+
+def _joined(first: _Stretch, second: _Stretch) -> _Stretch:
+    """The rows of two stretches of the same curve."""
+    return replace(
+        first,
+        owner=np.concatenate([first.owner, second.owner]),
+        start=np.concatenate([first.start, second.start]),
+        end=np.concatenate([first.end, second.end]),
+        rolled=np.concatenate([first.rolled, second.rolled], axis=1),
+        rank=np.concatenate([first.rank, second.rank]),
+        span=np.concatenate([first.span, second.span]),
+    )
 
 
 def _side_runs(flanks: Flanks, sides: Sides, kind: int) -> _Stretch:
@@ -163,8 +199,8 @@ def _split(stretch: _Stretch, joints: Array) -> _Stretch:
         parts,
         start=parts.start + length * share,
         end=np.where(following == 1.0, parts.end, parts.start + length * following),
-        rank=parts.rank + share,
-        span=following - share,
+        rank=parts.rank + share * parts.span,
+        span=(following - share) * parts.span,
     )
 
 

@@ -65,7 +65,8 @@ class Tips:
     """Where the tips of all flanks end, and why; shape (2 z,).
 
     ``height_mm`` is the contact's height over the pitch line at the end of the flank, ``at_mm`` the arc length under
-    the tip's edge, ``limit`` a number of ``Limit``; ``undercut`` marks flanks that a tool of full depth undercuts.
+    the tip's edge, ``limit`` a number of ``Limit``; ``undercut`` marks flanks that a tool of full depth undercuts;
+    ``met_depth_mm`` is how far below the pitch line the mates' tips touch each flank.
     """
 
     flanks: Flanks
@@ -73,6 +74,7 @@ class Tips:
     at_mm: Array
     limit: IndexArray
     undercut: Mask
+    met_depth_mm: Array
 
 
 def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: float) -> Tips:
@@ -94,7 +96,7 @@ def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: f
     lost = np.nonzero(~met | (flanks.tip_height_mm <= 0.0) | (top <= 0.0))[0]
     if lost.size:
         raise _no_tip(flanks, int(lost[0]))
-    return Tips(flanks, top, at, limit, undercut)
+    return Tips(flanks, top, at, limit, undercut, np.full(flanks.count, np.inf))
 
 
 def even_heights(flanks: Flanks, height: Array) -> Array:
