@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import cos, sin, tan
+from math import cos, remainder, sin, tan
 
 import numpy as np
 
@@ -129,8 +129,15 @@ class Flanks:
         return at.position + height_mm * at.normal, (1.0 + height_mm * at.curvature)[..., None] * at.tangent
 
 
-def flanks_of(curve: PitchCurve, rack: BasicRack, teeth: int, *, tooth_at_zero: bool) -> Flanks:
-    """The flanks of a gear with ``teeth`` teeth; a tooth (or else a space) stands in the middle at sigma = 0."""
+def flanks_of(
+    curve: PitchCurve, rack: BasicRack, teeth: int, *, tooth_at_zero: bool, advance_mm: float = 0.0
+) -> Flanks:
+    """The flanks of a gear with ``teeth`` teeth; a tooth (or else a space) stands in the middle at sigma = 0.
+
+    ``advance_mm`` moves all teeth along the pitch curve in the sense of growing arc length; whole turns of it are left
+    out, so that every tooth keeps its number.
+    """
     centers = (np.arange(teeth) + (0.0 if tooth_at_zero else 0.5)) * (curve.length_mm / teeth)
+    centers = centers + remainder(advance_mm, curve.length_mm)
     side = np.tile([-1.0, 1.0], teeth)
     return Flanks(curve, rack, np.repeat(centers, 2) + side * rack.tooth_half_width_mm, side)

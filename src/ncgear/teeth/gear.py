@@ -59,20 +59,24 @@ class ToothedPair:
     driven: ToothedGear
 
 
-def toothed_pair(pitch: PitchPair, rack: BasicRack, tolerance_mm: float) -> ToothedPair:
+def toothed_pair(pitch: PitchPair, rack: BasicRack, tolerance_mm: float, advance_mm: float = 0.0) -> ToothedPair:
     """Exact teeth on both pitch curves, outlines sampled to ``tolerance_mm``.
 
-    Raises NoSuchMechanism, naming gear and tooth, where no tooth can stand.
+    ``advance_mm`` moves the teeth of both gears along their pitch curves by the same rolled length, so that they mesh
+    at the same driving and driven angles: the section of helical teeth at some height.  Raises NoSuchMechanism, naming
+    gear and tooth, where no tooth can stand.
     """
     return ToothedPair(
-        toothed_gear(pitch.driving, rack, pitch.size.driving_teeth, tolerance_mm),
-        toothed_gear(pitch.driven, rack, pitch.size.driven_teeth, tolerance_mm),
+        toothed_gear(pitch.driving, rack, pitch.size.driving_teeth, tolerance_mm, advance_mm),
+        toothed_gear(pitch.driven, rack, pitch.size.driven_teeth, tolerance_mm, advance_mm),
     )
 
 
-def toothed_gear(curve: PitchCurve, rack: BasicRack, teeth: int, tolerance_mm: float) -> ToothedGear:
+def toothed_gear(
+    curve: PitchCurve, rack: BasicRack, teeth: int, tolerance_mm: float, advance_mm: float = 0.0
+) -> ToothedGear:
     """One gear; teeth are numbered along growing arc length, tooth 1 of the driving gear at phi1 = 0."""
-    flanks = flanks_of(curve, rack, teeth, tooth_at_zero=curve.gear is Gear.DRIVING)
+    flanks = flanks_of(curve, rack, teeth, tooth_at_zero=curve.gear is Gear.DRIVING, advance_mm=advance_mm)
     sides = sides_of(flanks)
     outline = outline_points(flanks, sides, tolerance_mm)
     simple_polygon(outline, f"gears.{curve.gear.value}")

@@ -1,0 +1,52 @@
+"""Exact sections of helical teeth at any height, and how many of them a solid needs.
+
+Between two sections whose teeth stand d apart along a pitch curve of curvature k, straight lines cut across the surface
+by d^2 / (8 rho), where 1 / rho = |k| (1 + h k) on a land h outside the pitch curve.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import ceil, sqrt
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.machine.rack import BasicRack
+from ncgear.pitch.pair import PitchPair
+from ncgear.pitch.shape import Gear
+from ncgear.solids.helix import Helix
+from ncgear.teeth.gear import ToothedPair, toothed_pair
+
+
+@dataclass(frozen=True, eq=False)
+class Sections:
+    """Sections of a pair of helical gears, each computed when it is first asked for; outlines to ``tolerance_mm``."""
+
+    pitch: PitchPair
+    rack: BasicRack
+    helix: Helix
+    tolerance_mm: float
+    _made: dict[float, ToothedPair] = field(default_factory=dict, repr=False)
+
+    def at(self, height_mm: float) -> ToothedPair:
+        """Both gears' section at a height; raises NoSuchMechanism, naming the height, where no tooth can stand."""
+        if height_mm not in self._made:
+            self._made[height_mm] = self._section(height_mm)
+        return self._made[height_mm]
+
+    def _section(self, height_mm: float) -> ToothedPair:
+        try:
+            return toothed_pair(self.pitch, self.rack, self.tolerance_mm, self.helix.advance_mm(height_mm))
+        except NoSuchMechanism as fault:
+            problem = f"in the section of the helical teeth at z = {height_mm:.4g} mm: {fault.problem}"
+            raise NoSuchMechanism(problem, key=fault.key) from fault
+
+    def steps_within(self, sagitta_mm: float) -> int:
+        """Even steps from z = 0 to where the teeth stop advancing, so that no land is cut across by more."""
+        turning = max(self._turning(gear) for gear in Gear)
+        return max(1, ceil(self.helix.largest_advance_mm * sqrt(turning / (8.0 * sagitta_mm))))
+
+    def _turning(self, gear: Gear) -> float:
+        """1 / rho, the largest of both lands."""
+        hollow, sharp = (extremum.value for extremum in self.pitch.curvature_range[gear])
+        tip, root = self.rack.addendum_mm, -self.rack.dedendum_mm
+        return max(abs(k) * abs(1.0 + height * k) for k in (hollow, sharp) for height in (tip, root))
