@@ -15,12 +15,13 @@ from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.rack import BasicRack
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Transmission
-from ncgear.recipe import RAD_S_PER_RPM, Law, law_of, rack_of, resistance_of
+from ncgear.recipe import RAD_S_PER_RPM, Law, helix_of, law_of, rack_of, resistance_of
 from ncgear.stopwatch import Stopwatch
 
 if TYPE_CHECKING:
     from ncgear.contact.pair_contact import PairContact
     from ncgear.pitch.pair import PitchPair
+    from ncgear.solids.helix import Helix
     from ncgear.solids.pair import Blank, SolidPair
     from ncgear.teeth.gear import ToothedPair
 
@@ -142,9 +143,26 @@ class Drive:
             refuse_overlap(contact, pitch, teeth, self.design.output.chord_tolerance_mm)
             return contact
 
+    @property
+    def helix(self) -> Helix | None:
+        """The helix of the teeth; None where they are straight."""
+        return helix_of(self.gears)
+
     @cached_property
     def solids(self) -> SolidPair:
         """Both gears as closed meshes."""
+        return self._straight_solids() if self.helix is None else self._helical_solids(self.helix)
+
+    def _helical_solids(self, helix: Helix) -> SolidPair:
+        from ncgear.pitch.shape import Gear
+        from ncgear.solids.helical import helical_pair
+
+        gears, pitch, rack = self.gears, self.pitch, self.rack
+        blanks = {Gear.DRIVING: _blank(gears, gears.driving), Gear.DRIVEN: _blank(gears, gears.driven)}
+        with self.stopwatch("solids"):
+            return helical_pair(pitch, rack, helix, blanks, self.design.output.chord_tolerance_mm)
+
+    def _straight_solids(self) -> SolidPair:
         from ncgear.solids.pair import SolidPair, driven_solid, driving_solid
 
         gears, teeth = self.gears, self.teeth

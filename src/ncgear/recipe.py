@@ -23,6 +23,7 @@ from ncgear.ratio.laws.table import displacement_table_law, ratio_table_law
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
+from ncgear.solids.helix import Hand, Helix
 
 SAME_STROKE = 1e-6
 """Relative difference of the file's stroke from the linkage's that counts as rounding in the file: seven digits."""
@@ -74,6 +75,14 @@ def rack_of(gears: Gears, module_mm: float) -> BasicRack:
         root_radius_mm=rack.root_radius * module_mm,
         backlash_mm=gears.backlash_mm,
     )
+
+
+def helix_of(gears: Gears) -> Helix | None:
+    """The helix of the teeth; None where they are straight."""
+    helix = gears.helix
+    if helix is None:
+        return None
+    return Helix(radians(helix.angle_deg), gears.face_width_mm, Hand(helix.hand), helix.kind == "herringbone")
 
 
 def _linkage(design: Design) -> CrankSlider:

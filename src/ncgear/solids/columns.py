@@ -1,4 +1,4 @@
-"""Columns of a stack of sections: places, the same in every section, between which chords stay close to the outlines."""
+"""Columns of a stack of sections: places, the same in every section, between which chords stay close to outlines."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.solids.pieces import Pieces
 
 SPREADS = 5
@@ -19,10 +19,21 @@ HALVINGS = 16
 SPARE, LEAST = 1.05, 1e-3
 """Columns are placed a twentieth closer than they seem to be needed, and on a straight piece at all."""
 
+TINY = float(np.finfo(float).tiny)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What columns are for: how far, in mm, a section's outline may be from its chords, and the middle of a
+    quadrilateral between neighbouring sections from its diagonals."""
+
+    sagitta_mm: float
+    twist_mm: float
+
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """Places of columns in order, shape (c,) each: the piece and the share of its length; each piece begins with one."""
+    """Places of columns in order, shape (c,) each: piece and share of its length.  Each piece begins with one."""
 
     piece: IndexArray
     share: Array
@@ -32,43 +43,57 @@ class Columns:
         return np.stack([section.at(self.piece, self.share) for section in sections])
 
     def spread(self, wanted: Array) -> Columns:
-        """As many columns on each piece as its intervals together want, between neighbours alike; ``wanted`` (c,) is
-        what each interval wants to be divided into."""
+        """As many columns on each piece as its intervals together want, each interval divided alike.
+
+        ``wanted`` (c,) is into how many parts the interval after each column wants to be divided, whole or not.
+        """
         dense = np.maximum(wanted, LEAST) * SPARE
         reached = np.concatenate([[0.0], np.cumsum(dense)])
         begins = np.append(np.nonzero(np.diff(self.piece, prepend=-1))[0], self.piece.size)
         start, total = reached[begins[:-1]], np.diff(reached[begins])
         counts = np.ceil(total).astype(int)
         piece, step = _numbered(counts)
-        place = np.interp(
-            start[piece] + (total / counts)[piece] * step, reached, np.append(self.piece + self.share, counts.size)
-        )
+        target = start[piece] + (total / counts)[piece] * step
+        place = np.interp(target, reached, np.append(self.piece + self.share, counts.size))
         return Columns(piece, np.where(step == 0, 0.0, place - piece))
 
-    def halved(self, wanted: Array) -> Columns:
-        """With the intervals halved that want to be divided at all."""
+    def halved(self, wide: Mask) -> Columns:
+        """With the intervals halved after the columns that are marked, shape (c,)."""
         after = np.append(self.share[1:], 0.0)
         middle = (self.share + np.where(after > 0.0, after, 1.0)) / 2.0
-        row, step = _numbered(np.where(wanted > 1.0, 2, 1))
+        row, step = _numbered(np.where(wide, 2, 1))
         return Columns(self.piece[row], np.where(step == 0, self.share[row], middle[row]))
 
 
-def columns_for(sections: Sequence[Pieces], sagitta_mm: float, twist_mm: float) -> Columns:
-    """The columns of a stack: on no section does an outline stray from a chord by more than ``sagitta_mm``.
-
-    Nor does the middle of any quadrilateral between neighbouring sections move by more than ``twist_mm`` when it is
-    folded along a diagonal.  Raises RuntimeError, a fault of ncgear, if dividing does not get there.
-    """
+def spread_columns(sections: Sequence[Pieces], limits: Limits) -> Columns:
+    """Columns about as far apart as the limits allow, by the sections they are for."""
     columns = Columns(np.arange(sections[0].count), np.zeros(sections[0].count))
-    for trial in range(SPREADS + HALVINGS):
-        rings = columns.rings(sections)
-        sagitta = np.max([sagittas(columns, *pair) for pair in zip(sections, rings, strict=True)], axis=0)
-        # A sagitta falls with the square of the interval, a twist in proportion to it.
-        wanted = np.maximum(np.sqrt(sagitta / sagitta_mm), twists(rings) / twist_mm)
-        if np.all(wanted <= 1.0):
+    for _ in range(SPREADS):
+        columns = columns.spread(_wanted(columns, sections, limits))
+    return columns
+
+
+def close_columns(columns: Columns, sections: Sequence[Pieces], limits: Limits) -> Columns:
+    """The columns with others halfway between them until the limits are kept on all sections.
+
+    Raises RuntimeError, a fault of ncgear, if they cannot be kept so.
+    """
+    for _ in range(HALVINGS):
+        wide = _wanted(columns, sections, limits) > 1.0
+        if not wide.any():
             return columns
-        columns = columns.spread(wanted) if trial < SPREADS else columns.halved(wanted)
-    raise RuntimeError(f"chords of a section still stray by {sagitta.max():.3g} mm after {HALVINGS} halvings")
+        columns = columns.halved(wide)
+    raise RuntimeError(f"a section's outline strays from its chords even after {HALVINGS} halvings")
+
+
+def _wanted(columns: Columns, sections: Sequence[Pieces], limits: Limits) -> Array:
+    """Into how many parts each interval would have to be divided, shape (c,).
+
+    A sagitta falls with the square of the interval, a twist in proportion to it.
+    """
+    rings = columns.rings(sections)
+    sagitta = np.max([sagittas(columns, *pair) for pair in zip(sections, rings, strict=True)], axis=0)
+    return np.asarray(np.maximum(np.sqrt(sagitta / limits.sagitta_mm), twists(rings) / limits.twist_mm))
 
 
 def sagittas(columns: Columns, section: Pieces, ring: Array) -> Array:
@@ -77,7 +102,7 @@ def sagittas(columns: Columns, section: Pieces, ring: Array) -> Array:
     chord = np.searchsorted(at, section.length_mm[:-1], side="right") - 1
     start, step = ring[chord], (np.roll(ring, -1, axis=0) - ring)[chord]
     arm = section.points_mm[:-1] - start
-    along = np.sum(arm * step, axis=1) / np.maximum(np.sum(step * step, axis=1), np.finfo(float).tiny)
+    along = np.sum(arm * step, axis=1) / np.maximum(np.sum(step * step, axis=1), TINY)
     away = arm - np.clip(along, 0.0, 1.0)[:, None] * step
     largest = np.zeros(len(ring))
     np.maximum.at(largest, chord, np.hypot(away[:, 0], away[:, 1]))
@@ -85,7 +110,7 @@ def sagittas(columns: Columns, section: Pieces, ring: Array) -> Array:
 
 
 def twists(rings: Array) -> Array:
-    """How far the middle of the quadrilaterals after each column is from either diagonal's, the most of all layers.
+    """How far the middle of the quadrilaterals after each column is from their diagonals', the most of all layers.
 
     Shape (c,), in mm; only what is across the chords counts, since what is along them lies in the surface.
     """
@@ -93,7 +118,7 @@ def twists(rings: Array) -> Array:
     lower, upper = chord[:-1], chord[1:]
     across = np.abs(lower[..., 0] * upper[..., 1] - lower[..., 1] * upper[..., 0])
     length = np.linalg.norm(lower + upper, axis=-1) / 2.0
-    return np.asarray(np.max(across / np.maximum(length, np.finfo(float).tiny), axis=0) / 4.0)
+    return np.asarray(np.max(across / np.maximum(length, TINY), axis=0) / 4.0)
 
 
 def _numbered(counts: IndexArray) -> tuple[IndexArray, IndexArray]:

@@ -1,9 +1,9 @@
 """The helix along which teeth advance from section to section.
 
 A non-circular section cannot be twisted rigidly: its teeth would leave the pitch curve.  The section at height z is
-instead the gear whose teeth stand farther along the pitch curve, by the rolled length z tan(beta) on both gears, so that
-every pair of sections at one height is conjugate at the same driving and driven angles.  Module and pressure angle
-are those of the sections, that is, transverse.
+instead the gear whose teeth stand farther along the pitch curve, by the rolled length z tan(beta) on both gears, so
+that every pair of sections at one height is conjugate at the same driving and driven angles.  Module and pressure
+angle are those of the sections, that is, transverse.
 """
 
 from __future__ import annotations

@@ -19,9 +19,9 @@ from ncgear.solids.extrude import require_sound
 VOLUME_TOLERANCE = 1e-9
 """Relative difference allowed between the mesh's volume and the integral of its sections' areas: rounding only."""
 
-UNEVEN, GOLDEN = 1e-9, 0.6180339887498949
+UNEVEN = 1e-9
 """How unevenly points are shifted, relative to their distance from the axis, to choose the triangles of an end: far
-below single precision; and the golden section, whose multiples fall nowhere together."""
+below single precision."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +47,7 @@ class _Tube:
     def numbers(self) -> IndexArray:
         """Vertex of each point, shape (l, c)."""
         layers, columns = self.column.shape
-        return self.first + columns * np.arange(layers)[:, None] + self.column
+        return np.asarray(self.first + columns * np.arange(layers)[:, None] + self.column)
 
     @property
     def volume_mm3(self) -> float:
@@ -95,7 +95,7 @@ def middle_section(lower_mm: Array, upper_mm: Array) -> Array:
 
 
 def falls(lower_mm: Array, upper_mm: Array) -> Mask:
-    """Whether quadrilaterals between rings (..., c, 2) are folded from a point's upper place to the next one's lower."""
+    """Whether quadrilaterals between rings (..., c, 2) are folded from a point of the upper to the next of the lower."""
     falling = np.roll(lower_mm, -1, axis=-2) - upper_mm
     rising = np.roll(upper_mm, -1, axis=-2) - lower_mm
     shorter: Mask = np.sum(falling**2, axis=-1) < np.sum(rising**2, axis=-1)
@@ -125,6 +125,6 @@ def _cap(tubes: Sequence[_Tube], layer: int) -> IndexArray:
     vertex = np.concatenate([tube.numbers[layer, own] for tube, own in zip(tubes, kept, strict=True)])
     ends = np.cumsum([own.size for own in kept]).astype(np.uint32)
     # Earcut passes over points that stand exactly in line with their neighbours; shifted unevenly, none does.
-    uneven = 1.0 + UNEVEN * np.modf(np.arange(len(points)) * GOLDEN)[0][:, None]
-    corners = mapbox_earcut.triangulate_float64(points * uneven, ends).reshape(-1, 3).astype(np.intp)
+    uneven = points * (1.0 + UNEVEN * np.random.default_rng(0).random((len(points), 1)))
+    corners = mapbox_earcut.triangulate_float64(uneven, ends).reshape(-1, 3).astype(np.intp)
     return np.asarray(vertex[corners if np.sum(signed_area(points[corners])) > 0.0 else corners[:, ::-1]])

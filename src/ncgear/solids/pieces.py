@@ -1,14 +1,12 @@
 """Outlines of one gear's sections cut at corresponding places, so that a point of one has its like in all others.
 
-A tooth is cut where its lands end and where flank and fillet join, tangentially or in the corner that an undercut
-leaves; that gives six pieces.  Each is cut once more, at its sharpest corner where it has one (a fold that was trimmed
-away) and else where it would be by the nearest section that has one, or in the middle.  Between two such places every
-section has one piece of outline, and a place in it is named by its share of the piece's length.
+Each tooth is cut where its lands end and where flank and fillet join, tangentially or in the corner that an undercut
+leaves.  Between two such places every section has one piece of outline, and a place in it is named by its share of the
+piece's length.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,7 +21,7 @@ AGREEMENT = 1e-7
 of gears of up to a thousand modules, far below any chord."""
 
 PER_TOOTH = 6
-"""Places that are found on each tooth."""
+"""Places on each tooth."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +38,7 @@ class Pieces:
 
     @property
     def count(self) -> int:
-        """Number of pieces."""
+        """Number of pieces, six for each tooth."""
         return len(self.cut_mm) - 1
 
     def lengths_at(self, piece: IndexArray, share: Array) -> Array:
@@ -53,82 +51,38 @@ class Pieces:
         along = self.lengths_at(piece, share)
         return np.column_stack([np.interp(along, self.length_mm, column) for column in self.points_mm.T])
 
-    def cut_again(self, share: Array) -> Pieces:
-        """With each piece cut in two at a share of its length, shape (pieces,)."""
-        middle = self.lengths_at(np.arange(self.count), share)
-        both = np.column_stack([self.cut_mm[:-1], middle]).ravel()
-        return Pieces(self.points_mm, self.length_mm, np.append(both, self.cut_mm[-1]))
 
+def pieces_of(gear: ToothedGear) -> Pieces:
+    """The outline of a gear cut at its teeth's places.
 
-def pieces_of(sections: Sequence[ToothedGear]) -> list[Pieces]:
-    """The outlines of one gear's sections at rising heights, cut at the same places.
-
-    Raises RuntimeError, a fault of ncgear, where these are not found on an outline in their order.
+    Raises RuntimeError, a fault of ncgear, where these are not found on it in their order.
     """
-    found = [_cut(section) for section in sections]
-    shares = _filled(np.stack([corner for _, corner in found]))
-    return [pieces.cut_again(share) for (pieces, _), share in zip(found, shares, strict=True)]
-
-
-def _cut(gear: ToothedGear) -> tuple[Pieces, Array]:
-    """The outline cut at the places of its teeth, and the share at which each piece has a corner, NaN without one."""
-    places, joints = _places(gear)
+    places = _places(gear)
     outline = gear.outline_mm if _signed_area(places) > 0.0 else gear.outline_mm[::-1]
-    outline = np.roll(outline, -_vertices(outline, places[:1], gear)[0], axis=0)
-    cut = np.append(_vertices(outline, places, gear), len(outline))
+    distance, vertex = cKDTree(outline).query(places)
+    if np.max(distance) > AGREEMENT * gear.flanks.rack.module_mm:
+        raise RuntimeError(f"a tooth's corner is {np.max(distance):.3g} mm away from its outline")
+    cut = np.append(np.mod(vertex - vertex[0], len(outline)), len(outline))
     if np.any(np.diff(cut) < 0):
         raise RuntimeError(f"the corners of tooth {int(np.argmin(np.diff(cut))) // PER_TOOTH + 1} are out of order")
-    closed = np.concatenate([outline, outline[:1]])
+    points = np.roll(outline, -vertex[0], axis=0)
+    closed = np.concatenate([points, points[:1]])
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
-    return Pieces(closed, length, length[cut]), _corners(outline, length, cut, _vertices(outline, joints, gear))
+    return Pieces(closed, length, length[cut])
 
 
-def _places(gear: ToothedGear) -> tuple[Array, Array]:
-    """Back root, back joint, back tip, front tip, front joint, front root of each tooth in turn, and where runs begin.
-
-    Shapes (6 z, 2) and (runs, 2).
-    """
+def _places(gear: ToothedGear) -> Array:
+    """Back root, back joint, back tip, front tip, front joint, front root of each tooth in turn, shape (6 z, 2)."""
     sides, flanks = gear.sides, gear.flanks
-    begin = flanks.curve_of(sides.kind, sides.owner, sides.start)[0]
     every = np.arange(flanks.count)
     first, after = np.searchsorted(sides.owner, every), np.searchsorted(sides.owner, every, side="right")
     before_fillet = np.concatenate([[0], np.cumsum(sides.kind != FILLET)])
     joint = np.minimum(first + before_fillet[after] - before_fillet[first], after - 1)
-    root = flanks.curve_of(sides.kind[after - 1], every, sides.end[after - 1])[0]
-    inwards = np.stack([begin[first], begin[joint], root], axis=1)
-    inwards[0::2] = inwards[0::2, ::-1]
-    return inwards.reshape(-1, 2), begin
-
-
-def _vertices(outline: Array, places: Array, gear: ToothedGear) -> IndexArray:
-    """Numbers of the vertices at places (p, 2)."""
-    distance, vertex = cKDTree(outline).query(places)
-    if np.max(distance) > AGREEMENT * gear.flanks.rack.module_mm:
-        raise RuntimeError(f"a tooth's corner is {np.max(distance):.3g} mm away from its outline")
-    return np.asarray(vertex)
-
-
-def _corners(outline: Array, length: Array, cut: IndexArray, joints: IndexArray) -> Array:
-    """Share of each piece at which its sharpest joint of two runs stands, NaN where there is none inside."""
-    chord = np.roll(outline, -1, axis=0) - outline
-    before, after = np.roll(chord, 1, axis=0)[joints], chord[joints]
-    turn = np.abs(np.arctan2(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0], np.sum(before * after, axis=1)))
-    ordered = joints[np.argsort(turn)]
-    inside = ordered[~np.isin(ordered, cut)]
-    piece = np.searchsorted(cut, inside, side="right") - 1
-    start, end = length[cut[piece]], length[cut[piece + 1]]
-    share = np.full(len(cut) - 1, np.nan)
-    # The sharpest comes last and stays.
-    share[piece] = (length[inside] - start) / (end - start)
-    return share
-
-
-def _filled(shares: Array) -> Array:
-    """Shares of sections (l, p) with those of the nearest section that has one in place of NaN, 1/2 if none has."""
-    apart = np.abs(np.arange(len(shares))[:, None] - np.arange(len(shares)))[..., None]
-    nearest = np.argmin(np.where(np.isnan(shares)[None], np.inf, apart), axis=1)
-    filled = np.take_along_axis(shares, nearest, axis=0)
-    return np.where(np.isnan(filled), 0.5, filled)
+    run = np.stack([first, joint, after - 1], axis=1)
+    parameter = np.stack([sides.start[first], sides.start[joint], sides.end[after - 1]], axis=1)
+    point = flanks.curve_of(sides.kind[run.ravel()], np.repeat(every, 3), parameter.ravel())[0].reshape(-1, 3, 2)
+    point[0::2] = point[0::2, ::-1]
+    return point.reshape(-1, 2)
 
 
 def _signed_area(points: Array) -> float:

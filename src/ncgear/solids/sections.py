@@ -7,33 +7,52 @@ by d^2 / (8 rho), where 1 / rho = |k| (1 + h k) on a land h outside the pitch cu
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import ceil, sqrt
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.machine.rack import BasicRack
+from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.solids.helix import Helix
+from ncgear.solids.pieces import Pieces, pieces_of
 from ncgear.teeth.gear import ToothedPair, toothed_pair
 
 
 @dataclass(frozen=True, eq=False)
+class Section:
+    """Both gears at one height."""
+
+    teeth: ToothedPair
+
+    @cached_property
+    def pieces(self) -> dict[Gear, Pieces]:
+        """Their outlines, cut at corresponding places."""
+        return {Gear.DRIVING: pieces_of(self.teeth.driving), Gear.DRIVEN: pieces_of(self.teeth.driven)}
+
+
+@dataclass(frozen=True, eq=False)
 class Sections:
-    """Sections of a pair of helical gears, each computed when it is first asked for; outlines to ``tolerance_mm``."""
+    """Sections of a pair of helical gears, each made when it is first asked for; outlines to ``tolerance_mm``."""
 
     pitch: PitchPair
     rack: BasicRack
     helix: Helix
     tolerance_mm: float
-    _made: dict[float, ToothedPair] = field(default_factory=dict, repr=False)
+    _made: dict[float, Section] = field(default_factory=dict, repr=False)
 
-    def at(self, height_mm: float) -> ToothedPair:
-        """Both gears' section at a height; raises NoSuchMechanism, naming the height, where no tooth can stand."""
+    def at(self, height_mm: float) -> Section:
+        """The section at a height; raises NoSuchMechanism, naming the height, where no tooth can stand."""
         if height_mm not in self._made:
-            self._made[height_mm] = self._section(height_mm)
+            self._made[height_mm] = Section(self._teeth(height_mm))
         return self._made[height_mm]
 
-    def _section(self, height_mm: float) -> ToothedPair:
+    def pieces(self, gear: Gear, heights_mm: Array) -> list[Pieces]:
+        """A gear's outlines at heights, shape (l,), cut at corresponding places."""
+        return [self.at(height).pieces[gear] for height in heights_mm]
+
+    def _teeth(self, height_mm: float) -> ToothedPair:
         try:
             return toothed_pair(self.pitch, self.rack, self.tolerance_mm, self.helix.advance_mm(height_mm))
         except NoSuchMechanism as fault:
@@ -48,5 +67,5 @@ class Sections:
     def _turning(self, gear: Gear) -> float:
         """1 / rho, the largest of both lands."""
         hollow, sharp = (extremum.value for extremum in self.pitch.curvature_range[gear])
-        tip, root = self.rack.addendum_mm, -self.rack.dedendum_mm
-        return max(abs(k) * abs(1.0 + height * k) for k in (hollow, sharp) for height in (tip, root))
+        lands = self.rack.addendum_mm, -self.rack.dedendum_mm
+        return max(abs(k) * abs(1.0 + height * k) for k in (hollow, sharp) for height in lands)

@@ -8,27 +8,23 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from ncgear.numerics.arrays import Array
-from ncgear.solids.columns import columns_for
+from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.solids.columns import TINY, Columns, Limits, close_columns
 from ncgear.solids.loft import middle_section, signed_area
-from ncgear.solids.pieces import pieces_of
-from ncgear.teeth.gear import ToothedGear
+from ncgear.solids.pieces import Pieces
 
 
 @dataclass(frozen=True, eq=False)
 class Stack:
-    """Rings of corresponding points, counter-clockwise, shape (l, c, 2) in mm, at rising heights, shape (l,)."""
+    """Sections at rising heights (shape (l,)), and their points at the columns, shape (l, c, 2), in mm."""
 
     heights_mm: Array
+    columns: Columns
     rings_mm: Array
 
-    def mirrored(self) -> Stack:
-        """The same up to the last section and from there down again, as herringbone teeth go."""
-        top = 2.0 * self.heights_mm[-1]
-        return Stack(
-            np.concatenate([self.heights_mm, top - self.heights_mm[-2::-1]]),
-            np.concatenate([self.rings_mm, self.rings_mm[-2::-1]]),
-        )
+    def counter_clockwise(self) -> Array:
+        """The rings in that sense."""
+        return self.rings_mm if signed_area(self.rings_mm[0]) > 0.0 else self.rings_mm[:, ::-1]
 
     def seems_to_stray_mm(self) -> Array:
         """About how far straight lines stray within each step from one section to the next, shape (l - 1,).
@@ -42,25 +38,37 @@ class Stack:
         off = self.rings_mm[:-2] * (1.0 - rise) + self.rings_mm[2:] * rise - self.rings_mm[1:-1]
         along = (np.roll(self.rings_mm, -1, axis=1) - np.roll(self.rings_mm, 1, axis=1))[1:-1]
         area = np.abs(off[..., 0] * along[..., 1] - off[..., 1] * along[..., 0])
-        across = np.max(area / np.maximum(np.linalg.norm(along, axis=2), np.finfo(float).tiny), axis=1, initial=0.0)
+        across = np.max(area / np.maximum(np.linalg.norm(along, axis=2), TINY), axis=1, initial=0.0)
         bend = np.pad(across / (4.0 * below * above), 1)
         return np.asarray(np.maximum(bend[:-1], bend[1:]) * step**2)
 
-    def strays_mm(self, step: int, outline_mm: Array) -> float:
-        """Largest distance between an outline, shape (n, 2), and the mesh half way up a step, either from the other."""
-        ring = middle_section(self.rings_mm[step], self.rings_mm[step + 1])
-        return max(_farthest(outline_mm, ring), _farthest(ring, outline_mm))
+    def strays_mm(self, steps: IndexArray, sections: Sequence[Pieces]) -> Array:
+        """Distances between the mesh half way up s steps and exact sections there, the largest after each column.
+
+        Both from the outlines to the mesh and the other way round; shape (s, c).
+        """
+        rings = middle_section(self.rings_mm[steps], self.rings_mm[steps + 1])
+        found = [_apart(ring, section.points_mm[:-1]) for ring, section in zip(rings, sections, strict=True)]
+        # Two chords of a middle section lie between neighbouring columns.
+        return np.asarray(np.stack(found).reshape(len(found), -1, 2).max(axis=2))
 
 
-def stacked(heights_mm: Array, sections: Sequence[ToothedGear], sagitta_mm: float, twist_mm: float) -> Stack:
-    """The stack of a gear's sections at heights (l,), sampled as ``columns_for`` does it."""
-    pieces = pieces_of(sections)
-    rings = columns_for(pieces, sagitta_mm, twist_mm).rings(pieces)
-    return Stack(heights_mm, rings if signed_area(rings[0]) > 0.0 else rings[:, ::-1])
+def stacked(heights_mm: Array, sections: Sequence[Pieces], columns: Columns, limits: Limits) -> Stack:
+    """The stack of sections at heights (l,), with as many more columns as they need to keep the limits."""
+    close = close_columns(columns, sections, limits)
+    return Stack(heights_mm, close, close.rings(sections))
 
 
-def _farthest(points: Array, ring: Array) -> float:
-    """Largest distance of points (n, 2) from a closed ring (m, 2)."""
+def _apart(ring: Array, outline: Array) -> Array:
+    """Largest distance between a ring (m, 2) and an outline (n, 2) at each chord of the ring, shape (m,)."""
+    chord, away = _nearest(outline, ring)
+    largest = _nearest(ring, outline)[1]
+    np.maximum.at(largest, chord, away)
+    return largest
+
+
+def _nearest(points: Array, ring: Array) -> tuple[IndexArray, Array]:
+    """Number of the chord of a closed ring (m, 2) that is nearest to each point (n, 2), and how far it is."""
     chords = shapely.STRtree(shapely.linestrings(np.stack([ring, np.roll(ring, -1, axis=0)], axis=1)))
-    nearest = chords.query_nearest(shapely.points(points), all_matches=False, return_distance=True)
-    return float(np.max(nearest[1]))
+    (_, chord), away = chords.query_nearest(shapely.points(points), all_matches=False, return_distance=True)
+    return chord, away
