@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.shape import Gear
 from ncgear.solids.columns import Limits, spread_columns
@@ -30,6 +30,12 @@ checked as well."""
 
 HALVINGS = 6
 """Rounds of halving.  Where a trimmed corner moves across columns, comes or goes, what strays only halves with them."""
+
+LOCAL = 0.1
+"""Share of the columns up to which what strays is taken to be at corners, where more columns help."""
+
+MOST_STEPS = 300
+"""Steps from section to section at first: millions of triangles, files of a hundred megabytes, a minute's work."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,17 +60,19 @@ class _Check:
         return self.worst_mm > self.allowed_mm
 
     def wide(self, gear: Gear) -> Mask:
-        """Columns of a gear after which its mesh strays too much at some height, shape (c,)."""
-        return np.asarray(np.any(self.strays_mm[gear] > self.allowed_mm, axis=0))
+        """Columns of a gear after which its mesh strays too much at some height, shape (c,), if they are few."""
+        wide = np.any(self.strays_mm[gear] > self.allowed_mm, axis=0)
+        return np.asarray(wide & (np.mean(wide) < LOCAL))
 
 
 def close_stacks(sections: Sections, tolerance_mm: float) -> dict[Gear, Stack]:
     """Each gear's stack up to where the teeth stop advancing.
 
-    Raises NoSuchMechanism, naming the height, where a section cannot be made or no halving keeps to the tolerance.
+    Raises NoSuchMechanism, naming the height, where a section cannot be made or no halving keeps to the tolerance;
+    WrongInput when that would take too many sections.
     """
     limits = Limits(SAGITTA * tolerance_mm, TWIST * tolerance_mm)
-    heights = np.linspace(0.0, sections.helix.rise_mm, sections.steps_within(RISE * tolerance_mm) + 1)
+    heights = _first_heights(sections, tolerance_mm)
     columns = {gear: spread_columns(sections.pieces(gear, heights), limits) for gear in Gear}
     for _ in range(HALVINGS + 1):
         stacks = {gear: stacked(heights, sections.pieces(gear, heights), columns[gear], limits) for gear in Gear}
@@ -74,6 +82,19 @@ def close_stacks(sections: Sections, tolerance_mm: float) -> dict[Gear, Stack]:
         heights = np.sort(np.append(heights, check.heights_mm[check.failed]))
         columns = {gear: stacks[gear].columns.halved(check.wide(gear)) for gear in Gear}
     raise _too_abrupt(check, tolerance_mm)
+
+
+def _first_heights(sections: Sections, tolerance: float) -> Array:
+    steps = sections.steps_within(RISE * tolerance)
+    if steps > MOST_STEPS:
+        coarser = tolerance * (steps / MOST_STEPS) ** 2
+        raise WrongInput(
+            f"teeth that advance by {sections.helix.largest_advance_mm:.4g} mm take {steps} steps from section to "
+            f"section for a solid within {tolerance:g} mm, more than {MOST_STEPS}; a smaller angle, a narrower face or "
+            f"an output.chord_tolerance_mm of {coarser:.2g} helps",
+            key="gears.helix.angle_deg",
+        )
+    return np.linspace(0.0, sections.helix.rise_mm, steps + 1)
 
 
 def _checked(sections: Sections, stacks: dict[Gear, Stack], tolerance: float) -> _Check:

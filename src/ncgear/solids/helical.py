@@ -26,7 +26,7 @@ def helical_pair(
     """Both gears as meshes that stray from the exact surfaces by no more than the chord tolerance.
 
     Raises NoSuchMechanism, naming the height, where a section cannot be made or changes too abruptly with height;
-    WrongInput when a bore does not fit into every section.
+    WrongInput when a bore does not fit into every section, or when there would be too many of them.
     """
     sections = Sections(pitch, rack, helix, OUTLINE * tolerance_mm)
     stacks = close_stacks(sections, tolerance_mm)
