@@ -208,5 +208,5 @@ def test_reversals_repeated_points_and_crossings_are_seen() -> None:
     assert reversals(sound) == 0 < reversals(spur)
     assert shortest_chord(np.insert(sound, 40, sound[40], axis=0)) == 0.0
     swapped = sound.copy()
-    swapped[[40, 43]] = swapped[[43, 40]]
+    swapped[[40, 48]] = swapped[[48, 40]]
     assert not Polygon(swapped).is_valid

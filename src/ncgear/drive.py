@@ -15,13 +15,15 @@ from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.rack import BasicRack
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Transmission
-from ncgear.recipe import RAD_S_PER_RPM, Law, law_of, rack_of, resistance_of, rim_mm_of, tooth_form
+from ncgear.recipe import RAD_S_PER_RPM, Law, helix_of, law_of, rack_of, resistance_of, rim_mm_of, tooth_form
 from ncgear.stopwatch import Stopwatch
 
 if TYPE_CHECKING:
     from ncgear.contact.pair_contact import PairContact
     from ncgear.pitch.pair import PitchPair
+    from ncgear.solids.helix import Helix
     from ncgear.solids.pair import Blank, GearSolid, SolidPair
+    from ncgear.teeth.form import ToothForm
     from ncgear.teeth.gear import ToothedPair
 
 
@@ -124,6 +126,11 @@ class Drive:
         """The basic rack at the module."""
         return rack_of(self.gears, self.pitch.size.module_mm)
 
+    @property
+    def tooth_form(self) -> ToothForm:
+        """Everything asked of the teeth, at the module."""
+        return tooth_form(self.gears, self.pitch.size.module_mm)
+
     @cached_property
     def teeth(self) -> ToothedPair:
         """Both toothed gears."""
@@ -131,8 +138,7 @@ class Drive:
 
         pitch = self.pitch
         with self.stopwatch("teeth"):
-            form = tooth_form(self.gears, pitch.size.module_mm)
-            return toothed_pair(pitch, form, self.design.output.chord_tolerance_mm)
+            return toothed_pair(pitch, self.tooth_form, self.design.output.chord_tolerance_mm)
 
     @cached_property
     def contact(self) -> PairContact:
@@ -145,9 +151,28 @@ class Drive:
             refuse_overlap(contact, pitch, teeth, self.design.output.chord_tolerance_mm)
             return contact
 
+    @property
+    def helix(self) -> Helix | None:
+        """The helix of the teeth; None where they are straight."""
+        return helix_of(self.gears)
+
     @cached_property
     def solids(self) -> SolidPair:
         """Both gears as closed meshes."""
+        return self._straight_solids() if self.helix is None else self._helical_solids(self.helix)
+
+    def _helical_solids(self, helix: Helix) -> SolidPair:
+        from ncgear.pitch.shape import Gear
+        from ncgear.solids.helical import helical_pair
+
+        gears, pitch, form = self.gears, self.pitch, self.tooth_form
+        if pitch.driven.is_ring:
+            raise WrongInput("helical teeth of internal pairs are not made; leave it out", key="gears.helix")
+        blanks = {Gear.DRIVING: _blank(gears, gears.driving), Gear.DRIVEN: _blank(gears, gears.driven)}
+        with self.stopwatch("solids"):
+            return helical_pair(pitch, form, helix, blanks, self.design.output.chord_tolerance_mm)
+
+    def _straight_solids(self) -> SolidPair:
         from ncgear.solids.pair import SolidPair
 
         with self.stopwatch("solids"):

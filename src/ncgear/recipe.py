@@ -23,6 +23,7 @@ from ncgear.ratio.laws.table import displacement_table_law, ratio_table_law
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
+from ncgear.solids.helix import Hand, Helix
 from ncgear.teeth.form import Cutter, CutterKind, TipLimits, ToothForm
 
 SAME_STROKE = 1e-6
@@ -108,6 +109,14 @@ def tooth_form(gears: Gears, module_mm: float) -> ToothForm:
 def rim_mm_of(gears: Gears, module_mm: float) -> float:
     """Thickness of a ring outside its deepest root."""
     return RIM_IN_MODULES * module_mm if gears.driven.rim_mm is None else gears.driven.rim_mm
+
+
+def helix_of(gears: Gears) -> Helix | None:
+    """The helix of the teeth; None where they are straight."""
+    helix = gears.helix
+    if helix is None:
+        return None
+    return Helix(radians(helix.angle_deg), gears.face_width_mm, Hand(helix.hand), helix.kind == "herringbone")
 
 
 def _linkage(design: Design) -> CrankSlider:

@@ -24,10 +24,10 @@ MARGIN_MM = 1.0  # kept around the region where the two gears can meet, so that 
 # --- reading -----------------------------------------------------------------------------------------------------
 
 
-def read_outline(path: Path | str) -> Polygon:
-    """Outer boundary of the section of an STL file at mid height; a bore is dropped."""
+def read_outline(path: Path | str, height: float | None = None) -> Polygon:
+    """Outer boundary of the section of an STL file at a height, by default half way up; a bore is dropped."""
     mesh = trimesh.load_mesh(str(path))
-    rings = section_rings(np.asarray(mesh.vertices), np.asarray(mesh.faces))
+    rings = section_rings(np.asarray(mesh.vertices), np.asarray(mesh.faces), height)
     return max((Polygon(ring) for ring in rings), key=lambda polygon: polygon.area)
 
 
@@ -39,25 +39,25 @@ def read_ring(path: Path | str) -> Polygon:
     return Polygon(outer, [hole])
 
 
-def section_rings(vertices: FloatArray, faces: NDArray[np.int64]) -> list[FloatArray]:
-    """Closed rings (n, 2) where a watertight mesh meets the plane half way up.
+def section_rings(vertices: FloatArray, faces: NDArray[np.int64], height: float | None = None) -> list[FloatArray]:
+    """Closed rings (n, 2) where a watertight mesh meets the plane at a height, by default half way up.
 
     Rings are followed over mesh edges, not over coordinates: rounding can then neither open a ring nor join two.
     """
-    above = vertices[:, 2] > (vertices[:, 2].min() + vertices[:, 2].max()) / 2
+    level = (vertices[:, 2].min() + vertices[:, 2].max()) / 2 if height is None else height
+    above = vertices[:, 2] > level
     edges = np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1)
     crossing = above[edges[..., 0]] != above[edges[..., 1]]
     crossed = np.sort(edges[crossing], axis=-1)  # two per crossed face, in face order
     keys, node = np.unique(crossed, axis=0, return_inverse=True)
-    points = _mid_points(vertices, keys)
+    points = _points_at(vertices, keys, level)
     return [points[ring] for ring in _followed(node.reshape(-1, 2))]
 
 
-def _mid_points(vertices: FloatArray, edges: NDArray[np.int64]) -> FloatArray:
-    """Where mesh edges meet the plane half way up."""
-    middle = (vertices[:, 2].min() + vertices[:, 2].max()) / 2
+def _points_at(vertices: FloatArray, edges: NDArray[np.int64], level: float) -> FloatArray:
+    """Where mesh edges meet the plane at a height."""
     low, high = vertices[edges[:, 0]], vertices[edges[:, 1]]
-    share = (middle - low[:, 2]) / (high[:, 2] - low[:, 2])
+    share = (level - low[:, 2]) / (high[:, 2] - low[:, 2])
     return low[:, :2] + share[:, None] * (high[:, :2] - low[:, :2])
 
 
@@ -68,7 +68,7 @@ def _followed(links: NDArray[np.int64]) -> Iterator[list[int]]:
         neighbours.setdefault(one, []).append(other)
         neighbours.setdefault(other, []).append(one)
     if any(len(linked) != 2 for linked in neighbours.values()):
-        raise ValueError("the mesh is not watertight at mid height")
+        raise ValueError("the mesh is not watertight at this height")
     while neighbours:
         yield _one_ring(neighbours)
 

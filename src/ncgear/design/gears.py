@@ -115,6 +115,24 @@ class Rack(Model):
         return self
 
 
+class Helix(Model):
+    """Teeth that advance along the pitch curves from section to section."""
+
+    angle_deg: float = Field(
+        gt=0.0,
+        le=45.0,
+        description="helix angle at the pitch curve in degrees: its tangent is the advance along the pitch curve per "
+        "unit of height. Module and pressure angle stay those of the sections (transverse)",
+    )
+    kind: Literal["helical", "herringbone"] = Field(
+        description="helical: one sense all the way up; herringbone: up to half the face width, and back from there"
+    )
+    hand: Literal["right", "left"] = Field(
+        description="hand of the driving gear (of herringbone teeth: of the half next to z = 0); the driven gear has "
+        "the other by itself"
+    )
+
+
 class Keyway(Model):
     """A keyway in the bore."""
 
@@ -165,6 +183,9 @@ class Gears(Model):
     center_distance_mm: Length | None = Field(default=None, description="distance of the two axes in mm")
     face_width_mm: Length = Field(description="width of both gears along their axes in mm")
     rack: Rack = Field(default_factory=Rack, description="basic rack; left out: ISO 53 profile A at 20 degrees")
+    helix: Helix | None = Field(
+        default=None, description="helical or herringbone teeth; left out: straight ones. Sections differ from z = 0 on"
+    )
     backlash_mm: float = Field(
         default=0.0, ge=0.0, le=1000.0, description="normal backlash of the pair in mm, taken off the idle flanks"
     )

@@ -102,6 +102,7 @@ gears:                     # a check does without, a build needs it
     # addendum: 1          # in modules, in place of the profile's
     # dedendum: 1.25
     # root_radius: 0.38
+  # helix: {angle_deg: 15, kind: helical, hand: right}   # or herringbone, left; left out: straight teeth
   backlash_mm: 0           # normal backlash
   index_holes: true        # a small hole in each gear; they face each other at phi1 = 0, so that teeth pair up right
   driving: {bore_mm: 12, keyway: {width_mm: 4, depth_mm: 1.8}}

@@ -162,6 +162,7 @@ def _teeth(drive: Drive) -> dict[str, Any]:
         "driven": size.driven_teeth,
         "module_mm": size.module_mm,
         "backlash_mm": drive.rack.backlash_mm,
+        **_helix(drive),
         "undercut_driving": teeth.driving.undercut,
         "undercut_driven": teeth.driven.undercut,
         "free_of_undercut_from_driving_teeth": teeth_free_of_undercut(drive.pitch, *racks),
@@ -195,8 +196,25 @@ def _contact(drive: Drive) -> dict[str, Any]:
         "positions": int(outlines.phi1_rad.size),
         "transmission_error_rad": outlines.transmission_error_rad,
         "contact_ratio_min": contact.flanks.least_ratio,
+        **_overlap(drive),
         "simultaneous_contacts_min": contact.flanks.least_simultaneous,
         "penetration_max_mm": outlines.largest_penetration_mm,
         "play_min_rad": float(play.min()),
         "play_max_rad": float(play.max()),
     }
+
+
+def _helix(drive: Drive) -> dict[str, Any]:
+    helix = drive.helix
+    if helix is None:
+        return {}
+    kind = "herringbone" if helix.herringbone else "helical"
+    return {"helix_angle_deg": degrees(helix.angle_rad), "helix_kind": kind, "hand_driving": helix.hand}
+
+
+def _overlap(drive: Drive) -> dict[str, float]:
+    """What the advance of helical teeth adds to the contact ratio of their sections."""
+    if drive.helix is None:
+        return {}
+    overlap = drive.helix.largest_advance_mm / drive.rack.pitch_mm
+    return {"overlap_ratio": overlap, "total_contact_ratio": drive.contact.flanks.least_ratio + overlap}

@@ -29,7 +29,7 @@ def build_warnings(drive: Drive) -> list[str]:
     from ncgear.pitch.shape import Gear
 
     curves = [_pressure_angle(drive), _ring(drive), *(_concave(drive, gear) for gear in Gear)]
-    teeth = [_undercut(drive), *_shortened(drive), _contact(drive)]
+    teeth = [_undercut(drive), *_shortened(drive), _contact(drive), _thrust(drive)]
     return [warning for warning in [*curves, *teeth] if warning]
 
 
@@ -141,4 +141,15 @@ def _contact(drive: Drive) -> str:
         f"contact ratio: the shortest contact of a flank pair lasts {flanks.least_ratio:.3g} pitches, "
         "and at some positions no flanks touch: the driven gear is carried by an edge there, off the law by up to the "
         "transmission error"
+    )
+
+
+def _thrust(drive: Drive) -> str:
+    helix = drive.helix
+    if helix is None or not helix.thrust_share:
+        return ""
+    towards, away = ("growing", "falling") if helix.hand == "right" else ("falling", "growing")
+    return (
+        f"axial thrust: {helix.thrust_share:.3g} of the tangential force at the pitch point pushes the driving gear "
+        f"towards {towards} z and the driven one towards {away} z; bearings must take it, herringbone teeth cancel it"
     )

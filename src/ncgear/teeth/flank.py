@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import cos, sin, tan
+from math import cos, remainder, sin, tan
 
 import numpy as np
 
@@ -172,10 +172,10 @@ def flanks_of(
 ) -> Flanks:
     """The flanks of a gear with ``teeth`` teeth at full height and depth.
 
-    Tooth 1 stands with its middle at the arc length ``start_mm``; backlash is taken off the flanks that do not face
-    ``loaded_side``.
+    Tooth 1 stands with its middle at the arc length ``start_mm``, whole turns left out, so that every tooth keeps its
+    number; backlash is taken off the flanks that do not face ``loaded_side``.
     """
-    centers = start_mm + np.arange(teeth) * (curve.length_mm / teeth)
+    centers = remainder(start_mm, curve.length_mm) + np.arange(teeth) * (curve.length_mm / teeth)
     side = np.tile([-1.0, 1.0], teeth)
     half_width = np.where(side == loaded_side, rack.loaded_half_width_mm, rack.idle_half_width_mm)
     every = np.ones(2 * teeth)
