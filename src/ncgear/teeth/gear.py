@@ -10,7 +10,7 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.pair import PitchPair
-from ncgear.teeth.cutter import chosen_kind, fouled, pinion_cutter
+from ncgear.teeth.cutter import chosen_kind, fouled, pinion_cutter, rack_cutter
 from ncgear.teeth.fitting import fitted_pair
 from ncgear.teeth.flank import Flanks, flanks_of
 from ncgear.teeth.form import CutterKind, ToothForm
@@ -148,7 +148,8 @@ def _tools(pitch: PitchPair, form: ToothForm, kind: CutterKind) -> tuple[Tool, T
             cutter: PinionCircle = pinion_cutter(pitch, form.rack, form.cutter.teeth)
             return cutter, cutter
         case _:
-            return RackLine(), RackLine()
+            rack: RackLine = rack_cutter(pitch)
+            return rack, rack
 
 
 def _gear(tips: Tips, chords: ChordTolerance) -> ToothedGear:
