@@ -15,8 +15,12 @@ import numpy as np
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.teeth.flank import Flanks
 from ncgear.teeth.rounding import AGREEMENT, rounding_of
+from ncgear.teeth.spaces import no_root
 
 STEPS = 20
+
+LEAST_COSINE = 0.2
+"""Least cosine of the edge's slope that a step is divided by; tips slope by 45 degrees at most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +57,10 @@ class Roots:
 
 
 def roots_of(flanks: Flanks) -> Roots:
-    """The root lands of all spaces."""
+    """The root lands of all spaces.
+
+    Raises NoSuchMechanism, naming the tooth, where a space has none.
+    """
     front = np.arange(1, flanks.count, 2)
     back = (front + 1) % flanks.count
     turn = np.where(back == 0, flanks.curve.length_mm, 0.0)
@@ -72,18 +79,22 @@ def roots_of(flanks: Flanks) -> Roots:
     outwards = flanks.tool.at_length(flanks.rounding.lowest_mm[front]).normal
     normal *= np.sign(np.sum(normal * outwards, axis=1, keepdims=True))
     end = np.empty(flanks.count)
-    end[front] = _feet(flanks, first, edge, flanks.rounding.lowest_mm[front])
-    end[back] = _feet(flanks, last.center_mm, edge, last.lowest_mm) - turn
+    end[front] = _feet(flanks, front, first, edge, flanks.rounding.lowest_mm[front])
+    end[back] = _feet(flanks, back, last.center_mm, edge, last.lowest_mm) - turn
     return Roots(flanks, first, normal, end)
 
 
-def _feet(flanks: Flanks, center: Array, edge: Array, start: Array) -> Array:
-    """Arc lengths at which the perpendicular from the pitch point to the edge goes through the centres, shape (n,)."""
-    sigma = start
+def _feet(flanks: Flanks, flank: IndexArray, center: Array, edge: Array, start: Array) -> Array:
+    """Arc lengths at which the perpendicular from the pitch point to the edge goes through the centres, shape (n,).
+
+    Raises NoSuchMechanism, naming the tooth, where there is none.
+    """
+    sigma, agreement = start, AGREEMENT * flanks.rack.module_mm
     for _ in range(STEPS):
         tool = flanks.tool.at_length(sigma)
         ahead = np.sum((center - tool.position) * edge, axis=1)
-        if np.all(np.abs(ahead) <= AGREEMENT * flanks.rack.module_mm):
+        if np.all(np.abs(ahead) <= agreement):
             return sigma
-        sigma = sigma + ahead / np.sum(tool.tangent * edge, axis=1)
-    raise ArithmeticError("the end of a fillet on its root land was not found")
+        sigma = sigma + ahead / np.maximum(np.sum(tool.tangent * edge, axis=1), LEAST_COSINE)
+    lost = int(flank[~(np.abs(ahead) <= agreement)][0])
+    raise no_root(flanks, lost, "the tool's tip slopes too much to leave a root land")
