@@ -12,6 +12,7 @@ from ncgear.output.comparison_rows import comparison_rows
 from ncgear.output.warnings import build_warnings, check_warnings
 
 if TYPE_CHECKING:
+    from ncgear.contact.pair_contact import PairContact
     from ncgear.pitch.pair import PitchPair
 
 
@@ -28,15 +29,17 @@ def check_summary(drive: Drive) -> dict[str, Any]:
     }
 
 
-def build_summary(drive: Drive) -> dict[str, Any]:
+def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
     """All of the check, and pitch curves, teeth and contact."""
+    from ncgear.output.contact_summary import contact_summary
+
     summary = check_summary(drive)
     comparison, warnings = summary.pop("comparison"), summary.pop("warnings")
     return {
         **summary,
         "pitch": _pitch(drive),
         "teeth": _teeth(drive),
-        "contact": _contact(drive),
+        "contact": contact_summary(contact, drive.machine.speed_rad_s),
         "comparison": comparison,
         "warnings": warnings + build_warnings(drive),
         "timing_s": {stage: round(seconds, 6) for stage, seconds in drive.timing_s.items()},
@@ -167,19 +170,4 @@ def _teeth(drive: Drive) -> dict[str, Any]:
         "free_of_undercut_from_driving_teeth": teeth_free_of_undercut(drive.pitch, drive.rack),
         "points_driving": len(teeth.driving.outline_mm),
         "points_driven": len(teeth.driven.outline_mm),
-    }
-
-
-def _contact(drive: Drive) -> dict[str, Any]:
-    contact = drive.contact
-    outlines = contact.outlines
-    play = outlines.forward_rad + outlines.backward_rad
-    return {
-        "positions": int(outlines.phi1_rad.size),
-        "transmission_error_rad": outlines.transmission_error_rad,
-        "contact_ratio_min": contact.flanks.least_ratio,
-        "simultaneous_contacts_min": contact.flanks.least_simultaneous,
-        "penetration_max_mm": outlines.largest_penetration_mm,
-        "play_min_rad": float(play.min()),
-        "play_max_rad": float(play.max()),
     }
