@@ -11,11 +11,11 @@ import pytest
 from shapely import Polygon
 
 from engaged import MODULE, TOLERANCE, least_driven_radius, made
-from ncgear.contact.as_written import BEYOND
 from ncgear.contact.placement import Placement, placed
 from ncgear.contact.play import Play, outline_play
 from ncgear.contact.polar import polar_outline
 from ncgear.contact.radial_runs import NO_RUN, radial_runs
+from ncgear.contact.reach import BEYOND
 from oracles import meshing
 
 ALPHA = radians(20.0)
