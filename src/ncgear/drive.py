@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -19,6 +20,8 @@ from ncgear.recipe import RAD_S_PER_RPM, Law, helix_of, law_of, rack_of, resista
 from ncgear.stopwatch import Stopwatch
 
 if TYPE_CHECKING:
+    from ncgear.contact.as_designed import AsDesigned
+    from ncgear.contact.as_written import Outlines
     from ncgear.contact.pair_contact import PairContact
     from ncgear.pitch.pair import PitchPair
     from ncgear.solids.helix import Helix
@@ -141,14 +144,26 @@ class Drive:
             return toothed_pair(pitch, self.tooth_form, self.design.output.chord_tolerance_mm)
 
     @cached_property
-    def contact(self) -> PairContact:
-        """Contact of the exact flanks and of the outlines, which must not overlap."""
-        from ncgear.contact.pair_contact import pair_contact, refuse_overlap
+    def designed_contact(self) -> AsDesigned:
+        """Contact of the exact teeth, which must not overlap."""
+        from ncgear.contact.as_designed import as_designed
+        from ncgear.contact.pair_contact import refuse_overlap
+        from ncgear.contact.placement import placed
 
         pitch, teeth = self.pitch, self.teeth
         with self.stopwatch("contact"):
-            contact = pair_contact(pitch, teeth)
-            refuse_overlap(contact, pitch, teeth, self.design.output.chord_tolerance_mm)
+            contact = as_designed(teeth, placed(pitch))
+            refuse_overlap(contact, self.design.output.chord_tolerance_mm)
+            return contact
+
+    def contact(self, written: Sequence[Outlines]) -> PairContact:
+        """Contact of the exact teeth and of outlines that were written, which must touch where the teeth do."""
+        from ncgear.contact.pair_contact import pair_contact, refuse_bad_outlines
+
+        designed, pitch, teeth = self.designed_contact, self.pitch, self.teeth
+        with self.stopwatch("written contact"):
+            contact = pair_contact(pitch, teeth, designed, written)
+            refuse_bad_outlines(contact, self.design.output.chord_tolerance_mm)
             return contact
 
     @property
