@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.pitch.curve import CurvePoints
 from ncgear.teeth.flank import Flanks
 from ncgear.teeth.rounding import AGREEMENT, rounding_of
 from ncgear.teeth.spaces import no_root
@@ -45,15 +46,26 @@ class Roots:
 
         The edge turns with K = k + k_t about the pitch point, while the foot of the perpendicular moves along it.
         """
-        flanks = self.flanks
-        at, tool = flanks.curve.at_length(sigma_mm), flanks.tool.at_length(sigma_mm)
-        normal, radius = self.normal[tooth], flanks.root_radius_mm[2 * tooth + 1]
-        distance = np.sum((self.center_mm[tooth] - tool.position) * normal, axis=-1) + radius
-        tilt, square = np.sum(normal * tool.tangent, axis=-1), -np.sum(normal * tool.normal, axis=-1)
+        at, tool = self.flanks.curve.at_length(sigma_mm), self.flanks.tool.at_length(sigma_mm)
+        distance, tilt, square = self._edge(tooth, tool)
         across = tilt[..., None] * at.tangent + square[..., None] * at.normal
         along = square[..., None] * at.tangent - tilt[..., None] * at.normal
         speed = (at.curvature + tool.curvature) * distance + square
         return at.position + distance[..., None] * across, speed[..., None] * along
+
+    def folding(self, tooth: IndexArray, sigma_mm: Array) -> tuple[Array, Array]:
+        """Depth of the lands along the edges' normals, and the depth at which they would fold, infinite where none."""
+        turning = self.flanks.curve.at_length(sigma_mm).curvature + self.flanks.tool.at_length(sigma_mm).curvature
+        distance, _, square = self._edge(tooth, self.flanks.tool.at_length(sigma_mm))
+        limit = np.full(turning.shape, np.inf)
+        np.divide(-square, turning, out=limit, where=turning > 0.0)
+        return distance, limit
+
+    def _edge(self, tooth: IndexArray, tool: CurvePoints) -> tuple[Array, Array, Array]:
+        """Distance of the edges from the pitch point along their normals, and the normals' parts along and outwards."""
+        normal, radius = self.normal[tooth], self.flanks.root_radius_mm[2 * tooth + 1]
+        distance = np.sum((self.center_mm[tooth] - tool.position) * normal, axis=-1) + radius
+        return distance, np.sum(normal * tool.tangent, axis=-1), -np.sum(normal * tool.normal, axis=-1)
 
 
 def roots_of(flanks: Flanks) -> Roots:

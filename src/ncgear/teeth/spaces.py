@@ -19,7 +19,7 @@ from ncgear.teeth.flank import Flanks
 from ncgear.teeth.naming import tooth_name
 from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_depth
 from ncgear.teeth.rounding import LEAST_FLAT, Rounding, fitting_radii, rounding_of
-from ncgear.teeth.tool import RackLine
+from ncgear.teeth.tool import PinionCircle, RackLine
 
 Depth = Callable[[Array, IndexArray], Array]
 """Radii and flank numbers to flank depths, shape (n,) each."""
@@ -87,10 +87,20 @@ def _fitted(flanks: Flanks, radii: Array, depth_of: Depth) -> Array:
 
     fitting = fitting_radii(flats, radii[front], LEAST_FLAT * flanks.rack.module_mm)
     if np.isnan(fitting).any():
-        raise no_root(flanks, int(front[np.isnan(fitting)][0]), "the tool's tooth is pointed before its depth")
+        raise _pointed(flanks, int(front[np.isnan(fitting)][0]))
     fitted = np.empty(flanks.count)
     fitted[front] = fitted[back] = fitting
     return fitted
+
+
+def _pointed(flanks: Flanks, flank: int) -> NoSuchMechanism:
+    if not isinstance(flanks.tool, PinionCircle):
+        return no_root(flanks, flank, "the mate's tooth is pointed before its depth")
+    return NoSuchMechanism(
+        f"a pinion cutter of {flanks.tool.teeth} teeth is pointed before it is as deep as the space beside "
+        f"{tooth_name(flanks, flank)}; more cutter teeth, or kind: mate, are needed",
+        key="gears.cutter.teeth",
+    )
 
 
 def _trial(flanks: Flanks, flank: IndexArray, radius: Array, depth: Array) -> Rounding:
