@@ -19,7 +19,10 @@ from math import radians
 from pathlib import Path
 from time import perf_counter
 
-from ncgear.contact.pair_contact import pair_contact, refuse_overlap
+from ncgear.contact.as_designed import as_designed
+from ncgear.contact.as_written import Outlines as Written
+from ncgear.contact.pair_contact import pair_contact, refuse_bad_outlines, refuse_overlap
+from ncgear.contact.placement import placed
 from ncgear.machine.rack import BasicRack
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.ratio.laws.expression import driven_angle_expression_law
@@ -72,9 +75,12 @@ def made(teeth: int, flank_tolerance_mm: float | None) -> tuple[PitchPair, Tooth
 
 
 def by_ncgear(teeth: int, flank_tolerance_mm: float | None) -> Outlines:
-    """ncgear's pair, its contact verified at 20 positions a tooth."""
+    """ncgear's pair, verified as designed and as it would be written, at 20 positions a tooth and on both flanks."""
     pitch, pair = made(teeth, flank_tolerance_mm)
-    refuse_overlap(pair_contact(pitch, pair), pitch, pair, DEFAULT_TOLERANCE_MM)
+    designed = as_designed(pair, placed(pitch))
+    refuse_overlap(designed, DEFAULT_TOLERANCE_MM)
+    written = Written("memory", pair.driving.outline_mm, pair.driven.outline_mm)
+    refuse_bad_outlines(pair_contact(pitch, pair, designed, [written]), DEFAULT_TOLERANCE_MM)
     return pair.driving.outline_mm, pair.driven.outline_mm
 
 
