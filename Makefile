@@ -17,8 +17,12 @@ lint: .venv  ## style, formatting, types
 bench: .venv  ## measure how long builds take and write benchmarks/timing.md
 	$(PYTHON) benchmarks/timing.py
 
+beside: .venv  ## measure beside the other program of the field and write benchmarks/beside-ncgears.md
+	.venv/bin/pip install -q -e '.[bench]'
+	$(PYTHON) benchmarks/beside_ncgears.py
+
 docs: .venv  ## make the pictures of the README anew
 	.venv/bin/ncgear build designs/baler-86.yaml
 	cp export/baler-86/tooth_pair.png docs/images/baler-86-tooth-pair.png
 
-.PHONY: test slow lint bench docs
+.PHONY: test slow lint bench beside docs

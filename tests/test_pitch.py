@@ -15,7 +15,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch import shape
 from ncgear.pitch.curve import CurvePoints, PitchCurve
 from ncgear.pitch.pair import PitchPair, sized_pair
-from ncgear.pitch.shape import Gear
+from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
@@ -423,10 +423,12 @@ def test_a_scaled_pair_is_the_same_pair() -> None:
 def test_shape_functions_are_consistent_with_each_other(gear: Gear) -> None:
     """r1 + r2 = 1, r1 = w r2, and arc speed from radius and its slope."""
     slope = law("driven angle").pieces[0].slope(np.linspace(0.1, 6.0, 20), 3)
-    radii = [shape.radius(slope, each).value for each in Gear]
+    radii = [shape.radius(slope, each, Mesh.EXTERNAL).value for each in Gear]
     assert radii[0] + radii[1] == pytest.approx(np.ones(20), rel=1e-15)
     assert radii[0] / radii[1] == pytest.approx(slope.value, rel=1e-14)
-    speeds = shape.speed(slope, gear).value
+    speeds = shape.speed(slope, gear, Mesh.EXTERNAL).value
     own = shape.own_turn(slope, gear).value
-    radius_slope = shape.radius_slope(slope, gear).value
-    assert speeds == pytest.approx(own * np.hypot(shape.radius(slope, gear).value, radius_slope), rel=1e-14)
+    radius_slope = shape.radius_slope(slope, gear, Mesh.EXTERNAL).value
+    assert speeds == pytest.approx(
+        own * np.hypot(shape.radius(slope, gear, Mesh.EXTERNAL).value, radius_slope), rel=1e-14
+    )

@@ -16,7 +16,7 @@ from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.rack import BasicRack
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Transmission
-from ncgear.recipe import RAD_S_PER_RPM, Law, law_of, rack_of, resistance_of
+from ncgear.recipe import RAD_S_PER_RPM, Law, helix_of, law_of, rack_of, resistance_of, rim_mm_of, tooth_form
 from ncgear.stopwatch import Stopwatch
 
 if TYPE_CHECKING:
@@ -24,7 +24,9 @@ if TYPE_CHECKING:
     from ncgear.contact.as_written import Outlines
     from ncgear.contact.pair_contact import PairContact
     from ncgear.pitch.pair import PitchPair
-    from ncgear.solids.pair import Blank, SolidPair
+    from ncgear.solids.helix import Helix
+    from ncgear.solids.pair import Blank, GearSolid, SolidPair
+    from ncgear.teeth.form import ToothForm
     from ncgear.teeth.gear import ToothedPair
 
 
@@ -115,24 +117,31 @@ class Drive:
     def pitch(self) -> PitchPair:
         """Both pitch curves at their size."""
         from ncgear.pitch.pair import sized_pair
+        from ncgear.pitch.shape import Mesh
 
         gears, transmission = self.gears, self.transmission
         with self.stopwatch("pitch curves"):
-            return sized_pair(transmission, gears.teeth, gears.module_mm, gears.center_distance_mm)
+            size = gears.teeth, gears.module_mm, gears.center_distance_mm
+            return sized_pair(transmission, *size, Mesh(gears.mesh))
 
     @cached_property
     def rack(self) -> BasicRack:
         """The basic rack at the module."""
         return rack_of(self.gears, self.pitch.size.module_mm)
 
+    @property
+    def tooth_form(self) -> ToothForm:
+        """Everything asked of the teeth, at the module."""
+        return tooth_form(self.gears, self.pitch.size.module_mm)
+
     @cached_property
     def teeth(self) -> ToothedPair:
         """Both toothed gears."""
         from ncgear.teeth.gear import toothed_pair
 
-        pitch, rack = self.pitch, self.rack
+        pitch = self.pitch
         with self.stopwatch("teeth"):
-            return toothed_pair(pitch, rack, self.design.output.chord_tolerance_mm)
+            return toothed_pair(pitch, self.tooth_form, self.design.output.chord_tolerance_mm)
 
     @cached_property
     def designed_contact(self) -> AsDesigned:
@@ -151,24 +160,58 @@ class Drive:
         """Contact of the exact teeth and of outlines that were written, which must touch where the teeth do."""
         from ncgear.contact.pair_contact import pair_contact, refuse_bad_outlines
 
-        designed, teeth = self.designed_contact, self.teeth
+        designed, pitch, teeth = self.designed_contact, self.pitch, self.teeth
         with self.stopwatch("written contact"):
-            contact = pair_contact(designed, teeth, written)
+            contact = pair_contact(pitch, teeth, designed, written)
             refuse_bad_outlines(contact, self.design.output.chord_tolerance_mm)
             return contact
+
+    @property
+    def helix(self) -> Helix | None:
+        """The helix of the teeth; None where they are straight."""
+        return helix_of(self.gears)
 
     @cached_property
     def solids(self) -> SolidPair:
         """Both gears as closed meshes."""
-        from ncgear.solids.pair import SolidPair, driven_solid, driving_solid
+        return self._straight_solids() if self.helix is None else self._helical_solids(self.helix)
 
-        gears, teeth = self.gears, self.teeth
-        module, tolerance = self.pitch.size.module_mm, self.design.output.chord_tolerance_mm
+    def _helical_solids(self, helix: Helix) -> SolidPair:
+        from ncgear.pitch.shape import Gear
+        from ncgear.solids.helical import helical_pair
+
+        gears, pitch, form = self.gears, self.pitch, self.tooth_form
+        if pitch.driven.is_ring:
+            raise WrongInput("helical teeth of internal pairs are not made; leave it out", key="gears.helix")
+        blanks = {Gear.DRIVING: _blank(gears, gears.driving), Gear.DRIVEN: _blank(gears, gears.driven)}
         with self.stopwatch("solids"):
-            return SolidPair(
-                driving_solid(teeth.driving.outline_mm, _blank(gears, gears.driving), module, tolerance),
-                driven_solid(teeth.driven.outline_mm, _blank(gears, gears.driven), module, tolerance),
-            )
+            return helical_pair(pitch, form, helix, blanks, self.design.output.chord_tolerance_mm)
+
+    def _straight_solids(self) -> SolidPair:
+        from ncgear.solids.pair import SolidPair
+
+        with self.stopwatch("solids"):
+            return SolidPair(_driving_solid(self), _driven_solid(self))
+
+
+def _driving_solid(drive: Drive) -> GearSolid:
+    from ncgear.solids.pair import driving_solid
+
+    pitch, blank = drive.pitch, _blank(drive.gears, drive.gears.driving)
+    tolerance = drive.design.output.chord_tolerance_mm
+    return driving_solid(drive.teeth.driving.outline_mm, blank, pitch.size.module_mm, tolerance, pitch.mesh)
+
+
+def _driven_solid(drive: Drive) -> GearSolid:
+    from ncgear.solids.pair import driven_solid
+    from ncgear.solids.ring import RingBlank, ring_solid
+
+    gears, outline, module = drive.gears, drive.teeth.driven.outline_mm, drive.pitch.size.module_mm
+    tolerance = drive.design.output.chord_tolerance_mm
+    if drive.pitch.driven.is_ring:
+        ring = RingBlank(gears.face_width_mm, rim_mm_of(gears, module), gears.index_holes)
+        return ring_solid(outline, ring, module, tolerance)
+    return driven_solid(outline, _blank(gears, gears.driven), module, tolerance)
 
 
 def _blank(gears: Gears, body: GearBody) -> Blank:

@@ -8,13 +8,13 @@ from math import isclose, pi, radians
 import numpy as np
 from scipy.optimize import brentq
 
-from ncgear.design.gears import Gears
+from ncgear.design.gears import Gears, Rack
 from ncgear.design.motion import Ellipse, RatioExpression, ThreeSegmentStroke, UniformCrank
 from ncgear.design.schema import Design
 from ncgear.design.table import TableLaw
 from ncgear.errors import WrongInput
 from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.rack import BasicRack
+from ncgear.machine.rack import BasicRack, TipRelief
 from ncgear.machine.resistance import Resistance
 from ncgear.machine.stroke import StrokeRequest, WorkingStroke, solved_stroke
 from ncgear.ratio.laws.ellipse import elliptical_law
@@ -23,11 +23,17 @@ from ncgear.ratio.laws.table import displacement_table_law, ratio_table_law
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
+from ncgear.solids.helix import Hand, Helix
+from ncgear.teeth.form import Cutter, CutterKind, TipLimits, ToothForm
 
 SAME_STROKE = 1e-6
 """Relative difference of the file's stroke from the linkage's that counts as rounding in the file: seven digits."""
 
 RAD_S_PER_RPM = pi / 30.0
+
+RIM_IN_MODULES = 3.5
+"""Rim of a ring where the file says nothing: from this thickness on ISO 6336-3 counts no weakening of internal teeth
+(value from secondary sources)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +79,44 @@ def rack_of(gears: Gears, module_mm: float) -> BasicRack:
         dedendum_mm=rack.dedendum * module_mm,
         root_radius_mm=rack.root_radius * module_mm,
         backlash_mm=gears.backlash_mm,
+        relief=_relief(rack, module_mm),
     )
+
+
+def _relief(rack: Rack, module_mm: float) -> TipRelief | None:
+    if rack.tip_relief is None:
+        return None
+    start, full = rack.tip_relief.start * module_mm, rack.addendum * module_mm
+    return TipRelief(rack.tip_relief.amount * module_mm, start, full)
+
+
+def tooth_form(gears: Gears, module_mm: float) -> ToothForm:
+    """Everything asked of the teeth, in mm at a module; one shift given, the other is its opposite."""
+    shift = gears.profile_shift
+    driving = shift.driving if shift.driving is not None else 0.0 - (shift.driven or 0.0)
+    driven = shift.driven if shift.driven is not None else 0.0 - driving
+    return ToothForm(
+        rack=rack_of(gears, module_mm),
+        driving_shift_mm=driving * module_mm,
+        driven_shift_mm=driven * module_mm,
+        shift_for_undercut=shift.against_undercut,
+        cutter=Cutter(CutterKind(gears.cutter.kind), gears.cutter.teeth),
+        limits=TipLimits(gears.least_tip_land * module_mm, gears.undercut == "avoid"),
+        equivalent=gears.method == "equivalent_gear",
+    )
+
+
+def rim_mm_of(gears: Gears, module_mm: float) -> float:
+    """Thickness of a ring outside its deepest root."""
+    return RIM_IN_MODULES * module_mm if gears.driven.rim_mm is None else gears.driven.rim_mm
+
+
+def helix_of(gears: Gears) -> Helix | None:
+    """The helix of the teeth; None where they are straight."""
+    helix = gears.helix
+    if helix is None:
+        return None
+    return Helix(radians(helix.angle_deg), gears.face_width_mm, Hand(helix.hand), helix.kind == "herringbone")
 
 
 def _linkage(design: Design) -> CrankSlider:

@@ -24,32 +24,40 @@ MARGIN_MM = 1.0  # kept around the region where the two gears can meet, so that 
 # --- reading -----------------------------------------------------------------------------------------------------
 
 
-def read_outline(path: Path | str) -> Polygon:
-    """Outer boundary of the section of an STL file at mid height; a bore is dropped."""
+def read_outline(path: Path | str, height: float | None = None) -> Polygon:
+    """Outer boundary of the section of an STL file at a height, by default half way up; a bore is dropped."""
     mesh = trimesh.load_mesh(str(path))
-    rings = section_rings(np.asarray(mesh.vertices), np.asarray(mesh.faces))
+    rings = section_rings(np.asarray(mesh.vertices), np.asarray(mesh.faces), height)
     return max((Polygon(ring) for ring in rings), key=lambda polygon: polygon.area)
 
 
-def section_rings(vertices: FloatArray, faces: NDArray[np.int64]) -> list[FloatArray]:
-    """Closed rings (n, 2) where a watertight mesh meets the plane half way up.
+def read_ring(path: Path | str) -> Polygon:
+    """Section of a ring's STL file at mid height: between its outer boundary and the largest hole, others dropped."""
+    mesh = trimesh.load_mesh(str(path))
+    rings = section_rings(np.asarray(mesh.vertices), np.asarray(mesh.faces))
+    outer, hole = sorted(rings, key=lambda ring: Polygon(ring).area)[:-3:-1]
+    return Polygon(outer, [hole])
+
+
+def section_rings(vertices: FloatArray, faces: NDArray[np.int64], height: float | None = None) -> list[FloatArray]:
+    """Closed rings (n, 2) where a watertight mesh meets the plane at a height, by default half way up.
 
     Rings are followed over mesh edges, not over coordinates: rounding can then neither open a ring nor join two.
     """
-    above = vertices[:, 2] > (vertices[:, 2].min() + vertices[:, 2].max()) / 2
+    level = (vertices[:, 2].min() + vertices[:, 2].max()) / 2 if height is None else height
+    above = vertices[:, 2] > level
     edges = np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1)
     crossing = above[edges[..., 0]] != above[edges[..., 1]]
     crossed = np.sort(edges[crossing], axis=-1)  # two per crossed face, in face order
     keys, node = np.unique(crossed, axis=0, return_inverse=True)
-    points = _mid_points(vertices, keys)
+    points = _points_at(vertices, keys, level)
     return [points[ring] for ring in _followed(node.reshape(-1, 2))]
 
 
-def _mid_points(vertices: FloatArray, edges: NDArray[np.int64]) -> FloatArray:
-    """Where mesh edges meet the plane half way up."""
-    middle = (vertices[:, 2].min() + vertices[:, 2].max()) / 2
+def _points_at(vertices: FloatArray, edges: NDArray[np.int64], level: float) -> FloatArray:
+    """Where mesh edges meet the plane at a height."""
     low, high = vertices[edges[:, 0]], vertices[edges[:, 1]]
-    share = (middle - low[:, 2]) / (high[:, 2] - low[:, 2])
+    share = (level - low[:, 2]) / (high[:, 2] - low[:, 2])
     return low[:, :2] + share[:, None] * (high[:, :2] - low[:, :2])
 
 
@@ -60,7 +68,7 @@ def _followed(links: NDArray[np.int64]) -> Iterator[list[int]]:
         neighbours.setdefault(one, []).append(other)
         neighbours.setdefault(other, []).append(one)
     if any(len(linked) != 2 for linked in neighbours.values()):
-        raise ValueError("the mesh is not watertight at mid height")
+        raise ValueError("the mesh is not watertight at this height")
     while neighbours:
         yield _one_ring(neighbours)
 
@@ -102,17 +110,22 @@ class MeshingReport:
 
 @dataclass(frozen=True)
 class Pair:
-    """Two outlines in their own frames in the pose of phi1 = 0, the law's rows and the centre distance (mm)."""
+    """Two outlines in their own frames in the pose of phi1 = 0, the law's rows and the centre distance (mm).
+
+    ``driven_sense`` is +1 where the driven gear, a polygon with a hole, turns in the driving gear's sense.
+    """
 
     driving: Polygon
     driven: Polygon
     phi1: FloatArray
     phi2: FloatArray
     center_distance: float
+    driven_sense: float = -1.0
 
     def placed(self, phi1: float, phi2: float) -> tuple[Polygon, Polygon]:
-        """Both gears in the fixed frame: driving turned by +phi1, driven by -phi2 and moved to its axis."""
-        return _turned(self.driving, phi1, 0.0), _turned(self.driven, -phi2, self.center_distance)
+        """Both gears in the fixed frame: driving turned by +phi1, driven by phi2 in its sense and moved to its axis."""
+        driven_turn = self.driven_sense * phi2
+        return _turned(self.driving, phi1, 0.0), _turned(self.driven, driven_turn, self.center_distance)
 
     def overlap(self, phi1: float, phi2: float) -> tuple[float, float]:
         """Area (mm^2) and depth (mm) of the overlap."""
@@ -152,17 +165,21 @@ class Pair:
         return area, depth, 0.0 if area > 0 else _gap(near, (driving, driven))
 
 
-def read_pair(driving: Path | str, driven: Path | str, law: Path | str, center_distance: float) -> Pair:
-    """A pair as written: two STL files and law.csv."""
+def read_pair(
+    driving: Path | str, driven: Path | str, law: Path | str, center_distance: float, *, internal: bool = False
+) -> Pair:
+    """A pair as written: two STL files and law.csv; an internal one has a ring as its driven gear."""
     phi1, phi2 = read_law(law)
+    if internal:
+        return Pair(read_outline(driving), read_ring(driven), phi1, phi2, center_distance, 1.0)
     return Pair(read_outline(driving), read_outline(driven), phi1, phi2, center_distance)
 
 
 def _turned(polygon: Polygon, angle: float, shift: float) -> Polygon:
     """Rotated about the origin, then moved along x."""
     cos, sin = np.cos(angle), np.sin(angle)
-    ring = shapely.get_coordinates(polygon.exterior) @ np.array([[cos, sin], [-sin, cos]])
-    return Polygon(ring + np.array([shift, 0.0]))
+    rotation, move = np.array([[cos, sin], [-sin, cos]]), np.array([shift, 0.0])
+    return shapely.transform(polygon, lambda points: points @ rotation + move)
 
 
 def _near(driving: Polygon, driven: Polygon) -> tuple[Polygon, Polygon]:

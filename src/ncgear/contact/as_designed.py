@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from ncgear.contact.clearance import TipClearance, tip_clearances
 from ncgear.contact.contacts import Contacts
-from ncgear.contact.edges import edge_contacts
+from ncgear.contact.edges import EdgeHits, edge_contacts, edge_hits
 from ncgear.contact.flank_contacts import flank_contacts
 from ncgear.contact.meetings import Meetings, meetings
 from ncgear.contact.placement import BACK, PUSHING, Placement
@@ -64,17 +65,9 @@ class SideContact:
         ahead = self.meetings.urge * self.error_rad
         return np.where(ahead > ALIKE_RAD, ahead, 0.0) * self.first.lever_mm
 
-    def driving_tooth(self, contacts: Contacts) -> IndexArray:
-        """Number of each contact's driving tooth, from 1."""
-        return self.meetings.driving[contacts.meeting] // 2 + 1
-
-    def driven_tooth(self, contacts: Contacts) -> IndexArray:
-        """Number of each contact's driven tooth, from 1."""
-        return self.meetings.driven[contacts.meeting] // 2 + 1
-
     def transmission_error_by_tooth(self) -> dict[int, float]:
         """Peak to peak variation of the driven angle over the positions in which each driving tooth carries, in rad."""
-        tooth, error = self.driving_tooth(self.touching), self.error_rad[self.touching.position]
+        tooth, error = self.touching.driving_tooth, self.error_rad[self.touching.position]
         high, low = np.full(tooth.max() + 1, -np.inf), np.full(tooth.max() + 1, np.inf)
         np.maximum.at(high, tooth, error)
         np.minimum.at(low, tooth, error)
@@ -113,36 +106,59 @@ def as_designed(teeth: ToothedPair, placement: Placement) -> AsDesigned:
 
     Raises NoSuchMechanism, with the angle, where no tooth touches another at all.
     """
-    driving, driven = (side_paths(gear.flanks, gear.sides) for gear in (teeth.driving, teeth.driven))
+    paths = side_paths(teeth.driving.flanks, teeth.driving.sides), side_paths(teeth.driven.flanks, teeth.driven.sides)
+    pushing, back = (_candidates(teeth, paths, placement, side) for side in (PUSHING, BACK))
     return AsDesigned(
         placement,
-        side_contact(teeth, (driving, driven), placement, PUSHING),
-        side_contact(teeth, (driving, driven), placement, BACK),
+        _side_contact(pushing, back, placement, tip_clearances(*paths, pushing.meetings)),
+        _side_contact(back, pushing, placement, tip_clearances(*paths, back.meetings)),
     )
 
 
-def side_contact(
+@dataclass(frozen=True, eq=False)
+class _Candidates:
+    """What may touch on one side of the teeth: pairs of flanks, how long each does, and corners before curves."""
+
+    meetings: Meetings
+    flanks: Contacts
+    arcs: Array
+    hits: list[EdgeHits]
+
+
+def _candidates(
     teeth: ToothedPair, paths: tuple[SidePaths, SidePaths], placement: Placement, side: float
-) -> SideContact:
-    """Contact on the driving gear's flanks of ``side`` (PUSHING or BACK)."""
+) -> _Candidates:
     met = meetings(teeth, placement, side)
-    driving, driven = seen_pair(*paths, placement, met)
-    of_flanks, arcs = flank_contacts(teeth, placement, met)
-    contacts = Contacts.joined([of_flanks, edge_contacts(driving, driven, met, _first(of_flanks, met, placement))])
-    behind = _first(contacts, met, placement)[contacts.position] - met.urge * contacts.error_rad
+    return _Candidates(met, *flank_contacts(teeth, placement, met), edge_hits(*seen_pair(*paths, placement, met), met))
+
+
+def _side_contact(
+    own: _Candidates, other: _Candidates, placement: Placement, tips: tuple[TipClearance, TipClearance]
+) -> SideContact:
+    """The first contacts among all candidates.
+
+    A corner in the notch of an undercut tooth is held by the curve of the other side of the teeth, too: where it meets
+    that from behind, on its way on from the other side's first contact.
+    """
+    urge = own.meetings.urge
+    facing = [hits.kept(hits.facing) for hits in own.hits]
+    least = -_first(other.flanks, [hits.kept(hits.facing) for hits in other.hits], -urge, placement)
+    behind = [hits.kept(~hits.facing & (urge * hits.error_rad <= least[hits.position])) for hits in other.hits]
+    edges = edge_contacts(facing + behind, urge, _first(own.flanks, [], urge, placement))
+    contacts = Contacts.joined([own.flanks, edges])
+    later = _first(contacts, [], urge, placement)[contacts.position] - urge * contacts.error_rad
+    alike, touching = later <= ALIKE_RAD, later * contacts.lever_mm <= TOUCHING_MM
     return SideContact(
-        met,
-        _foremost(contacts.kept(behind <= ALIKE_RAD), placement),
-        contacts.kept(behind * contacts.lever_mm <= TOUCHING_MM),
-        arcs,
-        *tip_clearances(*paths, met),
+        own.meetings, _foremost(contacts.kept(alike), placement), contacts.kept(touching), own.arcs, *tips
     )
 
 
-def _first(contacts: Contacts, met: Meetings, placement: Placement) -> Array:
-    """First of the contacts at each position, times the meetings' urge, -inf where there is none."""
+def _first(contacts: Contacts, hits: Sequence[EdgeHits], urge: float, placement: Placement) -> Array:
+    """First driven angle of contacts and hits at each position, times the urge, -inf where there is none."""
     first = np.full(placement.count, -np.inf)
-    np.maximum.at(first, contacts.position, met.urge * contacts.error_rad)
+    touched = [(contacts.position, contacts.error_rad), *((found.position, found.error_rad) for found in hits)]
+    for position, error in touched:
+        np.maximum.at(first, position, urge * error)
     return first
 
 

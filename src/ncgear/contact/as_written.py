@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sin
 
 import numpy as np
 
@@ -12,9 +11,6 @@ from ncgear.contact.play import outline_play
 from ncgear.contact.written_lands import root_depths, tip_heights
 from ncgear.numerics.arrays import Array
 from ncgear.teeth.gear import ToothedPair
-
-BEYOND = 1.1
-"""How far beyond the end of the rack's line of action outlines are compared: a tenth, for contact of edges."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,14 +49,12 @@ class AsWritten:
         return self.back_rad - self.pushing_rad
 
 
-def as_written(outlines: Outlines, teeth: ToothedPair, placement: Placement) -> AsWritten:
-    """Contact of outlines over a whole cycle of meetings.
+def as_written(outlines: Outlines, teeth: ToothedPair, placement: Placement, reach_mm: float) -> AsWritten:
+    """Contact of outlines over a whole cycle of meetings, compared as far as ``reach_mm`` from the pitch point.
 
     Raises RuntimeError, a fault of ncgear, where outlines that are written do not reach each other.
     """
-    racks = teeth.driving.flanks.rack, teeth.driven.flanks.rack
-    reach = BEYOND * max(rack.dedendum_mm / sin(rack.pressure_angle_rad) for rack in racks)
-    play = outline_play(outlines.driving_mm, outlines.driven_mm, placement, reach)
+    play = outline_play(outlines.driving_mm, outlines.driven_mm, placement, reach_mm)
     tips = _tip_clearances(outlines, teeth, placement)
     if not all(np.isfinite(values).all() for values in (play.up_rad, play.down_rad, tips)):
         raise RuntimeError(f"the outlines written as {outlines.source} do not reach each other")

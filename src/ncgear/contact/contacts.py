@@ -16,12 +16,13 @@ from ncgear.numerics.plane import along
 class Contacts:
     """n places of contact on one side of the teeth, all of shape (n,).
 
-    ``meeting`` and ``position`` say which teeth and where; ``error_rad`` is the driven angle beyond the law's at which
-    they touch; ``point`` and ``tangent`` (of any length) are in the driven gear's frame as it then stands; ``flanks``
-    tells the contact of two flanks from that of an edge.
+    ``driving`` and ``driven`` number the flanks that meet in ``position``; ``error_rad`` is the driven angle beyond the
+    law's at which they touch; ``point`` and ``tangent`` (of any length) are in the driven gear's frame as it then
+    stands; ``flanks`` tells the contact of two flanks from that of an edge.
     """
 
-    meeting: IndexArray
+    driving: IndexArray
+    driven: IndexArray
     position: IndexArray
     error_rad: Array
     point: ComplexArray
@@ -36,6 +37,16 @@ class Contacts:
     def kept(self, rows: Mask | IndexArray) -> Contacts:
         """The chosen contacts."""
         return Contacts(*(getattr(self, field.name)[rows] for field in fields(self)))
+
+    @property
+    def driving_tooth(self) -> IndexArray:
+        """Number of each contact's driving tooth, from 1."""
+        return self.driving // 2 + 1
+
+    @property
+    def driven_tooth(self) -> IndexArray:
+        """Number of each contact's driven tooth, from 1."""
+        return self.driven // 2 + 1
 
     @property
     def lever_mm(self) -> Array:

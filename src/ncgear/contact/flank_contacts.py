@@ -56,7 +56,7 @@ def flank_contacts(teeth: ToothedPair, placement: Placement, meetings: Meetings)
     least = END_IN_MODULES * facing.module_mm
     touching = touches.found & (room >= -least).all(axis=0).any(axis=0)
     columns = placement.ahead * touches.turn_rad, touches.point, touches.tangent, touches.found
-    return Contacts(row, facing.position, *columns).kept(touching), arcs
+    return Contacts(facing.driving, facing.driven, facing.position, *columns).kept(touching), arcs
 
 
 def _heights(gear: ToothedGear) -> _Heights:

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncgear.contact.placement import PUSHING, Placement
+from ncgear.contact.placement import BACK, PUSHING, Placement
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.teeth.gear import ToothedPair
+from ncgear.teeth.meeting import mating_flanks
 
 REACH_IN_PITCHES = 2.0
 """Rolled length, before and after a pair of flanks crosses the pitch point, in which it is looked at: twice what a rack
@@ -37,33 +38,23 @@ class Meetings:
 
 
 def meetings(teeth: ToothedPair, placement: Placement, side: float) -> Meetings:
-    """All meetings on the driving gear's flanks of ``side`` (PUSHING or BACK).
-
-    A front flank of tooth n of the driving gear meets the back of tooth n of the driven gear, which stands half a pitch
-    on; a back flank meets the front of the tooth before.
-    """
+    """All meetings on the driving gear's flanks of ``side`` (PUSHING or BACK)."""
     number = np.arange(placement.meetings)
-    front = 0 if side == PUSHING else 1
-    driving, driving_mm = _flank(teeth.driving.flanks.crossing_mm, number, front, teeth.driving.flanks.curve.length_mm)
-    driven, driven_mm = _flank(
-        teeth.driven.flanks.crossing_mm, number - 1 + front, 1 - front, teeth.driven.flanks.curve.length_mm
-    )
+    driving, driven = _mates(placement, side)
+    own, other = teeth.driving.flanks, teeth.driven.flanks
+    driving_mm = own.crossing_mm[driving] + number // placement.driving_teeth * own.curve.length_mm
+    turns = np.round((driving_mm - other.crossing_mm[driven]) / other.curve.length_mm)
+    driven_mm = other.crossing_mm[driven] + turns * other.curve.length_mm
     reach = REACH_IN_PITCHES * placement.per_tooth
     first = np.ceil(driving_mm / placement.step_mm - reach).astype(int)
     position = first[:, None] + np.arange(int(2 * reach))
     rolled = position * placement.step_mm
-    return Meetings(
-        side,
-        driving,
-        driven,
-        position % placement.count,
-        driving_mm[:, None] - rolled,
-        driven_mm[:, None] - rolled,
-    )
+    ahead = driving_mm[:, None] - rolled, driven_mm[:, None] - rolled
+    return Meetings(side, driving, driven, position % placement.count, *ahead)
 
 
-def _flank(crossing: Array, tooth: IndexArray, front: int, length: float) -> tuple[IndexArray, Array]:
-    """Flanks of teeth counted on over any number of turns, and where each crosses the pitch curve, counted on too."""
-    turn, within = np.divmod(tooth, crossing.size // 2)
-    flank = 2 * within + front
-    return flank, crossing[flank] + turn * length
+def _mates(placement: Placement, side: float) -> tuple[IndexArray, IndexArray]:
+    """The driving and the driven flank of each meeting, in the order in which they meet."""
+    driving, driven = mating_flanks(placement.driving_teeth, placement.driven_teeth)
+    rows = slice(None, placement.meetings) if side == BACK else slice(placement.meetings, None)
+    return driving[rows], driven[rows]

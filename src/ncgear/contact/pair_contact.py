@@ -9,9 +9,12 @@ import numpy as np
 
 from ncgear.contact.as_designed import AsDesigned
 from ncgear.contact.as_written import AsWritten, Outlines, as_written
+from ncgear.contact.reach import reach_mm
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.angles import in_words
 from ncgear.numerics.arrays import Array
+from ncgear.pitch.pair import PitchPair
+from ncgear.pitch.shape import Mesh
 from ncgear.teeth.gear import ToothedPair
 
 CHORDS_OVERLAP = 2.2
@@ -19,6 +22,14 @@ CHORDS_OVERLAP = 2.2
 
 CHORDS_ASTRAY = 4.0
 """Distance in chord tolerances by which outlines may touch elsewhere than designed: twice what both chords can cost."""
+
+CAUSES = {
+    Mesh.EXTERNAL: "tips of a concave stretch foul the mating gear there; more teeth of a smaller module are needed, "
+    "or a smaller range of the ratio",
+    Mesh.INTERNAL: "tips foul the mating gear or, where a ring has too few teeth more than its driving gear, each "
+    "other; a smaller addendum, more teeth of a smaller module, or more lobes of the driven gear are needed",
+}
+"""Why teeth overlap, and what helps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,9 +55,12 @@ class PairContact:
         return max(float(written.overlap_mm.max()) for written in self.as_written)
 
 
-def pair_contact(designed: AsDesigned, teeth: ToothedPair, written: Sequence[Outlines]) -> PairContact:
+def pair_contact(
+    pitch: PitchPair, teeth: ToothedPair, designed: AsDesigned, written: Sequence[Outlines]
+) -> PairContact:
     """Contact of a pair that was designed so and has been written in each of these forms; raises as ``as_written``."""
-    return PairContact(designed, tuple(as_written(outlines, teeth, designed.placement) for outlines in written))
+    reach = reach_mm(pitch, teeth)
+    return PairContact(designed, tuple(as_written(one, teeth, designed.placement, reach) for one in written))
 
 
 def refuse_overlap(designed: AsDesigned, tolerance_mm: float) -> None:
@@ -74,9 +88,8 @@ def _refuse(overlap_mm: Array, allowed_mm: float, designed: AsDesigned) -> None:
     phi1 = float(designed.placement.phi1_rad[worst])
     tooth, _ = designed.placement.teeth_at(worst)
     raise NoSuchMechanism(
-        f"the teeth run into each other by {overlap_mm[worst]:.3g} mm near tooth {tooth} of "
-        f"the driving gear at phi1 = {in_words(phi1)}: tips of a concave stretch foul the mating gear "
-        "there; more teeth of a smaller module are needed, or a smaller range of the ratio",
+        f"the teeth run into each other by {overlap_mm[worst]:.3g} mm near tooth {tooth} of the driving gear at phi1 = "
+        f"{in_words(phi1)}: {CAUSES[designed.placement.mesh]}",
         key="gears.teeth",
     )
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
 from ncgear.pitch.pair import PitchPair
+from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
 
 PER_TOOTH = 20
 """Positions per tooth pitch; even, so that each tooth and each space stands on the pitch point once."""
@@ -36,6 +37,7 @@ class Placement:
     ratio dphi2/dphi1, shape (n,) each; ``per_tooth`` positions make a tooth pitch.
     """
 
+    mesh: Mesh
     center_distance_mm: float
     driving_teeth: int
     driven_teeth: int
@@ -71,24 +73,39 @@ class Placement:
         return float(self.rolled_mm[1])
 
     @property
+    def pitch_mm(self) -> float:
+        """Tooth pitch along the pitch curves."""
+        return self.step_mm * self.per_tooth
+
+    @property
     def driving_radius_mm(self) -> Array:
         """Distance of the pitch point from the driving axis."""
-        return self.center_distance_mm * self.speed / (1.0 + self.speed)
+        return self.speed * self.driven_radius_mm
 
     @property
     def driven_radius_mm(self) -> Array:
         """Distance of the pitch point from the driven axis."""
-        return self.center_distance_mm / (1.0 + self.speed)
+        return self.center_distance_mm / (1.0 - self.mesh.sense * self.speed)
 
     @property
     def mesh_direction_rad(self) -> Array:
-        """Polar angle, in the driving gear's frame, at which the driven axis lies."""
-        return -self.phi1_rad
+        """Polar angle, in the driving gear's frame, at which the pitch point lies."""
+        return meeting_direction_rad(Gear.DRIVING, self.mesh) - self.phi1_rad
+
+    @property
+    def ahead(self) -> float:
+        """Sense, +1 for up, in which a driven gear that is ahead of the law sees the driving gear turned."""
+        return -self.mesh.sense
+
+    @property
+    def driven_inside(self) -> bool:
+        """Whether the driven gear is a ring, with its material beyond its teeth as seen from its axis."""
+        return self.mesh is Mesh.INTERNAL
 
     def driving_points(self, points: ComplexArray, row: IndexArray) -> ComplexArray:
         """Points of the driving gear's frame in the driven gear's, at positions ``row``; shapes broadcast.
 
-        The driving gear has turned by +phi1 about (0, 0), the driven one by -phi2 about (a, 0).
+        The driving gear has turned by +phi1 about (0, 0), the driven one by phi2 in its sense about (a, 0).
         """
         return points * self._turn[row] + self._driving_axis[row]
 
@@ -96,17 +113,12 @@ class Placement:
         """Directions of the driving gear's frame in the driven gear's; shapes broadcast."""
         return vectors * self._turn[row]
 
-    @property
-    def ahead(self) -> float:
-        """Sense, +1 for up, in which a driven gear that is ahead of the law sees the driving gear turned."""
-        return 1.0
-
     def bounds_rad(self, up_rad: Array, down_rad: Array) -> tuple[Array, Array]:
         """Driven angles beyond the law's between which the driven gear is free: pushing flanks touch, their backs do.
 
         Given is how far the driving gear could be turned up and down, as the driven gear sees it.
         """
-        return -down_rad, up_rad
+        return (-down_rad, up_rad) if self.ahead > 0.0 else (-up_rad, down_rad)
 
     def fixed_points(self, points: ComplexArray, row: IndexArray, ahead_rad: Array) -> ComplexArray:
         """Points of the driven gear's frame in the fixed one, the driven gear being ahead of the law by angles."""
@@ -114,12 +126,12 @@ class Placement:
 
     def fixed_directions(self, vectors: ComplexArray, row: IndexArray, ahead_rad: Array) -> ComplexArray:
         """Directions of the driven gear's frame in the fixed one, the driven gear being ahead of the law by angles."""
-        turned: ComplexArray = vectors * np.exp(-1j * (self.phi2_rad[row] + ahead_rad))
+        turned: ComplexArray = vectors * np.exp(1j * self.mesh.sense * (self.phi2_rad[row] + ahead_rad))
         return turned
 
     def relative_velocity(self, points: ComplexArray, row: IndexArray) -> ComplexArray:
         """Velocity of the driving gear against the driven one at points of the fixed frame, in mm per rad of phi1."""
-        return 1j * points + 1j * self.speed[row] * (points - self.center_distance_mm)
+        return 1j * points - 1j * self.mesh.sense * self.speed[row] * (points - self.center_distance_mm)
 
     @cached_property
     def pitch_point(self) -> ComplexArray:
@@ -129,13 +141,13 @@ class Placement:
     @cached_property
     def _turn(self) -> ComplexArray:
         """The driving gear's turning as the driven gear sees it."""
-        turn: ComplexArray = np.exp(1j * (self.phi1_rad + self.phi2_rad))
+        turn: ComplexArray = np.exp(1j * (self.phi1_rad - self.mesh.sense * self.phi2_rad))
         return turn
 
     @cached_property
     def _driving_axis(self) -> ComplexArray:
         """The driving axis in the driven gear's frame."""
-        axis: ComplexArray = -self.center_distance_mm * np.exp(1j * self.phi2_rad)
+        axis: ComplexArray = -self.center_distance_mm * np.exp(-1j * self.mesh.sense * self.phi2_rad)
         return axis
 
 
@@ -149,5 +161,5 @@ def placed(pitch: PitchPair) -> Placement:
     # Rounding errors must not put the first position before the seam of the law.
     phi1 = np.maximum(pitch.driving.driving_angle(rolled), 0.0)
     angle = pitch.transmission.driven_angle(phi1, 1)
-    teeth = size.driving_teeth, size.driven_teeth
-    return Placement(size.center_distance_mm, *teeth, per_tooth, rolled, phi1, angle.value, angle.derivative(1))
+    fixed = pitch.mesh, size.center_distance_mm, size.driving_teeth, size.driven_teeth
+    return Placement(*fixed, per_tooth, rolled, phi1, angle.value, angle.derivative(1))

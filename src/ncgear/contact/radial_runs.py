@@ -53,10 +53,9 @@ class RadialRuns:
         return np.append(self.square[self.last], -1.0)
 
     @cached_property
-    def reach(self) -> Array:
-        """Largest squared radius of the runs near each sector, shape (sectors,)."""
-        reach: Array = self.outer[self.near].max(axis=1)
-        return reach
+    def reach(self) -> tuple[Array, Array]:
+        """Least and largest squared radius of the runs near each sector, shape (sectors,) each."""
+        return self.inner[self.near].min(axis=1), self.outer[self.near].max(axis=1)
 
     @cached_property
     def _keys(self) -> Array:

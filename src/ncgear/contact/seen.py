@@ -23,7 +23,7 @@ class SeenGear:
     @property
     def rootwards_out(self) -> bool:
         """Whether the way from a tooth's tip to its root leads away from the driven axis."""
-        return self.moving
+        return self.moving is not self.placement.driven_inside
 
     def points(self, points: ComplexArray, position: IndexArray) -> ComplexArray:
         """Points of the gear's own frame as seen at positions; shapes broadcast."""

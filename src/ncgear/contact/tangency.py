@@ -17,7 +17,7 @@ from ncgear.contact.facing import FacingFlanks, Touches
 from ncgear.contact.first_touch import first_touches
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import across, along, angle_between, square
-from ncgear.teeth.sides import AGREEMENT
+from ncgear.teeth.tips import AGREEMENT
 
 PARALLEL_RAD = 1e-9
 """Angle at which tangents count as parallel: the driven angle is off by less than its square."""

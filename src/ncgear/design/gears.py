@@ -42,6 +42,50 @@ class Lobes(Model):
     driven: int = Field(default=1, ge=1, le=MOST_LOBES, description="lobes of the driven gear, a whole number")
 
 
+class TipRelief(Model):
+    """Material taken off the flanks near their tips, so that teeth that bend under load come together gently."""
+
+    amount: float = Field(gt=0.0, le=0.1, description="what is taken off at the tip, along the normal, in modules")
+    start: float = Field(
+        default=0.5, ge=0.0, le=10.0, description="height over the pitch line at which it begins, in modules"
+    )
+
+
+class ProfileShift(Model):
+    """Profile shift in modules, positive outwards; equal and opposite unless both are given."""
+
+    driving: float | None = Field(default=None, ge=-1.0, le=1.0, description="of the driving gear, in modules")
+    driven: float | None = Field(default=None, ge=-1.0, le=1.0, description="of the driven gear, in modules")
+    against_undercut: bool = Field(
+        default=False, description="true: chosen, equal and opposite, so that least is undercut"
+    )
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if self.against_undercut and (self.driving is not None or self.driven is not None):
+            raise fault("against_undercut", "the shifts are given; leave them out, or this")
+        return self
+
+
+class Cutter(Model):
+    """The tool that leaves the fillets."""
+
+    kind: Literal["auto", "rack", "pinion", "mate"] = Field(
+        default="auto",
+        description="rack (hob), pinion (shaper), mate (wire, mill or print: each gear cleared for the other's tips), "
+        "or auto: rack where both pitch curves are convex, else mate",
+    )
+    teeth: int | None = Field(
+        default=None, ge=3, le=1000, description="teeth of the pinion cutter; left out: the most that go in"
+    )
+
+    @model_validator(mode="after")
+    def _teeth_of_a_pinion(self) -> Self:
+        if self.teeth is not None and self.kind != "pinion":
+            raise fault("teeth", f"a cutter of kind {self.kind} has no teeth to count; leave it out, or kind: pinion")
+        return self
+
+
 class Rack(Model):
     """The basic rack: a profile of ISO 53, any of whose coefficients can be given by itself."""
 
@@ -58,6 +102,34 @@ class Rack(Model):
         ge=0.0,
         le=10.0,
         description="radius of the root fillet in modules",
+    )
+    tip_relief: TipRelief | None = Field(default=None, description="tip relief; left out: none")
+
+    @model_validator(mode="after")
+    def _relief_below_tip(self) -> Self:
+        if self.tip_relief is not None and self.tip_relief.start >= self.addendum:
+            raise fault(
+                "tip_relief.start",
+                f"{self.tip_relief.start:g} modules is not below the tip; under {self.addendum:g} is right",
+            )
+        return self
+
+
+class Helix(Model):
+    """Teeth that advance along the pitch curves from section to section."""
+
+    angle_deg: float = Field(
+        gt=0.0,
+        le=45.0,
+        description="helix angle at the pitch curve in degrees: its tangent is the advance along the pitch curve per "
+        "unit of height. Module and pressure angle stay those of the sections (transverse)",
+    )
+    kind: Literal["helical", "herringbone"] = Field(
+        description="helical: one sense all the way up; herringbone: up to half the face width, and back from there"
+    )
+    hand: Literal["right", "left"] = Field(
+        description="hand of the driving gear (of herringbone teeth: of the half next to z = 0); the driven gear has "
+        "the other by itself"
     )
 
 
@@ -86,9 +158,23 @@ class GearBody(Model):
         return self
 
 
+class DrivenBody(GearBody):
+    """What is cut into the driven gear around its axis or, of a ring, stands around its teeth."""
+
+    rim_mm: Length | None = Field(
+        default=None,
+        description="of a ring (mesh: internal): thickness in mm outside its deepest root; left out: 3.5 modules",
+    )
+
+
 class Gears(Model):
     """The pair of gears: lobes, size, rack, backlash, bodies."""
 
+    mesh: Literal["external", "internal"] = Field(
+        default="external",
+        description="external: gears side by side; internal: the driven gear is a ring around the driving one, which "
+        "needs a ratio over 1 everywhere",
+    )
     lobes: Lobes = Field(default_factory=Lobes, description="lobes of each gear; left out: one each")
     teeth: int | None = Field(
         default=None, ge=3, le=MOST_TEETH, description="teeth of the driving gear, a whole number"
@@ -97,13 +183,39 @@ class Gears(Model):
     center_distance_mm: Length | None = Field(default=None, description="distance of the two axes in mm")
     face_width_mm: Length = Field(description="width of both gears along their axes in mm")
     rack: Rack = Field(default_factory=Rack, description="basic rack; left out: ISO 53 profile A at 20 degrees")
-    backlash_mm: float = Field(default=0.0, ge=0.0, le=1000.0, description="normal backlash of the pair in mm")
+    helix: Helix | None = Field(
+        default=None, description="helical or herringbone teeth; left out: straight ones. Sections differ from z = 0 on"
+    )
+    backlash_mm: float = Field(
+        default=0.0, ge=0.0, le=1000.0, description="normal backlash of the pair in mm, taken off the idle flanks"
+    )
+    profile_shift: ProfileShift = Field(default_factory=ProfileShift, description="profile shift; left out: none")
+    cutter: Cutter = Field(default_factory=Cutter, description="tool that leaves the fillets; left out: kind auto")
+    undercut: Literal["avoid", "allow"] = Field(
+        default="avoid",
+        description="avoid: tips are shortened where they would undercut the mate; allow: full height, flanks cut away",
+    )
+    least_tip_land: float = Field(
+        default=0.2, ge=0.01, le=1.0, description="least width of tip lands in modules; sharper tips are shortened"
+    )
+    least_contact_ratio: float = Field(
+        default=1.0,
+        ge=0.0,
+        le=3.0,
+        description="least contact ratio of any pair of flanks; a pair with less is refused",
+    )
+    method: Literal["exact", "equivalent_gear"] = Field(
+        default="exact",
+        description="exact flanks, or for comparison those of the circular gear of the local radius of curvature",
+    )
     index_holes: bool = Field(
         default=False,
         description="true: a small hole in each gear, half a module wide, which face each other at phi1 = 0",
     )
     driving: GearBody = Field(default_factory=GearBody, description="bore and keyway of the driving gear")
-    driven: GearBody = Field(default_factory=GearBody, description="bore and keyway of the driven gear")
+    driven: DrivenBody = Field(
+        default_factory=DrivenBody, description="bore and keyway of the driven gear; rim of a driven ring"
+    )
 
     @model_validator(mode="after")
     def _two_sizes(self) -> Self:
@@ -112,4 +224,13 @@ class Gears(Model):
         if len(found) < 2:
             said = f"only {found[0]} is given" if found else "no size is given"
             raise fault("", f"{said}; two of {listed(names, 'and')} are needed")
+        return self
+
+    @model_validator(mode="after")
+    def _body_is_that_of_the_mesh(self) -> Self:
+        ring, driven = self.mesh == "internal", self.driven
+        if ring and driven.bore_mm is not None:
+            raise fault("driven.bore_mm", "given, but a ring (mesh: internal) has no bore; leave bore and keyway out")
+        if not ring and driven.rim_mm is not None:
+            raise fault("driven.rim_mm", "given, but only a ring has a rim; leave it out, or give mesh: internal")
         return self

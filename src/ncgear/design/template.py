@@ -90,6 +90,7 @@ motion:                    # circular gears, to compare with
 
 _GEARS = """\
 gears:                     # a check does without, a build needs it
+  mesh: external           # or internal: the driven gear is a ring, which needs a ratio over 1 everywhere
   lobes: {driving: 1, driven: 1}   # how often the law repeats in one turn
   teeth: 90                # of the driving gear; any two of teeth, module_mm and center_distance_mm
   module_mm: 2
@@ -101,6 +102,7 @@ gears:                     # a check does without, a build needs it
     # addendum: 1          # in modules, in place of the profile's
     # dedendum: 1.25
     # root_radius: 0.38
+  # helix: {angle_deg: 15, kind: helical, hand: right}   # or herringbone, left; left out: straight teeth
   backlash_mm: 0           # normal backlash
   index_holes: true        # a small hole in each gear; they face each other at phi1 = 0, so that teeth pair up right
   driving: {bore_mm: 12, keyway: {width_mm: 4, depth_mm: 1.8}}

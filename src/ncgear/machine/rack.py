@@ -9,12 +9,25 @@ from ncgear.errors import WrongInput
 
 
 @dataclass(frozen=True)
-class BasicRack:
-    """Rack tooth in mm; the coefficients times the module (ISO 53, values from secondary sources).
+class TipRelief:
+    """Material taken off the flanks near the tip: a parabola over the height, in mm along the flank's normal.
 
-    ``addendum_mm`` is the gears' addendum, ``dedendum_mm`` their dedendum (the cutter tooth's height),
-    ``root_radius_mm`` the rounding at the cutter's tip, ``backlash_mm`` the normal backlash of the pair, half of it
-    taken from each gear's teeth.  Raises WrongInput when the rounding does not fit into the tooth.
+    It begins at ``start_mm`` over the rack's pitch line and takes ``amount_mm`` at ``full_mm``, where the tip is.
+    """
+
+    amount_mm: float
+    start_mm: float
+    full_mm: float
+
+
+@dataclass(frozen=True)
+class BasicRack:
+    """Rack tooth of one gear in mm; the coefficients times the module (ISO 53, values from secondary sources).
+
+    ``addendum_mm`` is the gear's addendum, ``dedendum_mm`` its dedendum (the cutter tooth's height), both without
+    profile shift; ``root_radius_mm`` the rounding at the cutter's tip; ``backlash_mm`` the normal backlash of the pair,
+    half of it taken from each gear's idle flanks; ``shift_mm`` the profile shift, positive outwards.  Raises WrongInput
+    when the rounding does not fit into the tooth.
     """
 
     module_mm: float
@@ -23,6 +36,8 @@ class BasicRack:
     dedendum_mm: float
     root_radius_mm: float
     backlash_mm: float = 0.0
+    shift_mm: float = 0.0
+    relief: TipRelief | None = None
 
     def __post_init__(self) -> None:
         if self.tip_half_width_mm < 0.0 or self.flank_depth_mm < 0.0:
@@ -39,9 +54,13 @@ class BasicRack:
             )
 
     def scaled(self, factor: float) -> BasicRack:
-        """The same rack with every length but the backlash multiplied by ``factor``."""
-        names = ("module_mm", "addendum_mm", "dedendum_mm", "root_radius_mm")
+        """The same rack with every length but the backlash multiplied by ``factor``; tip relief is kept as it is."""
+        names = ("module_mm", "addendum_mm", "dedendum_mm", "root_radius_mm", "shift_mm")
         return replace(self, **{name: factor * getattr(self, name) for name in names})
+
+    def shifted(self, shift_mm: float) -> BasicRack:
+        """The same rack at another profile shift."""
+        return replace(self, shift_mm=shift_mm)
 
     @property
     def pitch_mm(self) -> float:
@@ -49,33 +68,60 @@ class BasicRack:
         return pi * self.module_mm
 
     @property
-    def cutter_half_width_mm(self) -> float:
-        """Half the cutter tooth's thickness on the pitch line: a quarter pitch and a quarter of the backlash."""
-        return self.pitch_mm / 4.0 + self.backlash_mm / (4.0 * cos(self.pressure_angle_rad))
+    def height_per_rolled(self) -> float:
+        """sin(alpha) cos(alpha): height by which the contact on a flank rises for each mm rolled."""
+        return sin(self.pressure_angle_rad) * cos(self.pressure_angle_rad)
+
+    @property
+    def tip_height_mm(self) -> float:
+        """Height of the gear's tip land over its pitch curve: the addendum and the shift."""
+        return self.addendum_mm + self.shift_mm
+
+    @property
+    def root_depth_mm(self) -> float:
+        """Depth of the gear's root land under its pitch curve: the dedendum less the shift."""
+        return self.dedendum_mm - self.shift_mm
+
+    @property
+    def thinning_mm(self) -> float:
+        """What the backlash takes off this gear's tooth thickness on the pitch curve."""
+        return self.backlash_mm / (2.0 * cos(self.pressure_angle_rad))
+
+    @property
+    def loaded_half_width_mm(self) -> float:
+        """From the middle of the pitch to the flank that carries, along the pitch curve: no backlash is taken there."""
+        return self.pitch_mm / 4.0 + self.shift_mm * tan(self.pressure_angle_rad)
+
+    @property
+    def idle_half_width_mm(self) -> float:
+        """The same to the idle flank, which the backlash has thinned."""
+        return self.loaded_half_width_mm - self.thinning_mm
 
     @property
     def tooth_half_width_mm(self) -> float:
-        """Half the gear tooth's thickness on the pitch line."""
-        return self.pitch_mm / 2.0 - self.cutter_half_width_mm
+        """Half the gear tooth's thickness at the rack's mid line, without profile shift."""
+        return self.pitch_mm / 4.0 - self.thinning_mm / 2.0
+
+    @property
+    def rounding_height_mm(self) -> float:
+        """What the rounding takes of the cutter tooth's height: from the end of its straight flank to its tip."""
+        return self.root_radius_mm * (1.0 - sin(self.pressure_angle_rad))
 
     @property
     def flank_depth_mm(self) -> float:
-        """Depth below the pitch line at which the straight flank ends and the rounding begins."""
-        return self.dedendum_mm - self.root_radius_mm * (1.0 - sin(self.pressure_angle_rad))
-
-    @property
-    def rounding_depth_mm(self) -> float:
-        """Depth of the rounding's centre below the pitch line."""
-        return self.dedendum_mm - self.root_radius_mm
+        """Depth below the rack's mid line at which the straight flank ends and the rounding begins."""
+        return self.dedendum_mm - self.rounding_height_mm
 
     @property
     def tip_half_width_mm(self) -> float:
         """Half the flat of the cutter's tip: where the rounding's centre stands from the cutter tooth's middle."""
         angle = self.pressure_angle_rad
-        return self.cutter_half_width_mm - self.rounding_depth_mm * tan(angle) - self.root_radius_mm / cos(angle)
+        half_width = self.pitch_mm / 2.0 - self.tooth_half_width_mm
+        return half_width - (self.dedendum_mm - self.root_radius_mm) * tan(angle) - self.root_radius_mm / cos(angle)
 
     @property
     def largest_root_radius_mm(self) -> float:
         """Root radius at which the flat of the cutter's tip vanishes."""
         angle = self.pressure_angle_rad
-        return (self.cutter_half_width_mm - self.dedendum_mm * tan(angle)) / (1.0 / cos(angle) - tan(angle))
+        half_width = self.pitch_mm / 2.0 - self.tooth_half_width_mm
+        return (half_width - self.dedendum_mm * tan(angle)) / (1.0 / cos(angle) - tan(angle))

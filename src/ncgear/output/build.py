@@ -23,7 +23,9 @@ from ncgear.output.tables import contact_csv, law_csv, outline_csv
 from ncgear.output.written import written_outlines
 from ncgear.pitch.curve import CurvePoints, PitchCurve
 from ncgear.ratio.transmission import Transmission
+from ncgear.recipe import rim_mm_of
 from ncgear.solids.assembly import Placed, assembly_report
+from ncgear.solids.ring import outer_radius_mm
 
 STAGES = {
     "motion": ("motion", "uniform_motion"),
@@ -63,7 +65,8 @@ def build(drive: Drive, folder: Path, on_stage: Callable[[str], None]) -> Built:
     with _timed(drive, "files", on_stage):
         files = {**_tables(drive), **_meshes(drive), "assembly.json": _json(_assembly(drive))}
     with _timed(drive, "written contact", on_stage):
-        contact = drive.contact(written_outlines(files))
+        ring, helical = drive.pitch.driven.is_ring, drive.helix is not None
+        contact = drive.contact(written_outlines(files, ring=ring, helical=helical))
         files["contact.csv"] = contact_csv(contact).encode()
     with _timed(drive, "plots", on_stage):
         files.update(_pictures(drive, contact))
@@ -103,17 +106,26 @@ def _meshes(drive: Drive) -> dict[str, bytes]:
 def _assembly(drive: Drive) -> dict[str, Any]:
     """How the gears go together at phi1 = 0."""
     pitch, teeth, solids = drive.pitch, drive.teeth, drive.solids
+    driven_radius, is_ring = _pitch_radius(pitch.driven), pitch.driven.is_ring
     return assembly_report(
         Placed(teeth.driving.outline_mm, _pitch_radius(pitch.driving), solids.driving.index_hole),
-        Placed(teeth.driven.outline_mm, _pitch_radius(pitch.driven), solids.driven.index_hole),
+        Placed(teeth.driven.outline_mm, driven_radius, solids.driven.index_hole, is_ring),
         pitch.center_distance_mm,
         pitch.size.module_mm,
+        pitch.mesh,
     )
 
 
 def _pitch_radius(curve: PitchCurve) -> float:
     """On the line of centres at phi1 = 0."""
-    return float(_radius(curve, np.zeros(1))[0])
+    return float(np.linalg.norm(curve.at_angle(np.zeros(1)).position))
+
+
+def _ring_radius(drive: Drive) -> float | None:
+    """Outer radius of a driven ring; None for an external pair."""
+    if not drive.pitch.driven.is_ring:
+        return None
+    return outer_radius_mm(drive.teeth.driven.outline_mm, rim_mm_of(drive.gears, drive.pitch.size.module_mm))
 
 
 def _pictures(drive: Drive, contact: PairContact) -> dict[str, bytes]:
@@ -137,8 +149,9 @@ def _pitch_curves(drive: Drive) -> bytes:
         driven.position,
         drive.pitch.center_distance_mm,
         driving.curvature < 0.0,
-        driven.curvature < 0.0,
+        driven.curvature > 0.0 if drive.pitch.driven.is_ring else driven.curvature < 0.0,
         f"{drive.design.name}: pitch curves at phi1 = 0",
+        ring_radius_mm=_ring_radius(drive),
     )
 
 
@@ -150,25 +163,19 @@ def _tooth_pair(drive: Drive) -> bytes:
         drive.pitch.size.module_mm,
         _positions(drive),
         f"{drive.design.name}: tooth outlines in mesh",
+        ring_radius_mm=_ring_radius(drive),
     )
 
 
 def _positions(drive: Drive) -> list[plots.Position]:
     phi1 = np.linspace(0.0, 2.0 * pi, POSITIONS, endpoint=False)
     phi2 = drive.transmission.driven_angle(phi1).value
-    radius = _radius(drive.pitch.driving, phi1)
-    return [plots.Position(float(a), float(b), float(r)) for a, b, r in zip(phi1, phi2, radius, strict=True)]
+    point = drive.pitch.pitch_point_mm(phi1)
+    return [plots.Position(float(a), float(b), float(x)) for a, b, x in zip(phi1, phi2, point, strict=True)]
 
 
 def _closed_curve(curve: PitchCurve) -> CurvePoints:
     return curve.at_angle(np.linspace(0.0, curve.turn_rad, CURVE_POINTS))
-
-
-def _radius(curve: PitchCurve, phi1: Array) -> Array:
-    """Distance in mm of the pitch point from the gear's axis."""
-    position = curve.at_angle(phi1).position
-    radius: Array = np.hypot(position[:, 0], position[:, 1])
-    return radius
 
 
 def _joints(transmission: Transmission, end_rad: float) -> Array:

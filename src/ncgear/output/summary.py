@@ -14,6 +14,7 @@ from ncgear.output.warnings import build_warnings, check_warnings
 if TYPE_CHECKING:
     from ncgear.contact.pair_contact import PairContact
     from ncgear.pitch.pair import PitchPair
+    from ncgear.teeth.gear import ToothedGear
 
 
 def check_summary(drive: Drive) -> dict[str, Any]:
@@ -39,7 +40,7 @@ def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
         **summary,
         "pitch": _pitch(drive),
         "teeth": _teeth(drive),
-        "contact": contact_summary(contact, drive.machine.speed_rad_s),
+        "contact": {**contact_summary(contact, drive.machine.speed_rad_s), **_overlap(drive, contact)},
         "comparison": comparison,
         "warnings": warnings + build_warnings(drive),
         "timing_s": {stage: round(seconds, 6) for stage, seconds in drive.timing_s.items()},
@@ -125,7 +126,7 @@ def _pitch(drive: Drive) -> dict[str, Any]:
     from ncgear.pitch.shape import Gear
 
     pitch = drive.pitch
-    result: dict[str, Any] = {"center_distance_mm": pitch.center_distance_mm}
+    result: dict[str, Any] = {"mesh": pitch.mesh.value, "center_distance_mm": pitch.center_distance_mm}
     for gear in Gear:
         name = gear.value
         result[f"length_{name}_mm"] = pitch.length_mm(gear)
@@ -155,19 +156,52 @@ def _jumps(pitch: PitchPair) -> list[dict[str, float]]:
 
 
 def _teeth(drive: Drive) -> dict[str, Any]:
-    from ncgear.teeth.gear import teeth_free_of_undercut
+    from ncgear.teeth.shift import teeth_free_of_undercut
 
     teeth, size = drive.teeth, drive.pitch.size
+    racks = teeth.driving.flanks.rack, teeth.driven.flanks.rack
     return {
         "driving": size.driving_teeth,
         "driven": size.driven_teeth,
         "module_mm": size.module_mm,
         "backlash_mm": drive.rack.backlash_mm,
+        **_helix(drive),
         "undercut_driving": teeth.driving.undercut,
         "undercut_driven": teeth.driven.undercut,
-        "pointed_driving": teeth.driving.pointed,
-        "pointed_driven": teeth.driven.pointed,
-        "free_of_undercut_from_driving_teeth": teeth_free_of_undercut(drive.pitch, drive.rack),
+        "free_of_undercut_from_driving_teeth": teeth_free_of_undercut(drive.pitch, *racks),
+        "method": drive.gears.method,
+        "cutter": teeth.cutter.value,
+        "profile_shift_driving_mm": racks[0].shift_mm,
+        "profile_shift_driven_mm": racks[1].shift_mm,
+        "tips_driving": _tips(teeth.driving),
+        "tips_driven": _tips(teeth.driven),
         "points_driving": len(teeth.driving.outline_mm),
         "points_driven": len(teeth.driven.outline_mm),
     }
+
+
+def _tips(gear: ToothedGear) -> dict[str, Any]:
+    """Least height of the tips, and numbers of the teeth whose tips are shortened, by reason."""
+    from ncgear.teeth.tips import Limit
+
+    result: dict[str, Any] = {"least_height_mm": float(gear.flanks.tip_height_mm.min())}
+    for reason in Limit:
+        if reason is not Limit.FULL and (numbers := gear.shortened(reason)):
+            result[f"shortened_for_{reason.name.lower()}"] = numbers
+    return result
+
+
+def _helix(drive: Drive) -> dict[str, Any]:
+    helix = drive.helix
+    if helix is None:
+        return {}
+    kind = "herringbone" if helix.herringbone else "helical"
+    return {"helix_angle_deg": degrees(helix.angle_rad), "helix_kind": kind, "hand_driving": helix.hand}
+
+
+def _overlap(drive: Drive, contact: PairContact) -> dict[str, float]:
+    """What the advance of helical teeth adds to the contact ratio of their sections."""
+    if drive.helix is None:
+        return {}
+    overlap = drive.helix.largest_advance_mm / drive.rack.pitch_mm
+    return {"overlap_ratio": overlap, "total_contact_ratio": contact.contact_ratio + overlap}

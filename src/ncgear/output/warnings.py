@@ -28,8 +28,9 @@ def build_warnings(drive: Drive) -> list[str]:
     """Warnings about pitch curves, teeth and contact."""
     from ncgear.pitch.shape import Gear
 
-    warnings = [_pressure_angle(drive), *(_concave(drive, gear) for gear in Gear), _undercut(drive), _pointed(drive)]
-    return [warning for warning in [*warnings, _contact(drive)] if warning]
+    curves = [_pressure_angle(drive), _ring(drive), *(_concave(drive, gear) for gear in Gear)]
+    teeth = [_undercut(drive), *_shortened(drive), _contact(drive), _thrust(drive)]
+    return [warning for warning in [*curves, *teeth] if warning]
 
 
 def _ratio_range(drive: Drive) -> str:
@@ -70,6 +71,15 @@ def _pressure_angle(drive: Drive) -> str:
     return f"the pressure angle reaches {angle:.3g} deg at phi1 = {at:.4g} deg; a smaller range of the ratio lowers it"
 
 
+def _ring(drive: Drive) -> str:
+    if not drive.pitch.driven.is_ring:
+        return ""
+    return (
+        "the driven gear is internal: no hob can cut it; wire, mill, print, or a shaper with a smaller cutter can; it "
+        "is carried on its rim, or by a plate behind the driving gear"
+    )
+
+
 def _concave(drive: Drive, gear: Gear) -> str:
     radius = drive.pitch.least_concave_radius_mm(gear)
     if radius is None:
@@ -82,26 +92,37 @@ def _concave(drive: Drive, gear: Gear) -> str:
 
 
 def _undercut(drive: Drive) -> str:
-    from ncgear.teeth.gear import teeth_free_of_undercut
+    from ncgear.teeth.shift import teeth_free_of_undercut
 
     named = [_named(gear.undercut, name) for gear, name in _both(drive) if gear.undercut]
     if not named:
         return ""
-    enough = teeth_free_of_undercut(drive.pitch, drive.rack)
-    return f"undercut: {'; '.join(named)}. From {enough} driving teeth at this centre distance there is none"
-
-
-def _pointed(drive: Drive) -> str:
-    from ncgear.teeth.gear import teeth_free_of_points
-
-    named = [_named(gear.pointed, name) for gear, name in _both(drive) if gear.pointed]
-    if not named:
-        return ""
-    enough = teeth_free_of_points(drive.pitch, drive.rack)
-    remedy = (
-        f"At {enough} driving teeth at this centre distance there is none" if enough else "A smaller addendum helps"
+    enough = teeth_free_of_undercut(drive.pitch, drive.teeth.driving.flanks.rack, drive.teeth.driven.flanks.rack)
+    remedy = f"From {enough} driving teeth at this centre distance there is none"
+    if drive.gears.undercut == "allow":
+        return f"undercut: {'; '.join(named)}. {remedy}"
+    return (
+        f"undercut at full height: {'; '.join(named)}; the mating tips are shortened instead, so that all flanks are "
+        f"exact. {remedy}"
     )
-    return f"pointed: {'; '.join(named)}. {remedy}"
+
+
+def _shortened(drive: Drive) -> list[str]:
+    """Tips that are shortened for another reason than undercut."""
+    from ncgear.teeth.tips import Limit
+
+    reasons = {
+        Limit.FILLET: "would reach into the mate's fillet",
+        Limit.CUSP: "would end in a cusp, so concave is the pitch curve there",
+        Limit.LAND: f"would have a land under {drive.gears.least_tip_land:g} modules",
+        Limit.FOULING: "would run into the mate's tips, so concave is the pitch curve there",
+    }
+    found = []
+    for reason, words in reasons.items():
+        named = [_named(gear.shortened(reason), name) for gear, name in _both(drive) if gear.shortened(reason)]
+        if named:
+            found.append(f"tips shortened that {words}: {'; '.join(named)}")
+    return found
 
 
 def _both(drive: Drive) -> tuple[tuple[ToothedGear, str], ...]:
@@ -122,4 +143,15 @@ def _contact(drive: Drive) -> str:
         f"contact ratio: the shortest contact of a flank pair lasts {min(side.arcs.min() for side in sides):.3g} "
         "pitches, and at some positions no flanks touch: the driven gear is carried by an edge there, off the law by "
         f"up to {error:.2g} rad"
+    )
+
+
+def _thrust(drive: Drive) -> str:
+    helix = drive.helix
+    if helix is None or not helix.thrust_share:
+        return ""
+    towards, away = ("growing", "falling") if helix.hand == "right" else ("falling", "growing")
+    return (
+        f"axial thrust: {helix.thrust_share:.3g} of the tangential force at the pitch point pushes the driving gear "
+        f"towards {towards} z and the driven one towards {away} z; bearings must take it, herringbone teeth cancel it"
     )

@@ -15,15 +15,21 @@ STRAIGHT_MM = 1e-9
 """Distance from the line through its neighbours at which a point counts as on it: where a section crosses the diagonal
 of a flat facet."""
 
+FOOT_MM = 1e-6
+"""Height at which the section of helical teeth is taken: there it is the outline, farther up it has turned."""
 
-def written_outlines(files: Mapping[str, bytes]) -> list[Outlines]:
+
+def written_outlines(files: Mapping[str, bytes], *, ring: bool = False, helical: bool = False) -> list[Outlines]:
     """Both gears' outlines as a build's tables hold them, and as its solids do.
 
-    ``files`` maps the names of a build's files to their contents.  Raises ValueError for a solid that is not closed.
+    ``files`` maps the names of a build's files to their contents; the driven gear may be a ``ring``, and the teeth may
+    be ``helical``.  Raises ValueError for a solid that is not closed.
     """
+    height = FOOT_MM if helical else None
+    solids = outline_of_stl(files["driving.stl"], height), outline_of_stl(files["driven.stl"], height, hole=ring)
     return [
         Outlines("csv", outline_of_csv(files["driving.csv"]), outline_of_csv(files["driven.csv"])),
-        Outlines("stl", outline_of_stl(files["driving.stl"]), outline_of_stl(files["driven.stl"])),
+        Outlines("stl", *solids),
     ]
 
 
@@ -33,30 +39,32 @@ def outline_of_csv(data: bytes) -> Array:
     return points
 
 
-def outline_of_stl(data: bytes) -> Array:
-    """The outer boundary of a solid's section at half its height, in mm, counter-clockwise, shape (n, 2).
+def outline_of_stl(data: bytes, height_mm: float | None = None, *, hole: bool = False) -> Array:
+    """The outer boundary of a solid's section, in mm, counter-clockwise, shape (n, 2); or that of its largest hole.
 
-    Raises ValueError unless the mesh is closed there.
+    At a height over z = 0, or half way up where none is given.  Raises ValueError unless the mesh is closed there.
     """
     mesh = trimesh.load_mesh(BytesIO(data), file_type="stl")
-    rings = section_rings(np.asarray(mesh.vertices), np.asarray(mesh.faces))
-    return _without_straight_points(max(rings, key=_area))
+    vertices = np.asarray(mesh.vertices)
+    height = (vertices[:, 2].min() + vertices[:, 2].max()) / 2.0 if height_mm is None else height_mm
+    rings = section_rings(vertices, np.asarray(mesh.faces), height)
+    chosen = min(rings, key=_area)[::-1] if hole else max(rings, key=_area)
+    return _without_straight_points(chosen)
 
 
-def section_rings(vertices: Array, faces: IndexArray) -> list[Array]:
-    """The rings, shape (n, 2) each, in which a mesh meets the plane half way up; the outer ones counter-clockwise.
+def section_rings(vertices: Array, faces: IndexArray, height: float) -> list[Array]:
+    """The rings, shape (n, 2) each, in which a mesh meets the plane at a height; the outer ones counter-clockwise.
 
     They are followed from facet to facet over the mesh's edges, not over coordinates: rounding can then neither open a
     ring nor join two.  Raises ValueError unless every edge that crosses the plane joins two facets.
     """
-    height = (vertices[:, 2].min() + vertices[:, 2].max()) / 2.0
     above = vertices[:, 2] > height
     start, end = faces, np.roll(faces, -1, axis=1)
     # Seen from outside, a facet's boundary runs down on the left of its section and up again on the right.
     down, up = (_edge_keys(start[mask], end[mask], len(vertices)) for mask in _crossing(above, start, end))
     edges, place = np.unique(np.concatenate([down, up]), return_inverse=True)
     if edges.size != down.size or np.any(np.bincount(place) != 2):
-        raise ValueError("the mesh is not closed at half its height")
+        raise ValueError(f"the mesh is not closed at a height of {height:g}")
     following = np.empty(edges.size, dtype=int)
     following[place[: down.size]] = place[down.size :]
     points = _at_height(vertices[edges // len(vertices)], vertices[edges % len(vertices)], height)

@@ -15,7 +15,7 @@ from ncgear.numerics.angles import in_words
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
 from ncgear.pitch import shape
-from ncgear.pitch.shape import Gear
+from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.transmission import Transmission
 
 NEWTON_STEPS = 20
@@ -49,19 +49,19 @@ class ArcLength:
         return cycles * self.angle_period_rad + self.by_length(local)
 
 
-def arc_length(transmission: Transmission) -> ArcLength:
+def arc_length(transmission: Transmission, mesh: Mesh) -> ArcLength:
     """Both maps, each resolved to rounding error panel by panel.
 
     Raises NoSuchMechanism where the curves turn too sharply to be resolved.
     """
     joints = transmission.joints_rad
     try:
-        by_angle = chebyshev.fitted(lambda phi1: _speed(transmission, phi1, Gear.DRIVING), joints).integrated()
+        by_angle = chebyshev.fitted(lambda phi1: _speed(transmission, phi1, Gear.DRIVING, mesh), joints).integrated()
     except NotSmooth as fault:
         raise too_sharp(fault.at) from fault
     joint_lengths = np.append(by_angle(joints[:-1]), by_angle.final)
     try:
-        by_length = chebyshev.fitted(lambda sigma: _inverse(transmission, by_angle, sigma), joint_lengths)
+        by_length = chebyshev.fitted(lambda sigma: _inverse(transmission, mesh, by_angle, sigma), joint_lengths)
     except NotSmooth as fault:
         raise too_sharp(float(np.interp(fault.at, joint_lengths, joints))) from fault
     return ArcLength(by_angle, by_length)
@@ -76,21 +76,22 @@ def too_sharp(phi1_rad: float) -> NoSuchMechanism:
     )
 
 
-def period_length(transmission: Transmission, gear: Gear) -> float:
+def period_length(transmission: Transmission, gear: Gear, mesh: Mesh) -> float:
     """Length of one period from the gear's own curve, to check one gear against the other."""
-    return chebyshev.fitted(lambda phi1: _speed(transmission, phi1, gear), transmission.joints_rad).integrated().final
+    speed = chebyshev.fitted(lambda phi1: _speed(transmission, phi1, gear, mesh), transmission.joints_rad)
+    return speed.integrated().final
 
 
-def _speed(transmission: Transmission, phi1: Array, gear: Gear) -> Array:
-    return shape.speed(transmission.driven_angle(phi1, 2).differentiated(), gear).value
+def _speed(transmission: Transmission, phi1: Array, gear: Gear, mesh: Mesh) -> Array:
+    return shape.speed(transmission.driven_angle(phi1, 2).differentiated(), gear, mesh).value
 
 
-def _inverse(transmission: Transmission, by_angle: PiecewiseChebyshev, sigma: Array) -> Array:
+def _inverse(transmission: Transmission, mesh: Mesh, by_angle: PiecewiseChebyshev, sigma: Array) -> Array:
     """Newton's method from a linear interpolation of the panel ends."""
     ends = np.append(by_angle(by_angle.breaks[:-1]), by_angle.final)
     phi1 = np.interp(sigma, ends, by_angle.breaks)
     for _ in range(NEWTON_STEPS):
-        step = (by_angle(phi1) - sigma) / _speed(transmission, phi1, Gear.DRIVING)
+        step = (by_angle(phi1) - sigma) / _speed(transmission, phi1, Gear.DRIVING, mesh)
         phi1 = np.clip(phi1 - step, 0.0, by_angle.breaks[-1])
         if np.max(np.abs(step)) <= 1e-14 * by_angle.breaks[-1]:
             return phi1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import cos
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
 from ncgear.pitch import shape
 from ncgear.pitch.arc import ArcLength, too_sharp
-from ncgear.pitch.shape import Gear
+from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.transmission import Transmission
 
 
@@ -32,12 +33,18 @@ class CurvePoints:
 
 @dataclass(frozen=True, eq=False)
 class PitchCurve:
-    """A closed pitch curve; arc length in mm runs with phi1, clockwise on the driving gear."""
+    """A closed pitch curve; arc length in mm runs with phi1, clockwise on the driving gear and on a ring."""
 
     gear: Gear
     transmission: Transmission
     arc: ArcLength
     center_distance_mm: float
+    mesh: Mesh
+
+    @property
+    def is_ring(self) -> bool:
+        """Whether the gear's material lies outside the curve: the driven gear of an internal pair."""
+        return shape.is_ring(self.gear, self.mesh)
 
     @property
     def periods(self) -> int:
@@ -83,6 +90,13 @@ class PitchCurve:
         return CurvePoints(columns[..., 0:2] * size, columns[..., 2:4], columns[..., 4:6], columns[..., 6] / size)
 
     @cached_property
+    def curvature_bounds(self) -> tuple[float, float]:
+        """Numbers in 1/mm below and above every curvature, proven by the coefficients of the Chebyshev forms."""
+        coefficients = self._by_length.coefficients[..., 6] / self.center_distance_mm
+        spread = np.abs(coefficients[1:]).sum(axis=0)
+        return float(np.min(coefficients[0] - spread)), float(np.max(coefficients[0] + spread))
+
+    @cached_property
     def _by_length(self) -> PiecewiseChebyshev:
         """Position, tangent, normal and curvature at unit centre distance over one turn of this gear."""
         size = self.center_distance_mm
@@ -103,19 +117,28 @@ class PitchCurve:
         driven = self.transmission.driven_angle(np.ravel(phi1), 3)
         slope = driven.differentiated()
         own = phi1.ravel() if self.gear is Gear.DRIVING else driven.value
-        radius = shape.radius(slope, self.gear).value * self.center_distance_mm
-        radius_slope = shape.radius_slope(slope, self.gear).value * self.center_distance_mm
-        curvature = shape.curvature(slope, self.gear).value / self.center_distance_mm
-        return _points(self.gear, own, radius, radius_slope, curvature, phi1.shape)
+        of = self.gear, self.mesh
+        radius = shape.radius(slope, *of).value * self.center_distance_mm
+        radius_slope = shape.radius_slope(slope, *of).value * self.center_distance_mm
+        curvature = shape.curvature(slope, *of).value / self.center_distance_mm
+        return _points(of, own, radius, radius_slope, curvature, phi1.shape)
 
 
 def _points(
-    gear: Gear, own: Array, radius: Array, radius_slope: Array, curvature: Array, form: tuple[int, ...]
+    of: tuple[Gear, Mesh], own: Array, radius: Array, radius_slope: Array, curvature: Array, form: tuple[int, ...]
 ) -> CurvePoints:
-    """The driving curve is met at polar angle -phi1, the driven one at pi + phi2, each in its own frame."""
+    """The pitch point on each gear's curve, in the frame of that gear, which has turned under it.
+
+    The driving curve is met at polar angle -phi1, the driven one at pi + phi2; of an internal pair, at pi - phi1 and
+    pi - phi2.  Arc length runs alike on both curves where they touch, with the driving gear's material to the right of
+    the tangent and the driven gear's to the left.
+    """
+    gear, mesh = of
+    facing = cos(shape.meeting_direction_rad(gear, mesh))
+    turning = mesh.sense if gear is Gear.DRIVEN else 1.0
+    radial = facing * np.stack([np.cos(own), -turning * np.sin(own)], axis=-1)
+    around = facing * np.stack([-np.sin(own), -turning * np.cos(own)], axis=-1)
     side = 1.0 if gear is Gear.DRIVING else -1.0
-    radial = np.stack([side * np.cos(own), -np.sin(own)], axis=-1)
-    around = np.stack([-side * np.sin(own), -np.cos(own)], axis=-1)
     tangent = radius_slope[:, None] * radial + radius[:, None] * around
     tangent /= np.hypot(tangent[:, 0], tangent[:, 1])[:, None]
     normal = side * np.stack([-tangent[:, 1], tangent[:, 0]], axis=-1)

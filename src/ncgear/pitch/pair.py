@@ -13,7 +13,8 @@ from ncgear.numerics.extrema import Extremum
 from ncgear.pitch import shape
 from ncgear.pitch.arc import ArcLength, arc_length, period_length
 from ncgear.pitch.curve import PitchCurve
-from ncgear.pitch.shape import Gear
+from ncgear.pitch.internal import require_ring, require_room
+from ncgear.pitch.shape import Gear, Mesh
 from ncgear.pitch.sizing import Size, solved_size
 from ncgear.ratio.transmission import Piece, Transmission
 
@@ -39,6 +40,7 @@ class PitchPair:
     transmission: Transmission
     arc: ArcLength
     size: Size
+    mesh: Mesh
 
     @property
     def center_distance_mm(self) -> float:
@@ -48,58 +50,82 @@ class PitchPair:
     @cached_property
     def driving(self) -> PitchCurve:
         """The driving gear's pitch curve."""
-        return PitchCurve(Gear.DRIVING, self.transmission, self.arc, self.center_distance_mm)
+        return PitchCurve(Gear.DRIVING, self.transmission, self.arc, self.center_distance_mm, self.mesh)
 
     @cached_property
     def driven(self) -> PitchCurve:
         """The driven gear's pitch curve."""
-        return PitchCurve(Gear.DRIVEN, self.transmission, self.arc, self.center_distance_mm)
+        return PitchCurve(Gear.DRIVEN, self.transmission, self.arc, self.center_distance_mm, self.mesh)
+
+    def pitch_point_mm(self, phi1: Array) -> Array:
+        """Where on the line of centres the curves touch at driving angles in rad (shape (n,)): 0 is the driving axis.
+
+        Between the axes on an external pair, and beyond the driving axis, below 0, on an internal one.
+        """
+        radius: Array = np.linalg.norm(self.driving.at_angle(phi1).position, axis=-1)
+        return -self.mesh.sense * radius
 
     def length_mm(self, gear: Gear) -> float:
         """Length of a gear's closed curve, integrated on that gear's own curve."""
         lobes = self.transmission.lobes
         periods = lobes.driving if gear is Gear.DRIVING else lobes.driven
-        return periods * period_length(self.transmission, gear) * self.center_distance_mm
+        return periods * period_length(self.transmission, gear, self.mesh) * self.center_distance_mm
 
     @cached_property
     def curvature_range(self) -> dict[Gear, tuple[Extremum, Extremum]]:
-        """Smallest and largest curvature of each curve in 1/mm, positive where convex, with the driving angle."""
+        """Smallest and largest curvature of each curve in 1/mm, with the driving angle.
+
+        Positive where the gear's material is convex; a ring's are all negative unless its curve is dented.
+        """
         return {gear: self._curvature_range(gear) for gear in Gear}
 
     def _curvature_range(self, gear: Gear) -> tuple[Extremum, Extremum]:
-        low, high = self.transmission.extremes(lambda piece: lambda phi1: shape.curvature(piece.slope(phi1, 3), gear))
+        low, high = self.transmission.extremes(
+            lambda piece: lambda phi1: shape.curvature(piece.slope(phi1, 3), gear, self.mesh)
+        )
         size = self.center_distance_mm
         return Extremum(low.value / size, low.at), Extremum(high.value / size, high.at)
 
+    def _bend_range(self, gear: Gear) -> tuple[float, float]:
+        """The same as a closed curve bends, positive where it bulges outwards, whichever side the material is on."""
+        low, high = (extremum.value for extremum in self.curvature_range[gear])
+        return (-high, -low) if shape.is_ring(gear, self.mesh) else (low, high)
+
     def convex(self, gear: Gear) -> bool:
-        """Whether the curve is nowhere concave."""
-        return self.curvature_range[gear][0].value * self.center_distance_mm >= -STRAIGHT
+        """Whether the closed curve is nowhere dented; so a ring's may be, though its material is concave all around."""
+        return self._bend_range(gear)[0] * self.center_distance_mm >= -STRAIGHT
 
     def least_radius_mm(self, gear: Gear) -> float:
-        """Smallest radius of curvature where the curve is convex."""
-        return 1.0 / self.curvature_range[gear][1].value
+        """Smallest radius of curvature where the closed curve bulges."""
+        return 1.0 / self._bend_range(gear)[1]
 
     def least_concave_radius_mm(self, gear: Gear) -> float | None:
-        """Smallest radius of curvature where the curve is concave, None on a convex curve."""
-        return None if self.convex(gear) else -1.0 / self.curvature_range[gear][0].value
+        """Smallest radius of curvature where the closed curve is dented, None on a convex curve."""
+        return None if self.convex(gear) else -1.0 / self._bend_range(gear)[0]
 
     def concave_ranges(self, gear: Gear) -> list[tuple[float, float]]:
-        """Stretches of the driving angle, within one period, on which the curve is concave; ends to 1/2000 period."""
+        """Stretches of the driving angle, within one period, on which the closed curve is dented.
+
+        Ends to 1/2000 of the period.
+        """
         phi1 = np.linspace(0.0, self.transmission.lobes.driving_period_rad, 2001)
-        concave = self._curvatures(gear, phi1) * self.center_distance_mm < -STRAIGHT
+        concave = self._bends(gear, phi1) * self.center_distance_mm < -STRAIGHT
         edges = np.nonzero(np.diff(np.concatenate([[False], concave, [False]]).astype(int)))[0]
         stretches = [(float(phi1[a]), float(phi1[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
         # A joint at the seam belongs to the next period: its single point is no stretch of this one.
         return [(start, end) for start, end in stretches if end > start]
 
-    def _curvatures(self, gear: Gear, phi1: Array) -> Array:
+    def _bends(self, gear: Gear, phi1: Array) -> Array:
         slope = self.transmission.driven_angle(phi1, 3).differentiated()
-        return shape.curvature(slope, gear).value / self.center_distance_mm
+        curvature = shape.curvature(slope, gear, self.mesh).value / self.center_distance_mm
+        return -curvature if shape.is_ring(gear, self.mesh) else curvature
 
     @cached_property
     def largest_tangent_angle_rad(self) -> Extremum:
         """Largest angle between the curves' tangent and the normal to the centre line."""
-        low, high = self.transmission.extremes(lambda piece: lambda phi1: shape.tangent_slope(piece.slope(phi1, 2)))
+        low, high = self.transmission.extremes(
+            lambda piece: lambda phi1: shape.tangent_slope(piece.slope(phi1, 2), self.mesh)
+        )
         worst = max(low, high, key=lambda extremum: abs(extremum.value))
         return Extremum(atan(abs(worst.value)), worst.at)
 
@@ -115,18 +141,33 @@ class PitchPair:
     def _jump(self, before: Piece, after: Piece) -> CurvatureJump:
         slopes = before.slope(np.array([before.end_rad]), 2), after.slope(np.array([after.start_rad]), 2)
         values = [
-            float(shape.curvature(slope, gear).value[0]) / self.center_distance_mm for gear in Gear for slope in slopes
+            float(shape.curvature(slope, gear, self.mesh).value[0]) / self.center_distance_mm
+            for gear in Gear
+            for slope in slopes
         ]
         return CurvatureJump(after.start_rad, *values)
 
 
 def sized_pair(
-    transmission: Transmission, teeth: int | None, module_mm: float | None, center_distance_mm: float | None
+    transmission: Transmission,
+    teeth: int | None,
+    module_mm: float | None,
+    center_distance_mm: float | None,
+    mesh: Mesh = Mesh.EXTERNAL,
 ) -> PitchPair:
     """The pitch curves of a law at the size that any two of teeth, module and centre distance give.
 
-    Raises WrongInput as ``solved_size`` does, NoSuchMechanism for curves too sharp to be computed.
+    Raises WrongInput as ``solved_size`` does, NoSuchMechanism for curves too sharp to be computed and for a law that
+    cannot drive a ring, or whose
+    driving curve does not fit into it.
     """
-    arc = arc_length(transmission)
-    length = transmission.lobes.driving * arc.period
-    return PitchPair(transmission, arc, solved_size(length, transmission.lobes, teeth, module_mm, center_distance_mm))
+    if mesh is Mesh.INTERNAL:
+        require_ring(transmission)
+    arc = arc_length(transmission, mesh)
+    size = solved_size(
+        transmission.lobes.driving * arc.period, transmission.lobes, teeth, module_mm, center_distance_mm
+    )
+    pair = PitchPair(transmission, arc, size, mesh)
+    if mesh is Mesh.INTERNAL:
+        require_room(pair.driving, pair.driven)
+    return pair

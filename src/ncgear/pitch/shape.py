@@ -1,12 +1,16 @@
 """Radii and curvatures of the two pitch curves at unit centre distance, in closed form from the law's derivatives.
 
-With w = dphi2/dphi1 = 1/i12 the curves roll on each other at r1 = w / (1 + w) and r2 = 1 / (1 + w)
-(F. L. Litvin, A. Fuentes-Aznar, I. Gonzalez-Perez, K. Hayasaka, "Noncircular Gears", Cambridge 2009, section 2.3).
+With w = dphi2/dphi1 = 1/i12 the curves roll on each other at r1 = w / (1 - s w) and r2 = 1 / (1 - s w), s being -1 for
+an external pair, whose gears turn against each other, and +1 for an internal one, whose gears turn alike: velocities of
+the pitch point x on the line of centres agree, x = s w (x - 1), so that x = -s r1.  An internal pair needs w < 1, that
+is i12 > 1 (F. L. Litvin, A. Fuentes-Aznar, I. Gonzalez-Perez, K. Hayasaka, "Noncircular Gears", Cambridge 2009, section
+2.3).
 """
 
 from __future__ import annotations
 
 from enum import Enum
+from math import pi
 
 from ncgear.numerics import jet
 from ncgear.numerics.jet import Jet
@@ -19,9 +23,32 @@ class Gear(Enum):
     DRIVEN = "driven"
 
 
-def radius(slope: Jet, gear: Gear) -> Jet:
+class Mesh(Enum):
+    """How the gears lie to each other: side by side, or the driving one inside a driven ring."""
+
+    EXTERNAL = "external"
+    INTERNAL = "internal"
+
+    @property
+    def sense(self) -> float:
+        """Sense in which the driven gear turns while the driving one turns by +phi1: +1 alike, -1 against it."""
+        return 1.0 if self is Mesh.INTERNAL else -1.0
+
+
+def is_ring(gear: Gear, mesh: Mesh) -> bool:
+    """Whether the gear's material lies outside its pitch curve: the driven gear of an internal pair."""
+    return gear is Gear.DRIVEN and mesh is Mesh.INTERNAL
+
+
+def meeting_direction_rad(gear: Gear, mesh: Mesh) -> float:
+    """Polar angle of the pitch point in the gear's own frame at phi1 = 0."""
+    return 0.0 if gear is Gear.DRIVING and mesh is Mesh.EXTERNAL else pi
+
+
+def radius(slope: Jet, gear: Gear, mesh: Mesh) -> Jet:
     """Pitch radius at unit centre distance, with derivatives by phi1, from the jet of dphi2/dphi1."""
-    return slope / (slope + 1.0) if gear is Gear.DRIVING else 1.0 / (slope + 1.0)
+    across = 1.0 - mesh.sense * slope
+    return slope / across if gear is Gear.DRIVING else 1.0 / across
 
 
 def own_turn(slope: Jet, gear: Gear) -> Jet:
@@ -29,32 +56,34 @@ def own_turn(slope: Jet, gear: Gear) -> Jet:
     return slope * 0.0 + 1.0 if gear is Gear.DRIVING else slope
 
 
-def radius_slope(slope: Jet, gear: Gear) -> Jet:
+def radius_slope(slope: Jet, gear: Gear, mesh: Mesh) -> Jet:
     """Derivative of the pitch radius by the gear's own angle, one order less than ``slope``."""
     shorter = slope.truncated(slope.order - 1)
-    return radius(slope, gear).differentiated() / own_turn(shorter, gear)
+    return radius(slope, gear, mesh).differentiated() / own_turn(shorter, gear)
 
 
-def speed(slope: Jet, gear: Gear) -> Jet:
+def speed(slope: Jet, gear: Gear, mesh: Mesh) -> Jet:
     """Arc length of the pitch curve per unit of phi1, one order less than ``slope``."""
     shorter = slope.truncated(slope.order - 1)
-    across, along = radius_slope(slope, gear), radius(shorter, gear)
+    across, along = radius_slope(slope, gear, mesh), radius(shorter, gear, mesh)
     return jet.sqrt(across * across + along * along) * own_turn(shorter, gear)
 
 
-def curvature(slope: Jet, gear: Gear) -> Jet:
-    """Curvature at unit centre distance, positive where convex, two orders less than ``slope``.
+def curvature(slope: Jet, gear: Gear, mesh: Mesh) -> Jet:
+    """Curvature at unit centre distance, positive where the material is convex, two orders less than ``slope``.
 
-    k = (r^2 + 2 r'^2 - r r'') / (r^2 + r'^2)^(3/2), primes by the gear's own angle.
+    k = (r^2 + 2 r'^2 - r r'') / (r^2 + r'^2)^(3/2), primes by the gear's own angle; minus that on a ring.
     """
     order = slope.order - 2
-    first = radius_slope(slope, gear)
+    first = radius_slope(slope, gear, mesh)
     second = first.differentiated() / own_turn(slope.truncated(order), gear)
-    first, value = first.truncated(order), radius(slope.truncated(order), gear)
+    first, value = first.truncated(order), radius(slope.truncated(order), gear, mesh)
     square = value * value + first * first
-    return (square + first * first - value * second) / (square * jet.sqrt(square))
+    bend = (square + first * first - value * second) / (square * jet.sqrt(square))
+    return -bend if is_ring(gear, mesh) else bend
 
 
-def tangent_slope(slope: Jet) -> Jet:
+def tangent_slope(slope: Jet, mesh: Mesh) -> Jet:
     """r1'/r1, the tangent of the angle between the pitch curves' tangent and the normal to the centre line."""
-    return radius_slope(slope, Gear.DRIVING) / radius(slope.truncated(slope.order - 1), Gear.DRIVING)
+    shorter = slope.truncated(slope.order - 1)
+    return radius_slope(slope, Gear.DRIVING, mesh) / radius(shorter, Gear.DRIVING, mesh)

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from ncgear.numerics.arrays import Array
-from ncgear.solids.index_hole import DRIVEN_DIRECTION_RAD, DRIVING_DIRECTION_RAD, IndexHole
+from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
+from ncgear.solids.index_hole import IndexHole
 
 FLANK_BAND_IN_MODULES = 0.1
 """Within this distance of the pitch curve the line of centres is said to meet a flank, not a tooth or a space."""
@@ -17,20 +18,30 @@ FLANK_BAND_IN_MODULES = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """One gear as the assembly sees it: outline (mm, shape (n, 2)), pitch radius on the line of centres, mark."""
+    """One gear as the assembly sees it: outline (mm, shape (n, 2)), pitch radius on the line of centres, mark.
+
+    ``is_ring`` where the material is outside the outline.
+    """
 
     outline_mm: Array
     pitch_radius_mm: float
     index_hole: IndexHole | None
+    is_ring: bool = False
 
 
-def assembly_report(driving: Placed, driven: Placed, center_distance_mm: float, module_mm: float) -> dict[str, Any]:
-    """The pose of phi1 = 0, ready for JSON: for each gear the polar angle of the line of centres in its own frame,
-    whether a tooth, a space or a flank lies there, and the index hole (None where none was wanted or had room)."""
+def assembly_report(
+    driving: Placed, driven: Placed, center_distance_mm: float, module_mm: float, mesh: Mesh = Mesh.EXTERNAL
+) -> dict[str, Any]:
+    """The pose of phi1 = 0, ready for JSON.
+
+    For each gear the polar angle of the pitch point on the line of centres in its own frame, whether a tooth, a space
+    or a flank lies there, and the index hole (None where none was wanted or had room).
+    """
     return {
+        "mesh": mesh.value,
         "center_distance_mm": center_distance_mm,
-        "driving": _gear(driving, DRIVING_DIRECTION_RAD, module_mm),
-        "driven": _gear(driven, DRIVEN_DIRECTION_RAD, module_mm),
+        "driving": _gear(driving, meeting_direction_rad(Gear.DRIVING, mesh), module_mm),
+        "driven": _gear(driven, meeting_direction_rad(Gear.DRIVEN, mesh), module_mm),
     }
 
 
@@ -48,7 +59,7 @@ def met_at(gear: Placed, direction_rad: float, module_mm: float) -> str:
     beyond = outline_radius_mm(gear.outline_mm, direction_rad) - gear.pitch_radius_mm
     if abs(beyond) < FLANK_BAND_IN_MODULES * module_mm:
         return "flank"
-    return "tooth" if beyond > 0.0 else "space"
+    return "tooth" if (beyond > 0.0) is not gear.is_ring else "space"
 
 
 def outline_radius_mm(outline_mm: Array, direction_rad: float) -> float:

@@ -1,13 +1,13 @@
 """The index hole: a small through hole that shows how the two gears go together.
 
-Driving gear: on polar angle 0 of its own frame; driven gear: on polar angle pi. At phi1 = 0 both lie on the line of
-centres and face each other.
+At phi1 = 0 those of both gears lie on the line of centres and face each other across the pitch point.  A ring's is in
+its rim.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, pi, sin
+from math import cos, sin
 
 import numpy as np
 import shapely
@@ -17,18 +17,12 @@ from shapely.geometry.base import BaseGeometry
 from ncgear.numerics.arrays import Array
 from ncgear.solids.bore import Bore, bore_points, circle_points
 
-DRIVING_DIRECTION_RAD = 0.0
-"""Polar angle of the line of centres in the driving gear's frame at phi1 = 0."""
-
-DRIVEN_DIRECTION_RAD = pi
-"""Polar angle of the line of centres in the driven gear's frame at phi1 = 0."""
-
 DIAMETER_IN_MODULES = 0.5
 OUTER_WALL_IN_MODULES = 1.5
 """Least material between the hole and the tooth outline: enough that the hole does not reach into the foot of a tooth,
 between the roots at its sides."""
 INNER_WALL_IN_MODULES = 1.0
-"""Least material between the hole and the bore, its keyway, or the axis of a gear without bore."""
+"""Least material between the hole and the bore, its keyway, the axis of a gear without bore, or a ring's circle."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +50,18 @@ def index_hole(disc: Polygon, bore: Bore | None, direction_rad: float, module_mm
     return IndexHole(float(x), float(y), diameter)
 
 
+def rim_hole(ring: Polygon, direction_rad: float, module_mm: float) -> IndexHole | None:
+    """The same in a ring (its section in mm): the hole nearest to the teeth; None where the rim is too thin for one."""
+    diameter = DIAMETER_IN_MODULES * module_mm
+    outline = ring.interiors[0].buffer(diameter / 2.0 + OUTER_WALL_IN_MODULES * module_mm)
+    outside = ring.exterior.buffer(diameter / 2.0 + INNER_WALL_IN_MODULES * module_mm)
+    points = shapely.get_coordinates(_ray(ring, direction_rad).difference(outline.union(outside)))
+    if not len(points):
+        return None
+    x, y = points[np.argmin(np.hypot(points[:, 0], points[:, 1]))]
+    return IndexHole(float(x), float(y), diameter)
+
+
 def hole_points(hole: IndexHole, chord_tolerance_mm: float) -> Array:
     """The hole's polygon in mm, shape (n, 2), counter-clockwise, first point not repeated."""
     center = np.array([hole.x_mm, hole.y_mm])
@@ -63,7 +69,7 @@ def hole_points(hole: IndexHole, chord_tolerance_mm: float) -> Array:
 
 
 def _ray(disc: Polygon, direction: float) -> BaseGeometry:
-    """The part of the ray from the axis that lies in the disc."""
+    """The part of the ray from the axis that lies in a section."""
     reach = float(np.abs(disc.bounds).max()) * 2.0
     return LineString([(0.0, 0.0), (reach * cos(direction), reach * sin(direction))]).intersection(disc)
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from trimesh import Trimesh
 
 from ncgear.numerics.arrays import Array
+from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
 from ncgear.solids.bore import Bore
 from ncgear.solids.extrude import extruded
-from ncgear.solids.index_hole import DRIVEN_DIRECTION_RAD, DRIVING_DIRECTION_RAD, IndexHole, index_hole
+from ncgear.solids.index_hole import IndexHole, index_hole
 from ncgear.solids.section import cut, disc_with_room
 
 
@@ -24,8 +25,7 @@ class Blank:
 
 @dataclass(frozen=True, eq=False)
 class GearSolid:
-    """One gear's mesh in its own frame in the pose of phi1 = 0, and its index hole where one was wanted and had room.
-    One gear's mesh in its own frame in the pose of phi1 = 0, and its index hole where one was wanted and had room."""
+    """One gear's mesh in its own frame at phi1 = 0, and its index hole where one was wanted and had room."""
 
     mesh: Trimesh
     index_hole: IndexHole | None
@@ -39,14 +39,18 @@ class SolidPair:
     driven: GearSolid
 
 
-def driving_solid(outline_mm: Array, blank: Blank, module_mm: float, chord_tolerance_mm: float) -> GearSolid:
+def driving_solid(
+    outline_mm: Array, blank: Blank, module_mm: float, chord_tolerance_mm: float, mesh: Mesh = Mesh.EXTERNAL
+) -> GearSolid:
     """The driving gear, with its index hole if wanted; raises as ``gear_solid`` does."""
-    return _marked(outline_mm, blank, module_mm, chord_tolerance_mm, DRIVING_DIRECTION_RAD, "gears.driving")
+    direction = meeting_direction_rad(Gear.DRIVING, mesh)
+    return _marked(outline_mm, blank, module_mm, chord_tolerance_mm, direction, "gears.driving")
 
 
 def driven_solid(outline_mm: Array, blank: Blank, module_mm: float, chord_tolerance_mm: float) -> GearSolid:
-    """The driven gear, with its index hole if wanted; raises as ``gear_solid`` does."""
-    return _marked(outline_mm, blank, module_mm, chord_tolerance_mm, DRIVEN_DIRECTION_RAD, "gears.driven")
+    """The driven gear of an external pair, with its index hole if wanted; raises as ``gear_solid`` does."""
+    direction = meeting_direction_rad(Gear.DRIVEN, Mesh.EXTERNAL)
+    return _marked(outline_mm, blank, module_mm, chord_tolerance_mm, direction, "gears.driven")
 
 
 def _marked(outline: Array, blank: Blank, module: float, tolerance: float, direction: float, key: str) -> GearSolid:

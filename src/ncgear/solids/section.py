@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import shapely
 from shapely import Polygon
 
 from ncgear.errors import WrongInput
@@ -45,6 +47,12 @@ def full_disc(outline_mm: Array, key: str) -> Polygon:
     Raises NoSuchMechanism for ``key`` (``gears.driving``), naming the place, where the outline crosses itself.
     """
     return simple_polygon(_distinct(outline_mm), key)
+
+
+def common_disc(outlines_mm: Sequence[Array], key: str) -> Polygon:
+    """What all sections of a gear have in common around its axis; outlines of shape (n, 2) each, ``key`` as above."""
+    common = shapely.intersection_all([full_disc(outline, key) for outline in outlines_mm])
+    return max(shapely.get_parts(common), key=lambda part: part.area)
 
 
 def _distinct(outline: Array) -> Array:

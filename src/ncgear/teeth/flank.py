@@ -1,4 +1,4 @@
-"""The curves that bound a tooth, each an exact envelope of one part of the rack that rolls on the pitch curve.
+"""The curves that bound a tooth, each an exact envelope of one part of a tool that rolls on the pitch curve.
 
 Everything is written in the gear's own moving frame: P the pitch point at arc length sigma, T the unit tangent, N the
 unit normal away from the gear.  A flank is named by the arc length c at which it crosses the pitch curve and by its
@@ -7,39 +7,56 @@ side s, +1 for the flank that faces growing arc length.
 Flank: the rack's straight side touches where its normal goes through the pitch point, at height h above the tangent:
 X = P + h (s cot(alpha) T + N), sigma = c - s h / (sin(alpha) cos(alpha)).  Its speed along itself by sigma is
 sin(alpha) + h k / sin(alpha), k being the pitch curve's curvature; where that vanishes the flank has a cusp, and the
-part beyond is cut away (undercut).  Envelope of the rounding: its centre Y runs with the rack, and the point touching
-the gear lies on the line from P through Y, one radius beyond Y. Source of the principle: F. L. Litvin and A. Fuentes,
-"Gear Geometry and Applied Theory", 2nd edition, Cambridge 2004, chapters 6 (envelopes, singularities) and 12
-(noncircular gears).
+part beyond is cut away (undercut).
+
+Fillet: the envelope of the rounded tip of a tool (tool.py) whose rolling curve has the curvature k_t.  The rounding's
+centre rests in the tool.  With u T + v N from P to it, the point that touches lies on the line from P through the
+centre, one radius rho beyond.  With K = k + k_t the centre moves by K (v T - u N) per unit of sigma, and the fillet
+runs along itself with K (D + rho) - rho v / D^2, D being the distance from P to the centre; it bounds the tooth where
+that is positive.
+Source of the principle: F. L. Litvin and A. Fuentes, "Gear Geometry and Applied Theory", 2nd edition, Cambridge 2004,
+chapters 6 (envelopes, singularities) and 12 (noncircular gears).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import cos, sin, tan
+from math import cos, remainder, sin, tan
 
 import numpy as np
 
 from ncgear.machine.rack import BasicRack
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.pitch.curve import PitchCurve
+from ncgear.pitch.curve import CurvePoints, PitchCurve
+from ncgear.teeth.equivalent import on_circles
+from ncgear.teeth.rounding import Rounding, rounding_of
+from ncgear.teeth.tool import Tool
 
-CROWN, FLANK, FILLET = 0, 1, 2
-"""The curves along a tooth's side from the tip inwards; a crown is what the mating rack's rounding leaves."""
+FLANK, FILLET = 0, 1
+"""The curves along a tooth's side from the tip inwards."""
 
 
 @dataclass(frozen=True, eq=False)
 class Flanks:
     """All flanks of a gear in the order of arc length: back and front flank of tooth 1, of tooth 2, and so on.
 
-    ``crossing_mm`` (shape (2 z,)) is where each crosses the pitch curve, ``side`` is -1 for back and +1 for front.
+    ``crossing_mm`` (shape (2 z,)) is where each crosses the pitch curve, ``side`` is -1 for back and +1 for front;
+    ``tip_height_mm`` (shape (2 z,)) is the distance of the tip land from the pitch curve, ``flank_depth_mm`` the height
+    below the rack's pitch line at which the flank passes into its fillet, left by ``tool`` with a tip rounded by
+    ``root_radius_mm``.  ``equivalent`` takes each flank from the circle of curvature at its crossing instead of from
+    the pitch curve.
     """
 
     curve: PitchCurve
     rack: BasicRack
     crossing_mm: Array
     side: Array
+    tip_height_mm: Array
+    flank_depth_mm: Array
+    root_radius_mm: Array
+    tool: Tool
+    equivalent: bool = False
 
     @property
     def count(self) -> int:
@@ -52,85 +69,125 @@ class Flanks:
         return np.arange(self.count) // 2 + 1
 
     @cached_property
-    def rounding_mm(self) -> Array:
-        """Arc length at which the centre of the cutter's rounding stands right under the pitch point."""
-        return self.crossing_mm + self.side * (self.rack.cutter_half_width_mm - self.rack.tip_half_width_mm)
+    def rounding(self) -> Rounding:
+        """The tool's rounded tip at each flank."""
+        return rounding_of(self.tool, self.rack, self.crossing_mm, self.side, self.flank_depth_mm, self.root_radius_mm)
+
+    @property
+    def root_depth_mm(self) -> Array:
+        """Depth of the root land below the pitch curve at each flank's end of it, shape (2 z,)."""
+        return self.rounding.depth_mm
 
     @cached_property
-    def crown_rounding_mm(self) -> Array:
-        """The same for the rounding of the mating rack, which stands over this gear's tooth."""
-        return self.crossing_mm - self.side * (self.rack.cutter_half_width_mm - self.rack.tip_half_width_mm)
+    def _crossings(self) -> CurvePoints:
+        return self.curve.at_length(self.crossing_mm)
+
+    def at_rolled(self, flank: IndexArray, sigma_mm: Array) -> CurvePoints:
+        """What rolls for the given flanks: the pitch curve, or each flank's circle of curvature; shapes broadcast."""
+        if not self.equivalent:
+            return self.curve.at_length(sigma_mm)
+        touched = self._crossings
+        chosen = CurvePoints(
+            touched.position[flank], touched.tangent[flank], touched.normal[flank], touched.curvature[flank]
+        )
+        return on_circles(chosen, sigma_mm - self.crossing_mm[flank])
 
     def rolled_mm(self, flank: IndexArray, height_mm: Array) -> Array:
         """Arc length of the pitch point when the flank touches at the given heights; shapes broadcast."""
-        angle = self.rack.pressure_angle_rad
-        return self.crossing_mm[flank] - self.side[flank] * height_mm / (sin(angle) * cos(angle))
+        return self.crossing_mm[flank] - self.side[flank] * height_mm / self.rack.height_per_rolled
 
     def flank(self, flank: IndexArray, height_mm: Array) -> tuple[Array, Array]:
         """Points of flanks at heights over the rack's pitch line, and their derivatives by the height."""
         angle, side = self.rack.pressure_angle_rad, self.side[flank][..., None]
-        at = self.curve.at_length(self.rolled_mm(flank, height_mm))
-        point = at.position + height_mm[..., None] * (side / tan(angle) * at.tangent + at.normal)
-        direction = at.normal / sin(angle) - side * at.tangent / cos(angle)
-        regularity = sin(angle) + height_mm * at.curvature / sin(angle)
-        return point, regularity[..., None] * direction
+        at = self.at_rolled(flank, self.rolled_mm(flank, height_mm))
+        along = cos(angle) * at.normal - side * sin(angle) * at.tangent
+        speed = (sin(angle) + height_mm * at.curvature / sin(angle)) / self.rack.height_per_rolled
+        point, slope = at.position + height_mm[..., None] * (side / tan(angle) * at.tangent + at.normal), speed
+        if self.rack.relief is None:
+            return point, slope[..., None] * along
+        outwards = side * cos(angle) * at.tangent + sin(angle) * at.normal
+        taken, taken_slope = self._relieved(height_mm)
+        slope = slope - taken * at.curvature / self.rack.height_per_rolled
+        return point - taken[..., None] * outwards, slope[..., None] * along - taken_slope[..., None] * outwards
+
+    def _relieved(self, height_mm: Array) -> tuple[Array, Array]:
+        """What the tip relief takes off at heights, along the normal, and its derivative by the height."""
+        relief = self.rack.relief
+        assert relief is not None
+        length = relief.full_mm - relief.start_mm
+        share = np.maximum(height_mm - relief.start_mm, 0.0) / length
+        return relief.amount_mm * share**2, 2.0 * relief.amount_mm * share / length
 
     def regularity(self, flank: IndexArray, height_mm: Array) -> Array:
         """sin^2(alpha) + h k: positive on a flank that exists, zero at a cusp."""
-        curvature = self.curve.at_length(self.rolled_mm(flank, height_mm)).curvature
+        curvature = self.at_rolled(flank, self.rolled_mm(flank, height_mm)).curvature
         return sin(self.rack.pressure_angle_rad) ** 2 + height_mm * curvature
 
-    def envelope_regularity(self, kind: int, flank: IndexArray, sigma_mm: Array) -> Array:
-        """The same for fillets and crowns, which exist as bounds of the tooth where it is positive.
-
-        Along its tangent the envelope of a rounding runs with -+ k (D + rho) + rho d / D^2 per unit of sigma (minus for
-        crowns), D being the distance from the pitch point to the rounding's centre and d the latter's depth.
-        """
-        crown = kind == CROWN
-        center = (self.crown_rounding_mm if crown else self.rounding_mm)[flank]
-        depth, radius = self.rack.rounding_depth_mm, self.rack.root_radius_mm
-        curvature = self.curve.at_length(sigma_mm).curvature * (-1.0 if crown else 1.0)
-        distance = np.hypot(center - sigma_mm, depth)
-        return curvature * (distance + radius) + radius * depth / distance**2
+    def fillet_regularity(self, flank: IndexArray, sigma_mm: Array) -> Array:
+        """K (D + rho) - rho v / D^2: positive where the fillet bounds the tooth."""
+        at, tool = self.at_rolled(flank, sigma_mm), self.tool.at_length(sigma_mm)
+        arm = self.rounding.center_mm[flank] - tool.position
+        v, distance = -np.sum(arm * tool.normal, axis=-1), np.hypot(arm[..., 0], arm[..., 1])
+        radius = self.root_radius_mm[flank]
+        regularity: Array = (at.curvature + tool.curvature) * (distance + radius) - radius * v / distance**2
+        return regularity
 
     def fillet(self, flank: IndexArray, sigma_mm: Array) -> tuple[Array, Array]:
-        """Points cut by the cutter's rounded tip when the pitch point is at sigma, and derivatives by sigma."""
-        return self._envelope(self.rounding_mm[flank], -self.rack.rounding_depth_mm, sigma_mm)
-
-    def crown(self, flank: IndexArray, sigma_mm: Array) -> tuple[Array, Array]:
-        """Points that the mating rack's rounding leaves on the tooth, and derivatives by sigma."""
-        return self._envelope(self.crown_rounding_mm[flank], self.rack.rounding_depth_mm, sigma_mm)
-
-    def _envelope(self, center_mm: Array, height_mm: float, sigma_mm: Array) -> tuple[Array, Array]:
-        at = self.curve.at_length(sigma_mm)
-        ahead, curvature = (center_mm - sigma_mm)[..., None], at.curvature[..., None]
-        arm = ahead * at.tangent + height_mm * at.normal
-        length = np.linalg.norm(arm, axis=-1, keepdims=True)
-        toward = arm / length
-        center_slope = curvature * (height_mm * at.tangent - ahead * at.normal)
-        arm_slope = center_slope - at.tangent
-        turning = (arm_slope - toward * np.sum(toward * arm_slope, axis=-1, keepdims=True)) / length
-        radius = self.rack.root_radius_mm
-        return at.position + arm + radius * toward, center_slope + radius * turning
+        """Points cut by the tool's rounded tip when the pitch point is at sigma, and derivatives by sigma."""
+        at, tool = self.at_rolled(flank, sigma_mm), self.tool.at_length(sigma_mm)
+        arm = self.rounding.center_mm[flank] - tool.position
+        u, v = np.sum(arm * tool.tangent, axis=-1), -np.sum(arm * tool.normal, axis=-1)
+        distance, radius = np.hypot(u, v), self.root_radius_mm[flank]
+        reach, turning = 1.0 + radius / distance, at.curvature + tool.curvature
+        speed = (turning * (distance + radius) - radius * v / distance**2) / distance
+        point = at.position + (reach * u)[..., None] * at.tangent + (reach * v)[..., None] * at.normal
+        return point, (speed * v)[..., None] * at.tangent - (speed * u)[..., None] * at.normal
 
     def curve_of(self, kind: IndexArray, flank: IndexArray, parameter: Array) -> tuple[Array, Array]:
-        """Points and derivatives of n mixed curves (kinds CROWN, FLANK, FILLET) at parameters of shape (n, ...)."""
+        """Points and derivatives of n mixed curves (kinds FLANK, FILLET) at parameters of shape (n, ...)."""
         point, slope = np.empty((*parameter.shape, 2)), np.empty((*parameter.shape, 2))
         rows = flank.reshape(-1, *[1] * (parameter.ndim - 1))
-        for number, curve in ((CROWN, self.crown), (FLANK, self.flank), (FILLET, self.fillet)):
+        for number, curve in ((FLANK, self.flank), (FILLET, self.fillet)):
             mask = kind == number
             if mask.any():
                 point[mask], slope[mask] = curve(rows[mask], parameter[mask])
         return point, slope
 
-    def offset(self, sigma_mm: Array, height_mm: float) -> tuple[Array, Array]:
-        """The curve at constant distance from the pitch curve (tips, roots), and derivatives by sigma."""
-        at = self.curve.at_length(sigma_mm)
-        return at.position + height_mm * at.normal, (1.0 + height_mm * at.curvature)[..., None] * at.tangent
+    def offset(self, sigma_mm: Array, height_mm: Array | float) -> tuple[Array, Array]:
+        """The curves at constant distances from the pitch curve (tips, roots), and derivatives by sigma."""
+        at, height = self.curve.at_length(sigma_mm), np.asarray(height_mm, dtype=float)
+        slope = (1.0 + height * at.curvature)[..., None] * at.tangent
+        return at.position + height[..., None] * at.normal, slope
 
 
-def flanks_of(curve: PitchCurve, rack: BasicRack, teeth: int, *, tooth_at_zero: bool) -> Flanks:
-    """The flanks of a gear with ``teeth`` teeth; a tooth (or else a space) stands in the middle at sigma = 0."""
-    centers = (np.arange(teeth) + (0.0 if tooth_at_zero else 0.5)) * (curve.length_mm / teeth)
+def flanks_of(
+    curve: PitchCurve,
+    rack: BasicRack,
+    teeth: int,
+    tool: Tool,
+    *,
+    start_mm: float = 0.0,
+    loaded_side: float = -1.0,
+    equivalent: bool = False,
+) -> Flanks:
+    """The flanks of a gear with ``teeth`` teeth at full height and depth.
+
+    Tooth 1 stands with its middle at the arc length ``start_mm``, whole turns left out, so that every tooth keeps its
+    number; backlash is taken off the flanks that do not face ``loaded_side``.
+    """
+    centers = remainder(start_mm, curve.length_mm) + np.arange(teeth) * (curve.length_mm / teeth)
     side = np.tile([-1.0, 1.0], teeth)
-    return Flanks(curve, rack, np.repeat(centers, 2) + side * rack.tooth_half_width_mm, side)
+    half_width = np.where(side == loaded_side, rack.loaded_half_width_mm, rack.idle_half_width_mm)
+    every = np.ones(2 * teeth)
+    depth = rack.root_depth_mm - rack.rounding_height_mm
+    return Flanks(
+        curve,
+        rack,
+        np.repeat(centers, 2) + side * half_width,
+        side,
+        rack.tip_height_mm * every,
+        depth * every,
+        rack.root_radius_mm * every,
+        tool,
+        equivalent,
+    )

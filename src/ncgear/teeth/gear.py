@@ -1,32 +1,47 @@
-"""A toothed gear: its flanks, the sides that are left of them, its outline, and what is wrong with its teeth."""
+"""A toothed gear: its flanks, the sides that are left of them, its outline, and what is special about its teeth."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil, sin
+from math import cos
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.machine.rack import BasicRack
-from ncgear.numerics.arrays import Array
-from ncgear.pitch.curve import PitchCurve
+from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.pair import PitchPair
-from ncgear.pitch.shape import Gear
+from ncgear.teeth.cutter import chosen_kind, fouled, pinion_cutter
+from ncgear.teeth.fitting import fitted_pair
 from ncgear.teeth.flank import Flanks, flanks_of
-from ncgear.teeth.outline import outline_points
-from ncgear.teeth.sides import Sides, refuse_folded_lands, regular_sides, with_points
+from ncgear.teeth.form import CutterKind, ToothForm
+from ncgear.teeth.naming import tooth_name
+from ncgear.teeth.outline import ChordTolerance, outline_points
+from ncgear.teeth.shift import shifted_racks
+from ncgear.teeth.sides import Sides, refuse_folded_lands, regular_sides
 from ncgear.teeth.soundness import simple_polygon
+from ncgear.teeth.tips import Limit, Tips
+from ncgear.teeth.tool import PinionCircle, RackLine, Tool
 from ncgear.teeth.trimming import trimmed_sides
+
+MOST_ASTRAY = 3.0
+"""Chord tolerances, over the driven pitch radius, by which the written driven gear may miss the law."""
+
+LEAST_COSINE = 0.1
+"""Of the pressure angle, for the chords' sake: beyond 84 degrees no gear can be driven anyway."""
 
 
 @dataclass(frozen=True, eq=False)
 class ToothedGear:
     """One gear with its outline in mm (shape (n, 2), counter-clockwise, own frame, pose of phi1 = 0)."""
 
-    flanks: Flanks
+    tips: Tips
     sides: Sides
     outline_mm: Array
+
+    @property
+    def flanks(self) -> Flanks:
+        """The curves of its teeth."""
+        return self.tips.flanks
 
     @property
     def teeth(self) -> int:
@@ -35,20 +50,15 @@ class ToothedGear:
 
     @property
     def undercut(self) -> list[int]:
-        """Numbers of the teeth whose working flanks have a cusp on the root side, from 1."""
-        return _numbers(self.flanks, self.sides.undercut)
+        """Numbers of the teeth, from 1, that a tool of full depth undercuts."""
+        return self._numbers(self.tips.undercut)
 
-    @property
-    def pointed(self) -> list[int]:
-        """Numbers of the teeth without a tip land, from 1."""
-        return _numbers(self.flanks, self.sides.pointed)
+    def shortened(self, reason: Limit) -> list[int]:
+        """Numbers of the teeth, from 1, whose tips end where they do for one reason."""
+        return self._numbers(self.tips.limit == reason)
 
-    @property
-    def least_radius_from_axis_mm(self) -> float:
-        """Smallest distance from the gear's axis to its outline, along chords."""
-        start, step = self.outline_mm, np.roll(self.outline_mm, -1, axis=0) - self.outline_mm
-        share = np.clip(-np.sum(start * step, axis=1) / np.sum(step * step, axis=1), 0.0, 1.0)
-        return float(np.min(np.linalg.norm(start + share[:, None] * step, axis=1)))
+    def _numbers(self, marked: Mask) -> list[int]:
+        return sorted({int(number) for number in self.flanks.tooth[marked]})
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,77 +67,96 @@ class ToothedPair:
 
     driving: ToothedGear
     driven: ToothedGear
+    cutter: CutterKind
 
 
-def toothed_pair(pitch: PitchPair, rack: BasicRack, tolerance_mm: float) -> ToothedPair:
+def toothed_pair(
+    pitch: PitchPair,
+    form: ToothForm,
+    tolerance_mm: float,
+    *,
+    flank_tolerance_mm: float | None = None,
+    advance_mm: float = 0.0,
+) -> ToothedPair:
     """Exact teeth on both pitch curves, outlines sampled to ``tolerance_mm``.
 
-    Raises NoSuchMechanism, naming gear and tooth, where no tooth can stand.
+    ``flank_tolerance_mm`` is that of the working flanks, by default as fine as keeps the driven gear within three
+    tolerances, divided by the driven pitch radius, of the law.  With ``advance_mm`` all teeth stand farther along both
+    pitch curves, as in a section of helical gears.  Raises NoSuchMechanism, naming gear and tooth, where no tooth can
+    stand, and WrongInput where shifts contradict each other.
     """
-    return ToothedPair(
-        toothed_gear(pitch.driving, rack, pitch.size.driving_teeth, tolerance_mm),
-        toothed_gear(pitch.driven, rack, pitch.size.driven_teeth, tolerance_mm),
+    kind, tips = _fitted(pitch, form, advance_mm)
+    finer = flank_tolerance_mm or tolerance_mm * _flank_share(pitch, form)
+    driving, driven = (_gear(side, ChordTolerance(finer, tolerance_mm)) for side in tips)
+    return ToothedPair(driving, driven, kind)
+
+
+def _flank_share(pitch: PitchPair, form: ToothForm) -> float:
+    """Share of the tolerance that flanks get: two chords astray by t turn the driven gear by 2 t / (r cos(angle)).
+
+    The angle is the pressure angle between the flanks' normal and the driven pitch point's way.
+    """
+    angle = form.rack.pressure_angle_rad + pitch.largest_tangent_angle_rad.value
+    return min(1.0, MOST_ASTRAY / 2.0 * max(cos(angle), LEAST_COSINE))
+
+
+def _fitted(pitch: PitchPair, form: ToothForm, advance: float) -> tuple[CutterKind, tuple[Tips, Tips]]:
+    """The tool and both gears' flanks at the heights it allows."""
+    kind = chosen_kind(pitch) if form.cutter.kind is CutterKind.AUTO else form.cutter.kind
+    tips = _tips(pitch, form, kind, advance)
+    if kind is CutterKind.PINION:
+        for gear in tips:
+            _refuse_fouled(gear)
+    return kind, tips
+
+
+def _refuse_fouled(tips: Tips) -> None:
+    cut = np.nonzero(fouled(tips))[0]
+    if cut.size:
+        raise NoSuchMechanism(
+            f"the pinion cutter's tip cuts {tooth_name(tips.flanks, int(cut[0]))} on its way out of the space; fewer "
+            "cutter teeth, or kind: mate, are needed",
+            key="gears.cutter.teeth",
+        )
+
+
+def _tips(pitch: PitchPair, form: ToothForm, kind: CutterKind, advance: float) -> tuple[Tips, Tips]:
+    racks, equivalent = shifted_racks(pitch, form), form.equivalent
+    for_driving, for_driven = _tools(pitch, form, kind)
+    size = pitch.size
+    return fitted_pair(
+        flanks_of(pitch.driving, racks[0], size.driving_teeth, for_driving, start_mm=advance, equivalent=equivalent),
+        flanks_of(
+            pitch.driven,
+            racks[1],
+            size.driven_teeth,
+            for_driven,
+            start_mm=advance + racks[1].pitch_mm / 2.0,
+            loaded_side=1.0,
+            equivalent=equivalent,
+        ),
+        form.limits,
     )
 
 
-def toothed_gear(curve: PitchCurve, rack: BasicRack, teeth: int, tolerance_mm: float) -> ToothedGear:
+def _tools(pitch: PitchPair, form: ToothForm, kind: CutterKind) -> tuple[Tool, Tool]:
+    """What cuts the driving and what cuts the driven gear."""
+    match kind:
+        case CutterKind.MATE:
+            return pitch.driven, pitch.driving
+        case CutterKind.PINION:
+            cutter: PinionCircle = pinion_cutter(pitch, form.rack, form.cutter.teeth)
+            return cutter, cutter
+        case _:
+            return RackLine(), RackLine()
+
+
+def _gear(tips: Tips, chords: ChordTolerance) -> ToothedGear:
     """One gear; teeth are numbered along growing arc length, tooth 1 of the driving gear at phi1 = 0."""
-    flanks = flanks_of(curve, rack, teeth, tooth_at_zero=curve.gear is Gear.DRIVING)
-    sides = sides_of(flanks)
-    outline = outline_points(flanks, sides, tolerance_mm)
-    simple_polygon(outline, f"gears.{curve.gear.value}")
-    return ToothedGear(flanks, sides, outline)
-
-
-def sides_of(flanks: Flanks) -> Sides:
-    """The sides of all teeth: regular, trimmed where they must be, and pointed where they meet."""
-    refuse_folded_lands(flanks)
-    sides, irregular = regular_sides(flanks)
-    return with_points(flanks, trimmed_sides(flanks, sides, irregular))
-
-
-def teeth_free_of_undercut(pitch: PitchPair, rack: BasicRack) -> int:
-    """Number of driving teeth from which no tooth can be undercut, wherever it stands on the curves.
-
-    A flank is regular where k h_F < sin^2(alpha); curvature in modules falls as teeth are added at a fixed shape.
-    """
-    per_curvature = rack.flank_depth_mm / sin(rack.pressure_angle_rad) ** 2
-    sharpest = max(pitch.curvature_range[gear][1].value for gear in Gear)
-    lobes = pitch.transmission.lobes
-    exact = pitch.size.driving_teeth * sharpest * per_curvature
-    return lobes.driving * ceil(exact / lobes.driving)
-
-
-def teeth_free_of_points(pitch: PitchPair, rack: BasicRack, limit: int = 4000) -> int | None:
-    """Smallest number of driving teeth, above the present one, at which no tooth is pointed; None beyond ``limit``.
-
-    Found by trial on the exact flanks at the same pitch curves: doubling until there is none, then halving the
-    interval.
-    """
-    lobes = pitch.transmission.lobes.driving
-    pointed = pitch.size.driving_teeth // lobes
-    free = 2 * pointed
-    while _any_pointed(pitch, rack, free * lobes):
-        pointed, free = free, 2 * free
-        if free * lobes > limit:
-            return None
-    while free - pointed > 1:
-        middle = (free + pointed) // 2
-        pointed, free = (middle, free) if _any_pointed(pitch, rack, middle * lobes) else (pointed, middle)
-    return free * lobes
-
-
-def _any_pointed(pitch: PitchPair, rack: BasicRack, teeth: int) -> bool:
-    """Whether a tooth of either gear is pointed, or cannot stand at all, with another number of teeth on the curves."""
-    scaled = rack.scaled(pitch.size.driving_teeth / teeth)
-    driven = teeth * pitch.size.driven_teeth // pitch.size.driving_teeth
-    try:
-        driving_sides = sides_of(flanks_of(pitch.driving, scaled, teeth, tooth_at_zero=True))
-        driven_sides = sides_of(flanks_of(pitch.driven, scaled, driven, tooth_at_zero=False))
-    except NoSuchMechanism:
-        return True
-    return bool(driving_sides.pointed.any() or driven_sides.pointed.any())
-
-
-def _numbers(flanks: Flanks, marked: np.ndarray) -> list[int]:
-    return sorted({int(number) for number in flanks.tooth[marked]})
+    flanks = tips.flanks
+    sides, irregular = regular_sides(tips)
+    refuse_folded_lands(flanks, sides)
+    sides = trimmed_sides(flanks, sides, irregular)
+    outline = outline_points(tips, sides, chords)
+    simple_polygon(outline, f"gears.{flanks.curve.gear.value}")
+    return ToothedGear(tips, sides, outline)

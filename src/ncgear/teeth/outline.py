@@ -8,17 +8,26 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ncgear.numerics.arrays import Array, IndexArray, Mask
-from ncgear.teeth.flank import CROWN, FILLET, FLANK, Flanks
+from ncgear.teeth.flank import FILLET, FLANK, Flanks
 from ncgear.teeth.sides import Sides
+from ncgear.teeth.tips import Tips
 
 PROBES = 33
-"""Points per curve on which its turning is measured to place the chords."""
+"""Points per curve between which its turning is measured to place the chords."""
 
-MARGIN = 0.9
-"""Share of the tolerance that is used: a chord strays most near its middle, where it is checked, but not just there."""
+PLACED = 0.95
+"""Share of the tolerance for which chords are placed: between probes the turning is known to a few per cent only."""
 
 HALVINGS = 12
 """Rounds of halving chords that stray too far: near a cusp the turning is not seen by the probes."""
+
+
+@dataclass(frozen=True)
+class ChordTolerance:
+    """How far chords may stray from the exact curve: on the working flanks, and on fillets and lands."""
+
+    flanks_mm: float
+    elsewhere_mm: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,13 +39,19 @@ class _Stretch:
     takes.
     """
 
-    curve: Callable[[IndexArray, Array], Array]
+    curve: Callable[[IndexArray, Array], tuple[Array, Array]]
     owner: IndexArray
     start: Array
     end: Array
     rolled: Array
     rank: Array
     span: Array
+
+    def at(self, rows: IndexArray, share: Array) -> tuple[Array, Array]:
+        """Points of rows at shares of their way from start to end, and derivatives by the share; shapes broadcast."""
+        span = (self.end - self.start)[rows]
+        point, slope = self.curve(self.owner[rows], self.start[rows] + span * share)
+        return point, span[..., None] * slope
 
     def kept(self, rows: Mask | IndexArray) -> _Stretch:
         """The chosen rows."""
@@ -51,16 +66,17 @@ class _Stretch:
         )
 
 
-def outline_points(flanks: Flanks, sides: Sides, tolerance_mm: float) -> Array:
+def outline_points(tips: Tips, sides: Sides, chords: ChordTolerance) -> Array:
     """The outline in mm, shape (n, 2), counter-clockwise, first point not repeated.
 
-    No chord is farther from the exact curve than ``tolerance_mm``.
+    No chord is farther from the exact curve than its tolerance.
     """
+    flanks = tips.flanks
     points, keys = [], []
     joints = flanks.curve.joints_around_mm
-    for stretch in _stretches(flanks, sides):
+    for stretch, tolerance in _stretches(tips, sides, chords):
         real = stretch.kept(np.abs(stretch.end - stretch.start) > 1e-12 * flanks.rack.module_mm)
-        sampled, key = _sampled(_split(real, joints), tolerance_mm * MARGIN)
+        sampled, key = _sampled(_split(real, joints), tolerance)
         points.append(sampled)
         keys.append(key)
     joined, order = np.concatenate(points), np.argsort(np.concatenate(keys), kind="stable")
@@ -68,15 +84,52 @@ def outline_points(flanks: Flanks, sides: Sides, tolerance_mm: float) -> Array:
     return outline[::-1] if _signed_area(outline) < 0.0 else outline
 
 
-def _stretches(flanks: Flanks, sides: Sides) -> list[_Stretch]:
+def _stretches(tips: Tips, sides: Sides, chords: ChordTolerance) -> list[tuple[_Stretch, float]]:
     """All curves in the sense of growing arc length: a tooth's back from root to tip, land, front, root land."""
-    lands = [_tip_lands(flanks, sides), _root_lands(flanks, sides)]
-    return [_side_runs(flanks, sides, kind) for kind in (CROWN, FLANK, FILLET)] + lands
+    flanks, runs = tips.flanks, _side_runs(tips.flanks, sides, FLANK)
+    parts = _parted(runs, -tips.met_depth_mm[runs.owner])
+    works = (parts.start + parts.end) / 2.0 > -tips.met_depth_mm[parts.owner]
+    elsewhere = (_side_runs(flanks, sides, FILLET), _tip_lands(flanks, sides), _root_lands(flanks, sides))
+    return [
+        (parts.kept(works), chords.flanks_mm),
+        *((curve, chords.elsewhere_mm) for curve in (parts.kept(~works), *elsewhere)),
+    ]
+
+
+def _parted(stretch: _Stretch, cut: Array) -> _Stretch:
+    """The stretch with each row parted in two where its parameter is ``cut``, if that lies inside."""
+    share = (cut - stretch.start) / (stretch.end - stretch.start)
+    inside = (share > 0.0) & (share < 1.0)
+    share = np.where(inside, share, 1.0)
+    rolled = stretch.rolled[0] + share * (stretch.rolled[1] - stretch.rolled[0])
+    end = np.where(inside, cut, stretch.end)
+    first = replace(stretch, end=end, rolled=np.array([stretch.rolled[0], rolled]), span=share * stretch.span)
+    rest = replace(
+        stretch,
+        start=end,
+        rolled=np.array([rolled, stretch.rolled[1]]),
+        rank=stretch.rank + share * stretch.span,
+        span=(1.0 - share) * stretch.span,
+    ).kept(inside)
+    return _joined(first, rest)
+
+
+def _joined(first: _Stretch, second: _Stretch) -> _Stretch:
+    """The rows of two stretches of the same curve."""
+    return replace(
+        first,
+        owner=np.concatenate([first.owner, second.owner]),
+        start=np.concatenate([first.start, second.start]),
+        end=np.concatenate([first.end, second.end]),
+        rolled=np.concatenate([first.rolled, second.rolled], axis=1),
+        rank=np.concatenate([first.rank, second.rank]),
+        span=np.concatenate([first.span, second.span]),
+    )
 
 
 def _side_runs(flanks: Flanks, sides: Sides, kind: int) -> _Stretch:
     """Runs of one kind, inwards on front flanks and outwards on back flanks."""
-    curve = (flanks.crown, flanks.flank, flanks.fillet)[kind]
+    curve = (flanks.flank, flanks.fillet)[kind]
     chosen = sides.kind == kind
     owner, start, end = sides.owner[chosen], sides.start[chosen], sides.end[chosen]
     outwards = flanks.side[owner] < 0.0
@@ -85,29 +138,46 @@ def _side_runs(flanks: Flanks, sides: Sides, kind: int) -> _Stretch:
     rank = np.where(outwards, first + last - step, step)
     start, end = np.where(outwards, end, start), np.where(outwards, start, end)
     rolled = np.array([start, end] if kind != FLANK else [flanks.rolled_mm(owner, start), flanks.rolled_mm(owner, end)])
-    return _Stretch(lambda i, t: curve(i, t)[0], owner, start, end, rolled, 4.0 * rank, np.ones(rank.size))
+    return _Stretch(curve, owner, start, end, rolled, 4.0 * rank, np.ones(rank.size))
 
 
 def _tip_lands(flanks: Flanks, sides: Sides) -> _Stretch:
-    """From each tooth's back to its front flank, after the last run of the back; empty on a pointed tooth."""
+    """From each tooth's back to its front flank, after the last run of the back.
+
+    Parallel to the pitch curve, or straight where the two flanks end at different heights.
+    """
     back = np.arange(0, flanks.count, 2)
-    start = sides.tip_mm[back]
-    end = np.where(sides.pointed[back], start, sides.tip_mm[back + 1])
-    last_run = np.searchsorted(sides.owner, back, side="right") - 1
-    return _land(flanks, flanks.rack.addendum_mm, back, start, end, last_run)
+    start, end = sides.tip_mm[back], sides.tip_mm[back + 1]
+    edges = flanks.offset(sides.tip_mm, flanks.tip_height_mm)[0].reshape(-1, 2, 2)
+    slopes = flanks.tip_height_mm[back] != flanks.tip_height_mm[back + 1]
+
+    def curve(flank: IndexArray, sigma: Array) -> tuple[Array, Array]:
+        tooth = flank // 2
+        length = (end - start)[tooth][..., None]
+        chord = (edges[tooth, 1] - edges[tooth, 0]) / length
+        straight = edges[tooth, 0] + (sigma - start[tooth])[..., None] * chord
+        parallel, slope = flanks.offset(sigma, flanks.tip_height_mm[flank])
+        chosen = slopes[tooth][..., None]
+        return np.where(chosen, straight, parallel), np.where(chosen, chord, slope)
+
+    return _lands(curve, sides, back, start, end)
 
 
 def _root_lands(flanks: Flanks, sides: Sides) -> _Stretch:
     """From each tooth's front flank to the next one's back, after the last run of the front."""
-    front = np.arange(1, flanks.count, 2)
-    next_back = np.append(flanks.rounding_mm[2::2], flanks.rounding_mm[0] + flanks.curve.length_mm)
-    last_run = np.searchsorted(sides.owner, front, side="right") - 1
-    return _land(flanks, -flanks.rack.dedendum_mm, front, flanks.rounding_mm[front], next_back, last_run)
+    start, end = sides.roots.lands()
+    return _lands(
+        lambda flank, sigma: sides.roots.land(flank // 2, sigma), sides, np.arange(1, flanks.count, 2), start, end
+    )
 
 
-def _land(flanks: Flanks, height: float, owner: IndexArray, start: Array, end: Array, last_run: IndexArray) -> _Stretch:
+def _lands(
+    curve: Callable[[IndexArray, Array], tuple[Array, Array]], sides: Sides, owner: IndexArray, start: Array, end: Array
+) -> _Stretch:
+    """Lands after the last runs of their owners, every other flank."""
+    last_run = np.searchsorted(sides.owner, owner, side="right") - 1
     rank, rolled = np.asarray(4.0 * last_run + 1.0, dtype=float), np.array([start, end])
-    return _Stretch(lambda i, t: flanks.offset(t, height)[0], owner, start, end, rolled, rank, np.ones(rank.size))
+    return _Stretch(curve, owner, start, end, rolled, rank, np.ones(rank.size))
 
 
 def _split(stretch: _Stretch, joints: Array) -> _Stretch:
@@ -129,21 +199,20 @@ def _split(stretch: _Stretch, joints: Array) -> _Stretch:
         parts,
         start=parts.start + length * share,
         end=np.where(following == 1.0, parts.end, parts.start + length * following),
-        rank=parts.rank + share,
-        span=following - share,
+        rank=parts.rank + share * parts.span,
+        span=(following - share) * parts.span,
     )
 
 
 def _sampled(stretch: _Stretch, tolerance: float) -> tuple[Array, Array]:
     """Points of a stretch without the last of each curve, and keys that order them along the outline."""
-    owner, start, end = stretch.owner, stretch.start, stretch.end
-    if not owner.size:
+    every = np.arange(stretch.owner.size)
+    if not every.size:
         return np.empty((0, 2)), np.empty(0)
     share = np.linspace(0.0, 1.0, PROBES)
-    probe = stretch.curve(owner[:, None], start[:, None] + (end - start)[:, None] * share)
-    needed = _chords_needed(probe, tolerance)
+    needed = _chords_needed(*stretch.at(every[:, None], share), tolerance * PLACED)
     counts = np.maximum(np.ceil(needed[:, -1]), 1).astype(int)
-    row = np.repeat(np.arange(owner.size), counts)
+    row = np.repeat(every, counts)
     place = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
     at = _inverse_rows(needed, share, row, place / counts[row])
     row, at, points = _with_halves(stretch, row, at, tolerance)
@@ -155,22 +224,18 @@ def _with_halves(stretch: _Stretch, row: IndexArray, share: Array, tolerance: fl
 
     The last point of each row is checked against but not returned; what comes out is in no order.
     """
-
-    def point(rows: IndexArray, shares: Array) -> Array:
-        return stretch.curve(stretch.owner[rows], stretch.start[rows] + (stretch.end - stretch.start)[rows] * shares)
-
-    points = point(row, share)
     last = np.append(row[1:] != row[:-1], True)
     low, high = share, np.where(last, 1.0, np.append(share[1:], 1.0))
+    points = stretch.at(row, share)[0]
     ends = np.roll(points, -1, axis=0)
-    ends[last] = point(row[last], np.ones(int(last.sum())))
+    ends[last] = stretch.at(row[last], np.ones(int(last.sum())))[0]
     found = [(row, share, points)]
     chords, start, end = (row, low, high), points, ends
     for _ in range(HALVINGS):
         rows, low, high = chords
         middle = (low + high) / 2.0
-        between = point(rows, middle)
-        astray = _off_chord(start, end, between) > tolerance
+        between, slope = stretch.at(rows, middle)
+        astray = _strayed(start, end, between, slope * (high - low)[:, None]) > tolerance
         if not astray.any():
             break
         rows, low, middle, high = rows[astray], low[astray], middle[astray], high[astray]
@@ -181,25 +246,30 @@ def _with_halves(stretch: _Stretch, row: IndexArray, share: Array, tolerance: fl
     return rows, shares, added
 
 
-def _off_chord(start: Array, end: Array, point: Array) -> Array:
-    """Distance of points from the chords' lines, shape (n,)."""
-    chord, arm = end - start, point - start
-    area = np.abs(chord[:, 0] * arm[:, 1] - chord[:, 1] * arm[:, 0])
-    distance: Array = area / np.maximum(np.hypot(chord[:, 0], chord[:, 1]), 1e-300)
-    return distance
+def _strayed(start: Array, end: Array, middle: Array, slope: Array) -> Array:
+    """How far a curve strays from its chords at most, shape (n,), from its middle and its slope by the share there.
+
+    Across the chord the curve is taken as a cubic that starts and ends on it: with d in the middle and the slope d'
+    there, it strays by sqrt(d^2 + d'^2 / 8) or less.
+    """
+    chord = end - start
+    across = np.stack([-chord[:, 1], chord[:, 0]], axis=1) / np.maximum(np.hypot(*chord.T), 1e-300)[:, None]
+    off, tilt = np.sum(across * (middle - start), axis=1), np.sum(across * slope, axis=1)
+    strayed: Array = np.sqrt(off**2 + tilt**2 / 8.0)
+    return strayed
 
 
-def _chords_needed(probe: Array, tolerance: float) -> Array:
+def _chords_needed(probe: Array, slope: Array, tolerance: float) -> Array:
     """Cumulated number of chords along each curve: a chord of length d that turns by t misses the curve by d t / 8.
 
-    Rows are scaled to start at 0; shape (n, PROBES).
+    Turning is taken from the curves' slopes, which give it exactly from probe to probe.  Rows are scaled to start at 0;
+    shape (n, PROBES).
     """
     chord = np.diff(probe, axis=1)
-    length = np.hypot(chord[..., 0], chord[..., 1])
-    area = chord[:, :-1, 0] * chord[:, 1:, 1] - chord[:, :-1, 1] * chord[:, 1:, 0]
-    turn = np.abs(np.arctan2(area, np.sum(chord[:, :-1] * chord[:, 1:], axis=2)))
-    turn = np.concatenate([turn[:, :1], (turn[:, 1:] + turn[:, :-1]) / 2.0, turn[:, -1:]], axis=1)
-    density = np.sqrt(length * turn / (8.0 * tolerance)) + 1e-9
+    before, after = slope[:, :-1], slope[:, 1:]
+    area = before[..., 0] * after[..., 1] - before[..., 1] * after[..., 0]
+    turn = np.abs(np.arctan2(area, np.sum(before * after, axis=2)))
+    density = np.sqrt(np.hypot(chord[..., 0], chord[..., 1]) * turn / (8.0 * tolerance)) + 1e-9
     return np.concatenate([np.zeros((len(probe), 1)), np.cumsum(density, axis=1)], axis=1)
 
 

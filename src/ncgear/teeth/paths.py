@@ -1,4 +1,4 @@
-"""Whole sides of teeth as polylines with exact parameters: crown, flank and fillet, from beyond the tip to the root."""
+"""Whole sides of teeth as polylines with exact parameters: flank and fillet, from the tip to the root."""
 
 from __future__ import annotations
 
@@ -7,24 +7,24 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncgear.numerics.arrays import Array, IndexArray, Mask
-from ncgear.teeth.flank import CROWN, FILLET, FLANK, Flanks
+from ncgear.teeth.flank import FILLET, FLANK, Flanks
 
-KINDS = 3
-"""Curves of a whole side, numbered CROWN, FLANK and FILLET in this order."""
+KINDS = 2
+"""Curves of a whole side, numbered FLANK and FILLET in this order."""
 
 FINE = 257
 """Points per curve at which folds are looked for."""
 
 FLAT = 1e-9
-"""Regularity, a pure number of order one, that counts as zero: a straight pitch curve's crown has it all along."""
+"""Regularity, a pure number of order one, that counts as zero."""
 
 
 @dataclass(frozen=True, eq=False)
 class Paths:
-    """Sides of n flanks, each of three curves of m points.
+    """Sides of n flanks, each of two curves of m points.
 
-    ``parameters`` has shape (n, 3, m), ``points`` (n, 3 m, 2).  Fractional indices count the points along a path; where
-    two curves join, the point stands twice.
+    ``parameters`` has shape (n, 2, m), ``points`` (n, 2 m, 2).  Fractional indices count the points along a path; where
+    the curves join, the point stands twice.
     """
 
     flanks: Flanks
@@ -87,32 +87,34 @@ class Paths:
         return folds
 
 
-def paths_of(flanks: Flanks, owner: IndexArray, count: int) -> Paths:
-    """The paths of the flanks ``owner`` (shape (n,)), ``count`` points on each of their curves."""
-    depth = np.full(owner.size, flanks.rack.flank_depth_mm)
-    start = np.column_stack([flanks.crown_rounding_mm[owner], depth, flanks.rolled_mm(owner, -depth)])
-    end = np.column_stack([flanks.rolled_mm(owner, depth), -depth, flanks.rounding_mm[owner]])
+def paths_of(flanks: Flanks, owner: IndexArray, top_mm: Array, root_mm: Array, count: int) -> Paths:
+    """The paths of the flanks ``owner``, ``count`` points on each curve.
+
+    From heights ``top_mm`` to fillets' ends at arc lengths ``root_mm``, shape (n,) each.
+    """
+    depth = flanks.flank_depth_mm[owner]
+    start = np.column_stack([top_mm, flanks.rolled_mm(owner, -depth)])
+    end = np.column_stack([-depth, root_mm])
     spread = [_spread(flanks, owner, start[:, kind], end[:, kind], kind, count) for kind in range(KINDS)]
-    curves = (flanks.crown, flanks.flank, flanks.fillet)
-    points = [curve(owner[:, None], spread[kind])[0] for kind, curve in enumerate(curves)]
+    points = [curve(owner[:, None], spread[kind])[0] for kind, curve in enumerate((flanks.flank, flanks.fillet))]
     return Paths(flanks, owner, np.stack(spread, axis=1), np.concatenate(points, axis=1))
 
 
 def _folded(flanks: Flanks, owner: IndexArray, parameter: Array, kind: int) -> Mask:
     """Where curves do not bound the tooth, at parameters of shape (n, m)."""
-    if kind == FLANK:
-        return flanks.regularity(owner[:, None], parameter) < -FLAT
-    return flanks.envelope_regularity(kind, owner[:, None], parameter) < -FLAT
+    regularity = flanks.regularity if kind == FLANK else flanks.fillet_regularity
+    folded: Mask = regularity(owner[:, None], parameter) < -FLAT
+    return folded
 
 
 def _spread(flanks: Flanks, owner: IndexArray, start: Array, end: Array, kind: int, count: int) -> Array:
     """Parameters from start to end, shape (n, count), dense where loops may be small.
 
-    A fillet or crown is crossed near its flank, ever nearer as the undercut gets slighter.  Where a curve folds, half
-    of its points stand about the folds.
+    A fillet is crossed near its flank, ever nearer as the undercut gets slighter.  Where a curve folds, half of its
+    points stand about the folds.
     """
     even = np.linspace(0.0, 1.0, count)
-    share = {CROWN: 1.0 - (1.0 - even) ** 3, FLANK: even, FILLET: even**3}[kind]
+    share = even**3 if kind == FILLET else even
     spread = start[:, None] + (end - start)[:, None] * share
     fine = start[:, None] + (end - start)[:, None] * np.linspace(0.0, 1.0, FINE)
     folded = _folded(flanks, owner, fine, kind)

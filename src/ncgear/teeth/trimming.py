@@ -1,8 +1,8 @@
 """Sides of teeth whose curves cross themselves, trimmed to what the rack really leaves.
 
-The whole side is followed from beyond the tip land to the root land: crown, flank, fillet.  Wherever that path crosses
-itself, the loop between is cut away; then the path is cut off at the tip land.  Crossings are found on chords and
-refined on the exact curves.  A side is done when nothing that is left of it folds; else it is followed on finer chords.
+The whole side is followed from the tip land to the root land: flank, fillet.  Wherever that path crosses itself, the
+loop between is cut away.  Crossings are found on chords and refined on the exact curves.  A side is done when nothing
+that is left of it folds; else it is followed on finer chords.
 """
 
 from __future__ import annotations
@@ -15,8 +15,10 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import chord_crossings, refined_crossings, zoomed_crossings
 from ncgear.teeth.flank import Flanks
+from ncgear.teeth.naming import tooth_name
 from ncgear.teeth.paths import KINDS, Paths, paths_of
-from ncgear.teeth.sides import AGREEMENT, Sides, tooth_name
+from ncgear.teeth.sides import Sides
+from ncgear.teeth.tips import AGREEMENT
 
 ROUNDS = (49, 145, 433)
 """Points per curve: the first round does for nearly all sides, the others for loops smaller than its chords."""
@@ -27,13 +29,12 @@ Loop = tuple[float, float]
 
 @dataclass(frozen=True, eq=False)
 class _Trimmed:
-    """What is left of paths: runs of curves (shape (runs,)), each path's foot on the tip land, and which paths fold."""
+    """What is left of paths: runs of curves (shape (runs,)), and which paths fold."""
 
     row: IndexArray
     kind: IndexArray
     start: Array
     end: Array
-    tip_mm: Array
     folded: Mask
 
 
@@ -42,11 +43,11 @@ def trimmed_sides(flanks: Flanks, sides: Sides, irregular: Mask) -> Sides:
 
     Raises NoSuchMechanism, naming the tooth, where nothing is left of a side or it cannot be untangled.
     """
-    todo = np.nonzero(irregular)[0]
+    todo, tops = np.nonzero(irregular)[0], sides.flank_range()[0]
     for count in ROUNDS:
         if not todo.size:
             return sides
-        paths = paths_of(flanks, todo, count)
+        paths = paths_of(flanks, todo, tops[todo], sides.roots.end_mm[todo], count)
         trimmed = _trimmed(paths)
         sides = _with_trimmed(sides, todo, trimmed)
         todo = todo[trimmed.folded]
@@ -57,50 +58,17 @@ def trimmed_sides(flanks: Flanks, sides: Sides, irregular: Mask) -> Sides:
 
 def _trimmed(paths: Paths) -> _Trimmed:
     loops = _loops(paths)
-    tips, feet = _tips(paths, loops)
-    runs = [run for row in range(paths.owner.size) for run in _runs(paths, row, tips[row], loops[row])]
+    runs = [run for row in range(paths.owner.size) for run in _runs(paths, row, loops[row])]
     row, kind, start, end = (np.array(column) for column in zip(*runs, strict=True))
     folded = np.zeros(paths.owner.size, dtype=bool)
     folded[row[paths.folds(row, kind, start, end)]] = True
-    return _Trimmed(row, kind, start, end, feet, folded)
+    return _Trimmed(row, kind, start, end, folded)
 
 
-def _tips(paths: Paths, loops: list[list[Loop]]) -> tuple[Array, Array]:
-    """Index at which each path, loops left out, enters the tip land's inside for good, and the land's arc length."""
-    flanks, owner, addendum = paths.flanks, paths.owner, paths.flanks.rack.addendum_mm
-    reach = np.linspace(-0.5, 0.5, 2 * paths.count) * flanks.rack.pitch_mm
-    feet = flanks.crossing_mm[owner, None] - flanks.side[owner, None] * reach
-    row, index, land = chord_crossings(paths.points, flanks.offset(feet, addendum)[0])
-    kept = np.array([not any(a < i < b for a, b in loops[r]) for r, i in zip(row, index, strict=True)], dtype=bool)
-    row, index, land = row[kept], index[kept], land[kept]
-    order = np.lexsort((index, row))
-    last = order[np.append(np.diff(row[order]) != 0, True)] if order.size else order
-    if last.size < owner.size:
-        lost = int(np.setdiff1d(np.arange(owner.size), row)[0])
-        raise NoSuchMechanism(
-            f"{tooth_name(flanks, int(owner[lost]))} does not reach the tip: the pitch curve is too concave there for "
-            "this module; more teeth of a smaller module are needed",
-            key="gears.teeth",
-        )
-    foot = np.array([np.interp(land[c], np.arange(reach.size), feet[row[c]]) for c in last])
-    kind, parameter = paths.place(row[last], index[last])
-    parameter, foot, met = refined_crossings(
-        lambda t: flanks.curve_of(kind, owner, t),
-        lambda s: flanks.offset(s, addendum),
-        parameter,
-        foot,
-        AGREEMENT * flanks.rack.module_mm,
-    )
-    if not met.all():
-        raise _untangled(flanks, int(owner[~met][0]), "its end on the tip land")
-    return paths.index(row[last], kind, parameter), foot
-
-
-def _runs(paths: Paths, row: int, tip: float, loops: list[Loop]) -> list[tuple[int, int, float, float]]:
+def _runs(paths: Paths, row: int, loops: list[Loop]) -> list[tuple[int, int, float, float]]:
     """Runs (row, kind, start, end) of one path from its tip to the root land, loops left out."""
-    below = [loop for loop in loops if loop[1] > tip]
-    starts = [tip] + [leave for _, leave in below]
-    ends = [enter for enter, _ in below] + [float(KINDS * paths.count - 1)]
+    starts = [0.0] + [leave for _, leave in loops]
+    ends = [enter for enter, _ in loops] + [float(KINDS * paths.count - 1)]
     runs: list[tuple[int, int, float, float]] = []
     for start, end in zip(starts, ends, strict=True):
         for kind in range(KINDS):
@@ -170,13 +138,10 @@ def _with_trimmed(sides: Sides, owner: IndexArray, trimmed: _Trimmed) -> Sides:
     kept = ~np.isin(sides.owner, owner)
     runs = np.concatenate([sides.owner[kept], owner[trimmed.row]])
     order = np.argsort(runs, kind="stable")
-    tip_mm = sides.tip_mm.copy()
-    tip_mm[owner] = trimmed.tip_mm
     return replace(
         sides,
         owner=runs[order],
         kind=np.concatenate([sides.kind[kept], trimmed.kind])[order],
         start=np.concatenate([sides.start[kept], trimmed.start])[order],
         end=np.concatenate([sides.end[kept], trimmed.end])[order],
-        tip_mm=tip_mm,
     )

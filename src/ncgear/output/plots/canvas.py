@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from io import BytesIO
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon
+from matplotlib.patches import PathPatch, Polygon
+from matplotlib.path import Path
 
 from ncgear.numerics.arrays import Array
 
@@ -98,3 +100,22 @@ def area(axes: Axes, points: Array, color: str, line_width: float, label: str = 
     patch = Polygon(points, facecolor=to_rgba(color, FILL), edgecolor=color, linewidth=line_width, label=label)
     # Not add_patch: it looks for the limits of every edge as if it were a curve, half a second for two gears.
     axes.add_artist(patch)
+
+
+def ring_area(
+    axes: Axes,
+    hole: Array,
+    center: tuple[float, float],
+    radius: float,
+    color: str,
+    line_width: float,
+    label: str = "",
+) -> None:
+    """The same between a circle and a closed outline within it (shape (n, 2))."""
+    x, y = hole.T
+    # Agg fills by winding: a hole is one where it runs the other way round than the circle.
+    clockwise = hole if np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) < 0.0 else hole[::-1]
+    inner = Path(np.vstack([clockwise, clockwise[:1]]), closed=True)
+    path = Path.make_compound_path(Path.circle(center, radius), inner)
+    style = {"facecolor": to_rgba(color, FILL), "edgecolor": color, "linewidth": line_width, "label": label}
+    axes.add_artist(PathPatch(path, **style))

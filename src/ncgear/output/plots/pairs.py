@@ -23,6 +23,7 @@ from ncgear.output.plots.canvas import (
     figure,
     key_above,
     png,
+    ring_area,
 )
 
 PANEL_IN = 3.6
@@ -37,7 +38,7 @@ SLACK = 1.03
 
 @dataclass(frozen=True)
 class Position:
-    """Angles of both gears and the pitch point's distance from the driving axis."""
+    """Angles of both gears and the pitch point's place on the line of centres, 0 being the driving axis."""
 
     phi1_rad: float
     phi2_rad: float
@@ -46,19 +47,27 @@ class Position:
 
 @dataclass(frozen=True, eq=False)
 class _Pair:
-    """Both outlines in their own frames, and the frame in which they can turn: reach of each gear from its axis."""
+    """Both outlines in their own frames; a driven ring lies between its outline and a circle of ``ring_radius``."""
 
     driving: Array
     driven: Array
     center_distance: float
+    ring_radius: float | None
 
     @property
-    def reach(self) -> tuple[float, float]:
-        return float(np.hypot(*self.driving.T).max()) * SLACK, float(np.hypot(*self.driven.T).max()) * SLACK
+    def frame(self) -> tuple[float, float, float]:
+        """Least and largest x and the largest y that the gears reach in any position."""
+        driving = float(np.hypot(*self.driving.T).max()) * SLACK
+        driven = (self.ring_radius or float(np.hypot(*self.driven.T).max())) * SLACK
+        left, right = min(-driving, self.center_distance - driven), max(driving, self.center_distance + driven)
+        return left, right, max(driving, driven)
 
-    def at(self, position: Position) -> tuple[Array, Array]:
-        shift = np.array([self.center_distance, 0.0])
-        return turned(self.driving, position.phi1_rad), turned(self.driven, -position.phi2_rad) + shift
+    def draw(self, axes: Axes, position: Position, line_width: float) -> None:
+        """Both gears in a position."""
+        area(axes, turned(self.driving, position.phi1_rad), DRIVING, line_width)
+        sense = -1.0 if self.ring_radius is None else 1.0
+        driven = turned(self.driven, sense * position.phi2_rad)
+        _driven_area(axes, driven, self.center_distance, self.ring_radius, line_width)
 
 
 def pitch_curves(
@@ -68,18 +77,21 @@ def pitch_curves(
     driving_concave: Mask | None = None,
     driven_concave: Mask | None = None,
     title: str = "Pitch curves at phi1 = 0",
+    *,
+    ring_radius_mm: float | None = None,
 ) -> bytes:
     """Both closed pitch curves, each in its own frame (mm, shape (n, 2)), assembled at phi1 = 0.
 
-    Concave stretches are highlighted where masks (shape (n,)) are given.
+    Concave stretches are highlighted where masks (shape (n,)) are given.  ``ring_radius_mm`` is the outer radius of a
+    driven ring, None for an external pair.
     """
     shifted = driven_mm + np.array([center_distance_mm, 0.0])
-    both = np.vstack([driving_mm, shifted])
+    both = np.vstack([driving_mm, shifted, *_box(center_distance_mm, ring_radius_mm)])
     size = _size(both)
     made = figure(*size, title)
     axes = made.subplots(gridspec_kw=Margins().shares(*size))
     area(axes, driving_mm, DRIVING, 1.8, "driving gear")
-    area(axes, shifted, DRIVEN, 1.8, "driven gear")
+    _driven_area(axes, driven_mm, center_distance_mm, ring_radius_mm, 1.8, "driven gear")
     _concave(axes, [(driving_mm, driving_concave), (shifted, driven_concave)])
     _axes_of_rotation(axes, center_distance_mm)
     dress(axes, "x in mm", "y in mm")
@@ -97,12 +109,15 @@ def tooth_pair(
     module_mm: float,
     positions: Sequence[Position],
     title: str = "Tooth outlines in mesh",
+    *,
+    ring_radius_mm: float | None = None,
 ) -> bytes:
     """Tooth outlines, each in its own frame (mm, shape (n, 2)), assembled in each position: whole above, mesh below.
 
-    The driving gear is turned by +phi1, the driven one by -phi2 about its own axis.
+    The driving gear is turned by +phi1, the driven one by -phi2 about its own axis; a driven ring, which has an outer
+    radius, by +phi2.
     """
-    pair = _Pair(driving_mm, driven_mm, center_distance_mm)
+    pair = _Pair(driving_mm, driven_mm, center_distance_mm, ring_radius_mm)
     rows_in = PANEL_IN * _whole_height(pair), PANEL_IN * 0.95
     margins = Margins(left=0.7, top=0.65)
     size = PANEL_IN * len(positions) + 0.85, sum(rows_in) + 1.5
@@ -139,12 +154,30 @@ def _concave(axes: Axes, curves: Sequence[tuple[Array, Mask | None]]) -> None:
         axes.plot(*joined.T, color=HIGHLIGHT, linewidth=4.0, label="concave", solid_capstyle="butt")
 
 
+def _driven_area(
+    axes: Axes, points: Array, center_distance: float, ring_radius: float | None, line_width: float, label: str = ""
+) -> None:
+    """The driven gear at its axis, a ring with its circle."""
+    shift = np.array([center_distance, 0.0])
+    if ring_radius is None:
+        area(axes, points + shift, DRIVEN, line_width, label)
+    else:
+        ring_area(axes, points + shift, (center_distance, 0.0), ring_radius, DRIVEN, line_width, label)
+
+
+def _box(center_distance: float, ring_radius: float | None) -> list[Array]:
+    """Corners of the square around a ring; none where there is no ring."""
+    if ring_radius is None:
+        return []
+    return [np.array([[center_distance - ring_radius, -ring_radius], [center_distance + ring_radius, ring_radius]])]
+
+
 def _axes_of_rotation(axes: Axes, center_distance: float) -> None:
     """The line of centres and both axes, named."""
     axes.plot([0.0, center_distance], [0.0, 0.0], color=INK, linewidth=0.8, linestyle=(0, (8, 2, 1, 2)))
     axes.plot([0.0, center_distance], [0.0, 0.0], "+", color=INK, markersize=11, markeredgewidth=1.3)
-    for x, text in ((0.0, "driving axis"), (center_distance, "driven axis")):
-        _label(axes, text, x, INK)
+    _label(axes, "driving axis", 0.0, INK)
+    _label(axes, "driven axis", center_distance, INK)
 
 
 def _label(axes: Axes, text: str, x: float, color: str) -> None:
@@ -161,15 +194,17 @@ def _names(axes: Axes, pair: _Pair) -> None:
 
 def _whole_height(pair: _Pair) -> float:
     """Height of the whole view relative to its width."""
-    return 2.0 * max(pair.reach) / (pair.center_distance + sum(pair.reach))
+    left, right, top = pair.frame
+    return 2.0 * top / (right - left)
 
 
 def _whole(axes: Axes, pair: _Pair, position: Position) -> None:
     """Both gears, in a frame that is the same for all positions."""
-    _outlines(axes, pair.at(position), 0.5)
+    pair.draw(axes, position, 0.5)
     axes.plot([0.0, pair.center_distance], [0.0, 0.0], "+", color=INK, markersize=8)
-    axes.set_xlim(-pair.reach[0], pair.center_distance + pair.reach[1])
-    axes.set_ylim(-max(pair.reach), max(pair.reach))
+    left, right, top = pair.frame
+    axes.set_xlim(left, right)
+    axes.set_ylim(-top, top)
     axes.set_aspect("equal")
     axes.set_axis_off()
     # Adding zero turns a rounded -0.0 into 0.0.
@@ -180,7 +215,7 @@ def _whole(axes: Axes, pair: _Pair, position: Position) -> None:
 def _mesh(axes: Axes, pair: _Pair, half: float, position: Position) -> None:
     """The surroundings of the pitch point."""
     point = position.pitch_point_mm
-    _outlines(axes, pair.at(position), 1.2)
+    pair.draw(axes, position, 1.2)
     axes.axhline(0.0, color=REFERENCE, linewidth=0.7, linestyle=(0, (8, 2, 1, 2)))
     axes.plot(point, 0.0, "o", color=INK, markersize=3.5)
     dress(axes, "x in mm (dot: pitch point)", "")
@@ -189,8 +224,3 @@ def _mesh(axes: Axes, pair: _Pair, half: float, position: Position) -> None:
     axes.set_xlim(point - half, point + half)
     axes.set_ylim(-half, half)
     axes.set_aspect("equal")
-
-
-def _outlines(axes: Axes, pair: tuple[Array, Array], line_width: float) -> None:
-    for points, color in zip(pair, (DRIVING, DRIVEN), strict=True):
-        area(axes, points, color, line_width)

@@ -1,0 +1,199 @@
+"""ncgear beside ncgears, the other program of the field, on one law in one run.  Writes benchmarks/beside-ncgears.md.
+
+Run as ``make beside`` or ``python benchmarks/beside_ncgears.py``; nearly all of the few minutes it takes are ncgears'.
+Both make the same pair of gears from the same law and rack and verify it by their own means; both outlines are then
+judged by ``outline_judge.py``, which uses neither.  Imports are not in the times.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import platform
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.metadata import version
+from math import radians
+from pathlib import Path
+from time import perf_counter
+
+from ncgear.contact.pair_contact import pair_contact, refuse_overlap
+from ncgear.machine.rack import BasicRack
+from ncgear.pitch.pair import PitchPair, sized_pair
+from ncgear.ratio.laws.expression import driven_angle_expression_law
+from ncgear.ratio.transmission import Lobes
+from ncgear.teeth.form import ToothForm
+from ncgear.teeth.gear import ToothedPair, toothed_pair
+from outline_judge import Array, Flanks, Outline, judged_flanks, judged_outline, sine_law
+
+Outlines = tuple[Array, Array]
+
+PAGE = Path(__file__).parent / "beside-ncgears.md"
+INSTALL = "python -m pip install -e '.[bench]'"
+DEPTH = 0.08
+LAW = f"phi - {DEPTH}*sin(2*phi)"
+TEETH = (25, 50, 100, 200)
+MODULE_MM = 1.5
+PRESSURE_ANGLE_DEG = 20.0
+ADDENDUM, DEDENDUM, ROOT_RADIUS = 1.0, 1.2, 0.3
+"""The rack in modules: what ncgears takes when nothing is said."""
+
+DEFAULT_TOLERANCE_MM = 0.005
+
+NEARLY, SEARCH = 0.97, 12
+"""Share of the allowed number of points that a search for a tolerance is content with, and its most steps."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """One program's pair: how long it took to make and verify, and what the judge says."""
+
+    program: str
+    teeth: int
+    seconds: float
+    outlines: tuple[Outline, Outline]
+    flanks: Flanks
+
+    @property
+    def points(self) -> int:
+        """Points of the longer outline."""
+        return max(outline.points for outline in self.outlines)
+
+
+def made(teeth: int, tolerance_mm: float) -> tuple[PitchPair, ToothedPair]:
+    """ncgear's pair: law, pitch curves, teeth."""
+    law = driven_angle_expression_law(LAW, Lobes())
+    addendum, dedendum, root_radius = (factor * MODULE_MM for factor in (ADDENDUM, DEDENDUM, ROOT_RADIUS))
+    rack = BasicRack(MODULE_MM, radians(PRESSURE_ANGLE_DEG), addendum, dedendum, root_radius)
+    pitch = sized_pair(law, teeth, MODULE_MM, None)
+    return pitch, toothed_pair(pitch, ToothForm(rack), tolerance_mm)
+
+
+def by_ncgear(teeth: int, tolerance_mm: float) -> Outlines:
+    """ncgear's pair, its contact verified at 20 positions a tooth."""
+    pitch, pair = made(teeth, tolerance_mm)
+    refuse_overlap(pair_contact(pitch, pair), pitch, pair, tolerance_mm)
+    return pair.driving.outline_mm, pair.driven.outline_mm
+
+
+def by_ncgears(teeth: int) -> Outlines:
+    """The same pair by ncgears, which verifies it before it gives it away, and writes files on the way."""
+    import ncgears
+
+    with tempfile.TemporaryDirectory() as folder:
+        pair = ncgears.generate(
+            LAW,
+            teeth=teeth,
+            module=MODULE_MM,
+            pressure_angle_deg=PRESSURE_ANGLE_DEG,
+            addendum_factor=ADDENDUM,
+            dedendum_factor=DEDENDUM,
+            fillet_factor=ROOT_RADIUS,
+            output_directory=folder,
+        )
+    return _open(pair.drive_outline), _open(pair.driven_outline)
+
+
+def _open(outline_mm: Array) -> Array:
+    """A closed outline without the first point's repetition at its end."""
+    return outline_mm[:-1] if (outline_mm[0] == outline_mm[-1]).all() else outline_mm
+
+
+def judged(program: str, teeth: int, make: Callable[[], Outlines]) -> Run:
+    """One program's pair, timed and judged."""
+    start = perf_counter()
+    driving, driven = make()
+    seconds = perf_counter() - start
+    outlines = judged_outline(driving, MODULE_MM), judged_outline(driven, MODULE_MM)
+    flanks = judged_flanks(driving, driven, sine_law(DEPTH), teeth, MODULE_MM, radians(PRESSURE_ANGLE_DEG))
+    return Run(program, teeth, seconds, outlines, flanks)
+
+
+def finest_tolerance_mm(teeth: int, most: int) -> float:
+    """The smallest chord tolerance, nearly, at which no outline of ncgear has more points than ``most``."""
+    tolerance = DEFAULT_TOLERANCE_MM
+    for _ in range(SEARCH):
+        _, pair = made(teeth, tolerance)
+        share = max(len(gear.outline_mm) for gear in (pair.driving, pair.driven)) / most
+        if NEARLY <= share <= 1.0:
+            return tolerance
+        # A chord strays by the square of its length.
+        tolerance *= (share / (NEARLY + 1.0) * 2.0) ** 2
+    raise ArithmeticError(f"no chord tolerance gives {most} points at {teeth} teeth")
+
+
+def runs(teeth: int) -> list[Run]:
+    """ncgears, ncgear as it comes, and ncgear with as many points as ncgears."""
+    other = judged("ncgears", teeth, lambda: by_ncgears(teeth))
+    tolerance = finest_tolerance_mm(teeth, other.points)
+    return [
+        other,
+        judged(f"ncgear, {DEFAULT_TOLERANCE_MM:g} mm", teeth, lambda: by_ncgear(teeth, DEFAULT_TOLERANCE_MM)),
+        judged(f"ncgear, {tolerance:.2g} mm", teeth, lambda: by_ncgear(teeth, tolerance)),
+    ]
+
+
+def row(run: Run, other: Run) -> str:
+    """One line of the table; shares are of ncgears' figures."""
+    one, two = run.outlines
+    cells = [
+        f"{run.teeth}",
+        run.program,
+        f"{run.seconds:.3g}",
+        f"{run.seconds / other.seconds:.3f}",
+        f"{one.points} + {two.points}",
+        f"{run.points / other.points:.3f}",
+        f"{1e6 * run.flanks.gap:.3g}",
+        f"{run.flanks.gap / other.flanks.gap:.3g}",
+        f"{1e6 * run.flanks.overlap:.2g}",
+        f"{one.reversals + two.reversals}",
+        f"{one.repeated + two.repeated}",
+        "no" if one.simple and two.simple else "yes",
+    ]
+    return f"| {' | '.join(cells)} |"
+
+
+HEAD = (
+    "| teeth | program, chord tolerance | time, s | share | points | share | flank gap, 1e-6 module | share "
+    "| overlap, 1e-6 module | reversals | repeated points | crosses itself |"
+)
+
+
+def page() -> str:
+    """The whole page."""
+    lines = [
+        "# Beside ncgears",
+        "",
+        f"Written by `python benchmarks/beside_ncgears.py`: ncgear {version('ncgear')}, ncgears {version('ncgears')}, "
+        f"numpy {version('numpy')}, shapely {version('shapely')}, Python {platform.python_version()}, "
+        f"{os.cpu_count()} cores.",
+        "",
+        f"phi2 = {LAW} at module {MODULE_MM:g} mm, rack of {PRESSURE_ANGLE_DEG:g} degrees, addendum {ADDENDUM:g}, "
+        f"dedendum {DEDENDUM:g}, root radius {ROOT_RADIUS:g}. Time: from the law to both verified outlines, imports "
+        "not counted; each program verifies by its own means, and ncgears writes its files on the way. One run each, "
+        "one after the other: the machine's noise is in the seconds, less so in the shares, which are of ncgears' "
+        "figure for the same number of teeth. Points are those of the driving and of the driven outline; the second "
+        "row of ncgear has as many as ncgears.",
+        "",
+        "Flank gap and overlap: the worst of all pairs of flanks in mesh, along their normal at the point of contact, "
+        "at 40 positions a tooth off any grid. Reversals: turns of more than 90 degrees from one chord to the next. "
+        "All of it is judged by `outline_judge.py`, which uses neither program.",
+        "",
+        HEAD,
+        "|---" * (HEAD.count("|") - 1) + "|",
+    ]
+    for teeth in TEETH:
+        found = runs(teeth)
+        lines += [row(run, found[0]) for run in found]
+    return "\n".join([*lines, ""])
+
+
+if __name__ == "__main__":
+    if importlib.util.find_spec("ncgears") is None:
+        print(f"ncgears is not installed; {INSTALL}", file=sys.stderr)
+        sys.exit(2)
+    text = page()
+    PAGE.write_text(text, encoding="utf-8")
+    print(text)

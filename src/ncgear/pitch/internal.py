@@ -1,0 +1,99 @@
+"""Which laws let the driven gear be a ring with its teeth inside."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.angles import in_words
+from ncgear.numerics.arrays import Array
+from ncgear.pitch.curve import PitchCurve
+from ncgear.ratio.transmission import Lobes, Transmission
+
+LEAST_RATIO = 1.001
+"""Ratio below which no internal gear is made: the pitch radii would be a thousand centre distances, which is 2000 teeth
+for every module of centre distance, and tips clear one another only where that is several modules."""
+
+POSITIONS = 181
+"""Positions over a period of the law at which the curves are laid into each other; between them little changes."""
+
+POINTS = 721
+"""Points of each curve over a period of the law, half a degree apart on a curve of one lobe."""
+
+THROUGH = 1e-3
+"""Share of the ring's radius by which the driving curve must pass it to count: a hundredfold of what points half a
+degree apart leave uncertain; less than that shows in the contact of the teeth."""
+
+PlanePoints = NDArray[np.complex128]
+"""Points x + i y."""
+
+
+def require_ring(transmission: Transmission) -> None:
+    """Refuse a law that a ring cannot be driven by.
+
+    The pitch radii of an internal pair, a / (i12 - 1) and a i12 / (i12 - 1), exist only where i12 is over 1, and grow
+    beyond all bounds as it nears 1.  Raises NoSuchMechanism with the least ratio, its driving angle and what to change.
+    """
+    least = transmission.ratio_range[0]
+    if least.value >= LEAST_RATIO:
+        return
+    raise NoSuchMechanism(
+        f"internal, but the ratio falls to {least.value:.6g} at phi1 = {in_words(least.at)}; a ring needs more than 1 "
+        f"everywhere, and {LEAST_RATIO:g} is the least that makes a gear; {_remedy(transmission.lobes)}",
+        key="gears.mesh",
+    )
+
+
+def _remedy(lobes: Lobes) -> str:
+    said = f"{lobes.driving}:{lobes.driven} lobes"
+    if lobes.driven > lobes.driving:
+        return f"a smaller range of the ratio about the {lobes.driven / lobes.driving:.4g} of {said} is needed"
+    return (
+        f"with {said} its mean is {lobes.driven / lobes.driving:.4g}: more lobes of the driven gear than of the "
+        "driving one are needed, or mesh: external (a law of the slider's motion has no other choice)"
+    )
+
+
+def require_room(driving: PitchCurve, ring: PitchCurve) -> None:
+    """Refuse a driving pitch curve that does not stay inside the ring's while they roll.
+
+    At the pitch point it always does, being the more curved; but its long side may not fit where the ring is narrow.
+    Raises NoSuchMechanism with the driving angle and how far it would stand out.
+    """
+    phi1 = np.linspace(0.0, driving.transmission.lobes.driving_period_rad, POSITIONS)
+    inner, outer = _points(driving), _points(ring)
+    beyond = passed_mm(inner, outer, driving, phi1)
+    row, point = np.unravel_index(np.argmax(beyond), beyond.shape)
+    worst, radius = float(beyond[row, point]), float(np.abs(outer).min())
+    if worst <= THROUGH * radius:
+        return
+    raise NoSuchMechanism(
+        f"internal, but at phi1 = {in_words(float(phi1[row]))} the driving pitch curve, which reaches up to "
+        f"{np.abs(inner).max():.4g} mm from its axis, would stand {worst:.4g} mm out of the ring's; a smaller range of "
+        "the ratio is needed, or more lobes of the driven gear",
+        key="gears.mesh",
+    )
+
+
+def _points(curve: PitchCurve) -> PlanePoints:
+    return plane(curve.at_angle(np.linspace(0.0, curve.turn_rad, curve.periods * POINTS, endpoint=False)).position)
+
+
+def plane(points_mm: Array) -> PlanePoints:
+    """Points of shape (n, 2) as x + i y."""
+    numbers: PlanePoints = points_mm[:, 0] + 1j * points_mm[:, 1]
+    return numbers
+
+
+def passed_mm(inner: PlanePoints, ring: PlanePoints, driving: PitchCurve, phi1: Array) -> Array:
+    """How far in mm points of the driving gear lie beyond a closed curve of the ring, shape (positions, points).
+
+    Both in their gear's own frame; the ring's curve is seen once from its axis in every direction.
+    """
+    phi2 = driving.transmission.driven_angle(phi1).value
+    seen = inner * np.exp(1j * phi1[:, None]) - driving.center_distance_mm
+    from_ring_axis = seen * np.exp(-1j * phi2[:, None])
+    there = np.interp(np.angle(from_ring_axis), np.angle(ring), np.abs(ring), period=2.0 * np.pi)
+    beyond: Array = np.abs(from_ring_axis) - there
+    return beyond

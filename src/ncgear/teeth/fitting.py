@@ -1,0 +1,187 @@
+"""Spaces and tips of two gears fitted to each other: each gear's tips need the other's spaces, and conversely."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import sin
+
+import numpy as np
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.arrays import Array, Mask
+from ncgear.pitch.curve import PitchCurve
+from ncgear.teeth.flank import Flanks
+from ncgear.teeth.form import TipLimits
+from ncgear.teeth.fouling import Meeting, freed
+from ncgear.teeth.meeting import mating_flanks
+from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_depth
+from ncgear.teeth.spaces import cut_spaces, mated_spaces
+from ncgear.teeth.tips import Bounds, Limit, Tips, fitted_tips
+from ncgear.teeth.tool import PinionCircle
+
+FAR = 2.0
+"""Dedenda within which regular flanks are looked for when no tool sets the depth: deeper than any tip reaches."""
+
+Both = tuple[Tips, Tips]
+Spaces = tuple[Array, Mask]
+"""Depths to which the spaces beside flanks may be cut, and which flanks are undercut at full depth."""
+
+
+def fitted_pair(driving: Flanks, driven: Flanks, limits: TipLimits) -> Both:
+    """Both gears with the heights and depths that their meeting allows, from flanks at full height and depth.
+
+    Raises NoSuchMechanism, naming gear and tooth, where no tip or no space is left.
+    """
+    pairs = mating_flanks(driving.count // 2, driven.count // 2)
+    clearance = driving.rack.dedendum_mm - driving.rack.addendum_mm
+    fit = _fitted_to_mates if isinstance(driving.tool, PitchCurve) else _fitted_to_cutter
+    first, second = fit((driving, driven), (pairs, pairs[::-1]), limits, clearance)
+    return _met(first, second, pairs), _met(second, first, pairs[::-1])
+
+
+def _met(own: Tips, mate: Tips, meeting: Meeting) -> Tips:
+    """Tips that know how deep their mates touch."""
+    return replace(own, met_depth_mm=_most(own.flanks.count, meeting, mate.height_mm))
+
+
+def _fitted_to_cutter(
+    gears: tuple[Flanks, Flanks], meetings: tuple[Meeting, Meeting], limits: TipLimits, clearance: float
+) -> Both:
+    """Spaces as the cutter leaves them, then tips that fit into them."""
+    (driving, undercut1), (driven, undercut2) = (cut_spaces(gear, limits.avoid_undercut) for gear in gears)
+    return (
+        _tips_in(driving, driven, meetings[0], undercut1, undercut2, limits, clearance),
+        _tips_in(driven, driving, meetings[1], undercut2, undercut1, limits, clearance),
+    )
+
+
+def _tips_in(
+    own: Flanks,
+    mate: Flanks,
+    meeting: Meeting,
+    undercut: Mask,
+    mate_undercut: Mask,
+    limits: TipLimits,
+    clearance: float,
+) -> Tips:
+    """Tips that leave the clearance to the mate's roots and touch no deeper than the mate's flanks go."""
+    contact = np.minimum(_least(own.count, meeting, mate.flank_depth_mm), _height_of_cutter(own))
+    tip = _least(own.count, meeting, mate.root_depth_mm) - clearance
+    # Rounding errors of the full depth must not count as a shorter tip.
+    tip = np.where(tip > own.tip_height_mm * (1.0 - 1e-9), np.inf, tip)
+    blamed = _least(own.count, meeting, np.where(mate_undercut, 0.0, 1.0)) < 1.0
+    return fitted_tips(own, Bounds(contact, tip, blamed), undercut, limits.least_land_mm)
+
+
+def _height_of_cutter(own: Flanks) -> float:
+    """Height over the pitch line up to which a pinion cutter's involute goes: its base circle is at R sin^2(alpha)."""
+    if not isinstance(own.tool, PinionCircle):
+        return np.inf
+    return own.tool.radius_mm * sin(own.rack.pressure_angle_rad) ** 2
+
+
+def _fitted_to_mates(
+    gears: tuple[Flanks, Flanks], meetings: tuple[Meeting, Meeting], limits: TipLimits, clearance: float
+) -> Both:
+    """Tips as high as regular flanks allow, then spaces as deep as the mates' tips reach.
+
+    Where tips foul each other on concave stretches, shortening one gear's or the other's, with or without raised tips,
+    leaves different contact: the best is kept.
+    """
+    regular = (_regular_spaces(gears[0], limits.avoid_undercut), _regular_spaces(gears[1], limits.avoid_undercut))
+    plain = _regular_tips(gears, regular, meetings, limits)
+    raised = (_raised(gears[0], plain[1], meetings[0]), _raised(gears[1], plain[0], meetings[1]))
+    found: list[Both] = []
+    refusals: list[NoSuchMechanism] = []
+    for high, first in ((True, 0), (True, 1), (False, 0), (False, 1)):
+        try:
+            tips = _regular_tips(raised, regular, meetings, limits) if high else plain
+            free = _freed(tips, meetings, first)
+            found.append(_cleared(free, meetings, clearance))
+        except NoSuchMechanism as refusal:
+            refusals.append(refusal)
+            continue
+        if free is tips:
+            break
+    if not found:
+        raise refusals[-1]
+    return max(found, key=lambda tips: _least_overlap(tips, meetings[0]))
+
+
+def _cleared(tips: Both, meetings: tuple[Meeting, Meeting], clearance: float) -> Both:
+    """Both gears with spaces for each other's tips."""
+    return (
+        _deepened(tips[0], tips[1], meetings[0], clearance),
+        _deepened(tips[1], tips[0], meetings[1], clearance),
+    )
+
+
+def _freed(tips: Both, meetings: tuple[Meeting, Meeting], first: int) -> Both:
+    """Tips that do not foul each other, those of the gear numbered ``first`` shortened rather than the other's."""
+    if min(tip.flanks.curve.curvature_bounds[0] for tip in tips) >= 0.0:
+        return tips
+    order = (first, 1 - first, first)
+    both = list(tips)
+    for own in order:
+        both[own] = freed(both[own], both[1 - own], meetings[own])
+    return tips if both[0] is tips[0] and both[1] is tips[1] else (both[0], both[1])
+
+
+def _least_overlap(tips: Both, meeting: Meeting) -> float:
+    """Least rolled length, times sin(alpha) cos(alpha), by which a pair of flanks meets before the one ahead parts.
+
+    On front flanks contact runs from the driving tip, h / (sin(alpha) cos(alpha)) before the crossing, to the driven
+    tip's height after it; on back flanks the other way round.
+    """
+    front, back = (tip.height_mm[flank].reshape(2, -1) for tip, flank in zip(tips, meeting, strict=True))
+    return float(min(np.min(back[0] + np.roll(front[0], -1)), np.min(front[1] + np.roll(back[1], -1))))
+
+
+def _raised(own: Flanks, mate: Tips, meeting: Meeting) -> Flanks:
+    """The gear with tips longer by what is missing of the mate's against undercut, so that less contact is lost."""
+    short = np.where(mate.limit == Limit.UNDERCUT, mate.flanks.rack.tip_height_mm - mate.flanks.tip_height_mm, 0.0)
+    missing = _most(own.count, meeting, short)
+    # Contact passes from tooth to tooth: a tip makes up for what the next tooth's pair has lost, too.
+    most = np.max([np.roll(missing, shift) for shift in range(-2, 3)], axis=0)
+    return replace(own, tip_height_mm=own.tip_height_mm + most)
+
+
+def _regular_tips(
+    gears: tuple[Flanks, Flanks], regular: tuple[Spaces, Spaces], meetings: tuple[Meeting, Meeting], limits: TipLimits
+) -> Both:
+    """Tips that meet regular flanks only."""
+    tips = []
+    for number, own in enumerate(gears):
+        allowed, undercut = regular[1 - number]
+        contact = _least(own.count, meetings[number], allowed)
+        blamed = _least(own.count, meetings[number], np.where(undercut, 0.0, 1.0)) < 1.0
+        bounds = Bounds(contact, np.full(own.count, np.inf), blamed)
+        tips.append(fitted_tips(own, bounds, regular[number][1], limits.least_land_mm))
+    return tips[0], tips[1]
+
+
+def _regular_spaces(gear: Flanks, avoid_undercut: bool) -> tuple[Array, Mask]:
+    """Depths to which spaces may be cut, and which flanks are undercut at the rack's full depth."""
+    far = FAR * gear.rack.dedendum_mm
+    regular = regular_depth(gear, far)
+    allowed = np.where(regular < far, CLEAR_OF_CUSPS * regular, far)
+    return (allowed if avoid_undercut else np.full(gear.count, far)), regular < gear.flank_depth_mm
+
+
+def _deepened(own: Tips, mate: Tips, meeting: Meeting, clearance: float) -> Tips:
+    """The gear with spaces for its mate's tips."""
+    rack = own.flanks.rack
+    reach = _most(own.flanks.count, meeting, mate.height_mm) + max(clearance - rack.rounding_height_mm, 0.0)
+    return replace(own, flanks=mated_spaces(own.flanks, reach))
+
+
+def _least(count: int, meeting: Meeting, of_mate: Array) -> Array:
+    """Least value over all mates of each flank, shape (count,)."""
+    least = np.full(count, np.inf)
+    np.minimum.at(least, meeting[0], of_mate[meeting[1]])
+    return least
+
+
+def _most(count: int, meeting: Meeting, of_mate: Array) -> Array:
+    """Greatest value over all mates of each flank, shape (count,)."""
+    return -_least(count, meeting, -of_mate)

@@ -1,0 +1,212 @@
+"""How high tips can be, tooth by tooth, so that what is left of the flanks is exact, free and not pointed.
+
+A tip is shortened where its flank would end in a cusp (concave stretch), where it would reach deeper into the mate's
+space than the mate's flank is regular (it would undercut it) or than it is cut (it would foul the fillet: secondary
+interference), and where its land would be narrower than asked for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import IntEnum
+from math import degrees
+
+import numpy as np
+from scipy.optimize import elementwise
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.crossing import refined_crossings
+from ncgear.pitch.nearest import nearest
+from ncgear.teeth.flank import Flanks
+from ncgear.teeth.naming import tooth_name
+from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_height
+
+AGREEMENT = 1e-11
+"""Distance, in modules, at which two curves count as meeting: about 1000 rounding errors of a gear of 20 modules."""
+
+
+STARTS = (0.5, 1.0, 0.2)
+"""Shares of the tip's height from which the contact's height is sought: from below, since on concave stretches a flank
+may come to the same height twice; and from elsewhere where that leads away."""
+
+LOWEST = 0.05
+"""Share of a pointed tip's height above which the height of the least land is sought."""
+
+MOST_SLOPE = 0.25
+"""Largest slope of a tip land against the pitch curve, 14 degrees: beyond it the higher edge would be sharp."""
+
+
+class Limit(IntEnum):
+    """What a tooth's tip height is limited by; the greater number is the sharper reason when two hold."""
+
+    FULL = 0
+    FILLET = 1
+    UNDERCUT = 2
+    CUSP = 3
+    LAND = 4
+    FOULING = 5
+
+
+@dataclass(frozen=True, eq=False)
+class Bounds:
+    """What the mate allows each flank, shape (2 z,): contact height over the pitch line, and height of the tip land.
+
+    ``undercut`` marks flanks whose bound comes from a mate that a tool of full depth would undercut.
+    """
+
+    contact_mm: Array
+    tip_mm: Array
+    undercut: Mask
+
+
+@dataclass(frozen=True, eq=False)
+class Tips:
+    """Where the tips of all flanks end, and why; shape (2 z,).
+
+    ``height_mm`` is the contact's height over the pitch line at the end of the flank, ``at_mm`` the arc length under
+    the tip's edge, ``limit`` a number of ``Limit``; ``undercut`` marks flanks that a tool of full depth undercuts;
+    ``met_depth_mm`` is how far below the pitch line the mates' tips touch each flank.
+    """
+
+    flanks: Flanks
+    height_mm: Array
+    at_mm: Array
+    limit: IndexArray
+    undercut: Mask
+    met_depth_mm: Array
+
+
+def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: float) -> Tips:
+    """Tips at the greatest heights that all bounds allow.
+
+    Raises NoSuchMechanism, naming the tooth, where none is left.
+    """
+    height = np.minimum(flanks.tip_height_mm, bounds.tip_mm)
+    reason = np.where(bounds.undercut, Limit.UNDERCUT, Limit.FILLET)
+    limit = np.where(height < flanks.tip_height_mm, reason, Limit.FULL)
+    regular = regular_height(flanks, float(np.max(bounds.contact_mm)))
+    cusp = regular < bounds.contact_mm
+    allowed = np.where(cusp, CLEAR_OF_CUSPS * regular, bounds.contact_mm)
+    lowered = _lowered(replace(flanks, tip_height_mm=height), allowed)
+    limit = np.where(lowered < height, np.where(cusp, Limit.CUSP, reason), limit)
+    flanks, narrow = _with_lands(replace(flanks, tip_height_mm=even_heights(flanks, lowered)), least_land_mm)
+    limit = np.where(narrow, Limit.LAND, limit)
+    top, at, met = tip_crossing(flanks)
+    lost = np.nonzero(~met | (flanks.tip_height_mm <= 0.0) | (top <= 0.0))[0]
+    if lost.size:
+        raise _no_tip(flanks, int(lost[0]))
+    return Tips(flanks, top, at, limit, undercut, np.full(flanks.count, np.inf))
+
+
+def even_heights(flanks: Flanks, height: Array) -> Array:
+    """Heights with the higher edge of each tip lowered where its land would slope too much."""
+    low = np.repeat(height.reshape(-1, 2).min(axis=1), 2)
+    if not np.any(height > low):
+        return height
+    level = _land(replace(flanks, tip_height_mm=low), np.arange(0, flanks.count, 2))
+    return np.minimum(height, low + MOST_SLOPE * np.repeat(np.maximum(level, 0.0), 2))
+
+
+def _lowered(flanks: Flanks, allowed: Array) -> Array:
+    """Tip heights, lowered where the flank would touch higher than ``allowed``."""
+    height = flanks.tip_height_mm
+    top, _, met = tip_crossing(flanks)
+    chosen = np.nonzero(~met | (top > allowed))[0]
+    if not chosen.size:
+        return height
+    lowered = height.copy()
+    lowered[chosen] = np.minimum(height[chosen], _distance(flanks, chosen, allowed[chosen]))
+    return lowered
+
+
+def _distance(flanks: Flanks, flank: IndexArray, height: Array) -> Array:
+    """Distance from the pitch curve of the points where flanks touch at heights; shapes (n,)."""
+    foot = flanks.rolled_mm(flank, height) + flanks.side[flank] * height / np.tan(flanks.rack.pressure_angle_rad)
+    _, distance = nearest(flanks.curve, flanks.flank(flank, height)[0], foot, AGREEMENT * flanks.rack.module_mm)
+    lost = np.nonzero(np.isnan(distance))[0]
+    if lost.size:
+        raise _no_tip(flanks, int(flank[lost[0]]))
+    return distance
+
+
+def tip_crossing(flanks: Flanks, chosen: IndexArray | None = None) -> tuple[Array, Array, Mask]:
+    """Height at which flanks reach their tip lands, the arc length there, and whether they do so near by.
+
+    Of all flanks, or of the chosen ones; shape (n,) each.
+    """
+    which = np.arange(flanks.count) if chosen is None else chosen
+    height, sigma, met = _crossing_from(flanks, which, STARTS[0])
+    for start in STARTS[1:]:
+        again = np.nonzero(~met)[0]
+        if again.size:
+            height[again], sigma[again], met[again] = _crossing_from(flanks, which[again], start)
+    return height, sigma, met
+
+
+def _crossing_from(flanks: Flanks, which: IndexArray, start: float) -> tuple[Array, Array, Mask]:
+    """Crossings sought from a share of the tips' heights."""
+    rack, tip, crossing = flanks.rack, flanks.tip_height_mm[which], flanks.crossing_mm[which]
+    height, sigma, met = refined_crossings(
+        lambda h: flanks.flank(which, h),
+        lambda s: flanks.offset(s, tip),
+        start * tip,
+        crossing - flanks.side[which] * start * tip * np.tan(rack.pressure_angle_rad),
+        AGREEMENT * rack.module_mm,
+    )
+    return height, sigma, met & (np.abs(sigma - crossing) < rack.pitch_mm / 2.0) & (height > 0.0)
+
+
+def _with_lands(flanks: Flanks, least: float) -> tuple[Flanks, Mask]:
+    """The flanks with tips shortened where their land is narrower than ``least``, and which those are."""
+    width = _land(flanks, np.arange(0, flanks.count, 2))
+    narrow = ~(width >= least)
+    if not narrow.any():
+        return flanks, np.zeros(flanks.count, dtype=bool)
+    back = 2 * np.nonzero(narrow)[0]
+    most = np.full(flanks.count, np.inf)
+    most[back] = most[back + 1] = _height_of_land(flanks, back, least)
+    lower = most < flanks.tip_height_mm
+    return replace(flanks, tip_height_mm=np.minimum(flanks.tip_height_mm, most)), lower
+
+
+def _height_of_land(flanks: Flanks, back: IndexArray, least: float) -> Array:
+    """Greatest tip heights of the teeth with back flanks ``back`` at which their lands have the width ``least``."""
+
+    def excess(height: Array, number: Array) -> Array:
+        row = number.astype(int)
+        most = np.full(flanks.count, np.inf)
+        most[back[row]] = most[back[row] + 1] = height
+        lower = replace(flanks, tip_height_mm=np.minimum(flanks.tip_height_mm, most))
+        return _land(lower, back[row]) - least
+
+    every = np.arange(float(back.size))
+    high = np.maximum(flanks.tip_height_mm[back], flanks.tip_height_mm[back + 1])
+    low = LOWEST * high
+    thick = excess(low, every)
+    if not np.all(thick > 0.0):
+        raise _no_tip(flanks, int(back[~(thick > 0.0)][0]))
+    found = elementwise.find_root(excess, (low, high), args=(every,))
+    if not np.all(found.success):
+        raise ArithmeticError("the height of a narrow tip was not found")
+    heights: Array = found.x
+    return heights
+
+
+def _land(flanks: Flanks, back: IndexArray) -> Array:
+    """Width of tip lands in mm along the chord, negative where the flanks have crossed below; shape (n,)."""
+    both = np.stack([back, back + 1], axis=1).ravel()
+    _, at, met = tip_crossing(flanks, both)
+    edges = flanks.offset(at, flanks.tip_height_mm[both])[0].reshape(-1, 2, 2)
+    width = np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1) * np.sign(np.diff(at.reshape(-1, 2), axis=1)[:, 0])
+    return np.where(met.reshape(-1, 2).all(axis=1), width, -np.inf)
+
+
+def _no_tip(flanks: Flanks, flank: int) -> NoSuchMechanism:
+    k = float(flanks.curve.at_length(flanks.crossing_mm[flank : flank + 1]).curvature[0])
+    return NoSuchMechanism(
+        f"{tooth_name(flanks, flank)} has no tip above the pitch curve that is regular and free of its mate (curvature "
+        f"{k:.4g} 1/mm, {k * flanks.rack.module_mm:.3g} per module, pressure angle "
+        f"{degrees(flanks.rack.pressure_angle_rad):g} deg); more teeth of a smaller module are needed",
+        key="gears.teeth",
+    )

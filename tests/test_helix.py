@@ -1,0 +1,441 @@
+"""Helical and herringbone solids: closed forms of circular gears, exact sections, conjugacy, and what must fail."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+from math import cos, pi, radians, tan
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+from shapely import Polygon, affinity
+from trimesh import Trimesh
+
+from ncgear.design.load import load
+from ncgear.drive import Drive
+from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
+from ncgear.output.build import build
+from ncgear.output.stl import read_back, stl_bytes
+from ncgear.output.summary import build_summary
+from ncgear.pitch.pair import PitchPair, sized_pair
+from ncgear.pitch.shape import Gear
+from ncgear.ratio.laws.ellipse import elliptical_law
+from ncgear.ratio.laws.expression import ratio_expression_law
+from ncgear.ratio.laws.uniform import uniform_law
+from ncgear.ratio.transmission import Lobes, Transmission
+from ncgear.solids.bore import Bore, Keyway
+from ncgear.solids.closeness import MOST_STEPS, close_stacks
+from ncgear.solids.columns import Limits, spread_columns
+from ncgear.solids.helical import helical_pair
+from ncgear.solids.helix import Hand, Helix
+from ncgear.solids.pair import Blank, SolidPair
+from ncgear.solids.pieces import pieces_of
+from ncgear.solids.section import full_disc, largest_bore_mm
+from ncgear.solids.sections import Sections
+from ncgear.solids.stack import stacked
+from ncgear.teeth.form import ToothForm
+from ncgear.teeth.gear import ToothedPair, toothed_pair
+from oracles import meshing
+from pairs import baler_law, rack, sine_law
+
+TOLERANCE = 0.005
+MODULE = 2.0
+WIDTH = 14.0
+ANGLE = radians(20.0)
+
+LAWS: dict[str, tuple[Callable[[], Transmission], int]] = {
+    "circular": (lambda: uniform_law(Lobes()), 20),
+    "ellipse": (lambda: elliptical_law(0.3, 0.7, Lobes()), 21),
+    "one on two": (lambda: ratio_expression_law("2 + 0.5*cos(phi)", Lobes(1, 2), scale_to_close=True), 18),
+    "concave": (lambda: sine_law(0.2), 30),
+}
+
+
+@dataclass(frozen=True)
+class Made:
+    """A helical pair and what it was made from."""
+
+    pitch: PitchPair
+    helix: Helix
+    solids: SolidPair
+
+    def mesh(self, gear: str) -> Trimesh:
+        solid = self.solids.driving if gear == "driving" else self.solids.driven
+        return solid.mesh
+
+
+def pitch_of(name: str) -> PitchPair:
+    law, teeth = LAWS[name]
+    return sized_pair(law(), teeth, MODULE, None)
+
+
+@cache
+def made(
+    name: str, hand: Hand = Hand.RIGHT, *, herringbone: bool = False, bore: Bore | None = None, marked: bool = False
+) -> Made:
+    pitch, helix = pitch_of(name), Helix(ANGLE, WIDTH, hand, herringbone)
+    blank = Blank(WIDTH, bore, marked)
+    solids = helical_pair(pitch, ToothForm(rack()), helix, {Gear.DRIVING: blank, Gear.DRIVEN: blank}, TOLERANCE)
+    return Made(pitch, helix, solids)
+
+
+def advance(height: float, hand: Hand, *, herringbone: bool = False) -> float:
+    """Said once more: both gears' teeth go along growing arc length, clockwise on the driving gear, for a left hand."""
+    rolled = min(height, WIDTH - height) if herringbone else height
+    return rolled * tan(ANGLE) * {Hand.RIGHT: -1.0, Hand.LEFT: 1.0}[hand]
+
+
+@cache
+def exact(name: str, advance_mm: float, tolerance: float = 1e-4) -> ToothedPair:
+    return toothed_pair(pitch_of(name), ToothForm(rack()), tolerance, advance_mm=advance_mm)
+
+
+def section(mesh: Trimesh, height: float) -> Polygon:
+    """Outer boundary of a mesh's section, by following its edges."""
+    rings = meshing.section_rings(np.asarray(mesh.vertices), np.asarray(mesh.faces), height)
+    return max((Polygon(ring) for ring in rings), key=lambda polygon: polygon.area)
+
+
+def apart(one: Polygon, other: Polygon) -> float:
+    """Largest distance of either boundary's vertices from the other boundary."""
+    return max(_farthest(one, other), _farthest(other, one))
+
+
+def _farthest(one: Polygon, other: Polygon) -> float:
+    ring = shapely.get_coordinates(other.exterior)
+    chords = shapely.STRtree(shapely.linestrings(np.stack([ring[:-1], ring[1:]], axis=1)))
+    points = shapely.points(shapely.get_coordinates(one.exterior))
+    return float(chords.query_nearest(points, all_matches=False, return_distance=True)[1].max())
+
+
+HEIGHTS = [1e-6, WIDTH / 4, 0.37 * WIDTH, WIDTH / 2, 3 * WIDTH / 4, WIDTH * (1.0 - 1e-7)]
+
+
+# --- the advance --------------------------------------------------------------------------------------------------
+
+
+def test_advance_of_helical_teeth() -> None:
+    helix = Helix(radians(30.0), 12.0, Hand.LEFT)
+    assert helix.advance_mm(12.0) == pytest.approx(12.0 / 3.0**0.5, rel=1e-15)
+    assert helix.largest_advance_mm == helix.advance_mm(12.0)
+    assert replace(helix, hand=Hand.RIGHT).advance_mm(5.0) == -helix.advance_mm(5.0)
+    assert helix.thrust_share == pytest.approx(tan(radians(30.0)))
+
+
+def test_advance_of_herringbone_teeth_goes_back_from_half_way() -> None:
+    helix = Helix(radians(30.0), 12.0, Hand.LEFT, herringbone=True)
+    assert [helix.advance_mm(z) for z in (0.0, 12.0)] == [0.0, 0.0]
+    assert helix.advance_mm(2.0) == helix.advance_mm(10.0) == replace(helix, herringbone=False).advance_mm(2.0)
+    assert helix.largest_advance_mm == helix.advance_mm(6.0)
+    assert helix.thrust_share == 0.0
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_whole_pitch_of_advance_gives_the_same_outline(name: str) -> None:
+    """And so do whole turns, in which every tooth keeps its place in the file."""
+    pitch, first = pitch_of(name), exact(name, 0.0)
+    moved = exact(name, MODULE * pi)
+    turned = exact(name, 3.0 * pitch.driving.length_mm)
+    for gear in ("driving", "driven"):
+        outlines = [getattr(pair, gear).outline_mm for pair in (first, moved, turned)]
+        assert apart(Polygon(outlines[0]), Polygon(outlines[1])) <= 1e-4
+    np.testing.assert_allclose(turned.driving.outline_mm, first.driving.outline_mm, rtol=0.0, atol=1e-9)
+
+
+def test_half_a_pitch_puts_a_space_where_the_tooth_was() -> None:
+    first, moved = exact("ellipse", 0.0).driving, exact("ellipse", MODULE * pi / 2).driving
+    assert apart(Polygon(first.outline_mm), Polygon(moved.outline_mm)) > 0.5 * MODULE
+
+
+# --- circular gears: the section is the outline, turned ------------------------------------------------------------
+
+
+@pytest.mark.parametrize("hand", list(Hand))
+@pytest.mark.parametrize("height", HEIGHTS)
+def test_circular_sections_are_turned_by_the_hand(hand: Hand, height: float) -> None:
+    radius, sense = 20 * MODULE / 2, {Hand.RIGHT: 1.0, Hand.LEFT: -1.0}[hand]
+    turn = sense * height * tan(ANGLE) / radius
+    for gear, own in (("driving", turn), ("driven", -turn)):
+        outline = Polygon(getattr(exact("circular", 0.0), gear).outline_mm)
+        turned = affinity.rotate(outline, own, origin=(0.0, 0.0), use_radians=True)
+        assert apart(section(made("circular", hand).mesh(gear), height), turned) <= TOLERANCE
+        if height > 0.1:
+            wrong = affinity.rotate(outline, -own, origin=(0.0, 0.0), use_radians=True)
+            assert apart(section(made("circular", hand).mesh(gear), height), wrong) > 10.0 * TOLERANCE
+
+
+@pytest.mark.parametrize("herringbone", [False, True])
+def test_circular_volume_is_area_times_width(herringbone: bool) -> None:
+    pair = made("circular", herringbone=herringbone)
+    outline = Polygon(exact("circular", 0.0).driving.outline_mm)
+    volume = pair.mesh("driving").volume
+    # No facet is farther from the surface than the tolerance.
+    assert abs(volume - outline.area * WIDTH) <= TOLERANCE * outline.length * WIDTH
+    # Both ways: what is cut off convex tips and left in hollow roots comes to less than a tenth of that.
+    assert volume == pytest.approx(outline.area * WIDTH, rel=1e-4)
+
+
+def test_what_strays_between_two_sections_is_the_closed_form_of_a_circle() -> None:
+    """A chord over the turn t of a circular gear passes its tip circle at r (1 - cos(t / 2))."""
+    radius, tip = 20.0, 22.0
+    found = {}
+    for step in (2.0, 1.0):
+        ends = [pieces_of(exact("circular", s).driving) for s in (0.0, step)]
+        limits = Limits(1e-4, 1e-3)
+        stack = stacked(np.array([0.0, 1.0]), ends, spread_columns(ends, limits), limits)
+        middle = pieces_of(exact("circular", step / 2.0).driving)
+        found[step] = float(stack.strays_mm(np.array([0]), [middle]).max())
+        assert found[step] == pytest.approx(tip * (1.0 - cos(step / radius / 2.0)), rel=0.05)
+    assert found[2.0] / found[1.0] == pytest.approx(4.0, rel=0.1)
+
+
+# --- non-circular gears ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("herringbone", [False, True])
+@pytest.mark.parametrize("gear", ["driving", "driven"])
+@pytest.mark.parametrize("name", ["ellipse", "one on two", "concave"])
+def test_sections_of_the_written_file_are_exact(name: str, gear: str, herringbone: bool) -> None:
+    pair = made(name, herringbone=herringbone)
+    again = read_back(stl_bytes(pair.mesh(gear)), pair.mesh(gear))
+    for height in HEIGHTS:
+        teeth = exact(name, advance(height, Hand.RIGHT, herringbone=herringbone))
+        wanted = Polygon(getattr(teeth, gear).outline_mm)
+        assert apart(section(again, height), wanted) <= TOLERANCE
+
+
+def test_curvature_that_jumps_is_followed_too() -> None:
+    """The baler's teeth have trimmed corners that come, move and go with height."""
+    pitch = sized_pair(baler_law(), 86, MODULE, None)
+    helix = Helix(radians(15.0), 4.0, Hand.LEFT)
+    solids = helical_pair(pitch, ToothForm(rack()), helix, {gear: Blank(4.0) for gear in Gear}, TOLERANCE)
+    for height in (0.9, 2.1, 3.3):
+        teeth = toothed_pair(pitch, ToothForm(rack()), 2e-4, advance_mm=helix.advance_mm(height))
+        assert apart(section(solids.driving.mesh, height), Polygon(teeth.driving.outline_mm)) <= TOLERANCE
+        assert apart(section(solids.driven.mesh, height), Polygon(teeth.driven.outline_mm)) <= TOLERANCE
+
+
+def test_teeth_that_are_pointed_in_some_sections_only() -> None:
+    pitch = sized_pair(elliptical_law(0.4, 0.7, Lobes()), 25, MODULE, None)
+    long, helix = rack(addendum=1.595, dedendum=1.7, root_radius=0.15), Helix(ANGLE, WIDTH, Hand.RIGHT)
+    first, last = (
+        toothed_pair(pitch, long, TOLERANCE, advance_mm=helix.advance_mm(z)).driving.pointed for z in (0.0, 3.0)
+    )
+    assert set(first) ^ set(last)
+    assert set(first) & set(last)
+    solids = helical_pair(pitch, long, helix, {gear: Blank(WIDTH) for gear in Gear}, TOLERANCE)
+    again = read_back(stl_bytes(solids.driving.mesh), solids.driving.mesh)
+    for height in (1.0, 6.3):
+        teeth = toothed_pair(pitch, long, 2e-4, advance_mm=helix.advance_mm(height))
+        assert apart(section(again, height), Polygon(teeth.driving.outline_mm)) <= TOLERANCE
+
+
+def judged(name: str, driving: Polygon, driven: Polygon) -> meshing.MeshingReport:
+    pitch = pitch_of(name)
+    turn = 2.0 * pi * max(1, pitch.transmission.lobes.driven)
+    phi1 = np.linspace(0.0, turn, 102)
+    phi2 = pitch.transmission.driven_angle(phi1).value
+    return meshing.Pair(driving, driven, phi1, phi2, pitch.center_distance_mm).report(101)
+
+
+@pytest.mark.parametrize("herringbone", [False, True])
+@pytest.mark.parametrize("name", ["ellipse", "one on two"])
+def test_sections_at_one_height_mesh_at_the_same_angles(name: str, herringbone: bool) -> None:
+    pair = made(name, Hand.LEFT, herringbone=herringbone)
+    for height in (0.31 * WIDTH, 0.8 * WIDTH):
+        report = judged(name, section(pair.mesh("driving"), height), section(pair.mesh("driven"), height))
+        # Each section strays by one tolerance at most; without backlash the flanks touch.
+        assert report.overlap_depth.max() <= 2.0 * TOLERANCE
+        assert report.gap.max() <= 2.0 * TOLERANCE
+
+
+def test_a_rigid_twist_of_non_circular_gears_does_not_mesh() -> None:
+    teeth, pitch = exact("ellipse", 0.0), pitch_of("ellipse")
+    twist = advance(WIDTH, Hand.RIGHT) / (pitch.driving.length_mm / (2.0 * pi))
+    driving = affinity.rotate(Polygon(teeth.driving.outline_mm), -twist, origin=(0.0, 0.0), use_radians=True)
+    driven = affinity.rotate(Polygon(teeth.driven.outline_mm), twist, origin=(0.0, 0.0), use_radians=True)
+    assert judged("ellipse", driving, driven).overlap_depth.max() > 100.0 * TOLERANCE
+
+
+def test_gears_of_one_hand_do_not_mesh() -> None:
+    right, left = made("ellipse", Hand.RIGHT), made("ellipse", Hand.LEFT)
+    report = judged("ellipse", section(right.mesh("driving"), WIDTH / 5), section(left.mesh("driven"), WIDTH / 5))
+    assert report.overlap_depth.max() > 100.0 * TOLERANCE
+
+
+def test_herringbone_teeth_are_alike_above_and_below_half_way() -> None:
+    for gear in ("driving", "driven"):
+        mesh = made("ellipse", herringbone=True).mesh(gear)
+        for height in (1e-6, 0.2 * WIDTH, 0.45 * WIDTH):
+            assert apart(section(mesh, height), section(mesh, WIDTH - height)) <= 1e-9
+        assert WIDTH / 2 in mesh.vertices[:, 2]
+        mirrored = mesh.vertices * [1.0, 1.0, -1.0] + [0.0, 0.0, WIDTH]
+        order, other = np.lexsort(mesh.vertices.T), np.lexsort(mirrored.T)
+        np.testing.assert_allclose(mesh.vertices[order], mirrored[other], rtol=0.0, atol=1e-12)
+
+
+def test_helical_teeth_are_not_alike_above_and_below_half_way() -> None:
+    mesh = made("ellipse").mesh("driving")
+    assert apart(section(mesh, 1.0), section(mesh, WIDTH - 1.0)) > 1.0
+
+
+# --- bores and holes ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("bore", [None, Bore(10.0), Bore(10.0, Keyway(3.0, 1.4))])
+@pytest.mark.parametrize("herringbone", [False, True])
+def test_bore_and_index_hole_go_straight_through(bore: Bore | None, herringbone: bool) -> None:
+    pair = made("ellipse", herringbone=herringbone, bore=bore, marked=True)
+    for solid in (pair.solids.driving, pair.solids.driven):
+        hole = solid.index_hole
+        assert hole is not None
+        assert solid.mesh.is_watertight
+        assert solid.mesh.euler_number == (-2 if bore else 0)
+        for height in HEIGHTS:
+            rings = meshing.section_rings(np.asarray(solid.mesh.vertices), np.asarray(solid.mesh.faces), height)
+            assert len(rings) == (3 if bore else 2)
+            smallest = min((Polygon(ring) for ring in rings), key=lambda polygon: polygon.area)
+            assert smallest.centroid.coords[0] == pytest.approx((hole.x_mm, hole.y_mm), abs=1e-6)
+            # The walls of one and a half modules to the outline, in every section.
+            assert section(solid.mesh, height).exterior.distance(smallest) > 1.49 * MODULE
+
+
+def test_a_bore_must_fit_into_every_section() -> None:
+    """Where a tooth stands at z = 0 there is room for a larger bore than where a space has come to stand higher up."""
+    pitch = sized_pair(elliptical_law(0.3, 0.0, Lobes()), 21, MODULE, None)
+    outline = toothed_pair(pitch, ToothForm(rack()), TOLERANCE).driving.outline_mm
+    room = largest_bore_mm(full_disc(outline, "gears.driving"), Bore(100.0), TOLERANCE)
+    helix, plain = Helix(ANGLE, WIDTH, Hand.RIGHT), Blank(WIDTH)
+    blanks = {Gear.DRIVING: Blank(WIDTH, Bore(room)), Gear.DRIVEN: plain}
+    with pytest.raises(WrongInput, match="largest that fits") as caught:
+        helical_pair(pitch, ToothForm(rack()), helix, blanks, TOLERANCE)
+    assert caught.value.key == "gears.driving.bore_mm"
+    stated = float(caught.value.problem.split("fits is ")[1].split(" mm")[0])
+    assert stated < room - 0.05
+    helical_pair(pitch, ToothForm(rack()), helix, {**blanks, Gear.DRIVING: Blank(WIDTH, Bore(stated))}, TOLERANCE)
+
+
+# --- refusals -------------------------------------------------------------------------------------------------------
+
+
+def test_a_section_without_teeth_is_refused_with_its_height() -> None:
+    """At z = 0 this pair stands; an eighth of a turn of a tooth farther on a flank loses its tip."""
+    pitch = sized_pair(sine_law(0.26), 23, MODULE, None)
+    assert toothed_pair(pitch, ToothForm(rack()), TOLERANCE).driving.teeth == 23
+    with pytest.raises(NoSuchMechanism, match=r"section of the helical teeth at z = [\d.]+ mm: the \w+ flank of tooth"):
+        helical_pair(
+            pitch, ToothForm(rack()), Helix(ANGLE, WIDTH, Hand.LEFT), {gear: Blank(WIDTH) for gear in Gear}, TOLERANCE
+        )
+
+
+@dataclass(frozen=True)
+class Stepped(Helix):
+    """No helix: the teeth jump half way up."""
+
+    def advance_mm(self, height_mm: float) -> float:
+        return 0.0 if height_mm < 0.4 * self.face_width_mm else 0.5
+
+
+def test_teeth_that_jump_are_refused_with_the_height() -> None:
+    pitch = sized_pair(uniform_law(Lobes()), 17, MODULE, None)
+    sections = Sections(pitch, ToothForm(rack()), Stepped(radians(5.0), 10.0, Hand.LEFT), 0.1 * TOLERANCE)
+    with pytest.raises(NoSuchMechanism, match=r"too abruptly at z = (3\.9\d*|4\.0\d*|4) mm") as caught:
+        close_stacks(sections, TOLERANCE)
+    assert caught.value.key == "gears.helix"
+
+
+def test_too_many_sections_are_refused_before_any_is_made() -> None:
+    sections = Sections(pitch_of("ellipse"), ToothForm(rack()), Helix(radians(45.0), 1e4, Hand.LEFT), 0.1 * TOLERANCE)
+    with pytest.raises(WrongInput, match=f"more than {MOST_STEPS}; .* output.chord_tolerance_mm of") as caught:
+        close_stacks(sections, TOLERANCE)
+    assert caught.value.key == "gears.helix.angle_deg"
+    stated = float(caught.value.problem.split("chord_tolerance_mm of ")[1].split()[0])
+    assert sections.steps_within(0.6 * stated) == pytest.approx(MOST_STEPS, rel=0.05)
+
+
+DESIGN = """\
+name: a
+linkage: {crank_mm: 25, rod_mm: 90}
+operation: {speed_rpm: 150}
+motion: {law: ellipse, eccentricity: 0.2}
+gears:
+  teeth: 17
+  module_mm: 2
+  face_width_mm: 8
+  backlash_mm: 0.05
+"""
+HELIX = "  helix: {angle_deg: 15, kind: helical, hand: left}\n"
+
+
+def drive_of(folder: Path, text: str) -> Drive:
+    path = folder / "a.yaml"
+    path.write_text(text, encoding="utf-8")
+    return Drive(load(path).design)
+
+
+@pytest.mark.parametrize(
+    ("helix", "key", "words"),
+    [
+        ("{angle_deg: 45.1, kind: helical, hand: left}", "gears.helix.angle_deg", "45"),
+        ("{angle_deg: 0, kind: helical, hand: left}", "gears.helix.angle_deg", "0"),
+        ("{angle_deg: -15, kind: helical, hand: left}", "gears.helix.angle_deg", "0"),
+        ("{kind: helical, hand: left}", "gears.helix.angle_deg", "missing"),
+        ("{angle_deg: 15, hand: left}", "gears.helix.kind", "missing"),
+        ("{angle_deg: 15, kind: helical}", "gears.helix.hand", "missing"),
+        ("{angle_deg: 15, kind: double, hand: left}", "gears.helix.kind", "herringbone"),
+        ("{angle_deg: 15, kind: helical, hand: up}", "gears.helix.hand", "right"),
+        ("{angle_deg: 15, kind: helical, hand: left, module_mm: 2}", "gears.helix.module_mm", ""),
+    ],
+)
+def test_what_a_design_file_may_not_say(tmp_path: Path, helix: str, key: str, words: str) -> None:
+    with pytest.raises(DesignError) as caught:
+        drive_of(tmp_path, DESIGN + f"  helix: {helix}\n")
+    assert caught.value.key == key
+    assert words in str(caught.value)
+    assert "a.yaml:10:" in str(caught.value)
+
+
+# --- the whole way from a design file -------------------------------------------------------------------------------
+
+
+def test_the_summary_has_the_overlap_and_the_thrust(tmp_path: Path) -> None:
+    summary = build_summary(drive_of(tmp_path, DESIGN + HELIX))
+    teeth, contact = summary["teeth"], summary["contact"]
+    assert (teeth["helix_angle_deg"], teeth["helix_kind"], teeth["hand_driving"]) == (
+        pytest.approx(15.0),
+        "helical",
+        "left",
+    )
+    assert contact["overlap_ratio"] == pytest.approx(8.0 * tan(radians(15.0)) / (2.0 * pi), rel=1e-12)
+    assert contact["total_contact_ratio"] == contact["contact_ratio_min"] + contact["overlap_ratio"]
+    assert any("0.268 of the tangential force" in warning for warning in summary["warnings"])
+
+
+def test_herringbone_teeth_overlap_by_half_and_have_no_thrust(tmp_path: Path) -> None:
+    summary = build_summary(drive_of(tmp_path, DESIGN + HELIX.replace("helical,", "herringbone,")))
+    assert summary["contact"]["overlap_ratio"] == pytest.approx(4.0 * tan(radians(15.0)) / (2.0 * pi), rel=1e-12)
+    assert not any("thrust" in warning for warning in summary["warnings"])
+
+
+def test_straight_teeth_say_nothing_of_a_helix(tmp_path: Path) -> None:
+    summary = build_summary(drive_of(tmp_path, DESIGN))
+    assert not {"helix_angle_deg", "hand_driving", "overlap_ratio"} & {*summary["teeth"], *summary["contact"]}
+    assert not any("thrust" in warning for warning in summary["warnings"])
+
+
+def test_sections_are_made_for_solids_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    drive = drive_of(tmp_path, DESIGN + HELIX)
+    monkeypatch.setattr(Sections, "at", None)
+    assert drive.contact.flanks.least_ratio > 1.0
+    with pytest.raises(TypeError):
+        assert drive.solids
+
+
+def test_a_build_writes_the_section_at_no_height_as_the_outline(tmp_path: Path) -> None:
+    build(drive_of(tmp_path, DESIGN + HELIX), tmp_path / "out", lambda stage: None)
+    for gear in ("driving", "driven"):
+        outline = np.genfromtxt(tmp_path / "out" / f"{gear}.csv", delimiter=",", skip_header=1)
+        assert apart(meshing.read_outline(tmp_path / "out" / f"{gear}.stl", 1e-6), Polygon(outline)) <= 1.1 * TOLERANCE
