@@ -54,7 +54,7 @@ def test_rings_of_a_ring_run_round_it_outside_and_back_inside() -> None:
     tube = trimesh.creation.annulus(10.0, 20.0, 5.0)
     areas = sorted(
         float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) / 2.0
-        for x, y in (ring.T for ring in section_rings(np.asarray(tube.vertices), np.asarray(tube.faces)))
+        for x, y in (ring.T for ring in section_rings(np.asarray(tube.vertices), np.asarray(tube.faces), 1.0))
     )
     assert areas == pytest.approx([-pi * 100.0, pi * 400.0], rel=0.02)
 
@@ -63,8 +63,8 @@ def test_an_open_solid_is_refused() -> None:
     mesh = trimesh.creation.box((10.0, 10.0, 10.0))
     walls = np.nonzero(np.abs(mesh.face_normals[:, 2]) < 0.5)[0]
     holed = np.delete(np.asarray(mesh.faces), walls[0], axis=0)
-    with pytest.raises(ValueError, match="not closed at half its height"):
-        section_rings(np.asarray(mesh.vertices), holed)
+    with pytest.raises(ValueError, match="not closed at a height of 0"):
+        section_rings(np.asarray(mesh.vertices), holed, 0.0)
 
 
 def test_both_forms_of_both_gears_are_read() -> None:

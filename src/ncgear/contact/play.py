@@ -46,7 +46,7 @@ class _Setting:
     """What is the same at all positions: the driven outline's runs, the driving outline's vertices and longest chord.
 
     ``reach_mm`` is how far vertices are followed; at each position the driving vertices are looked at that ``windows``
-    hold, and the ``core`` of them has everything within that reach around it (each first numbers and counts).
+    hold, and the ``core`` of them has everything within twice that reach around it (each first numbers and counts).
     """
 
     placement: Placement
@@ -63,7 +63,7 @@ class _Chords:
     """Chords of the driving outline near the mesh in the driven gear's frame, shape (n,) each.
 
     Along each its distance from the driven axis grows or falls all the way; ``position`` counts within the block,
-    ``core`` tells whether all chords within reach around it are there as well.
+    ``core`` tells whether all chords within twice the reach around it are there as well.
     """
 
     position: IndexArray
@@ -130,7 +130,7 @@ def _setting(driving_mm: Array, driven_mm: Array, placement: Placement, reach_mm
     outline = polar_outline(driving)
     core, windows = (
         outline.windows(placement.mesh_direction_rad, _half_width(placement, reach))
-        for reach in (reach_mm, reach_mm + longest + followed)
+        for reach in (reach_mm, reach_mm + longest + 2.0 * followed)
     )
     return _Setting(placement, runs, driving, longest, followed, windows, core)
 
@@ -207,7 +207,8 @@ def _of_driving_vertices(meets: _Meets, reach_mm: float) -> _Crossings:
 def _of_driven_vertices(meets: _Meets, reach_mm: float, positions: int) -> _Crossings:
     """Circles of the driven outline's vertices across the chords, as far as within reach.
 
-    A chord at the edge of what is looked at tells nothing of the way out: a nearer chord may be missing.
+    Vertices that only meet chords at the edge of what is looked at may be inside for all that is known there, but
+    nearer chords may be missing: they count as outside.
     """
     runs, chords = meets.runs, meets.chords
     start, end = square(chords.start), square(chords.end)
@@ -222,7 +223,9 @@ def _of_driven_vertices(meets: _Meets, reach_mm: float, positions: int) -> _Cros
     position, vertex = _numbered(chords.position[chord], entry, runs.point.size, positions)
     found = _Crossings(position, vertex, turn, rising[chord], np.abs(turn) * lever)
     within = np.square(turn) * runs.square[entry] <= reach_mm**2
-    return found.kept(within & (chords.core[chord] | ~found.leading_out))
+    surrounded = np.zeros(position.size, dtype=bool)
+    surrounded[vertex[within & chords.core[chord]]] = True
+    return found.kept(within & (surrounded[vertex] | ~found.leading_out))
 
 
 def _numbered(position: IndexArray, entry: IndexArray, entries: int, positions: int) -> tuple[IndexArray, IndexArray]:
