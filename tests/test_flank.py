@@ -1,38 +1,36 @@
-"""Flanks, fillets and crowns: involute and trochoid in closed form, the law of gearing, derivatives, cusps."""
+"""Flanks: the involute in closed form, the law of gearing, derivatives, cusps, tip relief, where teeth stand."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
-from math import cos, pi, radians, sin
-from pathlib import Path
+from math import cos, pi, radians, sin, tan
 
 import numpy as np
 import pytest
-from mpmath import mp
 from scipy.optimize import brentq
 
-from ncgear.design.load import load
-from ncgear.drive import Drive
+from ncgear.machine.rack import BasicRack, TipRelief
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
-from ncgear.teeth.flank import CROWN, FILLET, FLANK, Flanks, flanks_of
-from pairs import rack
+from ncgear.teeth.flank import FILLET, FLANK, Flanks, flanks_of
+from ncgear.teeth.tool import RackLine
+from pairs import baler_law, rack
 
 MODULE = 2.0
 ALPHA = radians(20.0)
-BALER = Path(__file__).parents[1] / "designs" / "baler.yaml"
 
 LAWS: dict[str, tuple[Callable[[], Transmission], int]] = {
     "uniform": (lambda: uniform_law(Lobes(1, 2)), 24),
     "ellipse": (lambda: elliptical_law(0.35, 0.0, Lobes()), 37),
     "ellipse 2:3": (lambda: elliptical_law(0.15, 0.4, Lobes(2, 3)), 30),
     "expression": (lambda: driven_angle_expression_law("phi - 0.08*sin(2*phi)", Lobes()), 25),
-    "baler": (lambda: Drive(load(BALER).design).transmission, 25),
+    "baler": (baler_law, 25),
 }
 
 Array = np.ndarray
@@ -45,15 +43,12 @@ def pitch_pair(name: str) -> PitchPair:
     return sized_pair(law, teeth, MODULE, None)
 
 
-@cache
-def flanks(name: str, gear: Gear, backlash_mm: float = 0.0) -> Flanks:
-    """The flanks of one gear."""
-    pair = pitch_pair(name)
-    driving = gear is Gear.DRIVING
-    teeth = pair.size.driving_teeth if driving else pair.size.driven_teeth
-    return flanks_of(
-        pair.driving if driving else pair.driven, rack(backlash_mm=backlash_mm), teeth, tooth_at_zero=driving
-    )
+def flanks(name: str, gear: Gear, basic: BasicRack | None = None) -> Flanks:
+    """The flanks of one gear, at full height and depth."""
+    pair, basic = pitch_pair(name), basic or rack()
+    if gear is Gear.DRIVING:
+        return flanks_of(pair.driving, basic, pair.size.driving_teeth, RackLine(), 0.0, -1.0)
+    return flanks_of(pair.driven, basic, pair.size.driven_teeth, RackLine(), basic.pitch_mm / 2.0, 1.0)
 
 
 def pitch_radius(gear: Gear) -> float:
@@ -75,63 +70,24 @@ def wrapped(angle: Array) -> Array:
 
 
 @pytest.mark.parametrize("gear", Gear)
-@pytest.mark.parametrize("backlash_mm", [0.0, 0.1])
-def test_flank_of_a_circular_gear_is_the_involute(gear: Gear, backlash_mm: float) -> None:
-    own, radius = flanks("uniform", gear, backlash_mm), pitch_radius(gear)
+@pytest.mark.parametrize(("backlash_mm", "shift_mm"), [(0.0, 0.0), (0.1, 0.0), (0.1, 0.6), (0.0, -0.3)])
+def test_flank_of_a_circular_gear_is_the_involute(gear: Gear, backlash_mm: float, shift_mm: float) -> None:
+    own, radius = flanks("uniform", gear, rack(backlash_mm=backlash_mm).shifted(shift_mm)), pitch_radius(gear)
     number = np.arange(own.count)[:, None]
     point, _ = own.flank(number, np.linspace(-0.9, 0.95, 31) * MODULE)
     distance = np.hypot(point[..., 0], point[..., 1])
     # The driving gear's arc length runs clockwise from polar angle 0, the driven one's counter-clockwise from pi.
     sense, start, first = (-1.0, 0.0, 0.0) if gear is Gear.DRIVING else (1.0, pi, 0.5)
     middle = (number // 2 + first) * 2.0 * pi / own.tooth.max()
-    thickness = pi * MODULE / 2.0 - backlash_mm / 2.0 / cos(ALPHA)
-    half = thickness / 2.0 / radius + involute(ALPHA) - involute(np.arccos(radius * cos(ALPHA) / distance))
+    # Back flanks push, front flanks are pushed; backlash is taken off the others.
+    idle = own.side[:, None] == (1.0 if gear is Gear.DRIVING else -1.0)
+    thickness = pi * MODULE / 4.0 + shift_mm * tan(ALPHA) - idle * backlash_mm / 2.0 / cos(ALPHA)
+    half = thickness / radius + involute(ALPHA) - involute(np.arccos(radius * cos(ALPHA) / distance))
     expected = start + sense * (middle + own.side[:, None] * half)
     error = distance * wrapped(np.arctan2(point[..., 1], point[..., 0]) - expected)
     # Rounding: a few dozen units of 1e-16, more near the base circle where the involute's angle goes as a square root.
     assert np.max(np.abs(error)) < 1e-12 * radius
     assert distance.min() < radius - 0.5 * MODULE < radius + 0.9 * MODULE < distance.max()
-
-
-def rounding_center(gear: Gear, center: mp.mpf, height: mp.mpf, sigma: mp.mpf) -> mp.matrix:
-    """Centre of a rounding that rolls with the tangent of a circular pitch curve, in the gear's frame."""
-    radius = mp.mpf(pitch_radius(gear))
-    sense, start = (-1, 0) if gear is Gear.DRIVING else (1, mp.pi)
-    angle = start + sense * sigma / radius
-    ahead = center - sigma
-    outwards, along = radius + height, sense * ahead
-    return mp.matrix(
-        [outwards * mp.cos(angle) - along * mp.sin(angle), outwards * mp.sin(angle) + along * mp.cos(angle)]
-    )
-
-
-def trochoid(gear: Gear, center: float, height: float, sigma: float) -> Array:
-    """The envelope of the rounding's circle: its centre's path, moved by the radius along the path's normal."""
-    with mp.workdps(50):
-        path = [lambda s, k=k: rounding_center(gear, mp.mpf(center), mp.mpf(height), s)[k] for k in (0, 1)]
-        x, y = (f(mp.mpf(sigma)) for f in path)
-        dx, dy = (mp.diff(f, mp.mpf(sigma)) for f in path)
-        shift = mp.mpf(rack().root_radius_mm) / mp.hypot(dx, dy)
-        # Of the two parallel curves the one on the side of the tooth tip that the rounding belongs to.
-        candidates = [(x + sign * shift * dy, y - sign * shift * dx) for sign in (1, -1)]
-        chosen = (max if height > 0 else min)(candidates, key=lambda p: mp.hypot(*p))
-        return np.array([float(value) for value in chosen])
-
-
-@pytest.mark.parametrize("gear", Gear)
-@pytest.mark.parametrize("kind", [FILLET, CROWN])
-def test_fillet_of_a_circular_gear_is_the_trochoid_of_the_rounded_tip(gear: Gear, kind: int) -> None:
-    own = flanks("uniform", gear)
-    curve, centers = (own.fillet, own.rounding_mm) if kind == FILLET else (own.crown, own.crown_rounding_mm)
-    height = (-1.0 if kind == FILLET else 1.0) * own.rack.rounding_depth_mm
-    for number in (0, 1, own.count - 3):
-        start = own.rolled_mm(np.array([number]), np.array([np.sign(height) * own.rack.flank_depth_mm]))[0]
-        for share in (0.0, 0.3, 0.7, 0.95):
-            sigma = start + share * (centers[number] - start)
-            point = curve(np.array([number]), np.array([sigma]))[0][0]
-            expected = trochoid(gear, centers[number], height, sigma)
-            # Rounding of sigma, some tens of mm, turns the frame by 1e-16: 1e-12 of the radius leaves two digits.
-            assert np.linalg.norm(point - expected) < 1e-12 * pitch_radius(gear)
 
 
 @pytest.mark.parametrize("gear", Gear)
@@ -244,34 +200,32 @@ def fourth_order(function: Callable[[Array], Array], at: Array, step: float) -> 
     return (8.0 * near - far) / (12.0 * step)
 
 
-def smooth_places(name: str, gear: Gear, kind: int) -> tuple[Array, Array]:
-    """Flanks and parameters half way along the curves, as far as no joint of the law is near."""
-    own, every = flanks(name, gear), np.arange(flanks(name, gear).count)
-    depth = np.full(own.count, own.rack.flank_depth_mm)
-    start, end = {
-        CROWN: (own.crown_rounding_mm, own.rolled_mm(every, depth)),
-        FLANK: (depth, -depth),
-        FILLET: (own.rolled_mm(every, -depth), own.rounding_mm),
-    }[kind]
-    parameter = start + 0.4 * (end - start)
-    sigma = own.rolled_mm(every, parameter) if kind == FLANK else parameter
+def smooth_places(own: Flanks, height: float) -> tuple[Array, Array]:
+    """Flanks and heights, as far as no joint of the law is near."""
+    every = np.arange(own.count)
+    at = np.full(own.count, height)
+    period = own.curve.arc.period * own.curve.center_distance_mm
     joints = own.curve.arc.length(own.curve.transmission.joints_rad) * own.curve.center_distance_mm
-    gap = np.mod(sigma[:, None] - joints, own.curve.arc.period * own.curve.center_distance_mm)
-    far = np.min(np.minimum(gap, own.curve.arc.period * own.curve.center_distance_mm - gap), axis=1) > 1.5 * MODULE
-    return every[far], parameter[far]
+    gap = np.mod(own.rolled_mm(every, at)[:, None] - joints, period)
+    far = np.min(np.minimum(gap, period - gap), axis=1) > 1.5 * MODULE
+    return every[far], at[far]
+
+
+RELIEF = TipRelief(0.02 * MODULE, 0.3 * MODULE, MODULE)
 
 
 @pytest.mark.parametrize("name", ["uniform", "ellipse", "baler"])
 @pytest.mark.parametrize("gear", Gear)
-@pytest.mark.parametrize("kind", [CROWN, FLANK, FILLET], ids=["crown", "flank", "fillet"])
-def test_derivatives_are_the_limits_of_fourth_order_differences(name: str, gear: Gear, kind: int) -> None:
-    own = flanks(name, gear)
-    number, at = smooth_places(name, gear, kind)
-    curve = (own.crown, own.flank, own.fillet)[kind]
-    slope = curve(number, at)[1]
-    step = (0.1 if kind == FLANK else 0.01) * MODULE  # flanks are so smooth that less would be lost in rounding
+@pytest.mark.parametrize("relief", [None, RELIEF], ids=["plain", "relieved"])
+def test_derivatives_are_the_limits_of_fourth_order_differences(
+    name: str, gear: Gear, relief: TipRelief | None
+) -> None:
+    own = flanks(name, gear, replace(rack(), relief=relief))
+    number, at = smooth_places(own, 0.2 * MODULE if relief is None else 0.7 * MODULE)
+    slope = own.flank(number, at)[1]
+    step = 0.08 * MODULE  # flanks are so smooth that less would be lost in rounding
     coarse, fine = (
-        np.linalg.norm(fourth_order(lambda t: curve(number, t)[0], at, step) - slope, axis=1).max()
+        np.linalg.norm(fourth_order(lambda t: own.flank(number, t)[0], at, step) - slope, axis=1).max()
         for step in (2.0 * step, step)
     )
     # Order 4: halving the step divides the error by 16, less what the sixth derivative and rounding (1e-12) add.
@@ -297,29 +251,16 @@ def test_offset_curve_has_the_stated_derivative(gear: Gear) -> None:
 @pytest.mark.parametrize("gear", Gear)
 def test_mixed_curves_are_the_single_ones(gear: Gear) -> None:
     own = flanks("baler", gear)
-    kind, number = np.array([FLANK, FILLET, CROWN, FLANK, FILLET]), np.array([3, 8, 1, 20, 2])
+    kind, number = np.array([FLANK, FILLET, FLANK, FILLET]), np.array([3, 8, 20, 2])
     at = np.where(kind == FLANK, 0.3, own.crossing_mm[number])
     points, slopes = own.curve_of(kind, number, at)
     for k, i, t, point, slope in zip(kind, number, at, points, slopes, strict=True):
-        single = (own.crown, own.flank, own.fillet)[k](np.array([i]), np.array([t]))
+        single = (own.flank, own.fillet)[k](np.array([i]), np.array([t]))
         assert np.array_equal(single[0][0], point)
         assert np.array_equal(single[1][0], slope)
 
 
-# --- joints and cusps --------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", LAWS)
-@pytest.mark.parametrize("gear", Gear)
-def test_flank_passes_into_fillet_and_crown_tangentially(name: str, gear: Gear) -> None:
-    own, every = flanks(name, gear), np.arange(flanks(name, gear).count)
-    for sign, envelope in ((-1.0, own.fillet), (1.0, own.crown)):
-        height = np.full(own.count, sign * own.rack.flank_depth_mm)
-        (point, slope), (meeting, onward) = own.flank(every, height), envelope(every, own.rolled_mm(every, height))
-        assert np.linalg.norm(point - meeting, axis=1).max() < 1e-12 * MODULE * own.count
-        lengths = np.linalg.norm(slope, axis=1) * np.linalg.norm(onward, axis=1)
-        clear = np.abs(own.regularity(every, height)) > 1e-3
-        assert np.abs(cross(slope, onward) / lengths)[clear].max() < 1e-10
+# --- cusps -----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -380,14 +321,71 @@ def test_regular_flanks_never_turn_back(gear: Gear) -> None:
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("gear", Gear)
 def test_flanks_stand_a_tooth_thickness_apart(name: str, gear: Gear) -> None:
-    own = flanks(name, gear, 0.1)
-    thickness = pi * MODULE / 2.0 - 0.05 / cos(ALPHA)
-    centers = (own.crossing_mm[1::2] + own.crossing_mm[0::2]) / 2.0
+    own = flanks(name, gear, rack(backlash_mm=0.1).shifted(0.4))
+    thickness = pi * MODULE / 2.0 + 0.8 * tan(ALPHA) - 0.05 / cos(ALPHA)
     assert own.crossing_mm[1::2] - own.crossing_mm[0::2] == pytest.approx(thickness, rel=1e-12)
-    assert np.diff(centers) == pytest.approx(pi * MODULE, rel=1e-12)
-    assert centers[0] == pytest.approx(0.0 if gear is Gear.DRIVING else pi * MODULE / 2.0, abs=1e-12)
+    assert np.diff(own.crossing_mm[0::2]) == pytest.approx(pi * MODULE, rel=1e-12)
     assert np.array_equal(own.tooth[::2], np.arange(1, own.count // 2 + 1))
     assert list(own.side[:4]) == [-1.0, 1.0, -1.0, 1.0]
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("backlash_mm", [0.0, 0.1])
+def test_loaded_flanks_stand_where_they_would_without_backlash(name: str, backlash_mm: float) -> None:
+    """Back flanks of the driving gear, whose arc length runs against its turning, and front flanks of the driven."""
+    for gear, loaded in ((Gear.DRIVING, 0), (Gear.DRIVEN, 1)):
+        own, plain = flanks(name, gear, rack(backlash_mm=backlash_mm)), flanks(name, gear)
+        assert np.array_equal(own.crossing_mm[loaded::2], plain.crossing_mm[loaded::2])
+        moved = np.abs(own.crossing_mm - plain.crossing_mm)[1 - loaded :: 2]
+        assert moved == pytest.approx(backlash_mm / 2.0 / cos(ALPHA), abs=1e-13)
+        first = 0.0 if gear is Gear.DRIVING else pi * MODULE / 2.0
+        middle = plain.crossing_mm.reshape(-1, 2).mean(axis=1)
+        assert middle == pytest.approx(first + pi * MODULE * np.arange(len(middle)), abs=1e-11)
+
+
+def test_a_gear_advanced_by_whole_turns_keeps_its_teeth_where_they_are() -> None:
+    pair = pitch_pair("baler")
+    once, again = (
+        flanks_of(pair.driving, rack(), 25, RackLine(), 0.3 + turns * pair.driving.length_mm, -1.0)
+        for turns in (0.0, 3.0)
+    )
+    assert again.crossing_mm == pytest.approx(once.crossing_mm, abs=1e-12)
+
+
+# --- tip relief --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["uniform", "baler"])
+@pytest.mark.parametrize("gear", Gear)
+def test_relief_takes_its_amount_off_the_tip_and_nothing_below_its_start(name: str, gear: Gear) -> None:
+    plain, own = flanks(name, gear), flanks(name, gear, replace(rack(), relief=RELIEF))
+    number = np.arange(own.count)[:, None]
+    height = np.linspace(-0.9, 1.0, 39) * MODULE
+    taken = own.flank(number, height)[0] - plain.flank(number, height)[0]
+    share = np.maximum(height - RELIEF.start_mm, 0.0) / (RELIEF.full_mm - RELIEF.start_mm)
+    assert np.linalg.norm(taken, axis=-1) == pytest.approx(
+        np.broadcast_to(RELIEF.amount_mm * share**2, (own.count, height.size)), abs=1e-13
+    )
+    assert np.all(taken[:, height <= RELIEF.start_mm] == 0.0)
+    # Along the normal, into the tooth: the line from the touching point to the pitch point leads there.
+    pitch_point = own.curve.at_length(own.rolled_mm(number, height)).position
+    towards = pitch_point - plain.flank(number, height)[0]
+    above = share > 0.0
+    cross_product = taken[..., 0] * towards[..., 1] - taken[..., 1] * towards[..., 0]
+    assert np.abs(cross_product)[:, above].max() < 1e-12
+    assert np.sum(taken * towards, axis=-1)[:, above].min() > 0.0
+
+
+@pytest.mark.parametrize("gear", Gear)
+def test_relief_begins_tangentially(gear: Gear) -> None:
+    own, every = flanks("ellipse", gear, replace(rack(), relief=RELIEF)), np.arange(flanks("ellipse", gear).count)
+    below, above = (
+        own.flank(every, np.full(own.count, RELIEF.start_mm + aside))[1] for aside in (-1e-7 * MODULE, 1e-7 * MODULE)
+    )
+    assert np.linalg.norm(above - below, axis=1).max() < 1e-6
+
+
+# --- the pitch curve ---------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", LAWS)

@@ -40,7 +40,9 @@ def test_measures_are_those_of_the_drawn_cutter(basic: BasicRack) -> None:
     right = drawn(basic)[: rack_cut.ARC_SEGMENTS + 2]
     (far, rounding), flat = right[:2], right[-1]
     share = -far[1] / (rounding[1] - far[1])
-    assert far[0] + share * (rounding[0] - far[0]) == pytest.approx(basic.cutter_half_width_mm, rel=1e-14)
+    # What the cutter's tooth and the gear's leave of the pitch is nothing.
+    half_width = basic.pitch_mm / 2 - basic.tooth_half_width_mm
+    assert far[0] + share * (rounding[0] - far[0]) == pytest.approx(half_width, rel=1e-14)
     assert -rounding[1] == pytest.approx(basic.flank_depth_mm, rel=1e-14)
     assert flat == pytest.approx([basic.tip_half_width_mm, -basic.dedendum_mm], rel=1e-13)
 
@@ -48,21 +50,44 @@ def test_measures_are_those_of_the_drawn_cutter(basic: BasicRack) -> None:
 @pytest.mark.parametrize("basic", RACKS)
 def test_rounding_touches_flank_and_tip(basic: BasicRack) -> None:
     angle = basic.pressure_angle_rad
-    center = np.array([basic.tip_half_width_mm, -basic.rounding_depth_mm])
-    on_flank = np.array([basic.cutter_half_width_mm, 0.0])
+    center = np.array([basic.tip_half_width_mm, basic.root_radius_mm - basic.dedendum_mm])
+    on_flank = np.array([basic.pitch_mm / 2 - basic.tooth_half_width_mm, 0.0])
     normal = np.array([cos(angle), -sin(angle)])
     assert (on_flank - center) @ normal == pytest.approx(basic.root_radius_mm, rel=1e-13)
     touching = center + basic.root_radius_mm * normal
     assert touching[1] == pytest.approx(-basic.flank_depth_mm, rel=1e-13)
-    assert basic.dedendum_mm - basic.rounding_depth_mm == pytest.approx(basic.root_radius_mm, rel=1e-13)
+    assert basic.dedendum_mm - basic.flank_depth_mm == pytest.approx(basic.rounding_height_mm, rel=1e-13)
 
 
 @pytest.mark.parametrize("basic", RACKS)
 def test_teeth_of_a_pair_leave_the_normal_backlash_between_their_flanks(basic: BasicRack) -> None:
-    along = basic.pitch_mm - 2 * 2 * basic.tooth_half_width_mm
+    thickness = basic.loaded_half_width_mm + basic.idle_half_width_mm
     # What is left is a difference of pitches, which costs a few rounding errors of one.
+    along = basic.pitch_mm - 2 * thickness
     assert along * cos(basic.pressure_angle_rad) == pytest.approx(basic.backlash_mm, abs=1e-15 * basic.pitch_mm)
-    assert basic.tooth_half_width_mm + basic.cutter_half_width_mm == pytest.approx(basic.pitch_mm / 2, rel=1e-15)
+    assert thickness == pytest.approx(2 * basic.tooth_half_width_mm, rel=1e-15)
+
+
+@pytest.mark.parametrize("basic", RACKS)
+def test_backlash_is_taken_off_the_idle_flank_only(basic: BasicRack) -> None:
+    assert basic.loaded_half_width_mm == basic.pitch_mm / 4
+    taken = basic.backlash_mm / (2 * cos(basic.pressure_angle_rad))
+    assert basic.loaded_half_width_mm - basic.idle_half_width_mm == pytest.approx(taken, abs=1e-15 * basic.pitch_mm)
+
+
+@pytest.mark.parametrize("basic", RACKS)
+@pytest.mark.parametrize("coefficient", [-0.5, 0.25, 0.7])
+def test_a_shifted_rack_moves_the_tooth_outwards_and_thickens_it(basic: BasicRack, coefficient: float) -> None:
+    """The rack's mid line moves by x m: tips and roots with it, and both flanks by x m tan(alpha)."""
+    shift = coefficient * basic.module_mm
+    shifted = basic.shifted(shift)
+    assert shifted.tip_height_mm == pytest.approx(basic.addendum_mm + shift, rel=1e-15)
+    assert shifted.root_depth_mm == pytest.approx(basic.dedendum_mm - shift, rel=1e-15)
+    widened = shift * tan(basic.pressure_angle_rad)
+    for width in ("loaded_half_width_mm", "idle_half_width_mm"):
+        assert getattr(shifted, width) == pytest.approx(getattr(basic, width) + widened, rel=1e-14)
+    unshifted = ("flank_depth_mm", "tip_half_width_mm", "rounding_height_mm", "tooth_half_width_mm")
+    assert all(getattr(shifted, name) == getattr(basic, name) for name in unshifted)
 
 
 @pytest.mark.parametrize(("dedendum", "root_radius"), ISO_53.values(), ids=ISO_53)
@@ -93,10 +118,12 @@ def test_sizes_scale_with_the_module(
 ) -> None:
     unit = rack(angle, addendum, dedendum, root_radius, backlash, module=1.0)
     large = rack(angle, addendum, dedendum, root_radius, backlash * module, module=module)
-    for name in ("cutter_half_width_mm", "tooth_half_width_mm", "flank_depth_mm", "tip_half_width_mm"):
+    for name in ("idle_half_width_mm", "tooth_half_width_mm", "flank_depth_mm", "tip_half_width_mm"):
         # The narrowest tips are a difference of widths a hundred times as large.
         assert getattr(large, name) == pytest.approx(module * getattr(unit, name), rel=1e-12, abs=1e-15 * module)
-    assert 0 < unit.tooth_half_width_mm <= unit.cutter_half_width_mm
+    scaled = replace(unit, backlash_mm=0.0).scaled(module)
+    assert scaled.flank_depth_mm == pytest.approx(large.flank_depth_mm, rel=1e-12)
+    assert 0 < unit.idle_half_width_mm <= unit.tooth_half_width_mm <= unit.loaded_half_width_mm
 
 
 @pytest.mark.parametrize(

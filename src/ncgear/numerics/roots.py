@@ -1,4 +1,4 @@
-"""First zeros of functions on many intervals at once, from piecewise Chebyshev forms: proven, not sampled."""
+"""First zeros of functions on many intervals at once, from piecewise Chebyshev forms resolved to rounding error."""
 
 from __future__ import annotations
 

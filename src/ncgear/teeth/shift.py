@@ -15,6 +15,9 @@ from ncgear.teeth.form import ToothForm
 MOST_SHIFT = 0.7
 """Largest shift, in addenda, that is chosen by itself: three tenths of the mate's addendum are left."""
 
+ROUNDING = 1e-9
+"""Share by which chosen shifts stay clear of the limit, where rounding would decide whether flanks are undercut."""
+
 
 def shifted_racks(pitch: PitchPair, form: ToothForm) -> tuple[BasicRack, BasicRack]:
     """The driving and the driven gear's rack.
@@ -42,7 +45,7 @@ def shift_against_undercut(pitch: PitchPair, rack: BasicRack) -> float:
     Where k is a gear's largest curvature its flank of depth f - x is regular while (f - x) k < sin^2(alpha); between
     both gears' bounds the least shift is taken, and where there is none between them the mean of both.
     """
-    square, depth = sin(rack.pressure_angle_rad) ** 2, rack.flank_depth_mm
+    square, depth = sin(rack.pressure_angle_rad) ** 2 * (1.0 - ROUNDING), rack.flank_depth_mm
     least = depth - square / pitch.curvature_range[Gear.DRIVING][1].value
     most = square / pitch.curvature_range[Gear.DRIVEN][1].value - depth
     wanted = float(np.clip(0.0, least, most)) if least <= most else (least + most) / 2.0

@@ -1,0 +1,255 @@
+"""Undercut: the textbook's limits, profile shift against it, and what avoiding it leaves of flanks and tips."""
+
+from __future__ import annotations
+
+from math import ceil, pi, radians, sin
+
+import numpy as np
+import pytest
+from scipy.special import ellipe
+
+from ncgear.machine.rack import BasicRack
+from ncgear.pitch.curve import PitchCurve
+from ncgear.pitch.pair import PitchPair, sized_pair
+from ncgear.pitch.shape import Gear
+from ncgear.ratio.laws.ellipse import elliptical_law
+from ncgear.ratio.laws.uniform import uniform_law
+from ncgear.ratio.transmission import Lobes, Transmission
+from ncgear.teeth.flank import FLANK, Flanks, flanks_of
+from ncgear.teeth.form import TipLimits, ToothForm
+from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
+from ncgear.teeth.regular import regular_depth
+from ncgear.teeth.shift import shift_against_undercut, teeth_free_of_undercut
+from ncgear.teeth.tips import Limit
+from ncgear.teeth.tool import RackLine
+from pairs import baler_law, rack, sine_law
+
+MODULE = 2.0
+TOLERANCE = 0.01
+
+Array = np.ndarray
+
+
+def pitch_pair(law: Transmission, teeth: int) -> PitchPair:
+    """Pitch curves for so many driving teeth."""
+    return sized_pair(law, teeth, MODULE, None)
+
+
+def made(law: Transmission, teeth: int, basic: BasicRack | None = None, *, avoid: bool = True) -> ToothedPair:
+    """A pair of gears."""
+    form = ToothForm(basic or rack(), limits=TipLimits(avoid_undercut=avoid))
+    return toothed_pair(pitch_pair(law, teeth), form, TOLERANCE)
+
+
+def both(pair: ToothedPair) -> tuple[ToothedGear, ToothedGear]:
+    return pair.driving, pair.driven
+
+
+def full_flank(angle_deg: float, radius: float = 0.2) -> BasicRack:
+    """A rack whose straight flank ends one module below its mid line, as the textbook's does."""
+    return rack(angle_deg, dedendum=1.0 + radius * (1.0 - sin(radians(angle_deg))), root_radius=radius)
+
+
+# --- the textbook ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("basic", "least"),
+    [
+        (full_flank(14.5), 32),  # 2 / sin^2 14.5 = 31.90
+        (full_flank(20.0), 18),  # 17.097
+        (full_flank(25.0), 12),  # 11.198
+        (rack(), 18),  # profile A: hF is one module to 3e-5
+        (rack(root_radius=0.25), 19),  # profile C: hF = 1.0855 modules, 18.56
+        (rack(14.5, dedendum=1.25, root_radius=0.0), 40),  # a sharp cutter: 2.5 / sin^2 14.5 = 39.88
+        (rack(25.0, dedendum=1.0, root_radius=0.0), 12),
+    ],
+)
+@pytest.mark.parametrize("avoid", [True, False])
+def test_undercut_of_circular_gears_begins_at_the_classical_number(basic: BasicRack, least: int, avoid: bool) -> None:
+    """z = 2 hF / (m sin^2(alpha)), with hF the depth at which the cutter's straight flank ends."""
+    theory = 2.0 * basic.flank_depth_mm / MODULE / sin(basic.pressure_angle_rad) ** 2
+    assert least - 1 < theory < least
+    for teeth in (least - 1, least):
+        for gear in both(made(uniform_law(Lobes()), teeth, basic, avoid=avoid)):
+            assert gear.undercut == (list(range(1, teeth + 1)) if teeth < least else [])
+        pair = pitch_pair(uniform_law(Lobes()), teeth)
+        assert teeth_free_of_undercut(pair, basic, basic) == least
+
+
+@pytest.mark.parametrize("angle_deg", [14.5, 20.0, 25.0])
+@pytest.mark.parametrize("teeth", [9, 11])
+def test_undercut_ends_at_the_classical_profile_shift(angle_deg: float, teeth: int) -> None:
+    """x = ha - z sin^2(alpha) / 2, of a gear whose mate has five times the teeth."""
+    basic = full_flank(angle_deg)
+    least = 1.0 - teeth * sin(radians(angle_deg)) ** 2 / 2.0
+    pitch = pitch_pair(uniform_law(Lobes(1, 5)), teeth)
+    for shift, undercut in ((least - 1e-6, list(range(1, teeth + 1))), (least + 1e-6, [])):
+        form = ToothForm(basic, driving_shift_mm=shift * MODULE, driven_shift_mm=-shift * MODULE)
+        assert toothed_pair(pitch, form, TOLERANCE).driving.undercut == undercut
+
+
+@pytest.mark.parametrize("teeth", [9, 11, 15, 17])
+def test_chosen_shift_is_the_least_that_frees_a_circular_gear(teeth: int) -> None:
+    basic = full_flank(20.0)
+    pitch = pitch_pair(uniform_law(Lobes(1, 5)), teeth)
+    shift = shift_against_undercut(pitch, basic) / MODULE
+    assert shift == pytest.approx(1.0 - teeth * sin(radians(20.0)) ** 2 / 2.0, abs=1e-9)
+    pair = toothed_pair(pitch, ToothForm(basic, shift_for_undercut=True), TOLERANCE)
+    assert pair.driving.flanks.rack.shift_mm == -pair.driven.flanks.rack.shift_mm == shift * MODULE
+    assert [gear.undercut for gear in both(pair)] == [[], []]
+    assert len(toothed_pair(pitch, ToothForm(basic), TOLERANCE).driving.undercut) == teeth
+
+
+def test_chosen_shift_is_limited_and_halves_what_cannot_be_freed() -> None:
+    few, equal = pitch_pair(uniform_law(Lobes(1, 10)), 4), pitch_pair(uniform_law(Lobes()), 10)
+    assert shift_against_undercut(few, rack()) == pytest.approx(0.7 * MODULE)
+    assert shift_against_undercut(equal, rack()) == pytest.approx(0.0, abs=1e-12)
+    assert shift_against_undercut(pitch_pair(uniform_law(Lobes()), 30), rack()) == 0.0
+
+
+@pytest.mark.parametrize("depth", [0.08, 0.15])
+def test_chosen_shift_stands_between_both_curves_limits(depth: float) -> None:
+    """Driving and driven curvatures differ: the shift gives each what it needs, or both as much too little."""
+    pitch = pitch_pair(sine_law(depth), 40)
+    shift = shift_against_undercut(pitch, rack())
+    square, full = sin(radians(20.0)) ** 2, rack().flank_depth_mm
+    spare = [
+        square / pitch.curvature_range[gear][1].value - (full - own)
+        for gear, own in ((Gear.DRIVING, shift), (Gear.DRIVEN, -shift))
+    ]
+    assert min(spare) >= -1e-9 or spare[0] == pytest.approx(spare[1], abs=1e-9)
+    less = shift_against_undercut(pitch_pair(sine_law(depth), 80), rack())
+    assert abs(less) <= abs(shift)
+
+
+def test_chosen_shift_lets_more_contact_stand_than_none() -> None:
+    for teeth in (9, 11):
+        pitch = pitch_pair(uniform_law(Lobes(1, 5)), teeth)
+        sums = []
+        for chosen in (False, True):
+            pair = toothed_pair(pitch, ToothForm(rack(), shift_for_undercut=chosen), TOLERANCE)
+            sums.append(pair.driving.tips.height_mm.min() + pair.driven.tips.height_mm.min())
+        assert sums[1] > 1.1 * sums[0]
+
+
+# --- how many teeth are free -------------------------------------------------------------------------------------
+
+
+def undercut_teeth(curve: PitchCurve, basic: BasicRack, teeth: int) -> list[int]:
+    """Teeth with flanks that are not regular down to the rack's full depth."""
+    own = unfitted(curve, basic, teeth)
+    depth = basic.flank_depth_mm
+    return sorted({int(number) for number in own.tooth[regular_depth(own, depth) < depth]})
+
+
+def unfitted(curve: PitchCurve, basic: BasicRack, teeth: int) -> Flanks:
+    """The flanks at full height and depth."""
+    start = 0.0 if curve.gear is Gear.DRIVING else basic.pitch_mm / 2.0
+    return flanks_of(curve, basic, teeth, RackLine(), start, -1.0 if curve.gear is Gear.DRIVING else 1.0)
+
+
+def test_free_of_undercut_does_not_depend_on_the_teeth_at_hand() -> None:
+    found = {teeth_free_of_undercut(pitch_pair(baler_law(), teeth), rack(), rack()) for teeth in (12, 25, 86, 200)}
+    assert found == {86}
+
+
+@pytest.mark.parametrize("eccentricity", [0.0, 0.2, 0.35, 0.5, 0.7])
+def test_free_of_undercut_on_ellipses_in_closed_form(eccentricity: float) -> None:
+    """Sharpest curvature 1 / (A (1 - e^2)), perimeter 4 A E(e^2) = pi m z, A being the greater half axis."""
+    pair, basic = pitch_pair(elliptical_law(eccentricity, 0.3, Lobes()), 40), rack()
+    squared = eccentricity**2
+    exact = 4.0 * ellipe(squared) * basic.flank_depth_mm / (pi * MODULE * (1.0 - squared) * sin(radians(20.0)) ** 2)
+    least = teeth_free_of_undercut(pair, basic, basic)
+    assert least == ceil(exact)
+    free = pitch_pair(pair.transmission, least)
+    assert undercut_teeth(free.driving, basic, least) + undercut_teeth(free.driven, basic, least) == []
+
+
+@pytest.mark.parametrize("lobes", [Lobes(1, 2), Lobes(3, 1), Lobes(2, 3)])
+def test_free_of_undercut_gives_whole_teeth_on_both_gears(lobes: Lobes) -> None:
+    pair = pitch_pair(elliptical_law(0.1, 0.0, lobes), 10 * lobes.driving)
+    least = teeth_free_of_undercut(pair, rack(), rack())
+    assert least * lobes.driven % lobes.driving == 0
+    free = pitch_pair(pair.transmission, least)
+    sides = ((free.driving, free.size.driving_teeth), (free.driven, free.size.driven_teeth))
+    assert [undercut_teeth(curve, rack(), teeth) for curve, teeth in sides] == [[], []]
+
+
+# --- which teeth -------------------------------------------------------------------------------------------------
+
+
+def undercut_by_closed_form(gear: ToothedGear) -> list[int]:
+    """Teeth on which sin^2 + h k vanishes below the pitch line, k from the law's closed form at 2001 heights."""
+    own, basic = gear.flanks, rack()
+    height = np.linspace(-basic.flank_depth_mm, 0.0, 2001)
+    angle = own.curve.driving_angle(own.rolled_mm(np.arange(own.count)[:, None], height))
+    regular = sin(basic.pressure_angle_rad) ** 2 + height * own.curve.at_angle(angle).curvature
+    return sorted({int(number) for number in own.tooth[regular.min(axis=1) <= 0.0]})
+
+
+@pytest.mark.parametrize(
+    ("law", "teeth"),
+    [
+        (elliptical_law(0.7, 0.0, Lobes()), 25),
+        (sine_law(0.3), 48),
+        (elliptical_law(0.3, 0.0, Lobes(3, 1)), 60),
+        (baler_law(), 25),
+        (baler_law(), 60),
+    ],
+    ids=["ellipse", "sine", "3:1", "baler 25", "baler 60"],
+)
+def test_undercut_teeth_are_those_of_the_closed_form(law: Transmission, teeth: int) -> None:
+    pair = made(law, teeth)
+    for gear in both(pair):
+        assert gear.undercut == undercut_by_closed_form(gear)
+    assert 0 < len(pair.driven.undercut) < pair.driven.teeth
+
+
+# --- avoid and allow ---------------------------------------------------------------------------------------------
+
+UNDERCUT = {
+    "circular": (uniform_law(Lobes()), 12),
+    "ellipse": (elliptical_law(0.7, 0.0, Lobes()), 25),
+    "sine": (sine_law(0.08), 12),
+    "baler": (baler_law(), 25),
+}
+
+
+@pytest.mark.parametrize("name", UNDERCUT)
+def test_avoiding_undercut_leaves_regular_flanks_down_to_their_fillets(name: str) -> None:
+    for gear in both(made(*UNDERCUT[name])):
+        own, sides = gear.flanks, gear.sides
+        height = -own.flank_depth_mm[:, None] * np.linspace(0.0, 1.0, 101)
+        assert own.regularity(np.arange(own.count)[:, None], height).min() > 0.0
+        # Nothing is trimmed: every side is one flank and one fillet.
+        assert sides.kind.size == 2 * own.count
+        assert sides.flank_range()[1] == pytest.approx(-own.flank_depth_mm, abs=1e-12)
+        assert gear.undercut
+
+
+@pytest.mark.parametrize("name", ["circular", "ellipse", "sine"])
+def test_allowing_undercut_leaves_full_tips_and_cuts_flanks_away(name: str) -> None:
+    for gear in both(made(*UNDERCUT[name], avoid=False)):
+        own = gear.flanks
+        assert set(gear.tips.limit) <= {Limit.FULL, Limit.FILLET}
+        assert own.flank_depth_mm == pytest.approx(rack().flank_depth_mm, rel=1e-9)
+        lost = gear.sides.flank_range()[1] > -own.flank_depth_mm + 1e-9
+        assert set(own.tooth[lost]) == set(gear.undercut)
+
+
+def test_avoided_flanks_of_circular_gears_end_just_above_the_base_circle() -> None:
+    """Their cusps are z m / 2 sin^2(alpha) below the pitch line, of which a hundredth is kept off; tips clear roots."""
+    for gear in both(made(uniform_law(Lobes()), 12)):
+        depth = 0.99 * 12.0 * MODULE / 2.0 * sin(radians(20.0)) ** 2
+        assert gear.flanks.flank_depth_mm == pytest.approx(depth, rel=1e-9)
+        clearance = 0.25 * MODULE
+        assert gear.flanks.tip_height_mm == pytest.approx(depth + rack().rounding_height_mm - clearance, rel=1e-9)
+        assert gear.shortened(Limit.UNDERCUT) == list(range(1, 13))
+
+
+def test_flank_kinds_left_by_undercut_are_in_order() -> None:
+    """Allowed undercut leaves one run of flank and one of fillet on each side, the flank above."""
+    for gear in both(made(uniform_law(Lobes()), 12, avoid=False)):
+        assert list(gear.sides.kind[:4]) == [FLANK, 1, FLANK, 1]
+        assert np.all(np.diff(gear.sides.owner) >= 0)
