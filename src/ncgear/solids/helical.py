@@ -17,6 +17,7 @@ from ncgear.solids.sections import Sections
 from ncgear.solids.stack import Stack
 from ncgear.teeth.form import ToothForm
 
+
 def helical_pair(
     pitch: PitchPair, form: ToothForm, helix: Helix, blanks: dict[Gear, Blank], tolerance_mm: float
 ) -> SolidPair:
@@ -37,7 +38,9 @@ def _solid(sections: Sections, stack: Stack, gear: Gear, blank: Blank, tolerance
     disc = common_disc([sections.at(z).pieces[gear].points_mm[:-1] for z in stack.heights_mm], key)
     if blank.bore is not None:
         require_room(disc, blank.bore, tolerance, key)
-    mark = index_hole(disc, blank.bore, meeting_direction_rad(gear, Mesh.EXTERNAL), module) if blank.index_hole else None
+    mark = (
+        index_hole(disc, blank.bore, meeting_direction_rad(gear, Mesh.EXTERNAL), module) if blank.index_hole else None
+    )
     holes = [bore_points(blank.bore, tolerance)] if blank.bore is not None else []
     holes += [hole_points(mark, tolerance)] if mark is not None else []
     rings, heights = stack.counter_clockwise(), stack.heights_mm
