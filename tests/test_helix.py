@@ -196,16 +196,22 @@ def test_what_strays_between_two_sections_is_the_closed_form_of_a_circle() -> No
 # --- non-circular gears ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("herringbone", [False, True])
-@pytest.mark.parametrize("gear", ["driving", "driven"])
-@pytest.mark.parametrize("name", ["ellipse", "one on two", "concave"])
-def test_sections_of_the_written_file_are_exact(name: str, gear: str, herringbone: bool) -> None:
+@pytest.mark.parametrize(
+    ("name", "herringbone"),
+    # A section of the concave gears takes half a second: half as many do for them.
+    [("ellipse", False), ("ellipse", True), ("one on two", False), ("one on two", True), ("concave", True)],
+)
+def test_sections_of_the_written_file_are_exact(name: str, herringbone: bool) -> None:
     pair = made(name, herringbone=herringbone)
-    again = read_back(stl_bytes(pair.mesh(gear)), pair.mesh(gear))
-    for height in HEIGHTS:
-        teeth = exact(name, advance(height, Hand.RIGHT, herringbone=herringbone))
-        wanted = Polygon(getattr(teeth, gear).outline_mm)
-        assert apart(section(again, height), wanted) <= TOLERANCE
+    for gear in ("driving", "driven"):
+        again = read_back(stl_bytes(pair.mesh(gear)), pair.mesh(gear))
+        for height in HEIGHTS:
+            teeth = exact(name, advance(height, Hand.RIGHT, herringbone=herringbone))
+            wanted = Polygon(getattr(teeth, gear).outline_mm)
+            assert apart(section(again, height), wanted) <= TOLERANCE
+
+
+UNDERCUT = ToothForm(rack(), limits=TipLimits(avoid_undercut=False))
 
 
 UNDERCUT = ToothForm(rack(), limits=TipLimits(avoid_undercut=False))
