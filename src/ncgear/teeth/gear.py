@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos
+from math import cos, tan
 
 import numpy as np
 
@@ -126,10 +126,13 @@ def _tips(pitch: PitchPair, form: ToothForm, kind: CutterKind, advance: float) -
     racks, equivalent = shifted_racks(pitch, form), form.equivalent
     for_driving, for_driven = _tools(pitch, form, kind)
     size, middle = pitch.size, racks[1].pitch_mm / 2.0
+    # Shifts that do not cancel would press or part the flanks that push: both gears' teeth stand back by as much.
+    eased = (racks[0].shift_mm + racks[1].shift_mm) / 2.0 * tan(form.rack.pressure_angle_rad)
+    start = advance + eased, advance + middle - eased
     # Arc length runs against the driving gear's turning: it pushes with its back flanks, onto the driven front ones.
     return fitted_pair(
-        flanks_of(pitch.driving, racks[0], size.driving_teeth, for_driving, advance, -1.0, equivalent=equivalent),
-        flanks_of(pitch.driven, racks[1], size.driven_teeth, for_driven, advance + middle, 1.0, equivalent=equivalent),
+        flanks_of(pitch.driving, racks[0], size.driving_teeth, for_driving, start[0], -1.0, equivalent=equivalent),
+        flanks_of(pitch.driven, racks[1], size.driven_teeth, for_driven, start[1], 1.0, equivalent=equivalent),
         form.limits,
     )
 

@@ -30,6 +30,9 @@ START = 0.5
 """Share of the tip's height from which the contact's height is sought: from below, since on concave stretches a flank
 comes to the same height again beyond its cusp."""
 
+PROBES = 17
+"""Places on the way to a crossing at which the flank is seen to be regular; fitted tips are held to the exact cusp."""
+
 FAR = 3.0
 """Tip heights up to which flanks are followed; they lean so much that they reach the tip land before."""
 
@@ -37,7 +40,7 @@ LOWEST = 0.05
 """Share of a pointed tip's height above which the height of the least land is sought."""
 
 MOST_SLOPE = 0.25
-"""Largest slope of a tip land against the pitch curve, 14 degrees: beyond it the higher edge would be sharp."""
+"""Largest rise from edge to edge of a tip, in widths of its land when level: beyond it the higher edge is sharp."""
 
 
 class Limit(IntEnum):
@@ -96,7 +99,8 @@ def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: f
     flanks, narrow = _with_lands(replace(flanks, tip_height_mm=even_heights(flanks, lowered)), least_land_mm)
     limit = np.where(narrow, Limit.LAND, limit)
     top, at, met = tip_crossing(flanks)
-    lost = np.nonzero(~met | (flanks.tip_height_mm <= 0.0) | (top <= 0.0))[0]
+    too_high = top > allowed + AGREEMENT * flanks.rack.module_mm
+    lost = np.nonzero(~met | (flanks.tip_height_mm <= 0.0) | (top <= 0.0) | too_high)[0]
     if lost.size:
         raise no_tip(flanks, int(lost[0]))
     return Tips(flanks, top, at, limit, undercut, np.full(flanks.count, np.inf))
@@ -162,7 +166,8 @@ def _newton_crossing(flanks: Flanks, which: IndexArray) -> tuple[Array, Array, M
         AGREEMENT * rack.module_mm,
     )
     met &= (height > 0.0) & (height < FAR * tip) & (np.abs(sigma - crossing) < rack.pitch_mm / 2.0)
-    met[met] &= flanks.regularity(which[met], height[met]) > 0.0
+    way = height[met, None] * np.linspace(0.0, 1.0, PROBES)
+    met[met] = flanks.regularity(which[met, None], way).min(axis=1) > 0.0
     return height, sigma, met
 
 
