@@ -63,7 +63,9 @@ def made(
     law, mesh = (RINGS[name], Mesh.INTERNAL) if name in RINGS else (LAWS[name], Mesh.EXTERNAL)
     pitch = sized_pair(law(), teeth, MODULE, None, mesh)
     basic = replace(rack(angle_deg, backlash_mm=backlash_mm), relief=relief)
-    return pitch, toothed_pair(pitch, ToothForm(basic, limits=TipLimits(avoid_undercut=not undercut)), tolerance)
+    return pitch, toothed_pair(
+        pitch, ToothForm(basic, limits=TipLimits(0.2 * basic.module_mm, avoid_undercut=not undercut)), tolerance
+    )
 
 
 @cache
