@@ -149,11 +149,13 @@ class Drive:
         from ncgear.contact.as_designed import as_designed
         from ncgear.contact.pair_contact import refuse_overlap
         from ncgear.contact.placement import placed
+        from ncgear.contact.shortness import refuse_short_contact
 
         pitch, teeth = self.pitch, self.teeth
         with self.stopwatch("contact"):
             contact = as_designed(teeth, placed(pitch))
             refuse_overlap(contact, self.design.output.chord_tolerance_mm)
+            refuse_short_contact(contact, teeth, self.gears.least_contact_ratio - self.overlap_ratio)
             return contact
 
     def contact(self, written: Sequence[Outlines]) -> PairContact:
@@ -170,6 +172,11 @@ class Drive:
     def helix(self) -> Helix | None:
         """The helix of the teeth; None where they are straight."""
         return helix_of(self.gears)
+
+    @property
+    def overlap_ratio(self) -> float:
+        """What the helix adds to the contact ratio: its advance in pitches."""
+        return self.helix.largest_advance_mm / self.rack.pitch_mm if self.helix else 0.0
 
     @cached_property
     def solids(self) -> SolidPair:

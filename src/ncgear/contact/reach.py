@@ -12,11 +12,15 @@ import numpy as np
 
 from ncgear.pitch.internal import PlanePoints, passed_mm, plane
 from ncgear.pitch.pair import PitchPair
-from ncgear.pitch.shape import Mesh
+from ncgear.pitch.shape import Gear, Mesh
 from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 BEYOND = 1.1
 """How far beyond that outlines are compared: a tenth, for contact of edges."""
+
+BOWL = 2.5
+"""How many times as far tips can foul where a pitch curve is concave: teeth enter such a bowl two or three pitches from
+the pitch point."""
 
 POSITIONS = 64
 """Positions over a period of the law at which the tip curves are laid over each other; they differ smoothly."""
@@ -29,7 +33,9 @@ def reach_mm(pitch: PitchPair, teeth: ToothedPair) -> float:
     """Distance from the pitch point in mm within which outlines must be compared."""
     racks = teeth.driving.flanks.rack, teeth.driven.flanks.rack
     action = max(rack.dedendum_mm / sin(rack.pressure_angle_rad) for rack in racks)
-    return BEYOND * (max(action, tips_overlap_mm(pitch, teeth)) if pitch.mesh is Mesh.INTERNAL else action)
+    if pitch.mesh is Mesh.INTERNAL:
+        return BEYOND * max(action, tips_overlap_mm(pitch, teeth))
+    return BEYOND * action * (1.0 if all(pitch.convex(gear) for gear in Gear) else BOWL)
 
 
 def tips_overlap_mm(pitch: PitchPair, teeth: ToothedPair) -> float:
