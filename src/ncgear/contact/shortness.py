@@ -29,14 +29,15 @@ REMEDY = (
 
 
 def refuse_short_contact(designed: AsDesigned, teeth: ToothedPair, least: float) -> None:
-    """Refuse a pair of which, for a ``least`` of 1 or more, no flanks touch at some position, or any over fewer pitches.
+    """Refuse a pair that loses contact, for a ``least`` of 1 or more, or has flanks that touch over fewer pitches.
 
-    A pair of flanks may touch over less than one pitch while its neighbours bridge the rest; a ``least`` of exactly 1
-    asks only that contact never ceases, one below 1 asks for nothing.  What limits each tip is a condition that no other tool can lift.  Raises NoSuchMechanism with both teeth.
+    A pair of flanks may touch over less than one pitch while its neighbours bridge the rest: a ``least`` of exactly 1
+    asks only that contact never ceases, one below 1 asks for nothing.  What limits each tip is a condition that no
+    other tool can lift.  Raises NoSuchMechanism with both teeth.
     """
     for side in (designed.pushing, designed.back):
         shortest = int(np.argmin(side.arcs))
-        if 1.0 < least and side.arcs[shortest] < least - ROUNDING:
+        if least > 1.0 and side.arcs[shortest] < least - ROUNDING:
             raise NoSuchMechanism(
                 f"the flanks of {_pair(side, teeth, shortest)} touch over {side.arcs[shortest]:.3g} pitches only, less "
                 f"than {least:.3g}: {_limits(side, teeth, shortest)}; {REMEDY}",
