@@ -43,6 +43,8 @@ from ncgear.teeth.tips import Limit
 from oracles import meshing
 from pairs import baler_law, rack, sine_law
 
+pytestmark = pytest.mark.slow
+
 TOLERANCE = 0.005
 MODULE = 2.0
 WIDTH = 14.0

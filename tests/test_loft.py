@@ -29,6 +29,8 @@ from ncgear.teeth.tips import Limit
 from oracles import meshing
 from pairs import rack
 
+pytestmark = pytest.mark.slow
+
 HOLE = np.array([[0.5, 0.0], [0.0, 0.5], [-0.5, 0.0], [0.0, -0.5]])
 
 

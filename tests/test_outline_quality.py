@@ -20,6 +20,8 @@ from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import ToothedGear, toothed_pair
 from pairs import baler_law, rack, sine_law
 
+pytestmark = pytest.mark.slow
+
 Array = np.ndarray
 
 SAME_POINT = 1e-9

@@ -23,6 +23,8 @@ from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 from oracles import rigid_body
 from pairs import rack, sine_law
 
+pytestmark = pytest.mark.slow
+
 Array = np.ndarray
 Outlines = tuple[Array, Array]
 

@@ -30,6 +30,8 @@ from ncgear.teeth.tool import RackLine
 from oracles import meshing
 from pairs import baler_law, rack, sine_law
 
+pytestmark = pytest.mark.slow
+
 MODULE = 2.0
 TOLERANCE = 0.005
 ALPHA = radians(20.0)
