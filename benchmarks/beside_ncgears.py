@@ -19,7 +19,10 @@ from math import radians
 from pathlib import Path
 from time import perf_counter
 
-from ncgear.contact.pair_contact import pair_contact, refuse_overlap
+from ncgear.contact.as_designed import as_designed
+from ncgear.contact.as_written import Outlines as Written
+from ncgear.contact.pair_contact import pair_contact, refuse_bad_outlines, refuse_overlap
+from ncgear.contact.placement import placed
 from ncgear.machine.rack import BasicRack
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.ratio.laws.expression import driven_angle_expression_law
@@ -42,8 +45,9 @@ ADDENDUM, DEDENDUM, ROOT_RADIUS = 1.0, 1.2, 0.3
 
 DEFAULT_TOLERANCE_MM = 0.005
 
-NEARLY, SEARCH = 0.99, 20
-"""Share of the allowed number of points that a search for a tolerance is content with, and its most steps."""
+FINE_IN_MODULES = 0.5e-6
+"""How far chords of working flanks stray to both sides of the exact curve in the fine outlines: two leave a gap of
+a millionth of a module at most."""
 
 
 @dataclass(frozen=True)
@@ -68,13 +72,22 @@ def made(teeth: int, flank_tolerance_mm: float | None) -> tuple[PitchPair, Tooth
     addendum, dedendum, root_radius = (factor * MODULE_MM for factor in (ADDENDUM, DEDENDUM, ROOT_RADIUS))
     rack = BasicRack(MODULE_MM, radians(PRESSURE_ANGLE_DEG), addendum, dedendum, root_radius)
     pitch = sized_pair(law, teeth, MODULE_MM, None)
-    return pitch, toothed_pair(pitch, ToothForm(rack), DEFAULT_TOLERANCE_MM, flank_tolerance_mm=flank_tolerance_mm)
+    return pitch, toothed_pair(
+        pitch,
+        ToothForm(rack),
+        DEFAULT_TOLERANCE_MM,
+        flank_tolerance_mm=flank_tolerance_mm,
+        straddling=flank_tolerance_mm is not None,
+    )
 
 
 def by_ncgear(teeth: int, flank_tolerance_mm: float | None) -> Outlines:
-    """ncgear's pair, its contact verified at 20 positions a tooth."""
+    """ncgear's pair, verified as designed and as it would be written, at 20 positions a tooth and on both flanks."""
     pitch, pair = made(teeth, flank_tolerance_mm)
-    refuse_overlap(pair_contact(pitch, pair), pitch, pair, DEFAULT_TOLERANCE_MM)
+    designed = as_designed(pair, placed(pitch))
+    refuse_overlap(designed, DEFAULT_TOLERANCE_MM)
+    written = Written("memory", pair.driving.outline_mm, pair.driven.outline_mm)
+    refuse_bad_outlines(pair_contact(pitch, pair, designed, [written]), DEFAULT_TOLERANCE_MM)
     return pair.driving.outline_mm, pair.driven.outline_mm
 
 
@@ -111,27 +124,13 @@ def judged(program: str, teeth: int, make: Callable[[], Outlines]) -> Run:
     return Run(program, teeth, seconds, outlines, flanks)
 
 
-def finest_tolerance_mm(teeth: int, most: int) -> float:
-    """The smallest tolerance of the flanks, nearly, at which no outline of ncgear has more points than ``most``."""
-    tolerance = DEFAULT_TOLERANCE_MM
-    for _ in range(SEARCH):
-        _, pair = made(teeth, tolerance)
-        share = max(len(gear.outline_mm) for gear in (pair.driving, pair.driven)) / most
-        if NEARLY <= share <= 1.0:
-            return tolerance
-        # A chord strays by the square of its length.
-        tolerance *= (share / (NEARLY + 1.0) * 2.0) ** 2
-    raise ArithmeticError(f"no chord tolerance gives {most} points at {teeth} teeth")
-
-
 def runs(teeth: int) -> list[Run]:
-    """ncgears, ncgear as it comes, and ncgear with as many points as ncgears."""
+    """ncgears, ncgear as it comes, and ncgear with fine flanks."""
     other = judged("ncgears", teeth, lambda: by_ncgears(teeth))
-    tolerance = finest_tolerance_mm(teeth, other.points)
     return [
         other,
         judged(f"ncgear, {DEFAULT_TOLERANCE_MM:g} mm", teeth, lambda: by_ncgear(teeth, None)),
-        judged(f"ncgear, {tolerance:.2g} mm on the flanks", teeth, lambda: by_ncgear(teeth, tolerance)),
+        judged("ncgear, fine flanks", teeth, lambda: by_ncgear(teeth, FINE_IN_MODULES * MODULE_MM)),
     ]
 
 
@@ -174,8 +173,8 @@ def page() -> str:
         f"dedendum {DEDENDUM:g}, root radius {ROOT_RADIUS:g}. Time: from the law to both verified outlines, imports "
         "not counted; each program verifies by its own means, and ncgears writes its files on the way. One run each, "
         "one after the other: the machine's noise is in the seconds, less so in the shares, which are of ncgears' "
-        "figure for the same number of teeth. Points are those of the driving and of the driven outline; the second "
-        "row of ncgear has as many as ncgears.",
+        "figure for the same number of teeth. Points are those of the driving and of the driven outline. Fine flanks: "
+        f"chords straddle the exact flanks by {FINE_IN_MODULES:g} module to both sides.",
         "",
         "Flank gap and overlap: the worst of all pairs of flanks in mesh, along their normal at the point of contact, "
         "at 40 positions a tooth off any grid. Reversals: turns of more than 90 degrees from one chord to the next. "

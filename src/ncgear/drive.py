@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -19,6 +20,8 @@ from ncgear.recipe import RAD_S_PER_RPM, Law, helix_of, law_of, rack_of, resista
 from ncgear.stopwatch import Stopwatch
 
 if TYPE_CHECKING:
+    from ncgear.contact.as_designed import AsDesigned
+    from ncgear.contact.as_written import Outlines
     from ncgear.contact.pair_contact import PairContact
     from ncgear.pitch.pair import PitchPair
     from ncgear.solids.helix import Helix
@@ -141,20 +144,39 @@ class Drive:
             return toothed_pair(pitch, self.tooth_form, self.design.output.chord_tolerance_mm)
 
     @cached_property
-    def contact(self) -> PairContact:
-        """Contact of the exact flanks and of the outlines, which must not overlap."""
-        from ncgear.contact.pair_contact import pair_contact, refuse_overlap
+    def designed_contact(self) -> AsDesigned:
+        """Contact of the exact teeth, which must not overlap."""
+        from ncgear.contact.as_designed import as_designed
+        from ncgear.contact.pair_contact import refuse_overlap
+        from ncgear.contact.placement import placed
+        from ncgear.contact.shortness import refuse_short_contact
 
         pitch, teeth = self.pitch, self.teeth
         with self.stopwatch("contact"):
-            contact = pair_contact(pitch, teeth)
-            refuse_overlap(contact, pitch, teeth, self.design.output.chord_tolerance_mm)
+            contact = as_designed(teeth, placed(pitch))
+            refuse_overlap(contact, self.design.output.chord_tolerance_mm)
+            refuse_short_contact(contact, teeth, self.gears.least_contact_ratio - self.overlap_ratio)
+            return contact
+
+    def contact(self, written: Sequence[Outlines]) -> PairContact:
+        """Contact of the exact teeth and of outlines that were written, which must touch where the teeth do."""
+        from ncgear.contact.pair_contact import pair_contact, refuse_bad_outlines
+
+        designed, pitch, teeth = self.designed_contact, self.pitch, self.teeth
+        with self.stopwatch("written contact"):
+            contact = pair_contact(pitch, teeth, designed, written)
+            refuse_bad_outlines(contact, self.design.output.chord_tolerance_mm)
             return contact
 
     @property
     def helix(self) -> Helix | None:
         """The helix of the teeth; None where they are straight."""
         return helix_of(self.gears)
+
+    @property
+    def overlap_ratio(self) -> float:
+        """What the helix adds to the contact ratio: its advance in pitches."""
+        return self.helix.largest_advance_mm / self.rack.pitch_mm if self.helix else 0.0
 
     @cached_property
     def solids(self) -> SolidPair:

@@ -1,26 +1,27 @@
-"""Contact of a pair over the whole cycle: exact flanks and sampled outlines together."""
+"""Contact of a pair over the whole cycle, as designed and as written, and the refusal of teeth that overlap."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import cos, sin
 
 import numpy as np
 
-from ncgear.contact.flank_contact import FlankContact, flank_contact
-from ncgear.contact.outline_contact import OutlineContact, outline_contact, positions
-from ncgear.contact.reach import tips_overlap_mm
+from ncgear.contact.as_designed import AsDesigned
+from ncgear.contact.as_written import AsWritten, Outlines, as_written
+from ncgear.contact.reach import reach_mm
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.angles import in_words
+from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Mesh
 from ncgear.teeth.gear import ToothedPair
 
-BEYOND = 1.1
-"""Share of the reach by which outlines are compared beyond it: a tenth, for tips that are cut by crowns."""
-
 CHORDS_OVERLAP = 2.2
-"""Overlap across, in chord tolerances, that two outlines may show: one for each, and a tenth for the search."""
+"""Overlap in chord tolerances that outlines may show: one for each, and a tenth for rounding in the files."""
+
+CHORDS_ASTRAY = 4.0
+"""Distance in chord tolerances by which outlines may touch elsewhere than designed: twice what both chords can cost."""
 
 CAUSES = {
     Mesh.EXTERNAL: "tips of a concave stretch foul the mating gear there; more teeth of a smaller module are needed, "
@@ -33,52 +34,73 @@ CAUSES = {
 
 @dataclass(frozen=True, eq=False)
 class PairContact:
-    """What the flanks can do, and what the outlines do."""
+    """Contact of the exact curves, and of the outlines in each of the forms in which they were written."""
 
-    flanks: FlankContact
-    outlines: OutlineContact
+    as_designed: AsDesigned
+    as_written: tuple[AsWritten, ...]
 
+    @property
+    def transmission_error_rad(self) -> float:
+        """Peak to peak, of the worst outlines."""
+        return max(written.transmission_error_rad for written in self.as_written)
 
-def pair_contact(pitch: PitchPair, teeth: ToothedPair) -> PairContact:
-    """Contact at 20 positions or more per tooth over a meeting cycle of all teeth."""
-    phi1 = positions(teeth.driving.teeth, teeth.driven.teeth)
-    phi2 = pitch.transmission.driven_angle(phi1).value
-    outlines = outline_contact(
-        teeth.driving.outline_mm,
-        teeth.driven.outline_mm,
-        pitch.center_distance_mm,
-        _reach_mm(pitch, teeth),
-        phi1,
-        phi2,
-        pitch.pitch_point_mm(phi1),
-        pitch.mesh,
-    )
-    return PairContact(flank_contact(teeth), outlines)
+    @property
+    def contact_ratio(self) -> float:
+        """Least arc of contact of any pair of flanks, in pitches."""
+        return float(min(self.as_designed.pushing.arcs.min(), self.as_designed.back.arcs.min()))
+
+    @property
+    def penetration_mm(self) -> float:
+        """Deepest overlap at the law's angle, of the worst outlines."""
+        return max(float(written.overlap_mm.max()) for written in self.as_written)
 
 
-def _reach_mm(pitch: PitchPair, teeth: ToothedPair) -> float:
-    """How far from the pitch point outlines are compared: the line of action, and where a ring's tips can foul."""
-    rack = teeth.driving.flanks.rack
-    action = rack.dedendum_mm / sin(rack.pressure_angle_rad)
-    return BEYOND * (max(action, tips_overlap_mm(pitch, teeth)) if pitch.mesh is Mesh.INTERNAL else action)
+def pair_contact(
+    pitch: PitchPair, teeth: ToothedPair, designed: AsDesigned, written: Sequence[Outlines]
+) -> PairContact:
+    """Contact of a pair that was designed so and has been written in each of these forms; raises as ``as_written``."""
+    reach = reach_mm(pitch, teeth)
+    return PairContact(designed, tuple(as_written(one, teeth, designed.placement, reach) for one in written))
 
 
-def refuse_overlap(contact: PairContact, pitch: PitchPair, teeth: ToothedPair, tolerance_mm: float) -> None:
-    """Refuse a pair whose outlines overlap by more than their chord tolerance explains.
+def refuse_overlap(designed: AsDesigned, tolerance_mm: float) -> None:
+    """Refuse a pair whose exact curves overlap by more than the chord tolerance, below which nothing is written.
 
-    Overlaps are measured as arcs about the driven axis, which are longer than depths across by 1 / cos(pressure angle).
-    Raises NoSuchMechanism with the worst angle and the teeth that meet there.
+    Raises NoSuchMechanism with the worst angle and the tooth that meets another there.
     """
-    outlines, angle = contact.outlines, teeth.driving.flanks.rack.pressure_angle_rad
-    allowed = CHORDS_OVERLAP * tolerance_mm / cos(angle + pitch.largest_tangent_angle_rad.value)
-    worst = int(np.argmax(outlines.penetration_mm))
-    if outlines.penetration_mm[worst] <= allowed:
+    _refuse(designed.overlap_mm, tolerance_mm, designed)
+
+
+def refuse_bad_outlines(contact: PairContact, tolerance_mm: float) -> None:
+    """Refuse outlines that overlap by more than their chords explain.
+
+    Raises NoSuchMechanism as above, and RuntimeError where they touch elsewhere than designed, a fault of ncgear.
+    """
+    for written in contact.as_written:
+        _refuse(written.overlap_mm, CHORDS_OVERLAP * tolerance_mm, contact.as_designed)
+        _require_as_designed(written, contact.as_designed, CHORDS_ASTRAY * tolerance_mm)
+
+
+def _refuse(overlap_mm: Array, allowed_mm: float, designed: AsDesigned) -> None:
+    worst = int(np.argmax(overlap_mm))
+    if overlap_mm[worst] <= allowed_mm:
         return
-    phi1 = float(outlines.phi1_rad[worst])
-    rolled = float(pitch.arc.length(np.array(phi1))) * pitch.center_distance_mm
-    tooth = round(rolled / teeth.driving.flanks.rack.pitch_mm) % teeth.driving.teeth + 1
+    phi1 = float(designed.placement.phi1_rad[worst])
+    tooth, _ = designed.placement.teeth_at(worst)
     raise NoSuchMechanism(
-        f"the teeth run into each other by {outlines.penetration_mm[worst]:.3g} mm near tooth {tooth} of "
-        f"the driving gear at phi1 = {in_words(phi1)}: {CAUSES[pitch.mesh]}",
+        f"the teeth run into each other by {overlap_mm[worst]:.3g} mm near tooth {tooth} of the driving gear at phi1 = "
+        f"{in_words(phi1)}: {CAUSES[designed.placement.mesh]}",
         key="gears.teeth",
     )
+
+
+def _require_as_designed(written: AsWritten, designed: AsDesigned, allowed_mm: float) -> None:
+    sides = (written.pushing_rad, designed.pushing.first), (written.back_rad, designed.back.first)
+    for error, first in sides:
+        astray = np.abs(error - first.error_rad) * first.lever_mm
+        worst = int(np.argmax(astray))
+        if astray[worst] > allowed_mm:
+            phi1 = in_words(float(designed.placement.phi1_rad[worst]))
+            raise RuntimeError(
+                f"the outlines written as {written.source} touch {astray[worst]:.3g} mm off the design at phi1 = {phi1}"
+            )

@@ -8,6 +8,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 """Real numbers; the shape is said in words where it is used."""
 
+ComplexArray = NDArray[np.complex128]
+"""Points of a plane as x + i y, where turning is a multiplication; the shape is said in words where it is used."""
+
 Mask = NDArray[np.bool_]
 """Truth values, one for each element of another array."""
 

@@ -12,13 +12,15 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.contact.pair_contact import PairContact
 from ncgear.drive import Drive
 from ncgear.numerics.arrays import Array
 from ncgear.output import plots
 from ncgear.output.publish import prepare, publish
 from ncgear.output.stl import stl_bytes
 from ncgear.output.summary import build_summary
-from ncgear.output.tables import law_csv, outline_csv
+from ncgear.output.tables import contact_csv, law_csv, outline_csv
+from ncgear.output.written import written_outlines
 from ncgear.pitch.curve import CurvePoints, PitchCurve
 from ncgear.ratio.transmission import Transmission
 from ncgear.recipe import rim_mm_of
@@ -29,7 +31,7 @@ STAGES = {
     "motion": ("motion", "uniform_motion"),
     "pitch curves": ("pitch",),
     "teeth": ("teeth",),
-    "contact": ("contact",),
+    "contact": ("designed_contact",),
     "solids": ("solids",),
 }
 """Stages in order and the attributes of the drive whose first use computes them."""
@@ -60,12 +62,16 @@ def build(drive: Drive, folder: Path, on_stage: Callable[[str], None]) -> Built:
         on_stage(stage)
         for attribute in attributes:
             getattr(drive, attribute)
-    with _timed(drive, "plots", on_stage):
-        pictures = _pictures(drive)
     with _timed(drive, "files", on_stage):
-        files = {**_tables(drive), **_meshes(drive), **pictures, "assembly.json": _json(_assembly(drive))}
+        files = {**_tables(drive), **_meshes(drive), "assembly.json": _json(_assembly(drive))}
+    with _timed(drive, "written contact", on_stage):
+        ring, helical = drive.pitch.driven.is_ring, drive.helix is not None
+        contact = drive.contact(written_outlines(files, ring=ring, helical=helical))
+        files["contact.csv"] = contact_csv(contact).encode()
+    with _timed(drive, "plots", on_stage):
+        files.update(_pictures(drive, contact))
     # Last: only now are the timings known, and a summary is then never newer in its folder than what it sums up.
-    summary = build_summary(drive)
+    summary = build_summary(drive, contact)
     files["summary.json"] = _json(summary)
     return Built(publish(folder, files), summary)
 
@@ -122,14 +128,16 @@ def _ring_radius(drive: Drive) -> float | None:
     return outer_radius_mm(drive.teeth.driven.outline_mm, rim_mm_of(drive.gears, drive.pitch.size.module_mm))
 
 
-def _pictures(drive: Drive) -> dict[str, bytes]:
+def _pictures(drive: Drive, contact: PairContact) -> dict[str, bytes]:
     name, speed = drive.design.name, drive.design.operation.speed_rpm
     tables = drive.motion, drive.uniform_motion
     joints = _joints(drive.transmission, float(drive.motion.phi1_rad[-1]))
+    all_joints = _joints(drive.transmission, contact.as_designed.placement.cycle_rad)
     return {
         "pitch_curves.png": _pitch_curves(drive),
         "tooth_pair.png": _tooth_pair(drive),
         "motion.png": plots.motion(*tables, f"{name}: motion at {speed:.4g} r/min", joints),
+        "contact.png": plots.contact(contact, f"{name}: contact of the teeth", all_joints),
         "power.png": plots.power(*tables, f"{name}: force and power at {speed:.4g} r/min", joints),
     }
 

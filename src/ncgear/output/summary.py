@@ -12,6 +12,7 @@ from ncgear.output.comparison_rows import comparison_rows
 from ncgear.output.warnings import build_warnings, check_warnings
 
 if TYPE_CHECKING:
+    from ncgear.contact.pair_contact import PairContact
     from ncgear.pitch.pair import PitchPair
     from ncgear.teeth.gear import ToothedGear
 
@@ -29,15 +30,17 @@ def check_summary(drive: Drive) -> dict[str, Any]:
     }
 
 
-def build_summary(drive: Drive) -> dict[str, Any]:
+def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
     """All of the check, and pitch curves, teeth and contact."""
+    from ncgear.output.contact_summary import contact_summary
+
     summary = check_summary(drive)
     comparison, warnings = summary.pop("comparison"), summary.pop("warnings")
     return {
         **summary,
         "pitch": _pitch(drive),
         "teeth": _teeth(drive),
-        "contact": _contact(drive),
+        "contact": {**contact_summary(contact, drive.machine.speed_rad_s), **_overlap(drive, contact)},
         "comparison": comparison,
         "warnings": warnings + build_warnings(drive),
         "timing_s": {stage: round(seconds, 6) for stage, seconds in drive.timing_s.items()},
@@ -188,22 +191,6 @@ def _tips(gear: ToothedGear) -> dict[str, Any]:
     return result
 
 
-def _contact(drive: Drive) -> dict[str, Any]:
-    contact = drive.contact
-    outlines = contact.outlines
-    play = outlines.forward_rad + outlines.backward_rad
-    return {
-        "positions": int(outlines.phi1_rad.size),
-        "transmission_error_rad": outlines.transmission_error_rad,
-        "contact_ratio_min": contact.flanks.least_ratio,
-        **_overlap(drive),
-        "simultaneous_contacts_min": contact.flanks.least_simultaneous,
-        "penetration_max_mm": outlines.largest_penetration_mm,
-        "play_min_rad": float(play.min()),
-        "play_max_rad": float(play.max()),
-    }
-
-
 def _helix(drive: Drive) -> dict[str, Any]:
     helix = drive.helix
     if helix is None:
@@ -212,9 +199,9 @@ def _helix(drive: Drive) -> dict[str, Any]:
     return {"helix_angle_deg": degrees(helix.angle_rad), "helix_kind": kind, "hand_driving": helix.hand}
 
 
-def _overlap(drive: Drive) -> dict[str, float]:
+def _overlap(drive: Drive, contact: PairContact) -> dict[str, float]:
     """What the advance of helical teeth adds to the contact ratio of their sections."""
     if drive.helix is None:
         return {}
     overlap = drive.helix.largest_advance_mm / drive.rack.pitch_mm
-    return {"overlap_ratio": overlap, "total_contact_ratio": drive.contact.flanks.least_ratio + overlap}
+    return {"overlap_ratio": overlap, "total_contact_ratio": contact.contact_ratio + overlap}

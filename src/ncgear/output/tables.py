@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ncgear.kinematics.slider import SliderMotion
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, IndexArray
+
+if TYPE_CHECKING:
+    from ncgear.contact.pair_contact import PairContact
 
 LAW_COLUMNS = (
     "phi1_rad",
@@ -35,13 +39,44 @@ def outline_csv(outline_mm: Array) -> str:
     return _csv(OUTLINE_COLUMNS, list(outline_mm.T))
 
 
-def _csv(names: Sequence[str], columns: Sequence[Array]) -> str:
+def contact_csv(contact: PairContact) -> str:
+    """The contact at each position, columns named with their units; raises ValueError as ``law_csv`` does.
+
+    Errors are driven angles beyond the law's.  Tooth numbers, place, pressure angle and sliding are those of the first
+    contact on pushing flanks as designed; ``edge`` is 1 where that is no contact of flanks.
+    """
+    designed = contact.as_designed
+    first, place = designed.pushing.first, designed.pushing.first.fixed_points(designed.placement)
+    columns: dict[str, Array | IndexArray] = {
+        "phi1_rad": designed.placement.phi1_rad,
+        "phi2_rad": designed.placement.phi2_rad,
+        "error_rad": designed.pushing.error_rad,
+        "back_error_rad": designed.back.error_rad,
+        "backlash_rad": designed.backlash_rad,
+        "contacts": designed.pushing.simultaneous,
+        "back_contacts": designed.back.simultaneous,
+        "driving_tooth": first.driving_tooth,
+        "driven_tooth": first.driven_tooth,
+        "edge": (~first.flanks).astype(int),
+        "x_mm": place.real,
+        "y_mm": place.imag,
+        "pressure_angle_rad": first.pressure_angle_rad,
+        "sliding_mm_per_rad": first.sliding_mm(designed.placement),
+    }
+    for written in contact.as_written:
+        columns[f"{written.source}_error_rad"] = written.pushing_rad
+        columns[f"{written.source}_back_error_rad"] = written.back_rad
+        columns[f"{written.source}_penetration_mm"] = written.overlap_mm
+    return _csv(list(columns), list(columns.values()))
+
+
+def _csv(names: Sequence[str], columns: Sequence[Array | IndexArray]) -> str:
     rows = zip(*(_texts(name, column) for name, column in zip(names, columns, strict=True)), strict=True)
     return "\n".join([",".join(names), *map(",".join, rows)]) + "\n"
 
 
-def _texts(name: str, column: Array) -> list[str]:
-    """The shortest texts that read back as the same floats."""
+def _texts(name: str, column: Array | IndexArray) -> list[str]:
+    """The shortest texts that read back as the same numbers."""
     if not np.isfinite(column).all():
         raise ValueError(f"{name} holds a value that is not finite")
-    return list(map(repr, np.asarray(column, dtype=float).tolist()))
+    return list(map(repr, column.tolist()))

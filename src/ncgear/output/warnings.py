@@ -134,13 +134,15 @@ def _named(teeth: list[int], gear: str) -> str:
 
 
 def _contact(drive: Drive) -> str:
-    flanks = drive.contact.flanks
-    if flanks.least_simultaneous >= 1:
+    designed = drive.designed_contact
+    sides = designed.pushing, designed.back
+    if min(int(side.simultaneous.min()) for side in sides) >= 1:
         return ""
+    error = max(side.transmission_error_rad for side in sides)
     return (
-        f"contact ratio: the shortest contact of a flank pair lasts {flanks.least_ratio:.3g} pitches, "
-        "and at some positions no flanks touch: the driven gear is carried by an edge there, off the law by up to the "
-        "transmission error"
+        f"contact ratio: the shortest contact of a flank pair lasts {min(side.arcs.min() for side in sides):.3g} "
+        "pitches, and at some positions no flanks touch: the driven gear is carried by an edge there, off the law by "
+        f"up to {error:.2g} rad"
     )
 
 

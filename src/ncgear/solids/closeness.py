@@ -14,6 +14,7 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.shape import Gear
 from ncgear.solids.columns import Limits, spread_columns
+from ncgear.solids.pieces import PER_TOOTH
 from ncgear.solids.sections import Sections
 from ncgear.solids.stack import Stack, stacked
 
@@ -81,7 +82,7 @@ def close_stacks(sections: Sections, tolerance_mm: float) -> dict[Gear, Stack]:
             return stacks
         heights = np.sort(np.append(heights, check.heights_mm[check.failed]))
         columns = {gear: stacks[gear].columns.halved(check.wide(gear)) for gear in Gear}
-    raise _too_abrupt(check, tolerance_mm)
+    raise _too_abrupt(check, stacks, sections, tolerance_mm)
 
 
 def _first_heights(sections: Sections, tolerance: float) -> Array:
@@ -107,10 +108,16 @@ def _checked(sections: Sections, stacks: dict[Gear, Stack], tolerance: float) ->
     return _Check(middles, strays, (1.0 - OUTLINE) * tolerance)
 
 
-def _too_abrupt(check: _Check, tolerance: float) -> NoSuchMechanism:
-    height, strays = check.heights_mm[np.argmax(check.worst_mm)], check.worst_mm.max()
+def _too_abrupt(check: _Check, stacks: dict[Gear, Stack], sections: Sections, tolerance: float) -> NoSuchMechanism:
+    """Teeth jump where the mate's undercut, and with it the height of the tips that avoid it, ends from one section to
+    the next: halving does not help there, but letting the flanks be cut away does."""
+    gear = max(Gear, key=lambda own: float(np.max(check.strays_mm[own])))
+    step, column = np.unravel_index(int(np.argmax(check.strays_mm[gear])), check.strays_mm[gear].shape)
+    tooth = int(stacks[gear].columns.piece[column]) // PER_TOOTH + 1
+    remedy = "gears.undercut: allow, " if sections.form.limits.avoid_undercut else ""
     return NoSuchMechanism(
-        f"the teeth change too abruptly at z = {height:.4g} mm for a solid within {tolerance:g} mm (it strays by "
-        f"{strays:.3g} mm); more teeth of a smaller module or a coarser output.chord_tolerance_mm helps",
+        f"the teeth change too abruptly at z = {check.heights_mm[step]:.4g} mm for a solid within {tolerance:g} mm: at "
+        f"tooth {tooth} of the {gear.value} gear it strays by {check.strays_mm[gear][step, column]:.3g} mm; {remedy}"
+        "more teeth of a smaller module or a coarser output.chord_tolerance_mm may help",
         key="gears.helix",
     )

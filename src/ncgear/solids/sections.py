@@ -10,6 +10,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from math import ceil, sqrt
 
+import numpy as np
+
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair
@@ -17,7 +19,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.solids.helix import Helix
 from ncgear.solids.pieces import Pieces, pieces_of
 from ncgear.teeth.form import ToothForm
-from ncgear.teeth.gear import ToothedPair, toothed_pair
+from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,10 +28,14 @@ class Section:
 
     teeth: ToothedPair
 
+    def of(self, gear: Gear) -> ToothedGear:
+        """One of them."""
+        return self.teeth.driving if gear is Gear.DRIVING else self.teeth.driven
+
     @cached_property
     def pieces(self) -> dict[Gear, Pieces]:
         """Their outlines, cut at corresponding places."""
-        return {Gear.DRIVING: pieces_of(self.teeth.driving), Gear.DRIVEN: pieces_of(self.teeth.driven)}
+        return {gear: pieces_of(self.of(gear)) for gear in Gear}
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +72,8 @@ class Sections:
         return max(1, ceil(self.helix.largest_advance_mm * sqrt(turning / (8.0 * sagitta_mm))))
 
     def _turning(self, gear: Gear) -> float:
-        """1 / rho, the largest of both lands."""
+        """1 / rho, the largest of both lands, as high and as deep as they are at z = 0."""
         hollow, sharp = (extremum.value for extremum in self.pitch.curvature_range[gear])
-        lands = self.form.rack.addendum_mm, -self.form.rack.dedendum_mm
+        flanks = self.at(0.0).of(gear).flanks
+        lands = float(np.max(flanks.tip_height_mm)), -float(np.max(flanks.root_depth_mm))
         return max(abs(k) * abs(1.0 + height * k) for k in (hollow, sharp) for height in lands)

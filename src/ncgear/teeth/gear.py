@@ -76,18 +76,20 @@ def toothed_pair(
     tolerance_mm: float,
     *,
     flank_tolerance_mm: float | None = None,
+    straddling: bool = False,
     advance_mm: float = 0.0,
 ) -> ToothedPair:
     """Exact teeth on both pitch curves, outlines sampled to ``tolerance_mm``.
 
     ``flank_tolerance_mm`` is that of the working flanks, by default as fine as keeps the driven gear within three
-    tolerances, divided by the driven pitch radius, of the law.  With ``advance_mm`` all teeth stand farther along both
-    pitch curves, as in a section of helical gears.  Raises NoSuchMechanism, naming gear and tooth, where no tooth can
-    stand, and WrongInput where shifts contradict each other.
+    tolerances, divided by the driven pitch radius, of the law; with ``straddling`` chords stray by it to both sides of
+    the flanks (see ``ChordTolerance``).  With ``advance_mm`` all teeth stand farther along both pitch curves, as in a
+    section of helical gears.  Raises NoSuchMechanism, naming gear and tooth, where no tooth can stand, and WrongInput
+    where shifts contradict each other.
     """
     kind, tips = _fitted(pitch, form, advance_mm)
     finer = flank_tolerance_mm or tolerance_mm * _flank_share(pitch, form)
-    driving, driven = (_gear(side, ChordTolerance(finer, tolerance_mm)) for side in tips)
+    driving, driven = (_gear(side, ChordTolerance(finer, tolerance_mm, straddling)) for side in tips)
     return ToothedPair(driving, driven, kind)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,9 +10,9 @@ from matplotlib.axes import Axes
 
 from ncgear.kinematics.slider import SliderMotion
 from ncgear.numerics.arrays import Array
-from ncgear.output.plots.canvas import DRIVING, INK, NORMAL, REFERENCE, SMALL, Margins, dress, figure, key_above, png
+from ncgear.output.plots.angle_axis import align, angle_scale, mark_joints
+from ncgear.output.plots.canvas import DRIVING, INK, NORMAL, REFERENCE, SMALL, Margins, dress, figure, png
 
-ANGLE = "driving angle phi1 in deg"
 DISPLACEMENT = "displacement in mm"
 
 NO_JOINTS = np.empty(0)
@@ -26,11 +25,6 @@ UNIFORM: dict[str, Any] = {
     "label": "uniform crank, same speed",
 }
 """The uniform crank lies above: where the two agree, both show."""
-
-JOINT: dict[str, Any] = {"color": "#8A8A8A", "linewidth": 0.8, "linestyle": (0, (1.5, 2.5)), "zorder": 0.8}
-
-MOST_JOINTS = 12
-"""More joints than these, as of a table, are not marked: they would say no more than a grid."""
 
 EDGE = 0.15
 """Share of the scale at either end in which a note stands beside its point, not above or below the middle of it."""
@@ -70,8 +64,8 @@ def motion(table: SliderMotion, uniform: SliderMotion, title: str, joints_rad: A
     column = made.subplots(3, 1, sharex=True, gridspec_kw={**Margins().shares(*size), "hspace": 0.12})
     for axes, quantity in zip(column, MOTION, strict=True):
         _over_angle(axes, table, uniform, quantity, joints_rad)
-    _angle_scale(column, float(np.degrees(table.phi1_rad[-1])))
-    _align(column, size[0])
+    angle_scale(column, float(np.degrees(table.phi1_rad[-1])))
+    align(column, size[0])
     return png(made)
 
 
@@ -84,8 +78,8 @@ def power(table: SliderMotion, uniform: SliderMotion, title: str, joints_rad: Ar
     for (left, right), quantity in zip(grid, POWER, strict=True):
         _over_angle(left, table, uniform, quantity, joints_rad)
         _over_displacement(right, table, uniform, quantity)
-    _angle_scale(grid[:, 0], float(np.degrees(table.phi1_rad[-1])))
-    _align(grid[:, 0], size[0])
+    angle_scale(grid[:, 0], float(np.degrees(table.phi1_rad[-1])))
+    align(grid[:, 0], size[0])
     grid[1, 1].set_xlabel(DISPLACEMENT, size=NORMAL, color=INK)
     return png(made)
 
@@ -94,17 +88,10 @@ def _over_angle(axes: Axes, table: SliderMotion, uniform: SliderMotion, quantity
     angle, values = np.degrees(table.phi1_rad), quantity.of(table)
     axes.plot(angle, values, **OWN)
     axes.plot(np.degrees(uniform.phi1_rad), quantity.of(uniform), **UNIFORM)
-    _mark_joints(axes, np.degrees(joints_rad))
+    mark_joints(axes, np.degrees(joints_rad))
     dress(axes, "", f"{quantity.name} in {quantity.unit}")
     if quantity.extreme:
         _mark_extreme(axes, angle, values, quantity.unit)
-
-
-def _mark_joints(axes: Axes, joints_deg: Array) -> None:
-    if joints_deg.size > MOST_JOINTS:
-        return
-    for number, joint in enumerate(joints_deg):
-        axes.axvline(joint, label=None if number else "joints of the law", **JOINT)
 
 
 def _over_displacement(axes: Axes, table: SliderMotion, uniform: SliderMotion, quantity: Quantity) -> None:
@@ -132,19 +119,3 @@ def _alignment(share: float) -> str:
     if share < EDGE:
         return "left"
     return "right" if share > 1.0 - EDGE else "center"
-
-
-def _angle_scale(column: Sequence[Axes], end_deg: float) -> None:
-    """Scale in degrees below the lowest axes, key above the highest."""
-    # A driven gear that turns more slowly than the driving one takes the table over several turns of that.
-    step = 45 * max(round(end_deg / 360.0), 1)
-    column[-1].set_xlim(0.0, end_deg)
-    column[-1].set_xticks(np.arange(0.0, end_deg + 1.0, step))
-    column[-1].set_xlabel(ANGLE, size=NORMAL, color=INK)
-    key_above(column[0])
-
-
-def _align(column: Sequence[Axes], width_in: float) -> None:
-    """Labels of the vertical scales at the same place in all rows, whatever the width of their numbers."""
-    for axes in column:
-        axes.yaxis.set_label_coords(-0.55 / (width_in * axes.get_position().width), 0.5)

@@ -1,0 +1,145 @@
+"""Edge contact: corners of one gear's teeth against the curves of the other, exact along circles about the driven axis.
+
+Chords of the curves tell which corners come near enough to matter; only for those are the curves themselves solved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from ncgear.contact.circles import crossing
+from ncgear.contact.contacts import Contacts
+from ncgear.contact.meetings import Meetings
+from ncgear.contact.seen import SeenGear
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
+from ncgear.numerics.crossing import refined_crossings
+from ncgear.numerics.plane import angle_between, as_points, square
+from ncgear.teeth.tips import AGREEMENT
+
+REACH_IN_PITCHES = 0.6
+"""How far along its circle a corner is followed: what is farther off is another tooth or another side of this one."""
+
+NEAR_IN_MODULES = 0.02
+"""How much nearer than by its chords a corner may be by its curve: several times what those chords stray."""
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeHits:
+    """Corners of one gear whose circles cross chords of the other's ``curves``, all of shape (n,).
+
+    ``driving`` and ``driven`` number the flanks that meet in ``position``.  ``corner`` is in the driven gear's frame;
+    ``chord`` is the chord's place in its flank's row of the paths' tables, ``share`` how far along it the crossing
+    lies, ``lever_mm`` the arm of a force across it.  ``turn_rad`` turns the corner onto it, the driven gear being then
+    ``error_rad`` ahead of the law.  ``facing`` is false where the curve is met from its other side, as in the notch
+    of an undercut tooth.
+    """
+
+    curves: SeenGear
+    driving: IndexArray
+    driven: IndexArray
+    position: IndexArray
+    corner: ComplexArray
+    chord: IndexArray
+    share: Array
+    lever_mm: Array
+    turn_rad: Array
+    error_rad: Array
+    facing: Mask
+
+    def kept(self, rows: Mask) -> EdgeHits:
+        """The chosen hits."""
+        columns = [getattr(self, field.name)[rows] for field in fields(self)[1:]]
+        return EdgeHits(self.curves, *columns)
+
+
+def edge_hits(driving: SeenGear, driven: SeenGear, meetings: Meetings) -> list[EdgeHits]:
+    """Corners of the driving gear on the driven gear's curves, and the other way round, of the flanks that meet."""
+    return [_hits(driving, driven, meetings), _hits(driven, driving, meetings)]
+
+
+def edge_contacts(found: Sequence[EdgeHits], urge: float, first_rad: Array) -> Contacts:
+    """Corners that may touch before anything else does.
+
+    ``urge`` is that of ``Meetings``, ``first_rad`` the first contact of flanks at each position, times the urge; -inf
+    where there is none.  Raises ArithmeticError if a corner that comes near is not found on its curve.
+    """
+    first = first_rad.copy()
+    for hits in found:
+        np.maximum.at(first, hits.position, urge * hits.error_rad)
+    near = [
+        hits.kept((urge * hits.error_rad - first[hits.position]) * hits.lever_mm >= -_near_mm(hits)) for hits in found
+    ]
+    return Contacts.joined([_touching(hits) for hits in near])
+
+
+def _near_mm(hits: EdgeHits) -> float:
+    return NEAR_IN_MODULES * hits.curves.paths.flanks.rack.module_mm
+
+
+def _hits(corners: SeenGear, curves: SeenGear, meetings: Meetings) -> EdgeHits:
+    """Crossings of the corners' circles with the chords of the flanks they meet."""
+    position = meetings.position[..., None]
+    corner = corners.points(corners.paths.corner[corners.flank][:, None], position)
+    start = curves.points(curves.paths.start[curves.flank][:, None], position)
+    step = curves.directions(curves.paths.step[curves.flank][:, None], position)
+    row, column, number, chord = np.nonzero(_crossed(square(corner), square(start), square(start + step)))
+    at = _picked(corner, row, column, number)
+    begin, whole = _picked(start, row, column, chord), _picked(step, row, column, chord)
+    outwards = square(begin) < square(begin + whole)
+    place, lever = crossing(np.where(outwards, begin, begin + whole), np.where(outwards, whole, -whole), square(at))
+    turn, share = angle_between(at, place), np.abs(place - begin) / np.abs(whole)
+    flanks = meetings.driving[row], meetings.driven[row], meetings.position[row, column]
+    facing = outwards == curves.rootwards_out
+    hits = EdgeHits(curves, *flanks, at, chord, share, lever, turn, _ahead(curves, turn), facing)
+    return hits.kept(np.abs(turn) * np.abs(at) <= REACH_IN_PITCHES * curves.paths.flanks.rack.pitch_mm)
+
+
+def _crossed(radius: Array, before: Array, after: Array) -> Mask:
+    """Whether circles cross chords, shape (m, k, corners, chords).
+
+    Squared radii of the corners, shape (m, k or 1, corners), and of the chords' ends, shape (m, k or 1, chords).
+    """
+    crossed: Mask = (before[:, :, None] <= radius[..., None]) != (after[:, :, None] <= radius[..., None])
+    return crossed
+
+
+def _picked(table: ComplexArray, row: IndexArray, column: IndexArray, place: IndexArray) -> ComplexArray:
+    """Entries of a table whose second axis has the length 1 where nothing moves."""
+    picked: ComplexArray = table[row, column if table.shape[1] > 1 else 0, place]
+    return picked
+
+
+def _touching(hits: EdgeHits) -> Contacts:
+    """The exact places of hits on the curves themselves."""
+    gear = hits.curves
+    place = (hits.driving if gear.moving else hits.driven), hits.chord
+    run, first, last = gear.paths.run[place], gear.paths.first[place], gear.paths.last[place]
+
+    def curve(parameter: Array) -> tuple[Array, Array]:
+        point, slope = gear.curve(run, parameter, hits.position)
+        return as_points(point), as_points(slope)
+
+    def circle(turn: Array) -> tuple[Array, Array]:
+        turned = hits.corner * np.exp(1j * turn)
+        return as_points(turned), as_points(1j * turned)
+
+    start = first + (last - first) * hits.share
+    agreement = AGREEMENT * gear.paths.flanks.rack.module_mm
+    parameter, turn, met = refined_crossings(curve, circle, start, hits.turn_rad, agreement)
+    if not met.all():
+        raise ArithmeticError("a tooth's corner was not found on the curve that it touches")
+    point, slope = gear.curve(run, parameter, hits.position)
+    turned = np.exp(-1j * turn) if gear.moving else np.ones(1)
+    columns = _ahead(gear, turn), point * turned, slope * turned, np.zeros(met.size, dtype=bool)
+    return Contacts(hits.driving, hits.driven, hits.position, *columns)
+
+
+def _ahead(curves: SeenGear, turn_rad: Array) -> Array:
+    """How far ahead the driven gear is when corners that are turned by angles lie on a gear's curves.
+
+    Corners of the driven gear rest: instead of them the driving gear's curves are turned back.
+    """
+    return curves.placement.ahead * (-turn_rad if curves.moving else turn_rad)

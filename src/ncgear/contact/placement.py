@@ -1,0 +1,165 @@
+"""How the two gears stand in the positions that are looked at: frames, senses of turning, and which flanks push.
+
+The whole analysis is made in the driven gear's own frame, in which its curves stand still and the driving gear moves.
+All that depends on the senses in which the gears turn, and on which side of the pitch point they lie, is here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import ceil, lcm, pi
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
+from ncgear.pitch.pair import PitchPair
+from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
+
+PER_TOOTH = 20
+"""Positions per tooth pitch; even, so that each tooth and each space stands on the pitch point once."""
+
+FEWEST = 400
+"""Positions in a cycle however few the teeth."""
+
+PUSHING, BACK = -1.0, 1.0
+"""Side of the driving gear's flanks that push the driven gear on, and of those that would hold it back.
+
+Arc length grows against the driving gear's turning, so a pushing flank faces falling arc length.
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """Both gears in n positions, evenly spaced in rolled length over a cycle in which every tooth meets all its mates.
+
+    ``rolled_mm`` is the pitch curves' arc length, ``phi1_rad`` and ``phi2_rad`` the angles by the law, ``speed`` their
+    ratio dphi2/dphi1, shape (n,) each; ``per_tooth`` positions make a tooth pitch.
+    """
+
+    mesh: Mesh
+    center_distance_mm: float
+    driving_teeth: int
+    driven_teeth: int
+    per_tooth: int
+    rolled_mm: Array
+    phi1_rad: Array
+    phi2_rad: Array
+    speed: Array
+
+    @property
+    def count(self) -> int:
+        """Number of positions."""
+        return self.phi1_rad.size
+
+    @property
+    def meetings(self) -> int:
+        """Number of meetings of two teeth in the cycle, one in each tooth pitch."""
+        return lcm(self.driving_teeth, self.driven_teeth)
+
+    @property
+    def cycle_rad(self) -> float:
+        """Driving angle of the whole cycle."""
+        return 2.0 * pi * self.meetings / self.driving_teeth
+
+    def teeth_at(self, position: int) -> tuple[int, int]:
+        """Numbers, from 1, of the driving and the driven tooth nearest to the pitch point at a position."""
+        driving, driven = round(position / self.per_tooth), position // self.per_tooth
+        return driving % self.driving_teeth + 1, driven % self.driven_teeth + 1
+
+    @property
+    def step_mm(self) -> float:
+        """Rolled length from one position to the next."""
+        return float(self.rolled_mm[1])
+
+    @property
+    def pitch_mm(self) -> float:
+        """Tooth pitch along the pitch curves."""
+        return self.step_mm * self.per_tooth
+
+    @property
+    def driving_radius_mm(self) -> Array:
+        """Distance of the pitch point from the driving axis."""
+        return self.speed * self.driven_radius_mm
+
+    @property
+    def driven_radius_mm(self) -> Array:
+        """Distance of the pitch point from the driven axis."""
+        return self.center_distance_mm / (1.0 - self.mesh.sense * self.speed)
+
+    @property
+    def mesh_direction_rad(self) -> Array:
+        """Polar angle, in the driving gear's frame, at which the pitch point lies."""
+        return meeting_direction_rad(Gear.DRIVING, self.mesh) - self.phi1_rad
+
+    @property
+    def ahead(self) -> float:
+        """Sense, +1 for up, in which a driven gear that is ahead of the law sees the driving gear turned."""
+        return -self.mesh.sense
+
+    @property
+    def driven_inside(self) -> bool:
+        """Whether the driven gear is a ring, with its material beyond its teeth as seen from its axis."""
+        return self.mesh is Mesh.INTERNAL
+
+    def driving_points(self, points: ComplexArray, row: IndexArray) -> ComplexArray:
+        """Points of the driving gear's frame in the driven gear's, at positions ``row``; shapes broadcast.
+
+        The driving gear has turned by +phi1 about (0, 0), the driven one by phi2 in its sense about (a, 0).
+        """
+        return points * self._turn[row] + self._driving_axis[row]
+
+    def driving_directions(self, vectors: ComplexArray, row: IndexArray) -> ComplexArray:
+        """Directions of the driving gear's frame in the driven gear's; shapes broadcast."""
+        return vectors * self._turn[row]
+
+    def bounds_rad(self, up_rad: Array, down_rad: Array) -> tuple[Array, Array]:
+        """Driven angles beyond the law's between which the driven gear is free: pushing flanks touch, their backs do.
+
+        Given is how far the driving gear could be turned up and down, as the driven gear sees it.
+        """
+        return (-down_rad, up_rad) if self.ahead > 0.0 else (-up_rad, down_rad)
+
+    def fixed_points(self, points: ComplexArray, row: IndexArray, ahead_rad: Array) -> ComplexArray:
+        """Points of the driven gear's frame in the fixed one, the driven gear being ahead of the law by angles."""
+        return self.fixed_directions(points, row, ahead_rad) + self.center_distance_mm
+
+    def fixed_directions(self, vectors: ComplexArray, row: IndexArray, ahead_rad: Array) -> ComplexArray:
+        """Directions of the driven gear's frame in the fixed one, the driven gear being ahead of the law by angles."""
+        turned: ComplexArray = vectors * np.exp(1j * self.mesh.sense * (self.phi2_rad[row] + ahead_rad))
+        return turned
+
+    def relative_velocity(self, points: ComplexArray, row: IndexArray) -> ComplexArray:
+        """Velocity of the driving gear against the driven one at points of the fixed frame, in mm per rad of phi1."""
+        return 1j * points - 1j * self.mesh.sense * self.speed[row] * (points - self.center_distance_mm)
+
+    @cached_property
+    def pitch_point(self) -> ComplexArray:
+        """The pitch point in the driven gear's frame, shape (n,)."""
+        return self._driving_axis * (self.driven_radius_mm / self.center_distance_mm)
+
+    @cached_property
+    def _turn(self) -> ComplexArray:
+        """The driving gear's turning as the driven gear sees it."""
+        turn: ComplexArray = np.exp(1j * (self.phi1_rad - self.mesh.sense * self.phi2_rad))
+        return turn
+
+    @cached_property
+    def _driving_axis(self) -> ComplexArray:
+        """The driving axis in the driven gear's frame."""
+        axis: ComplexArray = -self.center_distance_mm * np.exp(-1j * self.mesh.sense * self.phi2_rad)
+        return axis
+
+
+def placed(pitch: PitchPair) -> Placement:
+    """The pair at 20 positions or more per tooth, over the least number of pitches in which all teeth meet."""
+    size = pitch.size
+    meetings = lcm(size.driving_teeth, size.driven_teeth)
+    per_tooth = max(PER_TOOTH, 2 * ceil(FEWEST / meetings / 2))
+    step = pitch.driving.length_mm / size.driving_teeth / per_tooth
+    rolled: Array = step * np.arange(meetings * per_tooth, dtype=float)
+    # Rounding errors must not put the first position before the seam of the law.
+    phi1 = np.maximum(pitch.driving.driving_angle(rolled), 0.0)
+    angle = pitch.transmission.driven_angle(phi1, 1)
+    fixed = pitch.mesh, size.center_distance_mm, size.driving_teeth, size.driven_teeth
+    return Placement(*fixed, per_tooth, rolled, phi1, angle.value, angle.derivative(1))

@@ -1,0 +1,41 @@
+"""Points of a plane as complex numbers: the few products of vectors that geometry needs."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array, ComplexArray
+
+
+def as_complex(points: Array) -> ComplexArray:
+    """Points of shape (..., 2) as x + i y, shape (...)."""
+    flat: ComplexArray = points[..., 0] + 1j * points[..., 1]
+    return flat
+
+
+def as_points(places: ComplexArray) -> Array:
+    """The inverse of ``as_complex``."""
+    return np.stack([places.real, places.imag], axis=-1)
+
+
+def square(vector: ComplexArray) -> Array:
+    """Squared length."""
+    squared: Array = vector.real * vector.real + vector.imag * vector.imag
+    return squared
+
+
+def along(direction: ComplexArray, vector: ComplexArray) -> Array:
+    """Scalar product; shapes broadcast."""
+    product: Array = direction.real * vector.real + direction.imag * vector.imag
+    return product
+
+
+def across(direction: ComplexArray, vector: ComplexArray) -> Array:
+    """Vector product, positive where ``vector`` points to the left of ``direction``; shapes broadcast."""
+    product: Array = direction.real * vector.imag - direction.imag * vector.real
+    return product
+
+
+def angle_between(first: ComplexArray, second: ComplexArray) -> Array:
+    """Angle in rad from the first vector to the second, from -pi to pi; shapes broadcast."""
+    return np.arctan2(across(first, second), along(first, second))

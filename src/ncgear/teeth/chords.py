@@ -1,0 +1,251 @@
+"""Chords along many curves at once: as few as a tolerance allows, none straying from its curve by more.
+
+A chord of length d that turns by t misses its curve by d t / 8, so a curve needs the integral of
+sqrt(ds dt / (8 tolerance)) chords.  They are placed at even shares of that integral, checked, and halved where they
+stray.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array, IndexArray, Mask
+
+PROBES = 33
+"""Points per curve between which its turning is measured to place the chords."""
+
+SHARES = np.linspace(0.0, 1.0, PROBES)
+"""Their shares of the way along the curve."""
+
+PLACED = 0.95
+"""Share of the tolerance for which chords are placed: between probes the turning is known to a few per cent only."""
+
+HALVINGS = 12
+"""Rounds of halving chords that stray too far: near a cusp the turning is not seen by the probes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """One curve of every flank or land, between two parameters each.
+
+    ``rolled`` are the arc lengths at which the two parameters touch, shape (2, n); between them it is linear in the
+    parameter.  ``rank`` orders the curves along the outline, ``span`` is the part of the rank up to the next that a row
+    takes.
+    """
+
+    curve: Callable[[IndexArray, Array], tuple[Array, Array]]
+    owner: IndexArray
+    start: Array
+    end: Array
+    rolled: Array
+    rank: Array
+    span: Array
+
+    def at(self, rows: IndexArray, share: Array) -> tuple[Array, Array]:
+        """Points of rows at shares of their way from start to end, and derivatives by the share; shapes broadcast."""
+        span = (self.end - self.start)[rows]
+        point, slope = self.curve(self.owner[rows], self.start[rows] + span * share)
+        return point, span[..., None] * slope
+
+    def kept(self, rows: Mask | IndexArray) -> Stretch:
+        """The chosen rows."""
+        return replace(
+            self,
+            owner=self.owner[rows],
+            start=self.start[rows],
+            end=self.end[rows],
+            rolled=self.rolled[:, rows],
+            rank=self.rank[rows],
+            span=self.span[rows],
+        )
+
+
+def parted(stretch: Stretch, cut: Array) -> Stretch:
+    """The stretch with each row parted in two where its parameter is ``cut``, if that lies inside."""
+    share = (cut - stretch.start) / (stretch.end - stretch.start)
+    inside = (share > 0.0) & (share < 1.0)
+    share = np.where(inside, share, 1.0)
+    rolled = stretch.rolled[0] + share * (stretch.rolled[1] - stretch.rolled[0])
+    end = np.where(inside, cut, stretch.end)
+    first = replace(stretch, end=end, rolled=np.array([stretch.rolled[0], rolled]), span=share * stretch.span)
+    rest = replace(
+        stretch,
+        start=end,
+        rolled=np.array([rolled, stretch.rolled[1]]),
+        rank=stretch.rank + share * stretch.span,
+        span=(1.0 - share) * stretch.span,
+    ).kept(inside)
+    return _joined(first, rest)
+
+
+def _joined(first: Stretch, second: Stretch) -> Stretch:
+    """The rows of two stretches of the same curve."""
+    return replace(
+        first,
+        owner=np.concatenate([first.owner, second.owner]),
+        start=np.concatenate([first.start, second.start]),
+        end=np.concatenate([first.end, second.end]),
+        rolled=np.concatenate([first.rolled, second.rolled], axis=1),
+        rank=np.concatenate([first.rank, second.rank]),
+        span=np.concatenate([first.span, second.span]),
+    )
+
+
+def split(stretch: Stretch, joints: Array) -> Stretch:
+    """The stretch cut where a joint is rolled over, since a curve's turning must not be averaged across a jump."""
+    low, high = stretch.rolled.min(axis=0), stretch.rolled.max(axis=0)
+    first, last = np.searchsorted(joints, low, side="right"), np.searchsorted(joints, high, side="left")
+    counts = np.maximum(last - first, 0)
+    cut = np.repeat(np.arange(counts.size), counts)
+    joint = joints[np.arange(cut.size) - np.repeat(np.cumsum(counts) - counts, counts) + first[cut]]
+    share_cut = (joint - stretch.rolled[0, cut]) / (stretch.rolled[1, cut] - stretch.rolled[0, cut])
+    every = np.arange(counts.size)
+    row, share = np.concatenate([every, cut]), np.concatenate([np.zeros(counts.size), share_cut])
+    order = np.lexsort((share, row))
+    row, share = row[order], share[order]
+    following = np.append(np.where(np.diff(row) == 0, share[1:], 1.0), 1.0)
+    parts = stretch.kept(row)
+    length = parts.end - parts.start
+    return replace(
+        parts,
+        start=parts.start + length * share,
+        end=np.where(following == 1.0, parts.end, parts.start + length * following),
+        rank=parts.rank + share * parts.span,
+        span=(following - share) * parts.span,
+    )
+
+
+def sampled(stretch: Stretch, tolerance: float) -> tuple[Array, Array]:
+    """Points of a stretch, without the last of each curve, and keys that order them along the outline."""
+    row, at = _placed(stretch, tolerance)
+    row, at, points = _with_halves(stretch, row, at, np.full(row.size, tolerance), tolerance)
+    return points, stretch.rank[row] + stretch.span[row] * at
+
+
+def straddled(stretch: Stretch, tolerance: float) -> tuple[Array, Array]:
+    """The same with chords that stray to both sides of the curves, by the tolerance at most.
+
+    A chord may then be longer by the square root of 2.  Points stand off the curves by half of the chords' sagitta; the
+    ends of the curves, and points where a curve bends the other way, are on them.
+    """
+    row, at = _placed(stretch, 2.0 * tolerance)
+    sagitta, across = _sagittas(stretch, row, at)
+    shift = _standing_off(row, sagitta, tolerance)[:, None] * _left(stretch.at(row, at)[1])
+    following = np.where((np.diff(row, append=-1) == 0)[:, None], np.roll(shift, -1, axis=0), 0.0)
+    # A whole chord stands off at least as far as the nearer of its ends, and strays inwards by so much less.
+    taken = np.sign(sagitta) * np.sum([shift * across, following * across], axis=2)
+    allowed = tolerance + np.maximum(taken.min(axis=0), 0.0)
+    row, at, points = _with_halves(stretch, row, at, allowed, tolerance)
+    points[: len(shift)] += shift
+    return points, stretch.rank[row] + stretch.span[row] * at
+
+
+def _standing_off(row: IndexArray, sagitta: Array, tolerance: float) -> Array:
+    """How far to the left of its curve each chord's beginning is put: half the smaller sagitta of its two chords.
+
+    Nothing at the beginning of a row, and where the two chords lie on different sides of their curves.
+    """
+    before = np.roll(sagitta, 1)
+    inner = (np.diff(row, prepend=-1) == 0) & (before * sagitta > 0.0)
+    off = np.minimum(np.minimum(np.abs(before), np.abs(sagitta)) / 2.0, tolerance)
+    return np.where(inner, np.sign(sagitta) * off, 0.0)
+
+
+def _placed(stretch: Stretch, tolerance: float) -> tuple[IndexArray, Array]:
+    """Row and share of the beginning of every chord."""
+    every = np.arange(stretch.owner.size)
+    needed = _chords_needed(*stretch.at(every[:, None], SHARES), tolerance * PLACED)
+    counts = np.maximum(np.ceil(needed[:, -1]), 1).astype(int)
+    row = np.repeat(every, counts)
+    place = np.arange(row.size) - np.repeat(np.cumsum(counts) - counts, counts)
+    return row, _inverse_rows(needed, row, place / counts[row])
+
+
+def _sagittas(stretch: Stretch, row: IndexArray, share: Array) -> tuple[Array, Array]:
+    """How far each chord's curve is to the left of the chord in its middle, and the chords' unit vectors to the left.
+
+    Shapes (n,) and (n, 2).  Zero if the curve goes to both sides: a cubic does so if its slope in the middle is more
+    than twice as large as it is off there.
+    """
+    high = _ends(row, share)
+    start, end = stretch.at(row, share)[0], stretch.at(row, high)[0]
+    middle, slope = stretch.at(row, (share + high) / 2.0)
+    across = _left(end - start)
+    off, tilt = np.sum(across * (middle - start), axis=1), np.sum(across * slope, axis=1) * (high - share)
+    return np.where(np.abs(tilt) <= 2.0 * np.abs(off), off, 0.0), across
+
+
+def _left(direction: Array) -> Array:
+    """Unit vectors to the left of directions, shape (n, 2) each."""
+    length = np.maximum(np.hypot(direction[:, 0], direction[:, 1]), 1e-300)
+    return np.stack([-direction[:, 1], direction[:, 0]], axis=1) / length[:, None]
+
+
+def _ends(row: IndexArray, share: Array) -> Array:
+    """Share of every chord's end, from the shares of all beginnings."""
+    return np.where(np.append(row[1:] != row[:-1], True), 1.0, np.append(share[1:], 1.0))
+
+
+def _with_halves(
+    stretch: Stretch, row: IndexArray, share: Array, allowed: Array, tolerance: float
+) -> tuple[IndexArray, Array, Array]:
+    """Rows, shares and points, with points added until no chord's curve strays too far.
+
+    That is farther than ``allowed``, chord by chord, and than the tolerance for chords that are halved.  Added points
+    come after those that were given; the last point of each row is checked against but not returned.
+    """
+    chords = row, share, _ends(row, share)
+    start, end = stretch.at(row, share)[0], stretch.at(row, chords[2])[0]
+    found = [(row, share, start)]
+    for _ in range(HALVINGS):
+        rows, low, high = chords
+        middle = (low + high) / 2.0
+        between, slope = stretch.at(rows, middle)
+        astray = _strayed(start, end, between, slope * (high - low)[:, None]) > allowed
+        if not astray.any():
+            break
+        rows, low, middle, high = rows[astray], low[astray], middle[astray], high[astray]
+        found.append((rows, middle, between[astray]))
+        chords = np.tile(rows, 2), np.concatenate([low, middle]), np.concatenate([middle, high])
+        start, end = (np.concatenate([start[astray], between[astray]]), np.concatenate([between[astray], end[astray]]))
+        allowed = np.full(2 * rows.size, tolerance)
+    rows, shares, points = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    return rows, shares, points
+
+
+def _strayed(start: Array, end: Array, middle: Array, slope: Array) -> Array:
+    """How far a curve strays from its chords at most, shape (n,), from its middle and its slope by the share there.
+
+    Across the chord the curve is taken as a cubic that starts and ends on it: with d in the middle and the slope d'
+    there, it strays by sqrt(d^2 + d'^2 / 8) or less.
+    """
+    across = _left(end - start)
+    off, tilt = np.sum(across * (middle - start), axis=1), np.sum(across * slope, axis=1)
+    strayed: Array = np.sqrt(off**2 + tilt**2 / 8.0)
+    return strayed
+
+
+def _chords_needed(probe: Array, slope: Array, tolerance: float) -> Array:
+    """Cumulated number of chords along each curve: a chord of length d that turns by t misses the curve by d t / 8.
+
+    Turning is taken from the curves' slopes, which give it exactly from probe to probe.  Rows are scaled to start at 0;
+    shape (n, PROBES).
+    """
+    chord = np.diff(probe, axis=1)
+    before, after = slope[:, :-1], slope[:, 1:]
+    area = before[..., 0] * after[..., 1] - before[..., 1] * after[..., 0]
+    turn = np.abs(np.arctan2(area, np.sum(before * after, axis=2)))
+    density = np.sqrt(np.hypot(chord[..., 0], chord[..., 1]) * turn / (8.0 * tolerance)) + 1e-9
+    return np.concatenate([np.zeros((len(probe), 1)), np.cumsum(density, axis=1)], axis=1)
+
+
+def _inverse_rows(needed: Array, row: IndexArray, fraction: Array) -> Array:
+    """Shares of the parameter at which the cumulated number reaches the given fractions of its total, row by row."""
+    target = fraction * needed[row, -1]
+    step = np.sum(needed[row, 1:-1] <= target[:, None], axis=1)
+    low, high = needed[row, step], needed[row, step + 1]
+    placed: Array = SHARES[step] + (SHARES[step + 1] - SHARES[step]) * (target - low) / (high - low)
+    return placed

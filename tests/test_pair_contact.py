@@ -1,0 +1,156 @@
+"""Contact as written against contact as designed: bounds, convergence, and outlines that must not pass."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import cos, radians
+
+import numpy as np
+import pytest
+from shapely import Polygon
+
+from engaged import MODULE, TOLERANCE, designed, least_driven_radius, made, outlines, read, written
+from ncgear.contact.as_written import Outlines
+from ncgear.contact.pair_contact import PairContact, pair_contact, refuse_bad_outlines
+from ncgear.contact.placement import placed
+from ncgear.errors import NoSuchMechanism
+
+ALPHA = radians(20.0)
+
+Array = np.ndarray
+
+PAIRS = [("uniform", 25), ("uniform 1:2", 24), ("ellipse", 37), ("sine", 25), ("long ellipse", 60), ("baler", 86)]
+
+
+def contact_of(name: str, teeth: int, found: Outlines) -> PairContact:
+    pitch, pair = made(name, teeth)
+    return pair_contact(pitch, pair, designed(name, teeth), [found])
+
+
+def grown(outline: Array, by_mm: float) -> Array:
+    return np.array(Polygon(outline).buffer(by_mm, join_style="mitre").exterior.coords)[:-1][::-1]
+
+
+# --- what outlines within the chord tolerance keep -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("name", "teeth"), [*PAIRS, ("baler", 25), ("uniform", 8)])
+def test_written_outlines_touch_where_the_exact_curves_do(name: str, teeth: int) -> None:
+    """Within three chord tolerances at the pitch radius, and none deeper than one inside the other."""
+    exact, found = designed(name, teeth), written(name, teeth)
+    bound = 3.0 * TOLERANCE / exact.placement.driven_radius_mm
+    assert np.all(np.abs(found.pushing_rad - exact.pushing.error_rad) <= bound)
+    assert np.all(np.abs(found.back_rad - exact.back.error_rad) <= bound)
+    assert found.overlap_mm.max() <= TOLERANCE
+    contact = contact_of(name, teeth, outlines(made(name, teeth)[1]))
+    refuse_bad_outlines(contact, TOLERANCE)
+    assert contact.transmission_error_rad == found.transmission_error_rad
+    assert contact.penetration_mm == found.overlap_mm.max()
+    assert contact.contact_ratio == min(exact.pushing.arcs.min(), exact.back.arcs.min())
+
+
+@pytest.mark.parametrize(("name", "teeth"), [("uniform", 25), ("uniform 1:2", 24), ("uniform 3:2", 30)])
+def test_transmission_error_of_circular_outlines_vanishes_with_the_tolerance(name: str, teeth: int) -> None:
+    tolerances = 2e-2 * 10.0 ** -np.array([0.0, 0.5, 1.0, 1.5, 2.0])
+    found = [written(name, teeth, tolerance) for tolerance in tolerances]
+    base = least_driven_radius(designed(name, teeth).placement) * cos(ALPHA)
+    errors = np.array([one.transmission_error_rad for one in found])
+    assert np.all(errors <= 2.0 * tolerances / base)
+    # Chords of convex flanks lie inside the teeth; only those of hollow fillets stand out, if they are very coarse.
+    assert max(one.overlap_mm.max() for one in found[2:]) == 0.0
+    # Linear, with the scatter of whole numbers of chords and of where the positions fall on them.
+    assert np.polyfit(np.log(tolerances), np.log(errors), 1)[0] == pytest.approx(1.0, abs=0.2)
+    assert errors[-1] < errors[0] / 25.0
+
+
+@pytest.mark.parametrize("name", ["ellipse", "sine", "baler"])
+def test_transmission_error_of_other_outlines_vanishes_too(name: str) -> None:
+    """Within three tolerances over the driven pitch radius at every position, and in proportion."""
+    tolerances = np.array([2e-2, 4e-3, 8e-4])
+    exact = designed(name, 86)
+    radius = np.abs(exact.placement.pitch_point)
+    off = [np.abs(written(name, 86, t).pushing_rad - exact.pushing.error_rad) for t in tolerances]
+    assert all(np.all(astray <= 3.0 * t / radius) for astray, t in zip(off, tolerances, strict=True))
+    assert off[2].max() < off[1].max() / 2.0 < off[0].max() / 4.0
+
+
+@pytest.mark.parametrize(("name", "teeth"), [("uniform", 25), ("ellipse", 37), ("sine", 100)])
+def test_tips_clear_roots_by_what_the_rack_says(name: str, teeth: int) -> None:
+    found = written(name, teeth)
+    for clearance in (found.driving_tips_mm, found.driven_tips_mm):
+        assert clearance == pytest.approx(0.25 * MODULE, abs=2.0 * TOLERANCE)
+
+
+# --- negative controls -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["uniform", "ellipse", "sine", "baler"])
+def test_straight_sided_teeth_do_not_pass_for_conjugate_ones(name: str) -> None:
+    """A tolerance so coarse that every curve is one chord; the bound that sampled exact flanks keep is missed."""
+    straight = written(name, 25, 10.0)
+    bound = 2.0 * TOLERANCE / (least_driven_radius(designed(name, 25).placement) * cos(ALPHA))
+    assert straight.transmission_error_rad > 20.0 * bound
+    contact = contact_of(name, 25, outlines(made(name, 25, 10.0)[1]))
+    with pytest.raises((NoSuchMechanism, RuntimeError)):
+        refuse_bad_outlines(contact, TOLERANCE)
+
+
+@pytest.mark.parametrize("name", ["uniform", "baler"])
+@pytest.mark.parametrize("gear", ["driving", "driven"])
+def test_an_outline_grown_by_a_fiftieth_of_a_millimetre_is_refused(name: str, gear: str) -> None:
+    found = outlines(made(name, 25)[1])
+    wrong = replace(found, **{f"{gear}_mm": grown(getattr(found, f"{gear}_mm"), 0.02)})
+    contact = contact_of(name, 25, wrong)
+    # A chord of a hollow flank may stand out by its tolerance, and a tenth for the mitred corners of what was grown.
+    assert contact.penetration_mm == pytest.approx(0.02, abs=1.1 * TOLERANCE)
+    lost = written(name, 25).driving_tips_mm - contact.as_written[0].driving_tips_mm
+    assert lost == pytest.approx(0.02, abs=2.0 * TOLERANCE)
+    with pytest.raises(NoSuchMechanism, match=r"run into each other by 0\.0[12]\d* mm"):
+        refuse_bad_outlines(contact, TOLERANCE)
+
+
+def test_an_outline_shrunk_as_much_is_refused_as_a_fault() -> None:
+    """It overlaps nothing, but lets the driven gear lag."""
+    found = outlines(made("sine", 25)[1])
+    contact = contact_of("sine", 25, replace(found, driven_mm=grown(found.driven_mm, -0.03)))
+    assert contact.penetration_mm == 0.0
+    with pytest.raises(RuntimeError, match=r"written as test touch 0\.03\d* mm off the design at phi1 = "):
+        refuse_bad_outlines(contact, TOLERANCE)
+
+
+@pytest.mark.parametrize("name", ["uniform", "sine"])
+def test_a_gear_written_turned_by_a_ten_thousandth_is_seen(name: str) -> None:
+    """The outline turned backwards, that is on for the driven gear, is ahead of the law by less: as found before."""
+    found = outlines(made(name, 25)[1])
+    turned = (found.driven_mm @ [1, 1j]) * np.exp(1j * 1e-4)
+    before, after = (
+        contact_of(name, 25, one).as_written[0]
+        for one in (found, replace(found, driven_mm=np.column_stack([turned.real, turned.imag])))
+    )
+    assert after.pushing_rad - before.pushing_rad == pytest.approx(np.full(500, 1e-4), abs=1e-12)
+    assert after.back_rad - before.back_rad == pytest.approx(np.full(500, 1e-4), abs=1e-12)
+
+
+def test_a_missing_tooth_is_a_fault() -> None:
+    _, pair = made("uniform", 25)
+    found = outlines(pair)
+    z = found.driven_mm @ [1, 1j]
+    without = found.driven_mm[~((np.abs(np.angle(-z * np.exp(-1j * np.pi / 25))) < 0.1) & (np.abs(z) > 23.0))]
+    with pytest.raises(RuntimeError, match="do not reach each other"):
+        contact_of("uniform", 25, replace(found, driven_mm=without))
+
+
+def test_outlines_that_do_not_reach_each_other_are_a_fault() -> None:
+    pitch, pair = made("uniform", 25)
+    small = replace(outlines(pair), driven_mm=pair.driven.outline_mm * 0.8)
+    with pytest.raises(RuntimeError, match="written as test do not reach each other"):
+        read(small, pitch, pair, placed(pitch))
+
+
+def test_the_worst_of_several_outlines_counts() -> None:
+    pitch, pair = made("sine", 25)
+    found = outlines(pair)
+    coarse = Outlines("coarse", *(gear.outline_mm for gear in (made("sine", 25, 0.02)[1].driving, pair.driven)))
+    contact = pair_contact(pitch, pair, designed("sine", 25), [found, coarse])
+    assert contact.transmission_error_rad == contact.as_written[1].transmission_error_rad
+    assert contact.transmission_error_rad > written("sine", 25).transmission_error_rad

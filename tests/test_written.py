@@ -1,0 +1,82 @@
+"""Outlines read back from the bytes of tables and of solids."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+import pytest
+import trimesh.creation
+from shapely import Polygon
+from trimesh.exchange.stl import export_stl
+
+from ncgear.output.stl import stl_bytes
+from ncgear.output.tables import outline_csv
+from ncgear.output.written import outline_of_csv, outline_of_stl, section_rings, written_outlines
+from ncgear.solids.bore import Bore, Keyway
+from ncgear.solids.extrude import gear_solid
+
+Array = np.ndarray
+
+
+def wavy(radius: float = 40.0, count: int = 900) -> Array:
+    """A gear-like ring of 20 teeth."""
+    angle = np.linspace(0.0, 2.0 * pi, count, endpoint=False)
+    rim = radius + 2.0 * np.cos(20 * angle)
+    return np.asarray(rim[:, None] * np.column_stack([np.cos(angle), np.sin(angle)]))
+
+
+def test_a_table_reads_back_exactly() -> None:
+    assert np.array_equal(outline_of_csv(outline_csv(wavy()).encode()), wavy())
+
+
+@pytest.mark.parametrize("bore", [None, Bore(20.0), Bore(20.0, Keyway(6.0, 2.8))])
+def test_a_solid_reads_back_as_its_outline(bore: Bore | None) -> None:
+    """The same points in the same order, in single precision, whatever is cut out of the middle."""
+    found = outline_of_stl(stl_bytes(gear_solid(wavy(), 12.0, bore, 0.005)))
+    start = int(np.argmin(np.linalg.norm(found - wavy()[0], axis=1)))
+    # 2^-24 of 42 mm, on each of both coordinates.
+    assert np.abs(np.roll(found, -start, axis=0) - wavy()).max() <= 2.6e-6
+
+
+def test_a_section_that_is_not_the_outline_is_seen() -> None:
+    """Negative control: a solid whose middle is narrower than its ends."""
+    ends = trimesh.creation.extrude_polygon(Polygon(wavy()), 4.0)
+    waist = trimesh.creation.extrude_polygon(Polygon(wavy(39.9)), 4.0)
+    stack = trimesh.util.concatenate(
+        [ends, waist.apply_translation([0, 0, 5]), ends.copy().apply_translation([0, 0, 10])]
+    )
+    found = outline_of_stl(export_stl(stack))
+    assert np.hypot(*found.T).max() == pytest.approx(41.9, abs=1e-4)
+
+
+def test_rings_of_a_ring_run_round_it_outside_and_back_inside() -> None:
+    tube = trimesh.creation.annulus(10.0, 20.0, 5.0)
+    areas = sorted(
+        float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) / 2.0
+        for x, y in (ring.T for ring in section_rings(np.asarray(tube.vertices), np.asarray(tube.faces), 1.0))
+    )
+    assert areas == pytest.approx([-pi * 100.0, pi * 400.0], rel=0.02)
+
+
+def test_an_open_solid_is_refused() -> None:
+    mesh = trimesh.creation.box((10.0, 10.0, 10.0))
+    walls = np.nonzero(np.abs(mesh.face_normals[:, 2]) < 0.5)[0]
+    holed = np.delete(np.asarray(mesh.faces), walls[0], axis=0)
+    with pytest.raises(ValueError, match="not closed at a height of 0"):
+        section_rings(np.asarray(mesh.vertices), holed, 0.0)
+
+
+def test_both_forms_of_both_gears_are_read() -> None:
+    small, large = wavy(30.0), wavy(50.0)
+    files = {
+        "driving.csv": outline_csv(small).encode(),
+        "driven.csv": outline_csv(large).encode(),
+        "driving.stl": stl_bytes(gear_solid(small, 10.0, None, 0.005)),
+        "driven.stl": stl_bytes(gear_solid(large, 10.0, None, 0.005)),
+    }
+    table, solid = written_outlines(files)
+    assert (table.source, solid.source) == ("csv", "stl")
+    for outlines in (table, solid):
+        assert np.hypot(*outlines.driving_mm.T).max() == pytest.approx(32.0, abs=1e-5)
+        assert np.hypot(*outlines.driven_mm.T).max() == pytest.approx(52.0, abs=1e-5)
