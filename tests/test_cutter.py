@@ -108,21 +108,22 @@ def apart(gear: ToothedGear, cut: Polygon, step: float = 0.02) -> float:
     return max(farthest(outline, cut), farthest(cut, outline))
 
 
-RACK_CUT = ["circle of 6", "circle of 12", "circle of 18", "ellipse", "undercut ellipse", "sine", "1:2"]
+RACK_CUT = [
+    *("circle of 12", "undercut ellipse", "sine"),
+    *(pytest.param(name, marks=pytest.mark.slow) for name in ("circle of 6", "circle of 18", "ellipse", "1:2")),
+]
 
 
 @pytest.mark.parametrize("name", RACK_CUT)
 @pytest.mark.parametrize("gear", Gear)
 def test_outline_on_a_convex_curve_is_what_a_rack_cuts(name: str, gear: Gear) -> None:
     own = of(made(name, form(CutterKind.RACK)), gear)
-    cut = brute(own)
-    assert apart(own, cut) < TOLERANCE + CUTTER_FACETS + SCALLOPS
     # No tip is shortened here, so the whole outline agrees.
-    assert rack_cut.outline_distance(Polygon(own.outline_mm), cut, 0.02) < TOLERANCE + CUTTER_FACETS + SCALLOPS
+    assert rack_cut.outline_distance(Polygon(own.outline_mm), brute(own), 0.02) < TOLERANCE + CUTTER_FACETS + SCALLOPS
 
 
 @pytest.mark.parametrize("gear", Gear)
-@pytest.mark.parametrize(("backlash_mm", "shift_mm"), [(0.1, 0.0), (0.0, 0.6), (0.1, -0.4)])
+@pytest.mark.parametrize(("backlash_mm", "shift_mm"), [(0.1, 0.6), (0.1, -0.4)])
 def test_backlash_and_profile_shift_move_what_a_rack_cuts(gear: Gear, backlash_mm: float, shift_mm: float) -> None:
     wanted = ToothForm(rack(backlash_mm=backlash_mm), shift_mm, -shift_mm, limits=TipLimits(avoid_undercut=False))
     own = of(made("sine", wanted), gear)

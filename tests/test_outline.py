@@ -52,7 +52,7 @@ def pitch_pair(name: str, teeth: int, module: float) -> PitchPair:
 def made(name: str, teeth: int, module: float = 2.0, tolerance: float = TOLERANCE) -> tuple[PitchPair, ToothedPair]:
     """A pair with ISO 53 A teeth, cut as the name says, with one tolerance everywhere."""
     pitch = pitch_pair(name, teeth, module)
-    cutter = Cutter(CutterKind.PINION, 24) if name == "pinion" else Cutter()
+    cutter = Cutter(CutterKind.PINION, 20) if name == "pinion" else Cutter()
     limits = TipLimits(0.2 * module, avoid_undercut="undercut" not in name)
     wanted = ToothForm(rack(module=module), cutter=cutter, limits=limits)
     return pitch, toothed_pair(pitch, wanted, tolerance, flank_tolerance_mm=tolerance)
@@ -65,16 +65,22 @@ def gears(name: str, teeth: int, module: float = 2.0, tolerance: float = TOLERAN
 
 
 CASES = [
-    ("uniform", 18),
     ("undercut", 12),
-    ("undercut ellipse", 25),
-    ("ellipse", 37),
-    ("sharp ellipse", 25),
+    ("undercut ellipse", 13),
     ("sine", 25),
-    ("1:2", 25),
-    ("3:1", 60),
+    ("3:1", 48),
     ("baler", 25),
-    ("pinion", 60),
+    ("pinion", 40),
+    *(
+        pytest.param(name, teeth, marks=pytest.mark.slow)
+        for name, teeth in (
+            ("uniform", 18),
+            ("ellipse", 37),
+            ("sharp ellipse", 25),
+            ("1:2", 25),
+            ("undercut ellipse", 25),
+        )
+    ),
 ]
 
 
@@ -168,7 +174,7 @@ def test_outline_is_a_simple_counter_clockwise_polygon(name: str, teeth: int) ->
 @pytest.mark.parametrize("tolerance", [TOLERANCE, TOLERANCE / 10.0])
 @pytest.mark.parametrize(
     ("name", "teeth"),
-    [*CASES, ("undercut", 16), *(("baler", z) for z in (23, 31, 38, 48)), ("undercut ellipse", 13)],
+    [*CASES, ("undercut", 16), *(("baler", z) for z in (23, 38, 48))],
 )
 def test_outline_never_turns_back(name: str, teeth: int, tolerance: float) -> None:
     """A tip turns by 90 degrees less the pressure angle there, and by as much more as its land may slope.
@@ -215,7 +221,7 @@ def test_area_converges_linearly_with_the_tolerance(name: str, teeth: int) -> No
 # --- symmetry ----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("name", "teeth"), [("sine", 25), ("ellipse", 37), ("uniform", 18), ("3:1", 60)])
+@pytest.mark.parametrize(("name", "teeth"), [("sine", 25), ("uniform", 18), ("3:1", 48)])
 def test_even_law_gives_outlines_that_are_their_own_mirror_image(name: str, teeth: int) -> None:
     for gear in gears(name, teeth):
         polygon = Polygon(gear.outline_mm)
@@ -231,7 +237,7 @@ def test_uneven_law_does_not() -> None:
     assert rack_cut.outline_distance(polygon, affinity.scale(polygon, 1.0, -1.0, origin=(0.0, 0.0))) > 1.0
 
 
-@pytest.mark.parametrize(("name", "teeth", "repeats"), [("3:1", 60, (3, 1)), ("1:2", 24, (1, 2)), ("sine", 24, (2, 2))])
+@pytest.mark.parametrize(("name", "teeth", "repeats"), [("3:1", 48, (3, 1)), ("1:2", 24, (1, 2)), ("sine", 24, (2, 2))])
 def test_lobed_gear_comes_back_to_itself_when_turned(name: str, teeth: int, repeats: tuple[int, int]) -> None:
     for gear, number in zip(gears(name, teeth), repeats, strict=True):
         polygon = Polygon(gear.outline_mm)
@@ -255,7 +261,7 @@ def turned(polygon: Polygon, angle: float) -> Polygon:
     return affinity.rotate(polygon, angle, origin=(0.0, 0.0), use_radians=True)
 
 
-@pytest.mark.parametrize(("name", "teeth"), [("sine", 25), ("baler", 25), ("1:2", 24)])
+@pytest.mark.parametrize(("name", "teeth"), [("baler", 25), ("1:2", 24)])
 def test_teeth_advanced_by_a_pitch_make_the_same_gears(name: str, teeth: int) -> None:
     """Tooth i has then gone where tooth i + 1 stood; by half a pitch, teeth stand where spaces were."""
     pitch, wanted = pitch_pair(name, teeth, 2.0), ToothForm(rack(), limits=TipLimits(0.4))
@@ -270,7 +276,7 @@ def test_teeth_advanced_by_a_pitch_make_the_same_gears(name: str, teeth: int) ->
         assert np.roll(tips[0].height_mm, -2) == pytest.approx(tips[1].height_mm, abs=1e-9)
 
 
-@pytest.mark.parametrize("share", [0.0, 0.2, 0.37, 0.9])
+@pytest.mark.parametrize("share", [0.2, 0.9])
 def test_a_circular_gear_is_the_same_wherever_its_teeth_begin(share: float) -> None:
     """Turned back by the advance; the seam at phi1 = 0 is then somewhere else on the teeth."""
     pitch, wanted = pitch_pair("uniform", 18, 2.0), ToothForm(rack())
