@@ -137,6 +137,8 @@ def pinion_tooth(tooth: Proportions, pitch: float, radius: float) -> FloatArray:
     half = (pitch / 4 + tooth.thinning / 2) / radius + _involute(tooth.alpha) - _involute(np.arccos(base / r))
     if half[-1] <= 0:
         raise ValueError("the pinion cutter's tooth is pointed: give it more teeth")
+    # The tip circle's arc after the involute: a chord would be shallower by its sagitta.
+    half, r = np.append(half, half[-1] * np.linspace(0.98, 0.02, 49)), np.append(r, np.full(49, r[-1]))
     right = np.column_stack([r * np.sin(half), radius - r * np.cos(half)])
     return _rounded_tip(np.vstack([right, right[::-1] * [-1, 1]]), tooth.root_radius)
 

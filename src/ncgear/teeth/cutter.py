@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from math import ceil, pi, sqrt
+
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.machine.rack import BasicRack
 from ncgear.numerics.angles import in_words
-from ncgear.numerics.arrays import Mask
+from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.crossing import chord_crossings
 from ncgear.pitch.pair import STRAIGHT, PitchPair
 from ncgear.pitch.shape import Gear
@@ -24,8 +26,19 @@ MOST_TEETH = 40
 """A chosen pinion cutter has no more: common cutters have 20 to 40."""
 
 PROBES = 25
-LEAVING = (0.15, 3.0)
-"""Pitches after the end of the flank within which the cutter's tip is followed: at first it is still tangent."""
+"""Points on a flank."""
+
+STEPS = 12
+"""Points per pitch of a cutter tip's path."""
+
+TANGENT = 0.15
+"""Pitches after the end of the flank within which the cutter's tip is not looked at: at first it is still tangent."""
+
+BEYOND = 1.2
+"""Share of the way a tip takes out of the space, by the radii of the sharpest hollow, to which it is followed."""
+
+NEIGHBOURS = 2
+"""Teeth on either side of a space whose tips the cutter may cut on its way."""
 
 
 def least_concave_radius_mm(pitch: PitchPair) -> float | None:
@@ -78,14 +91,34 @@ def _refuse_gouging(pitch: PitchPair, curvature: float, cutter: str, remedy: str
 
 
 def fouled(tips: Tips) -> Mask:
-    """Which flanks the tip of a pinion cutter cuts on its way out of the space; shape (2 z,)."""
+    """Which flanks' fillets the tip of a pinion cutter leaves by cutting teeth on its way out; shape (2 z,)."""
     flanks, every = tips.flanks, np.arange(tips.flanks.count)
-    pitch = flanks.rack.pitch_mm
+    pitch, length = flanks.rack.pitch_mm, _way_out_mm(tips)
     start = flanks.rolled_mm(every, -flanks.flank_depth_mm)
-    leaving = start[:, None] + flanks.side[:, None] * pitch * np.linspace(*LEAVING, 4 * PROBES)
-    share = np.linspace(0.0, 1.0, PROBES)
-    heights = -flanks.flank_depth_mm[:, None] * (1.0 - share) + tips.height_mm[:, None] * share
-    path, side = flanks.fillet(every[:, None], leaving)[0], flanks.flank(every[:, None], heights)[0]
-    hit = np.zeros(flanks.count, dtype=bool)
-    hit[chord_crossings(path, side)[0]] = True
+    rolled = np.linspace(TANGENT * pitch, length, ceil(STEPS * length / pitch))
+    path = flanks.fillet(every[:, None], start[:, None] + flanks.side[:, None] * rolled)[0]
+    teeth, hit = _teeth(tips), np.zeros(flanks.count, dtype=bool)
+    for neighbour in range(-NEIGHBOURS, NEIGHBOURS + 1):
+        hit[chord_crossings(path, teeth[(every // 2 + neighbour) % len(teeth)])[0]] = True
     return hit
+
+
+def _way_out_mm(tips: Tips) -> float:
+    """Rolled length after which a cutter tooth is out of its space, half a turn of the cutter at most.
+
+    It rises by s^2 / 2 times the difference of the curvatures.
+    """
+    flanks, tool = tips.flanks, tips.flanks.tool
+    assert isinstance(tool, PinionCircle)
+    depth = float(np.max(flanks.root_depth_mm) + np.max(flanks.tip_height_mm))
+    turning = 1.0 / tool.radius_mm + flanks.curve.curvature_bounds[0]
+    half_turn = pi * tool.radius_mm
+    return half_turn if turning <= 0.0 else min(half_turn, BEYOND * sqrt(2.0 * depth / turning))
+
+
+def _teeth(tips: Tips) -> Array:
+    """Working flanks of the teeth, up the back and down the front; shape (z, points, 2)."""
+    flanks, share = tips.flanks, np.linspace(0.0, 1.0, PROBES)
+    heights = -flanks.flank_depth_mm[:, None] * (1.0 - share) + tips.height_mm[:, None] * share
+    side = flanks.flank(np.arange(flanks.count)[:, None], heights)[0]
+    return np.concatenate([side[::2], side[1::2, ::-1]], axis=1)
