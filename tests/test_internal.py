@@ -428,8 +428,8 @@ def test_tips_overlap_as_far_as_their_circles_cross(law: str, teeth: int) -> Non
 
 def full_height(monkeypatch: pytest.MonkeyPatch) -> Made:
     """Four teeth more on the ring, with tips that nothing has shortened."""
-    monkeypatch.setattr("ncgear.teeth.fitting.freed", lambda own, mate, meeting: own)
-    return made("5:6", 20, 0.1)
+    monkeypatch.setattr("ncgear.teeth.fitting.freed", lambda own, mate, ways: own)
+    return made.__wrapped__("5:6", 20, 0.1)
 
 
 def test_fouling_far_from_the_line_of_action_is_seen_and_refused(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -86,24 +86,24 @@ class PitchCurve:
         Read from piecewise Chebyshev forms of the closed form, which agree with it to rounding error.
         """
         columns = self._by_length(np.mod(sigma_mm / self.center_distance_mm, self.length_mm / self.center_distance_mm))
-        size = self.center_distance_mm
-        return CurvePoints(columns[..., 0:2] * size, columns[..., 2:4], columns[..., 4:6], columns[..., 6] / size)
+        size, tangent = self.center_distance_mm, columns[..., 2:4]
+        return CurvePoints(columns[..., 0:2] * size, tangent, _normal(self.gear, tangent), columns[..., 4] / size)
 
     @cached_property
     def curvature_bounds(self) -> tuple[float, float]:
         """Numbers in 1/mm below and above every curvature, proven by the coefficients of the Chebyshev forms."""
-        coefficients = self._by_length.coefficients[..., 6] / self.center_distance_mm
+        coefficients = self._by_length.coefficients[..., 4] / self.center_distance_mm
         spread = np.abs(coefficients[1:]).sum(axis=0)
         return float(np.min(coefficients[0] - spread)), float(np.max(coefficients[0] + spread))
 
     @cached_property
     def _by_length(self) -> PiecewiseChebyshev:
-        """Position, tangent, normal and curvature at unit centre distance over one turn of this gear."""
+        """Position, tangent and curvature at unit centre distance over one turn of this gear."""
         size = self.center_distance_mm
 
         def columns(sigma: Array) -> Array:
             at = self.at_angle(self.arc.angle(sigma))
-            return np.column_stack([at.position / size, at.tangent, at.normal, at.curvature * size])
+            return np.column_stack([at.position / size, at.tangent, at.curvature * size])
 
         period = self.arc.length(self.transmission.joints_rad[:-1])
         joints = np.concatenate([period + number * self.arc.period for number in range(self.periods)])
@@ -138,13 +138,18 @@ def _points(
     turning = mesh.sense if gear is Gear.DRIVEN else 1.0
     radial = facing * np.stack([np.cos(own), -turning * np.sin(own)], axis=-1)
     around = facing * np.stack([-np.sin(own), -turning * np.cos(own)], axis=-1)
-    side = 1.0 if gear is Gear.DRIVING else -1.0
     tangent = radius_slope[:, None] * radial + radius[:, None] * around
     tangent /= np.hypot(tangent[:, 0], tangent[:, 1])[:, None]
-    normal = side * np.stack([-tangent[:, 1], tangent[:, 0]], axis=-1)
+    normal = _normal(gear, tangent)
     return CurvePoints(
         (radius[:, None] * radial).reshape(*form, 2),
         tangent.reshape(*form, 2),
         normal.reshape(*form, 2),
         curvature.reshape(form),
     )
+
+
+def _normal(gear: Gear, tangent: Array) -> Array:
+    """Unit normals away from the gear's material, which lies to the right of the driving gear's tangent."""
+    side = 1.0 if gear is Gear.DRIVING else -1.0
+    return side * np.stack([-tangent[..., 1], tangent[..., 0]], axis=-1)

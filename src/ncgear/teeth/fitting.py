@@ -12,7 +12,7 @@ from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.curve import PitchCurve
 from ncgear.teeth.flank import Flanks
 from ncgear.teeth.form import TipLimits
-from ncgear.teeth.fouling import Meeting, freed
+from ncgear.teeth.fouling import Meeting, Ways, freed, ways_near_concave
 from ncgear.teeth.meeting import mating_flanks
 from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_depth
 from ncgear.teeth.spaces import cut_spaces, mated_spaces
@@ -97,12 +97,13 @@ def _fitted_to_mates(
     regular = (_regular_spaces(gears[0], limits.avoid_undercut), _regular_spaces(gears[1], limits.avoid_undercut))
     plain = _regular_tips(gears, regular, meetings, limits)
     raised = (_raised(gears[0], plain[1], meetings[0]), _raised(gears[1], plain[0], meetings[1]))
+    ways = _ways(gears, meetings)
     found: list[Both] = []
     refusals: list[NoSuchMechanism] = []
     for high, first in ((True, 0), (True, 1), (False, 0), (False, 1)):
         try:
             tips = _regular_tips(raised, regular, meetings, limits) if high else plain
-            free = _freed(tips, meetings, first)
+            free = _freed(tips, ways, first)
             found.append(_cleared(free, meetings, clearance))
         except NoSuchMechanism as refusal:
             refusals.append(refusal)
@@ -122,17 +123,25 @@ def _cleared(tips: Both, meetings: tuple[Meeting, Meeting], clearance: float) ->
     )
 
 
-def _freed(tips: Both, meetings: tuple[Meeting, Meeting], first: int) -> Both:
+def _ways(gears: tuple[Flanks, Flanks], meetings: tuple[Meeting, Meeting]) -> tuple[Ways, Ways] | None:
+    """Ways on which each gear's tips can foul the other's; none of convex gears."""
+    driving, driven = gears
+    if min(driving.curve.curvature_bounds[0], driven.curve.curvature_bounds[0]) >= 0.0:
+        return None
+    return ways_near_concave(driving, driven, meetings[0]), ways_near_concave(driven, driving, meetings[1])
+
+
+def _freed(tips: Both, ways: tuple[Ways, Ways] | None, first: int) -> Both:
     """Tips that do not foul each other, those of the gear numbered ``first`` shortened rather than the other's.
 
     The same pair where none does.  Raises NoSuchMechanism, naming the tooth, where that leaves no tip.
     """
-    if min(tip.flanks.curve.curvature_bounds[0] for tip in tips) >= 0.0:
+    if ways is None:
         return tips
     both, unchanged = list(tips), 0
     for turn in range(TURNS):
         own = (first + turn) % 2
-        free = freed(both[own], both[1 - own], meetings[own])
+        free = freed(both[own], both[1 - own], ways[own])
         unchanged = unchanged + 1 if free is both[own] else 0
         both[own] = free
         if unchanged == 2:

@@ -6,12 +6,13 @@ edge is too high, and is lowered until its path just passes.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import chord_crossings
+from ncgear.pitch.curve import CurvePoints
 from ncgear.teeth.flank import Flanks
 from ncgear.teeth.tips import Limit, Tips, even_heights, no_tip, tip_crossing
 
@@ -37,16 +38,53 @@ FREE = 0.995
 """Share of the greatest free height that is used, for the chords' sake."""
 
 
-def freed(own: Tips, mate: Tips, meeting: Meeting) -> Tips:
+@dataclass(frozen=True, eq=False)
+class Ways:
+    """The ways of tip edges in the mate's frame: flanks, the mate's flanks they meet, and the curves as they roll.
+
+    ``at`` and ``there`` are the touching points of the gear's curve and the mate's, shape (meetings, PATH).
+    """
+
+    own: IndexArray
+    other: IndexArray
+    at: CurvePoints
+    there: CurvePoints
+
+    def of(self, chosen: Mask) -> Ways:
+        """Those of the chosen flanks, shape (2 z,)."""
+        return self.at_rows(chosen[self.own])
+
+    def at_rows(self, rows: Mask) -> Ways:
+        """Those of the chosen meetings."""
+        return Ways(self.own[rows], self.other[rows], _rows(self.at, rows), _rows(self.there, rows))
+
+    def in_mate(self, edge: Array) -> Array:
+        """Paths of the flanks' edges (shape (meetings, 2)) in the mate's frame, shape (meetings, PATH, 2)."""
+        arm = edge[:, None, :] - self.at.position
+        along, outwards = np.sum(arm * self.at.tangent, axis=2), np.sum(arm * self.at.normal, axis=2)
+        path: Array = self.there.position
+        path = path + along[..., None] * self.there.tangent - outwards[..., None] * self.there.normal
+        return path
+
+
+def ways_near_concave(own: Flanks, mate: Flanks, meeting: Meeting) -> Ways:
+    """The ways within reach of a concave stretch of either curve; there are no others where tips foul."""
+    sigma = own.crossing_mm[meeting[0]][:, None] + own.rack.pitch_mm * np.linspace(-REACH, REACH, PATH)
+    at, there = own.curve.at_length(sigma), mate.curve.at_length(sigma)
+    ways = Ways(*meeting, at, there)
+    return ways.at_rows(np.any((at.curvature < 0.0) | (there.curvature < 0.0), axis=1))
+
+
+def freed(own: Tips, mate: Tips, ways: Ways) -> Tips:
     """The gear with tips shortened that would run into the mate's on concave stretches; itself where none does.
 
     Raises NoSuchMechanism, naming the tooth, where none is left.
     """
-    near = _beside_concave(own.flanks, mate.flanks, meeting)
-    hit = _fouling(own.flanks, own.height_mm, mate, near)
+    teeth = _upper_teeth(mate)
+    hit = _fouling(own.flanks, own.height_mm, ways, teeth)
     if not hit.any():
         return own
-    flanks = _lowered(own, mate, near, hit)
+    flanks = _lowered(own, ways.of(hit), teeth, hit)
     top, at, met = tip_crossing(flanks)
     if not met.all():
         raise no_tip(flanks, int(np.nonzero(~met)[0][0]))
@@ -54,36 +92,24 @@ def freed(own: Tips, mate: Tips, meeting: Meeting) -> Tips:
     return replace(own, flanks=flanks, height_mm=top, at_mm=at, limit=limit)
 
 
-def _beside_concave(own: Flanks, mate: Flanks, meeting: Meeting) -> Meeting:
-    """The meetings within reach of a concave stretch of either curve; there are no others where tips foul."""
-    sigma = own.crossing_mm[meeting[0]][:, None] + own.rack.pitch_mm * np.linspace(-REACH, REACH, PATH // 8)
-    concave = [np.any(flanks.curve.at_length(sigma).curvature < 0.0, axis=1) for flanks in (own, mate)]
-    near = concave[0] | concave[1]
-    return meeting[0][near], meeting[1][near]
-
-
-def _lowered(own: Tips, mate: Tips, meeting: Meeting, hit: Mask) -> Flanks:
+def _lowered(own: Tips, ways: Ways, teeth: Array, hit: Mask) -> Flanks:
     """The flanks with the greatest tip heights, found by halving, at which none of those that hit does so."""
     full = own.flanks.tip_height_mm
-    low, high = np.zeros_like(full), full.copy()
-    rows = hit[meeting[0]]
-    meeting = meeting[0][rows], meeting[1][rows]
+    low, high, chosen, top = np.zeros_like(full), full.copy(), np.nonzero(hit)[0], own.height_mm.copy()
     for _ in range(HALVINGS):
         trial = replace(own.flanks, tip_height_mm=np.where(hit, (low + high) / 2.0, full))
-        fouls = _fouling(trial, tip_crossing(trial)[0], mate, meeting)
+        top[chosen] = tip_crossing(trial, chosen)[0]
+        fouls = _fouling(trial, top, ways, teeth)
         low, high = np.where(fouls, low, trial.tip_height_mm), np.where(fouls, trial.tip_height_mm, high)
     return replace(own.flanks, tip_height_mm=even_heights(own.flanks, np.where(hit, FREE * low, full)))
 
 
-def _fouling(flanks: Flanks, top: Array, mate: Tips, meeting: Meeting) -> Mask:
-    """Which tip edges of a gear run into the mate's teeth at the meetings; shape (2 z,)."""
-    own, other = meeting
-    sigma = flanks.rolled_mm(own, top[own])[:, None] + flanks.rack.pitch_mm * np.linspace(-REACH, REACH, PATH)
-    path = _in_mate(flanks, mate.flanks, flanks.flank(own, top[own])[0], sigma)
-    hit, teeth = np.zeros(flanks.count, dtype=bool), _upper_teeth(mate)
+def _fouling(flanks: Flanks, top: Array, ways: Ways, teeth: Array) -> Mask:
+    """Which tip edges of a gear, at heights ``top``, run into the mate's teeth on their ways; shape (2 z,)."""
+    path, hit = ways.in_mate(flanks.flank(ways.own, top[ways.own])[0]), np.zeros(flanks.count, dtype=bool)
     for neighbour in range(-NEIGHBOURS, NEIGHBOURS + 1):
-        row, _, _ = chord_crossings(path, teeth[(other // 2 + neighbour) % len(teeth)])
-        hit[own[row]] = True
+        row, _, _ = chord_crossings(path, teeth[(ways.other // 2 + neighbour) % len(teeth)])
+        hit[ways.own[row]] = True
     return hit
 
 
@@ -94,10 +120,5 @@ def _upper_teeth(gear: Tips) -> Array:
     return np.concatenate([upper[::2], upper[1::2, ::-1]], axis=1)
 
 
-def _in_mate(flanks: Flanks, mate: Flanks, point: Array, sigma: Array) -> Array:
-    """Paths of points (shape (n, 2)) of a gear in its mate's frame at rolled lengths, shape (n, m, 2)."""
-    at, there = flanks.curve.at_length(sigma), mate.curve.at_length(sigma)
-    arm = point[:, None, :] - at.position
-    along, outwards = np.sum(arm * at.tangent, axis=2), np.sum(arm * at.normal, axis=2)
-    path: Array = there.position + along[..., None] * there.tangent - outwards[..., None] * there.normal
-    return path
+def _rows(points: CurvePoints, rows: Mask) -> CurvePoints:
+    return CurvePoints(points.position[rows], points.tangent[rows], points.normal[rows], points.curvature[rows])
