@@ -129,19 +129,25 @@ class Drive:
         """The basic rack at the module."""
         return rack_of(self.gears, self.pitch.size.module_mm)
 
-    @property
+    @cached_property
     def tooth_form(self) -> ToothForm:
-        """Everything asked of the teeth, at the module."""
-        return tooth_form(self.gears, self.pitch.size.module_mm)
+        """Everything asked of the teeth, at the module; of helical ones, that their tips do not jump with height."""
+        from ncgear.solids.even_tips import with_even_tips
+
+        form, pitch = tooth_form(self.gears, self.pitch.size.module_mm), self.pitch
+        if self.helix is None:
+            return form
+        with self.stopwatch("teeth"):
+            return with_even_tips(pitch, form, self.helix)
 
     @cached_property
     def teeth(self) -> ToothedPair:
         """Both toothed gears."""
         from ncgear.teeth.gear import toothed_pair
 
-        pitch = self.pitch
+        pitch, form = self.pitch, self.tooth_form
         with self.stopwatch("teeth"):
-            return toothed_pair(pitch, self.tooth_form, self.design.output.chord_tolerance_mm)
+            return toothed_pair(pitch, form, self.design.output.chord_tolerance_mm)
 
     @cached_property
     def designed_contact(self) -> AsDesigned:

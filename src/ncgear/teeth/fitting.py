@@ -16,7 +16,7 @@ from ncgear.teeth.fouling import Meeting, Ways, freed, ways_near_concave
 from ncgear.teeth.meeting import mating_flanks
 from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_depth
 from ncgear.teeth.spaces import cut_spaces, mated_spaces
-from ncgear.teeth.tips import Bounds, Limit, Tips, fitted_tips, no_tip
+from ncgear.teeth.tips import Bounds, Limit, Tips, fitted_tips, held_below, no_tip
 from ncgear.teeth.tool import PinionCircle
 
 FAR = 2.0
@@ -55,10 +55,19 @@ def _fitted_to_cutter(
 ) -> Both:
     """Spaces as the cutter leaves them, then tips that fit into them."""
     (driving, undercut1), (driven, undercut2) = (cut_spaces(gear, limits.avoid_undercut) for gear in gears)
-    return (
+    tips = (
         _tips_in(driving, driven, meetings[0], undercut1, undercut2, limits, clearance),
         _tips_in(driven, driving, meetings[1], undercut2, undercut1, limits, clearance),
     )
+    return _held(tips, limits)
+
+
+def _held(tips: Both, limits: TipLimits) -> Both:
+    """Tips below the ceilings, if there are any."""
+    if limits.ceilings is None:
+        return tips
+    driving, driven = (held_below(tip, over.over(tip.flanks)) for tip, over in zip(tips, limits.ceilings, strict=True))
+    return driving, driven
 
 
 def _tips_in(
@@ -104,7 +113,7 @@ def _fitted_to_mates(
         try:
             tips = _regular_tips(raised, regular, meetings, limits) if high else plain
             free = _freed(tips, ways, first)
-            found.append(_cleared(free, meetings, clearance))
+            found.append(_cleared(_held(free, limits), meetings, clearance))
         except NoSuchMechanism as refusal:
             refusals.append(refusal)
             continue

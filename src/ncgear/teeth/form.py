@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from ncgear.machine.rack import BasicRack
+from ncgear.teeth.ceilings import Ceilings
 
 
 class CutterKind(Enum):
@@ -27,10 +28,14 @@ class Cutter:
 
 @dataclass(frozen=True)
 class TipLimits:
-    """What is asked of tips: the least land in mm, and whether undercut is avoided by shortening them."""
+    """What is asked of tips: the least land in mm, and whether undercut is avoided by shortening them.
+
+    ``ceilings`` are over the tips of helical teeth, which must not jump from section to section.
+    """
 
     least_land_mm: float = 0.0
     avoid_undercut: bool = True
+    ceilings: Ceilings | None = None
 
 
 @dataclass(frozen=True)
