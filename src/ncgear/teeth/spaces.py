@@ -36,7 +36,7 @@ def cut_spaces(flanks: Flanks, avoid_undercut: bool) -> tuple[Flanks, Mask]:
     full = np.full(flanks.count, rack.root_depth_mm)
     depth = tool.flank_depth_mm(rack, full, flanks.root_radius_mm)
     # Looked for so deep that spaces get shallower by degrees: those of helical teeth must not jump.
-    regular = regular_depth(flanks, float(np.max(depth)) / CLEAR_OF_CUSPS)
+    regular = regular_depth(flanks, rack.root_depth_mm / CLEAR_OF_CUSPS)
     undercut = regular < depth
     allowed = CLEAR_OF_CUSPS * regular if avoid_undercut else np.full(flanks.count, np.inf)
     bound = of_spaces(allowed)
