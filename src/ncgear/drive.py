@@ -161,7 +161,7 @@ class Drive:
         with self.stopwatch("contact"):
             contact = as_designed(teeth, placed(pitch))
             refuse_overlap(contact, self.design.output.chord_tolerance_mm)
-            refuse_short_contact(contact, teeth, self.gears.least_contact_ratio - self.overlap_ratio)
+            refuse_short_contact(contact, teeth, self._asked_of_section(contact.longest_gap_pitches))
             return contact
 
     def contact(self, written: Sequence[Outlines]) -> PairContact:
@@ -183,6 +183,25 @@ class Drive:
     def overlap_ratio(self) -> float:
         """What the helix adds to the contact ratio: its advance in pitches."""
         return self.helix.largest_advance_mm / self.rack.pitch_mm if self.helix else 0.0
+
+    @cached_property
+    def section_contact_ratio(self) -> float:
+        """Least arc of contact of any pair of flanks in any section of helical teeth, in pitches."""
+        from ncgear.solids.section_contact import least_section_contact
+        from ncgear.solids.sections import Sections
+
+        assert self.helix is not None
+        pitch, form, tolerance = self.pitch, self.tooth_form, self.design.output.chord_tolerance_mm
+        return least_section_contact(Sections(pitch, form, self.helix, tolerance))
+
+    def _asked_of_section(self, gap: float) -> float:
+        """The contact ratio that a section must have, which loses contact over ``gap`` pitches.
+
+        Of helical teeth, what the overlap leaves to it; at least that contact never ceases where it is less than the
+        gap.
+        """
+        least = self.gears.least_contact_ratio
+        return least if gap > self.overlap_ratio and least <= 1.0 else least - self.overlap_ratio
 
     @cached_property
     def solids(self) -> SolidPair:

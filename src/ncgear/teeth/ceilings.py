@@ -1,7 +1,7 @@
 """Ceilings over tips along the pitch curves, so that no tip jumps while teeth advance from section to section.
 
-How high a tip can be depends on where its tooth stands.  Where that jumps along the curve (the mate's undercut begins or
-ends with the curvature, or another way out of a fouling is the best), the tips of helical teeth would jump with height.
+How high a tip can be depends on where its tooth stands.  Where that jumps along the curve (the mate's undercut begins
+or ends with the curvature, or another way out of a fouling is the best), tips of helical teeth would jump with height.
 A ceiling is what the lower side of each jump allows, and rises evenly away from it.
 """
 

@@ -11,7 +11,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.curve import PitchCurve
 from ncgear.teeth.flank import Flanks
-from ncgear.teeth.form import TipLimits
+from ncgear.teeth.form import WAYS, TipLimits
 from ncgear.teeth.fouling import Meeting, Ways, freed, ways_near_concave
 from ncgear.teeth.meeting import mating_flanks
 from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_depth
@@ -109,10 +109,10 @@ def _fitted_to_mates(
     ways = _ways(gears, meetings)
     found: list[Both] = []
     refusals: list[NoSuchMechanism] = []
-    for high, first in ((True, 0), (True, 1), (False, 0), (False, 1)):
+    for way in WAYS if limits.way is None else (limits.way,):
         try:
-            tips = _regular_tips(raised, regular, meetings, limits) if high else plain
-            free = _freed(tips, ways, first)
+            tips = _regular_tips(raised, regular, meetings, limits) if way.raised else plain
+            free = _freed(tips, ways, way.first)
             found.append(_cleared(_held(free, limits), meetings, clearance))
         except NoSuchMechanism as refusal:
             refusals.append(refusal)
@@ -121,7 +121,7 @@ def _fitted_to_mates(
             break
     if not found:
         raise refusals[-1]
-    return max(found, key=lambda tips: _least_overlap(tips, meetings[0]))
+    return max(found, key=least_overlap)
 
 
 def _cleared(tips: Both, meetings: tuple[Meeting, Meeting], clearance: float) -> Both:
@@ -159,12 +159,13 @@ def _freed(tips: Both, ways: tuple[Ways, Ways] | None, first: int) -> Both:
     raise no_tip(worst.flanks, int(np.argmax(worst.limit == Limit.FOULING)))
 
 
-def _least_overlap(tips: Both, meeting: Meeting) -> float:
+def least_overlap(tips: Both) -> float:
     """Least rolled length, times sin(alpha) cos(alpha), by which a pair of flanks meets before the one ahead parts.
 
     On front flanks contact runs from the driving tip, h / (sin(alpha) cos(alpha)) before the crossing, to the driven
     tip's height after it; on back flanks the other way round.
     """
+    meeting = mating_flanks(tips[0].flanks.count // 2, tips[1].flanks.count // 2)
     front, back = (tip.height_mm[flank].reshape(2, -1) for tip, flank in zip(tips, meeting, strict=True))
     return float(min(np.min(back[0] + np.roll(front[0], -1)), np.min(front[1] + np.roll(back[1], -1))))
 
