@@ -270,7 +270,7 @@ def read_sections(pair: SolidPair, height: float) -> list[Polygon]:
 
 @pytest.mark.parametrize(
     ("teeth", "width", "angle_deg", "tolerance", "herringbone"),
-    [(86, 0.6, 15.0, 4.0 * TOLERANCE, False), (25, 9.0, 15.0, 6.0 * TOLERANCE, False)],
+    [(86, 0.6, 15.0, 4.0 * TOLERANCE, False), (25, 12.0, 20.0, 6.0 * TOLERANCE, True)],
 )
 def test_tips_that_would_jump_are_led_up_to_the_jumps(
     teeth: int, width: float, angle_deg: float, tolerance: float, herringbone: bool
@@ -280,7 +280,7 @@ def test_tips_that_would_jump_are_led_up_to_the_jumps(
         sized_pair(baler_law(), teeth, MODULE, None),
         Helix(radians(angle_deg), width, Hand.LEFT, herringbone),
     )
-    form = with_even_tips(pitch, ToothForm(rack()), helix)
+    form = with_even_tips(pitch, ToothForm(rack(), limits=TipLimits(0.2 * MODULE)), helix)
     pair = helical_pair(pitch, form, helix, {gear: Blank(width) for gear in Gear}, tolerance)
     assert pair.driving.mesh.is_watertight
     assert pair.driven.mesh.is_watertight
