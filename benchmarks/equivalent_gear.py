@@ -1,6 +1,6 @@
 """The equivalent-gear method beside the exact one: speed and error.  Writes benchmarks/equivalent-gear.md.
 
-Run as ``make equivalent`` or ``python benchmarks/equivalent_gear.py``.  Each tooth of the one comes from the circular
+Run as ``make bench`` or ``python benchmarks/equivalent_gear.py``.  Each tooth of the one comes from the circular
 gear of the local radius of curvature, of the other from the pitch curve itself.  Times are the least of several runs,
 imports not counted; errors do not depend on the machine.
 """

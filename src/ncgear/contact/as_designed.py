@@ -65,9 +65,9 @@ class SideContact:
         ahead = self.meetings.urge * self.error_rad
         return np.where(ahead > ALIKE_RAD, ahead, 0.0) * self.first.lever_mm
 
-    def transmission_error_by_tooth(self) -> dict[int, float]:
-        """Peak to peak variation of the driven angle over the positions in which each driving tooth carries, in rad."""
-        tooth, error = self.touching.driving_tooth, self.error_rad[self.touching.position]
+    def variation_by_tooth(self, error_rad: Array) -> dict[int, float]:
+        """Peak to peak variation of errors in rad (shape (n,)) where each driving tooth carries."""
+        tooth, error = self.touching.driving_tooth, error_rad[self.touching.position]
         high, low = np.full(tooth.max() + 1, -np.inf), np.full(tooth.max() + 1, np.inf)
         np.maximum.at(high, tooth, error)
         np.minimum.at(low, tooth, error)
