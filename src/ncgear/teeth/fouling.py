@@ -117,7 +117,8 @@ def freed(own: Tips, mate: Tips, ways: Ways) -> Tips:
     top, at, met = tip_crossing(flanks)
     if not met.all():
         raise no_tip(flanks, int(np.nonzero(~met)[0][0]))
-    limit = np.where(flanks.tip_height_mm < own.flanks.tip_height_mm, Limit.FOULING, own.limit)
+    limit = np.where(flanks.tip_height_mm < own.flanks.tip_height_mm, np.maximum(own.limit, Limit.SLOPE), own.limit)
+    limit = np.where(hit, Limit.FOULING, limit)
     return replace(own, flanks=flanks, height_mm=top, at_mm=at, limit=limit)
 
 
