@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from math import cos, pi, radians, tan
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ import shapely
 from shapely import Polygon, affinity
 from trimesh import Trimesh
 
+from ncgear.contact.as_written import Outlines
 from ncgear.design.load import load
 from ncgear.drive import Drive
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
@@ -401,8 +403,13 @@ def test_what_a_design_file_may_not_say(tmp_path: Path, helix: str, key: str, wo
 # --- the whole way from a design file -------------------------------------------------------------------------------
 
 
+def summary_of(drive: Drive) -> dict[str, Any]:
+    outlines = Outlines("test", drive.teeth.driving.outline_mm, drive.teeth.driven.outline_mm)
+    return build_summary(drive, drive.contact([outlines]))
+
+
 def test_the_summary_has_the_overlap_and_the_thrust(tmp_path: Path) -> None:
-    summary = build_summary(drive_of(tmp_path, DESIGN + HELIX))
+    summary = summary_of(drive_of(tmp_path, DESIGN + HELIX))
     teeth, contact = summary["teeth"], summary["contact"]
     assert (teeth["helix_angle_deg"], teeth["helix_kind"], teeth["hand_driving"]) == (
         pytest.approx(15.0),
@@ -415,13 +422,13 @@ def test_the_summary_has_the_overlap_and_the_thrust(tmp_path: Path) -> None:
 
 
 def test_herringbone_teeth_overlap_by_half_and_have_no_thrust(tmp_path: Path) -> None:
-    summary = build_summary(drive_of(tmp_path, DESIGN + HELIX.replace("helical,", "herringbone,")))
+    summary = summary_of(drive_of(tmp_path, DESIGN + HELIX.replace("helical,", "herringbone,")))
     assert summary["contact"]["overlap_ratio"] == pytest.approx(4.0 * tan(radians(15.0)) / (2.0 * pi), rel=1e-12)
     assert not any("thrust" in warning for warning in summary["warnings"])
 
 
 def test_straight_teeth_say_nothing_of_a_helix(tmp_path: Path) -> None:
-    summary = build_summary(drive_of(tmp_path, DESIGN))
+    summary = summary_of(drive_of(tmp_path, DESIGN))
     assert not {"helix_angle_deg", "hand_driving", "overlap_ratio"} & {*summary["teeth"], *summary["contact"]}
     assert not any("thrust" in warning for warning in summary["warnings"])
 
@@ -429,7 +436,7 @@ def test_straight_teeth_say_nothing_of_a_helix(tmp_path: Path) -> None:
 def test_sections_are_made_for_solids_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     drive = drive_of(tmp_path, DESIGN + HELIX)
     monkeypatch.setattr(Sections, "at", None)
-    assert drive.contact.flanks.least_ratio > 1.0
+    assert drive.designed_contact.pushing.arcs.min() > 1.0
     with pytest.raises(TypeError):
         assert drive.solids
 

@@ -14,9 +14,12 @@ from mpmath import mp
 from PIL import Image
 from shapely import Point, Polygon
 
-from ncgear.contact.outline_contact import OutlineContact, outline_contact
-from ncgear.contact.pair_contact import BEYOND, pair_contact, refuse_overlap
-from ncgear.contact.reach import tips_overlap_mm
+from ncgear.contact.as_designed import as_designed
+from ncgear.contact.as_written import Outlines
+from ncgear.contact.pair_contact import PairContact, pair_contact, refuse_bad_outlines
+from ncgear.contact.placement import Placement, placed
+from ncgear.contact.play import Play, outline_play
+from ncgear.contact.reach import BEYOND, reach_mm, tips_overlap_mm
 from ncgear.design.load import load
 from ncgear.drive import Drive
 from ncgear.errors import NoSuchMechanism, WrongInput
@@ -385,30 +388,29 @@ def test_turned_against_each_other_they_do_not_mesh() -> None:
     assert against.report(11).overlap_depth.max() > 0.5 * MODULE
 
 
-def contact_at(pair: Made, phi1: Array, reach_mm: float | None = None) -> OutlineContact:
-    """Contact of the outlines at driving angles; looked at as far as tips overlap when nothing is said."""
+def played(pair: Made, within_mm: float | None = None) -> tuple[Play, Placement]:
+    """Play of the outlines over a cycle; looked at as far as tips overlap when nothing is said."""
     pitch, teeth = pair
-    outlines, phi2 = (teeth.driving.outline_mm, teeth.driven.outline_mm), pitch.transmission.driven_angle(phi1).value
-    reach = BEYOND * tips_overlap_mm(pitch, teeth) if reach_mm is None else reach_mm
-    distance, point = pitch.center_distance_mm, pitch.pitch_point_mm(phi1)
-    return outline_contact(*outlines, distance, reach, phi1, phi2, point, Mesh.INTERNAL)
+    at, reach = placed(pitch), reach_mm(pitch, teeth) if within_mm is None else within_mm
+    return outline_play(teeth.driving.outline_mm, teeth.driven.outline_mm, at, reach), at
 
 
 @pytest.mark.parametrize("law", ["1:2", "variable"])
 def test_play_is_what_shapely_finds(law: str) -> None:
-    pair, phi1 = made(law, 60, 0.05), turns()
-    outlines, judge = contact_at(pair, phi1), judge_of(pair, phi1)
-    for row in (0, 17, 50, 71, 93):
-        expected = judge.driven_play(row, tolerance=1e-7)
-        # The judge allows 1e-7 mm of overlap at 100 mm and bisects to 1e-9 rad
-        assert (outlines.backward_rad[row], outlines.forward_rad[row]) == pytest.approx(expected, abs=1e-8)
+    pair = made(law, 60, 0.05)
+    found, at = played(pair)
+    judge = judge_of(pair, at.phi1_rad)
+    for row in (0, 117, 650, 1071, 2093):
+        # The judge allows 1e-7 mm of overlap at 100 mm and bisects to 1e-9 rad.  Seen from the ring, which turns alike,
+        # the driving gear turned up is the ring turned back.
+        assert (found.up_rad[row], found.down_rad[row]) == pytest.approx(judge.driven_play(row, 1e-7), abs=1e-8)
 
 
 def test_transmission_error_is_that_of_the_chords() -> None:
-    outlines = contact_at(made("1:2", 60), turns())
+    found, _ = played(made("1:2", 60))
     # Both outlines within the tolerance of the exact flank, as an arc about the ring's base circle
-    assert 0.0 < outlines.transmission_error_rad <= 2.0 * TOLERANCE / (120.0 * cos(ALPHA))
-    assert outlines.largest_penetration_mm <= 2.0 * TOLERANCE / cos(ALPHA)
+    assert 0.0 < np.ptp(found.up_rad) <= 2.0 * TOLERANCE / (120.0 * cos(ALPHA))
+    assert found.overlap_mm.max() <= 2.0 * TOLERANCE
 
 
 # --- fouling -------------------------------------------------------------------------------------------------------
@@ -429,39 +431,45 @@ def test_tips_overlap_as_far_as_their_circles_cross(law: str, teeth: int) -> Non
 def full_height(monkeypatch: pytest.MonkeyPatch) -> Made:
     """Four teeth more on the ring, with tips that nothing has shortened."""
     monkeypatch.setattr("ncgear.teeth.fitting.freed", lambda own, mate, meeting: own)
-    return made("5:6", 20, 0.1)
+    # Past the cache, which would keep such teeth for other tests.
+    return made.__wrapped__("5:6", 20, 0.1)
+
+
+def contact_of(pair: Made) -> PairContact:
+    pitch, teeth = pair
+    written = Outlines("test", teeth.driving.outline_mm, teeth.driven.outline_mm)
+    return pair_contact(pitch, teeth, as_designed(teeth, placed(pitch)), [written])
 
 
 def test_fouling_far_from_the_line_of_action_is_seen_and_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """Tips run into each other 13 modules from the pitch point, where flanks are clear."""
-    pitch, pair = full_height(monkeypatch)
-    contact = pair_contact(pitch, pair)
-    report = judge_of((pitch, pair), contact.outlines.phi1_rad[::40]).report(11)
-    assert contact.outlines.largest_penetration_mm >= report.overlap_depth.max() > 0.1
+    pair = full_height(monkeypatch)
+    contact = contact_of(pair)
+    report = judge_of(pair, contact.as_designed.placement.phi1_rad[::40]).report(11)
+    assert contact.penetration_mm >= 0.9 * report.overlap_depth.max() > 0.1
     with pytest.raises(NoSuchMechanism, match=r"run into each other by .* too few teeth more") as caught:
-        refuse_overlap(contact, pitch, pair, TOLERANCE)
+        refuse_bad_outlines(contact, TOLERANCE)
     assert caught.value.key == "gears.teeth"
 
 
 def test_the_line_of_action_alone_would_not_see_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """Negative control of the reach."""
-    pair, phi1 = full_height(monkeypatch), turns()
-    assert contact_at(pair, phi1).largest_penetration_mm > 0.1
-    assert contact_at(pair, phi1, BEYOND * 1.25 * MODULE / sin(ALPHA)).largest_penetration_mm <= TOLERANCE
+    pair = full_height(monkeypatch)
+    assert played(pair)[0].overlap_mm.max() > 0.1
+    assert played(pair, BEYOND * 1.25 * MODULE / sin(ALPHA))[0].overlap_mm.max() <= TOLERANCE
 
 
 def test_tips_that_would_foul_are_shortened() -> None:
-    pitch, pair = made("5:6", 20, 0.1)
-    assert pair.driving.shortened(Limit.FOULING) or pair.driven.shortened(Limit.FOULING)
-    contact = pair_contact(pitch, pair)
-    assert judge_of((pitch, pair), contact.outlines.phi1_rad[::40]).report(11).overlap_depth.max() <= TOLERANCE
+    pair = made("5:6", 20, 0.1)
+    assert pair[1].driving.shortened(Limit.FOULING) or pair[1].driven.shortened(Limit.FOULING)
+    phi1 = placed(pair[0]).phi1_rad[::40]
+    assert judge_of(pair, phi1).report(11).overlap_depth.max() <= TOLERANCE
 
 
 def test_seven_teeth_more_on_the_ring_keep_clear() -> None:
-    pitch, pair = made("4:5", 28, 0.1)
-    contact = pair_contact(pitch, pair)
-    assert contact.outlines.largest_penetration_mm <= TOLERANCE
-    refuse_overlap(contact, pitch, pair, TOLERANCE)
+    contact = contact_of(made("4:5", 28, 0.1))
+    assert contact.penetration_mm <= TOLERANCE
+    refuse_bad_outlines(contact, TOLERANCE)
 
 
 # --- solids --------------------------------------------------------------------------------------------------------

@@ -34,7 +34,7 @@ def grown(outline: Array, by_mm: float) -> Array:
 # --- what outlines within the chord tolerance keep -------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("name", "teeth"), [*PAIRS, ("baler", 25), ("uniform", 8)])
+@pytest.mark.parametrize(("name", "teeth"), [*PAIRS, ("uniform", 8), ("ring", 40)])
 def test_written_outlines_touch_where_the_exact_curves_do(name: str, teeth: int) -> None:
     """Within three chord tolerances at the pitch radius, and none deeper than one inside the other."""
     exact, found = designed(name, teeth), written(name, teeth)
@@ -56,13 +56,14 @@ def test_transmission_error_of_circular_outlines_vanishes_with_the_tolerance(nam
     base = least_driven_radius(designed(name, teeth).placement) * cos(ALPHA)
     errors = np.array([one.transmission_error_rad for one in found])
     assert np.all(errors <= 2.0 * tolerances / base)
-    assert max(one.overlap_mm.max() for one in found) == 0.0  # chords of convex flanks lie inside the teeth
+    # Chords of convex flanks lie inside the teeth; what overlaps are corners and the hollow of fillets.
+    assert all(one.overlap_mm.max() <= 0.05 * tolerance for one, tolerance in zip(found, tolerances, strict=True))
     # Linear, with the scatter of whole numbers of chords and of where the positions fall on them.
     assert np.polyfit(np.log(tolerances), np.log(errors), 1)[0] == pytest.approx(1.0, abs=0.2)
     assert errors[-1] < errors[0] / 25.0
 
 
-@pytest.mark.parametrize("name", ["ellipse", "sine", "baler"])
+@pytest.mark.parametrize("name", ["ellipse", "sine", "long ellipse"])
 def test_transmission_error_of_other_outlines_vanishes_too(name: str) -> None:
     tolerances = np.array([2e-2, 4e-3, 8e-4])
     exact = designed(name, 86)
@@ -71,10 +72,12 @@ def test_transmission_error_of_other_outlines_vanishes_too(name: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 25), ("ellipse", 37), ("sine", 100), ("ring", 40)])
-def test_tips_clear_roots_by_what_the_rack_says(name: str, teeth: int) -> None:
-    found = written(name, teeth)
-    for clearance in (found.driving_tips_mm, found.driven_tips_mm):
-        assert clearance == pytest.approx(0.25 * MODULE, abs=2.0 * TOLERANCE)
+def test_tips_clear_roots_by_what_the_exact_curves_do(name: str, teeth: int) -> None:
+    found, exact = written(name, teeth), designed(name, teeth)
+    for clearance, gear in ((found.driving_tips_mm, "driving_tips"), (found.driven_tips_mm, "driven_tips")):
+        expected = min(getattr(side, gear).over_root_mm for side in (exact.pushing, exact.back))
+        assert clearance == pytest.approx(expected, abs=2.0 * TOLERANCE)
+        assert expected > 0.1 * MODULE
 
 
 # --- negative controls -----------------------------------------------------------------------------------------------
@@ -91,7 +94,7 @@ def test_straight_sided_teeth_do_not_pass_for_conjugate_ones(name: str) -> None:
         refuse_bad_outlines(contact, TOLERANCE)
 
 
-@pytest.mark.parametrize("name", ["uniform", "baler"])
+@pytest.mark.parametrize("name", ["uniform", "sine"])
 @pytest.mark.parametrize("gear", ["driving", "driven"])
 def test_an_outline_grown_by_a_fiftieth_of_a_millimetre_is_refused(name: str, gear: str) -> None:
     found = outlines(made(name, 25)[1])

@@ -23,8 +23,9 @@ def chord_crossings(first: Array, second: Array) -> tuple[IndexArray, Array, Arr
 
     Rows, and fractional indices along the first and the second polyline, one entry for each crossing.
     """
-    x1, y1, across1, up1 = (column[:, :, None] for column in _chords(first))
-    x2, y2, across2, up2 = (column[:, None, :] for column in _chords(second))
+    row, chord = _near_chords(first, second)
+    (x1, y1), (across1, up1) = (column[row, chord].T[:, :, None] for column in (first, np.diff(first, axis=1)))
+    (x2, y2), (across2, up2) = (np.moveaxis(column[row], 2, 0) for column in (second[:, :-1], np.diff(second, axis=1)))
     area = across1 * up2 - up1 * across2
     aside, above = x2 - x1, y2 - y1
     # Shares along both chords, times the area: dividing only where both lie within the chords saves half the time.
@@ -33,14 +34,16 @@ def chord_crossings(first: Array, second: Array) -> tuple[IndexArray, Array, Arr
     within1, within2 = along1 * sign, along2 * sign
     size = np.abs(area)
     inside = (within1 >= 0.0) & (within1 <= size) & (within2 >= 0.0) & (within2 <= size) & (size > 0.0)
-    row, index1, index2 = hit = np.nonzero(inside)
-    return row, index1 + along1[hit] / area[hit], index2 + along2[hit] / area[hit]
+    near, other = hit = np.nonzero(inside)
+    return row[near], chord[near] + along1[hit] / area[hit], other + along2[hit] / area[hit]
 
 
-def _chords(lines: Array) -> tuple[Array, Array, Array, Array]:
-    """Start and step of all chords, by coordinates, shape (n, p - 1) each."""
-    step = np.diff(lines, axis=1)
-    return lines[:, :-1, 0], lines[:, :-1, 1], step[..., 0], step[..., 1]
+def _near_chords(first: Array, second: Array) -> tuple[IndexArray, IndexArray]:
+    """Rows and numbers of the chords of ``first`` whose boxes meet the box of the row in ``second``."""
+    low, high = second.min(axis=1, keepdims=True), second.max(axis=1, keepdims=True)
+    start, end = first[:, :-1], first[:, 1:]
+    row, chord = np.nonzero(np.all((np.maximum(start, end) >= low) & (np.minimum(start, end) <= high), axis=2))
+    return row, chord
 
 
 def refined_crossings(

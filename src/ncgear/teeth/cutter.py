@@ -13,7 +13,7 @@ from ncgear.pitch.pair import STRAIGHT, PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.teeth.form import CutterKind
 from ncgear.teeth.tips import Tips
-from ncgear.teeth.tool import PinionCircle
+from ncgear.teeth.tool import PinionCircle, RackLine
 
 FEWER_TEETH = 10
 """Teeth that a pinion cutter must have less than the concave stretch it works in would have all round: with fewer of a
@@ -45,20 +45,36 @@ def most_teeth(pitch: PitchPair, rack: BasicRack) -> int:
     return MOST_TEETH if radius is None else min(MOST_TEETH, int(2.0 * radius / rack.module_mm) - FEWER_TEETH)
 
 
+def rack_cutter(pitch: PitchPair) -> RackLine:
+    """The rack; raises NoSuchMechanism on a concave curve, whose hollow flanks no straight edge can leave."""
+    _refuse_gouging(pitch, 0.0, "a rack", "kind: mate, or kind: pinion, is needed", "gears.cutter.kind")
+    return RackLine()
+
+
 def pinion_cutter(pitch: PitchPair, rack: BasicRack, teeth: int | None) -> PinionCircle:
     """The pinion cutter of given or chosen teeth; raises NoSuchMechanism where it is larger than a concave stretch."""
     wanted = teeth if teeth is not None else max(most_teeth(pitch, rack), 3)
     cutter = PinionCircle(wanted, rack.module_mm)
+    _refuse_gouging(
+        pitch,
+        1.0 / cutter.radius_mm,
+        f"a pinion cutter of {wanted} teeth (pitch radius {cutter.radius_mm:.4g} mm)",
+        "fewer cutter teeth, kind: mate, or more teeth of a smaller module are needed",
+        "gears.cutter.teeth",
+    )
+    return cutter
+
+
+def _refuse_gouging(pitch: PitchPair, curvature: float, cutter: str, remedy: str, key: str) -> None:
+    """Refuse a cutter flatter than a concave stretch: its flanks would be flatter than the gear's there."""
     for gear in Gear:
         low = pitch.curvature_range[gear][0]
-        if 1.0 / cutter.radius_mm + low.value <= 0.0:
+        if (curvature + low.value) * pitch.center_distance_mm < -STRAIGHT:
             raise NoSuchMechanism(
-                f"a pinion cutter of {wanted} teeth (pitch radius {cutter.radius_mm:.4g} mm) does not go into the "
-                f"{gear.value} pitch curve, which is concave with a radius of {-1.0 / low.value:.4g} mm at phi1 = "
-                f"{in_words(low.at)}; fewer cutter teeth, kind: mate, or more teeth of a smaller module are needed",
-                key="gears.cutter.teeth",
+                f"{cutter} does not go into the {gear.value} pitch curve, which is concave with a radius of "
+                f"{-1.0 / low.value:.4g} mm at phi1 = {in_words(low.at)}; {remedy}",
+                key=key,
             )
-    return cutter
 
 
 def fouled(tips: Tips) -> Mask:

@@ -16,11 +16,17 @@ from ncgear.teeth.fouling import Meeting, freed
 from ncgear.teeth.meeting import mating_flanks
 from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_depth
 from ncgear.teeth.spaces import cut_spaces, mated_spaces
-from ncgear.teeth.tips import Bounds, Limit, Tips, fitted_tips
+from ncgear.teeth.tips import Bounds, Limit, Tips, fitted_tips, no_tip
 from ncgear.teeth.tool import PinionCircle
 
 FAR = 2.0
 """Dedenda within which regular flanks are looked for when no tool sets the depth: deeper than any tip reaches."""
+
+BLUNT = 0.03
+"""Least land in modules of teeth that are tools as well: a quarter may be lost to its slope, the least flat is left."""
+
+TURNS = 8
+"""Turns at being shortened before tips count as fouling whatever their height; three are the rule."""
 
 Both = tuple[Tips, Tips]
 Spaces = tuple[Array, Mask]
@@ -117,14 +123,22 @@ def _cleared(tips: Both, meetings: tuple[Meeting, Meeting], clearance: float) ->
 
 
 def _freed(tips: Both, meetings: tuple[Meeting, Meeting], first: int) -> Both:
-    """Tips that do not foul each other, those of the gear numbered ``first`` shortened rather than the other's."""
+    """Tips that do not foul each other, those of the gear numbered ``first`` shortened rather than the other's.
+
+    The same pair where none does.  Raises NoSuchMechanism, naming the tooth, where that leaves no tip.
+    """
     if min(tip.flanks.curve.curvature_bounds[0] for tip in tips) >= 0.0:
         return tips
-    order = (first, 1 - first, first)
-    both = list(tips)
-    for own in order:
-        both[own] = freed(both[own], both[1 - own], meetings[own])
-    return tips if both[0] is tips[0] and both[1] is tips[1] else (both[0], both[1])
+    both, unchanged = list(tips), 0
+    for turn in range(TURNS):
+        own = (first + turn) % 2
+        free = freed(both[own], both[1 - own], meetings[own])
+        unchanged = unchanged + 1 if free is both[own] else 0
+        both[own] = free
+        if unchanged == 2:
+            return tips if all(one is other for one, other in zip(both, tips, strict=True)) else (both[0], both[1])
+    worst = both[(first + TURNS - 1) % 2]
+    raise no_tip(worst.flanks, int(np.argmax(worst.limit == Limit.FOULING)))
 
 
 def _least_overlap(tips: Both, meeting: Meeting) -> float:
@@ -156,7 +170,8 @@ def _regular_tips(
         contact = _least(own.count, meetings[number], allowed)
         blamed = _least(own.count, meetings[number], np.where(undercut, 0.0, 1.0)) < 1.0
         bounds = Bounds(contact, np.full(own.count, np.inf), blamed)
-        tips.append(fitted_tips(own, bounds, regular[number][1], limits.least_land_mm))
+        land = max(limits.least_land_mm, BLUNT * own.rack.module_mm)
+        tips.append(fitted_tips(own, bounds, regular[number][1], land))
     return tips[0], tips[1]
 
 
@@ -169,10 +184,11 @@ def _regular_spaces(gear: Flanks, avoid_undercut: bool) -> tuple[Array, Mask]:
 
 
 def _deepened(own: Tips, mate: Tips, meeting: Meeting, clearance: float) -> Tips:
-    """The gear with spaces for its mate's tips."""
+    """The gear with spaces for its mate's tips, rounded where they end: by so much that the clearance is left."""
     rack = own.flanks.rack
-    reach = _most(own.flanks.count, meeting, mate.height_mm) + max(clearance - rack.rounding_height_mm, 0.0)
-    return replace(own, flanks=mated_spaces(own.flanks, reach))
+    touched = _most(own.flanks.count, meeting, mate.height_mm)
+    radius = max(rack.root_radius_mm, clearance / (1.0 - sin(rack.pressure_angle_rad)))
+    return replace(own, flanks=mated_spaces(own.flanks, touched, radius))
 
 
 def _least(count: int, meeting: Meeting, of_mate: Array) -> Array:

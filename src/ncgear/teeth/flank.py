@@ -165,9 +165,9 @@ def flanks_of(
     rack: BasicRack,
     teeth: int,
     tool: Tool,
+    start_mm: float,
+    loaded_side: float,
     *,
-    start_mm: float = 0.0,
-    loaded_side: float = -1.0,
     equivalent: bool = False,
 ) -> Flanks:
     """The flanks of a gear with ``teeth`` teeth at full height and depth.

@@ -1,6 +1,6 @@
 """Tips that meet away from the line of action: on concave stretches teeth enter their spaces from above, as in a ring.
 
-The edge of a tip is followed in the mate's frame; where its path crosses a flank of the mate above the pitch curve, the
+The edge of a tip is followed in the mate's frame; where its path crosses a tooth of the mate above the pitch curve, the
 edge is too high, and is lowered until its path just passes.
 """
 
@@ -13,25 +13,19 @@ import numpy as np
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import chord_crossings
 from ncgear.teeth.flank import Flanks
-from ncgear.teeth.tips import Limit, Tips, even_heights, tip_crossing
+from ncgear.teeth.tips import Limit, Tips, even_heights, no_tip, tip_crossing
 
 Meeting = tuple[IndexArray, IndexArray]
 """Numbers of a gear's own flanks and of the mate's flanks that they meet."""
 
-REACH = 3.5
+REACH = 6.0
 """Pitches rolled to either side within which tips are followed: the bowl of a concave stretch is a few teeth wide."""
 
 NEIGHBOURS = 3
-"""Flanks on either side of the mating one that an edge may run into on its way."""
+"""Teeth on either side of the mating one that an edge may run into on its way."""
 
-PATH, FLANK_POINTS = 221, 33
+PATH, FLANK_POINTS = 379, 33
 """Points of a tip's path and of a flank: chords stray from them by less than a five-thousandth of a module."""
-
-SKIP = 5
-"""Every fifth point of a path is looked at to find the flanks it comes near."""
-
-STRIDE = 0.5
-"""Pitches that a path may run between two such points, with a wide margin: it rolls over a sixth of one."""
 
 ASIDE = 0.02
 """Share of a flank's height, from the pitch curve outwards, that is left out: there the flanks touch as they should."""
@@ -44,13 +38,18 @@ FREE = 0.995
 
 
 def freed(own: Tips, mate: Tips, meeting: Meeting) -> Tips:
-    """The gear with tips shortened that would run into the mate's on concave stretches."""
+    """The gear with tips shortened that would run into the mate's on concave stretches; itself where none does.
+
+    Raises NoSuchMechanism, naming the tooth, where none is left.
+    """
     near = _beside_concave(own.flanks, mate.flanks, meeting)
     hit = _fouling(own.flanks, own.height_mm, mate, near)
     if not hit.any():
         return own
     flanks = _lowered(own, mate, near, hit)
-    top, at, _ = tip_crossing(flanks)
+    top, at, met = tip_crossing(flanks)
+    if not met.all():
+        raise no_tip(flanks, int(np.nonzero(~met)[0][0]))
     limit = np.where(flanks.tip_height_mm < own.flanks.tip_height_mm, Limit.FOULING, own.limit)
     return replace(own, flanks=flanks, height_mm=top, at_mm=at, limit=limit)
 
@@ -77,27 +76,22 @@ def _lowered(own: Tips, mate: Tips, meeting: Meeting, hit: Mask) -> Flanks:
 
 
 def _fouling(flanks: Flanks, top: Array, mate: Tips, meeting: Meeting) -> Mask:
-    """Which tip edges of a gear run into the mate's flanks at the meetings; shape (2 z,)."""
+    """Which tip edges of a gear run into the mate's teeth at the meetings; shape (2 z,)."""
     own, other = meeting
     sigma = flanks.rolled_mm(own, top[own])[:, None] + flanks.rack.pitch_mm * np.linspace(-REACH, REACH, PATH)
     path = _in_mate(flanks, mate.flanks, flanks.flank(own, top[own])[0], sigma)
-    hit = np.zeros(flanks.count, dtype=bool)
+    hit, teeth = np.zeros(flanks.count, dtype=bool), _upper_teeth(mate)
     for neighbour in range(-NEIGHBOURS, NEIGHBOURS + 1):
-        number = (other + neighbour) % mate.flanks.count
-        near = np.nonzero(_near(path, mate, number))[0]
-        if near.size:
-            heights = mate.height_mm[number[near], None] * np.linspace(ASIDE, 1.0, FLANK_POINTS)
-            row, _, _ = chord_crossings(path[near], mate.flanks.flank(number[near, None], heights)[0])
-            hit[own[near[row]]] = True
+        row, _, _ = chord_crossings(path, teeth[(other // 2 + neighbour) % len(teeth)])
+        hit[own[row]] = True
     return hit
 
 
-def _near(path: Array, mate: Tips, number: IndexArray) -> Mask:
-    """Whether paths come so near to the middles of flanks' upper parts that they could cross them."""
-    middle = mate.flanks.flank(number, mate.height_mm[number] / 2.0)[0][:, None, :]
-    reach = mate.height_mm[number] + STRIDE * mate.flanks.rack.pitch_mm
-    near: Mask = np.min(np.linalg.norm(path[:, ::SKIP] - middle, axis=2), axis=1) < reach
-    return near
+def _upper_teeth(gear: Tips) -> Array:
+    """What stands of a gear's teeth above the pitch curve: back flank, land, front flank; shape (z, points, 2)."""
+    share = np.linspace(ASIDE, 1.0, FLANK_POINTS)
+    upper = gear.flanks.flank(np.arange(gear.flanks.count)[:, None], gear.height_mm[:, None] * share)[0]
+    return np.concatenate([upper[::2], upper[1::2, ::-1]], axis=1)
 
 
 def _in_mate(flanks: Flanks, mate: Flanks, point: Array, sigma: Array) -> Array:

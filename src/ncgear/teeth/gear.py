@@ -10,7 +10,7 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.pair import PitchPair
-from ncgear.teeth.cutter import chosen_kind, fouled, pinion_cutter
+from ncgear.teeth.cutter import chosen_kind, fouled, pinion_cutter, rack_cutter
 from ncgear.teeth.fitting import fitted_pair
 from ncgear.teeth.flank import Flanks, flanks_of
 from ncgear.teeth.form import CutterKind, ToothForm
@@ -123,18 +123,11 @@ def _refuse_fouled(tips: Tips) -> None:
 def _tips(pitch: PitchPair, form: ToothForm, kind: CutterKind, advance: float) -> tuple[Tips, Tips]:
     racks, equivalent = shifted_racks(pitch, form), form.equivalent
     for_driving, for_driven = _tools(pitch, form, kind)
-    size = pitch.size
+    size, middle = pitch.size, racks[1].pitch_mm / 2.0
+    # Arc length runs against the driving gear's turning: it pushes with its back flanks, onto the driven front ones.
     return fitted_pair(
-        flanks_of(pitch.driving, racks[0], size.driving_teeth, for_driving, start_mm=advance, equivalent=equivalent),
-        flanks_of(
-            pitch.driven,
-            racks[1],
-            size.driven_teeth,
-            for_driven,
-            start_mm=advance + racks[1].pitch_mm / 2.0,
-            loaded_side=1.0,
-            equivalent=equivalent,
-        ),
+        flanks_of(pitch.driving, racks[0], size.driving_teeth, for_driving, advance, -1.0, equivalent=equivalent),
+        flanks_of(pitch.driven, racks[1], size.driven_teeth, for_driven, advance + middle, 1.0, equivalent=equivalent),
         form.limits,
     )
 
@@ -148,7 +141,8 @@ def _tools(pitch: PitchPair, form: ToothForm, kind: CutterKind) -> tuple[Tool, T
             cutter: PinionCircle = pinion_cutter(pitch, form.rack, form.cutter.teeth)
             return cutter, cutter
         case _:
-            return RackLine(), RackLine()
+            rack: RackLine = rack_cutter(pitch)
+            return rack, rack
 
 
 def _gear(tips: Tips, chords: ChordTolerance) -> ToothedGear:

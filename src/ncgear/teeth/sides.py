@@ -18,6 +18,8 @@ from ncgear.teeth.regular import folded_fillets, regular_depth
 from ncgear.teeth.roots import Roots, roots_of
 from ncgear.teeth.tips import Tips
 
+REMEDY = "more teeth of a smaller module are needed, or a smaller range of the ratio"
+
 PROBES = 17
 """Places on each land at which its folding is looked at; a land is a sixth of a pitch, the curvature changes slowly."""
 
@@ -68,32 +70,52 @@ def regular_sides(tips: Tips) -> tuple[Sides, Mask]:
 def refuse_folded_lands(flanks: Flanks, sides: Sides) -> None:
     """Refuse a pitch curve that is too sharply curved for its tip and root lands.
 
-    Both are parallel to the pitch curve and fold where its radius of curvature is less than they are far.  Raises
-    NoSuchMechanism with the radius and the angle.
+    A tip land, parallel to the pitch curve, folds where the curve's hollow radius is less than its height; a root land
+    where it is deeper than the radius with which gear and tool turn about each other, their curvatures added.  Raises
+    NoSuchMechanism with the radius, the tooth and the angle.
     """
-    back, front = np.arange(0, flanks.count, 2), np.arange(1, flanks.count, 2)
-    _refuse_folds(
-        flanks,
-        sides.tip_mm[back],
-        sides.tip_mm[front],
-        np.maximum(flanks.tip_height_mm[back], flanks.tip_height_mm[front]),
-        "addendum",
-    )
+    _refuse_folded_tips(flanks, sides)
     start, end = sides.roots.lands()
-    _refuse_folds(flanks, start, end, -flanks.root_depth_mm[front], "dedendum")
-
-
-def _refuse_folds(flanks: Flanks, start: Array, end: Array, height: Array, name: str) -> None:
-    sigma = start[:, None] + (end - start)[:, None] * np.linspace(0.0, 1.0, PROBES)
-    room = 1.0 + height[:, None] * flanks.curve.at_length(sigma).curvature
-    tooth, place = np.unravel_index(int(np.argmin(room)), room.shape)
-    if room[tooth, place] > 0.0:
+    sigma = _probes(start, end)
+    depth, limit = sides.roots.folding(np.arange(start.size)[:, None], sigma)
+    tooth, place = _worst(depth / limit)
+    if depth[tooth, place] < limit[tooth, place]:
         return
-    phi1 = float(flanks.curve.driving_angle(sigma[tooth, place : place + 1])[0])
-    radius = abs(height[tooth] / (1.0 - room[tooth, place]))
     raise NoSuchMechanism(
-        f"the {flanks.curve.gear.value} pitch curve's radius is {radius:.4g} mm at phi1 = {in_words(phi1)}, "
-        f"{'concave' if height[tooth] > 0.0 else 'convex'}, less than the {name} of {abs(height[tooth]):.4g} mm; more "
-        "teeth of a smaller module are needed, or a smaller range of the ratio",
+        f"the root of the space after tooth {tooth + 1} of the {flanks.curve.gear.value} gear folds at phi1 = "
+        f"{_angle(flanks, sigma[tooth, place])}: gear and tool turn about each other with a radius of "
+        f"{limit[tooth, place]:.4g} mm there, less than its depth of {depth[tooth, place]:.4g} mm; {REMEDY}",
         key="gears.teeth",
     )
+
+
+def _refuse_folded_tips(flanks: Flanks, sides: Sides) -> None:
+    back, front = np.arange(0, flanks.count, 2), np.arange(1, flanks.count, 2)
+    sigma = _probes(sides.tip_mm[back], sides.tip_mm[front])
+    height = np.maximum(flanks.tip_height_mm[back], flanks.tip_height_mm[front])
+    folding = -height[:, None] * flanks.curve.at_length(sigma).curvature
+    tooth, place = _worst(folding)
+    if folding[tooth, place] < 1.0:
+        return
+    raise NoSuchMechanism(
+        f"the {flanks.curve.gear.value} pitch curve is hollow with a radius of "
+        f"{height[tooth] / folding[tooth, place]:.4g} mm at phi1 = {_angle(flanks, sigma[tooth, place])}, less "
+        f"than the height of {height[tooth]:.4g} mm of tooth {tooth + 1} there; {REMEDY}",
+        key="gears.teeth",
+    )
+
+
+def _probes(start: Array, end: Array) -> Array:
+    """Arc lengths along lands, shape (z, PROBES)."""
+    probes: Array = start[:, None] + (end - start)[:, None] * np.linspace(0.0, 1.0, PROBES)
+    return probes
+
+
+def _worst(values: Array) -> tuple[int, int]:
+    """Row and column of the largest value."""
+    row, column = np.unravel_index(int(np.argmax(values)), values.shape)
+    return int(row), int(column)
+
+
+def _angle(flanks: Flanks, sigma: float) -> str:
+    return in_words(float(flanks.curve.driving_angle(np.array(sigma))))

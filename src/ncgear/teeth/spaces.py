@@ -19,7 +19,7 @@ from ncgear.teeth.flank import Flanks
 from ncgear.teeth.naming import tooth_name
 from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_depth
 from ncgear.teeth.rounding import LEAST_FLAT, Rounding, fitting_radii, rounding_of
-from ncgear.teeth.tool import RackLine
+from ncgear.teeth.tool import PinionCircle, RackLine
 
 Depth = Callable[[Array, IndexArray], Array]
 """Radii and flank numbers to flank depths, shape (n,) each."""
@@ -39,21 +39,21 @@ def cut_spaces(flanks: Flanks, avoid_undercut: bool) -> tuple[Flanks, Mask]:
     undercut = regular < depth
     allowed = np.where(undercut & avoid_undercut, CLEAR_OF_CUSPS * regular, np.inf)
     bound = of_spaces(allowed)
-    radii = _largest_radii(flanks, np.minimum(bound, depth))
+    radii = _largest_radii(flanks, np.minimum(bound, depth), rack.root_radius_mm)
     if not isinstance(tool, RackLine):
         radii = _fitted(flanks, radii, lambda r, i: np.minimum(bound[i], tool.flank_depth_mm(rack, full[i], r)))
     depth = np.minimum(bound, tool.flank_depth_mm(rack, full, radii))
     return replace(flanks, flank_depth_mm=depth, root_radius_mm=radii), undercut
 
 
-def mated_spaces(flanks: Flanks, depth_mm: Array) -> Flanks:
-    """The flanks as deep as their mates touch, with the largest roundings that fit the mates' teeth."""
-    radii = _largest_radii(flanks, depth_mm)
+def mated_spaces(flanks: Flanks, depth_mm: Array, radius_mm: float) -> Flanks:
+    """The flanks as deep as their mates touch, rounded with ``radius_mm`` or the most that fits the mates' teeth."""
+    radii = _largest_radii(flanks, depth_mm, radius_mm)
     deep = replace(flanks, flank_depth_mm=depth_mm)
     rounded = replace(deep, root_radius_mm=_fitted(deep, radii, lambda r, i: depth_mm[i]))
     lost = np.nonzero(np.isnan(rounded.root_depth_mm))[0]
     if lost.size:
-        raise _no_root(flanks, int(lost[0]), "no rounded tip fits the mate's tooth")
+        raise no_root(flanks, int(lost[0]), "no rounded tip fits the mate's tooth")
     return rounded
 
 
@@ -63,12 +63,15 @@ def of_spaces(values: Array) -> Array:
     return np.roll(np.repeat(least, 2), 1)
 
 
-def _largest_radii(flanks: Flanks, depth: Array) -> Array:
-    """Radii with which the fillets do not fold; raises NoSuchMechanism where no flank is left below the pitch curve."""
+def _largest_radii(flanks: Flanks, depth: Array, wanted: float) -> Array:
+    """Radii, at most the one wanted, with which the fillets do not fold.
+
+    Raises NoSuchMechanism where no flank is left below the pitch curve.
+    """
     if not np.all(depth > 0.0):
-        raise _no_root(flanks, int(np.nonzero(~(depth > 0.0))[0][0]), "no flank below the pitch curve is regular")
+        raise no_root(flanks, int(np.nonzero(~(depth > 0.0))[0][0]), "no flank below the pitch curve is regular")
     most = ROUND_ENOUGH * depth / sin(flanks.rack.pressure_angle_rad)
-    return of_spaces(np.minimum(flanks.rack.root_radius_mm, most))
+    return of_spaces(np.minimum(wanted, most))
 
 
 def _fitted(flanks: Flanks, radii: Array, depth_of: Depth) -> Array:
@@ -84,10 +87,20 @@ def _fitted(flanks: Flanks, radii: Array, depth_of: Depth) -> Array:
 
     fitting = fitting_radii(flats, radii[front], LEAST_FLAT * flanks.rack.module_mm)
     if np.isnan(fitting).any():
-        raise _no_root(flanks, int(front[np.isnan(fitting)][0]), "the tool's tooth is pointed before its depth")
+        raise _pointed(flanks, int(front[np.isnan(fitting)][0]))
     fitted = np.empty(flanks.count)
     fitted[front] = fitted[back] = fitting
     return fitted
+
+
+def _pointed(flanks: Flanks, flank: int) -> NoSuchMechanism:
+    if not isinstance(flanks.tool, PinionCircle):
+        return no_root(flanks, flank, "the mate's tooth is pointed before its depth")
+    return NoSuchMechanism(
+        f"a pinion cutter of {flanks.tool.teeth} teeth is pointed before it is as deep as the space beside "
+        f"{tooth_name(flanks, flank)}; more cutter teeth, or kind: mate, are needed",
+        key="gears.cutter.teeth",
+    )
 
 
 def _trial(flanks: Flanks, flank: IndexArray, radius: Array, depth: Array) -> Rounding:
@@ -95,7 +108,8 @@ def _trial(flanks: Flanks, flank: IndexArray, radius: Array, depth: Array) -> Ro
     return rounding_of(flanks.tool, flanks.rack, flanks.crossing_mm[flank], flanks.side[flank], depth, radius)
 
 
-def _no_root(flanks: Flanks, flank: int, problem: str) -> NoSuchMechanism:
+def no_root(flanks: Flanks, flank: int, problem: str) -> NoSuchMechanism:
+    """The refusal of the space beside a flank."""
     return NoSuchMechanism(
         f"the space beside {tooth_name(flanks, flank)} cannot be cut: {problem}; more teeth of a smaller module are "
         "needed",

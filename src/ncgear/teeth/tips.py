@@ -26,9 +26,12 @@ AGREEMENT = 1e-11
 """Distance, in modules, at which two curves count as meeting: about 1000 rounding errors of a gear of 20 modules."""
 
 
-STARTS = (0.5, 1.0, 0.2)
-"""Shares of the tip's height from which the contact's height is sought: from below, since on concave stretches a flank
-may come to the same height twice; and from elsewhere where that leads away."""
+START = 0.5
+"""Share of the tip's height from which the contact's height is sought: from below, since on concave stretches a flank
+comes to the same height again beyond its cusp."""
+
+FAR = 3.0
+"""Tip heights up to which flanks are followed; they lean so much that they reach the tip land before."""
 
 LOWEST = 0.05
 """Share of a pointed tip's height above which the height of the least land is sought."""
@@ -95,7 +98,7 @@ def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: f
     top, at, met = tip_crossing(flanks)
     lost = np.nonzero(~met | (flanks.tip_height_mm <= 0.0) | (top <= 0.0))[0]
     if lost.size:
-        raise _no_tip(flanks, int(lost[0]))
+        raise no_tip(flanks, int(lost[0]))
     return Tips(flanks, top, at, limit, undercut, np.full(flanks.count, np.inf))
 
 
@@ -122,39 +125,64 @@ def _lowered(flanks: Flanks, allowed: Array) -> Array:
 
 def _distance(flanks: Flanks, flank: IndexArray, height: Array) -> Array:
     """Distance from the pitch curve of the points where flanks touch at heights; shapes (n,)."""
-    foot = flanks.rolled_mm(flank, height) + flanks.side[flank] * height / np.tan(flanks.rack.pressure_angle_rad)
-    _, distance = nearest(flanks.curve, flanks.flank(flank, height)[0], foot, AGREEMENT * flanks.rack.module_mm)
+    distance = _foot(flanks, flank, height)[1]
     lost = np.nonzero(np.isnan(distance))[0]
     if lost.size:
-        raise _no_tip(flanks, int(flank[lost[0]]))
+        raise no_tip(flanks, int(flank[lost[0]]))
     return distance
 
 
+def _foot(flanks: Flanks, flank: IndexArray, height: Array) -> tuple[Array, Array]:
+    """Arc length of the pitch curve's point nearest to where flanks touch at heights, and its distance; shapes (n,)."""
+    start = flanks.rolled_mm(flank, height) + flanks.side[flank] * height / np.tan(flanks.rack.pressure_angle_rad)
+    return nearest(flanks.curve, flanks.flank(flank, height)[0], start, AGREEMENT * flanks.rack.module_mm)
+
+
 def tip_crossing(flanks: Flanks, chosen: IndexArray | None = None) -> tuple[Array, Array, Mask]:
-    """Height at which flanks reach their tip lands, the arc length there, and whether they do so near by.
+    """Height at which flanks reach their tip lands, the arc length there, and whether they do so before any cusp.
 
     Of all flanks, or of the chosen ones; shape (n,) each.
     """
     which = np.arange(flanks.count) if chosen is None else chosen
-    height, sigma, met = _crossing_from(flanks, which, STARTS[0])
-    for start in STARTS[1:]:
-        again = np.nonzero(~met)[0]
-        if again.size:
-            height[again], sigma[again], met[again] = _crossing_from(flanks, which[again], start)
+    height, sigma, met = _newton_crossing(flanks, which)
+    lost = np.nonzero(~met)[0]
+    if lost.size:
+        height[lost], sigma[lost], met[lost] = _crossing_below_cusp(flanks, which[lost])
     return height, sigma, met
 
 
-def _crossing_from(flanks: Flanks, which: IndexArray, start: float) -> tuple[Array, Array, Mask]:
-    """Crossings sought from a share of the tips' heights."""
+def _newton_crossing(flanks: Flanks, which: IndexArray) -> tuple[Array, Array, Mask]:
+    """Crossings by Newton's method, which may lead away, or beyond a cusp: then they do not count as met."""
     rack, tip, crossing = flanks.rack, flanks.tip_height_mm[which], flanks.crossing_mm[which]
     height, sigma, met = refined_crossings(
         lambda h: flanks.flank(which, h),
         lambda s: flanks.offset(s, tip),
-        start * tip,
-        crossing - flanks.side[which] * start * tip * np.tan(rack.pressure_angle_rad),
+        START * tip,
+        crossing - flanks.side[which] * START * tip * np.tan(rack.pressure_angle_rad),
         AGREEMENT * rack.module_mm,
     )
-    return height, sigma, met & (np.abs(sigma - crossing) < rack.pitch_mm / 2.0) & (height > 0.0)
+    met &= (height > 0.0) & (height < FAR * tip) & (np.abs(sigma - crossing) < rack.pitch_mm / 2.0)
+    met[met] &= flanks.regularity(which[met], height[met]) > 0.0
+    return height, sigma, met
+
+
+def _crossing_below_cusp(flanks: Flanks, which: IndexArray) -> tuple[Array, Array, Mask]:
+    """Crossings in brackets from the pitch curve up to the cusps."""
+    tip = flanks.tip_height_mm[which]
+    high = np.minimum(FAR * tip, regular_height(flanks, FAR * float(np.max(tip)))[which])
+
+    def excess(height: Array, number: Array) -> Array:
+        row = number.astype(int)
+        distance: Array = _foot(flanks, which[row], height)[1] - tip[row]
+        return distance
+
+    every = np.arange(float(which.size))
+    met = (tip > 0.0) & (excess(high, every) >= 0.0)
+    height = np.where(met, 0.0, np.nan)
+    found = elementwise.find_root(excess, (height[met], high[met]), args=(every[met],))
+    height[met] = np.where(found.success, found.x, np.nan)
+    sigma = _foot(flanks, which, height)[0]
+    return height, sigma, np.isfinite(height) & np.isfinite(sigma)
 
 
 def _with_lands(flanks: Flanks, least: float) -> tuple[Flanks, Mask]:
@@ -185,7 +213,7 @@ def _height_of_land(flanks: Flanks, back: IndexArray, least: float) -> Array:
     low = LOWEST * high
     thick = excess(low, every)
     if not np.all(thick > 0.0):
-        raise _no_tip(flanks, int(back[~(thick > 0.0)][0]))
+        raise no_tip(flanks, int(back[~(thick > 0.0)][0]))
     found = elementwise.find_root(excess, (low, high), args=(every,))
     if not np.all(found.success):
         raise ArithmeticError("the height of a narrow tip was not found")
@@ -202,7 +230,8 @@ def _land(flanks: Flanks, back: IndexArray) -> Array:
     return np.where(met.reshape(-1, 2).all(axis=1), width, -np.inf)
 
 
-def _no_tip(flanks: Flanks, flank: int) -> NoSuchMechanism:
+def no_tip(flanks: Flanks, flank: int) -> NoSuchMechanism:
+    """The refusal of a flank that cannot have a tip."""
     k = float(flanks.curve.at_length(flanks.crossing_mm[flank : flank + 1]).curvature[0])
     return NoSuchMechanism(
         f"{tooth_name(flanks, flank)} has no tip above the pitch curve that is regular and free of its mate (curvature "
