@@ -185,10 +185,12 @@ def _solved(hits: EdgeHits) -> tuple[Array, Array]:
 def _bracketed(hits: EdgeHits) -> tuple[Array, Array]:
     """The same by bracketing the radius between the ends of the chords."""
 
-    def missing(parameter: Array) -> Array:
-        return square(hits.curves.curve(hits.run, parameter, hits.position)[0]) - square(hits.corner)
+    def missing(parameter: Array, row: IndexArray) -> Array:
+        chosen = hits.kept(row)
+        return square(chosen.curves.curve(chosen.run, parameter, chosen.position)[0]) - square(chosen.corner)
 
-    parameter = elementwise.find_root(missing, hits.ends).x
+    # Rows that are found drop out on the way, so each brings its number along.
+    parameter = elementwise.find_root(missing, hits.ends, args=(np.arange(hits.position.size),)).x
     point, _ = hits.curves.curve(hits.run, parameter, hits.position)
     if not np.all(np.abs(np.abs(point) - np.abs(hits.corner)) <= ON_CIRCLE * np.abs(hits.corner)):
         raise ArithmeticError("a tooth's corner was not found on the curve that it touches")
