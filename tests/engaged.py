@@ -37,6 +37,7 @@ LAWS: dict[str, Callable[[], Transmission]] = {
     "ellipse": lambda: elliptical_law(0.35, 0.0, Lobes()),
     "long ellipse": lambda: elliptical_law(0.7, 0.0, Lobes()),
     "sine": lambda: sine_law(0.08),
+    "deep sine": lambda: sine_law(0.3),
     "baler": baler_law,
 }
 

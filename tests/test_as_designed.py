@@ -8,12 +8,14 @@ from math import cos, floor, lcm, pi, radians, sin
 
 import numpy as np
 import pytest
+import shapely
 from shapely import Polygon
 
 from engaged import MODULE, TOLERANCE, designed, made, outlines, read, written
 from ncgear.contact.as_designed import AsDesigned, SideContact, as_designed
 from ncgear.contact.pair_contact import refuse_overlap
 from ncgear.contact.placement import Placement, placed
+from ncgear.contact.side_paths import side_paths
 from ncgear.errors import NoSuchMechanism
 from ncgear.machine.rack import TipRelief
 from ncgear.teeth.flank import FLANK
@@ -29,6 +31,22 @@ Array = np.ndarray
 
 def both(contact: AsDesigned) -> tuple[SideContact, SideContact]:
     return contact.pushing, contact.back
+
+
+# --- the sides as chords ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("name", "teeth"), [("sine", 25), ("baler", 25), ("ring", 40)])
+def test_paths_lead_from_tip_to_tip_across_each_space(name: str, teeth: int) -> None:
+    """Without a gap, down flank and fillet, over the root land, and up the fillet of the flank that faces it."""
+    _, pair = made(name, teeth)
+    for gear in (pair.driving, pair.driven):
+        paths = side_paths(gear.flanks, gear.sides)
+        gaps = np.abs((paths.start + paths.step)[:, :-1] - paths.start[:, 1:])
+        assert np.nanmax(gaps) < 1e-9
+        points = shapely.points(*np.array([paths.start.real, paths.start.imag])[:, np.isfinite(paths.start.real)])
+        # Their points are on the written outline, to its chords.
+        assert shapely.distance(shapely.LinearRing(gear.outline_mm), points).max() <= TOLERANCE
 
 
 # --- positions ---------------------------------------------------------------------------------------------------
@@ -64,7 +82,7 @@ def test_positions_cover_a_meeting_cycle_evenly(name: str, teeth: int, driven: i
 @pytest.mark.parametrize(
     ("name", "teeth"),
     [("uniform", 18), ("uniform 1:2", 24), ("uniform 3:2", 30), ("ellipse", 37), ("long ellipse", 60), ("sine", 25),
-     ("sine", 18), ("baler", 86), ("baler", 43)],
+     ("sine", 18), ("baler", 86), ("baler", 43), ("ring 1:2", 30), ("ring", 40)],
 )  # fmt: skip
 def test_exact_flanks_keep_the_law(name: str, teeth: int) -> None:
     contact = designed(name, teeth)
@@ -72,7 +90,7 @@ def test_exact_flanks_keep_the_law(name: str, teeth: int) -> None:
         assert np.abs(side.error_rad).max() <= 1e-12
         assert side.transmission_error_rad <= 1e-12
         assert side.first.flanks.all()
-        assert max(side.transmission_error_by_tooth().values()) <= 1e-12
+        assert max(side.variation_by_tooth(side.error_rad).values()) <= 1e-12
     assert np.abs(contact.backlash_rad).max() <= 1e-12
     assert contact.overlap_mm.max() == 0.0
 
@@ -190,6 +208,21 @@ def test_contact_of_a_circular_pair_runs_along_the_line_of_action(backlash: floa
         assert touching.pressure_angle_rad == pytest.approx(np.arccos(second * cos(ALPHA) / rho), abs=1e-10)
 
 
+def test_contact_of_a_circular_ring_is_the_closed_form() -> None:
+    """The driving gear lies inside: pitch point beyond its axis, gears turning alike, sliding by the difference."""
+    backlash, base = 0.1, 60.0 * cos(ALPHA)
+    contact = designed("ring 1:2", 30, backlash)
+    assert contact.pushing.error_rad == pytest.approx(np.zeros(1200), abs=1e-13)
+    assert contact.back.error_rad == pytest.approx(np.full(1200, backlash / base), abs=1e-13)
+    # Turned counter-clockwise the driving gear pushes downwards at its left; the ring's teeth stand outside.
+    for side, lean in ((contact.pushing, -1.0), (contact.back, 1.0)):
+        touching = side.touching.kept(side.touching.flanks)
+        place = touching.fixed_points(contact.placement)
+        assert np.abs(((place + 30.0) / (1j * np.exp(1j * lean * ALPHA))).imag).max() <= 1e-12
+        assert touching.lever_mm == pytest.approx(np.full(place.size, base), rel=1e-12)
+        assert np.abs(touching.sliding_mm(contact.placement)) == pytest.approx(0.5 * np.abs(place + 30.0), abs=1e-10)
+
+
 def test_sliding_of_a_circular_pair_is_the_closed_form() -> None:
     """(omega1 + omega2) times the distance from the pitch point, and from the velocities of both gears' points."""
     contact = designed("uniform 1:2", 24)
@@ -280,7 +313,7 @@ def test_edges_carry_where_contact_is_shorter_than_a_pitch() -> None:
     share = contact.pushing.arcs[0]
     assert edges.mean() == pytest.approx(1.0 - share, abs=2.0 / contact.placement.per_tooth)
     assert contact.pushing.error_rad[edges].max() < 0.0  # the driven gear lags until an edge takes over
-    by_tooth = contact.pushing.transmission_error_by_tooth()
+    by_tooth = contact.pushing.variation_by_tooth(contact.pushing.error_rad)
     assert sorted(by_tooth) == list(range(1, 9))
     assert list(by_tooth.values()) == pytest.approx([contact.pushing.transmission_error_rad] * 8, rel=1e-6)
 

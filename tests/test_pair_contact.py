@@ -34,7 +34,7 @@ def grown(outline: Array, by_mm: float) -> Array:
 # --- what outlines within the chord tolerance keep -------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("name", "teeth"), [*PAIRS, ("baler", 25), ("uniform", 8)])
+@pytest.mark.parametrize(("name", "teeth"), [*PAIRS, ("baler", 25), ("uniform", 8), ("deep sine", 72), ("ring", 40)])
 def test_written_outlines_touch_where_the_exact_curves_do(name: str, teeth: int) -> None:
     """Within three chord tolerances at the pitch radius, and none deeper than one inside the other."""
     exact, found = designed(name, teeth), written(name, teeth)

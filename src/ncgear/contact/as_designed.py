@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -73,9 +72,9 @@ class SideContact:
         ahead = self.meetings.urge * self.error_rad
         return np.where(ahead > ALIKE_RAD, ahead, 0.0) * self.first.lever_mm
 
-    def transmission_error_by_tooth(self) -> dict[int, float]:
-        """Peak to peak variation of the driven angle over the positions in which each driving tooth carries, in rad."""
-        tooth, error = self.touching.driving_tooth, self.error_rad[self.touching.position]
+    def variation_by_tooth(self, error_rad: Array) -> dict[int, float]:
+        """Peak to peak variation of errors in rad (shape (n,)) where each driving tooth carries."""
+        tooth, error = self.touching.driving_tooth, error_rad[self.touching.position]
         high, low = np.full(tooth.max() + 1, -np.inf), np.full(tooth.max() + 1, np.inf)
         np.maximum.at(high, tooth, error)
         np.minimum.at(low, tooth, error)
@@ -150,28 +149,23 @@ def _side_contact(
 ) -> SideContact:
     """The first contacts among all candidates.
 
-    A corner in the notch of an undercut tooth is held by the curve of the other side of the teeth, too: where it meets
-    that from behind, on its way on from the other side's first contact.
+    A corner in a notch or at the far side of its space is held by curves that are gathered on the other side of the
+    teeth.
     """
     urge = own.meetings.urge
-    facing = [hits.kept(hits.facing) for hits in own.hits]
-    least = -_first(other.flanks, [hits.kept(hits.facing) for hits in other.hits], -urge, placement)
-    behind = [hits.kept(~hits.facing & (urge * hits.error_rad <= least[hits.position])) for hits in other.hits]
-    edges = edge_contacts(facing + behind, urge, _first(own.flanks, [], urge, placement))
-    contacts = Contacts.joined([own.flanks, edges])
-    later = _first(contacts, [], urge, placement)[contacts.position] - urge * contacts.error_rad
+    hits = [found.kept(found.facing) for found in own.hits] + [found.kept(~found.facing) for found in other.hits]
+    contacts = Contacts.joined([own.flanks, edge_contacts(hits, urge, _first(own.flanks, urge, placement))])
+    later = _first(contacts, urge, placement)[contacts.position] - urge * contacts.error_rad
     alike, touching = later <= ALIKE_RAD, later * contacts.lever_mm <= TOUCHING_MM
     return SideContact(
         own.meetings, _foremost(contacts.kept(alike), placement), contacts.kept(touching), own.arcs, *tips
     )
 
 
-def _first(contacts: Contacts, hits: Sequence[EdgeHits], urge: float, placement: Placement) -> Array:
-    """First driven angle of contacts and hits at each position, times the urge, -inf where there is none."""
+def _first(contacts: Contacts, urge: float, placement: Placement) -> Array:
+    """First driven angle of contacts at each position, times the urge, -inf where there is none."""
     first = np.full(placement.count, -np.inf)
-    touched = [(contacts.position, contacts.error_rad), *((found.position, found.error_rad) for found in hits)]
-    for position, error in touched:
-        np.maximum.at(first, position, urge * error)
+    np.maximum.at(first, contacts.position, urge * contacts.error_rad)
     return first
 
 

@@ -15,7 +15,6 @@ from ncgear.contact.meetings import Meetings
 from ncgear.contact.side_paths import SidePaths
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
 from ncgear.numerics.plane import across, as_complex, square
-from ncgear.teeth.flank import FILLET
 
 ZOOM = np.linspace(-1.0, 1.0, 9)
 ZOOMS = 3
@@ -94,7 +93,7 @@ def _from_fillets(paths: SidePaths, flank: IndexArray, point: ComplexArray, free
 
     Negative for points on the other side of the fillet than those of ``free``.
     """
-    chosen = np.where(paths.sides.kind[paths.run[flank]] == FILLET, square(paths.start[flank] - point[:, None]), np.nan)
+    chosen = np.where(paths.own_fillet[flank], square(paths.start[flank] - point[:, None]), np.nan)
     there = np.isfinite(chosen).any(axis=1)
     distance = np.full(flank.size, np.inf)
     flank, point, free = flank[there], point[there], free[there]
@@ -110,7 +109,7 @@ def _nearest(
     """Points of the curves about the starts of chords that are nearest to given points, and the curves' directions."""
     run, middle = paths.run[chord], paths.first[chord]
     every, reach = np.arange(run.size), np.abs(paths.last[chord] - middle)
-    ends = np.sort([paths.sides.start[run], paths.sides.end[run]], axis=0)
+    ends = np.sort([paths.runs.start[run], paths.runs.end[run]], axis=0)
     for _ in range(ZOOMS):
         parameter = np.clip(middle[:, None] + reach[:, None] * ZOOM, *ends[..., None])
         found, slope = (as_complex(array) for array in paths.curve(run, parameter))

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
+from scipy.optimize import elementwise
 
 from ncgear.contact.circles import crossing
 from ncgear.contact.contacts import Contacts
@@ -25,6 +26,9 @@ REACH_IN_PITCHES = 0.6
 NEAR_IN_MODULES = 0.02
 """How much nearer than by its chords a corner may be by its curve: several times what those chords stray."""
 
+ON_CIRCLE = 1e-12
+"""Relative error of the radius at which a point counts as on its corner's circle: rounding errors."""
+
 
 @dataclass(frozen=True, eq=False)
 class EdgeHits:
@@ -33,8 +37,8 @@ class EdgeHits:
     ``driving`` and ``driven`` number the flanks that meet in ``position``.  ``corner`` is in the driven gear's frame;
     ``chord`` is the chord's place in its flank's row of the paths' tables, ``share`` how far along it the crossing
     lies, ``lever_mm`` the arm of a force across it.  ``turn_rad`` turns the corner onto it, the driven gear being then
-    ``error_rad`` ahead of the law.  ``facing`` is false where the curve is met from its other side, as in the notch
-    of an undercut tooth.
+    ``error_rad`` ahead of the law.  ``facing`` is false where the curve holds the corner in the other sense than flanks
+    of its side do, as in the notch of an undercut tooth or at the far side of a space.
     """
 
     curves: SeenGear
@@ -49,7 +53,21 @@ class EdgeHits:
     error_rad: Array
     facing: Mask
 
-    def kept(self, rows: Mask) -> EdgeHits:
+    @property
+    def run(self) -> IndexArray:
+        """Number of the run that each chord belongs to."""
+        return self.curves.paths.run[self._place]
+
+    @property
+    def ends(self) -> tuple[Array, Array]:
+        """Parameters of the curves at both ends of each chord."""
+        return self.curves.paths.first[self._place], self.curves.paths.last[self._place]
+
+    @property
+    def _place(self) -> tuple[IndexArray, IndexArray]:
+        return (self.driving if self.curves.moving else self.driven), self.chord
+
+    def kept(self, rows: Mask | IndexArray) -> EdgeHits:
         """The chosen hits."""
         columns = [getattr(self, field.name)[rows] for field in fields(self)[1:]]
         return EdgeHits(self.curves, *columns)
@@ -94,7 +112,24 @@ def _hits(corners: SeenGear, curves: SeenGear, meetings: Meetings) -> EdgeHits:
     flanks = meetings.driving[row], meetings.driven[row], meetings.position[row, column]
     facing = outwards == curves.rootwards_out
     hits = EdgeHits(curves, *flanks, at, chord, share, lever, turn, _ahead(curves, turn), facing)
-    return hits.kept(np.abs(turn) * np.abs(at) <= REACH_IN_PITCHES * curves.paths.flanks.rack.pitch_mm)
+    near = np.abs(turn) * np.abs(at) <= REACH_IN_PITCHES * curves.paths.flanks.rack.pitch_mm
+    group = np.ravel_multi_index((row, column, number), (*meetings.position.shape, corner.shape[2]))
+    return hits.kept(near).kept(_met_first(hits.kept(near), group[near], meetings.urge))
+
+
+def _met_first(hits: EdgeHits, corner: IndexArray, urge: float) -> Mask:
+    """Which hits of each corner hold it, the law's position being what it is.
+
+    A corner is inside the other gear where it would come out through the nearest curve; then that one holds it.  Else
+    those do through which it would go in.
+    """
+    out = (urge * hits.error_rad > 0.0) == hits.facing
+    order = np.lexsort((np.abs(hits.turn_rad), corner))
+    nearest = np.zeros(out.size, dtype=bool)
+    nearest[order[np.append(True, np.diff(corner[order]) != 0)[: out.size]]] = True
+    inside = np.zeros(int(corner.max(initial=-1)) + 1, dtype=bool)
+    inside[corner[nearest]] = out[nearest]
+    return np.where(inside[corner], nearest, ~out)
 
 
 def _crossed(radius: Array, before: Array, after: Array) -> Mask:
@@ -114,27 +149,52 @@ def _picked(table: ComplexArray, row: IndexArray, column: IndexArray, place: Ind
 
 def _touching(hits: EdgeHits) -> Contacts:
     """The exact places of hits on the curves themselves."""
-    gear = hits.curves
-    place = (hits.driving if gear.moving else hits.driven), hits.chord
-    run, first, last = gear.paths.run[place], gear.paths.first[place], gear.paths.last[place]
+    gear, run = hits.curves, hits.run
+    parameter, turn = _solved(hits)
+    point, slope = gear.curve(run, parameter, hits.position)
+    turned = np.exp(-1j * turn) if gear.moving else np.ones(1)
+    columns = _ahead(gear, turn), point * turned, slope * turned, np.zeros(run.size, dtype=bool)
+    return Contacts(hits.driving, hits.driven, hits.position, *columns)
+
+
+def _solved(hits: EdgeHits) -> tuple[Array, Array]:
+    """Parameters of the curves at which they meet the corners' circles, and the angles that turn the corners there.
+
+    By Newton's method, which ends beyond its chord where the curve turns close by; there by bracketing on the chord.
+    """
 
     def curve(parameter: Array) -> tuple[Array, Array]:
-        point, slope = gear.curve(run, parameter, hits.position)
+        point, slope = hits.curves.curve(hits.run, parameter, hits.position)
         return as_points(point), as_points(slope)
 
     def circle(turn: Array) -> tuple[Array, Array]:
         turned = hits.corner * np.exp(1j * turn)
         return as_points(turned), as_points(1j * turned)
 
-    start = first + (last - first) * hits.share
-    agreement = AGREEMENT * gear.paths.flanks.rack.module_mm
-    parameter, turn, met = refined_crossings(curve, circle, start, hits.turn_rad, agreement)
-    if not met.all():
+    first, last = hits.ends
+    agreement = AGREEMENT * hits.curves.paths.flanks.rack.module_mm
+    parameter, turn, met = refined_crossings(
+        curve, circle, first + (last - first) * hits.share, hits.turn_rad, agreement
+    )
+    astray = np.nonzero(~met | ((parameter - first) * (parameter - last) > 0.0))[0]
+    if astray.size:
+        parameter[astray], turn[astray] = _bracketed(hits.kept(astray))
+    return parameter, turn
+
+
+def _bracketed(hits: EdgeHits) -> tuple[Array, Array]:
+    """The same by bracketing the radius between the ends of the chords."""
+
+    def missing(parameter: Array, row: IndexArray) -> Array:
+        chosen = hits.kept(row)
+        return square(chosen.curves.curve(chosen.run, parameter, chosen.position)[0]) - square(chosen.corner)
+
+    # Rows that are found drop out on the way, so each brings its number along.
+    parameter = elementwise.find_root(missing, hits.ends, args=(np.arange(hits.position.size),)).x
+    point, _ = hits.curves.curve(hits.run, parameter, hits.position)
+    if not np.all(np.abs(np.abs(point) - np.abs(hits.corner)) <= ON_CIRCLE * np.abs(hits.corner)):
         raise ArithmeticError("a tooth's corner was not found on the curve that it touches")
-    point, slope = gear.curve(run, parameter, hits.position)
-    turned = np.exp(-1j * turn) if gear.moving else np.ones(1)
-    columns = _ahead(gear, turn), point * turned, slope * turned, np.zeros(met.size, dtype=bool)
-    return Contacts(hits.driving, hits.driven, hits.position, *columns)
+    return parameter, angle_between(hits.corner, point)
 
 
 def _ahead(curves: SeenGear, turn_rad: Array) -> Array:

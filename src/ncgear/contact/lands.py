@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncgear.contact.side_paths import SidePaths
+from ncgear.contact.side_paths import LAND, SidePaths
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import along, as_complex
 
@@ -52,9 +52,9 @@ def tip_lands(paths: SidePaths) -> Lands:
 
 def root_lands(paths: SidePaths) -> Lands:
     """The roots of all spaces, which begin where the fillets end, right under the pitch curve's points."""
-    last_run = np.searchsorted(paths.sides.owner, np.arange(paths.flanks.count), side="right") - 1
-    foot = paths.sides.end[last_run]
+    land = np.nonzero(paths.runs.kind == LAND)[0]
+    foot = paths.sides.roots.end_mm
     at = paths.flanks.curve.at_length(foot)
-    height = along(as_complex(at.normal), as_complex(paths.curve(last_run, foot)[0] - at.position))
+    height = along(as_complex(at.normal), as_complex(paths.curve(land, paths.runs.start[land])[0] - at.position))
     width = np.append(foot[2::2], foot[0] + paths.flanks.curve.length_mm) - foot[1::2]
     return Lands(foot - paths.flanks.crossing_mm, np.roll(np.repeat(width, 2), 1), height)

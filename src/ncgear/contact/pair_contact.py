@@ -17,8 +17,9 @@ from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Mesh
 from ncgear.teeth.gear import ToothedPair
 
-CHORDS_OVERLAP = 2.2
-"""Overlap in chord tolerances that outlines may show: one for each, and a tenth for rounding in the files."""
+CHORDS_OVERLAP = 1.1
+"""Overlap in chord tolerances that outlines may show: chords stand out of a flank only where it is hollow, and of two
+flanks that touch one is not.  A tenth is for rounding in the files."""
 
 CHORDS_ASTRAY = 4.0
 """Distance in chord tolerances by which outlines may touch elsewhere than designed: twice what both chords can cost."""

@@ -74,8 +74,12 @@ class RadialRuns:
 
     def entry_beyond(self, run: IndexArray, squared: Array) -> IndexArray:
         """First entry of runs at or beyond squared radii; one after the last where there is none."""
-        found = np.searchsorted(self._keys, run + np.minimum(squared * self._scale, 0.75))
-        return np.clip(found, self.first[run], self.last[run] + 1)
+        first, last = self.first[run], self.last[run]
+        found = np.clip(np.searchsorted(self._keys, run + np.minimum(squared * self._scale, 0.75)), first, last + 1)
+        # Keys are rounded more coarsely than radii; ends that touch to the last digit must fall to one side only.
+        found -= (found > first) & (self.square[found - 1] >= squared)
+        found += (found <= last) & (self.square[np.minimum(found, last)] < squared)
+        return found
 
 
 def radial_runs(outline: ComplexArray, reach_mm: float, pitch_mm: float) -> RadialRuns:

@@ -15,6 +15,7 @@ ROUNDING = 1e-9
 
 REASONS = {
     Limit.FULL: "its full height",
+    Limit.SLOPE: "higher its land would slope too much, the tooth's other edge being lower",
     Limit.FILLET: "higher it would reach into the mate's fillet",
     Limit.UNDERCUT: "higher it would undercut the mate",
     Limit.CUSP: "its flank ends in a cusp there",

@@ -1,18 +1,26 @@
-"""The sides of teeth as chords of their exact curves, to find out on which curve a contact is, and their corners."""
+"""The sides of teeth as chords of their exact curves, to find out on which curve a contact is, and their corners.
+
+A side goes on past its root land to the fillet of the side that it faces: a corner in a space can touch both.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 
-from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import angle_between, as_complex
-from ncgear.teeth.flank import Flanks
+from ncgear.teeth.flank import FILLET, Flanks
 from ncgear.teeth.sides import Sides
 
-CHORDS = 12
-"""Chords per run of a curve; the exact curve strays from them by some thousandths of a module."""
+LAND = 2
+"""The root land, numbered after the kinds FLANK and FILLET of curves."""
+
+CHORDS = 8
+"""Chords per run of a curve; the exact curve strays from them by less than a hundredth of a module."""
 
 KINK_RAD = 1e-6
 """Angle between two runs from which their joint is a corner; tangential joints are found to 1e-9."""
@@ -21,16 +29,37 @@ NOWHERE = complex(np.nan, np.nan)
 
 
 @dataclass(frozen=True, eq=False)
-class SidePaths:
-    """All f flanks of a gear with c chords each, in the gear's frame, from the tip inwards, padded with NaN.
+class _Runs:
+    """Runs of curves, in the order of the paths they belong to and along these from the tip inwards; shape (r,) each.
 
-    ``start`` and ``step`` are the chords, ``run`` numbers the run of ``sides`` that each belongs to, ``first`` and
+    ``path`` numbers the flank that a path begins with, ``owner`` the flank that a curve belongs to, or the tooth that
+    its space comes after.
+    """
+
+    path: IndexArray
+    kind: IndexArray
+    owner: IndexArray
+    start: Array
+    end: Array
+
+    @property
+    def number(self) -> IndexArray:
+        """Running number of each run in its path."""
+        return np.arange(self.path.size) - np.searchsorted(self.path, self.path)
+
+
+@dataclass(frozen=True, eq=False)
+class SidePaths:
+    """The paths from all f flanks of a gear with c chords each, in the gear's frame, padded with NaN.
+
+    ``start`` and ``step`` are the chords, ``run`` numbers the run of ``runs`` that each belongs to, ``first`` and
     ``last`` are the run's parameters at the chord's ends, shape (f, c) each.  ``corner`` has the places at which a side
     has an edge, its tip first, then where two of its curves meet at an angle, shape (f, any number).
     """
 
     flanks: Flanks
     sides: Sides
+    runs: _Runs
     start: ComplexArray
     step: ComplexArray
     run: IndexArray
@@ -40,34 +69,66 @@ class SidePaths:
 
     def curve(self, run: IndexArray, parameter: Array) -> tuple[Array, Array]:
         """Points of the exact curves of runs (shape (n,)) and derivatives; parameters of shape (n, ...)."""
-        return self.flanks.curve_of(self.sides.kind[run], self.sides.owner[run], parameter)
+        return _curve(self.flanks, self.sides, self.runs.kind[run], self.runs.owner[run], parameter)
+
+    @cached_property
+    def own_fillet(self) -> Mask:
+        """Whether each chord belongs to the fillet of the flank itself, shape (f, c)."""
+        there: Mask = np.isfinite(self.first) & (self.runs.kind[self.run] == FILLET)
+        there &= self.runs.owner[self.run] == np.arange(len(self.run))[:, None]
+        return there
 
 
 def side_paths(flanks: Flanks, sides: Sides) -> SidePaths:
     """The paths of all flanks of a gear."""
-    share = np.linspace(0.0, 1.0, CHORDS + 1)
-    parameter = sides.start[:, None] + (sides.end - sides.start)[:, None] * share
-    points, slopes = (as_complex(array) for array in flanks.curve_of(sides.kind, sides.owner, parameter))
-    number = _number_within(sides.owner)
-    place = sides.owner[:, None], number[:, None] * CHORDS + np.arange(CHORDS)
-    shape = flanks.count, (int(number.max()) + 1) * CHORDS
+    runs = _runs(flanks, sides)
+    parameter = runs.start[:, None] + (runs.end - runs.start)[:, None] * np.linspace(0.0, 1.0, CHORDS + 1)
+    points, slopes = (as_complex(array) for array in _curve(flanks, sides, runs.kind, runs.owner, parameter))
+    place = runs.path[:, None], runs.number[:, None] * CHORDS + np.arange(CHORDS)
+    shape = flanks.count, (int(runs.number.max()) + 1) * CHORDS
     run = np.zeros(shape, dtype=int)
-    run[place] = np.arange(number.size)[:, None]
+    run[place] = np.arange(runs.path.size)[:, None]
     return SidePaths(
         flanks,
         sides,
+        runs,
         _table(shape, place, points[:, :-1]),
         _table(shape, place, np.diff(points, axis=1)),
         run,
         _table(shape, place, parameter[:, :-1]).real,
         _table(shape, place, parameter[:, 1:]).real,
-        _corners(sides, points, slopes),
+        _corners(runs, points, slopes),
     )
 
 
-def _number_within(owner: IndexArray) -> IndexArray:
-    """Running number of each entry among those of the same owner; owners are in order."""
-    return np.arange(owner.size) - np.searchsorted(owner, owner)
+def _curve(flanks: Flanks, sides: Sides, kind: IndexArray, owner: IndexArray, parameter: Array) -> tuple[Array, Array]:
+    point, slope = flanks.curve_of(kind, owner, parameter)
+    land = np.nonzero(kind == LAND)[0]
+    if land.size:
+        tooth = owner[land].reshape(-1, *[1] * (parameter.ndim - 1))
+        point[land], slope[land] = sides.roots.land(tooth, parameter[land])
+    return point, slope
+
+
+def _runs(flanks: Flanks, sides: Sides) -> _Runs:
+    """The runs of all paths: those of the side, the root land, and back up the fillets of the side across the space."""
+    own = _Runs(sides.owner, sides.kind, sides.owner, sides.start, sides.end)
+    every, front = np.arange(flanks.count), flanks.side > 0.0
+    space = np.where(front, every // 2, every // 2 - 1) % (flanks.count // 2)
+    first, last = (ends[space] for ends in sides.roots.lands())
+    land = np.full(every.size, LAND)
+    lands = _Runs(every, land, space, np.where(front, first, last), np.where(front, last, first))
+    fillet = np.nonzero(sides.kind == FILLET)[0][::-1]
+    facing = (sides.owner[fillet] + flanks.side[sides.owner[fillet]].astype(int)) % flanks.count
+    across = _Runs(facing, sides.kind[fillet], sides.owner[fillet], sides.end[fillet], sides.start[fillet])
+    return _in_order([own, lands, across])
+
+
+def _in_order(parts: Sequence[_Runs]) -> _Runs:
+    """Runs of several parts, path by path and within a path part by part."""
+    columns = [np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(_Runs)]
+    order = np.argsort(columns[0], kind="stable")
+    return _Runs(*(column[order] for column in columns))
 
 
 def _table(shape: tuple[int, int], place: tuple[IndexArray, IndexArray], values: Array | ComplexArray) -> ComplexArray:
@@ -76,11 +137,13 @@ def _table(shape: tuple[int, int], place: tuple[IndexArray, IndexArray], values:
     return table
 
 
-def _corners(sides: Sides, points: ComplexArray, slopes: ComplexArray) -> ComplexArray:
-    """The start of each side, and the start of each run that does not go on in the direction of the one before."""
-    heading = slopes * np.sign(sides.end - sides.start)[:, None]
-    tip = np.append(True, np.diff(sides.owner) != 0)
+def _corners(runs: _Runs, points: ComplexArray, slopes: ComplexArray) -> ComplexArray:
+    """The start of each side, and of each run of it that does not go on in the direction of the one before."""
+    heading = slopes * np.sign(runs.end - runs.start)[:, None]
+    tip = runs.number == 0
     bend = np.append(np.inf, np.abs(angle_between(heading[:-1, -1], heading[1:, 0])))
-    sharp = np.nonzero(tip | (bend > KINK_RAD))[0]
-    owner, number = sides.owner[sharp], _number_within(sides.owner[sharp])
-    return _table((len(sides.tip_mm), int(number.max()) + 1), (owner, number), points[sharp, 0])
+    own = (runs.owner == runs.path) & (runs.kind != LAND)
+    sharp = np.nonzero(own & (tip | (bend > KINK_RAD)))[0]
+    path = runs.path[sharp]
+    number = np.arange(path.size) - np.searchsorted(path, path)
+    return _table((int(runs.path[-1]) + 1, int(number.max()) + 1), (path, number), points[sharp, 0])

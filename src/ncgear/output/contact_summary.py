@@ -29,11 +29,10 @@ def contact_summary(contact: PairContact, speed_rad_s: float) -> dict[str, Any]:
 
 def _as_designed(designed: AsDesigned, speed_rad_s: float) -> dict[str, Any]:
     pushing, back = designed.pushing, designed.back
-    by_tooth = pushing.transmission_error_by_tooth()
     return {
         "transmission_error_rad": pushing.transmission_error_rad,
         "transmission_error_back_rad": back.transmission_error_rad,
-        "transmission_error_by_tooth_rad": [by_tooth[tooth] for tooth in sorted(by_tooth)],
+        **_by_tooth(pushing, pushing.error_rad),
         **_range("backlash", "rad", designed.backlash_rad, designed.placement),
         **_ratios(pushing, ""),
         **_ratios(back, "_back"),
@@ -43,6 +42,11 @@ def _as_designed(designed: AsDesigned, speed_rad_s: float) -> dict[str, Any]:
         **_penetration(designed.overlap_mm, designed.placement),
         **_clearances(designed),
     }
+
+
+def _by_tooth(side: SideContact, error_rad: Array) -> dict[str, Any]:
+    by_tooth = side.variation_by_tooth(error_rad)
+    return {"transmission_error_by_tooth_rad": [by_tooth[tooth] for tooth in sorted(by_tooth)]}
 
 
 def _ratios(side: SideContact, suffix: str) -> dict[str, Any]:
@@ -71,6 +75,7 @@ def _as_written(written: AsWritten, designed: AsDesigned) -> dict[str, Any]:
     return {
         "transmission_error_rad": written.transmission_error_rad,
         "transmission_error_back_rad": float(np.ptp(written.back_rad)),
+        **_by_tooth(designed.pushing, written.pushing_rad),
         **_greatest("from_design_max", "rad", astray, designed.placement),
         **_range("backlash", "rad", written.backlash_rad, designed.placement),
         **_penetration(written.overlap_mm, designed.placement),

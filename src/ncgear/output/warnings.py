@@ -112,6 +112,7 @@ def _shortened(drive: Drive) -> list[str]:
     from ncgear.teeth.tips import Limit
 
     reasons = {
+        Limit.SLOPE: "would slope too much, the other edge of the tooth being lower",
         Limit.FILLET: "would reach into the mate's fillet",
         Limit.CUSP: "would end in a cusp, so concave is the pitch curve there",
         Limit.LAND: f"would have a land under {drive.gears.least_tip_land:g} modules",

@@ -7,11 +7,13 @@ edge is too high, and is lowered until its path just passes.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import ceil
 
 import numpy as np
 
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import chord_crossings
+from ncgear.numerics.plane import as_complex
 from ncgear.pitch.curve import CurvePoints
 from ncgear.teeth.flank import Flanks
 from ncgear.teeth.tips import Limit, Tips, even_heights, no_tip, tip_crossing
@@ -19,14 +21,17 @@ from ncgear.teeth.tips import Limit, Tips, even_heights, no_tip, tip_crossing
 Meeting = tuple[IndexArray, IndexArray]
 """Numbers of a gear's own flanks and of the mate's flanks that they meet."""
 
-REACH = 6.0
-"""Pitches rolled to either side within which tips are followed: the bowl of a concave stretch is a few teeth wide."""
+CLEAR = 1.5
+"""Heights of both tips by which points that met must have parted: tips raised against undercut are within it."""
+
+PLACES = 4
+"""Places per pitch at which that is looked at: a share of a pitch is of no account here."""
 
 NEIGHBOURS = 3
 """Teeth on either side of the mating one that an edge may run into on its way."""
 
-PATH, FLANK_POINTS = 379, 33
-"""Points of a tip's path and of a flank: chords stray from them by less than a five-thousandth of a module."""
+STEPS, FLANK_POINTS = 32, 33
+"""Points of a tip's path per pitch, and of a flank: chords stray by less than a five-thousandth of a module."""
 
 ASIDE = 0.02
 """Share of a flank's height, from the pitch curve outwards, that is left out: there the flanks touch as they should."""
@@ -42,7 +47,7 @@ FREE = 0.995
 class Ways:
     """The ways of tip edges in the mate's frame: flanks, the mate's flanks they meet, and the curves as they roll.
 
-    ``at`` and ``there`` are the touching points of the gear's curve and the mate's, shape (meetings, PATH).
+    ``at`` and ``there`` are the touching points of the gear's curve and the mate's, shape (meetings, points).
     """
 
     own: IndexArray
@@ -59,7 +64,7 @@ class Ways:
         return Ways(self.own[rows], self.other[rows], _rows(self.at, rows), _rows(self.there, rows))
 
     def in_mate(self, edge: Array) -> Array:
-        """Paths of the flanks' edges (shape (meetings, 2)) in the mate's frame, shape (meetings, PATH, 2)."""
+        """Paths of the flanks' edges (shape (meetings, 2)) in the mate's frame, shape (meetings, points, 2)."""
         arm = edge[:, None, :] - self.at.position
         along, outwards = np.sum(arm * self.at.tangent, axis=2), np.sum(arm * self.at.normal, axis=2)
         path: Array = self.there.position
@@ -69,10 +74,34 @@ class Ways:
 
 def ways_near_concave(own: Flanks, mate: Flanks, meeting: Meeting) -> Ways:
     """The ways within reach of a concave stretch of either curve; there are no others where tips foul."""
-    sigma = own.crossing_mm[meeting[0]][:, None] + own.rack.pitch_mm * np.linspace(-REACH, REACH, PATH)
+    reach, pitch = _reach_mm(own, mate), own.rack.pitch_mm
+    rolled = np.linspace(-reach, reach, 2 * ceil(STEPS * reach / pitch) + 1)
+    sigma = own.crossing_mm[meeting[0]][:, None] + rolled
     at, there = own.curve.at_length(sigma), mate.curve.at_length(sigma)
     ways = Ways(*meeting, at, there)
     return ways.at_rows(np.any((at.curvature < 0.0) | (there.curvature < 0.0), axis=1))
+
+
+def _reach_mm(own: Flanks, mate: Flanks) -> float:
+    """Rolled length after which tips that met on a concave stretch are clear, half a turn of either gear at most."""
+    pitch, most = own.rack.pitch_mm, min(own.curve.length_mm, mate.curve.length_mm) / 2.0
+    sigma = np.arange(0.0, max(own.curve.length_mm, mate.curve.length_mm), pitch / PLACES)
+    concave = [flanks.curve.at_length(sigma).curvature < 0.0 for flanks in (own, mate)]
+    met = sigma[np.any(concave, axis=0)]
+    far = CLEAR * (float(np.max(own.tip_height_mm)) + float(np.max(mate.tip_height_mm)))
+    rolled = pitch
+    while rolled < most and np.any(_parted_mm(own, mate, met, np.array([-rolled, rolled])) < far):
+        rolled += pitch / PLACES
+    return min(rolled, most)
+
+
+def _parted_mm(own: Flanks, mate: Flanks, met: Array, rolled: Array) -> Array:
+    """Distances of points of the pitch curves that met at arc lengths, after rolling on; shape (met, rolled)."""
+    sigma, apart = met[:, None] + rolled, []
+    for flanks in (own, mate):
+        at, here = flanks.curve.at_length(sigma), as_complex(flanks.curve.at_length(met).position)
+        apart.append((here[:, None] - as_complex(at.position)) * as_complex(at.tangent).conj())
+    return np.abs(apart[0] - apart[1])
 
 
 def freed(own: Tips, mate: Tips, ways: Ways) -> Tips:
@@ -88,7 +117,8 @@ def freed(own: Tips, mate: Tips, ways: Ways) -> Tips:
     top, at, met = tip_crossing(flanks)
     if not met.all():
         raise no_tip(flanks, int(np.nonzero(~met)[0][0]))
-    limit = np.where(flanks.tip_height_mm < own.flanks.tip_height_mm, Limit.FOULING, own.limit)
+    limit = np.where(flanks.tip_height_mm < own.flanks.tip_height_mm, np.maximum(own.limit, Limit.SLOPE), own.limit)
+    limit = np.where(hit, Limit.FOULING, limit)
     return replace(own, flanks=flanks, height_mm=top, at_mm=at, limit=limit)
 
 

@@ -47,12 +47,13 @@ class Limit(IntEnum):
     """What a tooth's tip height is limited by; the greater number is the sharper reason when two hold."""
 
     FULL = 0
-    FILLET = 1
-    UNDERCUT = 2
-    CUSP = 3
-    LAND = 4
-    FOULING = 5
-    HELIX = 6
+    SLOPE = 1
+    FILLET = 2
+    UNDERCUT = 3
+    CUSP = 4
+    LAND = 5
+    FOULING = 6
+    HELIX = 7
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +98,9 @@ def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: f
     allowed = np.minimum(regular, bounds.contact_mm)
     lowered = _lowered(replace(flanks, tip_height_mm=height), allowed)
     limit = np.where(lowered < height, np.where(cusp, Limit.CUSP, reason), limit)
-    flanks, narrow = _with_lands(replace(flanks, tip_height_mm=even_heights(flanks, lowered)), least_land_mm)
+    even = even_heights(flanks, lowered)
+    limit = np.where(even < lowered, np.maximum(limit, Limit.SLOPE), limit)
+    flanks, narrow = _with_lands(replace(flanks, tip_height_mm=even), least_land_mm)
     limit = np.where(narrow, Limit.LAND, limit)
     top, at, met = tip_crossing(flanks)
     too_high = top > allowed + AGREEMENT * flanks.rack.module_mm
