@@ -186,7 +186,7 @@ class Drive:
 
     @cached_property
     def section_contact_ratio(self) -> float:
-        """Least arc of contact of any pair of flanks in any section of helical teeth, in pitches."""
+        """Least arc of contact of any pair of flanks in the sections of helical teeth, in pitches."""
         from ncgear.solids.section_contact import least_section_contact
         from ncgear.solids.sections import Sections
 
