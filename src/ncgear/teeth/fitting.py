@@ -12,7 +12,7 @@ from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.curve import PitchCurve
 from ncgear.teeth.flank import Flanks
 from ncgear.teeth.form import WAYS, TipLimits
-from ncgear.teeth.fouling import Meeting, Ways, freed, ways_near_concave
+from ncgear.teeth.fouling import Meeting, TipPaths, freed, paths_near_concave
 from ncgear.teeth.meeting import mating_flanks
 from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_depth
 from ncgear.teeth.spaces import cut_spaces, mated_spaces
@@ -106,13 +106,13 @@ def _fitted_to_mates(
     regular = (_regular_spaces(gears[0], limits.avoid_undercut), _regular_spaces(gears[1], limits.avoid_undercut))
     plain = _regular_tips(gears, regular, meetings, limits)
     raised = (_raised(gears[0], plain[1], meetings[0]), _raised(gears[1], plain[0], meetings[1]))
-    ways = _ways(gears, meetings)
+    paths = _paths(gears, meetings)
     found: list[Both] = []
     refusals: list[NoSuchMechanism] = []
     for way in WAYS if limits.way is None else (limits.way,):
         try:
             tips = _regular_tips(raised, regular, meetings, limits) if way.raised else plain
-            free = _freed(tips, ways, way.first)
+            free = _freed(tips, paths, way.first)
             found.append(_cleared(_held(free, limits), meetings, clearance))
         except NoSuchMechanism as refusal:
             refusals.append(refusal)
@@ -132,25 +132,25 @@ def _cleared(tips: Both, meetings: tuple[Meeting, Meeting], clearance: float) ->
     )
 
 
-def _ways(gears: tuple[Flanks, Flanks], meetings: tuple[Meeting, Meeting]) -> tuple[Ways, Ways] | None:
-    """Ways on which each gear's tips can foul the other's; none of convex gears."""
+def _paths(gears: tuple[Flanks, Flanks], meetings: tuple[Meeting, Meeting]) -> tuple[TipPaths, TipPaths] | None:
+    """TipPaths on which each gear's tips can foul the other's; none of convex gears."""
     driving, driven = gears
     if min(driving.curve.curvature_bounds[0], driven.curve.curvature_bounds[0]) >= 0.0:
         return None
-    return ways_near_concave(driving, driven, meetings[0]), ways_near_concave(driven, driving, meetings[1])
+    return paths_near_concave(driving, driven, meetings[0]), paths_near_concave(driven, driving, meetings[1])
 
 
-def _freed(tips: Both, ways: tuple[Ways, Ways] | None, first: int) -> Both:
+def _freed(tips: Both, paths: tuple[TipPaths, TipPaths] | None, first: int) -> Both:
     """Tips that do not foul each other, those of the gear numbered ``first`` shortened rather than the other's.
 
     The same pair where none does.  Raises NoSuchMechanism, naming the tooth, where that leaves no tip.
     """
-    if ways is None:
+    if paths is None:
         return tips
     both, unchanged = list(tips), 0
     for turn in range(TURNS):
         own = (first + turn) % 2
-        free = freed(both[own], both[1 - own], ways[own])
+        free = freed(both[own], both[1 - own], paths[own])
         unchanged = unchanged + 1 if free is both[own] else 0
         both[own] = free
         if unchanged == 2:
