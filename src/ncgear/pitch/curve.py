@@ -9,7 +9,7 @@ from math import cos
 import numpy as np
 
 from ncgear.numerics import chebyshev
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
 from ncgear.pitch import shape
 from ncgear.pitch.arc import ArcLength, too_sharp
@@ -29,6 +29,10 @@ class CurvePoints:
     tangent: Array
     normal: Array
     curvature: Array
+
+    def kept(self, rows: IndexArray | Mask) -> CurvePoints:
+        """The chosen points."""
+        return CurvePoints(self.position[rows], self.tangent[rows], self.normal[rows], self.curvature[rows])
 
 
 @dataclass(frozen=True, eq=False)

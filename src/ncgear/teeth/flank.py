@@ -86,11 +86,7 @@ class Flanks:
         """What rolls for the given flanks: the pitch curve, or each flank's circle of curvature; shapes broadcast."""
         if not self.equivalent:
             return self.curve.at_length(sigma_mm)
-        touched = self._crossings
-        chosen = CurvePoints(
-            touched.position[flank], touched.tangent[flank], touched.normal[flank], touched.curvature[flank]
-        )
-        return on_circles(chosen, sigma_mm - self.crossing_mm[flank])
+        return on_circles(self._crossings.kept(flank), sigma_mm - self.crossing_mm[flank])
 
     def rolled_mm(self, flank: IndexArray, height_mm: Array) -> Array:
         """Arc length of the pitch point when the flank touches at the given heights; shapes broadcast."""

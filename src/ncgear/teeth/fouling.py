@@ -61,7 +61,7 @@ class TipPaths:
 
     def at_rows(self, rows: Mask) -> TipPaths:
         """Those of the chosen meetings."""
-        return TipPaths(self.own[rows], self.other[rows], _rows(self.at, rows), _rows(self.there, rows))
+        return TipPaths(self.own[rows], self.other[rows], self.at.kept(rows), self.there.kept(rows))
 
     def in_mate(self, edge: Array) -> Array:
         """Paths of the flanks' edges (shape (meetings, 2)) in the mate's frame, shape (meetings, points, 2)."""
@@ -148,7 +148,3 @@ def _upper_teeth(gear: Tips) -> Array:
     share = np.linspace(ASIDE, 1.0, FLANK_POINTS)
     upper = gear.flanks.flank(np.arange(gear.flanks.count)[:, None], gear.height_mm[:, None] * share)[0]
     return np.concatenate([upper[::2], upper[1::2, ::-1]], axis=1)
-
-
-def _rows(points: CurvePoints, rows: Mask) -> CurvePoints:
-    return CurvePoints(points.position[rows], points.tangent[rows], points.normal[rows], points.curvature[rows])
