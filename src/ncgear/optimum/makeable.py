@@ -1,0 +1,141 @@
+"""A makeable law: the best harmonics under all limits, which then hold between the places of the programme, too."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.machine.linkage import CrankSlider
+from ncgear.machine.resistance import Resistance
+from ncgear.numerics.arrays import Array
+from ncgear.optimum.levels import Level, Scales, levels
+from ncgear.optimum.programme import Programme, Working, programme
+from ncgear.optimum.reached import Grid, grid, place, reached
+from ncgear.optimum.stations import Stations, stations
+from ncgear.optimum.wishes import Wishes
+
+PLACES_PER_HARMONIC = 10
+"""Places of the programme: ten on the shortest wave, so that little is left between them."""
+
+FINER = 10
+"""How many times finer the grid is on which limits are held against the law that was found."""
+
+ROUNDS = 6
+"""Times that caps are tightened by what is over them between the places; two are the rule."""
+
+MARGIN = 1e-6
+"""Share by which caps are tightened beyond that, for what is left between the places of the finer grid."""
+
+LEAST_POWER_W = 1.0
+"""Unit of power of a machine that nothing resists."""
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """The machine that a law is made for: linkage, resistance, driving speed in rad/s, driving angle of one cycle."""
+
+    linkage: CrankSlider
+    resistance: Resistance
+    speed_rad_s: float
+    cycle_rad: float = 2.0 * pi
+
+
+@dataclass(frozen=True, eq=False)
+class MakeableLaw:
+    """Harmonics of ln i12 over the driven angle, shape (harmonics,) each, and the levels reached on the finer grid."""
+
+    cosine: Array
+    sine: Array
+    levels: Sequence[Level]
+    reached: Array
+
+    @property
+    def goal(self) -> float:
+        """What was to be least, in units of the levels."""
+        return sum(level.weight * value for level, value in zip(self.levels, self.reached, strict=True))
+
+
+def makeable_law(task: Task, wishes: Wishes, starts: Sequence[Array] = ()) -> MakeableLaw:
+    """The best law found from the uniform crank and from further starts (coefficients cos 1.., sin 1..).
+
+    A local optimum, with every limit kept on a grid ten times finer than the programme's.  Raises NoSuchMechanism with
+    the limits that cannot be kept together, and for each the nearest value that can be had with the others.
+    """
+    search = _search(task, wishes)
+    uniform = np.zeros(2 * wishes.harmonics)
+    found = [law for start in (uniform, *starts) if (law := _kept(search, start)) is not None]
+    if not found:
+        raise _cannot_be(search, uniform)
+    return min(found, key=lambda law: law.goal)
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """A programme, the finer grid that judges it, and the caps and weights of its levels."""
+
+    programme: Programme
+    finer: Grid
+    caps: Array
+    weights: Array
+
+
+def _search(task: Task, wishes: Wishes) -> _Search:
+    count = PLACES_PER_HARMONIC * wishes.harmonics
+    coarse = stations(task.linkage, task.resistance, count)
+    finer = stations(task.linkage, task.resistance, FINER * count)
+    wanted = levels(wishes, scales(task, finer))
+    working = None if wishes.working_rad is None else Working(task.linkage.working_angle_rad, wishes.working_rad)
+    return _Search(
+        programme(wanted, grid(coarse, wishes.harmonics), task.cycle_rad, working),
+        grid(finer, wishes.harmonics),
+        np.array([np.inf if level.limit is None else level.limit for level in wanted]),
+        np.array([level.weight for level in wanted]),
+    )
+
+
+def scales(task: Task, at: Stations) -> Scales:
+    """Units of the order of what a uniform crank feels."""
+    turning = task.speed_rad_s * 2.0 * pi / task.cycle_rad
+    power = float(np.max(at.force_n * at.first)) * turning / 1000.0
+    return Scales(task.speed_rad_s, task.linkage.crank_mm * turning**2, max(power, LEAST_POWER_W))
+
+
+def _kept(search: _Search, start: Array) -> MakeableLaw | None:
+    """The law from one start, solved again with tighter caps until all limits hold on the finer grid."""
+    caps, coefficients = search.caps.copy(), start
+    for _ in range(ROUNDS):
+        found = search.programme.solved(caps, search.weights, coefficients)
+        if found is None:
+            return None
+        coefficients = found
+        there = place(search.finer, coefficients, search.programme.cycle_rad)
+        values = reached(search.programme.levels, search.finer, there)
+        over = values - search.caps
+        if np.all(over <= 0.0):
+            return MakeableLaw(*coefficients.reshape(2, -1), search.programme.levels, values)
+        caps = np.where(over > -MARGIN, caps - np.maximum(over, 0.0) - MARGIN, caps)
+    return None
+
+
+def _cannot_be(search: _Search, start: Array) -> NoSuchMechanism:
+    """The refusal, with the nearest value of each limit that can be had with all the others."""
+    nearest = []
+    for number, level in enumerate(search.programme.levels):
+        if level.limit is None:
+            continue
+        caps, weights = search.caps.copy(), np.zeros(search.caps.size)
+        caps[number], weights[number] = np.inf, 1.0
+        found = search.programme.solved(caps, weights, start)
+        if found is not None:
+            there = place(search.finer, found, search.programme.cycle_rad)
+            value = reached(search.programme.levels, search.finer, there)[number]
+            nearest.append((level, value))
+    said = "; ".join(f"{level.wish}: {level.shown(value)} can be had with the others" for level, value in nearest)
+    key = f"optimize.limits.{nearest[0][0].wish}" if nearest else "optimize.limits"
+    return NoSuchMechanism(
+        f"no law was found that keeps all limits. {said or 'None of them can be met by giving up one other'}", key=key
+    )

@@ -1,0 +1,62 @@
+"""The levels that a series reaches at given places: the judge of the optimiser, in plain arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import log, pi
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array
+from ncgear.optimum.levels import Level
+from ncgear.optimum.quantities import Place, Slider, length_rate
+from ncgear.optimum.series import Basis, basis
+from ncgear.optimum.stations import Stations
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Places around a turn of the crank, and the series' matrices there."""
+
+    stations: Stations
+    basis: Basis
+
+    @property
+    def slider(self) -> Slider:
+        """The slider at all places, shape (n,) each."""
+        at = self.stations
+        return Slider(at.first, at.second, at.third, at.force_n)
+
+
+def grid(stations: Stations, harmonics: int) -> Grid:
+    """Places with the matrices of so many harmonics."""
+    return Grid(stations, basis(stations.phi2_rad, harmonics))
+
+
+def closing_constant(series: Array, cycle_rad: float) -> float:
+    """c0 that closes the cycle, from the series at even places of a turn: the mean of i12 is the cycle over 2 pi."""
+    return log(cycle_rad / (2.0 * pi)) - log(float(np.mean(np.exp(series))))
+
+
+def place(on: Grid, coefficients: Array, cycle_rad: float) -> Place:
+    """The ratio at all places of a grid, shape (n,) each."""
+    series = on.basis.value @ coefficients
+    logarithm = series + closing_constant(series, cycle_rad)
+    return Place(
+        logarithm,
+        np.exp(logarithm),
+        np.exp(-logarithm),
+        on.basis.first @ coefficients,
+        on.basis.second @ coefficients,
+    )
+
+
+def length(at: Place) -> float:
+    """Length of the driving curve's stretch of one cycle over the centre distance, from even places of a turn."""
+    return 2.0 * pi * float(np.mean(length_rate(at)))
+
+
+def reached(levels: Sequence[Level], on: Grid, at: Place) -> Array:
+    """The largest value of every level's terms, shape (levels,)."""
+    return np.array([max(float(np.max(side)) for side in level.sides(at, on.slider, length(at))) for level in levels])
