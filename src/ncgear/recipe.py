@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ncgear.design.gears import Gears, Rack
-from ncgear.design.motion import Ellipse, RatioExpression, ThreeSegmentStroke, UniformCrank
+from ncgear.design.motion import Ellipse, HarmonicRatio, RatioExpression, ThreeSegmentStroke, UniformCrank
 from ncgear.design.schema import Design
 from ncgear.design.table import TableLaw
 from ncgear.errors import WrongInput
@@ -19,6 +19,7 @@ from ncgear.machine.resistance import Resistance
 from ncgear.machine.stroke import StrokeRequest, WorkingStroke, solved_stroke
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import driven_angle_expression_law, ratio_expression_law
+from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.table import displacement_table_law, ratio_table_law
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.laws.uniform import uniform_law
@@ -126,11 +127,13 @@ def _linkage(design: Design) -> CrankSlider:
 
 
 def _direct_law(
-    motion: RatioExpression | Ellipse | TableLaw | UniformCrank, linkage: CrankSlider, lobes: Lobes
+    motion: RatioExpression | HarmonicRatio | Ellipse | TableLaw | UniformCrank, linkage: CrankSlider, lobes: Lobes
 ) -> Transmission:
     match motion:
         case UniformCrank():
             return uniform_law(lobes)
+        case HarmonicRatio():
+            return harmonic_law(np.array(motion.cosine), np.array(motion.sine), lobes)
         case Ellipse():
             return elliptical_law(motion.eccentricity, motion.phase, lobes)
         case RatioExpression(ratio=str() as text):

@@ -13,6 +13,7 @@ class Law(StrEnum):
 
     THREE_SEGMENT_STROKE = "three_segment_stroke"
     RATIO_EXPRESSION = "ratio_expression"
+    HARMONIC_RATIO = "harmonic_ratio"
     ELLIPSE = "ellipse"
     TABLE = "table"
     UNIFORM_CRANK = "uniform_crank"
@@ -65,6 +66,14 @@ motion:                    # the law of the gears, as a formula of phi, the driv
   ratio: "1 + 0.3*cos(phi)"  # transmission ratio dphi1/dphi2
   scale_to_close: true     # multiply it by the constant that makes the driven gear come round
   # driven_angle: "phi - 0.08*sin(2*phi)"   # instead of ratio: the driven angle in rad
+""",
+    Law.HARMONIC_RATIO: """\
+motion:                    # the law of the gears by harmonics; the form in which optimised laws are stored
+  law: harmonic_ratio
+  # ln(dphi1/dphi2) = c0 - 0.25 cos(phi2) + 0.05 cos(2 phi2) + 0.1 sin(phi2), phi2 being the driven angle; c0 is found,
+  # so that the driven gear comes round. With several lobes of the driven gear, phi2 stands for lobes.driven * phi2.
+  cosine: [-0.25, 0.05]
+  sine: [0.1]
 """,
     Law.ELLIPSE: """\
 motion:                    # equal ellipses, each turning about a focus
