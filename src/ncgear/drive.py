@@ -16,7 +16,8 @@ from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.rack import BasicRack
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Transmission
-from ncgear.recipe import RAD_S_PER_RPM, Law, helix_of, law_of, rack_of, resistance_of, rim_mm_of, tooth_form
+from ncgear.recipe.gears import helix_of, rack_of, rim_mm_of, tooth_form
+from ncgear.recipe.law import RAD_S_PER_RPM, Law, law_of, resistance_of
 from ncgear.stopwatch import Stopwatch
 
 if TYPE_CHECKING:

@@ -12,6 +12,7 @@ from ncgear.design.gears import Gears
 from ncgear.design.machine import Comparison, Linkage, Operation, Output, Resistance
 from ncgear.design.motion import Motion, ThreeSegmentStroke
 from ncgear.design.naming import NAME_PATTERN
+from ncgear.design.optimize import Optimize
 from ncgear.design.table import TableLaw
 
 JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -28,6 +29,9 @@ class Design(Model):
     gears: Gears | None = Field(default=None, description="the pair of gears; a check does without, a build needs it")
     resistance: Resistance | None = Field(default=None, description="the force against the slider; left out: none")
     comparison: Comparison | None = Field(default=None, description="published mechanisms to compare with")
+    optimize: Optimize | None = Field(
+        default=None, description="what ncgear optimize looks for; check and build take no notice"
+    )
     output: Output = Field(default_factory=Output, description="how finely the results are written")
 
     @property

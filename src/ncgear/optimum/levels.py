@@ -47,9 +47,9 @@ def levels(wishes: Wishes, scales: Scales) -> list[Level]:
 
 def _of_motion(wishes: Wishes, scales: Scales) -> Iterator[Level]:
     weights = _weights(wishes, scales)
-    if wishes.peak_acceleration_mm_s2 is not None or weights[0]:
+    if wishes.limits.peak_acceleration_mm_s2 is not None or weights[0]:
         yield _acceleration(wishes, scales, weights[0])
-    if wishes.peak_power_w is not None or weights[1]:
+    if wishes.limits.peak_power_w is not None or weights[1]:
         yield _power(wishes, scales, weights[1])
     if wishes.peak_jerk_mm_s3 is not None:
         yield _jerk(wishes.peak_jerk_mm_s3, scales)
@@ -70,7 +70,7 @@ def _weights(wishes: Wishes, scales: Scales) -> tuple[float, float]:
 
 
 def _acceleration(wishes: Wishes, scales: Scales, weight: float) -> Level:
-    unit, limit = scales.acceleration_mm_s2, wishes.peak_acceleration_mm_s2
+    unit, limit = scales.acceleration_mm_s2, wishes.limits.peak_acceleration_mm_s2
 
     def sides(at: Place, slider: Slider, length: Term) -> tuple[Term, ...]:
         return _both(quantities.acceleration(at, slider, scales.speed_rad_s) / unit)
@@ -84,9 +84,11 @@ def _power(wishes: Wishes, scales: Scales, weight: float) -> Level:
     unit = scales.power_w
 
     def sides(at: Place, slider: Slider, length: Term) -> tuple[Term, ...]:
-        return (quantities.power(at, slider, scales.speed_rad_s, wishes.mass_kg) / unit,)
+        return (quantities.power(at, slider, scales.speed_rad_s, wishes.limits.mass_kg) / unit,)
 
-    return Level("peak_power_w", _over(wishes.peak_power_w, unit), weight, sides, lambda level: f"{level * unit:.6g} W")
+    return Level(
+        "peak_power_w", _over(wishes.limits.peak_power_w, unit), weight, sides, lambda level: f"{level * unit:.6g} W"
+    )
 
 
 def _jerk(limit: float, scales: Scales) -> Level:
@@ -97,8 +99,12 @@ def _jerk(limit: float, scales: Scales) -> Level:
 
 
 def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
-    yield Level("ratio_min", -log(wishes.ratio_min), 0.0, lambda at, *_: (-at.log,), lambda level: f"{exp(-level):.6g}")
-    yield Level("ratio_max", log(wishes.ratio_max), 0.0, lambda at, *_: (at.log,), lambda level: f"{exp(level):.6g}")
+    yield Level(
+        "ratio_min", -log(wishes.limits.ratio_min), 0.0, lambda at, *_: (-at.log,), lambda level: f"{exp(-level):.6g}"
+    )
+    yield Level(
+        "ratio_max", log(wishes.limits.ratio_max), 0.0, lambda at, *_: (at.log,), lambda level: f"{exp(level):.6g}"
+    )
     if wishes.driven_speed_rad_s is not None:
         top = log(wishes.driven_speed_rad_s / scales.speed_rad_s)
         rpm = scales.speed_rad_s * 30.0 / pi
@@ -108,8 +114,8 @@ def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
 
 
 def _of_curves(wishes: Wishes) -> Iterator[Level]:
-    if wishes.tangent_rad is not None:
-        most = tan(wishes.tangent_rad)
+    if wishes.limits.pressure_angle_rad is not None:
+        most = tan(wishes.limits.pressure_angle_rad)
         yield Level(
             "pressure_angle_deg",
             most,

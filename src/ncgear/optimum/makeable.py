@@ -9,13 +9,12 @@ from math import pi
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.resistance import Resistance
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.levels import Level, Scales, levels
 from ncgear.optimum.programme import Programme, Working, programme
 from ncgear.optimum.reached import Grid, grid, place, reached
 from ncgear.optimum.stations import Stations, stations
+from ncgear.optimum.task import Task
 from ncgear.optimum.wishes import Wishes
 
 PLACES_PER_HARMONIC = 10
@@ -32,16 +31,6 @@ MARGIN = 1e-6
 
 LEAST_POWER_W = 1.0
 """Unit of power of a machine that nothing resists."""
-
-
-@dataclass(frozen=True, eq=False)
-class Task:
-    """The machine that a law is made for: linkage, resistance, driving speed in rad/s, driving angle of one cycle."""
-
-    linkage: CrankSlider
-    resistance: Resistance
-    speed_rad_s: float
-    cycle_rad: float = 2.0 * pi
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +77,11 @@ def _search(task: Task, wishes: Wishes) -> _Search:
     coarse = stations(task.linkage, task.resistance, count)
     finer = stations(task.linkage, task.resistance, FINER * count)
     wanted = levels(wishes, scales(task, finer))
-    working = None if wishes.working_rad is None else Working(task.linkage.working_angle_rad, wishes.working_rad)
+    working = (
+        None
+        if wishes.limits.working_rad is None
+        else Working(task.linkage.working_angle_rad, wishes.limits.working_rad)
+    )
     return _Search(
         programme(wanted, grid(coarse, wishes.harmonics), task.cycle_rad, working),
         grid(finer, wishes.harmonics),

@@ -1,7 +1,7 @@
 """What is limited, at one place of the crank, from ln i12 there and its two derivatives by the driven angle.
 
-All is written in arithmetic that numbers, arrays and symbols share, so that the optimiser and those who check it use the
-same formulas.  With i = dphi1/dphi2, s = 1/i, f = ln i and primes by phi2:  d/dphi1 = s d/dphi2, di/dphi1 = f',
+All is written in arithmetic that numbers, arrays and symbols share, so that the optimiser and its judges use the same
+formulas.  With i = dphi1/dphi2, s = 1/i, f = ln i and primes by phi2:  d/dphi1 = s d/dphi2, di/dphi1 = f',
 d2i/dphi1^2 = s f''.  Pitch radii r1 = a/(1 + i) and r2 = a i/(1 + i), a the centre distance.
 """
 
