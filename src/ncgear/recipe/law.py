@@ -13,6 +13,7 @@ from ncgear.design.schema import Design
 from ncgear.design.table import TableLaw
 from ncgear.errors import WrongInput
 from ncgear.machine.linkage import CrankSlider
+from ncgear.machine.polynomial_resistance import PolynomialResistance
 from ncgear.machine.resistance import Resistance
 from ncgear.machine.stroke import StrokeRequest, WorkingStroke, solved_stroke
 from ncgear.ratio.laws.ellipse import elliptical_law
@@ -58,8 +59,8 @@ def lobes_of(design: Design) -> Lobes:
 def resistance_of(design: Design) -> Resistance:
     """The resistance; none where the file says nothing."""
     if design.resistance is None:
-        return Resistance()
-    return Resistance(design.resistance.polynomial_n, design.resistance.where_negative == "keep")
+        return PolynomialResistance()
+    return PolynomialResistance(design.resistance.polynomial_n, design.resistance.where_negative == "keep")
 
 
 def _linkage(design: Design) -> CrankSlider:
