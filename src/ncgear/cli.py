@@ -130,6 +130,36 @@ def check(
 
 
 @app.command()
+def optimize(
+    design_file: DesignFile,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-optimized")
+    ] = None,
+) -> None:
+    """Find the best law for a design's machine, with a certificate of how close to the limit it is."""
+    from ncgear.output.publish import prepare, publish
+
+    with _design(design_file) as loaded:
+        from ncgear.improvement import Improvement
+        from ncgear.output.optimized import certificate, optimized_design, optimized_name
+        from ncgear.output.optimized_text import optimized_text
+
+        improvement = Improvement(loaded.design)
+        name = optimized_name(improvement)
+        folder = out or Path("export") / name
+        prepare(folder)
+        with _progress() as on_stage:
+            on_stage("certified limit")
+            improvement.bound  # noqa: B018
+            on_stage("makeable law")
+            written = optimized_design(loaded.text, improvement)
+            on_stage("figures")
+            text = json.dumps(certificate(improvement), indent=2, allow_nan=False) + "\n"
+        paths = publish(folder, {f"{name}.yaml": written.encode(), "certificate.json": text.encode()})
+        typer.echo(optimized_text(improvement, paths))
+
+
+@app.command()
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help=f"Name of the design: {NAME_RULE}.")],
     law: Annotated[Law, typer.Option(help="The motion law to begin with.")] = Law.THREE_SEGMENT_STROKE,

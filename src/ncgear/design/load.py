@@ -47,11 +47,12 @@ class Source:
 
 @dataclass(frozen=True)
 class LoadedDesign:
-    """A design and the file it came from."""
+    """A design, the file it came from, and that file's text."""
 
     design: Design
     path: Path
     source: Source
+    text: str
 
     def locate(self, key: str) -> str:
         """``FILE:LINE:COLUMN`` of a dotted key, or of its nearest parent that the file has."""
@@ -60,7 +61,8 @@ class LoadedDesign:
 
 def load(path: Path) -> LoadedDesign:
     """Read and check a design file; WrongInput says where and what is wrong, up to ten faults in the file's order."""
-    document = read_yaml(read_text(path, limit_mb=LARGEST_MB), str(path))
+    text = read_text(path, limit_mb=LARGEST_MB)
+    document = read_yaml(text, str(path))
     if not isinstance(document.data, dict):
         raise WrongInput(_no_mapping(document.data), location=str(document.place("")))
     points = _points(document, path)
@@ -69,7 +71,7 @@ def load(path: Path) -> LoadedDesign:
         design = Design.model_validate(_with_points(document.data, points))
     except ValidationError as error:
         raise _wrong_input(problems(error), source) from error
-    return LoadedDesign(design, path, source)
+    return LoadedDesign(design, path, source, text)
 
 
 def with_location(error: DesignError, loaded: LoadedDesign) -> DesignError:

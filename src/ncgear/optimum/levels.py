@@ -63,10 +63,7 @@ def _weights(wishes: Wishes, scales: Scales) -> tuple[float, float]:
         case Goal.POWER:
             return 0.0, 1.0
     assert wishes.weights is not None
-    return (
-        scales.acceleration_mm_s2 / wishes.weights.acceleration_mm_s2,
-        scales.power_w / wishes.weights.power_w,
-    )
+    return scales.acceleration_mm_s2 * wishes.weights.per_mm_s2, scales.power_w * wishes.weights.per_w
 
 
 def _acceleration(wishes: Wishes, scales: Scales, weight: float) -> Level:

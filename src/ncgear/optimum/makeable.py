@@ -29,6 +29,9 @@ ROUNDS = 6
 MARGIN = 1e-6
 """Share by which caps are tightened beyond that, for what is left between the places of the finer grid."""
 
+DECIMALS = 10
+"""Of the coefficients, so that what is judged is what a design file holds."""
+
 LEAST_POWER_W = 1.0
 """Unit of power of a machine that nothing resists."""
 
@@ -45,20 +48,19 @@ class MakeableLaw:
     @property
     def goal(self) -> float:
         """What was to be least, in units of the levels."""
-        return sum(level.weight * value for level, value in zip(self.levels, self.reached, strict=True))
+        return float(sum(level.weight * value for level, value in zip(self.levels, self.reached, strict=True)))
 
 
-def makeable_law(task: Task, wishes: Wishes, starts: Sequence[Array] = ()) -> MakeableLaw:
-    """The best law found from the uniform crank and from further starts (coefficients cos 1.., sin 1..).
+def makeable_law(task: Task, wishes: Wishes, starts: Sequence[Array]) -> MakeableLaw:
+    """The best law found from starts (coefficients cos 1.., sin 1.., shape (2 harmonics,) each).
 
     A local optimum, with every limit kept on a grid ten times finer than the programme's.  Raises NoSuchMechanism with
     the limits that cannot be kept together, and for each the nearest value that can be had with the others.
     """
     search = _search(task, wishes)
-    uniform = np.zeros(2 * wishes.harmonics)
-    found = [law for start in (uniform, *starts) if (law := _kept(search, start)) is not None]
+    found = [law for start in starts if (law := _kept(search, start)) is not None]
     if not found:
-        raise _cannot_be(search, uniform)
+        raise _cannot_be(search, starts[0])
     return min(found, key=lambda law: law.goal)
 
 
@@ -70,6 +72,11 @@ class _Search:
     finer: Grid
     caps: Array
     weights: Array
+
+    def reached(self, coefficients: Array) -> Array:
+        """Levels on the finer grid, and between its places as parabolas through them tell; shape (levels,)."""
+        there = place(self.finer, coefficients, self.programme.cycle_rad)
+        return reached(self.programme.levels, self.finer, there)
 
 
 def _search(task: Task, wishes: Wishes) -> _Search:
@@ -99,18 +106,18 @@ def scales(task: Task, at: Stations) -> Scales:
 
 def _kept(search: _Search, start: Array) -> MakeableLaw | None:
     """The law from one start, solved again with tighter caps until all limits hold on the finer grid."""
-    caps, coefficients = search.caps.copy(), start
+    caps, found = search.caps.copy(), search.programme.solved(search.caps, search.weights, start)
     for _ in range(ROUNDS):
-        found = search.programme.solved(caps, search.weights, coefficients)
         if found is None:
             return None
-        coefficients = found
-        there = place(search.finer, coefficients, search.programme.cycle_rad)
-        values = reached(search.programme.levels, search.finer, there)
+        coefficients = np.round(found.coefficients, DECIMALS)
+        values = search.reached(coefficients)
         over = values - search.caps
         if np.all(over <= 0.0):
-            return MakeableLaw(*coefficients.reshape(2, -1), search.programme.levels, values)
+            cosine, sine = coefficients.reshape(2, -1)
+            return MakeableLaw(cosine, sine, search.programme.levels, values)
         caps = np.where(over > -MARGIN, caps - np.maximum(over, 0.0) - MARGIN, caps)
+        found = search.programme.solved(caps, search.weights, found)
     return None
 
 
@@ -124,9 +131,7 @@ def _cannot_be(search: _Search, start: Array) -> NoSuchMechanism:
         caps[number], weights[number] = np.inf, 1.0
         found = search.programme.solved(caps, weights, start)
         if found is not None:
-            there = place(search.finer, found, search.programme.cycle_rad)
-            value = reached(search.programme.levels, search.finer, there)[number]
-            nearest.append((level, value))
+            nearest.append((level, search.reached(found.coefficients)[number]))
     said = "; ".join(f"{level.wish}: {level.shown(value)} can be had with the others" for level, value in nearest)
     key = f"optimize.limits.{nearest[0][0].wish}" if nearest else "optimize.limits"
     return NoSuchMechanism(

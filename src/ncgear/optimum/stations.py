@@ -9,7 +9,7 @@ import numpy as np
 
 from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.resistance import Resistance
-from ncgear.numerics.arrays import Array, Mask
+from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 
 ORDER = 3
@@ -25,7 +25,6 @@ class Stations:
     second: Array
     third: Array
     force_n: Array
-    working: Mask
 
     @property
     def count(self) -> int:
@@ -41,5 +40,5 @@ def stations(linkage: CrankSlider, resistance: Resistance, count: int) -> Statio
     displacement = linkage.displacement(Jet(variable))
     working = phi2 < linkage.working_angle_rad
     force = np.where(working, resistance.force_n(displacement.value), 0.0)
-    derivatives = [displacement.derivative(order) for order in range(1, ORDER + 1)]
-    return Stations(phi2, *derivatives, force, working)
+    first, second, third = (displacement.derivative(order) for order in range(1, ORDER + 1))
+    return Stations(phi2, first, second, third, force)

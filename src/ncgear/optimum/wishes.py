@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from ncgear.optimum.task import Limits
+from ncgear.optimum.weighted import Weights
 
 
 class Goal(Enum):
@@ -14,14 +15,6 @@ class Goal(Enum):
     ACCELERATION = "least_acceleration"
     POWER = "least_power"
     WEIGHTED = "weighted"
-
-
-@dataclass(frozen=True)
-class Weights:
-    """The weighted goal is the peak acceleration over ``acceleration_mm_s2`` plus the peak power over ``power_w``."""
-
-    acceleration_mm_s2: float
-    power_w: float
 
 
 @dataclass(frozen=True)

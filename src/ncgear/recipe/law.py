@@ -47,7 +47,7 @@ def law_of(design: Design) -> Law:
     motion, lobes = design.motion, lobes_of(design)
     if isinstance(motion, ThreeSegmentStroke):
         return _stroke_law(design, motion, lobes)
-    linkage = _linkage(design)
+    linkage = linkage_of(design)
     return Law(linkage, _direct_law(motion, linkage, lobes))
 
 
@@ -63,7 +63,8 @@ def resistance_of(design: Design) -> Resistance:
     return PolynomialResistance(design.resistance.polynomial_n, design.resistance.where_negative == "keep")
 
 
-def _linkage(design: Design) -> CrankSlider:
+def linkage_of(design: Design) -> CrankSlider:
+    """The linkage of a design that gives its crank; raises WrongInput where it does not."""
     if design.linkage.crank_mm is None:
         raise WrongInput("missing; only a stroke that is solved for gives the crank", key="linkage.crank_mm")
     return CrankSlider(design.linkage.crank_mm, design.linkage.rod_mm, design.linkage.offset_mm)
@@ -95,7 +96,7 @@ def _stroke_law(design: Design, motion: ThreeSegmentStroke, lobes: Lobes) -> Law
         stroke = solved_stroke(_request(motion, None))
         linkage = _linkage_of_stroke(design, stroke)
     else:
-        linkage = _linkage(design)
+        linkage = linkage_of(design)
         _refuse_other_stroke(motion.stroke_mm, linkage)
         stroke = solved_stroke(_request(motion, linkage.stroke_mm))
     law = stroke_law(

@@ -10,7 +10,8 @@ from ncgear.design.schema import Design
 from ncgear.errors import WrongInput
 from ncgear.machine.linkage import CrankSlider
 from ncgear.optimum import task
-from ncgear.optimum.wishes import Goal, Weights, Wishes
+from ncgear.optimum.weighted import Weights
+from ncgear.optimum.wishes import Goal, Wishes
 from ncgear.recipe.gears import rack_of
 from ncgear.recipe.law import RAD_S_PER_RPM, lobes_of, resistance_of
 
@@ -41,13 +42,19 @@ def wishes_of(design: Design) -> Wishes:
             mass_kg=asked.slider_mass_kg,
         ),
         goal=Goal(asked.goal),
-        weights=None if asked.weights is None else Weights(asked.weights.acceleration_mm_s2, asked.weights.power_w),
+        weights=_weights(asked),
         peak_jerk_mm_s3=limits.peak_jerk_mm_s3,
         driven_speed_rad_s=None if limits.driven_speed_rpm is None else limits.driven_speed_rpm * RAD_S_PER_RPM,
         convex=limits.convex,
         curvature_turns=_curvature_turns(limits, design.gears),
         harmonics=asked.harmonics,
     )
+
+
+def _weights(asked: Optimize) -> Weights | None:
+    if asked.weights is None:
+        return None
+    return Weights(1.0 / asked.weights.acceleration_mm_s2, 1.0 / asked.weights.power_w)
 
 
 def _tangent_rad(limits: Limits, gears: Gears | None) -> float | None:
