@@ -22,6 +22,7 @@ LAYERS = [
     {"teeth"},
     {"contact"},
     {"solids"},
+    {"optimum"},
     {"design"},
     {"recipe"},
     {"drive"},

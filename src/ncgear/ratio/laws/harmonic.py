@@ -99,9 +99,14 @@ def harmonic_law(cosine: Array, sine: Array, lobes: Lobes) -> Transmission:
     Raises WrongInput for coefficients that are not finite, NoSuchMechanism where the ratio's range is beyond 1e6; keys
     ``motion.cosine`` and ``motion.sine``.
     """
-    series = _series(cosine, sine)
-    law = HarmonicLaw(series, _closing_integral(series), lobes)
+    law = closed_harmonics(cosine, sine, lobes)
     return Transmission((Piece(0.0, lobes.driving_period_rad, law.driven_angle, law.knots_rad),), lobes)
+
+
+def closed_harmonics(cosine: Array, sine: Array, lobes: Lobes) -> HarmonicLaw:
+    """The same with its series and constant at hand, and no look for its extrema; raises as ``harmonic_law`` does."""
+    series = _series(cosine, sine)
+    return HarmonicLaw(series, _closing_integral(series), lobes)
 
 
 def _series(cosine: Array, sine: Array) -> LogSeries:
