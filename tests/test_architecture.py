@@ -18,6 +18,7 @@ LAYERS = [
     {"machine"},
     {"ratio"},
     {"kinematics"},
+    {"optimum"},
     {"pitch"},
     {"teeth"},
     {"contact"},

@@ -1,0 +1,1 @@
+"""What is possible: the certified limit of acceleration and power, whatever the law."""
