@@ -33,7 +33,7 @@ PLACES = 321
 def test_the_convex_programme_gives_the_same(
     rpm: float, power_w: float, ratios: tuple[float, float], resistance: Resistance
 ) -> None:
-    """Its grid of 320 has chords where motions peak, so it lies a little above; by the same second order as any grid."""
+    """Its grid of 320 has chords where motions peak, which is of second order."""
     angle = np.linspace(0.0, 2.0 * pi, PLACES)
     position = convex_limit.displacement(380.0, 960.0, angle)
     force = np.where(angle <= pi, resistance.force_n(position), 0.0)

@@ -1,8 +1,8 @@
 """The least acceleration as a convex programme, solved by an interior-point solver.
 
-Unknowns are q = (dphi2/dphi1)^2 at even crank angles.  With u = (omega x')^2 q / 2, the kinetic energy of a unit mass, the
-mean acceleration of a cell is the difference of u over that of x; time is the integral of 1 / sqrt(q), written with a
-second-order cone for each place and each cell.  Scaled so that the stroke and the cycle's time are one.
+Unknowns are q = (dphi2/dphi1)^2 at even crank angles.  With u = (omega x')^2 q / 2, the kinetic energy of a unit mass,
+the mean acceleration of a cell is the difference of u over that of x; time is the integral of 1 / sqrt(q), written with
+a second-order cone for each place and each cell.  Scaled so that the stroke and the cycle's time are one.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def least_acceleration(
     omega: float,
     ratios: tuple[float, float],
 ) -> float:
-    """In mm/s^2; ``force_n`` at even crank angles over a whole turn, zero in the return, its middle the extended end."""
+    """In mm/s^2; ``force_n`` at even crank angles over a whole turn, an odd number, zero in the return."""
     angle = np.linspace(0.0, 2.0 * pi, force_n.size)
     x = displacement(crank_mm, rod_mm, angle) / (2.0 * crank_mm)
     turning = np.abs(speed_per_rad(crank_mm, rod_mm, angle)) / (2.0 * crank_mm) * 2.0 * pi
