@@ -15,7 +15,7 @@ from ncgear.optimum.task import Limits, Task
 CELLS = 1600
 """Cells of a cycle: on the baler both sides of a bound are then less than 0.05 % apart."""
 
-CELLS_WITH_MASS = 3200
+CELLS_WITH_MASS = 6400
 """Cells when a mass is moved: the pass then has an error of first order."""
 
 

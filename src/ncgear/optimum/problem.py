@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import inf
+from math import inf, pi
 
 from ncgear.optimum.attained import attained_durations_s
 from ncgear.optimum.ceilings import Peaks
@@ -13,6 +13,9 @@ from ncgear.optimum.passes import ROUNDING, Ceilings, fastest
 from ncgear.optimum.probes import Probes, probes
 from ncgear.optimum.road import Road, road
 from ncgear.optimum.task import Limits, Task
+
+PRESSING_SHARE = 0.8
+"""Share of the cells in the working stroke when a mass is moved: the change of the force in a cell is then the error."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +29,8 @@ class Problem:
     @cached_property
     def road(self) -> Road:
         """The cycle cut into cells."""
-        return road(self.task, self.cells)
+        share = PRESSING_SHARE if self.limits.mass_kg else self.task.linkage.working_angle_rad / (2.0 * pi)
+        return road(self.task, self.cells, share)
 
     @cached_property
     def probes(self) -> Probes:

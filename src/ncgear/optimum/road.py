@@ -45,10 +45,13 @@ class Road:
         return np.diff(self.crank_angle_rad)
 
 
-def road(task: Task, cells: int) -> Road:
-    """The cycle in about ``cells`` cells, even in the crank angle, cut also where the resistance turns."""
+def road(task: Task, cells: int, working_share: float) -> Road:
+    """The cycle in about ``cells`` cells, ``working_share`` of them out; cut also where the resistance turns.
+
+    The cells of each stroke are even in the crank angle.
+    """
     linkage = task.linkage
-    angles, extended = _angles(task, cells)
+    angles, extended = _angles(task, cells, working_share)
     position = linkage.displacement(Jet.variable(angles, 2))
     stroke = linkage.stroke_mm
     out = np.clip(position.value, 0.0, stroke)
@@ -68,10 +71,10 @@ def road(task: Task, cells: int) -> Road:
     )
 
 
-def _angles(task: Task, cells: int) -> tuple[Array, int]:
+def _angles(task: Task, cells: int, working_share: float) -> tuple[Array, int]:
     """Crank angles of all places, and the index of the extended dead centre."""
     working = task.linkage.working_angle_rad
-    outward = max(2, round(cells * working / (2.0 * pi)))
+    outward = max(2, round(cells * working_share))
     even = np.linspace(0.0, working, outward + 1)
     turns = _turns_rad(task.linkage, task.resistance.turns_mm(task.linkage.stroke_mm))
     apart = turns[np.abs(turns[:, None] - even).min(axis=1, initial=np.inf) > APART]

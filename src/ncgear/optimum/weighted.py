@@ -19,6 +19,9 @@ NEAR = 1.002
 """The acceleration that counts as the least where power is not to be spared, over the bound of the least: a grid
 attains its bounds to this with power free."""
 
+FINEST = 0.1
+"""Relative width of an interval of powers, in tolerances, that is not split further: what gap is left is the grid's."""
+
 MOST_SPLITS = 2000
 
 
@@ -66,7 +69,11 @@ def least_weighted_sum(
         floor, start, end, beyond = heappop(intervals)
         floor = min(floor, weights.of(least, highest))
         best = WeightedBound(Bound(floor, best.sum.attained, problem.cells), best.peaks)
-        if best.sum.gap <= tolerance or floor >= weights.of(least, highest):
+        if (
+            best.sum.gap <= tolerance
+            or floor >= weights.of(least, highest)
+            or end <= start * (1.0 + FINEST * tolerance)
+        ):
             break
         middle = sqrt(start * end)
         found = _least_acceleration(problem, middle, beyond)
