@@ -15,7 +15,7 @@ from ncgear.optimum.road import Road, road
 from ncgear.optimum.task import Limits, Task
 
 PRESSING_SHARE = 0.8
-"""Share of the cells in the working stroke when a mass is moved: the change of the force in a cell is then the error."""
+"""Share of the cells in the working stroke when a mass is moved: the change of force in a cell is then the error."""
 
 
 @dataclass(frozen=True, eq=False)
