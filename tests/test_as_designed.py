@@ -465,3 +465,13 @@ def test_written_outlines_see_the_same_overlap() -> None:
     contact, coarse = as_designed(pair, near), read(outlines(pair), pitch, pair, near)
     assert np.abs(contact.overlap_mm - coarse.overlap_mm).max() <= 2.0 * TOLERANCE
     assert contact.overlap_mm.min() > 2.0 * TOLERANCE
+
+
+@pytest.mark.parametrize(
+    ("simultaneous", "longest"),
+    [([1, 2, 1, 1], 0), ([1, 0, 0, 2, 0], 2), ([0, 0, 1, 0, 1, 0], 3), ([0, 0, 0], 3)],
+)
+def test_the_longest_gap_of_contact_goes_on_across_the_seam(simultaneous: list[int], longest: int) -> None:
+    side = replace(designed("ellipse", 25).pushing)
+    side.__dict__["simultaneous"] = np.array(simultaneous)
+    assert side.longest_gap == longest

@@ -16,6 +16,8 @@ import shapely
 from shapely import Polygon, affinity
 from trimesh import Trimesh
 
+from ncgear.contact.as_designed import as_designed
+from ncgear.contact.placement import placed
 from ncgear.design.load import load
 from ncgear.drive import Drive
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
@@ -30,6 +32,7 @@ from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.solids.bore import Bore, Keyway
 from ncgear.solids.closeness import MOST_STEPS, close_stacks
 from ncgear.solids.columns import Limits, spread_columns
+from ncgear.solids.even_tips import heights_fitted, with_even_tips
 from ncgear.solids.helical import helical_pair
 from ncgear.solids.helix import Hand, Helix
 from ncgear.solids.pair import Blank, SolidPair
@@ -182,6 +185,17 @@ def test_circular_volume_is_area_times_width(herringbone: bool) -> None:
     assert volume == pytest.approx(outline.area * WIDTH, rel=1e-4)
 
 
+def test_steps_follow_from_the_turning_of_the_tip_circle() -> None:
+    """A step d of advance turns the tip circle by d / r; its chord passes it by r_a (1 - cos(d / 2 r))."""
+    radius, tip = 20.0, 22.0
+    sections = Sections(pitch_of("circular"), ToothForm(rack()), Helix(ANGLE, WIDTH, Hand.RIGHT), TOLERANCE)
+    for sagitta in (1e-4, 1e-3, 1e-2):
+        step = sections.helix.largest_advance_mm / sections.steps_within(sagitta)
+        assert tip * (1.0 - cos(step / radius / 2.0)) <= sagitta
+        wider = sections.helix.largest_advance_mm / (sections.steps_within(sagitta) - 1)
+        assert tip * (1.0 - cos(wider / radius / 2.0)) > sagitta * 0.999
+
+
 def test_what_strays_between_two_sections_is_the_closed_form_of_a_circle() -> None:
     """A chord over the turn t of a circular gear passes its tip circle at r (1 - cos(t / 2))."""
     radius, tip = 20.0, 22.0
@@ -212,9 +226,6 @@ def test_sections_of_the_written_file_are_exact(name: str, herringbone: bool) ->
             teeth = exact(name, advance(height, Hand.RIGHT, herringbone=herringbone))
             wanted = Polygon(getattr(teeth, gear).outline_mm)
             assert apart(section(again, height), wanted) <= TOLERANCE
-
-
-UNDERCUT = ToothForm(rack(), limits=TipLimits(avoid_undercut=False))
 
 
 UNDERCUT = ToothForm(rack(), limits=TipLimits(avoid_undercut=False))
@@ -252,6 +263,52 @@ def test_tips_that_jump_are_refused_with_height_and_tooth() -> None:
     assert caught.value.key == "gears.helix"
 
 
+def read_sections(pair: SolidPair, height: float) -> list[Polygon]:
+    """Both gears' sections at a height, as read back from their files."""
+    return [section(read_back(stl_bytes(one.mesh), one.mesh), height) for one in (pair.driving, pair.driven)]
+
+
+@pytest.mark.parametrize(
+    ("teeth", "width", "angle_deg", "tolerance", "herringbone"),
+    [(86, 0.6, 15.0, 4.0 * TOLERANCE, False), (25, 12.0, 20.0, 6.0 * TOLERANCE, True)],
+)
+def test_tips_that_would_jump_are_led_up_to_the_jumps(
+    teeth: int, width: float, angle_deg: float, tolerance: float, herringbone: bool
+) -> None:
+    """The baler's: solids are sound, exact under their ceilings, and run without overlap at every height."""
+    pitch, helix = (
+        sized_pair(baler_law(), teeth, MODULE, None),
+        Helix(radians(angle_deg), width, Hand.LEFT, herringbone),
+    )
+    form = with_even_tips(pitch, ToothForm(rack(), limits=TipLimits(0.2 * MODULE)), helix)
+    pair = helical_pair(pitch, form, helix, {gear: Blank(width) for gear in Gear}, tolerance)
+    assert pair.driving.mesh.is_watertight
+    assert pair.driven.mesh.is_watertight
+    for height in (0.12 * width, 0.71 * width, 0.93 * width):
+        made = read_sections(pair, height)
+        exact = toothed_pair(pitch, form, 2e-4, advance_mm=helix.advance_mm(height))
+        assert apart(made[0], Polygon(exact.driving.outline_mm)) <= tolerance
+        assert apart(made[1], Polygon(exact.driven.outline_mm)) <= tolerance
+        report = judged_on(pitch, *made)
+        assert report.overlap_depth.max() <= 2.0 * tolerance
+        assert report.gap.max() <= 2.0 * tolerance
+
+
+def test_sections_are_fitted_over_the_helix_and_no_farther_than_a_pitch() -> None:
+    for angle, sections in ((0.5, 5), (10.0, 20), (60.0, 48)):
+        helix = Helix(radians(angle), WIDTH, Hand.RIGHT)
+        heights, step = heights_fitted(helix, MODULE * pi)
+        assert [helix.advance_mm(z) for z in heights] == pytest.approx([-step * i for i in range(sections)])
+        assert (sections - (angle < 60.0)) * step == pytest.approx(min(helix.largest_advance_mm, MODULE * pi))
+
+
+def test_even_tips_change_nothing_where_none_jumps() -> None:
+    pitch, helix = pitch_of("ellipse"), Helix(ANGLE, WIDTH, Hand.RIGHT)
+    form = with_even_tips(pitch, ToothForm(rack()), helix)
+    plain, even = (toothed_pair(pitch, one, TOLERANCE, advance_mm=2.0) for one in (ToothForm(rack()), form))
+    np.testing.assert_array_equal(plain.driving.outline_mm, even.driving.outline_mm)
+
+
 def test_teeth_whose_lands_are_shortened_in_some_sections_only() -> None:
     pitch = sized_pair(elliptical_law(0.4, 0.7, Lobes()), 25, MODULE, None)
     form, helix = ToothForm(rack(), limits=TipLimits(least_land_mm=1.45)), Helix(ANGLE, WIDTH, Hand.RIGHT)
@@ -269,7 +326,10 @@ def test_teeth_whose_lands_are_shortened_in_some_sections_only() -> None:
 
 
 def judged(name: str, driving: Polygon, driven: Polygon) -> meshing.MeshingReport:
-    pitch = pitch_of(name)
+    return judged_on(pitch_of(name), driving, driven)
+
+
+def judged_on(pitch: PitchPair, driving: Polygon, driven: Polygon) -> meshing.MeshingReport:
     turn = 2.0 * pi * max(1, pitch.transmission.lobes.driven)
     phi1 = np.linspace(0.0, turn, 102)
     phi2 = pitch.transmission.driven_angle(phi1).value
@@ -408,6 +468,7 @@ gears:
   face_width_mm: 8
   backlash_mm: 0.05
 """
+LOSING = "law: ratio_expression, driven_angle: phi - 0.3*sin(2*phi)"
 HELIX = "  helix: {angle_deg: 15, kind: helical, hand: left}\n"
 
 
@@ -456,7 +517,8 @@ def test_the_summary_has_the_overlap_and_the_thrust(tmp_path: Path) -> None:
         "left",
     )
     assert contact["overlap_ratio"] == pytest.approx(8.0 * tan(radians(15.0)) / (2.0 * pi), rel=1e-12)
-    assert contact["total_contact_ratio"] == contact["contact_ratio_min"] + contact["overlap_ratio"]
+    assert contact["total_contact_ratio"] == contact["section_contact_ratio_min"] + contact["overlap_ratio"]
+    assert 1.0 < contact["section_contact_ratio_min"] < contact["contact_ratio_min"]
     assert any("0.268 of the tangential force" in warning for warning in summary["warnings"])
 
 
@@ -472,12 +534,28 @@ def test_straight_teeth_say_nothing_of_a_helix(tmp_path: Path) -> None:
     assert not any("thrust" in warning for warning in summary["warnings"])
 
 
-def test_sections_are_made_for_solids_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    drive = drive_of(tmp_path, DESIGN + HELIX)
-    monkeypatch.setattr(Sections, "at", None)
-    assert drive.designed_contact.pushing.arcs.min() > 1.0
-    with pytest.raises(TypeError):
-        assert drive.solids
+def test_the_least_contact_of_sections_is_found_among_them(tmp_path: Path) -> None:
+    drive = drive_of(tmp_path, DESIGN.replace("0.2}", "0.6}") + HELIX)
+    found = []
+    for height in np.linspace(0.0, 8.0, 25):
+        assert drive.helix
+        advance = drive.helix.advance_mm(float(height))
+        contact = as_designed(
+            toothed_pair(drive.pitch, drive.tooth_form, 0.01, advance_mm=advance), placed(drive.pitch)
+        )
+        found.append(min(contact.pushing.arcs.min(), contact.back.arcs.min()))
+    assert drive.section_contact_ratio == pytest.approx(min(found), abs=5e-3)
+    assert drive.section_contact_ratio <= found[0]
+
+
+def test_an_overlap_that_leaves_a_rest_to_the_sections_asks_for_it(tmp_path: Path) -> None:
+    """A helix of a hundredth of a degree does not make up for flanks that lose contact."""
+    text = DESIGN.replace("teeth: 23", "teeth: 24").replace("law: ellipse, eccentricity: 0.2", LOSING)
+    with pytest.raises(NoSuchMechanism) as straight:
+        assert drive_of(tmp_path, text).designed_contact
+    with pytest.raises(NoSuchMechanism) as helical:
+        assert drive_of(tmp_path, text + HELIX.replace("15", "0.01")).designed_contact
+    assert helical.value.key == straight.value.key == "gears.least_contact_ratio"
 
 
 def test_a_build_writes_the_section_at_no_height_as_the_outline(tmp_path: Path) -> None:

@@ -428,7 +428,7 @@ def test_tips_overlap_as_far_as_their_circles_cross(law: str, teeth: int) -> Non
 
 def full_height(monkeypatch: pytest.MonkeyPatch) -> Made:
     """Four teeth more on the ring, with tips that nothing has shortened."""
-    monkeypatch.setattr("ncgear.teeth.fitting.freed", lambda own, mate, ways: own)
+    monkeypatch.setattr("ncgear.teeth.fitting.freed", lambda own, mate, paths: own)
     return made.__wrapped__("5:6", 20, 0.1)
 
 

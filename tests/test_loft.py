@@ -23,6 +23,7 @@ from ncgear.solids import loft
 from ncgear.solids.columns import Columns, Limits, close_columns, sagittas, spread_columns, twists
 from ncgear.solids.loft import falls, lofted, middle_section, signed_area
 from ncgear.solids.pieces import PER_TOOTH, Pieces, pieces_of
+from ncgear.solids.stack import Stack
 from ncgear.teeth.form import TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedGear, toothed_pair
 from ncgear.teeth.tips import Limit
@@ -119,6 +120,19 @@ def test_quadrilaterals_folded_otherwise_than_their_areas_say_are_noticed(monkey
     monkeypatch.setattr(loft, "middle_section", lambda lower, upper: (lower + upper) / 2.0)
     with pytest.raises(RuntimeError, match="instead of"):
         lofted(np.stack([star(), star(0.5)]), np.array([0.0, 2.0]), [])
+
+
+def test_distances_are_measured_from_both_sides() -> None:
+    """A thin spike of the mesh is far from the outline, which passes close to its foot; and the other way round."""
+    plain = star(0.0, 4000)
+    spiked = plain.copy()
+    spiked[777] *= 1.1
+    columns = Columns(np.arange(4000), np.zeros(4000))
+    for ring, outline in ((spiked, plain), (plain, spiked)):
+        section = Pieces(np.concatenate([outline, outline[:1]]), np.arange(4001.0), np.arange(4001.0))
+        strays = Stack(np.array([0.0, 1.0]), columns, np.stack([ring, ring])).strays_mm(np.array([0]), [section])[0]
+        assert strays.max() == pytest.approx(0.1 * np.linalg.norm(plain[777]), rel=0.01)
+        assert abs(int(np.argmax(strays)) - 777) <= 10
 
 
 # --- pieces ---------------------------------------------------------------------------------------------------------

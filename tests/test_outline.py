@@ -96,16 +96,26 @@ def dense_sides(gear: ToothedGear, kind: int) -> Array:
     return curve(sides.owner[chosen][:, None], start + (end - start) * np.linspace(0.0, 1.0, DENSE))[0]
 
 
+def at_joints(sigma: Array, joints: Array) -> Array:
+    """Arc lengths, shape (z, n), the nearest to each joint put on it: a sloping land has a corner there."""
+    for joint in joints:
+        rows = np.nonzero((sigma[:, 0] < joint) & (joint < sigma[:, -1]))[0]
+        sigma[rows, np.argmin(np.abs(sigma[rows] - joint), axis=1)] = joint
+    return sigma
+
+
 def dense_lands(gear: ToothedGear) -> list[Array]:
-    """Dense points on tip lands and root lands, the one across the seam included, shape (z, DENSE, 2) each."""
+    """Dense points on tip lands and root lands, the one across the seam included, shape (z, DENSE, 2) each.
+
+    A tip land's height over the pitch curve changes evenly along it.
+    """
     own, sides = gear.flanks, gear.sides
     share = np.linspace(0.0, 1.0, DENSE)
     start, end = sides.tip_mm[0::2], sides.tip_mm[1::2]
     heights = own.tip_height_mm.reshape(-1, 2)
-    parallel = own.offset(start[:, None] + (end - start)[:, None] * share, heights[:, :1])[0]
-    edges = own.flank(np.arange(own.count), gear.tips.height_mm)[0].reshape(-1, 2, 2)
-    straight = edges[:, :1] + share[:, None] * np.diff(edges, axis=1)
-    tips = np.where((heights[:, 0] == heights[:, 1])[:, None, None], parallel, straight)
+    sigma = at_joints(start[:, None] + (end - start)[:, None] * share, own.curve.joints_around_mm)
+    rise = np.diff(heights, axis=1)[:, 0] / (end - start)
+    tips = own.offset(sigma, heights[:, :1] + rise[:, None] * (sigma - start[:, None]))[0]
     start, end = sides.roots.lands()
     sigma = start[:, None] + (end - start)[:, None] * share
     return [tips, sides.roots.land(np.arange(gear.teeth)[:, None], sigma)[0]]

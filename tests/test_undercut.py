@@ -18,7 +18,7 @@ from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.flank import FLANK, Flanks, flanks_of
 from ncgear.teeth.form import TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
-from ncgear.teeth.regular import regular_depth
+from ncgear.teeth.regular import regular_depth, regular_height
 from ncgear.teeth.shift import shift_against_undercut, teeth_free_of_undercut
 from ncgear.teeth.tips import Limit
 from ncgear.teeth.tool import RackLine
@@ -253,3 +253,16 @@ def test_flank_kinds_left_by_undercut_are_in_order() -> None:
     for gear in both(made(uniform_law(Lobes()), 12, avoid=False)):
         assert list(gear.sides.kind[:4]) == [FLANK, 1, FLANK, 1]
         assert np.all(np.diff(gear.sides.owner) >= 0)
+
+
+@pytest.mark.parametrize("nudge", [-4, -1, 0, 1, 2, 3, 4])
+def test_a_joint_just_before_the_end_of_a_range_is_its_end(nudge: int) -> None:
+    """Between them there are no numbers left to tell both sides of the jump apart."""
+    curve, basic = pitch_pair(baler_law(), 14).driven, rack(25.0, root_radius=0.2)
+    flanks = flanks_of(curve, basic, 14, RackLine(), 1.45, 1.0)
+    # Heights at which some flank touches where the curvature jumps.
+    heights = np.abs(curve.joints_mm[:, None] - flanks.crossing_mm) * basic.height_per_rolled
+    for height in heights[(heights > 0.5) & (heights < 5.0)]:
+        limit = float(height) * (1.0 + nudge * 2.3e-16)
+        near = regular_height(flanks, limit * (1.0 - 1e-9))
+        assert regular_height(flanks, limit) == pytest.approx(near, rel=2e-9)

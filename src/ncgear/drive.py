@@ -129,19 +129,25 @@ class Drive:
         """The basic rack at the module."""
         return rack_of(self.gears, self.pitch.size.module_mm)
 
-    @property
+    @cached_property
     def tooth_form(self) -> ToothForm:
-        """Everything asked of the teeth, at the module."""
-        return tooth_form(self.gears, self.pitch.size.module_mm)
+        """Everything asked of the teeth, at the module; of helical ones, that their tips do not jump with height."""
+        from ncgear.solids.even_tips import with_even_tips
+
+        form, pitch = tooth_form(self.gears, self.pitch.size.module_mm), self.pitch
+        if self.helix is None:
+            return form
+        with self.stopwatch("teeth"):
+            return with_even_tips(pitch, form, self.helix)
 
     @cached_property
     def teeth(self) -> ToothedPair:
         """Both toothed gears."""
         from ncgear.teeth.gear import toothed_pair
 
-        pitch = self.pitch
+        pitch, form = self.pitch, self.tooth_form
         with self.stopwatch("teeth"):
-            return toothed_pair(pitch, self.tooth_form, self.design.output.chord_tolerance_mm)
+            return toothed_pair(pitch, form, self.design.output.chord_tolerance_mm)
 
     @cached_property
     def designed_contact(self) -> AsDesigned:
@@ -155,7 +161,7 @@ class Drive:
         with self.stopwatch("contact"):
             contact = as_designed(teeth, placed(pitch))
             refuse_overlap(contact, self.design.output.chord_tolerance_mm)
-            refuse_short_contact(contact, teeth, self.gears.least_contact_ratio - self.overlap_ratio)
+            refuse_short_contact(contact, teeth, self._asked_of_section(contact.longest_gap_pitches))
             return contact
 
     def contact(self, written: Sequence[Outlines]) -> PairContact:
@@ -177,6 +183,25 @@ class Drive:
     def overlap_ratio(self) -> float:
         """What the helix adds to the contact ratio: its advance in pitches."""
         return self.helix.largest_advance_mm / self.rack.pitch_mm if self.helix else 0.0
+
+    @cached_property
+    def section_contact_ratio(self) -> float:
+        """Least arc of contact of any pair of flanks in the sections of helical teeth, in pitches."""
+        from ncgear.solids.section_contact import least_section_contact
+        from ncgear.solids.sections import Sections
+
+        assert self.helix is not None
+        pitch, form, tolerance = self.pitch, self.tooth_form, self.design.output.chord_tolerance_mm
+        return least_section_contact(Sections(pitch, form, self.helix, tolerance))
+
+    def _asked_of_section(self, gap: float) -> float:
+        """The contact ratio that a section must have, which loses contact over ``gap`` pitches.
+
+        Of helical teeth, what the overlap leaves to it; at least that contact never ceases where it is less than the
+        gap.
+        """
+        least = self.gears.least_contact_ratio
+        return least if gap > self.overlap_ratio and least <= 1.0 else least - self.overlap_ratio
 
     @cached_property
     def solids(self) -> SolidPair:

@@ -59,6 +59,14 @@ class SideContact:
         return np.bincount(self.touching.position[self.touching.flanks], minlength=self.error_rad.size)
 
     @property
+    def longest_gap(self) -> int:
+        """Most positions in a row at which no pair of flanks touches."""
+        touched = np.flatnonzero(self.simultaneous)
+        if not touched.size:
+            return self.simultaneous.size
+        return int(np.max(np.diff(touched, append=touched[0] + self.simultaneous.size))) - 1
+
+    @property
     def overlap_mm(self) -> Array:
         """Depth by which the teeth run into each other at the law's driven angle, 0 where they do not, shape (n,)."""
         ahead = self.meetings.urge * self.error_rad
@@ -90,6 +98,11 @@ class AsDesigned:
     def overlap_mm(self) -> Array:
         """Depth by which the teeth run into each other at the law's driven angle, 0 where they do not, shape (n,)."""
         return np.maximum(self.pushing.overlap_mm, self.back.overlap_mm)
+
+    @property
+    def longest_gap_pitches(self) -> float:
+        """Longest way without contact of flanks, on either side of the teeth, in pitches."""
+        return max(self.pushing.longest_gap, self.back.longest_gap) / self.placement.per_tooth
 
     @property
     def largest_sliding_mm(self) -> Array:

@@ -9,8 +9,8 @@ import numpy as np
 
 from ncgear.contact.contacts import Contacts
 from ncgear.contact.facing import FacingFlanks
-from ncgear.contact.meetings import Meetings
-from ncgear.contact.placement import Placement
+from ncgear.contact.meetings import Meetings, meetings
+from ncgear.contact.placement import BACK, PUSHING, Placement
 from ncgear.contact.tangency import tangencies
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.teeth.flank import FLANK, Flanks
@@ -46,17 +46,24 @@ class _Heights:
         return np.stack([top - height, height - bottom])
 
 
-def flank_contacts(teeth: ToothedPair, placement: Placement, meetings: Meetings) -> tuple[Contacts, Array]:
+def flank_contacts(teeth: ToothedPair, placement: Placement, met: Meetings) -> tuple[Contacts, Array]:
     """All contacts of flanks on one side of the teeth, and each meeting's arc of contact in pitches, shape (m,)."""
     driving, driven = _heights(teeth.driving), _heights(teeth.driven)
-    row, column, facing = _near(teeth, placement, meetings, driving, driven)
+    row, column, facing = _near(teeth, placement, met, driving, driven)
     touches = tangencies(facing, np.stack([driving.limits[:, facing.driving], driven.limits[:, facing.driven]]))
     room = _room(driving.room(facing.driving, touches.driving_mm), driven.room(facing.driven, touches.driven_mm))
-    arcs = _arcs(np.where(touches.found, room, -1.0), row, column, meetings.position.shape) / placement.per_tooth
+    arcs = _arcs(np.where(touches.found, room, -1.0), row, column, met.position.shape) / placement.per_tooth
     least = END_IN_MODULES * facing.module_mm
     touching = touches.found & (room >= -least).all(axis=0).any(axis=0)
     columns = placement.ahead * touches.turn_rad, touches.point, touches.tangent, touches.found
     return Contacts(facing.driving, facing.driven, facing.position, *columns).kept(touching), arcs
+
+
+def least_arc(teeth: ToothedPair, placement: Placement) -> float:
+    """Least arc of contact of any pair of flanks on either side of the teeth, in pitches."""
+    return min(
+        float(flank_contacts(teeth, placement, meetings(teeth, placement, side))[1].min()) for side in (PUSHING, BACK)
+    )
 
 
 def _heights(gear: ToothedGear) -> _Heights:

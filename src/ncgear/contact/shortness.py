@@ -21,6 +21,7 @@ REASONS = {
     Limit.CUSP: "its flank ends in a cusp there",
     Limit.LAND: "higher its land would be too narrow",
     Limit.FOULING: "higher it would foul the mate's tips",
+    Limit.HELIX: "higher it would jump between sections of the helical teeth",
 }
 
 REMEDY = (

@@ -200,8 +200,12 @@ def _helix(drive: Drive) -> dict[str, Any]:
 
 
 def _overlap(drive: Drive, contact: PairContact) -> dict[str, float]:
-    """What the advance of helical teeth adds to the contact ratio of their sections."""
+    """What the advance of helical teeth adds to the least contact ratio of their sections."""
     if drive.helix is None:
         return {}
-    overlap = drive.helix.largest_advance_mm / drive.rack.pitch_mm
-    return {"overlap_ratio": overlap, "total_contact_ratio": contact.contact_ratio + overlap}
+    least = min(drive.section_contact_ratio, contact.contact_ratio)
+    return {
+        "section_contact_ratio_min": least,
+        "overlap_ratio": drive.overlap_ratio,
+        "total_contact_ratio": least + drive.overlap_ratio,
+    }

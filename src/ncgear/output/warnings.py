@@ -117,6 +117,7 @@ def _shortened(drive: Drive) -> list[str]:
         Limit.CUSP: "would end in a cusp, so concave is the pitch curve there",
         Limit.LAND: f"would have a land under {drive.gears.least_tip_land:g} modules",
         Limit.FOULING: "would run into the mate's tips, so concave is the pitch curve there",
+        Limit.HELIX: "would jump between sections of the helical teeth",
     }
     found = []
     for reason, words in reasons.items():

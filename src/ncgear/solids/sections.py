@@ -6,6 +6,8 @@ by d^2 / (8 rho), where 1 / rho = |k| (1 + h k) on a land h outside the pitch cu
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import ceil, sqrt
@@ -20,6 +22,16 @@ from ncgear.solids.helix import Helix
 from ncgear.solids.pieces import Pieces, pieces_of
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
+
+
+@contextmanager
+def said_of_section(height_mm: float) -> Iterator[None]:
+    """Refusals from within, said of the section at a height."""
+    try:
+        yield
+    except NoSuchMechanism as fault:
+        problem = f"in the section of the helical teeth at z = {height_mm:.4g} mm: {fault.problem}"
+        raise NoSuchMechanism(problem, key=fault.key) from fault
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,12 +71,9 @@ class Sections:
         return [self.at(height).pieces[gear] for height in heights_mm]
 
     def _teeth(self, height_mm: float) -> ToothedPair:
-        try:
+        with said_of_section(height_mm):
             advance = self.helix.advance_mm(height_mm)
             return toothed_pair(self.pitch, self.form, self.tolerance_mm, advance_mm=advance)
-        except NoSuchMechanism as fault:
-            problem = f"in the section of the helical teeth at z = {height_mm:.4g} mm: {fault.problem}"
-            raise NoSuchMechanism(problem, key=fault.key) from fault
 
     def steps_within(self, sagitta_mm: float) -> int:
         """Even steps from z = 0 to where the teeth stop advancing, so that no land is cut across by more."""

@@ -11,12 +11,12 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.curve import PitchCurve
 from ncgear.teeth.flank import Flanks
-from ncgear.teeth.form import TipLimits
-from ncgear.teeth.fouling import Meeting, Ways, freed, ways_near_concave
+from ncgear.teeth.form import WAYS, TipLimits
+from ncgear.teeth.fouling import Meeting, TipPaths, freed, paths_near_concave
 from ncgear.teeth.meeting import mating_flanks
 from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_depth
 from ncgear.teeth.spaces import cut_spaces, mated_spaces
-from ncgear.teeth.tips import Bounds, Limit, Tips, fitted_tips, no_tip
+from ncgear.teeth.tips import Bounds, Limit, Tips, fitted_tips, held_below, no_tip
 from ncgear.teeth.tool import PinionCircle
 
 FAR = 2.0
@@ -55,10 +55,19 @@ def _fitted_to_cutter(
 ) -> Both:
     """Spaces as the cutter leaves them, then tips that fit into them."""
     (driving, undercut1), (driven, undercut2) = (cut_spaces(gear, limits.avoid_undercut) for gear in gears)
-    return (
+    tips = (
         _tips_in(driving, driven, meetings[0], undercut1, undercut2, limits, clearance),
         _tips_in(driven, driving, meetings[1], undercut2, undercut1, limits, clearance),
     )
+    return _held(tips, limits)
+
+
+def _held(tips: Both, limits: TipLimits) -> Both:
+    """Tips below the ceilings, if there are any."""
+    if limits.ceilings is None:
+        return tips
+    driving, driven = (held_below(tip, over.over(tip.flanks)) for tip, over in zip(tips, limits.ceilings, strict=True))
+    return driving, driven
 
 
 def _tips_in(
@@ -97,14 +106,14 @@ def _fitted_to_mates(
     regular = (_regular_spaces(gears[0], limits.avoid_undercut), _regular_spaces(gears[1], limits.avoid_undercut))
     plain = _regular_tips(gears, regular, meetings, limits)
     raised = (_raised(gears[0], plain[1], meetings[0]), _raised(gears[1], plain[0], meetings[1]))
-    ways = _ways(gears, meetings)
+    paths = _paths(gears, meetings)
     found: list[Both] = []
     refusals: list[NoSuchMechanism] = []
-    for high, first in ((True, 0), (True, 1), (False, 0), (False, 1)):
+    for way in WAYS if limits.way is None else (limits.way,):
         try:
-            tips = _regular_tips(raised, regular, meetings, limits) if high else plain
-            free = _freed(tips, ways, first)
-            found.append(_cleared(free, meetings, clearance))
+            tips = _regular_tips(raised, regular, meetings, limits) if way.raised else plain
+            free = _freed(tips, paths, way.first)
+            found.append(_cleared(_held(free, limits), meetings, clearance))
         except NoSuchMechanism as refusal:
             refusals.append(refusal)
             continue
@@ -112,7 +121,7 @@ def _fitted_to_mates(
             break
     if not found:
         raise refusals[-1]
-    return max(found, key=lambda tips: _least_overlap(tips, meetings[0]))
+    return max(found, key=least_overlap)
 
 
 def _cleared(tips: Both, meetings: tuple[Meeting, Meeting], clearance: float) -> Both:
@@ -123,25 +132,25 @@ def _cleared(tips: Both, meetings: tuple[Meeting, Meeting], clearance: float) ->
     )
 
 
-def _ways(gears: tuple[Flanks, Flanks], meetings: tuple[Meeting, Meeting]) -> tuple[Ways, Ways] | None:
-    """Ways on which each gear's tips can foul the other's; none of convex gears."""
+def _paths(gears: tuple[Flanks, Flanks], meetings: tuple[Meeting, Meeting]) -> tuple[TipPaths, TipPaths] | None:
+    """TipPaths on which each gear's tips can foul the other's; none of convex gears."""
     driving, driven = gears
     if min(driving.curve.curvature_bounds[0], driven.curve.curvature_bounds[0]) >= 0.0:
         return None
-    return ways_near_concave(driving, driven, meetings[0]), ways_near_concave(driven, driving, meetings[1])
+    return paths_near_concave(driving, driven, meetings[0]), paths_near_concave(driven, driving, meetings[1])
 
 
-def _freed(tips: Both, ways: tuple[Ways, Ways] | None, first: int) -> Both:
+def _freed(tips: Both, paths: tuple[TipPaths, TipPaths] | None, first: int) -> Both:
     """Tips that do not foul each other, those of the gear numbered ``first`` shortened rather than the other's.
 
     The same pair where none does.  Raises NoSuchMechanism, naming the tooth, where that leaves no tip.
     """
-    if ways is None:
+    if paths is None:
         return tips
     both, unchanged = list(tips), 0
     for turn in range(TURNS):
         own = (first + turn) % 2
-        free = freed(both[own], both[1 - own], ways[own])
+        free = freed(both[own], both[1 - own], paths[own])
         unchanged = unchanged + 1 if free is both[own] else 0
         both[own] = free
         if unchanged == 2:
@@ -150,12 +159,13 @@ def _freed(tips: Both, ways: tuple[Ways, Ways] | None, first: int) -> Both:
     raise no_tip(worst.flanks, int(np.argmax(worst.limit == Limit.FOULING)))
 
 
-def _least_overlap(tips: Both, meeting: Meeting) -> float:
+def least_overlap(tips: Both) -> float:
     """Least rolled length, times sin(alpha) cos(alpha), by which a pair of flanks meets before the one ahead parts.
 
     On front flanks contact runs from the driving tip, h / (sin(alpha) cos(alpha)) before the crossing, to the driven
     tip's height after it; on back flanks the other way round.
     """
+    meeting = mating_flanks(tips[0].flanks.count // 2, tips[1].flanks.count // 2)
     front, back = (tip.height_mm[flank].reshape(2, -1) for tip, flank in zip(tips, meeting, strict=True))
     return float(min(np.min(back[0] + np.roll(front[0], -1)), np.min(front[1] + np.roll(back[1], -1))))
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import NamedTuple
 
 from ncgear.machine.rack import BasicRack
+from ncgear.teeth.ceilings import Ceilings
 
 
 class CutterKind(Enum):
@@ -25,12 +27,32 @@ class Cutter:
     teeth: int | None = None
 
 
+class Way(NamedTuple):
+    """A way of sharing out a fouling: tips raised for what the mates' have lost or not, and whose are shortened first.
+
+    ``first`` is 0 for the driving gear's tips and 1 for the driven one's.
+    """
+
+    raised: bool
+    first: int
+
+
+WAYS = Way(True, 0), Way(True, 1), Way(False, 0), Way(False, 1)
+"""All of them, the ones that usually leave most contact first."""
+
+
 @dataclass(frozen=True)
 class TipLimits:
-    """What is asked of tips: the least land in mm, and whether undercut is avoided by shortening them."""
+    """What is asked of tips: the least land in mm, and whether undercut is avoided by shortening them.
+
+    Helical teeth must not jump from section to section: ``way`` is the one in which all sections share out foulings,
+    the best for each where None, and ``ceilings`` are over their tips.
+    """
 
     least_land_mm: float = 0.0
     avoid_undercut: bool = True
+    way: Way | None = None
+    ceilings: Ceilings | None = None
 
 
 @dataclass(frozen=True)

@@ -44,8 +44,8 @@ FREE = 0.995
 
 
 @dataclass(frozen=True, eq=False)
-class Ways:
-    """The ways of tip edges in the mate's frame: flanks, the mate's flanks they meet, and the curves as they roll.
+class TipPaths:
+    """The paths of tip edges in the mate's frame: flanks, the mate's flanks they meet, and the curves as they roll.
 
     ``at`` and ``there`` are the touching points of the gear's curve and the mate's, shape (meetings, points).
     """
@@ -55,13 +55,13 @@ class Ways:
     at: CurvePoints
     there: CurvePoints
 
-    def of(self, chosen: Mask) -> Ways:
+    def of(self, chosen: Mask) -> TipPaths:
         """Those of the chosen flanks, shape (2 z,)."""
         return self.at_rows(chosen[self.own])
 
-    def at_rows(self, rows: Mask) -> Ways:
+    def at_rows(self, rows: Mask) -> TipPaths:
         """Those of the chosen meetings."""
-        return Ways(self.own[rows], self.other[rows], _rows(self.at, rows), _rows(self.there, rows))
+        return TipPaths(self.own[rows], self.other[rows], _rows(self.at, rows), _rows(self.there, rows))
 
     def in_mate(self, edge: Array) -> Array:
         """Paths of the flanks' edges (shape (meetings, 2)) in the mate's frame, shape (meetings, points, 2)."""
@@ -72,14 +72,14 @@ class Ways:
         return path
 
 
-def ways_near_concave(own: Flanks, mate: Flanks, meeting: Meeting) -> Ways:
-    """The ways within reach of a concave stretch of either curve; there are no others where tips foul."""
+def paths_near_concave(own: Flanks, mate: Flanks, meeting: Meeting) -> TipPaths:
+    """The paths within reach of a concave stretch of either curve; there are no others where tips foul."""
     reach, pitch = _reach_mm(own, mate), own.rack.pitch_mm
     rolled = np.linspace(-reach, reach, 2 * ceil(STEPS * reach / pitch) + 1)
     sigma = own.crossing_mm[meeting[0]][:, None] + rolled
     at, there = own.curve.at_length(sigma), mate.curve.at_length(sigma)
-    ways = Ways(*meeting, at, there)
-    return ways.at_rows(np.any((at.curvature < 0.0) | (there.curvature < 0.0), axis=1))
+    paths = TipPaths(*meeting, at, there)
+    return paths.at_rows(np.any((at.curvature < 0.0) | (there.curvature < 0.0), axis=1))
 
 
 def _reach_mm(own: Flanks, mate: Flanks) -> float:
@@ -104,16 +104,16 @@ def _parted_mm(own: Flanks, mate: Flanks, met: Array, rolled: Array) -> Array:
     return np.abs(apart[0] - apart[1])
 
 
-def freed(own: Tips, mate: Tips, ways: Ways) -> Tips:
+def freed(own: Tips, mate: Tips, paths: TipPaths) -> Tips:
     """The gear with tips shortened that would run into the mate's on concave stretches; itself where none does.
 
     Raises NoSuchMechanism, naming the tooth, where none is left.
     """
     teeth = _upper_teeth(mate)
-    hit = _fouling(own.flanks, own.height_mm, ways, teeth)
+    hit = _fouling(own.flanks, own.height_mm, paths, teeth)
     if not hit.any():
         return own
-    flanks = _lowered(own, ways.of(hit), teeth, hit)
+    flanks = _lowered(own, paths.of(hit), teeth, hit)
     top, at, met = tip_crossing(flanks)
     if not met.all():
         raise no_tip(flanks, int(np.nonzero(~met)[0][0]))
@@ -122,24 +122,24 @@ def freed(own: Tips, mate: Tips, ways: Ways) -> Tips:
     return replace(own, flanks=flanks, height_mm=top, at_mm=at, limit=limit)
 
 
-def _lowered(own: Tips, ways: Ways, teeth: Array, hit: Mask) -> Flanks:
+def _lowered(own: Tips, paths: TipPaths, teeth: Array, hit: Mask) -> Flanks:
     """The flanks with the greatest tip heights, found by halving, at which none of those that hit does so."""
     full = own.flanks.tip_height_mm
     low, high, chosen, top = np.zeros_like(full), full.copy(), np.nonzero(hit)[0], own.height_mm.copy()
     for _ in range(HALVINGS):
         trial = replace(own.flanks, tip_height_mm=np.where(hit, (low + high) / 2.0, full))
         top[chosen] = tip_crossing(trial, chosen)[0]
-        fouls = _fouling(trial, top, ways, teeth)
+        fouls = _fouling(trial, top, paths, teeth)
         low, high = np.where(fouls, low, trial.tip_height_mm), np.where(fouls, trial.tip_height_mm, high)
     return replace(own.flanks, tip_height_mm=even_heights(own.flanks, np.where(hit, FREE * low, full)))
 
 
-def _fouling(flanks: Flanks, top: Array, ways: Ways, teeth: Array) -> Mask:
-    """Which tip edges of a gear, at heights ``top``, run into the mate's teeth on their ways; shape (2 z,)."""
-    path, hit = ways.in_mate(flanks.flank(ways.own, top[ways.own])[0]), np.zeros(flanks.count, dtype=bool)
+def _fouling(flanks: Flanks, top: Array, paths: TipPaths, teeth: Array) -> Mask:
+    """Which tip edges of a gear, at heights ``top``, run into the mate's teeth on their paths; shape (2 z,)."""
+    path, hit = paths.in_mate(flanks.flank(paths.own, top[paths.own])[0]), np.zeros(flanks.count, dtype=bool)
     for neighbour in range(-NEIGHBOURS, NEIGHBOURS + 1):
-        row, _, _ = chord_crossings(path, teeth[(ways.other // 2 + neighbour) % len(teeth)])
-        hit[ways.own[row]] = True
+        row, _, _ = chord_crossings(path, teeth[(paths.other // 2 + neighbour) % len(teeth)])
+        hit[paths.own[row]] = True
     return hit
 
 

@@ -87,7 +87,7 @@ def toothed_pair(
     section of helical gears.  Raises NoSuchMechanism, naming gear and tooth, where no tooth can stand, and WrongInput
     where shifts contradict each other.
     """
-    kind, tips = _fitted(pitch, form, advance_mm)
+    kind, tips = pair_tips(pitch, form, advance_mm)
     finer = flank_tolerance_mm or tolerance_mm * _flank_share(pitch, form)
     driving, driven = (_gear(side, ChordTolerance(finer, tolerance_mm, straddling)) for side in tips)
     return ToothedPair(driving, driven, kind)
@@ -102,10 +102,10 @@ def _flank_share(pitch: PitchPair, form: ToothForm) -> float:
     return min(1.0, MOST_ASTRAY / 2.0 * max(cos(angle), LEAST_COSINE))
 
 
-def _fitted(pitch: PitchPair, form: ToothForm, advance: float) -> tuple[CutterKind, tuple[Tips, Tips]]:
-    """The tool and both gears' flanks at the heights it allows."""
+def pair_tips(pitch: PitchPair, form: ToothForm, advance_mm: float) -> tuple[CutterKind, tuple[Tips, Tips]]:
+    """The tool and both gears' flanks at the heights it allows; raises as ``toothed_pair``."""
     kind = chosen_kind(pitch) if form.cutter.kind is CutterKind.AUTO else form.cutter.kind
-    tips = _tips(pitch, form, kind, advance)
+    tips = _tips(pitch, form, kind, advance_mm)
     if kind is CutterKind.PINION:
         for gear in tips:
             _refuse_fouled(gear)

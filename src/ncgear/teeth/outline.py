@@ -74,21 +74,18 @@ def _side_runs(flanks: Flanks, sides: Sides, kind: int) -> Stretch:
 def _tip_lands(flanks: Flanks, sides: Sides) -> Stretch:
     """From each tooth's back to its front flank, after the last run of the back.
 
-    Parallel to the pitch curve, or straight where the two flanks end at different heights.
+    Its height over the pitch curve changes evenly from one flank's end to the other's: parallel where they are equal,
+    and no jump where, from section to section of helical teeth, they cease to be.
     """
     back = np.arange(0, flanks.count, 2)
     start, end = sides.tip_mm[back], sides.tip_mm[back + 1]
-    edges = flanks.offset(sides.tip_mm, flanks.tip_height_mm)[0].reshape(-1, 2, 2)
-    slopes = flanks.tip_height_mm[back] != flanks.tip_height_mm[back + 1]
+    low = flanks.tip_height_mm[back]
+    rise = (flanks.tip_height_mm[back + 1] - low) / (end - start)
 
     def curve(flank: IndexArray, sigma: Array) -> tuple[Array, Array]:
         tooth = flank // 2
-        length = (end - start)[tooth][..., None]
-        chord = (edges[tooth, 1] - edges[tooth, 0]) / length
-        straight = edges[tooth, 0] + (sigma - start[tooth])[..., None] * chord
-        parallel, slope = flanks.offset(sigma, flanks.tip_height_mm[flank])
-        chosen = slopes[tooth][..., None]
-        return np.where(chosen, straight, parallel), np.where(chosen, chord, slope)
+        point, slope = flanks.offset(sigma, low[tooth] + rise[tooth] * (sigma - start[tooth]))
+        return point, slope + rise[tooth][..., None] * flanks.curve.at_length(sigma).normal
 
     return _lands(curve, sides, back, start, end)
 

@@ -24,6 +24,10 @@ CLEAR = 1e-9
 """Share of a fillet's rolled length by which a zero may lie before its end and still be its end: rounding."""
 
 
+AT_END = 1e-12
+"""Share of a range within which a joint counts as its end: no numbers are left between them to tell its sides apart."""
+
+
 def regular_height(flanks: Flanks, limit_mm: float) -> Array:
     """Height over the pitch line, at most ``limit_mm``, up to which each flank is regular; shape (2 z,)."""
     return _reach(flanks, limit_mm, 1.0)
@@ -80,6 +84,7 @@ def _joints(flanks: Flanks, every: IndexArray) -> list[tuple[int, Array]]:
 
 
 def _cuts(ends: Array, joints: Array) -> Array:
-    """Both ends and the joints strictly between them, in order."""
-    inside = joints[(joints > ends[0]) & (joints < ends[1])]
+    """Both ends and the joints between them, in order; a joint at an end, to rounding, is none."""
+    apart = AT_END * (ends[1] - ends[0])
+    inside = joints[(joints > ends[0] + apart) & (joints < ends[1] - apart)]
     return np.concatenate([ends[:1], np.sort(inside), ends[1:]])

@@ -35,9 +35,10 @@ def cut_spaces(flanks: Flanks, avoid_undercut: bool) -> tuple[Flanks, Mask]:
     assert not isinstance(tool, PitchCurve)
     full = np.full(flanks.count, rack.root_depth_mm)
     depth = tool.flank_depth_mm(rack, full, flanks.root_radius_mm)
-    regular = regular_depth(flanks, float(np.max(depth)))
+    # Looked for so deep that spaces get shallower by degrees: those of helical teeth must not jump.
+    regular = regular_depth(flanks, rack.root_depth_mm / CLEAR_OF_CUSPS)
     undercut = regular < depth
-    allowed = np.where(undercut & avoid_undercut, CLEAR_OF_CUSPS * regular, np.inf)
+    allowed = CLEAR_OF_CUSPS * regular if avoid_undercut else np.full(flanks.count, np.inf)
     bound = of_spaces(allowed)
     radii = _largest_radii(flanks, np.minimum(bound, depth), rack.root_radius_mm)
     if not isinstance(tool, RackLine):

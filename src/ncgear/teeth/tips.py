@@ -53,6 +53,7 @@ class Limit(IntEnum):
     CUSP = 4
     LAND = 5
     FOULING = 6
+    HELIX = 7
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,9 +93,9 @@ def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: f
     height = np.minimum(flanks.tip_height_mm, bounds.tip_mm)
     reason = np.where(bounds.undercut, Limit.UNDERCUT, Limit.FILLET)
     limit = np.where(height < flanks.tip_height_mm, reason, Limit.FULL)
-    regular = regular_height(flanks, float(np.max(bounds.contact_mm)))
+    regular = CLEAR_OF_CUSPS * regular_height(flanks, float(np.max(bounds.contact_mm)) / CLEAR_OF_CUSPS)
     cusp = regular < bounds.contact_mm
-    allowed = np.where(cusp, CLEAR_OF_CUSPS * regular, bounds.contact_mm)
+    allowed = np.minimum(regular, bounds.contact_mm)
     lowered = _lowered(replace(flanks, tip_height_mm=height), allowed)
     limit = np.where(lowered < height, np.where(cusp, Limit.CUSP, reason), limit)
     even = even_heights(flanks, lowered)
@@ -107,6 +108,21 @@ def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: f
     if lost.size:
         raise no_tip(flanks, int(lost[0]))
     return Tips(flanks, top, at, limit, undercut, np.full(flanks.count, np.inf))
+
+
+def held_below(tips: Tips, ceiling_mm: Array) -> Tips:
+    """The tips, lowered where they are over a ceiling, shape (2 z,); what lower tips may do, the higher ones might.
+
+    Raises NoSuchMechanism, naming the tooth, where none is left.
+    """
+    full = tips.flanks.tip_height_mm
+    height = even_heights(tips.flanks, np.minimum(full, ceiling_mm))
+    flanks = replace(tips.flanks, tip_height_mm=height)
+    top, at, met = tip_crossing(flanks)
+    if not met.all():
+        raise no_tip(flanks, int(np.argmin(met)))
+    limit = np.where(height < full, Limit.HELIX, tips.limit)
+    return replace(tips, flanks=flanks, height_mm=top, at_mm=at, limit=limit)
 
 
 def even_heights(flanks: Flanks, height: Array) -> Array:

@@ -1,0 +1,101 @@
+"""Ceilings over tips along the pitch curves, so that no tip jumps while teeth advance from section to section.
+
+How high a tip can be depends on where its tooth stands.  Where that jumps along the curve (the mate's undercut begins
+or ends with the curvature, or another way out of a fouling is the best), tips of helical teeth would jump with height.
+A ceiling is what the lower side of each jump allows, and rises evenly away from it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array, Mask
+
+if TYPE_CHECKING:
+    from ncgear.teeth.flank import Flanks
+    from ncgear.teeth.tips import Tips
+
+RISE = 0.5
+"""How steeply ceilings rise along the pitch curve: steeper ones cost less contact, but take more sections."""
+
+STANDS_OUT = 1e-3
+"""By how much, in modules, a step of the height stands out from the steps beside it when it counts as a jump: heights
+that only bend do not, and less is lost in the chord tolerance."""
+
+HIGH = 10.0
+"""Ceilings in modules where there is none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ceiling:
+    """Greatest heights of one gear's tips, in mm, at arc lengths of the crossings of back and of front flanks.
+
+    Both have shape (2, n), arc lengths rising in [0, length).
+    """
+
+    length_mm: float
+    at_mm: Array
+    height_mm: Array
+
+    def over(self, flanks: Flanks) -> Array:
+        """Greatest height of each flank's tip, shape (2 z,)."""
+        height = np.empty(flanks.count)
+        for side in (0, 1):
+            crossing = flanks.crossing_mm[side::2]
+            height[side::2] = np.interp(crossing, self.at_mm[side], self.height_mm[side], period=self.length_mm)
+        return height
+
+
+Ceilings = tuple[Ceiling, Ceiling]
+"""Those of the driving and of the driven gear."""
+
+
+def ceilings_over(fits: Sequence[tuple[Tips, Tips]], step_mm: float) -> Ceilings:
+    """The ceilings that keep tips from jumping, from both gears' fitted tips at advances ``step_mm`` apart."""
+    driving, driven = (_ceiling([fit[gear] for fit in fits], step_mm) for gear in (0, 1))
+    return driving, driven
+
+
+def _ceiling(fits: list[Tips], step: float) -> Ceiling:
+    flanks = fits[0].flanks
+    at = np.stack([fit.flanks.crossing_mm for fit in fits]) % flanks.curve.length_mm
+    height = np.stack([fit.flanks.tip_height_mm for fit in fits])
+    sides = [_of_side(at[:, side::2].ravel(), height[:, side::2].ravel(), flanks, step) for side in (0, 1)]
+    return Ceiling(flanks.curve.length_mm, *(np.stack(column) for column in zip(*sides, strict=True)))
+
+
+def _of_side(at: Array, height: Array, flanks: Flanks, step: float) -> tuple[Array, Array]:
+    """Arc lengths in order and the ceilings there, from heights of all flanks of one side."""
+    order = np.argsort(at)
+    at, height = at[order], height[order]
+    gap = np.diff(at, append=at[0] + flanks.curve.length_mm)
+    low = _low_sides(height, gap, gap < 1.5 * step, flanks.rack.module_mm)
+    return at, _rising(at, np.minimum(low, np.roll(low, 1)), flanks.curve.length_mm)
+
+
+def _low_sides(height: Array, gap: Array, fitted: Mask, module: float) -> Array:
+    """Heights on the lower sides of the jumps to the next places, as far as these are ``fitted``; high where none is.
+
+    A step is a jump that is larger than ceilings rise, or other than those on both sides.  Up to the jump heights may
+    fall on as they do beside it.
+    """
+    rise = np.diff(height, append=height[0])
+    before = np.where(np.roll(fitted, 1), np.roll(rise, 1), np.roll(rise, -1))
+    after = np.where(np.roll(fitted, -1), np.roll(rise, -1), before)
+    apart = np.maximum(rise - np.maximum(before, after), np.minimum(before, after) - rise)
+    jumps = fitted & ((np.abs(rise) > RISE * gap) | (apart > STANDS_OUT * module))
+    falling = np.minimum(np.maximum(np.abs(before), np.abs(after)), RISE * gap)
+    return np.where(jumps, np.minimum(height, np.roll(height, -1)) - falling, HIGH * module)
+
+
+def _rising(at: Array, low: Array, length: float) -> Array:
+    """The greatest heights that are nowhere over ``low`` and rise nowhere more steeply than ``RISE``."""
+    around = np.concatenate([at - length, at, at + length])
+    heights = np.tile(low, 3)
+    ahead = np.minimum.accumulate(heights - RISE * around) + RISE * around
+    behind = np.minimum.accumulate((heights + RISE * around)[::-1])[::-1] - RISE * around
+    return np.minimum(ahead, behind)[at.size : 2 * at.size]
