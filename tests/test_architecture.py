@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[1]
 SOURCE = ROOT / "src" / "ncgear"
 
 LAYERS = [
-    {"errors", "stopwatch", "numerics"},
+    {"errors", "extras", "stopwatch", "numerics"},
     {"machine"},
     {"ratio"},
     {"kinematics"},
@@ -25,7 +25,7 @@ LAYERS = [
     {"optimum"},
     {"design"},
     {"recipe"},
-    {"drive"},
+    {"drive", "improvement"},
     {"output"},
     {"cli"},
     {"__main__"},

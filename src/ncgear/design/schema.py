@@ -9,10 +9,11 @@ from pydantic import Field, model_validator
 from ncgear.design.base import Model
 from ncgear.design.faults import fault
 from ncgear.design.gears import Gears
-from ncgear.design.machine import Comparison, Linkage, Operation, Output, Resistance
+from ncgear.design.machine import Comparison, Linkage, Operation, Output
 from ncgear.design.motion import Motion, ThreeSegmentStroke
 from ncgear.design.naming import NAME_PATTERN
 from ncgear.design.optimize import Optimize
+from ncgear.design.resistance import Resistance
 from ncgear.design.table import TableLaw
 
 JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"

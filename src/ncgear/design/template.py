@@ -121,6 +121,8 @@ gears:                     # a check does without, a build needs it
 _MACHINE = """\
 resistance:                # the force against the slider; left out: none
   polynomial_n: [-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7]   # N, rising powers of the displacement in mm
+  # table: {displacement_mm: [0, 400, 760], force_n: [0, 2000, 30000]}   # instead, or {file: points.csv}
+  # expression_n: "200 + 3*exp(x/90)"                                  # instead: a formula of x, the displacement
   where_negative: zero     # zero, or keep
 
 # comparison:              # published mechanisms, compared at equal speed

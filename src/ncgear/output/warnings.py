@@ -60,7 +60,7 @@ def _negative_resistance(drive: Drive) -> str:
         return ""
     taken = "kept, so that it drives the slider" if resistance.keep_negative else "taken as zero there"
     named = ", ".join(f"{low:.3g}..{high:.3g}" for low, high in stretches)
-    return f"the resistance polynomial is negative for displacements of {named} mm; it is {taken}"
+    return f"the resistance is negative for displacements of {named} mm; it is {taken}"
 
 
 def _pressure_angle(drive: Drive) -> str:

@@ -12,10 +12,12 @@ from ncgear.design.motion import Ellipse, HarmonicRatio, RatioExpression, ThreeS
 from ncgear.design.schema import Design
 from ncgear.design.table import TableLaw
 from ncgear.errors import WrongInput
+from ncgear.machine.formula_resistance import FormulaResistance
 from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.polynomial_resistance import PolynomialResistance
 from ncgear.machine.resistance import Resistance
 from ncgear.machine.stroke import StrokeRequest, WorkingStroke, solved_stroke
+from ncgear.machine.table_resistance import TableResistance
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import driven_angle_expression_law, ratio_expression_law
 from ncgear.ratio.laws.harmonic import harmonic_law
@@ -58,9 +60,15 @@ def lobes_of(design: Design) -> Lobes:
 
 def resistance_of(design: Design) -> Resistance:
     """The resistance; none where the file says nothing."""
-    if design.resistance is None:
+    given = design.resistance
+    if given is None:
         return PolynomialResistance()
-    return PolynomialResistance(design.resistance.polynomial_n, design.resistance.where_negative == "keep")
+    keep = given.where_negative == "keep"
+    if given.table is not None:
+        return TableResistance(given.table.displacement_mm or (), given.table.force_n or (), keep)
+    if given.expression_n is not None:
+        return FormulaResistance(given.expression_n, keep)
+    return PolynomialResistance(given.polynomial_n or (0.0,), keep)
 
 
 def linkage_of(design: Design) -> CrankSlider:
