@@ -1,0 +1,95 @@
+"""Power against acceleration: what is possible at each cap on the power, and what laws that can be made come to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import inf
+
+import numpy as np
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.optimum.family import Family, Peak, best_of_family
+from ncgear.optimum.judged import Figures, figures
+from ncgear.optimum.limit import Bound, least_acceleration
+from ncgear.optimum.makeable import MakeableLaw, makeable_law
+from ncgear.optimum.starts import rough_start
+from ncgear.optimum.task import Task
+from ncgear.optimum.wishes import Goal, Wishes
+from ncgear.ratio.laws.harmonic import harmonic_law
+
+BEYOND = 1.02
+"""The frontier runs from just over the least power to just over the power at which acceleration gains nothing more."""
+
+FAMILY_STARTS = 8
+"""Starts of the family's search at each point; neighbouring points are better known than any one would be alone."""
+
+
+@dataclass(frozen=True)
+class LawPoint:
+    """The certified limit under a cap on the power, and the best makeable law with its exact figures."""
+
+    cap_w: float
+    bound: Bound
+    law: Figures
+
+
+@dataclass(frozen=True)
+class FamilyPoint:
+    """The best law found of the three-segment family under a cap on the power; None where none was found."""
+
+    cap_w: float
+    peak_power_w: float | None
+    peak_acceleration_mm_s2: float | None
+
+
+def caps_w(task: Task, wishes: Wishes, count: int) -> list[float]:
+    """``count`` caps on the power from one end of the frontier to the other, in even ratios.
+
+    Raises NoSuchMechanism where no law keeps the wishes' other limits.
+    """
+    least = figures_of(task, _law(task, _free(wishes, Goal.POWER))).peak_power_w
+    most = figures_of(task, _law(task, _free(wishes, Goal.ACCELERATION))).peak_power_w
+    return [float(cap) for cap in np.geomspace(BEYOND * least, BEYOND * max(most, least), count)]
+
+
+def law_point(task: Task, wishes: Wishes, cap_w: float) -> LawPoint:
+    """One point of the limit and of the makeable laws; raises NoSuchMechanism where no law is found."""
+    capped = _capped(wishes, cap_w)
+    return LawPoint(cap_w, least_acceleration(task, capped.limits), figures_of(task, _law(task, capped)))
+
+
+def family_point(task: Task, cap_w: float, seed: int) -> FamilyPoint:
+    """One point of the published family, by the better of its returns."""
+    found = []
+    for inverse in (False, True):
+        family = Family(task.linkage, task.resistance, task.speed_rad_s, inverse, task.lobes)
+        try:
+            found.append(best_of_family(family, Peak.ACCELERATION, cap_w, seed=seed, starts=FAMILY_STARTS))
+        except NoSuchMechanism:
+            continue
+    if not found:
+        return FamilyPoint(cap_w, None, None)
+    best = min(found, key=lambda optimum: optimum.peak(Peak.ACCELERATION))
+    return FamilyPoint(cap_w, best.peak(Peak.POWER), best.peak(Peak.ACCELERATION))
+
+
+def figures_of(task: Task, law: MakeableLaw) -> Figures:
+    """Exact figures of a makeable law."""
+    return figures(task, harmonic_law(law.cosine, law.sine, task.lobes))
+
+
+def _law(task: Task, wishes: Wishes) -> MakeableLaw:
+    """The best law from the fastest rough motion."""
+    rough = least_acceleration(task, wishes.limits).attained
+    return makeable_law(task, wishes, [rough_start(task, wishes, rough if rough < inf else 1.0)])
+
+
+def _free(wishes: Wishes, goal: Goal) -> Wishes:
+    """The wishes without limits on the two peaks themselves."""
+    limits = replace(wishes.limits, peak_power_w=None, peak_acceleration_mm_s2=None)
+    return replace(wishes, goal=goal, weights=None, limits=limits)
+
+
+def _capped(wishes: Wishes, cap_w: float) -> Wishes:
+    free = _free(wishes, Goal.ACCELERATION)
+    return replace(free, limits=replace(free.limits, peak_power_w=cap_w))
