@@ -331,7 +331,7 @@ def test_pressure_angle_links_the_strokes() -> None:
     assert values == sorted(values, reverse=True)
     assert values[-1] == pytest.approx(free, rel=1e-3)
     assert values[0] > 1.15 * free
-    assert all(bound.gap < 0.05 for bound in found)
+    assert all(bound.gap < 0.02 for bound in found)
 
 
 def test_weighted_sum_against_a_scan_of_powers() -> None:
@@ -342,6 +342,16 @@ def test_weighted_sum_against_a_scan_of_powers() -> None:
     assert found.sum.value <= min(scan)
     assert found.sum.attained <= min(scan) * 1.005
     assert weights.of(found.peaks.acceleration_mm_s2, found.peaks.power_w) == found.sum.attained
+
+
+def test_weighted_sum_on_a_grid_too_coarse_for_its_tolerance() -> None:
+    """Ends all the same, with an honest enclosure that holds the finer one's."""
+    weights = Weights(1.0 / 20000.0, 1.0 / 9000.0)
+    coarse = least_weighted_sum(AT_SIXTY, USUAL, weights, cells=100, tolerance=1e-2).sum
+    fine = least_weighted_sum(AT_SIXTY, USUAL, weights).sum
+    assert coarse.gap > 1e-2
+    assert coarse.value <= fine.attained
+    assert fine.value <= coarse.attained
 
 
 def test_weighted_sum_where_one_peak_is_all() -> None:
@@ -399,14 +409,14 @@ def test_the_nearest_values_are_enough_and_no_more() -> None:
 def test_a_pressure_angle_too_small_is_refused_with_what_would_do() -> None:
     narrow = Limits(0.2, 5.0, pressure_angle_rad=radians(20.0), peak_power_w=9000.0)
     with pytest.raises(NoSuchMechanism, match="or a pressure angle of") as caught:
-        least_acceleration(AT_SIXTY, narrow)
+        least_acceleration(AT_SIXTY, narrow, 800)
     assert caught.value.key == "limits.peak_power_w"
-    least_acceleration(AT_SIXTY, replace(narrow, peak_power_w=nearest(caught.value)))
+    least_acceleration(AT_SIXTY, replace(narrow, peak_power_w=nearest(caught.value)), 800)
     angle = float(caught.value.problem.split("angle of ")[1].split()[0])
     assert 20.0 < angle < 25.0
-    assert least_acceleration(AT_SIXTY, replace(narrow, pressure_angle_rad=radians(angle))).value > 0.0
+    assert least_acceleration(AT_SIXTY, replace(narrow, pressure_angle_rad=radians(angle)), 800).value > 0.0
     with pytest.raises(NoSuchMechanism):
-        least_acceleration(AT_SIXTY, replace(narrow, pressure_angle_rad=radians(angle - 0.01)))
+        least_acceleration(AT_SIXTY, replace(narrow, pressure_angle_rad=radians(angle - 0.01)), 800)
 
 
 @pytest.mark.parametrize(

@@ -104,7 +104,11 @@ def _slowing(motion: CellMotion, at: Probes, limits: Limits, peaks: Peaks) -> Ar
 
 
 def _share(most: float, load: Array) -> Array:
-    """The limit over the largest load of each cell, shape (n,); infinite where there is none."""
-    with np.errstate(over="ignore", divide="ignore"):
-        share: Array = most / np.maximum(load.max(axis=1), 0.0)
+    """The limit over the largest load of each cell, shape (n,); infinite where there is none.
+
+    Between two probes a smooth load rises over both by an eighth of its second difference at most.
+    """
+    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+        between = np.nan_to_num(np.abs(np.diff(load, n=2, axis=1)).max(axis=1)) / 8.0
+        share: Array = most / np.maximum(load.max(axis=1) + between, 0.0)
     return share

@@ -31,8 +31,7 @@ def ceiling(road: Road, task: Task, limits: Limits, peaks: Peaks) -> Array:
     From the least ratio, v = omega x'(phi2) / i12; from power, F v <= P, where F presses; with a mass, (F + m a) v <= P
     and a >= -A leave (F - m A) v <= P; from a limited pressure angle, see ``_steerable``.
     """
-    turning = np.minimum(1.0 / limits.ratio_min, _steerable(road, task, limits, peaks))
-    mass = limits.mass_kg
+    turning, mass = turning_ceiling(road, task, limits, peaks), limits.mass_kg
     # In kg, mm and s: 1 N is 1000 kg mm/s^2, 1 W is 1e6 kg mm^2/s^3.
     pressing = 1000.0 * road.force_n - (mass * peaks.acceleration_mm_s2 if mass else 0.0)
     by_power = np.full(pressing.shape, inf)

@@ -15,8 +15,8 @@ from ncgear.optimum.task import Limits, Task
 CELLS = 1600
 """Cells of a cycle: on the baler both sides of a bound are then less than 0.05 % apart."""
 
-CELLS_WITH_MASS = 6400
-"""Cells when a mass is moved: the pass then has an error of first order."""
+CELLS_LINKED = 6400
+"""Cells when a mass is moved or the pressure angle limited: one side of the enclosure is then of first order only."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,8 @@ def least_power(task: Task, limits: Limits, cells: int | None = None) -> Bound:
 def prepared(task: Task, limits: Limits, cells: int | None) -> Problem:
     """The problem on its grid; raises NoSuchMechanism where the ratios alone cannot close the cycle."""
     refuse_ratios(task, limits)
-    return Problem(task, limits, cells or (CELLS_WITH_MASS if limits.mass_kg else CELLS))
+    linked = limits.mass_kg > 0.0 or limits.pressure_angle_rad is not None
+    return Problem(task, limits, cells or (CELLS_LINKED if linked else CELLS))
 
 
 def enclosed(problem: Problem, peaks: Callable[[float], Peaks], guess: float) -> Bound:

@@ -12,8 +12,7 @@ from ncgear.optimum.road import Road
 from ncgear.optimum.task import Task
 
 SHARES = np.linspace(0.0, 1.0, 9)
-"""Shares of each cell's crank angle; what lies between two of them differs from theirs by an 128th of what a cell's
-middle differs from its chord."""
+"""Shares of each cell's crank angle."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from math import inf, sqrt
 
 from ncgear.errors import WrongInput
 from ncgear.optimum.ceilings import Peaks
-from ncgear.optimum.limit import Bound, enclosed, mean_power, prepared, resting_acceleration
+from ncgear.optimum.limit import CELLS, Bound, enclosed, mean_power, prepared, resting_acceleration
 from ncgear.optimum.problem import Problem
 from ncgear.optimum.task import Limits, Task
 
@@ -59,7 +59,7 @@ def least_weighted_sum(
     and P1.  Intervals are split, the lowest first, until the lowest is within ``tolerance`` of the best motion found.
     Raises NoSuchMechanism as ``least_acceleration`` does.
     """
-    problem = prepared(task, limits, cells)
+    problem = prepared(task, limits, cells or CELLS)
     lowest, least, rich = _ends(problem)
     highest = rich.power_w
     best = _better(WeightedBound(Bound(0.0, inf, problem.cells), Peaks()), rich, weights)
