@@ -11,9 +11,8 @@ from ncgear.extras import require
 from ncgear.optimum.judged import Figures, figures
 from ncgear.optimum.task import Task
 from ncgear.optimum.wishes import Goal, Wishes
-from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.uniform import uniform_law
-from ncgear.ratio.transmission import Transmission
+from ncgear.ratio.train import Train, single
 from ncgear.recipe.law import Law, law_of, linkage_of
 from ncgear.recipe.wishes import task_of, wishes_of
 
@@ -76,26 +75,26 @@ class Improvement:
         return allowed if allowed is not None else limit.least_acceleration(self.task, self.wishes.limits).attained
 
     @cached_property
-    def transmission(self) -> Transmission:
+    def train(self) -> Train:
         """The law as gears follow it."""
-        return harmonic_law(self.law.cosine, self.law.sine, self.task.lobes)
+        return self.law.train(self.task.lobes)
 
     @cached_property
     def figures(self) -> Figures:
         """Exact figures of the law."""
-        return figures(self.task, self.transmission)
+        return figures(self.task, self.train)
 
     @cached_property
     def uniform_figures(self) -> Figures:
         """Exact figures of a uniform crank on the same machine."""
-        return figures(self.task, uniform_law(self.task.lobes))
+        return figures(self.task, single(uniform_law(self.task.lobes)))
 
     @cached_property
     def given_figures(self) -> Figures | None:
         """Exact figures of the design's own law at the same speed; None where it has none that can be built."""
         try:
             given: Law = law_of(self.design)
-            return figures(self.task, given.transmission)
+            return figures(self.task, given.train)
         except DesignError:
             return None
 

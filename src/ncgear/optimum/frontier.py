@@ -15,7 +15,6 @@ from ncgear.optimum.makeable import MakeableLaw, makeable_law
 from ncgear.optimum.starts import rough_start
 from ncgear.optimum.task import Task
 from ncgear.optimum.wishes import Goal, Wishes
-from ncgear.ratio.laws.harmonic import harmonic_law
 
 BEYOND = 1.02
 """The frontier runs from just over the least power to just over the power at which acceleration gains nothing more."""
@@ -75,7 +74,7 @@ def family_point(task: Task, cap_w: float, seed: int) -> FamilyPoint:
 
 def figures_of(task: Task, law: MakeableLaw) -> Figures:
     """Exact figures of a makeable law."""
-    return figures(task, harmonic_law(law.cosine, law.sine, task.lobes))
+    return figures(task, law.train(task.lobes))
 
 
 def _law(task: Task, wishes: Wishes) -> MakeableLaw:

@@ -5,13 +5,25 @@ A limit holds its level down; a goal makes it as low as it will go.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from math import atan, degrees, exp, log, pi, tan
+from math import atan, degrees, exp, log, pi, radians, tan
 
 from ncgear.optimum import quantities
 from ncgear.optimum.quantities import Place, Slider, Term
+from ncgear.optimum.stages import pairs
 from ncgear.optimum.wishes import Goal, Wishes
+
+STEEPEST = tan(radians(60.0))
+"""Of two stages, where no pressure angle is given: a pair of 80 degrees with its rack all but locks.  The method needs
+some limit, or it strays into ratios that only cancel each other."""
+
+EASE = 0.1
+"""Of two stages, where no pressure angle is given: what a tangent of one is worth in units of the goal.  On the baler a
+third of a per cent of acceleration buys six degrees."""
+
+EVENLY = 1e-3
+"""The same where one is given: of ways to share one law that of the least angle, and next to nothing off the goal."""
 
 Sides = Callable[[Place, Slider, Term], tuple[Term, ...]]
 """Place, slider, and length of the driving curve over the centre distance, to terms that stay at or below the level."""
@@ -22,6 +34,7 @@ class Level:
     """One of them: the ``wish`` it comes from, its ``limit`` (None: none) and its ``weight`` in the goal.
 
     Terms and limit are in units in which they are of the order of one; ``shown`` puts a level into the user's words.
+    ``of_pairs`` tells levels of every pair of gears from those of the machine as a whole.
     """
 
     wish: str
@@ -29,6 +42,15 @@ class Level:
     weight: float
     sides: Sides
     shown: Callable[[float], str]
+    of_pairs: bool = False
+
+    def terms(self, ratios: Sequence[Place], slider: Slider, lengths: Sequence[Term]) -> tuple[Term, ...]:
+        """All that stays at or below the level, from i12, and iB where there are two pairs, and every pair's length."""
+        if not self.of_pairs:
+            return self.sides(ratios[0], slider, lengths[0])
+        return tuple(
+            side for at, length in zip(pairs(ratios), lengths, strict=True) for side in self.sides(at, slider, length)
+        )
 
 
 @dataclass(frozen=True)
@@ -111,20 +133,31 @@ def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
 
 
 def _of_curves(wishes: Wishes) -> Iterator[Level]:
-    if wishes.limits.pressure_angle_rad is not None:
-        most = tan(wishes.limits.pressure_angle_rad)
-        yield Level(
-            "pressure_angle_deg",
-            most,
-            0.0,
-            lambda at, *_: _both(quantities.tangent(at)),
-            lambda level: f"a pitch curve {degrees(atan(level)):.4g} deg off the normal to the centre line",
-        )
+    shared = wishes.two_stages
+    if shared is not None:
+        yield _angle_of_each(shared.pressure_angle_rad)
+    elif wishes.limits.pressure_angle_rad is not None:
+        yield _pressure_angle(tan(wishes.limits.pressure_angle_rad), 0.0)
     if wishes.curvature_turns is not None:
         yield _curvature(wishes.curvature_turns, dents=not wishes.convex)
     if wishes.convex:
         for bulge in (quantities.driving_bulge, quantities.driven_bulge):
             yield _convex(bulge)
+
+
+def _angle_of_each(given_rad: float | None) -> Level:
+    return _pressure_angle(STEEPEST, EASE) if given_rad is None else _pressure_angle(tan(given_rad), EVENLY)
+
+
+def _pressure_angle(most: float, weight: float) -> Level:
+    return Level(
+        "pressure_angle_deg",
+        most,
+        weight,
+        lambda at, *_: _both(quantities.tangent(at)),
+        lambda level: f"a pitch curve {degrees(atan(level)):.4g} deg off the normal to the centre line",
+        of_pairs=True,
+    )
 
 
 def _curvature(turns: float, *, dents: bool) -> Level:
@@ -134,11 +167,18 @@ def _curvature(turns: float, *, dents: bool) -> Level:
         ]
         return (*bulges, *(-bulge for bulge in bulges)) if dents else tuple(bulges)
 
-    return Level("least_radius_mm", 1.0, 0.0, sides, lambda level: f"radii of {1.0 / level:.4g} times the wished one")
+    return Level(
+        "least_radius_mm",
+        1.0,
+        0.0,
+        sides,
+        lambda level: f"radii of {1.0 / level:.4g} times the wished one",
+        of_pairs=True,
+    )
 
 
 def _convex(bulge: Callable[[Place], Term]) -> Level:
-    return Level("convex", 0.0, 0.0, lambda at, *_: (-bulge(at),), lambda level: "a dent")
+    return Level("convex", 0.0, 0.0, lambda at, *_: (-bulge(at),), lambda level: "a dent", of_pairs=True)
 
 
 def _both(term: Term) -> tuple[Term, Term]:

@@ -35,7 +35,11 @@ def optimized_design(text: str, improvement: Improvement) -> str:
     document = yaml.load(text)
     document["name"] = optimized_name(improvement)
     motion = CommentedMap({"law": "harmonic_ratio"})
-    motion["cosine"], motion["sine"] = _row(improvement.law.cosine), _row(improvement.law.sine)
+    law = improvement.law
+    motion.update({"cosine": _row(law.cosine), "sine": _row(law.sine)})
+    if law.second is not None:
+        second = {"cosine": _row(law.second.cosine), "sine": _row(law.second.sine)}
+        motion["second_stage"] = CommentedMap(second)
     document["motion"] = motion
     written = StringIO()
     yaml.dump(document, written)

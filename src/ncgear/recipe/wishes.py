@@ -11,7 +11,7 @@ from ncgear.errors import WrongInput
 from ncgear.machine.linkage import CrankSlider
 from ncgear.optimum import task
 from ncgear.optimum.weighted import Weights
-from ncgear.optimum.wishes import Goal, Wishes
+from ncgear.optimum.wishes import Goal, TwoStages, Wishes
 from ncgear.recipe.gears import rack_of
 from ncgear.recipe.law import RAD_S_PER_RPM, lobes_of, resistance_of
 
@@ -31,6 +31,8 @@ def wishes_of(design: Design) -> Wishes:
     """
     asked = design.optimize or Optimize()
     limits = asked.limits
+    shared = limits.stages > 1
+    tangent_rad = _tangent_rad(limits, design.gears)
     return Wishes(
         limits=task.Limits(
             ratio_min=limits.ratio_min,
@@ -38,7 +40,7 @@ def wishes_of(design: Design) -> Wishes:
             peak_power_w=limits.peak_power_w,
             peak_acceleration_mm_s2=limits.peak_acceleration_mm_s2,
             working_rad=limits.working_angle,
-            pressure_angle_rad=_tangent_rad(limits, design.gears),
+            pressure_angle_rad=None if shared else tangent_rad,
             mass_kg=asked.slider_mass_kg,
         ),
         goal=Goal(asked.goal),
@@ -48,6 +50,7 @@ def wishes_of(design: Design) -> Wishes:
         convex=limits.convex,
         curvature_turns=_curvature_turns(limits, design.gears),
         harmonics=asked.harmonics,
+        two_stages=TwoStages(tangent_rad) if shared else None,
     )
 
 
