@@ -118,18 +118,24 @@ def _jerk(limit: float, scales: Scales) -> Level:
 
 
 def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
-    yield Level(
-        "ratio_min", -log(wishes.limits.ratio_min), 0.0, lambda at, *_: (-at.log,), lambda level: f"{exp(-level):.6g}"
-    )
-    yield Level(
-        "ratio_max", log(wishes.limits.ratio_max), 0.0, lambda at, *_: (at.log,), lambda level: f"{exp(level):.6g}"
-    )
+    # Of two stages both the whole's ratio and each pair's
+    for of_pairs in (False, True)[: wishes.pairs]:
+        yield _least_ratio(wishes.limits.ratio_min, of_pairs)
+        yield _greatest_ratio(wishes.limits.ratio_max, of_pairs)
     if wishes.driven_speed_rad_s is not None:
         top = log(wishes.driven_speed_rad_s / scales.speed_rad_s)
         rpm = scales.speed_rad_s * 30.0 / pi
         yield Level(
             "driven_speed_rpm", top, 0.0, lambda at, *_: (-at.log,), lambda level: f"{rpm * exp(level):.6g} r/min"
         )
+
+
+def _least_ratio(limit: float, of_pairs: bool) -> Level:
+    return Level("ratio_min", -log(limit), 0.0, lambda at, *_: (-at.log,), lambda top: f"{exp(-top):.6g}", of_pairs)
+
+
+def _greatest_ratio(limit: float, of_pairs: bool) -> Level:
+    return Level("ratio_max", log(limit), 0.0, lambda at, *_: (at.log,), lambda top: f"{exp(top):.6g}", of_pairs)
 
 
 def _of_curves(wishes: Wishes) -> Iterator[Level]:
