@@ -1,4 +1,4 @@
-"""A law shared over two pairs, against 50-digit arithmetic and against the pairs put in series again."""
+"""A law shared over two pairs, against 30-digit arithmetic and against the pairs put in series again."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.staged import StagedLaw, staged_law
 from ncgear.ratio.transmission import Lobes
 
-DIGITS = 50
+DIGITS = 30
 
 CASES = {
     "even": ((-0.8, 0.2), (0.4, 0.0, 0.1), (-0.4, 0.1), (0.2, 0.0, 0.05)),
@@ -28,7 +28,7 @@ def law(name: str) -> StagedLaw:
 
 
 class Exact:
-    """ln of a ratio as a series in 50 digits, closed over a turn."""
+    """ln of a ratio as a series in 30 digits, closed over a turn."""
 
     def __init__(self, cosine: tuple[float, ...], sine: tuple[float, ...]) -> None:
         self.cosine, self.sine = [*map(mpf, cosine)], [*map(mpf, sine)]
@@ -46,7 +46,7 @@ class Exact:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_against_fifty_digits(name: str) -> None:
+def test_against_thirty_digits(name: str) -> None:
     cosine, sine, second_cosine, second_sine = CASES[name]
     made = law(name)
     with mp.workdps(DIGITS):

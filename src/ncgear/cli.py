@@ -103,7 +103,7 @@ def build(
         drive = Drive(loaded.design)
         with _progress() as on_stage:
             built = build_files(drive, folder, on_stage)
-        typer.echo(build_text(built.summary, built.paths))
+        typer.echo(build_text(built.summaries, built.paths))
         if timing:
             typer.echo(timing_text(drive), err=True)
 

@@ -34,7 +34,7 @@ class Limits(Model):
         default=1,
         ge=1,
         le=2,
-        description="2: the ratio is shared over two pairs of gears in series; curves and pressure angle count for each",
+        description="2: the ratio is shared over two pairs in series; ratio, curves and pressure angle count for each",
     )
     convex: bool = Field(default=True, description="true: both pitch curves are convex, so that a rack can cut them")
     least_radius_mm: Length | None = Field(

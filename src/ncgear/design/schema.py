@@ -66,8 +66,9 @@ class Design(Model):
     @model_validator(mode="after")
     def _stages_have_one_lobe(self) -> Self:
         wished = self.optimize.limits.stages if self.optimize else 1
-        if self.gears and max(self.stages, wished) > 1 and (self.gears.lobes.driving, self.gears.lobes.driven) != (1, 1):
-            raise fault("gears.lobes", "given, but gears in two stages have one lobe each; leave it out")
+        lobes = (self.gears.lobes.driving, self.gears.lobes.driven) if self.gears else (1, 1)
+        if max(self.stages, wished) > 1 and lobes != (1, 1):
+            raise fault("gears.lobes", f"{lobes[0]}:{lobes[1]} given, but two stages have one lobe each; leave it out")
         return self
 
 

@@ -69,9 +69,9 @@ class MakeableLaw:
 def makeable_law(task: Task, wishes: Wishes, starts: Sequence[Array]) -> MakeableLaw:
     """The best law found from starts (coefficients cos 1.., sin 1.., shape (2 harmonics,) each).
 
-    A local optimum, with every limit kept on a grid twenty times finer than the programme's.  Two stages begin by halves
-    of the ratio, and end so that the larger of their pressure angles is least.  Raises NoSuchMechanism with
-    the limits that cannot be kept together, and for each the nearest value that can be had with the others.
+    A local optimum, with every limit kept on a grid twenty times finer than the programme's.  Two stages begin by
+    halves of the ratio, and end so that the larger of their pressure angles is least.  Raises NoSuchMechanism with the
+    limits that cannot be kept together, and for each the nearest value that can be had with the others.
     """
     search = _search(task, wishes)
     # Every pair but the first has an even share of ln i12 at the start
@@ -133,9 +133,7 @@ def _kept(search: _Search, start: Array) -> MakeableLaw | None:
         over = values - search.caps
         if np.all(over <= 0.0):
             cosine, sine, *second = coefficients.reshape(2 * search.programme.pairs, -1)
-            return MakeableLaw(
-                cosine, sine, search.programme.levels, values, LogSeries(*second) if second else None
-            )
+            return MakeableLaw(cosine, sine, search.programme.levels, values, LogSeries(*second) if second else None)
         caps = np.where(over > -MARGIN, caps - np.maximum(over, 0.0) - MARGIN, caps)
         found = search.programme.solved(caps, search.weights, found)
     return None

@@ -65,7 +65,7 @@ class Working:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """A local optimum: coefficients cos 1.., sin 1.. of every series, and all variables and multipliers, to go on from."""
+    """A local optimum: coefficients cos 1.., sin 1.. of every series; all variables and multipliers, to go on from."""
 
     coefficients: Array
     variables: Any
@@ -142,7 +142,7 @@ def programme(levels: Sequence[Level], on: Grid, cycle_rad: float, working: Work
         equations.append(_working_equation(working, unknown[0], on.basis.value.shape[1] // 2))
     rows = casadi.vec(_local_rows(levels, on, local, level, total))
     coefficients, constants = [one.coefficients for one in unknown], [one.constant for one in unknown]
-    problem = {
+    problem: dict[str, Any] = {
         "x": casadi.vertcat(*coefficients, *constants, *total, level, *local),
         "p": weights,
         "f": casadi.dot(weights, level),
@@ -176,9 +176,7 @@ def _matrices(on: Grid) -> Sequence[Array]:
 def _places(local: Sequence[Any]) -> list[Place]:
     """Every ratio at a place, from value and derivatives of their logarithms in turn."""
     starts = range(0, len(local), len(LOCAL))
-    return [
-        Place(local[k], casadi.exp(local[k]), casadi.exp(-local[k]), local[k + 1], local[k + 2]) for k in starts
-    ]
+    return [Place(local[k], casadi.exp(local[k]), casadi.exp(-local[k]), local[k + 1], local[k + 2]) for k in starts]
 
 
 def _symbols(count: int) -> list[Any]:
