@@ -30,7 +30,7 @@ MOST_STEPS = 500
 
 SOLVED = {"Solve_Succeeded", "Solved_To_Acceptable_Level"}
 
-QUIET = {
+QUIET: dict[str, Any] = {
     "print_time": False,
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
@@ -142,7 +142,7 @@ def programme(levels: Sequence[Level], on: Grid, cycle_rad: float, working: Work
         equations.append(_working_equation(working, unknown[0], on.basis.value.shape[1] // 2))
     rows = casadi.vec(_local_rows(levels, on, local, level, total))
     coefficients, constants = [one.coefficients for one in unknown], [one.constant for one in unknown]
-    problem: dict[str, Any] = {
+    problem = {
         "x": casadi.vertcat(*coefficients, *constants, *total, level, *local),
         "p": weights,
         "f": casadi.dot(weights, level),

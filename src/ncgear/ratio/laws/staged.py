@@ -3,7 +3,8 @@
     ln i12 = f(phi2),   ln iB = g(phi2),   ln iA = f - g
 
 The second pair, iB, drives the crank: by its own driven angle its ratio is a series as it stands.  The first pair's
-driven angle is that of the shaft between, phim = integral of exp(g) dphi2, which comes round with the crank.  With t = phi2, dphim/dphi1 = exp(g - f) and dt/dphi1 = exp(-f), constants that close both included.
+driven angle is that of the shaft between, phim = integral of exp(g) dphi2, which comes round with the crank.  With
+t = phi2, dphim/dphi1 = exp(g - f) and dt/dphi1 = exp(-f), constants that close both included.
 """
 
 from __future__ import annotations
