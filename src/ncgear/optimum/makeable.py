@@ -55,8 +55,8 @@ class MakeableLaw:
 def makeable_law(task: Task, wishes: Wishes, starts: Sequence[Array]) -> MakeableLaw:
     """The best law found from starts (coefficients cos 1.., sin 1.., shape (2 harmonics,) each).
 
-    A local optimum, with every limit kept on a grid twenty times finer than the programme's.  Raises NoSuchMechanism with
-    the limits that cannot be kept together, and for each the nearest value that can be had with the others.
+    A local optimum, with every limit kept on a grid twenty times finer than the programme's.  Raises NoSuchMechanism
+    with the limits that cannot be kept together, and for each the nearest value that can be had with the others.
     """
     search = _search(task, wishes)
     found = [law for start in starts if (law := _kept(search, start)) is not None]
