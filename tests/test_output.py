@@ -253,7 +253,7 @@ def test_numbers_and_units() -> None:
 
 
 def test_timing_adds_up() -> None:
-    drive: Any = SimpleNamespace(timing_s={"teeth": 0.25, "pitch curves": 0.5})
+    drive: Any = SimpleNamespace(timing_s={"teeth": 0.25, "pitch curves": 0.5}, stage=None, by_stage=())
     assert timing_text(drive).split("\n")[-1].split() == ["sum", "0.750"]
 
 

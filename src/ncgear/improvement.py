@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from ncgear.optimum.makeable import MakeableLaw
 
 
+LIMIT_POINTS = 30
+"""Of the limit's curve: a smooth one, in half a second."""
+
+
 class Improvement:
     """A design's machine with the best law that its wishes allow.
 
@@ -97,6 +101,14 @@ class Improvement:
             return figures(self.task, given.train)
         except DesignError:
             return None
+
+    @cached_property
+    def limit_points(self) -> list[tuple[float, float]]:
+        """The certified limit over caps on the power: W and mm/s2; empty where nothing resists."""
+        from ncgear.optimum.frontier import limit_points
+
+        most = 1.2 * max(self.figures.peak_power_w, self.uniform_figures.peak_power_w)
+        return limit_points(self.task, self.wishes.limits, most, LIMIT_POINTS)
 
     @property
     def goal(self) -> float:

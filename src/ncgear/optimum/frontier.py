@@ -10,14 +10,17 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.optimum.family import Family, Peak, best_of_family
 from ncgear.optimum.judged import Figures, figures
-from ncgear.optimum.limit import Bound, least_acceleration
+from ncgear.optimum.limit import Bound, least_acceleration, least_power
 from ncgear.optimum.makeable import MakeableLaw, makeable_law
 from ncgear.optimum.starts import rough_start
-from ncgear.optimum.task import Task
+from ncgear.optimum.task import Limits, Task
 from ncgear.optimum.wishes import Goal, Wishes
 
 BEYOND = 1.02
 """The frontier runs from just over the least power to just over the power at which acceleration gains nothing more."""
+
+WITHIN_REACH = 1.1
+"""The limit alone is shown from a tenth over its least power on: below, accelerations grow beyond all measure."""
 
 FAMILY_STARTS = 8
 """Starts of the family's search at each point; neighbouring points are better known than any one would be alone."""
@@ -49,6 +52,19 @@ def caps_w(task: Task, wishes: Wishes, count: int) -> list[float]:
     least = figures_of(task, _law(task, _free(wishes, Goal.POWER))).peak_power_w
     most = figures_of(task, _law(task, _free(wishes, Goal.ACCELERATION))).peak_power_w
     return [float(cap) for cap in np.geomspace(BEYOND * least, BEYOND * max(most, least), count)]
+
+
+def limit_points(task: Task, limits: Limits, most_w: float, count: int) -> list[tuple[float, float]]:
+    """The certified limit alone: caps on the power in W and least accelerations in mm/s2, up to ``most_w``.
+
+    From a tenth over the least power at any acceleration on; empty where nothing resists.
+    """
+    free = replace(limits, peak_power_w=None, peak_acceleration_mm_s2=None)
+    least = WITHIN_REACH * least_power(task, free).value
+    if not 0.0 < least < most_w:
+        return []
+    caps = [float(cap) for cap in np.geomspace(least, most_w, count)]
+    return [(cap, least_acceleration(task, replace(free, peak_power_w=cap)).value) for cap in caps]
 
 
 def law_point(task: Task, wishes: Wishes, cap_w: float) -> LawPoint:

@@ -19,8 +19,8 @@ STEEPEST = tan(radians(60.0))
 some limit, or it strays into ratios that only cancel each other."""
 
 EASE = 0.3
-"""Of two stages, where no pressure angle is given: what a tangent of one is worth in units of the goal.  On the baler 2 %
-of acceleration buy nine degrees; at a tenth the method takes five times as long, and at times finds nothing."""
+"""Of two stages, where no pressure angle is given: what a tangent of one is worth in units of the goal.  On the baler
+2 % of acceleration buy nine degrees; at a tenth the method takes five times as long, and at times finds nothing."""
 
 EVENLY = 1e-3
 """The same where one is given: of ways to share one law that of the least angle, and next to nothing off the goal."""

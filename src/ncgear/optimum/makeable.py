@@ -70,8 +70,8 @@ def makeable_law(task: Task, wishes: Wishes, starts: Sequence[Array]) -> Makeabl
     """The best law found from starts (coefficients cos 1.., sin 1.., shape (2 harmonics,) each).
 
     A local optimum, with every limit kept on a grid twenty times finer than the programme's.  Two stages begin by
-    halves of the ratio, and end so that the larger of their pressure angles is least.  Raises NoSuchMechanism with the
-    limits that cannot be kept together, and for each the nearest value that can be had with the others.
+    halves of the ratio, and end so that the larger of their pressure angles is least.  Raises NoSuchMechanism with
+    the limits that cannot be kept together, and for each the nearest value that can be had with the others.
     """
     search = _search(task, wishes)
     # Every pair but the first has an even share of ln i12 at the start

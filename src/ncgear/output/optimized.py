@@ -70,6 +70,10 @@ def certificate(improvement: Improvement) -> dict[str, Any]:
             "argument": ARGUMENT,
         },
         "wishes": improvement.design.optimize.model_dump(mode="json") if improvement.design.optimize else {},
+        "frontier": [
+            {"power_cap_w": power, "limit_acceleration_mm_s2": acceleration}
+            for power, acceleration in improvement.limit_points
+        ],
         "law": figures_summary(improvement.figures),
         "design_as_given": None if given is None else figures_summary(given),
         "uniform_crank": figures_summary(improvement.uniform_figures),

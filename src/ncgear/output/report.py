@@ -63,7 +63,7 @@ def timing_text(drive: Drive) -> str:
 
 
 def _timed(drive: Drive) -> list[Drive]:
-    return list(dict.fromkeys([drive, *drive.by_stage]))
+    return [drive, *(pair for pair in drive.by_stage if pair is not drive)]
 
 
 def _of_pair(pair: Drive, stage: str) -> str:
