@@ -364,7 +364,7 @@ def test_weighted_sum_where_one_peak_is_all() -> None:
 
 
 def test_no_weight_is_refused() -> None:
-    with pytest.raises(WrongInput, match=r"weights\.per_w: 0 is no weight"):
+    with pytest.raises(WrongInput, match=r"optimize\.weights\.power_w: 1/0 given"):
         Weights(1.0, 0.0)
 
 
@@ -373,7 +373,11 @@ REFUSED = {
     "ratio too low": (Limits(0.2, 0.9), "optimize.limits.ratio_max", "at least 1 is right"),
     "working stroke too quick": (Limits(0.2, 5.0, working_rad=0.5), "optimize.limits.ratio_min", "at most 0.15915"),
     "return too quick": (Limits(0.2, 5.0, working_rad=6.0), "optimize.limits.ratio_min", "at most 0.09014"),
-    "working stroke of a cycle": (Limits(0.2, 5.0, working_rad=6.3), "optimize.limits.working_angle_rad", "less than a cycle"),
+    "working stroke of a cycle": (
+        Limits(0.2, 5.0, working_rad=6.3),
+        "optimize.limits.working_angle_rad",
+        "less than a cycle",
+    ),
     "little power": (Limits(0.2, 5.0, peak_power_w=3000.0), "optimize.limits.peak_power_w", "at least 5213.6 W"),
 }
 

@@ -7,11 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from math import atan, degrees, exp, log, pi, tan
+from math import atan, ceil, degrees, exp, log, pi, tan
 
 from ncgear.optimum import quantities
 from ncgear.optimum.quantities import Place, Slider, Term
-from ncgear.optimum.wishes import Goal, Wishes
+from ncgear.optimum.refusals import shown_above, shown_below
+from ncgear.optimum.wishes import CurvatureWish, Goal, Wishes
+
+CONVEX = "convex"
+"""The wish that is kept or not: how deep a dent is means nothing to a user."""
 
 Sides = Callable[[Place, Slider, Term], tuple[Term, ...]]
 """Place, slider, and length of the driving curve over the centre distance, to terms that stay at or below the level."""
@@ -21,7 +25,8 @@ Sides = Callable[[Place, Slider, Term], tuple[Term, ...]]
 class Level:
     """One of them: the ``wish`` it comes from, its ``limit`` (None: none) and its ``weight`` in the goal.
 
-    Terms and limit are in units in which they are of the order of one; ``shown`` puts a level into the user's words.
+    Terms and limit are in units in which they are of the order of one; ``shown`` says what limit of the user's makes
+    room for a level over the limit.
     """
 
     wish: str
@@ -73,7 +78,11 @@ def _acceleration(wishes: Wishes, scales: Scales, weight: float) -> Level:
         return _both(quantities.acceleration(at, slider, scales.speed_rad_s) / unit)
 
     return Level(
-        "peak_acceleration_mm_s2", _over(limit, unit), weight, sides, lambda level: f"{level * unit:.6g} mm/s2"
+        "peak_acceleration_mm_s2",
+        _over(limit, unit),
+        weight,
+        sides,
+        lambda level: f"a peak acceleration of {shown_above(level * unit)} mm/s^2",
     )
 
 
@@ -84,7 +93,11 @@ def _power(wishes: Wishes, scales: Scales, weight: float) -> Level:
         return (quantities.power(at, slider, scales.speed_rad_s, wishes.limits.mass_kg) / unit,)
 
     return Level(
-        "peak_power_w", _over(wishes.limits.peak_power_w, unit), weight, sides, lambda level: f"{level * unit:.6g} W"
+        "peak_power_w",
+        _over(wishes.limits.peak_power_w, unit),
+        weight,
+        sides,
+        lambda level: f"a peak power of {shown_above(level * unit)} W",
     )
 
 
@@ -92,53 +105,72 @@ def _jerk(limit: float, scales: Scales) -> Level:
     def sides(at: Place, slider: Slider, length: Term) -> tuple[Term, ...]:
         return _both(quantities.jerk(at, slider, scales.speed_rad_s) / limit)
 
-    return Level("peak_jerk_mm_s3", 1.0, 0.0, sides, lambda level: f"{level * limit:.6g} mm/s3")
+    return Level(
+        "peak_jerk_mm_s3", 1.0, 0.0, sides, lambda level: f"a peak jerk of {shown_above(level * limit)} mm/s^3"
+    )
 
 
 def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
     yield Level(
-        "ratio_min", -log(wishes.limits.ratio_min), 0.0, lambda at, *_: (-at.log,), lambda level: f"{exp(-level):.6g}"
+        "ratio_min",
+        -log(wishes.limits.ratio_min),
+        0.0,
+        lambda at, *_: (-at.log,),
+        lambda level: f"a least ratio of {shown_below(exp(-level))}",
     )
     yield Level(
-        "ratio_max", log(wishes.limits.ratio_max), 0.0, lambda at, *_: (at.log,), lambda level: f"{exp(level):.6g}"
+        "ratio_max",
+        log(wishes.limits.ratio_max),
+        0.0,
+        lambda at, *_: (at.log,),
+        lambda level: f"a greatest ratio of {shown_above(exp(level))}",
     )
     if wishes.driven_speed_rad_s is not None:
         top = log(wishes.driven_speed_rad_s / scales.speed_rad_s)
         rpm = scales.speed_rad_s * 30.0 / pi
         yield Level(
-            "driven_speed_rpm", top, 0.0, lambda at, *_: (-at.log,), lambda level: f"{rpm * exp(level):.6g} r/min"
+            "driven_speed_rpm",
+            top,
+            0.0,
+            lambda at, *_: (-at.log,),
+            lambda level: f"a driven gear at {shown_above(rpm * exp(level))} r/min",
         )
 
 
 def _of_curves(wishes: Wishes) -> Iterator[Level]:
     if wishes.limits.pressure_angle_rad is not None:
-        most = tan(wishes.limits.pressure_angle_rad)
+        most, rack = tan(wishes.limits.pressure_angle_rad), wishes.rack_angle_rad
         yield Level(
             "pressure_angle_deg",
             most,
             0.0,
             lambda at, *_: _both(quantities.tangent(at)),
-            lambda level: f"a pitch curve {degrees(atan(level)):.4g} deg off the normal to the centre line",
+            lambda level: f"a pressure angle of {shown_above(degrees(atan(level) + rack))} deg",
         )
     if wishes.curvature_turns is not None:
-        yield _curvature(wishes.curvature_turns, dents=not wishes.convex)
+        yield _curvature(wishes, wishes.curvature_turns)
     if wishes.convex:
         for bulge in (quantities.driving_bulge, quantities.driven_bulge):
             yield _convex(bulge)
 
 
-def _curvature(turns: float, *, dents: bool) -> Level:
+def _curvature(wishes: Wishes, turns: float) -> Level:
     def sides(at: Place, slider: Slider, length: Term) -> tuple[Term, ...]:
         bulges = [
             curvature(at) * length / turns for curvature in (quantities.driving_curvature, quantities.driven_curvature)
         ]
-        return (*bulges, *(-bulge for bulge in bulges)) if dents else tuple(bulges)
+        return (*bulges, *(-bulge for bulge in bulges)) if not wishes.convex else tuple(bulges)
 
-    return Level("least_radius_mm", 1.0, 0.0, sides, lambda level: f"radii of {1.0 / level:.4g} times the wished one")
+    def shown(level: float) -> str:
+        if wishes.curvature_wish is CurvatureWish.UNDERCUT:
+            return f"{ceil(wishes.curvature_given * level)} teeth in place of {wishes.curvature_given:g}"
+        return f"a least radius of {shown_below(wishes.curvature_given / level)} mm"
+
+    return Level(wishes.curvature_wish.value, 1.0, 0.0, sides, shown)
 
 
 def _convex(bulge: Callable[[Place], Term]) -> Level:
-    return Level("convex", 0.0, 0.0, lambda at, *_: (-bulge(at),), lambda level: "a dent")
+    return Level(CONVEX, 0.0, 0.0, lambda at, *_: (-bulge(at),), lambda level: "pitch curves that are not convex")
 
 
 def _both(term: Term) -> tuple[Term, Term]:

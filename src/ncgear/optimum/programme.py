@@ -26,16 +26,21 @@ TOLERANCE = 1e-8
 MOST_STEPS = 500
 """Thirty to sixty are the rule, from a start at random three hundred."""
 
+MOST_RESTORING = 10
+"""Steps on end towards keeping the limits alone; where these do not lead there, ``Programme.nearest`` is the way."""
+
 SOLVED = {"Solve_Succeeded", "Solved_To_Acceptable_Level"}
 
-QUIET = {
+QUIET: dict[str, Any] = {
     "print_time": False,
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
     "ipopt.tol": TOLERANCE,
     "ipopt.max_iter": MOST_STEPS,
+    "ipopt.expect_infeasible_problem": "yes",
+    "ipopt.max_resto_iter": MOST_RESTORING,
 }
-ONWARDS = QUIET | {
+ONWARDS: dict[str, Any] = QUIET | {
     "ipopt.warm_start_init_point": "yes",
     "ipopt.mu_init": 1e-6,
     **{f"ipopt.warm_start_{name}_push": 1e-9 for name in ("bound", "mult_bound", "slack_bound")},
@@ -60,9 +65,14 @@ class Working:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """A local optimum: coefficients cos 1.., sin 1.., and all variables and multipliers, to go on from."""
+    """A local optimum: coefficients cos 1.., sin 1.., and all variables and multipliers, to go on from.
+
+    ``excess`` is by how much all caps are overstepped, ``pressing`` what each cap's multiplier is, shape (levels,).
+    """
 
     coefficients: Array
+    excess: float
+    pressing: Array
     variables: Any
     of_bounds: Any
     of_rows: Any
@@ -88,16 +98,31 @@ class Programme:
 
         Caps and weights have shape (levels,), starts that are coefficients (2 harmonics,).
         """
+        return self._solved(caps, np.append(weights, 0.0), start, 0.0)
+
+    def nearest(self, caps: Array, weights: Array, price: float, start: Array) -> Solution | None:
+        """A law that may overstep all caps by one excess, which has a price beside the weights of the levels.
+
+        There always is one.  Where caps can be kept and the price is high enough, it has no excess.
+        """
+        return self._solved(caps, np.append(weights, price), start, np.inf)
+
+    def _solved(self, caps: Array, prices: Array, start: Array | Solution, most: float) -> Solution | None:
+        """A local optimum with an excess of ``most`` at most; prices of the levels, then of the excess."""
         solver, given = self._from(start)
         size = self.on.basis.value.shape[1]
-        highest = np.full(given["x0"].shape[0], np.inf)
-        highest[size + 2 : size + 2 + caps.size] = caps
-        lowest = np.zeros(self.equations + self.rows)
-        lowest[self.equations :] = -np.inf
-        answer = solver(p=weights, lbx=-np.inf, ubx=highest, lbg=lowest, ubg=np.zeros(lowest.size), **given)
+        highest, lowest = np.full(given["x0"].shape[0], np.inf), np.full(given["x0"].shape[0], -np.inf)
+        of_levels, of_excess = slice(size + 2, size + 2 + caps.size), size + 2 + caps.size
+        highest[of_levels], highest[of_excess], lowest[of_excess] = caps, most, 0.0
+        floor = np.zeros(self.equations + self.rows)
+        floor[self.equations :] = -np.inf
+        answer = solver(p=prices, lbx=lowest, ubx=highest, lbg=floor, ubg=np.zeros(floor.size), **given)
         if solver.stats()["return_status"] not in SOLVED:
             return None
-        return Solution(np.array(answer["x"])[:size, 0], answer["x"], answer["lam_x"], answer["lam_g"])
+        values, pressing = np.array(answer["x"])[:, 0], np.array(answer["lam_x"])[of_levels, 0]
+        return Solution(
+            values[:size], float(values[of_excess]), pressing, answer["x"], answer["lam_x"], answer["lam_g"]
+        )
 
     def _from(self, start: Array | Solution) -> tuple[Any, dict[str, Any]]:
         if isinstance(start, Solution):
@@ -105,14 +130,16 @@ class Programme:
         at = place(self.on, start, self.cycle_rad)
         constant = at.log[0] - (self.on.basis.value @ start)[0]
         ahead = reached(self.levels, self.on, at) + AHEAD
-        return self.afresh, {"x0": np.concatenate([start, [constant, length(at)], ahead, at.log, at.first, at.second])}
+        values = [start, [constant, length(at)], ahead, [0.0], at.log, at.first, at.second]
+        return self.afresh, {"x0": np.concatenate(values)}
 
 
 def programme(levels: Sequence[Level], on: Grid, cycle_rad: float, working: Working | None) -> Programme:
     """The programme on a grid, with exact first and second derivatives by casadi."""
     places, columns = on.basis.value.shape
     coefficients, constant, total = casadi.MX.sym("c", columns), casadi.MX.sym("c0"), casadi.MX.sym("length")
-    level, weights = casadi.MX.sym("level", len(levels)), casadi.MX.sym("weight", len(levels))
+    level, excess = casadi.MX.sym("level", len(levels)), casadi.MX.sym("excess")
+    prices = casadi.MX.sym("price", len(levels) + 1)
     local = [casadi.MX.sym(name, places) for name in ("f", "f1", "f2")]
     equations = [
         local[0] - casadi.mtimes(casadi.DM(on.basis.value), coefficients) - constant,
@@ -123,11 +150,11 @@ def programme(levels: Sequence[Level], on: Grid, cycle_rad: float, working: Work
     ]
     if working is not None:
         equations.append(_working_equation(working, coefficients, constant, columns // 2))
-    rows = casadi.vec(_local_rows(levels, on, local, level, total))
+    rows = casadi.vec(_local_rows(levels, on, local, level + excess, total))
     problem = {
-        "x": casadi.vertcat(coefficients, constant, total, level, *local),
-        "p": weights,
-        "f": casadi.dot(weights, level),
+        "x": casadi.vertcat(coefficients, constant, total, level, excess, *local),
+        "p": prices,
+        "f": casadi.dot(prices, casadi.vertcat(level, excess)),
         "g": casadi.vertcat(*equations, rows),
     }
     solvers = casadi.nlpsol("afresh", "ipopt", problem, QUIET), casadi.nlpsol("onwards", "ipopt", problem, ONWARDS)

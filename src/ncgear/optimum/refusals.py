@@ -83,11 +83,10 @@ def _or_steeper(problem: Problem, peaks: Peaks) -> str:
         return problem.under(replace(problem.limits, pressure_angle_rad=wider)).is_open(peaks)
 
     found = turning_point(holds, 1.0)
-    return (
-        ""
-        if found is None
-        else f", or a pressure angle of {shown_above(90.0 - (90.0 - degrees(given)) / found[1])} deg beside the rack's own,"
-    )
+    if found is None:
+        return ""
+    enough = shown_above(90.0 - (90.0 - degrees(given)) / found[1])
+    return f", or a pressure angle of {enough} deg beside the rack's own,"
 
 
 def _least(problem: Problem, peaks: Callable[[float], Peaks], given: float) -> float:
