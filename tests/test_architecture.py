@@ -25,7 +25,7 @@ LAYERS = [
     {"optimum"},
     {"design"},
     {"recipe"},
-    {"drive", "improvement"},
+    {"drive", "improvement", "frontier"},
     {"output"},
     {"cli"},
     {"__main__"},

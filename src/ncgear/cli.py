@@ -160,6 +160,33 @@ def optimize(
 
 
 @app.command()
+def frontier(
+    design_file: DesignFile,
+    points: Annotated[int, typer.Option(min=2, max=200, help="Points from least power to least acceleration.")] = 20,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-frontier")
+    ] = None,
+) -> None:
+    """Set power against acceleration: certified limit, best laws, published family, mechanisms, all at one speed.
+
+    Uses all cores; finished points are kept in the folder, so that a run that was interrupted goes on from there.
+    """
+    from ncgear.output.publish import prepare, publish
+
+    with _design(design_file) as loaded:
+        from ncgear.frontier import frontier as frontier_of
+        from ncgear.improvement import Improvement
+        from ncgear.output.frontier_files import frontier_files, frontier_text
+
+        folder = out or Path("export") / f"{loaded.design.name}-frontier"
+        prepare(folder)
+        with _counted() as on_point:
+            found = frontier_of(loaded.design, points, folder, on_point)
+        improvement = Improvement(loaded.design)
+        typer.echo(frontier_text(found, improvement, publish(folder, frontier_files(found, improvement))))
+
+
+@app.command()
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help=f"Name of the design: {NAME_RULE}.")],
     law: Annotated[Law, typer.Option(help="The motion law to begin with.")] = Law.THREE_SEGMENT_STROKE,
@@ -195,6 +222,18 @@ def _design(path: Path) -> Iterator[LoadedDesign]:
         yield loaded
     except DesignError as error:
         raise with_location(error, loaded) from error
+
+
+@contextmanager
+def _counted() -> Iterator[Callable[[int, int], None]]:
+    """A function to say how many of how many points are done; a terminal shows a bar."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = TextColumn("points"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+    with Progress(*columns, console=Console(stderr=True), disable=not sys.stderr.isatty(), transient=True) as bar:
+        task = bar.add_task("points", total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
 @contextmanager

@@ -26,7 +26,7 @@ from ncgear.recipe.wishes import task_of, wishes_of
 KEPT = "frontier-points.jsonl"
 """File of finished points in the output folder, one line each."""
 
-ONE_THREAD = {name: "1" for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")}
+ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """Each process has a core to itself: linear algebra on several threads would only get in its own way."""
 
 
@@ -98,9 +98,7 @@ def _caps(design: Design, count: int, kept: Kept) -> list[float]:
     return caps
 
 
-def _computed(
-    design: Design, jobs: list[tuple[str, float]]
-) -> Iterator[tuple[str, float, dict[str, Any]]]:
+def _computed(design: Design, jobs: list[tuple[str, float]]) -> Iterator[tuple[str, float, dict[str, Any]]]:
     """Results as they come, from one process per core."""
     if not jobs:
         return
@@ -161,5 +159,3 @@ def _best_so_far(points: list[FamilyPoint]) -> list[FamilyPoint]:
                 point = FamilyPoint(point.cap_w, before.peak_power_w, before.peak_acceleration_mm_s2)
         best.append(point)
     return best
-
-
