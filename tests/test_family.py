@@ -14,7 +14,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.check import work_per_stroke_j
 from ncgear.kinematics.slider import Machine
 from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.resistance import Resistance
+from ncgear.machine.polynomial_resistance import PolynomialResistance
 from ncgear.machine.stroke import solved_stroke
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.family import BOX, Family, FamilyOptimum, Peak, best_of_family, figures
@@ -29,7 +29,7 @@ LINKAGES = {
     "offset": CrankSlider(380.0, 960.0, 100.0),
     "short rod": CrankSlider(100.0, 120.0, -5.0),
 }
-RESISTANCE = Resistance((-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7))
+RESISTANCE = PolynomialResistance((-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7))
 OMEGA = 2.0 * pi
 """60 r/min."""
 
@@ -175,7 +175,7 @@ def test_least_power_under_the_acceleration_found_is_the_power_cap() -> None:
 
 @pytest.mark.parametrize("linkage", LINKAGES.values(), ids=LINKAGES)
 def test_without_resistance_any_cap_is_kept(linkage: CrankSlider) -> None:
-    family = Family(linkage, Resistance(), OMEGA, True)
+    family = Family(linkage, PolynomialResistance(), OMEGA, True)
     optimum = best_of_family(family, Peak.ACCELERATION, 1.0, starts=6)
     assert optimum.peak(Peak.POWER) == 0.0
     without = best_of_family(family, Peak.ACCELERATION, inf, starts=6)
