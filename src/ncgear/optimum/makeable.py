@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 
 import numpy as np
@@ -82,6 +82,29 @@ def makeable_law(task: Task, wishes: Wishes, starts: Sequence[Array]) -> Makeabl
     return min(found, key=lambda law: law.goal)
 
 
+def shared_law(task: Task, wishes: Wishes, cosine: Array, sine: Array) -> MakeableLaw:
+    """A law as it stands, shared over two pairs so that the larger pressure angle is least.
+
+    Coefficients of ln i12 have shape (wishes.harmonics,), and of the wishes only those count that concern each pair.
+    Raises NoSuchMechanism where no share keeps them.
+    """
+    search = _search(task, replace(wishes, limits=replace(wishes.limits, working_rad=None)))
+    named = [(level.of_pairs, level.wish == "pressure_angle_deg") for level in search.programme.levels]
+    of_pairs, angle = np.array(named).T
+    whole = np.concatenate([cosine, sine])
+    split = replace(
+        search,
+        programme=replace(search.programme, held=whole),
+        caps=np.where(of_pairs, search.caps, np.inf),
+        weights=angle.astype(float),
+    )
+    start = np.concatenate([whole, whole / 2.0])
+    found = _kept(split, start)
+    if found is None:
+        raise _cannot_be(split, start)
+    return found
+
+
 @dataclass(frozen=True, eq=False)
 class _Search:
     """A programme, the finer grid that judges it, and the caps and weights of its levels."""
@@ -143,7 +166,7 @@ def _cannot_be(search: _Search, start: Array) -> NoSuchMechanism:
     """The refusal, with the nearest value of each limit that can be had with all the others."""
     nearest = []
     for number, level in enumerate(search.programme.levels):
-        if level.limit is None:
+        if search.caps[number] == np.inf:
             continue
         caps, weights = search.caps.copy(), np.zeros(search.caps.size)
         caps[number], weights[number] = np.inf, 1.0

@@ -77,7 +77,8 @@ class Solution:
 class Programme:
     """A programme to be solved under different caps on its levels; the solvers take the levels' weights as parameters.
 
-    ``afresh`` starts from coefficients, ``onwards`` from the solution for caps that were a little different.
+    ``afresh`` starts from coefficients, ``onwards`` from the solution for caps that were a little different.  Of two
+    stages the coefficients of i12 may be ``held`` as they are.
     """
 
     levels: Sequence[Level]
@@ -88,6 +89,7 @@ class Programme:
     pairs: int
     equations: int
     rows: int
+    held: Array | None = None
 
     def solved(self, caps: Array, weights: Array, start: Array | Solution) -> Solution | None:
         """A local optimum under caps on the levels (infinite: none), from a start; None where none is found.
@@ -99,9 +101,12 @@ class Programme:
         highest = np.full(given["x0"].shape[0], np.inf)
         before = size + 2 * self.pairs
         highest[before : before + caps.size] = caps
+        least = np.full(highest.size, -np.inf)
+        if self.held is not None:
+            least[: self.held.size] = highest[: self.held.size] = self.held
         lowest = np.zeros(self.equations + self.rows)
         lowest[self.equations :] = -np.inf
-        answer = solver(p=weights, lbx=-np.inf, ubx=highest, lbg=lowest, ubg=np.zeros(lowest.size), **given)
+        answer = solver(p=weights, lbx=least, ubx=highest, lbg=lowest, ubg=np.zeros(lowest.size), **given)
         if solver.stats()["return_status"] not in SOLVED:
             return None
         return Solution(np.array(answer["x"])[:size, 0], answer["x"], answer["lam_x"], answer["lam_g"])
