@@ -364,17 +364,21 @@ def test_weighted_sum_where_one_peak_is_all() -> None:
 
 
 def test_no_weight_is_refused() -> None:
-    with pytest.raises(WrongInput, match=r"weights\.per_w: 0 is no weight"):
+    with pytest.raises(WrongInput, match=r"optimize\.weights\.power_w: 1/0 given"):
         Weights(1.0, 0.0)
 
 
 REFUSED = {
-    "ratio too high": (Limits(1.2, 5.0), "limits.ratio_min", "at most 1 is right"),
-    "ratio too low": (Limits(0.2, 0.9), "limits.ratio_max", "at least 1 is right"),
-    "working stroke too quick": (Limits(0.2, 5.0, working_rad=0.5), "limits.ratio_min", "at most 0.15915"),
-    "return too quick": (Limits(0.2, 5.0, working_rad=6.0), "limits.ratio_min", "at most 0.09014"),
-    "working stroke of a cycle": (Limits(0.2, 5.0, working_rad=6.3), "limits.working_rad", "less than a cycle"),
-    "little power": (Limits(0.2, 5.0, peak_power_w=3000.0), "limits.peak_power_w", "at least 5213.6 W"),
+    "ratio too high": (Limits(1.2, 5.0), "optimize.limits.ratio_min", "at most 1 is right"),
+    "ratio too low": (Limits(0.2, 0.9), "optimize.limits.ratio_max", "at least 1 is right"),
+    "working stroke too quick": (Limits(0.2, 5.0, working_rad=0.5), "optimize.limits.ratio_min", "at most 0.15915"),
+    "return too quick": (Limits(0.2, 5.0, working_rad=6.0), "optimize.limits.ratio_min", "at most 0.09014"),
+    "working stroke of a cycle": (
+        Limits(0.2, 5.0, working_rad=6.3),
+        "optimize.limits.working_angle_rad",
+        "less than a cycle",
+    ),
+    "little power": (Limits(0.2, 5.0, peak_power_w=3000.0), "optimize.limits.peak_power_w", "at least 5213.6 W"),
 }
 
 
@@ -399,7 +403,7 @@ def test_the_nearest_values_are_enough_and_no_more() -> None:
     ):
         with pytest.raises(NoSuchMechanism) as caught:
             fastest_motion(AT_SIXTY, limits)
-        assert caught.value.key == f"limits.{key}"
+        assert caught.value.key == f"optimize.limits.{key}"
         enough = nearest(caught.value)
         assert fastest_motion(AT_SIXTY, replace(limits, **{key: enough})).driving_rad <= 2.0 * pi * (1.0 + 1e-8)
         with pytest.raises(NoSuchMechanism):
@@ -410,7 +414,7 @@ def test_a_pressure_angle_too_small_is_refused_with_what_would_do() -> None:
     narrow = Limits(0.2, 5.0, pressure_angle_rad=radians(20.0), peak_power_w=9000.0)
     with pytest.raises(NoSuchMechanism, match="or a pressure angle of") as caught:
         least_acceleration(AT_SIXTY, narrow, 800)
-    assert caught.value.key == "limits.peak_power_w"
+    assert caught.value.key == "optimize.limits.peak_power_w"
     least_acceleration(AT_SIXTY, replace(narrow, peak_power_w=nearest(caught.value)), 800)
     angle = float(caught.value.problem.split("angle of ")[1].split()[0])
     assert 20.0 < angle < 25.0
@@ -422,19 +426,19 @@ def test_a_pressure_angle_too_small_is_refused_with_what_would_do() -> None:
 @pytest.mark.parametrize(
     ("wrong", "key"),
     [
-        ({"ratio_min": 0.0}, "ratio_min"),
-        ({"ratio_max": 0.1}, "ratio_max"),
-        ({"peak_power_w": -1.0}, "peak_power_w"),
-        ({"peak_acceleration_mm_s2": float("nan")}, "peak_acceleration_mm_s2"),
-        ({"working_rad": 0.0}, "working_rad"),
-        ({"pressure_angle_rad": pi / 2.0}, "pressure_angle_rad"),
-        ({"mass_kg": -1.0}, "mass_kg"),
+        ({"ratio_min": 0.0}, "limits.ratio_min"),
+        ({"ratio_max": 0.1}, "limits.ratio_max"),
+        ({"peak_power_w": -1.0}, "limits.peak_power_w"),
+        ({"peak_acceleration_mm_s2": float("nan")}, "limits.peak_acceleration_mm_s2"),
+        ({"working_rad": 0.0}, "limits.working_angle_rad"),
+        ({"pressure_angle_rad": pi / 2.0}, "limits.pressure_angle_deg"),
+        ({"mass_kg": -1.0}, "slider_mass_kg"),
     ],
 )
 def test_limits_that_bound_nothing_are_refused(wrong: dict[str, float], key: str) -> None:
     with pytest.raises(WrongInput) as caught:
         replace(USUAL, **wrong)
-    assert caught.value.key == f"limits.{key}"
+    assert caught.value.key == f"optimize.{key}"
 
 
 @pytest.mark.parametrize("at", [1e-6, 0.3, 1.0, 2.0, 1e6])

@@ -7,12 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from math import atan, degrees, exp, log, pi, radians, tan
+from math import atan, ceil, degrees, exp, log, pi, radians, tan
 
 from ncgear.optimum import quantities
 from ncgear.optimum.quantities import Place, Slider, Term
+from ncgear.optimum.refusals import shown_above, shown_below
 from ncgear.optimum.stages import pairs
-from ncgear.optimum.wishes import Goal, Wishes
+from ncgear.optimum.wishes import CurvatureWish, Goal, Wishes
+
+CONVEX = "convex"
+"""The wish that is kept or not: how deep a dent is means nothing to a user."""
 
 STEEPEST = tan(radians(60.0))
 """Of two stages, where no pressure angle is given: a pair of 80 degrees with its rack all but locks.  The method needs
@@ -33,8 +37,9 @@ Sides = Callable[[Place, Slider, Term], tuple[Term, ...]]
 class Level:
     """One of them: the ``wish`` it comes from, its ``limit`` (None: none) and its ``weight`` in the goal.
 
-    Terms and limit are in units in which they are of the order of one; ``shown`` puts a level into the user's words.
-    ``of_pairs`` tells levels of every pair of gears from those of the machine as a whole.
+    Terms and limit are in units in which they are of the order of one; ``shown`` says what limit of the user's makes
+    room for a level over the limit.  ``of_pairs`` tells levels of every pair of gears from those of the machine as a
+    whole.
     """
 
     wish: str
@@ -95,7 +100,11 @@ def _acceleration(wishes: Wishes, scales: Scales, weight: float) -> Level:
         return _both(quantities.acceleration(at, slider, scales.speed_rad_s) / unit)
 
     return Level(
-        "peak_acceleration_mm_s2", _over(limit, unit), weight, sides, lambda level: f"{level * unit:.6g} mm/s2"
+        "peak_acceleration_mm_s2",
+        _over(limit, unit),
+        weight,
+        sides,
+        lambda level: f"a peak acceleration of {shown_above(level * unit)} mm/s^2",
     )
 
 
@@ -106,7 +115,11 @@ def _power(wishes: Wishes, scales: Scales, weight: float) -> Level:
         return (quantities.power(at, slider, scales.speed_rad_s, wishes.limits.mass_kg) / unit,)
 
     return Level(
-        "peak_power_w", _over(wishes.limits.peak_power_w, unit), weight, sides, lambda level: f"{level * unit:.6g} W"
+        "peak_power_w",
+        _over(wishes.limits.peak_power_w, unit),
+        weight,
+        sides,
+        lambda level: f"a peak power of {shown_above(level * unit)} W",
     )
 
 
@@ -114,7 +127,9 @@ def _jerk(limit: float, scales: Scales) -> Level:
     def sides(at: Place, slider: Slider, length: Term) -> tuple[Term, ...]:
         return _both(quantities.jerk(at, slider, scales.speed_rad_s) / limit)
 
-    return Level("peak_jerk_mm_s3", 1.0, 0.0, sides, lambda level: f"{level * limit:.6g} mm/s3")
+    return Level(
+        "peak_jerk_mm_s3", 1.0, 0.0, sides, lambda level: f"a peak jerk of {shown_above(level * limit)} mm/s^3"
+    )
 
 
 def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
@@ -126,65 +141,85 @@ def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
         top = log(wishes.driven_speed_rad_s / scales.speed_rad_s)
         rpm = scales.speed_rad_s * 30.0 / pi
         yield Level(
-            "driven_speed_rpm", top, 0.0, lambda at, *_: (-at.log,), lambda level: f"{rpm * exp(level):.6g} r/min"
+            "driven_speed_rpm",
+            top,
+            0.0,
+            lambda at, *_: (-at.log,),
+            lambda level: f"a driven gear at {shown_above(rpm * exp(level))} r/min",
         )
 
 
 def _least_ratio(limit: float, of_pairs: bool) -> Level:
-    return Level("ratio_min", -log(limit), 0.0, lambda at, *_: (-at.log,), lambda top: f"{exp(-top):.6g}", of_pairs)
+    return Level(
+        "ratio_min",
+        -log(limit),
+        0.0,
+        lambda at, *_: (-at.log,),
+        lambda level: f"a least ratio of {shown_below(exp(-level))}",
+        of_pairs,
+    )
 
 
 def _greatest_ratio(limit: float, of_pairs: bool) -> Level:
-    return Level("ratio_max", log(limit), 0.0, lambda at, *_: (at.log,), lambda top: f"{exp(top):.6g}", of_pairs)
+    return Level(
+        "ratio_max",
+        log(limit),
+        0.0,
+        lambda at, *_: (at.log,),
+        lambda level: f"a greatest ratio of {shown_above(exp(level))}",
+        of_pairs,
+    )
 
 
 def _of_curves(wishes: Wishes) -> Iterator[Level]:
-    shared = wishes.two_stages
+    shared, rack = wishes.two_stages, wishes.rack_angle_rad
     if shared is not None:
-        yield _angle_of_each(shared.pressure_angle_rad)
+        yield _angle_of_each(shared.pressure_angle_rad, rack)
     elif wishes.limits.pressure_angle_rad is not None:
-        yield _pressure_angle(tan(wishes.limits.pressure_angle_rad), 0.0)
+        yield _pressure_angle(tan(wishes.limits.pressure_angle_rad), 0.0, rack)
     if wishes.curvature_turns is not None:
-        yield _curvature(wishes.curvature_turns, dents=not wishes.convex)
+        yield _curvature(wishes, wishes.curvature_turns)
     if wishes.convex:
         for bulge in (quantities.driving_bulge, quantities.driven_bulge):
             yield _convex(bulge)
 
 
-def _angle_of_each(given_rad: float | None) -> Level:
-    return _pressure_angle(STEEPEST, EASE) if given_rad is None else _pressure_angle(tan(given_rad), EVENLY)
+def _angle_of_each(given_rad: float | None, rack_rad: float) -> Level:
+    if given_rad is None:
+        return _pressure_angle(STEEPEST, EASE, rack_rad)
+    return _pressure_angle(tan(given_rad), EVENLY, rack_rad)
 
 
-def _pressure_angle(most: float, weight: float) -> Level:
+def _pressure_angle(most: float, weight: float, rack_rad: float) -> Level:
     return Level(
         "pressure_angle_deg",
         most,
         weight,
         lambda at, *_: _both(quantities.tangent(at)),
-        lambda level: f"a pitch curve {degrees(atan(level)):.4g} deg off the normal to the centre line",
+        lambda level: f"a pressure angle of {shown_above(degrees(atan(level) + rack_rad))} deg",
         of_pairs=True,
     )
 
 
-def _curvature(turns: float, *, dents: bool) -> Level:
+def _curvature(wishes: Wishes, turns: float) -> Level:
     def sides(at: Place, slider: Slider, length: Term) -> tuple[Term, ...]:
         bulges = [
             curvature(at) * length / turns for curvature in (quantities.driving_curvature, quantities.driven_curvature)
         ]
-        return (*bulges, *(-bulge for bulge in bulges)) if dents else tuple(bulges)
+        return (*bulges, *(-bulge for bulge in bulges)) if not wishes.convex else tuple(bulges)
 
-    return Level(
-        "least_radius_mm",
-        1.0,
-        0.0,
-        sides,
-        lambda level: f"radii of {1.0 / level:.4g} times the wished one",
-        of_pairs=True,
-    )
+    def shown(level: float) -> str:
+        if wishes.curvature_wish is CurvatureWish.UNDERCUT:
+            return f"{ceil(wishes.curvature_given * level)} teeth in place of {wishes.curvature_given:g}"
+        return f"a least radius of {shown_below(wishes.curvature_given / level)} mm"
+
+    return Level(wishes.curvature_wish.value, 1.0, 0.0, sides, shown, of_pairs=True)
 
 
 def _convex(bulge: Callable[[Place], Term]) -> Level:
-    return Level("convex", 0.0, 0.0, lambda at, *_: (-bulge(at),), lambda level: "a dent", of_pairs=True)
+    return Level(
+        CONVEX, 0.0, 0.0, lambda at, *_: (-bulge(at),), lambda level: "pitch curves that are not convex", of_pairs=True
+    )
 
 
 def _both(term: Term) -> tuple[Term, Term]:

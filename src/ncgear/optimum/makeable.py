@@ -10,8 +10,9 @@ import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
+from ncgear.optimum.conflict import NO_EXCESS, Easing, easings, easings_together
 from ncgear.optimum.levels import Level, Scales, levels
-from ncgear.optimum.programme import Programme, Working, programme
+from ncgear.optimum.programme import Programme, Solution, Working, programme
 from ncgear.optimum.reached import Grid, grid, ratios, reached
 from ncgear.optimum.stations import Stations, stations
 from ncgear.optimum.task import Task
@@ -77,9 +78,7 @@ def makeable_law(task: Task, wishes: Wishes, starts: Sequence[Array]) -> Makeabl
     # Every pair but the first has an even share of ln i12 at the start
     shared = [np.concatenate([start / (1 + pair) for pair in range(wishes.pairs)]) for start in starts]
     found = [law for start in shared if (law := _kept(search, start)) is not None]
-    if not found:
-        raise _cannot_be(search, shared[0])
-    return min(found, key=lambda law: law.goal)
+    return min(found, key=lambda law: law.goal) if found else _kept_at_last(search, task, wishes, shared[0])
 
 
 def shared_law(task: Task, wishes: Wishes, cosine: Array, sine: Array) -> MakeableLaw:
@@ -88,7 +87,8 @@ def shared_law(task: Task, wishes: Wishes, cosine: Array, sine: Array) -> Makeab
     Coefficients of ln i12 have shape (wishes.harmonics,), and of the wishes only those count that concern each pair.
     Raises NoSuchMechanism where no share keeps them.
     """
-    search = _search(task, replace(wishes, limits=replace(wishes.limits, working_rad=None)))
+    alone = replace(wishes, limits=replace(wishes.limits, working_rad=None))
+    search = _search(task, alone)
     named = [(level.of_pairs, level.wish == "pressure_angle_deg") for level in search.programme.levels]
     of_pairs, angle = np.array(named).T
     whole = np.concatenate([cosine, sine])
@@ -99,10 +99,7 @@ def shared_law(task: Task, wishes: Wishes, cosine: Array, sine: Array) -> Makeab
         weights=angle.astype(float),
     )
     start = np.concatenate([whole, whole / 2.0])
-    found = _kept(split, start)
-    if found is None:
-        raise _cannot_be(split, start)
-    return found
+    return _kept(split, start) or _kept_at_last(split, task, alone, start)
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,6 +115,16 @@ class _Search:
         """Levels on the finer grid, and between its places as parabolas through them tell; shape (levels,)."""
         there = ratios(self.finer, coefficients, self.programme.cycle_rad)
         return reached(self.programme.levels, self.finer, there)
+
+
+def _kept_at_last(search: _Search, task: Task, wishes: Wishes, start: Array) -> MakeableLaw:
+    """The law from the one that comes nearest to keeping all limits; raises NoSuchMechanism where there is none."""
+    near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, start)
+    if near is None:
+        raise NoSuchMechanism("no law was found, not even one that oversteps them", key="optimize.limits")
+    if near.excess <= NO_EXCESS and (law := _kept(search, near.coefficients)) is not None:
+        return law
+    raise _cannot_be(search, near, _free_working(task, wishes, near))
 
 
 def _search(task: Task, wishes: Wishes) -> _Search:
@@ -162,19 +169,23 @@ def _kept(search: _Search, start: Array) -> MakeableLaw | None:
     return None
 
 
-def _cannot_be(search: _Search, start: Array) -> NoSuchMechanism:
-    """The refusal, with the nearest value of each limit that can be had with all the others."""
-    nearest = []
-    for number, level in enumerate(search.programme.levels):
-        if search.caps[number] == np.inf:
-            continue
-        caps, weights = search.caps.copy(), np.zeros(search.caps.size)
-        caps[number], weights[number] = np.inf, 1.0
-        found = search.programme.solved(caps, weights, start)
-        if found is not None:
-            nearest.append((level, search.reached(found.coefficients)[number]))
-    said = "; ".join(f"{level.wish}: {level.shown(value)} can be had with the others" for level, value in nearest)
-    key = f"optimize.limits.{nearest[0][0].wish}" if nearest else "optimize.limits"
+def _cannot_be(search: _Search, near: Solution, others: Sequence[Easing]) -> NoSuchMechanism:
+    """The refusal: what each limit would have to be with all the others, or all of them together."""
+    given = search.programme, search.caps, near, search.reached
+    said, found = "no law was found that keeps all limits; one of these is enough", [*easings(*given), *others]
+    if not found:
+        said, found = said.replace("one", "all"), list(easings_together(search.programme, near, search.reached))
     return NoSuchMechanism(
-        f"no law was found that keeps all limits. {said or 'None of them can be met by giving up one other'}", key=key
+        f"{said}: {', '.join(map(str, found)) or 'none known'}",
+        key=f"optimize.limits.{found[0].wish}" if found else "optimize.limits",
     )
+
+
+def _free_working(task: Task, wishes: Wishes, near: Solution) -> list[Easing]:
+    """Whether a working stroke of another driving angle would be enough."""
+    if wishes.limits.working_rad is None:
+        return []
+    search = _search(task, replace(wishes, limits=replace(wishes.limits, working_rad=None)))
+    found = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, near.coefficients)
+    kept = found is not None and found.excess <= NO_EXCESS
+    return [Easing("working_angle_rad", "a working stroke of another driving angle")] if kept else []

@@ -28,6 +28,9 @@ TOLERANCE = 1e-8
 MOST_STEPS = 500
 """Thirty to sixty are the rule, from a start at random three hundred."""
 
+MOST_RESTORING = 10
+"""Steps on end towards keeping the limits alone; where these do not lead there, ``Programme.nearest`` is the way."""
+
 SOLVED = {"Solve_Succeeded", "Solved_To_Acceptable_Level"}
 
 QUIET: dict[str, Any] = {
@@ -36,8 +39,10 @@ QUIET: dict[str, Any] = {
     "ipopt.sb": "yes",
     "ipopt.tol": TOLERANCE,
     "ipopt.max_iter": MOST_STEPS,
+    "ipopt.expect_infeasible_problem": "yes",
+    "ipopt.max_resto_iter": MOST_RESTORING,
 }
-ONWARDS = QUIET | {
+ONWARDS: dict[str, Any] = QUIET | {
     "ipopt.warm_start_init_point": "yes",
     "ipopt.mu_init": 1e-6,
     **{f"ipopt.warm_start_{name}_push": 1e-9 for name in ("bound", "mult_bound", "slack_bound")},
@@ -65,9 +70,14 @@ class Working:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """A local optimum: coefficients cos 1.., sin 1.. of every series; all variables and multipliers, to go on from."""
+    """A local optimum: coefficients cos 1.., sin 1.. of every series; all variables and multipliers, to go on from.
+
+    ``excess`` is by how much all caps are overstepped, ``pressing`` what each cap's multiplier is, shape (levels,).
+    """
 
     coefficients: Array
+    excess: float
+    pressing: Array
     variables: Any
     of_bounds: Any
     of_rows: Any
@@ -96,20 +106,34 @@ class Programme:
 
         Caps and weights have shape (levels,), starts that are coefficients (pairs 2 harmonics,).
         """
+        return self._solved(caps, np.append(weights, 0.0), start, 0.0)
+
+    def nearest(self, caps: Array, weights: Array, price: float, start: Array) -> Solution | None:
+        """A law that may overstep all caps by one excess, which has a price beside the weights of the levels.
+
+        There always is one.  Where caps can be kept and the price is high enough, it has no excess.
+        """
+        return self._solved(caps, np.append(weights, price), start, np.inf)
+
+    def _solved(self, caps: Array, prices: Array, start: Array | Solution, most: float) -> Solution | None:
+        """A local optimum with an excess of ``most`` at most; prices of the levels, then of the excess."""
         solver, given = self._from(start)
         size = self.pairs * self.on.basis.value.shape[1]
-        highest = np.full(given["x0"].shape[0], np.inf)
         before = size + 2 * self.pairs
-        highest[before : before + caps.size] = caps
-        least = np.full(highest.size, -np.inf)
+        highest, lowest = np.full(given["x0"].shape[0], np.inf), np.full(given["x0"].shape[0], -np.inf)
+        of_levels, of_excess = slice(before, before + caps.size), before + caps.size
+        highest[of_levels], highest[of_excess], lowest[of_excess] = caps, most, 0.0
         if self.held is not None:
-            least[: self.held.size] = highest[: self.held.size] = self.held
-        lowest = np.zeros(self.equations + self.rows)
-        lowest[self.equations :] = -np.inf
-        answer = solver(p=weights, lbx=least, ubx=highest, lbg=lowest, ubg=np.zeros(lowest.size), **given)
+            lowest[: self.held.size] = highest[: self.held.size] = self.held
+        floor = np.zeros(self.equations + self.rows)
+        floor[self.equations :] = -np.inf
+        answer = solver(p=prices, lbx=lowest, ubx=highest, lbg=floor, ubg=np.zeros(floor.size), **given)
         if solver.stats()["return_status"] not in SOLVED:
             return None
-        return Solution(np.array(answer["x"])[:size, 0], answer["x"], answer["lam_x"], answer["lam_g"])
+        values, pressing = np.array(answer["x"])[:, 0], np.array(answer["lam_x"])[of_levels, 0]
+        return Solution(
+            values[:size], float(values[of_excess]), pressing, answer["x"], answer["lam_x"], answer["lam_g"]
+        )
 
     def _from(self, start: Array | Solution) -> tuple[Any, dict[str, Any]]:
         if isinstance(start, Solution):
@@ -119,7 +143,7 @@ class Programme:
         constants = [one.log[0] - rows @ own for one, own in zip(at, start.reshape(self.pairs, -1), strict=True)]
         ahead = reached(self.levels, self.on, at) + AHEAD
         local = [column for one in at for column in (one.log, one.first, one.second)]
-        return self.afresh, {"x0": np.concatenate([start, constants, lengths(at), ahead, *local])}
+        return self.afresh, {"x0": np.concatenate([start, constants, lengths(at), ahead, [0.0], *local])}
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +159,8 @@ def programme(levels: Sequence[Level], on: Grid, cycle_rad: float, working: Work
     """The programme of one pair or two on a grid, with exact first and second derivatives by casadi."""
     unknown = [_ratio(on) for _ in range(pairs)]
     total = [casadi.MX.sym("length") for _ in range(pairs)]
-    level, weights = casadi.MX.sym("level", len(levels)), casadi.MX.sym("weight", len(levels))
+    level, excess = casadi.MX.sym("level", len(levels)), casadi.MX.sym("excess")
+    prices = casadi.MX.sym("price", len(levels) + 1)
     local = [variable for one in unknown for variable in one.local]
     # The shaft between the pairs turns once as the crank does
     cycles = cycle_rad, 2.0 * pi
@@ -145,12 +170,12 @@ def programme(levels: Sequence[Level], on: Grid, cycle_rad: float, working: Work
     ]
     if working is not None:
         equations.append(_working_equation(working, unknown[0], on.basis.value.shape[1] // 2))
-    rows = casadi.vec(_local_rows(levels, on, local, level, total))
+    rows = casadi.vec(_local_rows(levels, on, local, level + excess, total))
     coefficients, constants = [one.coefficients for one in unknown], [one.constant for one in unknown]
     problem = {
-        "x": casadi.vertcat(*coefficients, *constants, *total, level, *local),
-        "p": weights,
-        "f": casadi.dot(weights, level),
+        "x": casadi.vertcat(*coefficients, *constants, *total, level, excess, *local),
+        "p": prices,
+        "f": casadi.dot(prices, casadi.vertcat(level, excess)),
         "g": casadi.vertcat(*equations, rows),
     }
     solvers = casadi.nlpsol("afresh", "ipopt", problem, QUIET), casadi.nlpsol("onwards", "ipopt", problem, ONWARDS)

@@ -25,7 +25,7 @@ def refuse_ratios(task: Task, limits: Limits) -> None:
     if not working < task.cycle_rad:
         raise NoSuchMechanism(
             f"a working stroke of {working:.5g} rad in a cycle of {task.cycle_rad:.5g} rad; less than a cycle is right",
-            key="limits.working_rad",
+            key="optimize.limits.working_angle_rad",
         )
     _refuse_ratio(out, working, limits, "the working stroke")
     _refuse_ratio(2.0 * pi - out, task.cycle_rad - working, limits, "the return")
@@ -57,18 +57,18 @@ def _refuse_ratio(crank_rad: float, driving_rad: float, limits: Limits, stretch:
         raise NoSuchMechanism(
             f"at {limits.ratio_min:g} throughout, {stretch} takes {limits.ratio_min * crank_rad:.5g} rad of the "
             f"driving gear, and it has {driving_rad:.5g}; at most {shown_below(mean)} is right",
-            key="limits.ratio_min",
+            key="optimize.limits.ratio_min",
         )
     if limits.ratio_max < mean:
         raise NoSuchMechanism(
             f"at {limits.ratio_max:g} throughout, {stretch} takes {limits.ratio_max * crank_rad:.5g} rad of the "
             f"driving gear, and it has {driving_rad:.5g}; at least {shown_above(mean)} is right",
-            key="limits.ratio_max",
+            key="optimize.limits.ratio_max",
         )
 
 
 def _refusal(key: str, text: str, problem: Problem, peaks: Peaks) -> NoSuchMechanism:
-    return NoSuchMechanism(f"{text}{_or_steeper(problem, peaks)} can be enough", key=f"limits.{key}")
+    return NoSuchMechanism(f"{text}{_or_steeper(problem, peaks)} can be enough", key=f"optimize.limits.{key}")
 
 
 def _or_steeper(problem: Problem, peaks: Peaks) -> str:
@@ -83,11 +83,10 @@ def _or_steeper(problem: Problem, peaks: Peaks) -> str:
         return problem.under(replace(problem.limits, pressure_angle_rad=wider)).is_open(peaks)
 
     found = turning_point(holds, 1.0)
-    return (
-        ""
-        if found is None
-        else f", or a pressure angle of {shown_above(90.0 - (90.0 - degrees(given)) / found[1])} deg"
-    )
+    if found is None:
+        return ""
+    enough = shown_above(90.0 - (90.0 - degrees(given)) / found[1])
+    return f", or a pressure angle of {enough} deg beside the rack's own,"
 
 
 def _least(problem: Problem, peaks: Callable[[float], Peaks], given: float) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import inf, isfinite, pi, tan
+from math import degrees, inf, isfinite, pi, tan
 
 import numpy as np
 
@@ -54,7 +54,8 @@ class Limits:
 
     ``ratio_min`` and ``ratio_max`` bound i12 = dphi1/dphi2; ``working_rad`` is the driving angle of the working stroke;
     ``pressure_angle_rad`` bounds the tangent angle of the pitch curves, |atan(r1'/r1)|, not counting the rack's own;
-    ``mass_kg`` moves with the slider and takes power.  Raises WrongInput with the key of a value that bounds nothing.
+    ``mass_kg`` moves with the slider and takes power.  Raises WrongInput with the key of a value that bounds nothing,
+    as a design file has it.
     """
 
     ratio_min: float
@@ -67,17 +68,23 @@ class Limits:
 
     def __post_init__(self) -> None:
         if not 0.0 < self.ratio_min < inf:
-            raise _wrong("ratio_min", self.ratio_min, "a positive ratio is needed")
+            raise _wrong("limits.ratio_min", self.ratio_min, "a positive ratio is needed")
         if not self.ratio_min < self.ratio_max < inf:
-            raise _wrong("ratio_max", self.ratio_max, f"a ratio over ratio_min = {self.ratio_min:g} is needed")
-        for key in ("peak_power_w", "peak_acceleration_mm_s2", "working_rad"):
-            value = getattr(self, key)
+            raise _wrong("limits.ratio_max", self.ratio_max, f"a ratio over ratio_min = {self.ratio_min:g} is needed")
+        positive = {
+            "limits.peak_power_w": self.peak_power_w,
+            "limits.peak_acceleration_mm_s2": self.peak_acceleration_mm_s2,
+            "limits.working_angle_rad": self.working_rad,
+        }
+        for key, value in positive.items():
             if value is not None and not 0.0 < value < inf:
                 raise _wrong(key, value, "a positive number is needed")
-        if self.pressure_angle_rad is not None and not 0.0 < self.pressure_angle_rad < pi / 2.0:
-            raise _wrong("pressure_angle_rad", self.pressure_angle_rad, "over 0 and under pi/2 is right")
+        tangent = self.pressure_angle_rad
+        if tangent is not None and not 0.0 < tangent < pi / 2.0:
+            said = "deg without the rack's own given; over 0 and under 90 is right"
+            raise WrongInput(f"{degrees(tangent):g} {said}", key="optimize.limits.pressure_angle_deg")
         if not (self.mass_kg >= 0.0 and isfinite(self.mass_kg)):
-            raise _wrong("mass_kg", self.mass_kg, "0 or a positive number is needed")
+            raise _wrong("slider_mass_kg", self.mass_kg, "0 or a positive number is needed")
 
     @property
     def steepness(self) -> float:
@@ -89,4 +96,4 @@ class Limits:
 
 
 def _wrong(key: str, value: float, needed: str) -> WrongInput:
-    return WrongInput(f"{value:g} given; {needed}", key=f"limits.{key}")
+    return WrongInput(f"{value:g} given; {needed}", key=f"optimize.{key}")

@@ -33,9 +33,9 @@ class Weights:
     per_w: float
 
     def __post_init__(self) -> None:
-        for key, value in (("per_mm_s2", self.per_mm_s2), ("per_w", self.per_w)):
+        for key, value in (("acceleration_mm_s2", self.per_mm_s2), ("power_w", self.per_w)):
             if not 0.0 < value < inf:
-                raise WrongInput(f"{value:g} is no weight; a positive number is needed", key=f"weights.{key}")
+                raise WrongInput(f"1/{value:g} given; a positive number is needed", key=f"optimize.weights.{key}")
 
     def of(self, acceleration_mm_s2: float, power_w: float) -> float:
         """The weighted sum."""

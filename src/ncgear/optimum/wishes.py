@@ -17,6 +17,13 @@ class Goal(Enum):
     WEIGHTED = "weighted"
 
 
+class CurvatureWish(Enum):
+    """What the curvature of pitch curves is limited for: a radius in mm, or a number of teeth without undercut."""
+
+    LEAST_RADIUS = "least_radius_mm"
+    UNDERCUT = "free_of_undercut"
+
+
 @dataclass(frozen=True)
 class TwoStages:
     """The ratio shared over two pairs in series; ``pressure_angle_rad`` bounds the tangent angle of each, None: free.
@@ -33,7 +40,9 @@ class Wishes:
 
     ``limits`` are those that a certified bound exists for, the others restrict makeable laws only.
     ``curvature_turns`` limits the curvature of both pitch curves, dents as well as bulges, times the length that they
-    roll in one cycle: 2 pi on circles.  Of two stages, that and ``convex`` hold for each.
+    roll in one cycle: 2 pi on circles; of two stages, that and ``convex`` hold for each.  It stands for
+    ``curvature_given`` in the words of ``curvature_wish``.  ``rack_angle_rad`` is what the rack adds to the limited
+    angle of the pitch curves.
     """
 
     limits: Limits
@@ -43,6 +52,9 @@ class Wishes:
     driven_speed_rad_s: float | None = None
     convex: bool = True
     curvature_turns: float | None = None
+    curvature_wish: CurvatureWish = CurvatureWish.LEAST_RADIUS
+    curvature_given: float = 1.0
+    rack_angle_rad: float = 0.0
     harmonics: int = 24
     two_stages: TwoStages | None = None
 

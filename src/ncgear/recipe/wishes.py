@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import pi, radians, sin
+from typing import NamedTuple
 
 from ncgear.design.gears import Gears
 from ncgear.design.optimize import Limits, Optimize
@@ -11,7 +13,7 @@ from ncgear.errors import WrongInput
 from ncgear.machine.linkage import CrankSlider
 from ncgear.optimum import task
 from ncgear.optimum.weighted import Weights
-from ncgear.optimum.wishes import Goal, TwoStages, Wishes
+from ncgear.optimum.wishes import CurvatureWish, Goal, TwoStages, Wishes
 from ncgear.recipe.gears import rack_of
 from ncgear.recipe.law import RAD_S_PER_RPM, lobes_of, resistance_of
 
@@ -33,6 +35,7 @@ def wishes_of(design: Design) -> Wishes:
     limits = asked.limits
     shared = limits.stages > 1
     tangent_rad = _tangent_rad(limits, design.gears)
+    curvature = _curvature(limits, design.gears)
     return Wishes(
         limits=task.Limits(
             ratio_min=limits.ratio_min,
@@ -48,7 +51,10 @@ def wishes_of(design: Design) -> Wishes:
         peak_jerk_mm_s3=limits.peak_jerk_mm_s3,
         driven_speed_rad_s=None if limits.driven_speed_rpm is None else limits.driven_speed_rpm * RAD_S_PER_RPM,
         convex=limits.convex,
-        curvature_turns=_curvature_turns(limits, design.gears),
+        curvature_turns=curvature.turns,
+        curvature_wish=curvature.wish,
+        curvature_given=curvature.given,
+        rack_angle_rad=radians(_rack_angle_deg(design.gears)),
         harmonics=asked.harmonics,
         two_stages=TwoStages(tangent_rad) if shared else None,
     )
@@ -64,7 +70,7 @@ def _tangent_rad(limits: Limits, gears: Gears | None) -> float | None:
     """What the rack leaves of the pressure angle to the pitch curves."""
     if limits.pressure_angle_deg is None:
         return None
-    rack = gears.rack.pressure_angle_deg if gears else RACK_ANGLE_DEG
+    rack = _rack_angle_deg(gears)
     if not limits.pressure_angle_deg > rack:
         raise WrongInput(
             f"{limits.pressure_angle_deg:g} deg leaves nothing to the pitch curves: the rack alone has {rack:g} deg",
@@ -73,15 +79,27 @@ def _tangent_rad(limits: Limits, gears: Gears | None) -> float | None:
     return radians(limits.pressure_angle_deg - rack)
 
 
-def _curvature_turns(limits: Limits, gears: Gears | None) -> float | None:
-    """Greatest curvature times the driving curve's length of one cycle, by radius and by undercut."""
-    found = [_of_radius(limits, gears), _of_undercut(limits, gears)]
-    return min((turns for turns in found if turns is not None), default=None)
+def _rack_angle_deg(gears: Gears | None) -> float:
+    return gears.rack.pressure_angle_deg if gears else RACK_ANGLE_DEG
 
 
-def _of_radius(limits: Limits, gears: Gears | None) -> float | None:
+class _Curvature(NamedTuple):
+    """Greatest curvature times the length rolled in one cycle, and what it stands for."""
+
+    turns: float | None
+    wish: CurvatureWish
+    given: float
+
+
+def _curvature(limits: Limits, gears: Gears | None) -> _Curvature:
+    """The tighter of the limits by radius and by undercut."""
+    found = [*_of_radius(limits, gears), *_of_undercut(limits, gears)]
+    return min(found, default=_Curvature(None, CurvatureWish.LEAST_RADIUS, 1.0), key=lambda one: one.turns or 0.0)
+
+
+def _of_radius(limits: Limits, gears: Gears | None) -> Iterator[_Curvature]:
     if limits.least_radius_mm is None:
-        return None
+        return
     if gears is None or gears.teeth is None or gears.module_mm is None:
         raise WrongInput(
             "given, but a radius in mm needs the length of the pitch curves: give gears.teeth and gears.module_mm",
@@ -95,13 +113,13 @@ def _of_radius(limits: Limits, gears: Gears | None) -> float | None:
             f"{limits.least_radius_mm:g} mm is what a circular driven gear has at most: under {largest:g} mm is right",
             key="optimize.limits.least_radius_mm",
         )
-    return turns
+    yield _Curvature(turns, CurvatureWish.LEAST_RADIUS, limits.least_radius_mm)
 
 
-def _of_undercut(limits: Limits, gears: Gears | None) -> float | None:
+def _of_undercut(limits: Limits, gears: Gears | None) -> Iterator[_Curvature]:
     """k h < sin^2(alpha) with the depth h of the rack's flank."""
     if not limits.free_of_undercut:
-        return None
+        return
     if gears is None or gears.teeth is None:
         raise WrongInput("true, but of how many teeth? give gears.teeth", key="optimize.limits.free_of_undercut")
     rack = rack_of(gears, 1.0)
@@ -111,4 +129,4 @@ def _of_undercut(limits: Limits, gears: Gears | None) -> float | None:
             f"{gears.teeth} teeth are undercut even on a circle; more teeth are needed",
             key="optimize.limits.free_of_undercut",
         )
-    return turns
+    yield _Curvature(turns, CurvatureWish.UNDERCUT, float(gears.teeth))
