@@ -165,7 +165,9 @@ def _kept(search: _Search, start: Array) -> MakeableLaw | None:
             cosine, sine, *second = coefficients.reshape(2 * search.programme.pairs, -1)
             return MakeableLaw(cosine, sine, search.programme.levels, values, LogSeries(*second) if second else None)
         caps = np.where(over > -MARGIN, caps - np.maximum(over, 0.0) - MARGIN, caps)
-        found = search.programme.solved(caps, search.weights, found)
+        # Where the next one is too far to go on to, afresh from the same place
+        onwards = search.programme.solved(caps, search.weights, found)
+        found = onwards or search.programme.solved(caps, search.weights, found.coefficients)
     return None
 
 
