@@ -81,6 +81,27 @@ def makeable_law(task: Task, wishes: Wishes, starts: Sequence[Array]) -> Makeabl
     return min(found, key=lambda law: law.goal) if found else _kept_at_last(search, task, wishes, shared[0])
 
 
+def shared_law(task: Task, wishes: Wishes, cosine: Array, sine: Array) -> MakeableLaw:
+    """A law as it stands, shared over two pairs so that the larger pressure angle is least.
+
+    Coefficients of ln i12 have shape (wishes.harmonics,), and of the wishes only those count that concern each pair.
+    Raises NoSuchMechanism where no share keeps them.
+    """
+    alone = replace(wishes, limits=replace(wishes.limits, working_rad=None))
+    search = _search(task, alone)
+    named = [(level.of_pairs, level.wish == "pressure_angle_deg") for level in search.programme.levels]
+    of_pairs, angle = np.array(named).T
+    whole = np.concatenate([cosine, sine])
+    split = replace(
+        search,
+        programme=replace(search.programme, held=whole),
+        caps=np.where(of_pairs, search.caps, np.inf),
+        weights=angle.astype(float),
+    )
+    start = np.concatenate([whole, whole / 2.0])
+    return _kept(split, start) or _kept_at_last(split, task, alone, start)
+
+
 @dataclass(frozen=True, eq=False)
 class _Search:
     """A programme, the finer grid that judges it, and the caps and weights of its levels."""
@@ -144,7 +165,9 @@ def _kept(search: _Search, start: Array) -> MakeableLaw | None:
             cosine, sine, *second = coefficients.reshape(2 * search.programme.pairs, -1)
             return MakeableLaw(cosine, sine, search.programme.levels, values, LogSeries(*second) if second else None)
         caps = np.where(over > -MARGIN, caps - np.maximum(over, 0.0) - MARGIN, caps)
-        found = search.programme.solved(caps, search.weights, found)
+        # Where the next one is too far to go on to, afresh from the same place
+        onwards = search.programme.solved(caps, search.weights, found)
+        found = onwards or search.programme.solved(caps, search.weights, found.coefficients)
     return None
 
 

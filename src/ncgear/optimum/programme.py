@@ -87,7 +87,8 @@ class Solution:
 class Programme:
     """A programme to be solved under different caps on its levels; the solvers take the levels' weights as parameters.
 
-    ``afresh`` starts from coefficients, ``onwards`` from the solution for caps that were a little different.
+    ``afresh`` starts from coefficients, ``onwards`` from the solution for caps that were a little different.  Of two
+    stages the coefficients of i12 may be ``held`` as they are.
     """
 
     levels: Sequence[Level]
@@ -98,6 +99,7 @@ class Programme:
     pairs: int
     equations: int
     rows: int
+    held: Array | None = None
 
     def solved(self, caps: Array, weights: Array, start: Array | Solution) -> Solution | None:
         """A local optimum under caps on the levels (infinite: none), from a start; None where none is found.
@@ -121,6 +123,8 @@ class Programme:
         highest, lowest = np.full(given["x0"].shape[0], np.inf), np.full(given["x0"].shape[0], -np.inf)
         of_levels, of_excess = slice(before, before + caps.size), before + caps.size
         highest[of_levels], highest[of_excess], lowest[of_excess] = caps, most, 0.0
+        if self.held is not None:
+            lowest[: self.held.size] = highest[: self.held.size] = self.held
         floor = np.zeros(self.equations + self.rows)
         floor[self.equations :] = -np.inf
         answer = solver(p=prices, lbx=lowest, ubx=highest, lbg=floor, ubg=np.zeros(floor.size), **given)
