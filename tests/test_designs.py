@@ -41,7 +41,8 @@ FILES = {
 
 REFUSED = "baler-a1-at-law-speed"
 WITHOUT_GEARS = "baler-frontier"
-BUILT = sorted({path.stem for path in DESIGNS.glob("*.yaml")} - {REFUSED, WITHOUT_GEARS})
+IN_STAGES = "baler-66-two-stage"
+BUILT = sorted({path.stem for path in DESIGNS.glob("*.yaml")} - {REFUSED, WITHOUT_GEARS, IN_STAGES})
 
 
 @dataclass(frozen=True)

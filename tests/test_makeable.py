@@ -21,7 +21,7 @@ from ncgear.optimum.judged import Figures, figures
 from ncgear.optimum.levels import levels
 from ncgear.optimum.limit import least_acceleration, least_power
 from ncgear.optimum.makeable import MakeableLaw, makeable_law, scales
-from ncgear.optimum.reached import grid, length, place
+from ncgear.optimum.reached import grid, lengths, ratios
 from ncgear.optimum.starts import random_starts, rough_start
 from ncgear.optimum.stations import stations
 from ncgear.optimum.task import Limits, Task
@@ -52,7 +52,7 @@ def start(wishes: Wishes, task: Task = BALER) -> Array:
 @cache
 def judged(wishes: Wishes, task: Task = BALER) -> Figures:
     found = law(wishes, task)
-    return figures(task, harmonic_law(found.cosine, found.sine, task.lobes))
+    return figures(task, found.train(task.lobes))
 
 
 def machine(wishes: Wishes, task: Task = BALER) -> Machine:
@@ -141,15 +141,15 @@ def gain_nearby(wishes: Wishes, found: MakeableLaw) -> float:
 
     def terms(coefficients: Array) -> Array:
         """All sides of all levels at all places, one after the other."""
-        at = place(on, coefficients, BALER.cycle_rad)
-        return np.concatenate([side for level in wanted for side in level.sides(at, on.slider, length(at))])
+        at = ratios(on, coefficients, BALER.cycle_rad)
+        return np.concatenate([term for level in wanted for term in level.terms(at, on.slider, lengths(at))])
 
     best = np.concatenate([found.cosine, found.sine])
     values, moves = terms(best), 1e-6 * np.eye(best.size)
     slopes = np.column_stack([(terms(best + move) - terms(best - move)) / 2e-6 for move in moves])
-    at = place(on, best, BALER.cycle_rad)
+    at = ratios(on, best, BALER.cycle_rad)
     owner = np.concatenate(
-        [np.full(len(level.sides(at, on.slider, 1.0)) * on.stations.count, k) for k, level in enumerate(wanted)]
+        [np.full(len(level.terms(at, on.slider, [1.0])) * on.stations.count, k) for k, level in enumerate(wanted)]
     )
     (goal,) = (k for k, level in enumerate(wanted) if level.weight)
     limits = np.array([np.inf if level.limit is None else level.limit for level in wanted])[owner]
@@ -184,7 +184,7 @@ def test_the_same_from_several_starts() -> None:
     best = judged(HALF).peak_acceleration_mm_s2
     for one in [np.zeros(16), *random_starts(8, 3, 1)]:
         found = makeable_law(BALER, HALF, [one])
-        again = figures(BALER, harmonic_law(found.cosine, found.sine, BALER.lobes)).peak_acceleration_mm_s2
+        again = figures(BALER, found.train(BALER.lobes)).peak_acceleration_mm_s2
         assert again == pytest.approx(best, rel=1e-5)
 
 

@@ -65,7 +65,8 @@ def test_what_is_written(run: Run) -> None:
     status, out, err = run(HEAD + FEW)
     assert (status, err) == (0, "")
     folder = Path("export/press-optimized")
-    assert sorted(path.name for path in folder.iterdir()) == ["certificate.json", "press-optimized.yaml"]
+    files = ["certificate.json", "frontier.png", "press-optimized.yaml"]
+    assert sorted(path.name for path in folder.iterdir()) == files
     assert all(str(path) in out for path in folder.iterdir())
     text = (folder / "press-optimized.yaml").read_text()
     assert all(comment in text for comment in ("# the press of hall 2", "# measured", "# of the paper", "# as wished"))
@@ -243,9 +244,9 @@ def loaded(folder: Path, arguments: list[str], names: tuple[str, ...]) -> str:
 
 
 @pytest.mark.slow
-def test_an_optimisation_loads_no_meshes_and_no_plots(tmp_path: Path) -> None:
+def test_an_optimisation_loads_no_meshes(tmp_path: Path) -> None:
     Path(tmp_path, "d.yaml").write_text(HEAD + "optimize: {harmonics: 4}\n")
-    heavy = ("trimesh", "matplotlib", "shapely", "casadi")
+    heavy = ("trimesh", "shapely", "casadi")
     assert loaded(tmp_path, ["optimize", "d.yaml"], heavy) == "loaded: ['casadi']"
 
 

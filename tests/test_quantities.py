@@ -15,13 +15,14 @@ from ncgear.optimum import quantities
 from ncgear.optimum.judged import figures
 from ncgear.optimum.levels import Level
 from ncgear.optimum.quantities import Place
-from ncgear.optimum.reached import Grid, grid, length, place, reached
+from ncgear.optimum.reached import Grid, grid, lengths, ratios, reached
 from ncgear.optimum.stations import stations
 from ncgear.optimum.task import Task
 from ncgear.pitch import shape
 from ncgear.pitch.arc import arc_length
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.laws.harmonic import harmonic_law
+from ncgear.ratio.train import single
 from ncgear.ratio.transmission import Lobes, Transmission
 from test_kinematics import PRESS
 from test_laws import BALER_LINKAGE, OFFSET
@@ -53,7 +54,8 @@ def transmission(seed: int) -> Transmission:
 def on_grid(seed: int, count: int = COUNT) -> tuple[Grid, Place]:
     """All places of a turn, and the ratio there as the optimiser sees it."""
     on = grid(stations(linkage(seed), PRESS, count), 8)
-    return on, place(on, coefficients(seed), lobes(seed).driving_period_rad)
+    (at,) = ratios(on, coefficients(seed), lobes(seed).driving_period_rad)
+    return on, at
 
 
 def driving_angles(law: Transmission, phi2: Array) -> Array:
@@ -106,7 +108,7 @@ def test_curves_against_the_pitch_curves(seed: int) -> None:
     # Length per unit of phi1, turned into one per unit of phi2.
     rate = shape.speed(slope, Gear.DRIVING, Mesh.EXTERNAL).value / slope.value[: slope.value.size]
     assert close(quantities.length_rate(at), rate)
-    assert length(at) == pytest.approx(arc_length(law, Mesh.EXTERNAL).period, rel=1e-10)
+    assert lengths([at])[0] == pytest.approx(arc_length(law, Mesh.EXTERNAL).period, rel=1e-10)
 
 
 def test_the_random_laws_are_no_easy_ones() -> None:
@@ -120,7 +122,7 @@ def test_thirty_digits_from_the_radii() -> None:
     """r1 = a/(1 + i) and r2 = a i/(1 + i) in polar coordinates, and time as the driving angle, by mpmath alone."""
     cosine, sine = (0.3, -0.05), (0.1, 0.02)
     on = grid(stations(BALER_LINKAGE, PRESS, 40), 2)
-    at = place(on, np.array([*cosine, *sine]), 2.0 * pi)
+    (at,) = ratios(on, np.array([*cosine, *sine]), 2.0 * pi)
     with mpmath.workdps(30):
         series = lambda t: sum(  # noqa: E731
             mpmath.mpf(c) * mpmath.cos(k * t) + mpmath.mpf(s) * mpmath.sin(k * t)
@@ -177,7 +179,7 @@ def peaks(seed: int, count: int) -> tuple[Array, Array]:
         Level("driven", None, 0.0, lambda at, *_: both(quantities.driven_curvature(at)), str),
     ]
     alone = [np.max(term) if number == 1 else np.max(np.abs(term)) for number, term in enumerate(terms)]
-    return reached(levels, on, at), np.array(alone)
+    return reached(levels, on, [at]), np.array(alone)
 
 
 def both(term: Array) -> tuple[Array, Array]:
@@ -187,7 +189,7 @@ def both(term: Array) -> tuple[Array, Array]:
 def exact_peaks(seed: int) -> Array:
     """The same from extrema located on the closed forms."""
     law = transmission(seed)
-    found = figures(Task(linkage(seed), PRESS, SPEED, lobes(seed)), law)
+    found = figures(Task(linkage(seed), PRESS, SPEED, lobes(seed)), single(law))
     curves = []
     for gear in Gear:
         ends = law.extremes(
@@ -226,9 +228,9 @@ def test_places_alone_never_exceed_the_peak() -> None:
 def test_a_circle_pair_is_known() -> None:
     """No harmonics: two circles, whatever the lobes."""
     on = grid(stations(BALER_LINKAGE, PRESS, 24), 1)
-    at = place(on, np.zeros(2), pi)
+    (at,) = ratios(on, np.zeros(2), pi)
     assert at.ratio == pytest.approx(np.full(24, 0.5), rel=1e-15)
     assert quantities.driving_curvature(at) == pytest.approx(np.full(24, 1.5), rel=1e-14)
     assert quantities.driven_curvature(at) == pytest.approx(np.full(24, 3.0), rel=1e-14)
-    assert length(at) == pytest.approx(2.0 * pi / 3.0, rel=1e-14)
+    assert lengths([at])[0] == pytest.approx(2.0 * pi / 3.0, rel=1e-14)
     assert sqrt(float(np.max(quantities.tangent(at) ** 2))) == 0.0

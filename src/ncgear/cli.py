@@ -103,7 +103,7 @@ def build(
         drive = Drive(loaded.design)
         with _progress() as on_stage:
             built = build_files(drive, folder, on_stage)
-        typer.echo(build_text(built.summary, built.paths))
+        typer.echo(build_text(built.summaries, built.paths))
         if timing:
             typer.echo(timing_text(drive), err=True)
 
@@ -141,6 +141,7 @@ def optimize(
 
     with _design(design_file) as loaded:
         from ncgear.improvement import Improvement
+        from ncgear.output.frontier_files import limit_picture
         from ncgear.output.optimized import certificate, optimized_design, optimized_name
         from ncgear.output.optimized_text import optimized_text
 
@@ -155,7 +156,11 @@ def optimize(
             written = optimized_design(loaded.text, improvement)
             on_stage("figures")
             text = json.dumps(certificate(improvement), indent=2, allow_nan=False) + "\n"
-        paths = publish(folder, {f"{name}.yaml": written.encode(), "certificate.json": text.encode()})
+            files = {f"{name}.yaml": written.encode(), "certificate.json": text.encode()}
+            if improvement.limit_points:
+                on_stage("picture")
+                files["frontier.png"] = limit_picture(improvement)
+        paths = publish(folder, files)
         typer.echo(optimized_text(improvement, paths))
 
 

@@ -11,15 +11,18 @@ from ncgear.extras import require
 from ncgear.optimum.judged import Figures, figures
 from ncgear.optimum.task import Task
 from ncgear.optimum.wishes import Goal, Wishes
-from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.uniform import uniform_law
-from ncgear.ratio.transmission import Transmission
+from ncgear.ratio.train import Train, single
 from ncgear.recipe.law import Law, law_of, linkage_of
 from ncgear.recipe.wishes import task_of, wishes_of
 
 if TYPE_CHECKING:
     from ncgear.optimum.limit import Bound
     from ncgear.optimum.makeable import MakeableLaw
+
+
+LIMIT_POINTS = 30
+"""Of the limit's curve: a smooth one, in half a second."""
 
 
 class Improvement:
@@ -76,28 +79,36 @@ class Improvement:
         return allowed if allowed is not None else limit.least_acceleration(self.task, self.wishes.limits).attained
 
     @cached_property
-    def transmission(self) -> Transmission:
+    def train(self) -> Train:
         """The law as gears follow it."""
-        return harmonic_law(self.law.cosine, self.law.sine, self.task.lobes)
+        return self.law.train(self.task.lobes)
 
     @cached_property
     def figures(self) -> Figures:
         """Exact figures of the law."""
-        return figures(self.task, self.transmission)
+        return figures(self.task, self.train)
 
     @cached_property
     def uniform_figures(self) -> Figures:
         """Exact figures of a uniform crank on the same machine."""
-        return figures(self.task, uniform_law(self.task.lobes))
+        return figures(self.task, single(uniform_law(self.task.lobes)))
 
     @cached_property
     def given_figures(self) -> Figures | None:
         """Exact figures of the design's own law at the same speed; None where it has none that can be built."""
         try:
             given: Law = law_of(self.design)
-            return figures(self.task, given.transmission)
+            return figures(self.task, given.train)
         except DesignError:
             return None
+
+    @cached_property
+    def limit_points(self) -> list[tuple[float, float]]:
+        """The certified limit over caps on the power: W and mm/s2; empty where nothing resists."""
+        from ncgear.optimum.frontier import limit_points
+
+        most = 1.2 * max(self.figures.peak_power_w, self.uniform_figures.peak_power_w)
+        return limit_points(self.task, self.wishes.limits, most, LIMIT_POINTS)
 
     @property
     def goal(self) -> float:

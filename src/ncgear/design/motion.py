@@ -230,6 +230,17 @@ class Ellipse(Model):
         return self
 
 
+class SecondStage(Model):
+    """The share of the second of two pairs in series, the one that drives the crank; the first has the rest."""
+
+    cosine: Coefficients = Field(
+        default=(), description="coefficients of cos(phi2), cos(2 phi2), ... in ln of the second pair's ratio"
+    )
+    sine: Coefficients = Field(
+        default=(), description="coefficients of sin(phi2), sin(2 phi2), ... in ln of the second pair's ratio"
+    )
+
+
 class HarmonicRatio(Model):
     """The logarithm of the ratio by harmonics of the driven angle; what closes the cycle is added."""
 
@@ -239,6 +250,9 @@ class HarmonicRatio(Model):
     )
     sine: Coefficients = Field(
         default=(), description="coefficients of sin(phi2), sin(2 phi2), ... in ln i12, phi2 being the driven angle"
+    )
+    second_stage: SecondStage | None = Field(
+        default=None, description="given: two pairs in series make i12, both as `gears` describes; left out: one pair"
     )
 
 

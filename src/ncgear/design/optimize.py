@@ -25,7 +25,16 @@ class Limits(Model):
     ratio_min: float = Field(default=0.2, ge=0.01, le=1.0, description="least transmission ratio")
     ratio_max: float = Field(default=5.0, ge=1.0, le=100.0, description="greatest transmission ratio")
     pressure_angle_deg: float | None = Field(
-        default=None, gt=0.0, lt=90.0, description="greatest pressure angle in degrees, that of the rack included"
+        default=None,
+        gt=0.0,
+        lt=90.0,
+        description="greatest pressure angle in degrees, that of the rack included; of two stages, of each",
+    )
+    stages: int = Field(
+        default=1,
+        ge=1,
+        le=2,
+        description="2: the ratio is shared over two pairs in series; ratio, curves and pressure angle count for each",
     )
     convex: bool = Field(default=True, description="true: both pitch curves are convex, so that a rack can cut them")
     least_radius_mm: Length | None = Field(

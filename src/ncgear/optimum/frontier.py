@@ -10,15 +10,17 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.optimum.family import Family, Peak, best_of_family
 from ncgear.optimum.judged import Figures, figures
-from ncgear.optimum.limit import Bound, least_acceleration
+from ncgear.optimum.limit import Bound, least_acceleration, least_power
 from ncgear.optimum.makeable import MakeableLaw, makeable_law
 from ncgear.optimum.starts import rough_start
-from ncgear.optimum.task import Task
+from ncgear.optimum.task import Limits, Task
 from ncgear.optimum.wishes import Goal, Wishes
-from ncgear.ratio.laws.harmonic import harmonic_law
 
 BEYOND = 1.02
 """The frontier runs from just over the least power to just over the power at which acceleration gains nothing more."""
+
+WITHIN_REACH = 1.1
+"""The limit alone is shown from a tenth over its least power on: below, accelerations grow beyond all measure."""
 
 FAMILY_STARTS = 8
 """Starts of the family's search at each point; neighbouring points are better known than any one would be alone."""
@@ -52,6 +54,19 @@ def caps_w(task: Task, wishes: Wishes, count: int) -> list[float]:
     return [float(cap) for cap in np.geomspace(BEYOND * least, BEYOND * max(most, least), count)]
 
 
+def limit_points(task: Task, limits: Limits, most_w: float, count: int) -> list[tuple[float, float]]:
+    """The certified limit alone: caps on the power in W and least accelerations in mm/s2, up to ``most_w``.
+
+    From a tenth over the least power at any acceleration on; empty where nothing resists.
+    """
+    free = replace(limits, peak_power_w=None, peak_acceleration_mm_s2=None)
+    least = WITHIN_REACH * least_power(task, free).value
+    if not 0.0 < least < most_w:
+        return []
+    caps = [float(cap) for cap in np.geomspace(least, most_w, count)]
+    return [(cap, least_acceleration(task, replace(free, peak_power_w=cap)).value) for cap in caps]
+
+
 def law_point(task: Task, wishes: Wishes, cap_w: float) -> LawPoint:
     """One point of the limit and of the makeable laws; raises NoSuchMechanism where no law is found."""
     capped = _capped(wishes, cap_w)
@@ -75,7 +90,7 @@ def family_point(task: Task, cap_w: float, seed: int) -> FamilyPoint:
 
 def figures_of(task: Task, law: MakeableLaw) -> Figures:
     """Exact figures of a makeable law."""
-    return figures(task, harmonic_law(law.cosine, law.sine, task.lobes))
+    return figures(task, law.train(task.lobes))
 
 
 def _law(task: Task, wishes: Wishes) -> MakeableLaw:

@@ -10,7 +10,7 @@ from ncgear.kinematics.slider import Machine
 from ncgear.optimum.task import Task
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
-from ncgear.ratio.transmission import Transmission
+from ncgear.ratio.train import Train
 
 TEETH = 100
 """Per lobe: figures of the curves are taken from a pair of any size, since they are ratios."""
@@ -20,7 +20,8 @@ TEETH = 100
 class Figures:
     """Peaks at the operating speed, ratio range, and the shape of the pitch curves.
 
-    ``curvature_turns`` is the largest curvature of either curve, bulge or dent, times the length rolled in one cycle.
+    ``curvature_turns`` is the largest curvature of any curve, bulge or dent, times the length its pair rolls in one
+    cycle.  Of several pairs the ratios are those of the whole, and ``convex`` says it of all.
     """
 
     peak_power_w: float
@@ -34,12 +35,12 @@ class Figures:
     curvature_turns: float
 
 
-def figures(task: Task, transmission: Transmission) -> Figures:
+def figures(task: Task, train: Train) -> Figures:
     """The figures of a law on a machine; raises NoSuchMechanism for curves too sharp to be computed."""
-    machine = Machine(transmission, task.linkage, task.resistance, task.speed_rad_s)
+    machine = Machine(train.whole, task.linkage, task.resistance, task.speed_rad_s)
     check: KinematicCheck = kinematic_check(machine)
-    pair = sized_pair(transmission, TEETH * task.lobes.driving, 1.0, None)
-    lowest, highest = transmission.ratio_range
+    pairs = [sized_pair(one.transmission, TEETH * task.lobes.driving, 1.0, None) for one in train.pairs]
+    lowest, highest = train.whole.ratio_range
     return Figures(
         peak_power_w=check.peak_power_w.value,
         peak_acceleration_mm_s2=check.peak_acceleration_cycle_mm_s2.value,
@@ -47,9 +48,9 @@ def figures(task: Task, transmission: Transmission) -> Figures:
         ratio_min=lowest.value,
         ratio_max=highest.value,
         working_rad=machine.extended_rad,
-        tangent_rad=pair.largest_tangent_angle_rad.value,
-        convex=all(pair.convex(gear) for gear in Gear),
-        curvature_turns=_curvature_turns(pair),
+        tangent_rad=max(pair.largest_tangent_angle_rad.value for pair in pairs),
+        convex=all(pair.convex(gear) for pair in pairs for gear in Gear),
+        curvature_turns=max(map(_curvature_turns, pairs)),
     )
 
 

@@ -5,17 +5,29 @@ A limit holds its level down; a goal makes it as low as it will go.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from math import atan, ceil, degrees, exp, log, pi, tan
+from math import atan, ceil, degrees, exp, log, pi, radians, tan
 
 from ncgear.optimum import quantities
 from ncgear.optimum.quantities import Place, Slider, Term
 from ncgear.optimum.refusals import shown_above, shown_below
+from ncgear.optimum.stages import pairs
 from ncgear.optimum.wishes import CurvatureWish, Goal, Wishes
 
 CONVEX = "convex"
 """The wish that is kept or not: how deep a dent is means nothing to a user."""
+
+STEEPEST = tan(radians(60.0))
+"""Of two stages, where no pressure angle is given: a pair of 80 degrees with its rack all but locks.  The method needs
+some limit, or it strays into ratios that only cancel each other."""
+
+EASE = 0.3
+"""Of two stages, where no pressure angle is given: what a tangent of one is worth in units of the goal.  On the baler
+2 % of acceleration buy nine degrees; at a tenth the method takes five times as long, and at times finds nothing."""
+
+EVENLY = 1e-3
+"""The same where one is given: of ways to share one law that of the least angle, and next to nothing off the goal."""
 
 Sides = Callable[[Place, Slider, Term], tuple[Term, ...]]
 """Place, slider, and length of the driving curve over the centre distance, to terms that stay at or below the level."""
@@ -26,7 +38,8 @@ class Level:
     """One of them: the ``wish`` it comes from, its ``limit`` (None: none) and its ``weight`` in the goal.
 
     Terms and limit are in units in which they are of the order of one; ``shown`` says what limit of the user's makes
-    room for a level over the limit.
+    room for a level over the limit.  ``of_pairs`` tells levels of every pair of gears from those of the machine as a
+    whole.
     """
 
     wish: str
@@ -34,6 +47,15 @@ class Level:
     weight: float
     sides: Sides
     shown: Callable[[float], str]
+    of_pairs: bool = False
+
+    def terms(self, ratios: Sequence[Place], slider: Slider, lengths: Sequence[Term]) -> tuple[Term, ...]:
+        """All that stays at or below the level, from i12, and iB where there are two pairs, and every pair's length."""
+        if not self.of_pairs:
+            return self.sides(ratios[0], slider, lengths[0])
+        return tuple(
+            side for at, length in zip(pairs(ratios), lengths, strict=True) for side in self.sides(at, slider, length)
+        )
 
 
 @dataclass(frozen=True)
@@ -111,20 +133,10 @@ def _jerk(limit: float, scales: Scales) -> Level:
 
 
 def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
-    yield Level(
-        "ratio_min",
-        -log(wishes.limits.ratio_min),
-        0.0,
-        lambda at, *_: (-at.log,),
-        lambda level: f"a least ratio of {shown_below(exp(-level))}",
-    )
-    yield Level(
-        "ratio_max",
-        log(wishes.limits.ratio_max),
-        0.0,
-        lambda at, *_: (at.log,),
-        lambda level: f"a greatest ratio of {shown_above(exp(level))}",
-    )
+    # Of two stages both the whole's ratio and each pair's
+    for of_pairs in (False, True)[: wishes.pairs]:
+        yield _least_ratio(wishes.limits.ratio_min, of_pairs)
+        yield _greatest_ratio(wishes.limits.ratio_max, of_pairs)
     if wishes.driven_speed_rad_s is not None:
         top = log(wishes.driven_speed_rad_s / scales.speed_rad_s)
         rpm = scales.speed_rad_s * 30.0 / pi
@@ -137,21 +149,56 @@ def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
         )
 
 
+def _least_ratio(limit: float, of_pairs: bool) -> Level:
+    return Level(
+        "ratio_min",
+        -log(limit),
+        0.0,
+        lambda at, *_: (-at.log,),
+        lambda top: f"a least ratio of {shown_below(exp(-top))}",
+        of_pairs,
+    )
+
+
+def _greatest_ratio(limit: float, of_pairs: bool) -> Level:
+    return Level(
+        "ratio_max",
+        log(limit),
+        0.0,
+        lambda at, *_: (at.log,),
+        lambda top: f"a greatest ratio of {shown_above(exp(top))}",
+        of_pairs,
+    )
+
+
 def _of_curves(wishes: Wishes) -> Iterator[Level]:
-    if wishes.limits.pressure_angle_rad is not None:
-        most, rack = tan(wishes.limits.pressure_angle_rad), wishes.rack_angle_rad
-        yield Level(
-            "pressure_angle_deg",
-            most,
-            0.0,
-            lambda at, *_: _both(quantities.tangent(at)),
-            lambda level: f"a pressure angle of {shown_above(degrees(atan(level) + rack))} deg",
-        )
+    shared, rack = wishes.two_stages, wishes.rack_angle_rad
+    if shared is not None:
+        yield _angle_of_each(shared.pressure_angle_rad, rack)
+    elif wishes.limits.pressure_angle_rad is not None:
+        yield _pressure_angle(tan(wishes.limits.pressure_angle_rad), 0.0, rack)
     if wishes.curvature_turns is not None:
         yield _curvature(wishes, wishes.curvature_turns)
     if wishes.convex:
         for bulge in (quantities.driving_bulge, quantities.driven_bulge):
             yield _convex(bulge)
+
+
+def _angle_of_each(given_rad: float | None, rack_rad: float) -> Level:
+    if given_rad is None:
+        return _pressure_angle(STEEPEST, EASE, rack_rad)
+    return _pressure_angle(tan(given_rad), EVENLY, rack_rad)
+
+
+def _pressure_angle(most: float, weight: float, rack_rad: float) -> Level:
+    return Level(
+        "pressure_angle_deg",
+        most,
+        weight,
+        lambda at, *_: _both(quantities.tangent(at)),
+        lambda level: f"a pressure angle of {shown_above(degrees(atan(level) + rack_rad))} deg",
+        of_pairs=True,
+    )
 
 
 def _curvature(wishes: Wishes, turns: float) -> Level:
@@ -166,11 +213,13 @@ def _curvature(wishes: Wishes, turns: float) -> Level:
             return f"{ceil(wishes.curvature_given * level)} teeth in place of {wishes.curvature_given:g}"
         return f"a least radius of {shown_below(wishes.curvature_given / level)} mm"
 
-    return Level(wishes.curvature_wish.value, 1.0, 0.0, sides, shown)
+    return Level(wishes.curvature_wish.value, 1.0, 0.0, sides, shown, of_pairs=True)
 
 
 def _convex(bulge: Callable[[Place], Term]) -> Level:
-    return Level(CONVEX, 0.0, 0.0, lambda at, *_: (-bulge(at),), lambda level: "pitch curves that are not convex")
+    return Level(
+        CONVEX, 0.0, 0.0, lambda at, *_: (-bulge(at),), lambda level: "pitch curves that are not convex", of_pairs=True
+    )
 
 
 def _both(term: Term) -> tuple[Term, Term]:

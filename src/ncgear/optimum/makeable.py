@@ -13,10 +13,14 @@ from ncgear.numerics.arrays import Array
 from ncgear.optimum.conflict import NO_EXCESS, Easing, easings, easings_together
 from ncgear.optimum.levels import Level, Scales, levels
 from ncgear.optimum.programme import Programme, Solution, Working, programme
-from ncgear.optimum.reached import Grid, grid, place, reached
+from ncgear.optimum.reached import Grid, grid, ratios, reached
 from ncgear.optimum.stations import Stations, stations
 from ncgear.optimum.task import Task
 from ncgear.optimum.wishes import Wishes
+from ncgear.ratio.laws.harmonic import LogSeries, harmonic_law
+from ncgear.ratio.laws.staged import staged_law
+from ncgear.ratio.train import Train, single
+from ncgear.ratio.transmission import Lobes
 
 PLACES_PER_HARMONIC = 10
 """Places of the programme: ten on the shortest wave, so that little is left between them."""
@@ -48,12 +52,22 @@ LEAST_POWER_W = 1.0
 
 @dataclass(frozen=True, eq=False)
 class MakeableLaw:
-    """Harmonics of ln i12 over the driven angle, shape (harmonics,) each, and the levels reached on the finer grid."""
+    """Harmonics of ln i12 over the driven angle, shape (harmonics,) each, and the levels reached on the finer grid.
+
+    Of two stages, ``second`` are those of the second one's ratio.
+    """
 
     cosine: Array
     sine: Array
     levels: Sequence[Level]
     reached: Array
+    second: LogSeries | None = None
+
+    def train(self, lobes: Lobes) -> Train:
+        """The law as gears follow it."""
+        if self.second is None:
+            return single(harmonic_law(self.cosine, self.sine, lobes))
+        return staged_law(self.cosine, self.sine, self.second.cosine, self.second.sine).train
 
     @property
     def goal(self) -> float:
@@ -64,12 +78,15 @@ class MakeableLaw:
 def makeable_law(task: Task, wishes: Wishes, starts: Sequence[Array]) -> MakeableLaw:
     """The best law found from starts (coefficients cos 1.., sin 1.., shape (2 harmonics,) each).
 
-    A local optimum, with every limit kept on a grid twenty times finer than the programme's.  Raises NoSuchMechanism
-    with the limits that cannot be kept together, and for each the nearest value that can be had with the others.
+    A local optimum, with every limit kept on a grid twenty times finer than the programme's.  Two stages begin by
+    halves of the ratio, and end so that the larger of their pressure angles is least.  Raises NoSuchMechanism with
+    the limits that cannot be kept together, and for each the nearest value that can be had with the others.
     """
     search = _search(task, wishes)
-    found = [law for start in starts if (law := _kept(search, start)) is not None]
-    return min(found, key=lambda law: law.goal) if found else _kept_at_last(search, task, wishes, starts[0])
+    # Every pair but the first has an even share of ln i12 at the start
+    shared = [np.concatenate([start / (1 + pair) for pair in range(wishes.pairs)]) for start in starts]
+    found = [law for start in shared if (law := _kept(search, start)) is not None]
+    return min(found, key=lambda law: law.goal) if found else _kept_at_last(search, task, wishes, shared[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +100,7 @@ class _Search:
 
     def reached(self, coefficients: Array) -> Array:
         """Levels on the finer grid, and between its places as parabolas through them tell; shape (levels,)."""
-        there = place(self.finer, coefficients, self.programme.cycle_rad)
+        there = ratios(self.finer, coefficients, self.programme.cycle_rad)
         return reached(self.programme.levels, self.finer, there)
 
 
@@ -111,7 +128,7 @@ def _search(task: Task, wishes: Wishes) -> _Search:
         else Working(task.linkage.working_angle_rad, wishes.limits.working_rad)
     )
     return _Search(
-        programme(wanted, grid(coarse, wishes.harmonics), task.cycle_rad, working),
+        programme(wanted, grid(coarse, wishes.harmonics), task.cycle_rad, working, wishes.pairs),
         grid(finer, wishes.harmonics),
         np.array([np.inf if level.limit is None else level.limit for level in wanted]),
         np.array([level.weight for level in wanted]),
@@ -135,8 +152,8 @@ def _kept(search: _Search, start: Array) -> MakeableLaw | None:
         values = search.reached(coefficients)
         over = values - search.caps
         if np.all(over <= 0.0):
-            cosine, sine = coefficients.reshape(2, -1)
-            return MakeableLaw(cosine, sine, search.programme.levels, values)
+            cosine, sine, *second = coefficients.reshape(2 * search.programme.pairs, -1)
+            return MakeableLaw(cosine, sine, search.programme.levels, values, LogSeries(*second) if second else None)
         caps = np.where(over > -MARGIN, caps - np.maximum(over, 0.0) - MARGIN, caps)
         found = search.programme.solved(caps, search.weights, found)
     return None

@@ -1,7 +1,8 @@
 """The nonlinear programme of a makeable law: harmonics of ln i12 under levels, for an interior-point method.
 
 The series' values and derivatives at each place are variables of their own, joined to the coefficients by linear
-equations: all else is local to a place, so that exact second derivatives are cheap and sparse.
+equations: all else is local to a place, so that exact second derivatives are cheap and sparse.  Of two stages there are
+two series, ln i12 and ln iB.
 """
 
 from __future__ import annotations
@@ -16,9 +17,10 @@ import numpy as np
 
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.levels import Level
-from ncgear.optimum.quantities import Place, Slider, length_rate
-from ncgear.optimum.reached import Grid, length, place, reached
+from ncgear.optimum.quantities import Place, Slider
+from ncgear.optimum.reached import Grid, lengths, ratios, reached
 from ncgear.optimum.series import basis
+from ncgear.optimum.stages import length_rates
 
 TOLERANCE = 1e-8
 """Of the interior-point method, on terms of the order of one: far below what is left between the places."""
@@ -51,6 +53,9 @@ ONWARDS: dict[str, Any] = QUIET | {
 QUADRATURE = 96
 """Gauss-Legendre points of the working stroke's driving angle: exact to rounding for a hundred harmonics."""
 
+LOCAL = ("f", "f1", "f2")
+"""Symbols of a ratio at a place: its logarithm, and the derivatives of that by the crank's angle."""
+
 AHEAD = 0.1
 """How far levels start above what the start reaches: an interior-point method begins inside."""
 
@@ -65,7 +70,7 @@ class Working:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """A local optimum: coefficients cos 1.., sin 1.., and all variables and multipliers, to go on from.
+    """A local optimum: coefficients cos 1.., sin 1.. of every series; all variables and multipliers, to go on from.
 
     ``excess`` is by how much all caps are overstepped, ``pressing`` what each cap's multiplier is, shape (levels,).
     """
@@ -90,13 +95,14 @@ class Programme:
     cycle_rad: float
     afresh: Any
     onwards: Any
+    pairs: int
     equations: int
     rows: int
 
     def solved(self, caps: Array, weights: Array, start: Array | Solution) -> Solution | None:
         """A local optimum under caps on the levels (infinite: none), from a start; None where none is found.
 
-        Caps and weights have shape (levels,), starts that are coefficients (2 harmonics,).
+        Caps and weights have shape (levels,), starts that are coefficients (pairs 2 harmonics,).
         """
         return self._solved(caps, np.append(weights, 0.0), start, 0.0)
 
@@ -110,9 +116,10 @@ class Programme:
     def _solved(self, caps: Array, prices: Array, start: Array | Solution, most: float) -> Solution | None:
         """A local optimum with an excess of ``most`` at most; prices of the levels, then of the excess."""
         solver, given = self._from(start)
-        size = self.on.basis.value.shape[1]
+        size = self.pairs * self.on.basis.value.shape[1]
         highest, lowest = np.full(given["x0"].shape[0], np.inf), np.full(given["x0"].shape[0], -np.inf)
-        of_levels, of_excess = slice(size + 2, size + 2 + caps.size), size + 2 + caps.size
+        before = size + 2 * self.pairs
+        of_levels, of_excess = slice(before, before + caps.size), before + caps.size
         highest[of_levels], highest[of_excess], lowest[of_excess] = caps, most, 0.0
         floor = np.zeros(self.equations + self.rows)
         floor[self.equations :] = -np.inf
@@ -127,69 +134,106 @@ class Programme:
     def _from(self, start: Array | Solution) -> tuple[Any, dict[str, Any]]:
         if isinstance(start, Solution):
             return self.onwards, {"x0": start.variables, "lam_x0": start.of_bounds, "lam_g0": start.of_rows}
-        at = place(self.on, start, self.cycle_rad)
-        constant = at.log[0] - (self.on.basis.value @ start)[0]
+        at = ratios(self.on, start, self.cycle_rad)
+        rows = self.on.basis.value[0]
+        constants = [one.log[0] - rows @ own for one, own in zip(at, start.reshape(self.pairs, -1), strict=True)]
         ahead = reached(self.levels, self.on, at) + AHEAD
-        values = [start, [constant, length(at)], ahead, [0.0], at.log, at.first, at.second]
-        return self.afresh, {"x0": np.concatenate(values)}
+        local = [column for one in at for column in (one.log, one.first, one.second)]
+        return self.afresh, {"x0": np.concatenate([start, constants, lengths(at), ahead, [0.0], *local])}
 
 
-def programme(levels: Sequence[Level], on: Grid, cycle_rad: float, working: Working | None) -> Programme:
-    """The programme on a grid, with exact first and second derivatives by casadi."""
-    places, columns = on.basis.value.shape
-    coefficients, constant, total = casadi.MX.sym("c", columns), casadi.MX.sym("c0"), casadi.MX.sym("length")
+@dataclass(frozen=True, eq=False)
+class _Ratio:
+    """Symbols of ln of one ratio: its series, its constant, and value and derivatives at every place."""
+
+    coefficients: Any
+    constant: Any
+    local: Sequence[Any]
+
+
+def programme(levels: Sequence[Level], on: Grid, cycle_rad: float, working: Working | None, pairs: int) -> Programme:
+    """The programme of one pair or two on a grid, with exact first and second derivatives by casadi."""
+    unknown = [_ratio(on) for _ in range(pairs)]
+    total = [casadi.MX.sym("length") for _ in range(pairs)]
     level, excess = casadi.MX.sym("level", len(levels)), casadi.MX.sym("excess")
     prices = casadi.MX.sym("price", len(levels) + 1)
-    local = [casadi.MX.sym(name, places) for name in ("f", "f1", "f2")]
+    local = [variable for one in unknown for variable in one.local]
+    # The shaft between the pairs turns once as the crank does
+    cycles = cycle_rad, 2.0 * pi
     equations = [
-        local[0] - casadi.mtimes(casadi.DM(on.basis.value), coefficients) - constant,
-        local[1] - casadi.mtimes(casadi.DM(on.basis.first), coefficients),
-        local[2] - casadi.mtimes(casadi.DM(on.basis.second), coefficients),
-        casadi.sum1(casadi.exp(local[0])) / places - cycle_rad / (2.0 * pi),
-        _length_equation(local, total, places),
+        *(equation for one, cycle in zip(unknown, cycles, strict=False) for equation in _of_series(one, on, cycle)),
+        casadi.vertcat(*total) - _rolled(local, on.stations.count),
     ]
     if working is not None:
-        equations.append(_working_equation(working, coefficients, constant, columns // 2))
+        equations.append(_working_equation(working, unknown[0], on.basis.value.shape[1] // 2))
     rows = casadi.vec(_local_rows(levels, on, local, level + excess, total))
+    coefficients, constants = [one.coefficients for one in unknown], [one.constant for one in unknown]
     problem = {
-        "x": casadi.vertcat(coefficients, constant, total, level, excess, *local),
+        "x": casadi.vertcat(*coefficients, *constants, *total, level, excess, *local),
         "p": prices,
         "f": casadi.dot(prices, casadi.vertcat(level, excess)),
         "g": casadi.vertcat(*equations, rows),
     }
     solvers = casadi.nlpsol("afresh", "ipopt", problem, QUIET), casadi.nlpsol("onwards", "ipopt", problem, ONWARDS)
-    return Programme(levels, on, cycle_rad, *solvers, sum(one.shape[0] for one in equations), rows.shape[0])
+    return Programme(levels, on, cycle_rad, *solvers, pairs, sum(one.shape[0] for one in equations), rows.shape[0])
 
 
-def _place(local: Sequence[Any]) -> Place:
-    logarithm, first, second = local
-    return Place(logarithm, casadi.exp(logarithm), casadi.exp(-logarithm), first, second)
+def _ratio(on: Grid) -> _Ratio:
+    places, columns = on.basis.value.shape
+    local = [casadi.MX.sym(name, places) for name in LOCAL]
+    return _Ratio(casadi.MX.sym("c", columns), casadi.MX.sym("c0"), local)
 
 
-def _local_rows(levels: Sequence[Level], on: Grid, local: Sequence[Any], level: Any, total: Any) -> Any:
+def _of_series(one: _Ratio, on: Grid, cycle_rad: float) -> Sequence[Any]:
+    """What joins a ratio's values to its coefficients, and closes its cycle."""
+    value, first, second = (casadi.mtimes(casadi.DM(matrix), one.coefficients) for matrix in _matrices(on))
+    return [
+        one.local[0] - value - one.constant,
+        one.local[1] - first,
+        one.local[2] - second,
+        casadi.sum1(casadi.exp(one.local[0])) / on.stations.count - cycle_rad / (2.0 * pi),
+    ]
+
+
+def _matrices(on: Grid) -> Sequence[Array]:
+    return on.basis.value, on.basis.first, on.basis.second
+
+
+def _places(local: Sequence[Any]) -> list[Place]:
+    """Every ratio at a place, from value and derivatives of their logarithms in turn."""
+    starts = range(0, len(local), len(LOCAL))
+    return [Place(local[k], casadi.exp(local[k]), casadi.exp(-local[k]), local[k + 1], local[k + 2]) for k in starts]
+
+
+def _symbols(count: int) -> list[Any]:
+    return [casadi.SX.sym(LOCAL[k % len(LOCAL)]) for k in range(count)]
+
+
+def _local_rows(levels: Sequence[Level], on: Grid, local: Sequence[Any], level: Any, total: Sequence[Any]) -> Any:
     """What must be at or below zero at every place, shape (rows of a place, places)."""
-    symbols = [casadi.SX.sym(name) for name in ("f", "f1", "f2")]
+    symbols = _symbols(len(local))
     slider = Slider(*(casadi.SX.sym(name) for name in Slider._fields))
-    caps, length = casadi.SX.sym("level", len(levels)), casadi.SX.sym("length")
-    at = _place(symbols)
-    sides = [side - caps[k] for k, one in enumerate(levels) for side in one.sides(at, slider, length)]
-    inputs = [*symbols, *slider, caps, length]
-    at_one = casadi.Function("place", inputs, [casadi.vertcat(*sides)])
+    caps, rolled = casadi.SX.sym("level", len(levels)), [casadi.SX.sym("length") for _ in total]
+    at = _places(symbols)
+    terms = [term - caps[k] for k, one in enumerate(levels) for term in one.terms(at, slider, rolled)]
+    at_one = casadi.Function("place", [*symbols, *slider, caps, *rolled], [casadi.vertcat(*terms)])
     places = on.stations.count
     given = [casadi.DM(column).T for column in on.slider]
-    repeated = casadi.repmat(level, 1, places), casadi.repmat(total, 1, places)
+    repeated = [casadi.repmat(one, 1, places) for one in (level, *total)]
     return at_one.map(places)(*(variable.T for variable in local), *given, *repeated)
 
 
-def _length_equation(local: Sequence[Any], total: Any, places: int) -> Any:
-    symbols = [casadi.SX.sym(name) for name in ("f", "f1", "f2")]
-    rate = casadi.Function("rate", symbols, [length_rate(_place(symbols))]).map(places)
-    return casadi.sum2(rate(*(variable.T for variable in local))) * (2.0 * pi / places) - total
+def _rolled(local: Sequence[Any], places: int) -> Any:
+    """Length that every pair rolls in a cycle, over its centre distance."""
+    symbols = _symbols(len(local))
+    rates = casadi.vertcat(*length_rates(_places(symbols)))
+    rate = casadi.Function("rate", symbols, [rates]).map(places)
+    return casadi.sum2(rate(*(variable.T for variable in local))) * (2.0 * pi / places)
 
 
-def _working_equation(working: Working, coefficients: Any, constant: Any, harmonics: int) -> Any:
+def _working_equation(working: Working, whole: _Ratio, harmonics: int) -> Any:
     unit, weight = np.polynomial.legendre.leggauss(QUADRATURE)
     angle = working.crank_rad * (1.0 + unit) / 2.0
-    series = casadi.mtimes(casadi.DM(basis(angle, harmonics).value), coefficients) + constant
+    series = casadi.mtimes(casadi.DM(basis(angle, harmonics).value), whole.coefficients) + whole.constant
     share = casadi.DM(weight * working.crank_rad / 2.0)
     return casadi.dot(share, casadi.exp(series)) - working.driving_rad

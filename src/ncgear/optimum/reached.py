@@ -10,8 +10,9 @@ import numpy as np
 
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.levels import Level
-from ncgear.optimum.quantities import Place, Slider, length_rate
+from ncgear.optimum.quantities import Place, Slider
 from ncgear.optimum.series import Basis, basis
+from ncgear.optimum.stages import length_rates
 from ncgear.optimum.stations import Stations
 
 
@@ -39,8 +40,14 @@ def closing_constant(series: Array, cycle_rad: float) -> float:
     return log(cycle_rad / (2.0 * pi)) - log(float(np.mean(np.exp(series))))
 
 
-def place(on: Grid, coefficients: Array, cycle_rad: float) -> Place:
-    """The ratio at all places of a grid, shape (n,) each."""
+def ratios(on: Grid, coefficients: Array, cycle_rad: float) -> tuple[Place, ...]:
+    """i12 at all places of a grid, shape (n,) each, and iB where coefficients of a second stage follow."""
+    size = on.basis.value.shape[1]
+    cycles = cycle_rad, 2.0 * pi
+    return tuple(_ratio(on, one, cycle) for one, cycle in zip(coefficients.reshape(-1, size), cycles, strict=False))
+
+
+def _ratio(on: Grid, coefficients: Array, cycle_rad: float) -> Place:
     series = on.basis.value @ coefficients
     logarithm = series + closing_constant(series, cycle_rad)
     return Place(
@@ -52,14 +59,15 @@ def place(on: Grid, coefficients: Array, cycle_rad: float) -> Place:
     )
 
 
-def length(at: Place) -> float:
-    """Length of the driving curve's stretch of one cycle over the centre distance, from even places of a turn."""
-    return 2.0 * pi * float(np.mean(length_rate(at)))
+def lengths(at: Sequence[Place]) -> list[float]:
+    """Length that every pair rolls in one cycle over its centre distance, from the ratios at even places of a turn."""
+    return [2.0 * pi * float(np.mean(rate)) for rate in length_rates(at)]
 
 
-def reached(levels: Sequence[Level], on: Grid, at: Place) -> Array:
+def reached(levels: Sequence[Level], on: Grid, at: Sequence[Place]) -> Array:
     """The largest value of every level's terms around the turn, shape (levels,)."""
-    return np.array([max(_top(side) for side in level.sides(at, on.slider, length(at))) for level in levels])
+    rolled = lengths(at)
+    return np.array([max(_top(term) for term in level.terms(at, on.slider, rolled)) for level in levels])
 
 
 def _top(values: Array) -> float:

@@ -25,13 +25,24 @@ class CurvatureWish(Enum):
 
 
 @dataclass(frozen=True)
+class TwoStages:
+    """The ratio shared over two pairs in series; ``pressure_angle_rad`` bounds the tangent angle of each, None: free.
+
+    It takes the place of the limit of that name on one pair, for no bound follows from it.
+    """
+
+    pressure_angle_rad: float | None = None
+
+
+@dataclass(frozen=True)
 class Wishes:
     """A goal and limits; what is None is not limited.
 
     ``limits`` are those that a certified bound exists for, the others restrict makeable laws only.
     ``curvature_turns`` limits the curvature of both pitch curves, dents as well as bulges, times the length that they
-    roll in one cycle: 2 pi on circles.  It stands for ``curvature_given`` in the words of ``curvature_wish``.
-    ``rack_angle_rad`` is what the rack adds to the limited angle of the pitch curves.
+    roll in one cycle: 2 pi on circles.  It stands for ``curvature_given`` in the words of ``curvature_wish``.  Of two
+    stages, that and ``convex`` hold for each.  ``rack_angle_rad`` is what the rack adds to the limited angle of the
+    pitch curves.
     """
 
     limits: Limits
@@ -45,3 +56,9 @@ class Wishes:
     curvature_given: float = 1.0
     rack_angle_rad: float = 0.0
     harmonics: int = 24
+    two_stages: TwoStages | None = None
+
+    @property
+    def pairs(self) -> int:
+        """Pairs of gears between the driving shaft and the crank."""
+        return 1 if self.two_stages is None else 2

@@ -32,6 +32,18 @@ def frontier_files(found: Frontier, improvement: Improvement) -> dict[str, bytes
     }
 
 
+def limit_picture(improvement: Improvement) -> bytes:
+    """PNG of the limit's curve with one makeable law, and the mechanisms to compare with."""
+    law, speed = improvement.figures, improvement.design.operation.speed_rpm
+    return frontier_plot(
+        rows(improvement.limit_points),
+        rows([(law.peak_power_w, law.peak_acceleration_mm_s2)]),
+        rows([]),
+        [(one.name, one.peak_power_w, one.peak_acceleration_mm_s2) for one in mechanisms(improvement)],
+        f"{improvement.design.name}: this law and the limit, all at {speed:.4g} r/min",
+    )
+
+
 def frontier_text(found: Frontier, improvement: Improvement, paths: Sequence[Path]) -> str:
     """A table of the points, the mechanisms, and the files written."""
     families = {point.cap_w: point.peak_acceleration_mm_s2 for point in found.families}

@@ -43,7 +43,11 @@ def optimized_design(text: str, improvement: Improvement) -> str:
     document = yaml.load(text)
     document["name"] = optimized_name(improvement)
     motion = CommentedMap({"law": "harmonic_ratio"})
-    motion["cosine"], motion["sine"] = _row(improvement.law.cosine), _row(improvement.law.sine)
+    law = improvement.law
+    motion.update({"cosine": _row(law.cosine), "sine": _row(law.sine)})
+    if law.second is not None:
+        second = {"cosine": _row(law.second.cosine), "sine": _row(law.second.sine)}
+        motion["second_stage"] = CommentedMap(second)
     document["motion"] = motion
     _bring_points(document, improvement.design)
     written = StringIO()
@@ -75,6 +79,10 @@ def certificate(improvement: Improvement) -> dict[str, Any]:
             "argument": ARGUMENT,
         },
         "wishes": improvement.design.optimize.model_dump(mode="json") if improvement.design.optimize else {},
+        "frontier": [
+            {"power_cap_w": power, "limit_acceleration_mm_s2": acceleration}
+            for power, acceleration in improvement.limit_points
+        ],
         "law": figures_summary(improvement.figures),
         "design_as_given": None if given is None else figures_summary(given),
         "uniform_crank": figures_summary(improvement.uniform_figures),

@@ -21,7 +21,8 @@ STEEPEST_DEG = 60.0
 
 def check_warnings(drive: Drive) -> list[str]:
     """Warnings that need no pitch curve."""
-    return [warning for warning in (_ratio_range(drive), _speeds(drive), _negative_resistance(drive)) if warning]
+    ranges = [_ratio_range(pair) for pair in drive.by_stage]
+    return [warning for warning in (*ranges, _speeds(drive), _negative_resistance(drive)) if warning]
 
 
 def build_warnings(drive: Drive) -> list[str]:
@@ -34,7 +35,7 @@ def build_warnings(drive: Drive) -> list[str]:
 
 
 def _ratio_range(drive: Drive) -> str:
-    low, high = drive.transmission.ratio_range
+    low, high = drive.pair.transmission.ratio_range
     if low.value >= 1.0 / WIDEST_RATIO and high.value <= WIDEST_RATIO:
         return ""
     return (

@@ -8,7 +8,7 @@ from math import isclose, pi
 import numpy as np
 from scipy.optimize import brentq
 
-from ncgear.design.motion import Ellipse, HarmonicRatio, RatioExpression, ThreeSegmentStroke, UniformCrank
+from ncgear.design.motion import Ellipse, HarmonicRatio, RatioExpression, SecondStage, ThreeSegmentStroke, UniformCrank
 from ncgear.design.schema import Design
 from ncgear.design.table import TableLaw
 from ncgear.errors import WrongInput
@@ -21,9 +21,11 @@ from ncgear.machine.table_resistance import TableResistance
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import driven_angle_expression_law, ratio_expression_law
 from ncgear.ratio.laws.harmonic import harmonic_law
+from ncgear.ratio.laws.staged import staged_law
 from ncgear.ratio.laws.table import displacement_table_law, ratio_table_law
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.laws.uniform import uniform_law
+from ncgear.ratio.train import Train, single
 from ncgear.ratio.transmission import Lobes, Transmission
 
 SAME_STROKE = 1e-6
@@ -34,11 +36,16 @@ RAD_S_PER_RPM = pi / 30.0
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """A closed law on its linkage, and the stroke it came from where a stroke was given."""
+    """A closed law on its linkage with the pairs that make it, and the stroke it came from where one was given."""
 
     linkage: CrankSlider
-    transmission: Transmission
+    train: Train
     stroke_law: StrokeLaw | None = None
+
+    @property
+    def transmission(self) -> Transmission:
+        """The law of the whole, phi2(phi1)."""
+        return self.train.whole
 
 
 def law_of(design: Design) -> Law:
@@ -50,7 +57,9 @@ def law_of(design: Design) -> Law:
     if isinstance(motion, ThreeSegmentStroke):
         return _stroke_law(design, motion, lobes)
     linkage = linkage_of(design)
-    return Law(linkage, _direct_law(motion, linkage, lobes))
+    if isinstance(motion, HarmonicRatio) and motion.second_stage is not None:
+        return Law(linkage, _staged(motion, motion.second_stage))
+    return Law(linkage, single(_direct_law(motion, linkage, lobes)))
 
 
 def lobes_of(design: Design) -> Lobes:
@@ -99,6 +108,11 @@ def _direct_law(
     raise AssertionError(f"no law for {motion.law}")
 
 
+def _staged(motion: HarmonicRatio, second: SecondStage) -> Train:
+    coefficients = motion.cosine, motion.sine, second.cosine, second.sine
+    return staged_law(*(np.array(values) for values in coefficients)).train
+
+
 def _stroke_law(design: Design, motion: ThreeSegmentStroke, lobes: Lobes) -> Law:
     if motion.solve_for == "stroke":
         stroke = solved_stroke(_request(motion, None))
@@ -114,7 +128,7 @@ def _stroke_law(design: Design, motion: ThreeSegmentStroke, lobes: Lobes) -> Law
         constant=None if motion.return_.e == "least_acceleration" else motion.return_.e,
         inverse_basis=motion.return_.basis == "inverse_ratio",
     )
-    return Law(linkage, law.transmission, law)
+    return Law(linkage, single(law.transmission), law)
 
 
 def _request(motion: ThreeSegmentStroke, stroke_mm: float | None) -> StrokeRequest:

@@ -13,7 +13,7 @@ from ncgear.errors import WrongInput
 from ncgear.machine.linkage import CrankSlider
 from ncgear.optimum import task
 from ncgear.optimum.weighted import Weights
-from ncgear.optimum.wishes import CurvatureWish, Goal, Wishes
+from ncgear.optimum.wishes import CurvatureWish, Goal, TwoStages, Wishes
 from ncgear.recipe.gears import rack_of
 from ncgear.recipe.law import RAD_S_PER_RPM, lobes_of, resistance_of
 
@@ -34,6 +34,8 @@ def wishes_of(design: Design) -> Wishes:
     asked = design.optimize or Optimize()
     limits = asked.limits
     curvature = _curvature(limits, design.gears)
+    shared = limits.stages > 1
+    tangent_rad = _tangent_rad(limits, design.gears)
     return Wishes(
         limits=task.Limits(
             ratio_min=limits.ratio_min,
@@ -41,7 +43,7 @@ def wishes_of(design: Design) -> Wishes:
             peak_power_w=limits.peak_power_w,
             peak_acceleration_mm_s2=limits.peak_acceleration_mm_s2,
             working_rad=limits.working_angle,
-            pressure_angle_rad=_tangent_rad(limits, design.gears),
+            pressure_angle_rad=None if shared else tangent_rad,
             mass_kg=asked.slider_mass_kg,
         ),
         goal=Goal(asked.goal),
@@ -54,6 +56,7 @@ def wishes_of(design: Design) -> Wishes:
         curvature_given=curvature.given,
         rack_angle_rad=radians(_rack_angle_deg(design.gears)),
         harmonics=asked.harmonics,
+        two_stages=TwoStages(tangent_rad) if shared else None,
     )
 
 

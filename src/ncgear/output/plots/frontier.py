@@ -38,7 +38,17 @@ def frontier(limit: Array, laws: Array, family: Array, mechanisms: Sequence[Name
     axes = made.add_subplot()
     _impossible(axes, limit)
     axes.plot(*_scaled(limit), color=INK, linewidth=1.6, label="certified limit")
-    axes.plot(*_scaled(laws), color=DRIVING, linewidth=1.8, marker="o", markersize=3.5, label="laws that can be made")
+    # A single law must show on top of the mechanism that it may be.
+    size = 3.5 if len(laws) > 1 else 8.0
+    axes.plot(
+        *_scaled(laws),
+        color=DRIVING,
+        linewidth=1.8,
+        marker="o",
+        markersize=size,
+        zorder=4,
+        label="laws that can be made",
+    )
     if family.size:
         axes.plot(*_scaled(family), color=DRIVEN, linewidth=1.4, marker="s", markersize=3.0, label="published family")
     for mechanism in mechanisms:

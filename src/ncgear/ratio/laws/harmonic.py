@@ -74,17 +74,20 @@ class HarmonicLaw:
     def driven_angle(self, phi1: Array, order: int) -> Jet:
         """phi2 in rad with derivatives by phi1, at driving angles of one period in rad, shape (n,)."""
         turned = self.integral.inverse(np.clip(phi1 * self.lobes.driving, 0.0, 2.0 * pi))
-        coefficients = np.empty((order + 1, turned.size))
-        coefficients[0] = turned
-        if order:
-            # dt/dx = w(t), so the next derivative by x is w times the derivative by t of the one before.
-            speed = rate = jet.exp(-self.series.at(turned, order - 1)) * self.integral.mean
-            coefficients[1] = speed.value
-            for k in range(2, order + 1):
-                rate = speed.truncated(order - k) * rate.differentiated()
-                coefficients[k] = rate.value / factorial(k)
+        if not order:
+            return Jet(turned[None, :] / self.lobes.driven)
+        speed = self.speed(turned, order - 1)
         scale = float(self.lobes.driving) ** np.arange(order + 1) / self.lobes.driven
-        return Jet(coefficients * scale[:, None])
+        return Jet(along(turned, speed, speed).coefficients * scale[:, None])
+
+    def speed(self, turned: Array, order: int) -> Jet:
+        """w = dt/dx with derivatives by t, at t = n2 phi2 in rad, shape (n,)."""
+        return jet.exp(-self.series.at(turned, order)) * self.integral.mean
+
+    @property
+    def transmission(self) -> Transmission:
+        """The law with its range looked for; raises NoSuchMechanism where the driven gear all but stops."""
+        return Transmission((Piece(0.0, self.lobes.driving_period_rad, self.driven_angle, self.knots_rad),), self.lobes)
 
     @property
     def knots_rad(self) -> tuple[float, ...]:
@@ -93,51 +96,67 @@ class HarmonicLaw:
         return tuple((inner / self.lobes.driving).tolist())
 
 
+def along(values: Array, rate: Jet, speed: Jet) -> Jet:
+    """The jet by x, one order more, of a function with these values, shape (n,), whose derivative by x is ``rate``.
+
+    ``rate`` and ``speed`` = dt/dx are jets by t of the same order: the next derivative by x is ``speed`` times the
+    derivative by t of the one before.
+    """
+    coefficients = np.empty((rate.order + 2, values.size))
+    coefficients[0], coefficients[1] = values, rate.value
+    for k in range(2, rate.order + 2):
+        rate = speed.truncated(rate.order - 1) * rate.differentiated()
+        coefficients[k] = rate.value / factorial(k)
+    return Jet(coefficients)
+
+
 def harmonic_law(cosine: Array, sine: Array, lobes: Lobes) -> Transmission:
     """The law of coefficients from the first harmonic on, shapes (m,) and (n,); none at all is the uniform law.
 
     Raises WrongInput for coefficients that are not finite, NoSuchMechanism where the ratio's range is beyond 1e6; keys
     ``motion.cosine`` and ``motion.sine``.
     """
-    law = closed_harmonics(cosine, sine, lobes)
-    return Transmission((Piece(0.0, lobes.driving_period_rad, law.driven_angle, law.knots_rad),), lobes)
+    return closed_harmonics(cosine, sine, lobes).transmission
 
 
-def closed_harmonics(cosine: Array, sine: Array, lobes: Lobes) -> HarmonicLaw:
-    """The same with its series and constant at hand, and no look for its extrema; raises as ``harmonic_law`` does."""
-    series = _series(cosine, sine)
-    return HarmonicLaw(series, _closing_integral(series), lobes)
+def closed_harmonics(cosine: Array, sine: Array, lobes: Lobes, key: str = "motion") -> HarmonicLaw:
+    """The same with its series and constant at hand, and no look for its extrema.
+
+    Raises as ``harmonic_law`` does, with ``key`` in place of ``motion``.
+    """
+    series = _series(cosine, sine, key)
+    return HarmonicLaw(series, _closing_integral(series, key), lobes)
 
 
-def _series(cosine: Array, sine: Array) -> LogSeries:
+def _series(cosine: Array, sine: Array, key: str) -> LogSeries:
     for name, values in (("cosine", cosine), ("sine", sine)):
         wrong = np.nonzero(~np.isfinite(values))[0]
         if wrong.size:
-            raise WrongInput(f"{values[wrong[0]]} given; a finite number is needed", key=f"motion.{name}.{wrong[0]}")
+            raise WrongInput(f"{values[wrong[0]]} given; a finite number is needed", key=f"{key}.{name}.{wrong[0]}")
     harmonics = max(cosine.size, sine.size)
     padded = [np.concatenate([values, np.zeros(harmonics - values.size)]) for values in (cosine, sine)]
     return LogSeries(*padded)
 
 
-def _closing_integral(series: LogSeries) -> TurnIntegral:
+def _closing_integral(series: LogSeries, key: str) -> TurnIntegral:
     """phi1 over phi2, both in turns of 2 pi a period."""
     fewest = max(FEWEST_NODES, 1 << (8 * series.harmonics - 1).bit_length())
     with np.errstate(all="ignore"):
         span = float(np.ptp(series.sampled(fewest)))
     if not span <= -log(STANDSTILL):
-        raise _beyond_sense(series, span)
+        raise _beyond_sense(series, span, key)
     # No overflow: the series' mean is zero, so within a span of ln 1e6 its values are below that.
     return turn_integral(lambda count: np.exp(series.sampled(count)), fewest)
 
 
-def _beyond_sense(series: LogSeries, span: float) -> NoSuchMechanism:
+def _beyond_sense(series: LogSeries, span: float, key: str) -> NoSuchMechanism:
     """The refusal, at the largest coefficient."""
     name, values = max((("cosine", series.cosine), ("sine", series.sine)), key=lambda named: np.max(np.abs(named[1])))
     worst = int(np.argmax(np.abs(values)))
     return NoSuchMechanism(
         f"{values[worst]:g} is the largest coefficient, and ln i12 spans {span:.4g}, which is a range of the ratio of "
         f"1:{_power_of_ten(span)}; over 1:1e6 the driven gear stands still. Make the coefficients smaller",
-        key=f"motion.{name}.{worst}",
+        key=f"{key}.{name}.{worst}",
     )
 
 
