@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.levels import CONVEX
+from ncgear.optimum.levels import CONVEX, Level
 from ncgear.optimum.programme import Programme, Solution
 
 NO_EXCESS = 1e-6
@@ -19,6 +19,9 @@ PRESSING = 1e-4
 
 DEARER = 10.0
 """How much more an excess over the other caps costs than what it can gain, so that there is none if there need not."""
+
+TOGETHER = 1e3
+"""Price of an excess over all caps beside several levels that have none, in units that are of the order of one."""
 
 ANY_DENT = 10.0
 """Depth of a dent, in units of the level of convexity, that no law of any use has."""
@@ -42,26 +45,44 @@ def pressing(programme: Programme, near: Solution) -> list[str]:
 
     No others are to blame: without any of those the same law would still be the nearest.
     """
-    shares = zip(programme.levels, near.pressing, strict=True)
-    return list(dict.fromkeys(level.wish for level, share in shares if share > PRESSING))
+    return list(dict.fromkeys(level.wish for level, share in _shares(programme, near) if share > PRESSING))
 
 
 def easings(programme: Programme, caps: Array, near: Solution, judge: Judge) -> Iterator[Easing]:
     """Of each wish that presses the nearest value with which all others can be kept, if there is one."""
     for wish in pressing(programme, near):
-        freed = np.array([level.wish == wish for level in programme.levels])
-        least = np.where(freed, 0.0 if wish == CONVEX else 1.0, 0.0)
-        free = np.where(freed, ANY_DENT if wish == CONVEX else np.inf, caps)
-        found = programme.nearest(free, least, DEARER / float(near.pressing[freed].sum()), near.coefficients)
+        share = sum(near.pressing[k] for k, level in enumerate(programme.levels) if level.wish == wish)
+        found = _without(programme, caps, [wish], DEARER / float(share), near)
         if found is not None and found.excess <= NO_EXCESS:
             yield _easing(programme, wish, judge(found.coefficients))
 
 
-def easings_together(programme: Programme, near: Solution, judge: Judge) -> Iterator[Easing]:
-    """Of each wish that presses the value in the nearest law: those that can be had together."""
-    reached = judge(near.coefficients)
-    for wish in pressing(programme, near):
-        yield _easing(programme, wish, reached)
+def easings_together(programme: Programme, caps: Array, near: Solution, judge: Judge) -> Iterator[Easing]:
+    """Values of several wishes that are enough together, where none alone is: the most pressing is given up, then the
+    most pressing without it, and so on."""
+    freed: list[str] = []
+    found: Solution | None = near
+    while found is not None and found.excess > NO_EXCESS:
+        shares = [0.0 if level.wish in freed else share for level, share in _shares(programme, found)]
+        freed.append(programme.levels[int(np.argmax(shares))].wish)
+        found = _without(programme, caps, freed, TOGETHER, found)
+        if len(freed) == len(programme.levels):
+            return
+    if found is not None:
+        reached = judge(found.coefficients)
+        yield from (_easing(programme, wish, reached) for wish in freed)
+
+
+def _without(programme: Programme, caps: Array, wishes: Sequence[str], price: float, near: Solution) -> Solution | None:
+    """The law with these wishes' levels as low as they will go, and an excess of that price over all other caps."""
+    freed = np.array([level.wish in wishes for level in programme.levels])
+    dents = np.array([level.wish == CONVEX for level in programme.levels])
+    free = np.where(freed, np.where(dents, ANY_DENT, np.inf), caps)
+    return programme.nearest(free, np.where(freed & ~dents, 1.0, 0.0), price, near.coefficients)
+
+
+def _shares(programme: Programme, near: Solution) -> Iterator[tuple[Level, float]]:
+    return zip(programme.levels, near.pressing.tolist(), strict=True)
 
 
 def _easing(programme: Programme, wish: str, reached: Array) -> Easing:

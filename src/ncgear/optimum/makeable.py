@@ -25,6 +25,9 @@ from ncgear.ratio.transmission import Lobes
 PLACES_PER_HARMONIC = 10
 """Places of the programme: ten on the shortest wave, so that little is left between them."""
 
+FEWEST_PLACES = 240
+"""Resistances and linkages have their own waves, which few harmonics of the law do not make longer."""
+
 FINER = 20
 """How many times finer the grid is on which limits are held against the law that was found: on ten times as fine a one
 the parabolas between its places missed the curvature of 36 harmonics by more than the margin."""
@@ -37,6 +40,11 @@ MARGIN = 1e-6
 
 DECIMALS = 10
 """Of the coefficients, so that what is judged is what a design file holds."""
+
+BETWEEN = (
+    "a law was found that keeps all limits at the places of the search, and none that keeps them everywhere; limits a "
+    "little wider can be kept"
+)
 
 LEAST_POWER_W = 1.0
 """Unit of power of a machine that nothing resists."""
@@ -122,13 +130,16 @@ def _kept_at_last(search: _Search, task: Task, wishes: Wishes, start: Array) -> 
     near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, start)
     if near is None:
         raise NoSuchMechanism("no law was found, not even one that oversteps them", key="optimize.limits")
-    if near.excess <= NO_EXCESS and (law := _kept(search, near.coefficients)) is not None:
+    if near.excess <= NO_EXCESS:
+        law = _kept(search, near.coefficients)
+        if law is None:
+            raise NoSuchMechanism(BETWEEN, key="optimize.limits")
         return law
     raise _cannot_be(search, near, _free_working(task, wishes, near))
 
 
 def _search(task: Task, wishes: Wishes) -> _Search:
-    count = PLACES_PER_HARMONIC * wishes.harmonics
+    count = max(PLACES_PER_HARMONIC * wishes.harmonics, FEWEST_PLACES)
     coarse = stations(task.linkage, task.resistance, count)
     finer = stations(task.linkage, task.resistance, FINER * count)
     wanted = levels(wishes, scales(task, finer))
@@ -176,7 +187,10 @@ def _cannot_be(search: _Search, near: Solution, others: Sequence[Easing]) -> NoS
     given = search.programme, search.caps, near, search.reached
     said, found = "no law was found that keeps all limits; one of these is enough", [*easings(*given), *others]
     if not found:
-        said, found = said.replace("one", "all"), list(easings_together(search.programme, near, search.reached))
+        said, found = (
+            said.replace("one of these is enough", "all of these are enough together"),
+            list(easings_together(*given)),
+        )
     return NoSuchMechanism(
         f"{said}: {', '.join(map(str, found)) or 'none known'}",
         key=f"optimize.limits.{found[0].wish}" if found else "optimize.limits",

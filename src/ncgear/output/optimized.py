@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+from collections.abc import Sequence
 from dataclasses import asdict
 from io import StringIO
 from math import degrees
@@ -12,6 +13,8 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
 from ncgear import __version__
+from ncgear.design.naming import LONGEST_NAME
+from ncgear.design.schema import Design
 from ncgear.improvement import Improvement
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.judged import Figures
@@ -27,9 +30,14 @@ ARGUMENT = (
 
 LINE_WIDTH = 118
 
+SUFFIX = "-optimized"
+
 
 def optimized_design(text: str, improvement: Improvement) -> str:
-    """The text of the design file with the optimised law in place of its motion; comments elsewhere are kept."""
+    """The text of the design file with the optimised law in place of its motion; comments elsewhere are kept.
+
+    Points of the resistance that stand in a file of their own come along: that file's path counts from the design.
+    """
     yaml = YAML(typ="rt")
     yaml.width = LINE_WIDTH
     document = yaml.load(text)
@@ -41,6 +49,7 @@ def optimized_design(text: str, improvement: Improvement) -> str:
         second = {"cosine": _row(law.second.cosine), "sine": _row(law.second.sine)}
         motion["second_stage"] = CommentedMap(second)
     document["motion"] = motion
+    _bring_points(document, improvement.design)
     written = StringIO()
     yaml.dump(document, written)
     return written.getvalue()
@@ -49,7 +58,7 @@ def optimized_design(text: str, improvement: Improvement) -> str:
 def optimized_name(improvement: Improvement) -> str:
     """Name of the optimised design."""
     name = improvement.design.name
-    return name if name.endswith("-optimized") else f"{name}-optimized"
+    return name if name.endswith(SUFFIX) else f"{name[: LONGEST_NAME - len(SUFFIX)]}{SUFFIX}"
 
 
 def certificate(improvement: Improvement) -> dict[str, Any]:
@@ -86,7 +95,16 @@ def figures_summary(found: Figures) -> dict[str, Any]:
     return {**asdict(found), "working_deg": degrees(found.working_rad), "tangent_deg": degrees(found.tangent_rad)}
 
 
-def _row(values: Array) -> CommentedSeq:
+def _bring_points(document: CommentedMap, design: Design) -> None:
+    table = design.resistance.table if design.resistance else None
+    if table is None or table.file is None:
+        return
+    columns = CommentedMap()
+    columns["displacement_mm"], columns["force_n"] = _row(table.displacement_mm or ()), _row(table.force_n or ())
+    document["resistance"]["table"] = columns
+
+
+def _row(values: Array | Sequence[float]) -> CommentedSeq:
     row = CommentedSeq([float(value) for value in values])
     row.fa.set_flow_style()
     return row
