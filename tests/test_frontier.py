@@ -17,7 +17,8 @@ from ncgear.design.schema import Design
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.frontier import KEPT, Frontier, Kept, frontier
 from ncgear.improvement import Improvement
-from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, law_point
+from ncgear.optimum.family import Family, Peak, best_of_family
+from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, law_point, motion_of
 from ncgear.optimum.judged import Figures
 from ncgear.optimum.limit import Bound
 from ncgear.output.frontier import frontier_csv, frontier_json, mechanisms
@@ -26,6 +27,9 @@ from ncgear.recipe.law import linkage_of
 from ncgear.recipe.wishes import task_of, wishes_of
 
 DESIGNS = Path(__file__).parents[1] / "designs"
+
+
+RESISTANCE = {"polynomial_n": (-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7)}
 
 
 def design(harmonics: int = 8) -> Design:
@@ -73,6 +77,19 @@ def test_a_law_allowed_under_one_cap_is_allowed_under_every_higher_one() -> None
     best = of_design._best_so_far([*points, FamilyPoint(4.0, None, None), FamilyPoint(5.0, 4.9, 20.0)])
     assert [point.peak_acceleration_mm_s2 for point in best] == [None, 50.0, 50.0, 50.0, 20.0]
     assert [point.cap_w for point in best] == [1.0, 2.0, 3.0, 4.0, 5.0]
+
+
+def test_the_familys_motion_makes_the_law_it_says() -> None:
+    """As the motion of a design file, by way of the schema; cheap starts, for any law will do."""
+    task = task_of(design(), linkage_of(design()))
+    family = Family(task.linkage, task.resistance, task.speed_rad_s)
+    best = best_of_family(family, Peak.ACCELERATION, 15_000.0, starts=1)
+    said = {"motion": motion_of(best), "name": "again", "linkage": {"crank_mm": 380.0, "rod_mm": 960.0}}
+    again = Design.model_validate({**said, "operation": {"speed_rpm": 60.0}, "resistance": RESISTANCE})
+    found = Improvement(again).given_figures
+    assert found is not None
+    assert found.peak_acceleration_mm_s2 == pytest.approx(best.peak(Peak.ACCELERATION), rel=1e-9)
+    assert found.peak_power_w == pytest.approx(best.peak(Peak.POWER), rel=1e-9)
 
 
 # --- what is kept ----------------------------------------------------------------------------------------------------

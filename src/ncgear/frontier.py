@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from hashlib import sha256
 from multiprocessing import get_context
 from pathlib import Path
@@ -156,6 +156,6 @@ def _best_so_far(points: list[FamilyPoint]) -> list[FamilyPoint]:
         if before is not None and before.peak_acceleration_mm_s2 is not None:
             own = point.peak_acceleration_mm_s2
             if own is None or own > before.peak_acceleration_mm_s2:
-                point = FamilyPoint(point.cap_w, before.peak_power_w, before.peak_acceleration_mm_s2)
+                point = replace(before, cap_w=point.cap_w)
         best.append(point)
     return best

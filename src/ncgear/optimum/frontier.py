@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, pi
+from typing import Any
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.optimum.family import Family, Peak, best_of_family
+from ncgear.optimum.family import Family, FamilyOptimum, Peak, best_of_family
 from ncgear.optimum.judged import Figures, figures
 from ncgear.optimum.limit import Bound, least_acceleration, least_power
 from ncgear.optimum.makeable import MakeableLaw, makeable_law
@@ -37,11 +38,15 @@ class LawPoint:
 
 @dataclass(frozen=True)
 class FamilyPoint:
-    """The best law found of the three-segment family under a cap on the power; None where none was found."""
+    """The best law found of the three-segment family under a cap on the power; None where none was found.
+
+    ``motion`` is the block of a design file that makes it.
+    """
 
     cap_w: float
     peak_power_w: float | None
     peak_acceleration_mm_s2: float | None
+    motion: dict[str, Any] | None = None
 
 
 def caps_w(task: Task, wishes: Wishes, count: int) -> list[float]:
@@ -85,7 +90,22 @@ def family_point(task: Task, cap_w: float, seed: int) -> FamilyPoint:
     if not found:
         return FamilyPoint(cap_w, None, None)
     best = min(found, key=lambda optimum: optimum.peak(Peak.ACCELERATION))
-    return FamilyPoint(cap_w, best.peak(Peak.POWER), best.peak(Peak.ACCELERATION))
+    return FamilyPoint(cap_w, best.peak(Peak.POWER), best.peak(Peak.ACCELERATION), motion_of(best))
+
+
+def motion_of(best: FamilyOptimum) -> dict[str, Any]:
+    """A law of the family as the motion of a design file; v2 is what closes the stroke."""
+    asked = best.request
+    assert asked.law_speed_rad_s is not None
+    return {
+        "law": "three_segment_stroke",
+        "solve_for": "v2",
+        "law_speed_rpm": asked.law_speed_rad_s * 30.0 / pi,
+        **{f"theta{number}_rad": getattr(asked, f"theta{number}_rad") for number in (1, 2, 3, 4)},
+        "v1_mm_s": asked.v1_mm_s,
+        "a1_mm_s2": asked.a1_mm_s2,
+        "return": {"basis": "inverse_ratio" if best.inverse else "ratio", "e": "least_acceleration"},
+    }
 
 
 def figures_of(task: Task, law: MakeableLaw) -> Figures:

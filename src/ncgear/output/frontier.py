@@ -97,6 +97,7 @@ def frontier_json(found: Frontier, improvement: Improvement) -> str:
                 "gap": point.law.peak_acceleration_mm_s2 / point.bound.value - 1.0,
                 "family_power_w": families[point.cap_w].peak_power_w,
                 "family_acceleration_mm_s2": families[point.cap_w].peak_acceleration_mm_s2,
+                "family_motion": families[point.cap_w].motion,
             }
             for point in found.laws
         ],
