@@ -129,7 +129,7 @@ def _kept_at_last(search: _Search, task: Task, wishes: Wishes, start: Array) -> 
     """The law from the one that comes nearest to keeping all limits; raises NoSuchMechanism where there is none."""
     near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, start)
     if near is None:
-        raise NoSuchMechanism("no law was found, not even one that oversteps them", key="optimize.limits")
+        raise NoSuchMechanism("no law was found, not even one that oversteps the limits", key="optimize.limits")
     if near.excess <= NO_EXCESS:
         law = _kept(search, near.coefficients)
         if law is None:
