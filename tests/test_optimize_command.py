@@ -246,7 +246,7 @@ def loaded(folder: Path, arguments: list[str], names: tuple[str, ...]) -> str:
 @pytest.mark.slow
 def test_an_optimisation_loads_no_meshes(tmp_path: Path) -> None:
     Path(tmp_path, "d.yaml").write_text(HEAD + "optimize: {harmonics: 4}\n")
-    heavy = ("trimesh", "shapely", "casadi")
+    heavy = ("trimesh", "casadi")
     assert loaded(tmp_path, ["optimize", "d.yaml"], heavy) == "loaded: ['casadi']"
 
 
