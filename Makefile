@@ -14,9 +14,11 @@ slow: .venv  ## the tests that take longer
 lint: .venv  ## style, formatting, types
 	.venv/bin/ruff check . && .venv/bin/ruff format --check . && .venv/bin/mypy
 
-bench: .venv  ## measure how long builds take, and equivalent gears beside exact teeth; write benchmarks/*.md
+bench: .venv  ## measure how long builds take, and equivalent gears beside exact teeth, the limit; write benchmarks/*.md
 	$(PYTHON) benchmarks/timing.py
 	$(PYTHON) benchmarks/equivalent_gear.py
+	$(PYTHON) benchmarks/limit.py
+	$(PYTHON) benchmarks/makeable.py
 
 beside: .venv  ## measure beside the other program of the field and write benchmarks/beside-ncgears.md
 	.venv/bin/pip install -q -e '.[bench]'
@@ -25,5 +27,7 @@ beside: .venv  ## measure beside the other program of the field and write benchm
 docs: .venv  ## make the pictures of the README anew
 	.venv/bin/ncgear build designs/baler-86.yaml
 	cp export/baler-86/tooth_pair.png docs/images/baler-86-tooth-pair.png
+	.venv/bin/ncgear frontier designs/baler-frontier.yaml
+	cp export/baler-frontier-frontier/frontier.png docs/images/baler-frontier.png
 
 .PHONY: test slow lint bench beside docs

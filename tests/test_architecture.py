@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[1]
 SOURCE = ROOT / "src" / "ncgear"
 
 LAYERS = [
-    {"errors", "stopwatch", "numerics"},
+    {"errors", "extras", "stopwatch", "numerics"},
     {"machine"},
     {"ratio"},
     {"kinematics"},
@@ -22,9 +22,10 @@ LAYERS = [
     {"teeth"},
     {"contact"},
     {"solids"},
+    {"optimum"},
     {"design"},
     {"recipe"},
-    {"drive"},
+    {"drive", "improvement", "frontier"},
     {"output"},
     {"cli"},
     {"__main__"},

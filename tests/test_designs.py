@@ -40,7 +40,9 @@ FILES = {
 }
 
 REFUSED = "baler-a1-at-law-speed"
-BUILT = sorted(path.stem for path in DESIGNS.glob("*.yaml") if path.stem != REFUSED)
+WITHOUT_GEARS = "baler-frontier"
+IN_STAGES = "baler-66-two-stage"
+BUILT = sorted({path.stem for path in DESIGNS.glob("*.yaml")} - {REFUSED, WITHOUT_GEARS, IN_STAGES})
 
 
 @dataclass(frozen=True)
@@ -100,6 +102,10 @@ PINNED = {
         ("pitch.center_distance_mm", 19 * 1.5 * pi / (2.0 * ellipe(0.09)), 1e-9),
         ("teeth.hand_driving", "right", 0),
     ],
+    # What was asked of them (tests/test_optimized_designs.py); the limit on power is reached.
+    "baler-66": [("check.peak_power_w", 6300.0, 0.05)],
+    "baler-half": [("check.peak_power_w", 9375.0, 0.05), ("pitch.max_pressure_angle_deg", 60.0, 0.002)],
+    "baler-smooth": [("check.peak_power_w", 18750.0, 0.2)],
     "feeder-table": [("drive.working_driving_angle_deg", 210.0, 1e-9), ("pitch.center_distance_mm", 120.0, 0.0)],
 }
 

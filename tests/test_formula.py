@@ -14,7 +14,7 @@ from mpmath import mp
 
 from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
-from ncgear.ratio.formula import FUNCTIONS, compiled
+from ncgear.numerics.formula import FUNCTIONS, compiled
 
 KEY = "motion.ratio"
 ORDER = 4

@@ -505,7 +505,7 @@ def test_what_a_design_file_may_not_say(tmp_path: Path, helix: str, key: str, wo
 
 def summary_of(drive: Drive) -> dict[str, Any]:
     with TemporaryDirectory() as folder:
-        return build(drive, Path(folder), lambda stage: None).summary
+        return build(drive, Path(folder), lambda stage: None).summaries[0]
 
 
 def test_the_summary_has_the_overlap_and_the_thrust(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from numpy.polynomial import Polynomial, legendre
 from ncgear.kinematics.check import KinematicCheck, kinematic_check, work_per_stroke_j
 from ncgear.kinematics.slider import Machine, sample_angles
 from ncgear.machine.linkage import CrankSlider
+from ncgear.machine.polynomial_resistance import PolynomialResistance
 from ncgear.machine.resistance import Resistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
@@ -24,7 +25,7 @@ from test_laws import BALER_LINKAGE, LAWS, OFFSET, law
 
 RPM = pi / 30.0
 FIT = (-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7)
-PRESS = Resistance(FIT)
+PRESS = PolynomialResistance(FIT)
 BALER_LAW = "stroke, e = 0"
 
 
@@ -162,6 +163,7 @@ def test_velocity_and_acceleration_are_derivatives_of_the_displacement(name: str
 def quadrature_of_power(of: Machine) -> float:
     """Mean power from Gauss-Legendre quadrature of the sampled power, piece by piece."""
     unit, weights = legendre.leggauss(24)
+    assert isinstance(of.resistance, PolynomialResistance)
     zero = np.array([cross for cross in real_zeros(of.resistance) if 0.0 < cross < of.linkage.stroke_mm])
     candidates = np.array([*joints_of(of), of.extended_rad, *crossings(of, zero)])
     edges = np.unique(candidates[candidates <= of.extended_rad])
@@ -174,7 +176,7 @@ def quadrature_of_power(of: Machine) -> float:
     return total / of.transmission.cycle_rad
 
 
-def real_zeros(resistance: Resistance) -> list[float]:
+def real_zeros(resistance: PolynomialResistance) -> list[float]:
     """Real zeros of the fit."""
     roots = Polynomial(resistance.coefficients_n).roots()
     return [float(root.real) for root in roots if abs(root.imag) < 1e-9]
@@ -196,7 +198,7 @@ def crossings(of: Machine, displacements: Array) -> list[float]:
 @pytest.mark.parametrize("linkage", LINKAGES)
 @pytest.mark.parametrize("name", ["uniform", BALER_LAW, "ellipse 1:2", "displacement table"])
 def test_mean_power_is_the_work_in_the_cycle_time(name: str, linkage: str, keep: bool) -> None:
-    resistance = Resistance(FIT, keep_negative=keep)
+    resistance = PolynomialResistance(FIT, keep_negative=keep)
     of = machine(name, 30.0, LINKAGES[linkage], resistance)
     # Work does not depend on the law; quadrature of smooth parts is exact to rounding of some thousand products
     mean = check(name, 30.0, LINKAGES[linkage], resistance).mean_power_w
@@ -212,7 +214,7 @@ def test_work_with_negative_resistance_kept_or_taken_as_zero() -> None:
     assert 33.0 < crossing < 34.0  # by hand: F(33) = -2.7 N, F(34) = 1.3 N
     negative = float(fit.integ()(crossing)) / 1000.0
     assert negative < 0.0
-    assert work_per_stroke_j(Resistance(FIT, keep_negative=True), 760.0) == pytest.approx(whole, rel=1e-14)
+    assert work_per_stroke_j(PolynomialResistance(FIT, keep_negative=True), 760.0) == pytest.approx(whole, rel=1e-14)
     clamped = work_per_stroke_j(PRESS, 760.0)
     assert clamped >= whole - negative - 1e-9
     samples = np.linspace(0.0, 760.0, 400001)
@@ -224,17 +226,17 @@ def test_work_with_negative_resistance_kept_or_taken_as_zero() -> None:
     ("coefficients", "keep", "work"), [((400.0,), False, 24.0), ((-400.0,), False, 0.0), ((-400.0,), True, -24.0)]
 )
 def test_work_of_constant_resistance(coefficients: tuple[float, ...], keep: bool, work: float) -> None:
-    assert work_per_stroke_j(Resistance(coefficients, keep), 60.0) == pytest.approx(work, rel=1e-15)
+    assert work_per_stroke_j(PolynomialResistance(coefficients, keep), 60.0) == pytest.approx(work, rel=1e-15)
 
 
 def test_no_resistance_needs_no_power() -> None:
-    found = check("uniform", 60.0, BALER_LINKAGE, Resistance())
+    found = check("uniform", 60.0, BALER_LINKAGE, PolynomialResistance())
     assert found.peak_power_w.value == found.mean_power_w == 0.0
 
 
 @pytest.mark.parametrize(("keep", "lowest"), [(False, 0.0), (True, -131.2779)])
 def test_force_is_clamped_or_kept(keep: bool, lowest: float) -> None:
-    force = Resistance(FIT, keep).force_n(np.array([0.0, 20.0, 700.0]))
+    force = PolynomialResistance(FIT, keep).force_n(np.array([0.0, 20.0, 700.0]))
     assert force[0] == pytest.approx(lowest)
     assert (force[1] < 0.0) == keep
     exact = sum(c * 700.0**k for k, c in enumerate(FIT))
@@ -270,7 +272,7 @@ def test_one_lobe_on_two_makes_one_stroke_in_two_turns() -> None:
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("linkage", LINKAGES)
 def test_working_stroke_is_where_the_slider_advances(name: str, linkage: str) -> None:
-    of = machine(name, 30.0, LINKAGES[linkage], Resistance((100.0,)))
+    of = machine(name, 30.0, LINKAGES[linkage], PolynomialResistance((100.0,)))
     phi1 = np.linspace(0.0, of.transmission.cycle_rad, 1999)[1:-1]
     motion = of.motion(phi1)
     clear = np.abs(phi1 - of.extended_rad) > 1e-9

@@ -21,6 +21,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import driven_angle_expression_law, ratio_expression_law
+from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.table import displacement_table_law, ratio_table_law
 from ncgear.ratio.laws.three_segment import stroke_law
 from ncgear.ratio.laws.uniform import uniform_law
@@ -100,6 +101,9 @@ LAWS: dict[str, Callable[[], Transmission]] = {
     "sharp ratio": lambda: ratio_expression_law("1 + 4*exp(40*(cos(phi - 2) - 1))", Lobes(), scale_to_close=True),
     "driven angle": lambda: driven_angle_expression_law("phi - 0.08*sin(2*phi)", Lobes()),
     "driven angle 2:1": lambda: driven_angle_expression_law("2*phi + 0.1*cos(4*phi)", Lobes(2, 1)),
+    "harmonics": lambda: harmonic_law(np.array([-0.4, 0.2, 0.0, 0.05]), np.array([0.3, -0.1]), Lobes()),
+    "harmonics 2:3": lambda: harmonic_law(np.array([0.1, 0.02]), np.array([0.05]), Lobes(2, 3)),
+    "strong harmonic": lambda: harmonic_law(np.array([1.0]), np.array([0.0, 0.3]), Lobes()),
     "displacement table": lambda: displacement_table(12),
     "displacement table 2:1": doubled_table,
     "ratio table": lambda: ratio_table(30),

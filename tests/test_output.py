@@ -253,7 +253,7 @@ def test_numbers_and_units() -> None:
 
 
 def test_timing_adds_up() -> None:
-    drive: Any = SimpleNamespace(timing_s={"teeth": 0.25, "pitch curves": 0.5})
+    drive: Any = SimpleNamespace(timing_s={"teeth": 0.25, "pitch curves": 0.5}, stage=None, by_stage=())
     assert timing_text(drive).split("\n")[-1].split() == ["sum", "0.750"]
 
 
@@ -407,7 +407,7 @@ def test_gears_that_are_written_wrong_never_replace_good_ones(tmp_path: Path, mo
 
 def test_contact_table_has_a_row_per_position_and_agrees_with_the_summary(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    summary = build(drive_of(DESIGN, tmp_path), out, lambda _: None).summary["contact"]
+    summary = build(drive_of(DESIGN, tmp_path), out, lambda _: None).summaries[0]["contact"]
     table = np.genfromtxt(out / "contact.csv", delimiter=",", names=True)
     assert table.size == summary["positions"] == 480
     designed, written = summary["as_designed"], summary["as_written"]

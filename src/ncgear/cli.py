@@ -103,7 +103,7 @@ def build(
         drive = Drive(loaded.design)
         with _progress() as on_stage:
             built = build_files(drive, folder, on_stage)
-        typer.echo(build_text(built.summary, built.paths))
+        typer.echo(build_text(built.summaries, built.paths))
         if timing:
             typer.echo(timing_text(drive), err=True)
 
@@ -127,6 +127,68 @@ def check(
         typer.echo(text)
         if timing:
             typer.echo(timing_text(drive), err=True)
+
+
+@app.command()
+def optimize(
+    design_file: DesignFile,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-optimized")
+    ] = None,
+) -> None:
+    """Find the best law for a design's machine, with a certificate of how close to the limit it is."""
+    from ncgear.output.publish import prepare, publish
+
+    with _design(design_file) as loaded:
+        from ncgear.improvement import Improvement
+        from ncgear.output.frontier_files import limit_picture
+        from ncgear.output.optimized import certificate, optimized_design, optimized_name
+        from ncgear.output.optimized_text import optimized_text
+
+        improvement = Improvement(loaded.design)
+        name = optimized_name(improvement)
+        folder = out or Path("export") / name
+        prepare(folder)
+        with _progress() as on_stage:
+            on_stage("certified limit")
+            improvement.bound  # noqa: B018
+            on_stage("makeable law")
+            written = optimized_design(loaded.text, improvement)
+            on_stage("figures")
+            text = json.dumps(certificate(improvement), indent=2, allow_nan=False) + "\n"
+            files = {f"{name}.yaml": written.encode(), "certificate.json": text.encode()}
+            if improvement.limit_points:
+                on_stage("picture")
+                files["frontier.png"] = limit_picture(improvement)
+        paths = publish(folder, files)
+        typer.echo(optimized_text(improvement, paths))
+
+
+@app.command()
+def frontier(
+    design_file: DesignFile,
+    points: Annotated[int, typer.Option(min=2, max=200, help="Points from least power to least acceleration.")] = 20,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-frontier")
+    ] = None,
+) -> None:
+    """Set power against acceleration: certified limit, best laws, published family, mechanisms, all at one speed.
+
+    Uses all cores; finished points are kept in the folder, so that a run that was interrupted goes on from there.
+    """
+    from ncgear.output.publish import prepare, publish
+
+    with _design(design_file) as loaded:
+        from ncgear.frontier import frontier as frontier_of
+        from ncgear.improvement import Improvement
+        from ncgear.output.frontier_files import frontier_files, frontier_text
+
+        folder = out or Path("export") / f"{loaded.design.name}-frontier"
+        prepare(folder)
+        with _counted() as on_point:
+            found = frontier_of(loaded.design, points, folder, on_point)
+        improvement = Improvement(loaded.design)
+        typer.echo(frontier_text(found, improvement, publish(folder, frontier_files(found, improvement))))
 
 
 @app.command()
@@ -165,6 +227,18 @@ def _design(path: Path) -> Iterator[LoadedDesign]:
         yield loaded
     except DesignError as error:
         raise with_location(error, loaded) from error
+
+
+@contextmanager
+def _counted() -> Iterator[Callable[[int, int], None]]:
+    """A function to say how many of how many points are done; a terminal shows a bar."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = TextColumn("points"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+    with Progress(*columns, console=Console(stderr=True), disable=not sys.stderr.isatty(), transient=True) as bar:
+        task = bar.add_task("points", total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
 @contextmanager

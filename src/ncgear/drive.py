@@ -14,9 +14,12 @@ from ncgear.kinematics.check import KinematicCheck, kinematic_check
 from ncgear.kinematics.slider import Machine, SliderMotion, sample_angles
 from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.rack import BasicRack
+from ncgear.numerics.arrays import Array
 from ncgear.ratio.laws.uniform import uniform_law
+from ncgear.ratio.train import Pair
 from ncgear.ratio.transmission import Transmission
-from ncgear.recipe import RAD_S_PER_RPM, Law, helix_of, law_of, rack_of, resistance_of, rim_mm_of, tooth_form
+from ncgear.recipe.gears import helix_of, rack_of, rim_mm_of, tooth_form
+from ncgear.recipe.law import RAD_S_PER_RPM, Law, law_of, resistance_of
 from ncgear.stopwatch import Stopwatch
 
 if TYPE_CHECKING:
@@ -35,14 +38,33 @@ class Drive:
 
     Stages are attributes; each needs only the ones it is made from, so a check of power never makes a tooth.  They
     raise WrongInput or NoSuchMechanism, with the design file's key, when the stage cannot be made.
+
+    Of a design in two stages, law and motion are those of the whole machine; pitch curves, teeth, contact and solids
+    are those of the pair that ``stage`` tells, 1 or 2, and only one of ``by_stage`` has them.
     """
 
-    def __init__(self, design: Design) -> None:
+    def __init__(self, design: Design, stage: int | None = None) -> None:
         self.design = design
+        self.stage = stage
         self.stopwatch = Stopwatch()
 
     def __repr__(self) -> str:
-        return f"Drive({self.design.name!r}, law {self.design.motion.law!r})"
+        stage = "" if self.stage is None else f", stage {self.stage}"
+        return f"Drive({self.design.name!r}, law {self.design.motion.law!r}{stage})"
+
+    @cached_property
+    def by_stage(self) -> tuple[Drive, ...]:
+        """The same drive for each of its pairs of gears, from the driving shaft on; one pair has itself."""
+        if self.design.stages == 1 or self.stage is not None:
+            return (self,)
+        return tuple(Drive(self.design, stage) for stage in range(1, self.design.stages + 1))
+
+    @property
+    def pair(self) -> Pair:
+        """The law that the gears follow; raises WrongInput where the stage is not told."""
+        if self.stage is None and self.design.stages > 1:
+            raise WrongInput("two pairs of gears, of which one is asked for; see by_stage", key="motion.second_stage")
+        return self.law.train.pairs[(self.stage or 1) - 1]
 
     @property
     def timing_s(self) -> dict[str, float]:
@@ -84,6 +106,10 @@ class Drive:
         speed = self.design.operation.speed_rpm * RAD_S_PER_RPM
         return Machine(self.transmission, self.linkage, resistance_of(self.design), speed)
 
+    def pair_speed_rad_s(self, angle_rad: Array) -> Array:
+        """Speed of the pair's driving gear at its own angles in rad, shape (n,)."""
+        return self.pair.speed(angle_rad) * self.machine.speed_rad_s
+
     @cached_property
     def uniform_machine(self) -> Machine:
         """The same linkage on a crank that turns evenly, at the same number of strokes per minute."""
@@ -119,7 +145,7 @@ class Drive:
         from ncgear.pitch.pair import sized_pair
         from ncgear.pitch.shape import Mesh
 
-        gears, transmission = self.gears, self.transmission
+        gears, transmission = self.gears, self.pair.transmission
         with self.stopwatch("pitch curves"):
             size = gears.teeth, gears.module_mm, gears.center_distance_mm
             return sized_pair(transmission, *size, Mesh(gears.mesh))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,31 +11,38 @@ from pydantic import ValidationError
 
 from ncgear.design.angles import spellings
 from ncgear.design.messages import Problem, problems
-from ncgear.design.points_file import PointsFile, read_points
+from ncgear.design.points_file import Columns, PointsFile, read_points
 from ncgear.design.positions import Document, Place, read_yaml
+from ncgear.design.resistance import MOST_POINTS as MOST_RESISTANCE_POINTS
 from ncgear.design.scalars import shown
 from ncgear.design.schema import Design
-from ncgear.design.table import COLUMNS
+from ncgear.design.table import ANGLE_COLUMNS, MOST_POINTS, VALUE_COLUMNS
 from ncgear.design.text_file import read_text
 from ncgear.errors import DesignError, WrongInput
 
 LARGEST_MB = 5
 MOST_PROBLEMS = 10
 
+TABLES = {
+    "motion": Columns(ANGLE_COLUMNS, VALUE_COLUMNS, MOST_POINTS),
+    "resistance.table": Columns(("displacement_mm",), ("force_n",), MOST_RESISTANCE_POINTS),
+}
+"""Groups of the design file that can name a file of points instead of giving columns, and the columns."""
+
 
 @dataclass(frozen=True)
 class Source:
-    """Where the values of a design stand: in the design file and, for a table law, perhaps in a file of points."""
+    """Where the values of a design stand: in the design file and, for tables, perhaps in files of points by group."""
 
     document: Document
-    points: PointsFile | None = None
+    points: dict[str, PointsFile]
 
     def place(self, key: str) -> Place:
         """Where ``key`` (dotted) stands, or its nearest parent that does."""
-        group, _, column = key.partition(".")
-        name, _, row = column.partition(".")
-        if self.points and group == "motion" and name in self.points.columns:
-            return self.points.place(int(row) if row else None)
+        for group, points in self.points.items():
+            name, _, row = key.removeprefix(f"{group}.").partition(".")
+            if key.startswith(f"{group}.") and name in points.columns:
+                return points.place(int(row) if row else None)
         return self.document.place(self.as_written(key))
 
     def as_written(self, key: str) -> str:
@@ -47,11 +55,12 @@ class Source:
 
 @dataclass(frozen=True)
 class LoadedDesign:
-    """A design and the file it came from."""
+    """A design, the file it came from, and that file's text."""
 
     design: Design
     path: Path
     source: Source
+    text: str
 
     def locate(self, key: str) -> str:
         """``FILE:LINE:COLUMN`` of a dotted key, or of its nearest parent that the file has."""
@@ -60,16 +69,16 @@ class LoadedDesign:
 
 def load(path: Path) -> LoadedDesign:
     """Read and check a design file; WrongInput says where and what is wrong, up to ten faults in the file's order."""
-    document = read_yaml(read_text(path, limit_mb=LARGEST_MB), str(path))
+    text = read_text(path, limit_mb=LARGEST_MB)
+    document = read_yaml(text, str(path))
     if not isinstance(document.data, dict):
         raise WrongInput(_no_mapping(document.data), location=str(document.place("")))
-    points = _points(document, path)
-    source = Source(document, points)
+    source = Source(document, dict(_points(document, path)))
     try:
-        design = Design.model_validate(_with_points(document.data, points))
+        design = Design.model_validate(_with_points(document.data, source.points))
     except ValidationError as error:
         raise _wrong_input(problems(error), source) from error
-    return LoadedDesign(design, path, source)
+    return LoadedDesign(design, path, source, text)
 
 
 def with_location(error: DesignError, loaded: LoadedDesign) -> DesignError:
@@ -85,33 +94,50 @@ def _no_mapping(data: Any) -> str:
     return f"{given}; a design file is lines of `key: value`, and begins with `name:` (`ncgear new NAME` writes one)"
 
 
-def _points(document: Document, path: Path) -> PointsFile | None:
-    """The points of a table law that names a file; a file that is no text is left to the schema."""
-    motion = document.data.get("motion")
-    if not isinstance(motion, dict) or motion.get("law") != "table" or not isinstance(motion.get("file"), str):
-        return None
-    for column in COLUMNS:
-        if motion.get(column) is not None:
-            key = f"motion.{column}"
-            raise WrongInput("given beside file; keep one of them", key=key, location=str(document.place(key)))
-    return _read_points(document, path.parent / motion["file"])
+def _points(document: Document, path: Path) -> Iterator[tuple[str, PointsFile]]:
+    """The points of each table that names a file; a file that is no text is left to the schema."""
+    for group, columns in TABLES.items():
+        table = _at(document.data, group)
+        if not isinstance(table, dict) or not isinstance(table.get("file"), str):
+            continue
+        if group == "motion" and table.get("law") != "table":
+            continue
+        for column in columns.names:
+            if table.get(column) is not None:
+                key = f"{group}.{column}"
+                raise WrongInput("given beside file; keep one of them", key=key, location=str(document.place(key)))
+        yield group, _read_points(document, path.parent / table["file"], group)
 
 
-def _read_points(document: Document, path: Path) -> PointsFile:
+def _at(data: Any, group: str) -> Any:
+    """What stands at a dotted key; None where there is nothing."""
+    for key in group.split("."):
+        data = data.get(key) if isinstance(data, dict) else None
+    return data
+
+
+def _read_points(document: Document, path: Path, group: str) -> PointsFile:
     try:
-        return read_points(path)
+        return read_points(path, TABLES[group])
     except WrongInput as error:
         # A fault within the file has a line of that file; a file that cannot be had is a fault of the design's key.
         if error.location != str(path):
             raise
-        place = str(document.place("motion.file"))
-        raise WrongInput(f"{path} {error.problem}", key="motion.file", location=place) from error
+        key = f"{group}.file"
+        raise WrongInput(f"{path} {error.problem}", key=key, location=str(document.place(key))) from error
 
 
-def _with_points(data: dict[str, Any], points: PointsFile | None) -> dict[str, Any]:
-    if points is None:
-        return data
-    return {**data, "motion": {**data["motion"], **points.columns}}
+def _with_points(data: dict[str, Any], points: dict[str, PointsFile]) -> dict[str, Any]:
+    """The data with the columns of every file in their group."""
+    for group, found in points.items():
+        data = _merged(data, group.split("."), found.columns)
+    return data
+
+
+def _merged(data: dict[str, Any], keys: list[str], columns: dict[str, list[float]]) -> dict[str, Any]:
+    if not keys:
+        return {**data, **columns}
+    return {**data, keys[0]: _merged(data[keys[0]], keys[1:], columns)}
 
 
 def _wrong_input(found: list[Problem], source: Source) -> WrongInput:

@@ -1,13 +1,13 @@
-"""The machine around the gears: linkage, operation, resistance, published machines to compare with, output."""
+"""The machine around the gears: linkage, operation, published machines to compare with, output."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Self
 
 from pydantic import Field, Strict, model_validator
 
 from ncgear.design.angles import given, listed
-from ncgear.design.base import LONGEST_MM, Length, Model, Numbers, Positive, Speed
+from ncgear.design.base import LONGEST_MM, Length, Model, Positive, Speed
 from ncgear.design.faults import fault
 
 FIGURES = ("peak_power_w", "peak_acceleration_mm_s2", "peak_speed_mm_s", "compression_speed_mm_s")
@@ -32,17 +32,6 @@ class Operation(Model):
     """How the machine is run."""
 
     speed_rpm: Speed = Field(description="speed of the driving gear in r/min")
-
-
-class Resistance(Model):
-    """The force against the slider over its working stroke."""
-
-    polynomial_n: Annotated[Numbers, Field(min_length=1, max_length=50)] = Field(
-        description="coefficients of the force in N, in rising powers of the displacement in mm"
-    )
-    where_negative: Literal["zero", "keep"] = Field(
-        default="zero", description="where the polynomial is negative: zero (the fit says nothing there) or keep"
-    )
 
 
 class Published(Model):

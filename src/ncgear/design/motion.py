@@ -6,7 +6,7 @@ from math import pi
 from sys import float_info
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, Strict, model_validator
 
 from ncgear.design.angles import allow_one, angle_rad, given, listed, require_one, spellings
 from ncgear.design.base import Length, Model, Positive, Speed
@@ -15,6 +15,11 @@ from ncgear.design.scalars import shown
 from ncgear.design.table import TableLaw
 
 LONGEST_EXPRESSION = 1000
+
+MOST_HARMONICS = 200
+
+LARGEST_COEFFICIENT = 10.0
+"""Of ln i12: one harmonic of 7 alone is a range of 1:1e6, where the driven gear stands still."""
 
 SolveFor = Literal["law_speed", "v1", "v2", "a1", "stroke"]
 
@@ -28,6 +33,9 @@ SOLVED_KEY: dict[str, str] = {
 """The key that stays absent for each value of ``solve_for``."""
 
 Expression = Annotated[str, Field(min_length=1, max_length=LONGEST_EXPRESSION)]
+
+Coefficient = Annotated[float, Field(ge=-LARGEST_COEFFICIENT, le=LARGEST_COEFFICIENT)]
+Coefficients = Annotated[tuple[Coefficient, ...], Strict(False), Field(max_length=MOST_HARMONICS)]
 
 
 def _number_or_word(value: Any) -> Any:
@@ -222,6 +230,32 @@ class Ellipse(Model):
         return self
 
 
+class SecondStage(Model):
+    """The share of the second of two pairs in series, the one that drives the crank; the first has the rest."""
+
+    cosine: Coefficients = Field(
+        default=(), description="coefficients of cos(phi2), cos(2 phi2), ... in ln of the second pair's ratio"
+    )
+    sine: Coefficients = Field(
+        default=(), description="coefficients of sin(phi2), sin(2 phi2), ... in ln of the second pair's ratio"
+    )
+
+
+class HarmonicRatio(Model):
+    """The logarithm of the ratio by harmonics of the driven angle; what closes the cycle is added."""
+
+    law: Literal["harmonic_ratio"] = Field(description="the name of this law: harmonic_ratio")
+    cosine: Coefficients = Field(
+        default=(), description="coefficients of cos(phi2), cos(2 phi2), ... in ln i12, phi2 being the driven angle"
+    )
+    sine: Coefficients = Field(
+        default=(), description="coefficients of sin(phi2), sin(2 phi2), ... in ln i12, phi2 being the driven angle"
+    )
+    second_stage: SecondStage | None = Field(
+        default=None, description="given: two pairs in series make i12, both as `gears` describes; left out: one pair"
+    )
+
+
 class UniformCrank(Model):
     """Circular gears: the crank turns uniformly."""
 
@@ -229,13 +263,14 @@ class UniformCrank(Model):
 
 
 Motion = Annotated[
-    ThreeSegmentStroke | RatioExpression | Ellipse | TableLaw | UniformCrank,
+    ThreeSegmentStroke | RatioExpression | HarmonicRatio | Ellipse | TableLaw | UniformCrank,
     Field(discriminator="law", description="how the slider moves, or how the ratio runs; `law` says which law it is"),
 ]
 
 LAWS: dict[str, type[Model]] = {
     "three_segment_stroke": ThreeSegmentStroke,
     "ratio_expression": RatioExpression,
+    "harmonic_ratio": HarmonicRatio,
     "ellipse": Ellipse,
     "table": TableLaw,
     "uniform_crank": UniformCrank,

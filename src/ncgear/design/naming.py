@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 
-NAME_PATTERN = r"^[A-Za-z0-9_-]{1,64}$"
-NAME_RULE = "letters, digits, - and _, at most 64 of them"
+LONGEST_NAME = 64
+NAME_PATTERN = rf"^[A-Za-z0-9_-]{{1,{LONGEST_NAME}}}$"
+NAME_RULE = f"letters, digits, - and _, at most {LONGEST_NAME} of them"
 
 
 def is_name(text: str) -> bool:

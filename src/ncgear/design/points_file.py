@@ -1,4 +1,4 @@
-"""The CSV file that a table law can name: its columns as numbers, and the line each row stands in."""
+"""A CSV file that a table in the design file can name: its columns as numbers, and the line each row stands in."""
 
 from __future__ import annotations
 
@@ -11,11 +11,24 @@ from pathlib import Path
 from ncgear.design.angles import listed
 from ncgear.design.positions import Place
 from ncgear.design.scalars import plain_number, shown
-from ncgear.design.table import ANGLE_COLUMNS, COLUMNS, MOST_POINTS, VALUE_COLUMNS
 from ncgear.design.text_file import read_text
 from ncgear.errors import WrongInput
 
 LARGEST_MB = 20
+
+
+@dataclass(frozen=True)
+class Columns:
+    """What a file may hold: one column of each of two kinds, each kind the names it can go by, and so many points."""
+
+    arguments: tuple[str, ...]
+    values: tuple[str, ...]
+    most_points: int
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All names."""
+        return (*self.arguments, *self.values)
 
 
 @dataclass(frozen=True)
@@ -31,15 +44,15 @@ class PointsFile:
         return Place(self.file, 1 if row is None else self.lines[row], 1)
 
 
-def read_points(path: Path) -> PointsFile:
+def read_points(path: Path, columns: Columns) -> PointsFile:
     """Read the columns; WrongInput names the line of what is no finite number or no known column."""
     text = read_text(path, limit_mb=LARGEST_MB)
     rows = _rows(text, str(path))
     _, header = next(rows, (1, []))
-    names = _names(header, str(path))
+    names = _names(header, str(path), columns)
     points = PointsFile(str(path), {name: [] for name in names}, [])
     for line, cells in rows:
-        _append(points, names, line, cells)
+        _append(points, names, line, cells, columns.most_points)
     return points
 
 
@@ -53,25 +66,25 @@ def _rows(text: str, file: str) -> Iterator[tuple[int, list[str]]]:
         raise WrongInput(problem, location=f"{file}:{reader.line_num}:1") from error
 
 
-def _names(header: list[str], file: str) -> list[str]:
+def _names(header: list[str], file: str, columns: Columns) -> list[str]:
     names = [cell.strip() for cell in header]
     for i, name in enumerate(names):
-        if name not in COLUMNS or name in names[:i]:
-            problem = "column given twice" if name in COLUMNS else "unknown column"
-            raise _wrong(file, 1, header, i, f"{problem}: {shown(name)}; columns can be {listed(COLUMNS)}")
-    for kind in (ANGLE_COLUMNS, VALUE_COLUMNS):
+        if name not in columns.names or name in names[:i]:
+            problem = "column given twice" if name in columns.names else "unknown column"
+            raise _wrong(file, 1, header, i, f"{problem}: {shown(name)}; columns can be {listed(columns.names)}")
+    for kind in (columns.arguments, columns.values):
         if len(set(kind) & set(names)) != 1:
             problem = f"the first line must name one of the columns {listed(kind)}; it names {listed(names) or 'none'}"
             raise WrongInput(problem, location=f"{file}:1:1")
     return names
 
 
-def _append(points: PointsFile, names: list[str], line: int, cells: list[str]) -> None:
+def _append(points: PointsFile, names: list[str], line: int, cells: list[str], most: int) -> None:
     if len(cells) != len(names):
         problem = f"{len(cells)} values for {len(names)} columns; one number for each column is right"
         raise WrongInput(problem, location=f"{points.file}:{line}:1")
-    if len(points.lines) == MOST_POINTS:
-        raise WrongInput(f"over {MOST_POINTS} points; fewer are right", location=f"{points.file}:{line}:1")
+    if len(points.lines) == most:
+        raise WrongInput(f"over {most} points; fewer are right", location=f"{points.file}:{line}:1")
     points.lines.append(line)
     for i, (name, cell) in enumerate(zip(names, cells, strict=True)):
         number = plain_number(cell.strip())

@@ -9,9 +9,11 @@ from pydantic import Field, model_validator
 from ncgear.design.base import Model
 from ncgear.design.faults import fault
 from ncgear.design.gears import Gears
-from ncgear.design.machine import Comparison, Linkage, Operation, Output, Resistance
-from ncgear.design.motion import Motion, ThreeSegmentStroke
+from ncgear.design.machine import Comparison, Linkage, Operation, Output
+from ncgear.design.motion import HarmonicRatio, Motion, ThreeSegmentStroke
 from ncgear.design.naming import NAME_PATTERN
+from ncgear.design.optimize import Optimize
+from ncgear.design.resistance import Resistance
 from ncgear.design.table import TableLaw
 
 JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -28,6 +30,9 @@ class Design(Model):
     gears: Gears | None = Field(default=None, description="the pair of gears; a check does without, a build needs it")
     resistance: Resistance | None = Field(default=None, description="the force against the slider; left out: none")
     comparison: Comparison | None = Field(default=None, description="published mechanisms to compare with")
+    optimize: Optimize | None = Field(
+        default=None, description="what ncgear optimize looks for; check and build take no notice"
+    )
     output: Output = Field(default_factory=Output, description="how finely the results are written")
 
     @property
@@ -36,6 +41,11 @@ class Design(Model):
         if isinstance(self.motion, TableLaw):
             return self.motion.displacement_mm is not None
         return isinstance(self.motion, ThreeSegmentStroke)
+
+    @property
+    def stages(self) -> int:
+        """Pairs of gears in series that make the ratio."""
+        return 2 if isinstance(self.motion, HarmonicRatio) and self.motion.second_stage is not None else 1
 
     @model_validator(mode="after")
     def _crank_is_known(self) -> Self:
@@ -51,6 +61,14 @@ class Design(Model):
                 "gears.lobes.driven",
                 f"{self.gears.lobes.driven} given, but a law of the slider's motion drives one crank; 1 is right",
             )
+        return self
+
+    @model_validator(mode="after")
+    def _stages_have_one_lobe(self) -> Self:
+        wished = self.optimize.limits.stages if self.optimize else 1
+        lobes = (self.gears.lobes.driving, self.gears.lobes.driven) if self.gears else (1, 1)
+        if max(self.stages, wished) > 1 and lobes != (1, 1):
+            raise fault("gears.lobes", f"{lobes[0]}:{lobes[1]} given, but two stages have one lobe each; leave it out")
         return self
 
 

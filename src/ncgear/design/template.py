@@ -13,6 +13,7 @@ class Law(StrEnum):
 
     THREE_SEGMENT_STROKE = "three_segment_stroke"
     RATIO_EXPRESSION = "ratio_expression"
+    HARMONIC_RATIO = "harmonic_ratio"
     ELLIPSE = "ellipse"
     TABLE = "table"
     UNIFORM_CRANK = "uniform_crank"
@@ -66,6 +67,14 @@ motion:                    # the law of the gears, as a formula of phi, the driv
   scale_to_close: true     # multiply it by the constant that makes the driven gear come round
   # driven_angle: "phi - 0.08*sin(2*phi)"   # instead of ratio: the driven angle in rad
 """,
+    Law.HARMONIC_RATIO: """\
+motion:                    # the law of the gears by harmonics; the form in which optimised laws are stored
+  law: harmonic_ratio
+  # ln(dphi1/dphi2) = c0 - 0.25 cos(phi2) + 0.05 cos(2 phi2) + 0.1 sin(phi2), phi2 being the driven angle; c0 is found,
+  # so that the driven gear comes round. With several lobes of the driven gear, phi2 stands for lobes.driven * phi2.
+  cosine: [-0.25, 0.05]
+  sine: [0.1]
+""",
     Law.ELLIPSE: """\
 motion:                    # equal ellipses, each turning about a focus
   law: ellipse
@@ -112,6 +121,8 @@ gears:                     # a check does without, a build needs it
 _MACHINE = """\
 resistance:                # the force against the slider; left out: none
   polynomial_n: [-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7]   # N, rising powers of the displacement in mm
+  # table: {displacement_mm: [0, 400, 760], force_n: [0, 2000, 30000]}   # instead, or {file: points.csv}
+  # expression_n: "200 + 3*exp(x/90)"                                  # instead: a formula of x, the displacement
   where_negative: zero     # zero, or keep
 
 # comparison:              # published mechanisms, compared at equal speed

@@ -8,7 +8,7 @@ from itertools import pairwise
 from math import pi
 
 import numpy as np
-from numpy.polynomial import Polynomial
+from scipy.optimize import elementwise
 
 from ncgear.kinematics.slider import Machine
 from ncgear.machine.resistance import Resistance
@@ -55,11 +55,8 @@ def kinematic_check(machine: Machine) -> KinematicCheck:
 
 
 def work_per_stroke_j(resistance: Resistance, stroke_mm: float) -> float:
-    """Work of the resistance over one working stroke in J, whatever the law; from the polynomial's antiderivative."""
-    force = Polynomial(resistance.coefficients_n)
-    edges = np.concatenate([[0.0], resistance.zeros_mm(stroke_mm), [stroke_mm]])
-    parts = np.diff(force.integ()(edges))
-    return float(np.sum(parts if resistance.keep_negative else np.maximum(parts, 0.0))) / 1000.0
+    """Work of the resistance over one working stroke in J, whatever the law."""
+    return float(resistance.work_n_mm(np.array([stroke_mm]), stroke_mm)[0]) / 1000.0
 
 
 def _intervals(machine: Machine, *, working: bool) -> Iterator[tuple[float, float]]:
@@ -108,7 +105,7 @@ def _peak(machine: Machine, intervals: list[tuple[float, float]], quantity: Call
 def _peak_power(machine: Machine, intervals: list[tuple[float, float]]) -> Extremum:
     """Largest force times dx/dphi1, in N mm per rad; never below zero."""
     best = Extremum(0.0, intervals[0][0])
-    for low, high in intervals:
+    for low, high in _cut_at_turns(machine, intervals):
         displacement, samples = _on_piece(machine, low, high)
 
         def power(phi1: Array, displacement: Callable[[Array, int], Jet] = displacement) -> Jet:
@@ -118,6 +115,28 @@ def _peak_power(machine: Machine, intervals: list[tuple[float, float]]) -> Extre
         highest = extremes(power, low, high, samples)[1]
         best = max(best, highest, key=lambda extremum: extremum.value)
     return best
+
+
+def _cut_at_turns(machine: Machine, intervals: list[tuple[float, float]]) -> Iterator[tuple[float, float]]:
+    """The intervals of the working stroke, cut where the slider passes a turn of the resistance."""
+    turns = machine.resistance.turns_mm(machine.linkage.stroke_mm)
+    for low, high in intervals:
+        displacement, _ = _on_piece(machine, low, high)
+        start, end = displacement(np.array([low, high]), 0).value
+        passed = turns[(turns > start) & (turns < end)]
+        yield from pairwise([low, *_angles_at(displacement, passed, low, high).tolist(), high])
+
+
+def _angles_at(displacement: Callable[[Array, int], Jet], wanted_mm: Array, low: float, high: float) -> Array:
+    """Driving angles between ``low`` and ``high`` at which the slider passes the displacements, both shape (n,)."""
+    if not wanted_mm.size:
+        return wanted_mm
+
+    def excess(phi1: Array, wanted: Array) -> Array:
+        return displacement(phi1.ravel(), 0).value.reshape(phi1.shape) - wanted
+
+    ends = np.full(wanted_mm.shape, low), np.full(wanted_mm.shape, high)
+    return np.unique(elementwise.find_root(excess, ends, args=(wanted_mm,)).x)
 
 
 def _scaled(extremum: Extremum, factor: float) -> Extremum:

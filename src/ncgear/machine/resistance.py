@@ -1,46 +1,66 @@
-"""The resistance against the slider in its working stroke, as a polynomial of the displacement."""
+"""The resistance against the slider in its working stroke: what every form of it, from a curve of the force, gives."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
 from itertools import pairwise
 
 import numpy as np
-from numpy.polynomial import Polynomial, polynomial
 
-from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 
 
-@dataclass(frozen=True)
-class Resistance:
-    """Force in N against rising powers of the displacement in mm.
+class Resistance(ABC):
+    """Force in N over the displacement in mm; a form gives the curve, its antiderivative, its zeros and its turns.
 
-    A fit may be negative where there is nothing to press, as the published baler's is below 33.7 mm; a resistance
-    cannot push, so negative values count as zero unless ``keep_negative``.
+    A curve may be negative where there is nothing to press, as the published baler's fit is below 33.7 mm; a
+    resistance cannot push, so negative values count as zero unless ``keep_negative``.
     """
 
-    coefficients_n: tuple[float, ...] = (0.0,)
-    keep_negative: bool = False
+    keep_negative: bool
 
+    @abstractmethod
+    def fitted_n(self, displacement: Jet) -> Jet:
+        """The curve itself, negative stretches included, with derivatives; one-sided where it has a corner."""
+
+    @abstractmethod
+    def work_from_retracted_n_mm(self, displacement_mm: Array, stroke_mm: float) -> Array:
+        """Integral of the curve itself from 0 to displacements within the stroke, shape (n,)."""
+
+    @abstractmethod
     def zeros_mm(self, stroke_mm: float) -> Array:
-        """Displacements inside the stroke at which the polynomial is zero, in rising order."""
-        zeros = Polynomial(self.coefficients_n).roots()
-        real = zeros.real[np.abs(zeros.imag) < 1e-9 * stroke_mm]
-        return np.sort(real[(real > 0.0) & (real < stroke_mm)])
+        """Displacements inside the stroke at which the curve is zero, in rising order."""
+
+    @abstractmethod
+    def turns_mm(self, stroke_mm: float) -> Array:
+        """Displacements inside the stroke between which the curve is smooth and monotone, in rising order."""
 
     def negative_stretches_mm(self, stroke_mm: float) -> list[tuple[float, float]]:
-        """Stretches of the stroke on which the polynomial is negative."""
+        """Stretches of the stroke on which the curve is negative."""
         edges = [0.0, *self.zeros_mm(stroke_mm).tolist(), stroke_mm]
-        force = Polynomial(self.coefficients_n)
-        return [(low, high) for low, high in pairwise(edges) if force((low + high) / 2.0) < 0.0]
-
-    def fitted_n(self, displacement: Jet) -> Jet:
-        """The polynomial itself, with derivatives."""
-        return jet.polynomial(self.coefficients_n, displacement)
+        middles = np.array([(low + high) / 2.0 for low, high in pairwise(edges)])
+        negative = self.fitted_n(Jet(middles[None, :])).value < 0.0
+        return [stretch for stretch, below in zip(pairwise(edges), negative, strict=True) if below]
 
     def force_n(self, displacement_mm: Array) -> Array:
         """Force in N at displacements in mm, any shape."""
-        force = np.asarray(polynomial.polyval(displacement_mm, np.array(self.coefficients_n)))
+        force = self.fitted_n(Jet(displacement_mm.reshape(1, -1))).value.reshape(displacement_mm.shape)
         return force if self.keep_negative else np.maximum(force, 0.0)
+
+    def work_n_mm(self, displacement_mm: Array, stroke_mm: float) -> Array:
+        """Work in N mm from the retracted end to displacements in mm, shape (n,); the integral of ``force_n``."""
+        if self.keep_negative:
+            return self.work_from_retracted_n_mm(displacement_mm, stroke_mm)
+        edges = np.concatenate([[0.0], self.zeros_mm(stroke_mm), [stroke_mm]])
+        potential = self.work_from_retracted_n_mm(edges, stroke_mm)
+        whole = np.concatenate([[0.0], np.cumsum(np.maximum(np.diff(potential), 0.0))])
+        stretch = np.clip(np.searchsorted(edges, displacement_mm, side="right") - 1, 0, edges.size - 2)
+        begun = self.work_from_retracted_n_mm(displacement_mm, stroke_mm) - potential[stretch]
+        work: Array = whole[stretch] + np.maximum(begun, 0.0)
+        return work
+
+
+def within(displacements_mm: Array, stroke_mm: float) -> Array:
+    """Those of the displacements that lie inside the stroke, in rising order."""
+    return np.unique(displacements_mm[(displacements_mm > 0.0) & (displacements_mm < stroke_mm)])

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import elementwise
 
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.bracketed import zeros_between
 from ncgear.numerics.jet import Jet
 
 SAMPLES = 129
@@ -37,12 +37,8 @@ def stationary_points(function: Callable[[Array], Jet], start: float, end: float
     flat = grid[1:-1][(slope[1:-1] == 0.0) | ~np.isfinite(slope[1:-1])]
     if not change.size:
         return np.unique(np.concatenate([[start, end], flat]))
-    found = elementwise.find_root(
-        lambda points: function(points.ravel()).derivative(1).reshape(points.shape), (grid[change], grid[change + 1])
-    )
-    if not np.all(found.success):
-        raise ArithmeticError(f"a stationary point between {start:g} and {end:g} was not found")
-    return np.unique(np.concatenate([[start, end], flat, found.x]))
+    found = zeros_between(lambda points: function(points).derivative(1), grid[change], grid[change + 1])
+    return np.unique(np.concatenate([[start, end], flat, found]))
 
 
 def extremes(

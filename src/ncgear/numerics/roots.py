@@ -1,4 +1,4 @@
-"""First zeros of functions on many intervals at once, from piecewise Chebyshev forms resolved to rounding error."""
+"""Zeros of functions, from piecewise Chebyshev forms resolved to rounding error."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from numpy.polynomial import chebyshev as series
 
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.chebyshev import PiecewiseChebyshev
 
 NEGLIGIBLE = 1e-14
 """Trailing coefficients, relative to the largest, that are dropped before roots are sought: rounding errors."""
@@ -44,11 +45,27 @@ def first_zeros(function: Callable[[IndexArray, Array], Array], cuts: list[Array
     return zeros
 
 
+def all_zeros(form: PiecewiseChebyshev) -> Array:
+    """Every zero of a single function, in rising order, shape (n,); none of a panel on which it is zero throughout."""
+    doubtful = np.abs(form.coefficients[0]) <= np.abs(form.coefficients[1:]).sum(axis=0)
+    found = [np.empty(0)]
+    for panel in np.nonzero(doubtful & np.any(form.coefficients != 0.0, axis=0))[0]:
+        start, end = form.breaks[panel], form.breaks[panel + 1]
+        found.append(start + (end - start) * (_real_roots(form.coefficients[:, panel]) + 1.0) / 2.0)
+    return np.unique(np.concatenate(found))
+
+
 def _first_zero(coefficients: Array) -> float | None:
     """Smallest place in [-1, 1] at which a Chebyshev series is not positive, None where it is positive throughout."""
     if series.chebval(-1.0, coefficients) <= 0.0:
         return -1.0
+    real = _real_roots(coefficients)
+    return float(real.min()) if real.size else None
+
+
+def _real_roots(coefficients: Array) -> Array:
+    """Real zeros of a Chebyshev series in [-1, 1]."""
     kept = series.chebtrim(coefficients, NEGLIGIBLE * np.abs(coefficients).max())
     roots = np.atleast_1d(series.chebroots(kept))
-    real = roots.real[(np.abs(roots.imag) <= REAL) & (np.abs(roots.real) <= 1.0)]
-    return float(real.min()) if real.size else None
+    real: Array = roots.real[(np.abs(roots.imag) <= REAL) & (np.abs(roots.real) <= 1.0)]
+    return real

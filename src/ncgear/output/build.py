@@ -23,7 +23,7 @@ from ncgear.output.tables import contact_csv, law_csv, outline_csv
 from ncgear.output.written import written_outlines
 from ncgear.pitch.curve import CurvePoints, PitchCurve
 from ncgear.ratio.transmission import Transmission
-from ncgear.recipe import rim_mm_of
+from ncgear.recipe.gears import rim_mm_of
 from ncgear.solids.assembly import Placed, assembly_report
 from ncgear.solids.ring import outer_radius_mm
 
@@ -45,19 +45,36 @@ POSITIONS = 3
 
 @dataclass(frozen=True)
 class Built:
-    """What a build has done: the files it wrote and the summary it wrote among them."""
+    """What a build has done: the files it wrote and the summary of every pair of gears that it wrote among them."""
 
     paths: list[Path]
-    summary: dict[str, Any]
+    summaries: list[dict[str, Any]]
 
 
 def build(drive: Drive, folder: Path, on_stage: Callable[[str], None]) -> Built:
     """Compute everything, and write all files into ``folder``, which is created if need be.
 
-    ``on_stage`` is told each stage before it begins. Raises WrongInput or NoSuchMechanism from the stages, and
-    WrongInput when the folder cannot be written; whatever fails, the last good build in ``folder`` stays.
+    Two stages go into folders ``stage-1`` and ``stage-2`` of it, once both are made. ``on_stage`` is told what is done
+    before it begins. Raises WrongInput or NoSuchMechanism from the stages, and WrongInput when the folder cannot be
+    written; whatever fails, the last good build in ``folder`` stays.
     """
     prepare(folder)
+    pairs = {_folder(pair, folder): _made(pair, _named(pair, on_stage)) for pair in drive.by_stage}
+    paths = [path for place, (files, _) in pairs.items() for path in publish(place, files)]
+    return Built(paths, [summary for _, summary in pairs.values()])
+
+
+def _folder(pair: Drive, folder: Path) -> Path:
+    return folder if pair.stage is None else folder / f"stage-{pair.stage}"
+
+
+def _named(pair: Drive, on_stage: Callable[[str], None]) -> Callable[[str], None]:
+    """Tell which of two pairs is at work."""
+    return on_stage if pair.stage is None else lambda done: on_stage(f"stage {pair.stage}: {done}")
+
+
+def _made(drive: Drive, on_stage: Callable[[str], None]) -> tuple[dict[str, bytes], dict[str, Any]]:
+    """The files of one pair of gears, the summary among them, and the summary itself."""
     for stage, attributes in STAGES.items():
         on_stage(stage)
         for attribute in attributes:
@@ -72,8 +89,7 @@ def build(drive: Drive, folder: Path, on_stage: Callable[[str], None]) -> Built:
         files.update(_pictures(drive, contact))
     # Last: only now are the timings known, and a summary is then never newer in its folder than what it sums up.
     summary = build_summary(drive, contact)
-    files["summary.json"] = _json(summary)
-    return Built(publish(folder, files), summary)
+    return {**files, "summary.json": _json(summary)}, summary
 
 
 @contextmanager
@@ -132,14 +148,19 @@ def _pictures(drive: Drive, contact: PairContact) -> dict[str, bytes]:
     name, speed = drive.design.name, drive.design.operation.speed_rpm
     tables = drive.motion, drive.uniform_motion
     joints = _joints(drive.transmission, float(drive.motion.phi1_rad[-1]))
-    all_joints = _joints(drive.transmission, contact.as_designed.placement.cycle_rad)
+    all_joints = _joints(drive.pair.transmission, contact.as_designed.placement.cycle_rad)
     return {
         "pitch_curves.png": _pitch_curves(drive),
         "tooth_pair.png": _tooth_pair(drive),
         "motion.png": plots.motion(*tables, f"{name}: motion at {speed:.4g} r/min", joints),
-        "contact.png": plots.contact(contact, f"{name}: contact of the teeth", all_joints),
+        "contact.png": plots.contact(contact, f"{_title(drive)}: contact of the teeth", all_joints),
         "power.png": plots.power(*tables, f"{name}: force and power at {speed:.4g} r/min", joints),
     }
+
+
+def _title(drive: Drive) -> str:
+    """Of pictures that show one pair of gears."""
+    return drive.design.name if drive.stage is None else f"{drive.design.name}, stage {drive.stage} by its own angles"
 
 
 def _pitch_curves(drive: Drive) -> bytes:
@@ -150,7 +171,7 @@ def _pitch_curves(drive: Drive) -> bytes:
         drive.pitch.center_distance_mm,
         driving.curvature < 0.0,
         driven.curvature > 0.0 if drive.pitch.driven.is_ring else driven.curvature < 0.0,
-        f"{drive.design.name}: pitch curves at phi1 = 0",
+        f"{_title(drive)}: pitch curves at phi1 = 0",
         ring_radius_mm=_ring_radius(drive),
     )
 
@@ -162,14 +183,14 @@ def _tooth_pair(drive: Drive) -> bytes:
         drive.pitch.center_distance_mm,
         drive.pitch.size.module_mm,
         _positions(drive),
-        f"{drive.design.name}: tooth outlines in mesh",
+        f"{_title(drive)}: tooth outlines in mesh",
         ring_radius_mm=_ring_radius(drive),
     )
 
 
 def _positions(drive: Drive) -> list[plots.Position]:
     phi1 = np.linspace(0.0, 2.0 * pi, POSITIONS, endpoint=False)
-    phi2 = drive.transmission.driven_angle(phi1).value
+    phi2 = drive.pair.transmission.driven_angle(phi1).value
     point = drive.pitch.pitch_point_mm(phi1)
     return [plots.Position(float(a), float(b), float(x)) for a, b, x in zip(phi1, phi2, point, strict=True)]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import isfinite
 from typing import Any
 
@@ -14,9 +15,10 @@ from ncgear.contact.placement import Placement
 from ncgear.numerics.arrays import Array
 
 
-def contact_summary(contact: PairContact, speed_rad_s: float) -> dict[str, Any]:
-    """Figures of a pair as designed and as written; the driving gear turns at ``speed_rad_s``."""
+def contact_summary(contact: PairContact, speed: Callable[[Array], Array]) -> dict[str, Any]:
+    """Figures of a pair as designed and as written; its driving gear's ``speed`` in rad/s, of its angle in rad."""
     designed = contact.as_designed
+    speed_rad_s = speed(designed.placement.phi1_rad)
     return {
         "positions": designed.placement.count,
         "transmission_error_rad": contact.transmission_error_rad,
@@ -27,7 +29,7 @@ def contact_summary(contact: PairContact, speed_rad_s: float) -> dict[str, Any]:
     }
 
 
-def _as_designed(designed: AsDesigned, speed_rad_s: float) -> dict[str, Any]:
+def _as_designed(designed: AsDesigned, speed_rad_s: Array) -> dict[str, Any]:
     pushing, back = designed.pushing, designed.back
     return {
         "transmission_error_rad": pushing.transmission_error_rad,

@@ -28,6 +28,8 @@ PLACE = "_at_rad"
 TITLES = {
     "design": "Design",
     "drive": "Drive",
+    "stage": "Stage",
+    "stages": "Stages in series",
     "closure": "Closure of the cycle",
     "ratio": "Transmission ratio i12 = dphi1/dphi2",
     "pitch": "Pitch curves",
@@ -46,17 +48,26 @@ def check_text(drive: Drive) -> str:
     return summary_text(check_summary(drive))
 
 
-def build_text(summary: Mapping[str, Any], paths: Sequence[Path]) -> str:
-    """The results of a build, as ``check_text`` has those of a check, and the files it has written."""
-    written = ["Written", *(f"{INDENT}{path}" for path in paths)]
-    return "\n".join([summary_text(summary), "", *written])
+def build_text(summaries: Sequence[Mapping[str, Any]], paths: Sequence[Path]) -> str:
+    """The results of a build, of every pair as ``check_text`` has those of a check, and the files it has written."""
+    written = "\n".join(["Written", *(f"{INDENT}{path}" for path in paths)])
+    return "\n\n".join([*map(summary_text, summaries), written])
 
 
 def timing_text(drive: Drive) -> str:
     """How long each stage took, in seconds, and their sum."""
-    rows = {**drive.timing_s, "sum": sum(drive.timing_s.values())}
+    taken = {_of_pair(pair, stage): seconds for pair in _timed(drive) for stage, seconds in pair.timing_s.items()}
+    rows = {**taken, "sum": sum(taken.values())}
     width = max(map(len, rows))
     return "\n".join(["Time in s", *(f"{INDENT}{stage:<{width}}  {seconds:8.3f}" for stage, seconds in rows.items())])
+
+
+def _timed(drive: Drive) -> list[Drive]:
+    return [drive, *(pair for pair in drive.by_stage if pair is not drive)]
+
+
+def _of_pair(pair: Drive, stage: str) -> str:
+    return stage if pair.stage is None else f"stage {pair.stage}: {stage}"
 
 
 def summary_text(summary: Mapping[str, Any]) -> str:

@@ -22,6 +22,7 @@ def check_summary(drive: Drive) -> dict[str, Any]:
     return {
         "design": {"name": drive.design.name, "description": drive.design.description, "law": drive.design.motion.law},
         "drive": _drive(drive),
+        **_stages(drive),
         "closure": _closure(drive),
         "ratio": _ratio(drive),
         "check": _check(drive),
@@ -40,7 +41,7 @@ def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
         **summary,
         "pitch": _pitch(drive),
         "teeth": _teeth(drive),
-        "contact": {**contact_summary(contact, drive.machine.speed_rad_s), **_overlap(drive, contact)},
+        "contact": {**contact_summary(contact, drive.pair_speed_rad_s), **_overlap(drive, contact)},
         "comparison": comparison,
         "warnings": warnings + build_warnings(drive),
         "timing_s": {stage: round(seconds, 6) for stage, seconds in drive.timing_s.items()},
@@ -79,6 +80,38 @@ def _solved(drive: Drive) -> dict[str, Any]:
     }
 
 
+def _stages(drive: Drive) -> dict[str, Any]:
+    """Nothing of a single pair; of one of two, which it is; of both together, each one's range and angle."""
+    if drive.design.stages == 1:
+        return {}
+    if drive.stage is not None:
+        return {"stage": _stage(drive, drive.stage)}
+    return {"stages": {f"stage_{pair.stage}": _range_and_angle(pair) for pair in drive.by_stage}}
+
+
+def _stage(drive: Drive, stage: int) -> dict[str, Any]:
+    """All that is of this pair and not of the machine: angles phi1 of its own are its driving gear's."""
+    return {
+        "number": stage,
+        "of": drive.design.stages,
+        "driving_gear_on": "driving shaft" if stage == 1 else "shaft between the stages",
+        "driven_gear_on": "shaft between the stages" if stage == 1 else "crank shaft",
+        # The first pair turns the shaft between them the other way round.
+        "seen_from": "driving end" if stage == 1 else "other end of the shafts",
+    }
+
+
+def _range_and_angle(drive: Drive) -> dict[str, Any]:
+    from ncgear.pitch.pair import largest_tangent_angle_rad
+
+    low, high = drive.pair.transmission.ratio_range
+    tangent = degrees(largest_tangent_angle_rad(drive.pair.transmission).value)
+    found = {"ratio_min": low.value, "ratio_max": high.value, "max_tangent_angle_deg": tangent}
+    if drive.design.gears is None:
+        return found
+    return {**found, "max_pressure_angle_deg": tangent + drive.design.gears.rack.pressure_angle_deg}
+
+
 def _closure(drive: Drive) -> dict[str, Any]:
     law = drive.law.stroke_law
     return {
@@ -88,7 +121,8 @@ def _closure(drive: Drive) -> dict[str, Any]:
 
 
 def _ratio(drive: Drive) -> dict[str, Any]:
-    low, high = drive.transmission.ratio_range
+    """Of the pair that is told, else of the whole."""
+    low, high = (drive.transmission if drive.stage is None else drive.pair.transmission).ratio_range
     return {"min": low.value, "max": high.value, "min_at_rad": low.at, "max_at_rad": high.at}
 
 

@@ -21,7 +21,8 @@ STEEPEST_DEG = 60.0
 
 def check_warnings(drive: Drive) -> list[str]:
     """Warnings that need no pitch curve."""
-    return [warning for warning in (_ratio_range(drive), _speeds(drive), _negative_resistance(drive)) if warning]
+    ranges = [_ratio_range(pair) for pair in drive.by_stage]
+    return [warning for warning in (*ranges, _speeds(drive), _negative_resistance(drive)) if warning]
 
 
 def build_warnings(drive: Drive) -> list[str]:
@@ -34,7 +35,7 @@ def build_warnings(drive: Drive) -> list[str]:
 
 
 def _ratio_range(drive: Drive) -> str:
-    low, high = drive.transmission.ratio_range
+    low, high = drive.pair.transmission.ratio_range
     if low.value >= 1.0 / WIDEST_RATIO and high.value <= WIDEST_RATIO:
         return ""
     return (
@@ -60,7 +61,7 @@ def _negative_resistance(drive: Drive) -> str:
         return ""
     taken = "kept, so that it drives the slider" if resistance.keep_negative else "taken as zero there"
     named = ", ".join(f"{low:.3g}..{high:.3g}" for low, high in stretches)
-    return f"the resistance polynomial is negative for displacements of {named} mm; it is {taken}"
+    return f"the resistance is negative for displacements of {named} mm; it is {taken}"
 
 
 def _pressure_angle(drive: Drive) -> str:

@@ -123,11 +123,7 @@ class PitchPair:
     @cached_property
     def largest_tangent_angle_rad(self) -> Extremum:
         """Largest angle between the curves' tangent and the normal to the centre line."""
-        low, high = self.transmission.extremes(
-            lambda piece: lambda phi1: shape.tangent_slope(piece.slope(phi1, 2), self.mesh)
-        )
-        worst = max(low, high, key=lambda extremum: abs(extremum.value))
-        return Extremum(atan(abs(worst.value)), worst.at)
+        return largest_tangent_angle_rad(self.transmission, self.mesh)
 
     def largest_pressure_angle_deg(self, rack_angle_rad: float) -> float:
         """Largest angle between the force on a flank and the driven pitch point's velocity, the worse flank taken."""
@@ -146,6 +142,13 @@ class PitchPair:
             for slope in slopes
         ]
         return CurvatureJump(after.start_rad, *values)
+
+
+def largest_tangent_angle_rad(transmission: Transmission, mesh: Mesh = Mesh.EXTERNAL) -> Extremum:
+    """Largest angle between the pitch curves' tangent and the normal to the centre line, whatever their size."""
+    low, high = transmission.extremes(lambda piece: lambda phi1: shape.tangent_slope(piece.slope(phi1, 2), mesh))
+    worst = max(low, high, key=lambda extremum: abs(extremum.value))
+    return Extremum(atan(abs(worst.value)), worst.at)
 
 
 def sized_pair(

@@ -8,8 +8,8 @@ import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.formula import compiled
 from ncgear.numerics.jet import Jet
-from ncgear.ratio.formula import compiled
 from ncgear.ratio.laws.integrated import NEARLY_CLOSED, integrated_law
 from ncgear.ratio.transmission import Lobes, Piece, Transmission
 

@@ -1,8 +1,8 @@
-"""Expressions in ``phi``: read through a whitelist of Python's own grammar, compiled by sympy, differentiated by jets.
+"""Expressions in one variable: read through a whitelist of Python's grammar, compiled by sympy, differentiated by jets.
 
-The text is never evaluated.  It is parsed to a syntax tree of which only numbers, ``phi``, ``pi``, the four operations,
-powers with constant exponents and the functions listed below are translated; anything else is refused by name.  The
-compiled expression runs on Taylor arithmetic, so that derivatives cost no more than the text is long.
+The text is never evaluated.  It is parsed to a syntax tree of which only numbers, the variable, ``pi``, the four
+operations, powers with constant exponents and the functions listed below are translated; anything else is refused by
+name.  The compiled expression runs on Taylor arithmetic, so that derivatives cost no more than the text is long.
 """
 
 from __future__ import annotations
@@ -34,7 +34,6 @@ FUNCTIONS: dict[str, Callable[[Jet], Jet]] = {
     "cosh": lambda argument: (jet.exp(argument) + jet.exp(-argument)) * 0.5,
     "tanh": lambda argument: 1.0 - 2.0 / (jet.exp(2.0 * argument) + 1.0),
 }
-NAMES = ("phi", "pi")
 LONGEST, DEEPEST, LARGEST_POWER = 1000, 40, 64
 WHOLE = 1e15
 """Whole numbers up to here are kept as such; larger ones are not all exact in floating point anyway."""
@@ -45,17 +44,26 @@ def compiled(text: str, key: str) -> Callable[[Array, int], Jet]:
 
     Raises WrongInput, naming ``key`` and the offending name or construct, for anything outside the whitelist.
     """
-    import sympy  # heavy, and needed by this law only
-
-    phi = sympy.Symbol("phi", real=True)
-    expression = _Translator(sympy, phi, key).translated(text)
-    function = sympy.lambdify(phi, expression, modules=[FUNCTIONS])
+    function = composed(text, key, "phi")
 
     def evaluated(points: Array, order: int) -> Jet:
-        variable = Jet.variable(points, order)
+        return function(Jet.variable(points, order))
+
+    return evaluated
+
+
+def composed(text: str, key: str, variable: str) -> Callable[[Jet], Jet]:
+    """A function of a jet that returns the jet of the expression in ``variable`` at it; raises as ``compiled``."""
+    import sympy  # heavy, and needed by expressions only
+
+    symbol = sympy.Symbol(variable, real=True)
+    expression = _Translator(sympy, symbol, key).translated(text)
+    function = sympy.lambdify(symbol, expression, modules=[FUNCTIONS])
+
+    def evaluated(argument: Jet) -> Jet:
         with np.errstate(all="ignore"):
-            result = function(variable)
-        return result if isinstance(result, Jet) else variable * 0.0 + float(result)
+            result = function(argument)
+        return result if isinstance(result, Jet) else argument * 0.0 + float(result)
 
     return evaluated
 
@@ -63,9 +71,9 @@ def compiled(text: str, key: str) -> Callable[[Array, int], Jet]:
 class _Translator:
     """Syntax tree to sympy, one whitelisted node at a time; constants are folded in floating point as they arise."""
 
-    def __init__(self, sympy: Any, phi: sympy.Symbol, key: str) -> None:
+    def __init__(self, sympy: Any, symbol: sympy.Symbol, key: str) -> None:
         self._sympy, self._key = sympy, key
-        self._names = {"phi": phi, "pi": sympy.Float(math.pi, 17)}
+        self._names = {symbol.name: symbol, "pi": sympy.Float(math.pi, 17)}
 
     def translated(self, text: str) -> Any:
         if len(text) > LONGEST:
@@ -73,7 +81,7 @@ class _Translator:
         try:
             tree = ast.parse(text.strip(), mode="eval")
         except (SyntaxError, ValueError, RecursionError, MemoryError) as fault:
-            problem = f"{text!r} is not an expression: {fault}; example: 1 + 0.3*cos(phi)"
+            problem = f"{text!r} is not an expression: {fault}; example: 1 + 0.3*cos({next(iter(self._names))})"
             raise WrongInput(problem, key=self._key) from None
         return self._node(tree.body, 0)
 
@@ -157,5 +165,5 @@ class _Translator:
         return value
 
     def _refusal(self, problem: str) -> WrongInput:
-        allowed = f"known are the names {', '.join(NAMES)}, the functions {', '.join(FUNCTIONS)} and + - * / **"
+        allowed = f"known are the names {', '.join(self._names)}, the functions {', '.join(FUNCTIONS)} and + - * / **"
         return WrongInput(f"{problem}; {allowed}", key=self._key)

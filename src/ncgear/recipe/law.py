@@ -1,48 +1,51 @@
-"""From what a design file says to machine elements and a closed law: units, defaults, and what must fit together."""
+"""The linkage and the closed law of a design."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isclose, pi, radians
+from math import isclose, pi
 
 import numpy as np
 from scipy.optimize import brentq
 
-from ncgear.design.gears import Gears, Rack
-from ncgear.design.motion import Ellipse, RatioExpression, ThreeSegmentStroke, UniformCrank
+from ncgear.design.motion import Ellipse, HarmonicRatio, RatioExpression, SecondStage, ThreeSegmentStroke, UniformCrank
 from ncgear.design.schema import Design
 from ncgear.design.table import TableLaw
 from ncgear.errors import WrongInput
+from ncgear.machine.formula_resistance import FormulaResistance
 from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.rack import BasicRack, TipRelief
+from ncgear.machine.polynomial_resistance import PolynomialResistance
 from ncgear.machine.resistance import Resistance
 from ncgear.machine.stroke import StrokeRequest, WorkingStroke, solved_stroke
+from ncgear.machine.table_resistance import TableResistance
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import driven_angle_expression_law, ratio_expression_law
+from ncgear.ratio.laws.harmonic import harmonic_law
+from ncgear.ratio.laws.staged import staged_law
 from ncgear.ratio.laws.table import displacement_table_law, ratio_table_law
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.laws.uniform import uniform_law
+from ncgear.ratio.train import Train, single
 from ncgear.ratio.transmission import Lobes, Transmission
-from ncgear.solids.helix import Hand, Helix
-from ncgear.teeth.form import Cutter, CutterKind, TipLimits, ToothForm
 
 SAME_STROKE = 1e-6
 """Relative difference of the file's stroke from the linkage's that counts as rounding in the file: seven digits."""
 
 RAD_S_PER_RPM = pi / 30.0
 
-RIM_IN_MODULES = 3.5
-"""Rim of a ring where the file says nothing: from this thickness on ISO 6336-3 counts no weakening of internal teeth
-(value from secondary sources)."""
-
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """A closed law on its linkage, and the stroke it came from where a stroke was given."""
+    """A closed law on its linkage with the pairs that make it, and the stroke it came from where one was given."""
 
     linkage: CrankSlider
-    transmission: Transmission
+    train: Train
     stroke_law: StrokeLaw | None = None
+
+    @property
+    def transmission(self) -> Transmission:
+        """The law of the whole, phi2(phi1)."""
+        return self.train.whole
 
 
 def law_of(design: Design) -> Law:
@@ -53,8 +56,10 @@ def law_of(design: Design) -> Law:
     motion, lobes = design.motion, lobes_of(design)
     if isinstance(motion, ThreeSegmentStroke):
         return _stroke_law(design, motion, lobes)
-    linkage = _linkage(design)
-    return Law(linkage, _direct_law(motion, linkage, lobes))
+    linkage = linkage_of(design)
+    if isinstance(motion, HarmonicRatio) and motion.second_stage is not None:
+        return Law(linkage, _staged(motion, motion.second_stage))
+    return Law(linkage, single(_direct_law(motion, linkage, lobes)))
 
 
 def lobes_of(design: Design) -> Lobes:
@@ -64,73 +69,32 @@ def lobes_of(design: Design) -> Lobes:
 
 def resistance_of(design: Design) -> Resistance:
     """The resistance; none where the file says nothing."""
-    if design.resistance is None:
-        return Resistance()
-    return Resistance(design.resistance.polynomial_n, design.resistance.where_negative == "keep")
+    given = design.resistance
+    if given is None:
+        return PolynomialResistance()
+    keep = given.where_negative == "keep"
+    if given.table is not None:
+        return TableResistance(given.table.displacement_mm or (), given.table.force_n or (), keep)
+    if given.expression_n is not None:
+        return FormulaResistance(given.expression_n, keep)
+    return PolynomialResistance(given.polynomial_n or (0.0,), keep)
 
 
-def rack_of(gears: Gears, module_mm: float) -> BasicRack:
-    """The basic rack in mm at a module."""
-    rack = gears.rack
-    return BasicRack(
-        module_mm=module_mm,
-        pressure_angle_rad=radians(rack.pressure_angle_deg),
-        addendum_mm=rack.addendum * module_mm,
-        dedendum_mm=rack.dedendum * module_mm,
-        root_radius_mm=rack.root_radius * module_mm,
-        backlash_mm=gears.backlash_mm,
-        relief=_relief(rack, module_mm),
-    )
-
-
-def _relief(rack: Rack, module_mm: float) -> TipRelief | None:
-    if rack.tip_relief is None:
-        return None
-    start, full = rack.tip_relief.start * module_mm, rack.addendum * module_mm
-    return TipRelief(rack.tip_relief.amount * module_mm, start, full)
-
-
-def tooth_form(gears: Gears, module_mm: float) -> ToothForm:
-    """Everything asked of the teeth, in mm at a module; one shift given, the other is its opposite."""
-    shift = gears.profile_shift
-    driving = shift.driving if shift.driving is not None else 0.0 - (shift.driven or 0.0)
-    driven = shift.driven if shift.driven is not None else 0.0 - driving
-    return ToothForm(
-        rack=rack_of(gears, module_mm),
-        driving_shift_mm=driving * module_mm,
-        driven_shift_mm=driven * module_mm,
-        shift_for_undercut=shift.against_undercut,
-        cutter=Cutter(CutterKind(gears.cutter.kind), gears.cutter.teeth),
-        limits=TipLimits(gears.least_tip_land * module_mm, gears.undercut == "avoid"),
-        equivalent=gears.method == "equivalent_gear",
-    )
-
-
-def rim_mm_of(gears: Gears, module_mm: float) -> float:
-    """Thickness of a ring outside its deepest root."""
-    return RIM_IN_MODULES * module_mm if gears.driven.rim_mm is None else gears.driven.rim_mm
-
-
-def helix_of(gears: Gears) -> Helix | None:
-    """The helix of the teeth; None where they are straight."""
-    helix = gears.helix
-    if helix is None:
-        return None
-    return Helix(radians(helix.angle_deg), gears.face_width_mm, Hand(helix.hand), helix.kind == "herringbone")
-
-
-def _linkage(design: Design) -> CrankSlider:
+def linkage_of(design: Design) -> CrankSlider:
+    """The linkage of a design that gives its crank; raises WrongInput where it does not."""
     if design.linkage.crank_mm is None:
         raise WrongInput("missing; only a stroke that is solved for gives the crank", key="linkage.crank_mm")
     return CrankSlider(design.linkage.crank_mm, design.linkage.rod_mm, design.linkage.offset_mm)
 
 
 def _direct_law(
-    motion: RatioExpression | Ellipse | TableLaw | UniformCrank, linkage: CrankSlider, lobes: Lobes
+    motion: RatioExpression | HarmonicRatio | Ellipse | TableLaw | UniformCrank, linkage: CrankSlider, lobes: Lobes
 ) -> Transmission:
     match motion:
         case UniformCrank():
             return uniform_law(lobes)
+        case HarmonicRatio():
+            return harmonic_law(np.array(motion.cosine), np.array(motion.sine), lobes)
         case Ellipse():
             return elliptical_law(motion.eccentricity, motion.phase, lobes)
         case RatioExpression(ratio=str() as text):
@@ -144,12 +108,17 @@ def _direct_law(
     raise AssertionError(f"no law for {motion.law}")
 
 
+def _staged(motion: HarmonicRatio, second: SecondStage) -> Train:
+    coefficients = motion.cosine, motion.sine, second.cosine, second.sine
+    return staged_law(*(np.array(values) for values in coefficients)).train
+
+
 def _stroke_law(design: Design, motion: ThreeSegmentStroke, lobes: Lobes) -> Law:
     if motion.solve_for == "stroke":
         stroke = solved_stroke(_request(motion, None))
         linkage = _linkage_of_stroke(design, stroke)
     else:
-        linkage = _linkage(design)
+        linkage = linkage_of(design)
         _refuse_other_stroke(motion.stroke_mm, linkage)
         stroke = solved_stroke(_request(motion, linkage.stroke_mm))
     law = stroke_law(
@@ -159,7 +128,7 @@ def _stroke_law(design: Design, motion: ThreeSegmentStroke, lobes: Lobes) -> Law
         constant=None if motion.return_.e == "least_acceleration" else motion.return_.e,
         inverse_basis=motion.return_.basis == "inverse_ratio",
     )
-    return Law(linkage, law.transmission, law)
+    return Law(linkage, single(law.transmission), law)
 
 
 def _request(motion: ThreeSegmentStroke, stroke_mm: float | None) -> StrokeRequest:

@@ -1,0 +1,266 @@
+"""The best law of the published three-segment family: least peak acceleration under a power cap, or conversely.
+
+Seven numbers describe a law of the family (``family_strokes``, ``family_returns``).  Sobol points of their box are
+looked at all at once; from the best that lie apart, sequential quadratic programming (D. Kraft, DFVLR-FB 88-28, 1988)
+goes down to a local optimum each, with all samples of acceleration and power as constraints and the peak as a variable
+of its own; and from random neighbours of the best again.  What comes out is made into a law as a design file would make
+it and judged by the exact peaks of ``kinematic_check``; where these exceed the cap between samples, the cap is
+tightened by as much.  The same seed gives the same law.  A local method proves no optimum: that is what the certified
+limits are for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from math import inf, isfinite
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.stats import qmc
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.kinematics.check import KinematicCheck, kinematic_check
+from ncgear.kinematics.slider import Machine
+from ncgear.machine.linkage import CrankSlider
+from ncgear.machine.resistance import Resistance
+from ncgear.machine.stroke import StrokeRequest, solved_stroke
+from ncgear.numerics.arrays import Array
+from ncgear.optimum.family_returns import return_samples
+from ncgear.optimum.family_strokes import BOUNDS, Strokes, strokes_of, working_samples
+from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
+from ncgear.ratio.transmission import Lobes
+
+SKEWNESS = 6.0
+"""Largest skewness of the return that is looked at, in units of ``family_returns``."""
+
+BOX = np.vstack([BOUNDS, [-SKEWNESS, SKEWNESS]])
+SOBOL_POWER = 12
+APART = 0.2
+"""Distance, in the unit box, of one start from the others."""
+
+PENALTY = 20.0
+"""Of a relative excess over the cap, while starts are chosen."""
+
+HOPS, HOP = 1, 0.1
+"""Neighbours of the best that are tried, for each start, and their standard deviation in the unit box."""
+
+ALMOST = 1e-3
+"""Relative excess over the cap that does not count while local optima are ranked: constraints hold to rounding."""
+
+STEP = 1e-6
+"""Of the difference quotients, in the unit box."""
+
+TIGHTENINGS = 4
+WITHIN = 1e-6
+"""Relative excess of the exact peak over the cap that counts as none."""
+
+IMPOSSIBLE = 1e6
+"""Stands for a figure that is not finite, in units of the objective and of the cap."""
+
+
+class Peak(Enum):
+    """What is to be least, or capped."""
+
+    ACCELERATION = "peak acceleration"
+    POWER = "peak power"
+
+
+@dataclass(frozen=True)
+class Family:
+    """The family on a linkage at an operating speed; ``inverse`` is the return's basis, as in a design file."""
+
+    linkage: CrankSlider
+    resistance: Resistance
+    speed_rad_s: float
+    inverse: bool = False
+    lobes: Lobes = field(default_factory=Lobes)
+
+
+@dataclass(frozen=True, eq=False)
+class Figures:
+    """Sampled accelerations in mm/s^2 and powers in W, shape (n, points) each; infinite where there is no law."""
+
+    acceleration: Array
+    power: Array
+
+    def of(self, peak: Peak) -> Array:
+        """The samples of which ``peak`` is the largest magnitude."""
+        return self.acceleration if peak is Peak.ACCELERATION else self.power
+
+
+@dataclass(frozen=True, eq=False)
+class FamilyOptimum:
+    """The best law found: its stroke, as ``solve_for: v2`` of a design file with ``e: least_acceleration``."""
+
+    request: StrokeRequest
+    inverse: bool
+    law: StrokeLaw
+    check: KinematicCheck
+
+    def peak(self, peak: Peak) -> float:
+        """Exact peak over the whole cycle in mm/s^2 or W."""
+        both = {
+            Peak.ACCELERATION: self.check.peak_acceleration_cycle_mm_s2,
+            Peak.POWER: self.check.peak_power_w,
+        }
+        return both[peak].value
+
+
+def figures(family: Family, points: Array) -> Figures:
+    """Figures of laws given by numbers of the unit box, shape (n, 7)."""
+    strokes, numbers = _strokes(family, points)
+    working = working_samples(strokes)
+    period, omega = family.lobes.driving_period_rad, family.speed_rad_s
+    back = return_samples(strokes, numbers[:, 6], family.linkage, period, inverse=family.inverse)
+    possible = (working.advancing & back.closed)[:, None]
+    acceleration = np.hstack([working.acceleration, back.acceleration]) * omega**2
+    power = family.resistance.force_n(working.displacement) * working.velocity * (omega / 1000.0)
+    return Figures(np.where(possible, acceleration, inf), np.where(possible, power, inf))
+
+
+def best_of_family(family: Family, least: Peak, cap: float = inf, *, seed: int = 1, starts: int = 32) -> FamilyOptimum:
+    """The law of the family with the least peak of one kind, the other kind's at most ``cap`` (W or mm/s^2).
+
+    Raises NoSuchMechanism where no law of the family is found under the cap, with the least that was found.
+    """
+    for point in _local_optima(family, least, cap, seed, starts):
+        optimum = _under_cap(family, least, cap, point)
+        if optimum is not None:
+            return optimum
+    raise _out_of_reach(family, least, cap, seed, starts)
+
+
+def _strokes(family: Family, points: Array) -> tuple[Strokes, Array]:
+    numbers = BOX[:, 0] + points * (BOX[:, 1] - BOX[:, 0])
+    period = family.lobes.driving_period_rad
+    return strokes_of(numbers[:, :6], family.linkage.stroke_mm, period), numbers
+
+
+def _local_optima(family: Family, least: Peak, cap: float, seed: int, starts: int) -> list[Array]:
+    """Where the descents end, the best first; there are many, so the best one's neighbours are tried as well."""
+    random = np.random.default_rng(seed)
+    points = [_descended(family, least, cap, start) for start in _starts(family, least, cap, random, starts)]
+    for _ in range(HOPS * starts):
+        points.sort(key=lambda point: _merit(family, least, cap * (1.0 + ALMOST), point[None])[0])
+        near = np.clip(points[0] + random.normal(0.0, HOP, len(BOX)), 0.0, 1.0)
+        if np.isfinite(_merit(family, least, cap, near[None])[0]):
+            points.append(_descended(family, least, cap, near))
+    return sorted(points, key=lambda point: _merit(family, least, cap * (1.0 + ALMOST), point[None])[0])
+
+
+def _capped(least: Peak) -> Peak:
+    return Peak.POWER if least is Peak.ACCELERATION else Peak.ACCELERATION
+
+
+def _merit(family: Family, least: Peak, cap: float, points: Array) -> Array:
+    """The peak, made larger where the other one exceeds the cap; shape (n,)."""
+    found = figures(family, points)
+    peak, other = (np.abs(found.of(kind)).max(axis=1) for kind in (least, _capped(least)))
+    excess = np.maximum(other / cap - 1.0, 0.0) if isfinite(cap) else np.where(np.isfinite(other), 0.0, inf)
+    merit: Array = peak * (1.0 + PENALTY * excess)
+    return merit
+
+
+def _starts(family: Family, least: Peak, cap: float, random: np.random.Generator, count: int) -> list[Array]:
+    """The best points of the box that lie apart from each other."""
+    points = qmc.Sobol(len(BOX), rng=random).random_base2(SOBOL_POWER)
+    merit = _merit(family, least, cap, points)
+    chosen: list[Array] = []
+    for point in points[np.argsort(merit)][: int(np.isfinite(merit).sum())]:
+        if len(chosen) == count:
+            break
+        if all(float(np.linalg.norm(point - other)) > APART for other in chosen):
+            chosen.append(point)
+    return chosen
+
+
+class _Descent:
+    """The constraints of one descent, with their derivatives, at the last point asked for."""
+
+    def __init__(self, family: Family, least: Peak, cap: float, start: Array) -> None:
+        self._family, self._least, self._cap = family, least, cap
+        # Without resistance there is no power to scale by.
+        self._scale = float(np.abs(figures(family, start[None]).of(least)).max()) or 1.0
+        self._at, self._values, self._slopes = np.full(start.size, np.nan), np.empty(0), np.empty((0, 0))
+        self.start = np.append(start, 1.0)
+
+    def values(self, variables: Array) -> Array:
+        """What must not be negative: peak minus samples, and what is left under the cap."""
+        self._see(variables[:-1])
+        values: Array = self._values + variables[-1] * self._is_peak
+        return values
+
+    def slopes(self, variables: Array) -> Array:
+        """Derivatives of ``values``, shape (constraints, variables)."""
+        self._see(variables[:-1])
+        return np.column_stack([self._slopes, self._is_peak])
+
+    def _see(self, point: Array) -> None:
+        if np.array_equal(point, self._at):
+            return
+        steps = np.where(point > 0.5, -STEP, STEP)
+        rows = self._rows(np.vstack([point, point + np.diag(steps)]))
+        self._at, self._values, self._slopes = point.copy(), rows[0], (rows[1:] - rows[0]).T / steps
+
+    def _rows(self, points: Array) -> Array:
+        found = figures(self._family, points)
+        with np.errstate(invalid="ignore"):  # no law under no cap
+            peak, other = found.of(self._least) / self._scale, found.of(_capped(self._least)) / self._cap
+        self._is_peak = np.repeat([1.0, 0.0], [2 * peak.shape[1], 2 * other.shape[1]])
+        rows = np.hstack([-peak, peak, 1.0 - other, 1.0 + other])
+        return np.nan_to_num(rows, nan=-IMPOSSIBLE, posinf=-IMPOSSIBLE, neginf=-IMPOSSIBLE)
+
+
+def _descended(family: Family, least: Peak, cap: float, start: Array) -> Array:
+    """The local optimum that a start leads to, in the unit box."""
+    descent = _Descent(family, least, cap, start)
+    result = minimize(
+        lambda variables: variables[-1],
+        descent.start,
+        jac=lambda variables: np.eye(variables.size)[-1],
+        constraints={"type": "ineq", "fun": descent.values, "jac": descent.slopes},
+        bounds=[(0.0, 1.0)] * len(BOX) + [(0.0, None)],
+        method="SLSQP",
+        options={"maxiter": 150, "ftol": 1e-8},
+    )
+    point: Array = np.clip(result.x[:-1], 0.0, 1.0)
+    return point
+
+
+def _under_cap(family: Family, least: Peak, cap: float, point: Array) -> FamilyOptimum | None:
+    """The law of a point, moved until its exact peak keeps to the cap; None where it does not."""
+    tightened = cap
+    for _ in range(TIGHTENINGS):
+        try:
+            optimum = _made(family, point)
+        except NoSuchMechanism:
+            return None
+        over = optimum.peak(_capped(least)) / cap
+        if over <= 1.0 + WITHIN:
+            return optimum
+        tightened /= over
+        point = _descended(family, least, tightened, point)
+    return None
+
+
+def _made(family: Family, point: Array) -> FamilyOptimum:
+    """The law of a point of the unit box as a design file makes it, and its exact peaks."""
+    strokes, _ = _strokes(family, point[None])
+    request = strokes.request(0, family.speed_rad_s)
+    request = replace(request, theta3_rad=max(request.theta3_rad, request.theta2_rad))
+    law = stroke_law(solved_stroke(request), family.linkage, family.lobes, inverse_basis=family.inverse)
+    machine = Machine(law.transmission, family.linkage, family.resistance, family.speed_rad_s)
+    return FamilyOptimum(request, family.inverse, law, kinematic_check(machine))
+
+
+def _out_of_reach(family: Family, least: Peak, cap: float, seed: int, starts: int) -> NoSuchMechanism:
+    """The refusal of a cap, with the least that the family reaches without any other wish."""
+    capped = _capped(least)
+    points = _local_optima(family, capped, inf, seed, starts)
+    lowest = float(np.abs(figures(family, points[0][None]).of(capped)).max())
+    return NoSuchMechanism(
+        f"no law of the three-segment family was found with a {capped.value} of {cap:.6g} or less; the least found is "
+        f"{lowest:.6g}",
+        key="",
+    )

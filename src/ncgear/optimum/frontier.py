@@ -1,0 +1,130 @@
+"""Power against acceleration: what is possible at each cap on the power, and what laws that can be made come to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import inf, pi
+from typing import Any
+
+import numpy as np
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.optimum.family import Family, FamilyOptimum, Peak, best_of_family
+from ncgear.optimum.judged import Figures, figures
+from ncgear.optimum.limit import Bound, least_acceleration, least_power
+from ncgear.optimum.makeable import MakeableLaw, makeable_law
+from ncgear.optimum.starts import rough_start
+from ncgear.optimum.task import Limits, Task
+from ncgear.optimum.wishes import Goal, Wishes
+
+BEYOND = 1.02
+"""The frontier runs from just over the least power to just over the power at which acceleration gains nothing more."""
+
+WITHIN_REACH = 1.1
+"""The limit alone is shown from a tenth over its least power on: below, accelerations grow beyond all measure."""
+
+FAMILY_STARTS = 8
+"""Starts of the family's search at each point; neighbouring points are better known than any one would be alone."""
+
+
+@dataclass(frozen=True)
+class LawPoint:
+    """The certified limit under a cap on the power, and the best makeable law with its exact figures."""
+
+    cap_w: float
+    bound: Bound
+    law: Figures
+
+
+@dataclass(frozen=True)
+class FamilyPoint:
+    """The best law found of the three-segment family under a cap on the power; None where none was found.
+
+    ``motion`` is the block of a design file that makes it.
+    """
+
+    cap_w: float
+    peak_power_w: float | None
+    peak_acceleration_mm_s2: float | None
+    motion: dict[str, Any] | None = None
+
+
+def caps_w(task: Task, wishes: Wishes, count: int) -> list[float]:
+    """``count`` caps on the power from one end of the frontier to the other, in even ratios.
+
+    Raises NoSuchMechanism where no law keeps the wishes' other limits.
+    """
+    least = figures_of(task, _law(task, _free(wishes, Goal.POWER))).peak_power_w
+    most = figures_of(task, _law(task, _free(wishes, Goal.ACCELERATION))).peak_power_w
+    return [float(cap) for cap in np.geomspace(BEYOND * least, BEYOND * max(most, least), count)]
+
+
+def limit_points(task: Task, limits: Limits, most_w: float, count: int) -> list[tuple[float, float]]:
+    """The certified limit alone: caps on the power in W and least accelerations in mm/s2, up to ``most_w``.
+
+    From a tenth over the least power at any acceleration on; empty where nothing resists.
+    """
+    free = replace(limits, peak_power_w=None, peak_acceleration_mm_s2=None)
+    least = WITHIN_REACH * least_power(task, free).value
+    if not 0.0 < least < most_w:
+        return []
+    caps = [float(cap) for cap in np.geomspace(least, most_w, count)]
+    return [(cap, least_acceleration(task, replace(free, peak_power_w=cap)).value) for cap in caps]
+
+
+def law_point(task: Task, wishes: Wishes, cap_w: float) -> LawPoint:
+    """One point of the limit and of the makeable laws; raises NoSuchMechanism where no law is found."""
+    capped = _capped(wishes, cap_w)
+    return LawPoint(cap_w, least_acceleration(task, capped.limits), figures_of(task, _law(task, capped)))
+
+
+def family_point(task: Task, cap_w: float, seed: int) -> FamilyPoint:
+    """One point of the published family, by the better of its returns."""
+    found = []
+    for inverse in (False, True):
+        family = Family(task.linkage, task.resistance, task.speed_rad_s, inverse, task.lobes)
+        try:
+            found.append(best_of_family(family, Peak.ACCELERATION, cap_w, seed=seed, starts=FAMILY_STARTS))
+        except NoSuchMechanism:
+            continue
+    if not found:
+        return FamilyPoint(cap_w, None, None)
+    best = min(found, key=lambda optimum: optimum.peak(Peak.ACCELERATION))
+    return FamilyPoint(cap_w, best.peak(Peak.POWER), best.peak(Peak.ACCELERATION), motion_of(best))
+
+
+def motion_of(best: FamilyOptimum) -> dict[str, Any]:
+    """A law of the family as the motion of a design file; v2 is what closes the stroke."""
+    asked = best.request
+    assert asked.law_speed_rad_s is not None
+    return {
+        "law": "three_segment_stroke",
+        "solve_for": "v2",
+        "law_speed_rpm": asked.law_speed_rad_s * 30.0 / pi,
+        **{f"theta{number}_rad": getattr(asked, f"theta{number}_rad") for number in (1, 2, 3, 4)},
+        "v1_mm_s": asked.v1_mm_s,
+        "a1_mm_s2": asked.a1_mm_s2,
+        "return": {"basis": "inverse_ratio" if best.inverse else "ratio", "e": "least_acceleration"},
+    }
+
+
+def figures_of(task: Task, law: MakeableLaw) -> Figures:
+    """Exact figures of a makeable law."""
+    return figures(task, law.train(task.lobes))
+
+
+def _law(task: Task, wishes: Wishes) -> MakeableLaw:
+    """The best law from the fastest rough motion."""
+    rough = least_acceleration(task, wishes.limits).attained
+    return makeable_law(task, wishes, [rough_start(task, wishes, rough if rough < inf else 1.0)])
+
+
+def _free(wishes: Wishes, goal: Goal) -> Wishes:
+    """The wishes without limits on the two peaks themselves."""
+    limits = replace(wishes.limits, peak_power_w=None, peak_acceleration_mm_s2=None)
+    return replace(wishes, goal=goal, weights=None, limits=limits)
+
+
+def _capped(wishes: Wishes, cap_w: float) -> Wishes:
+    free = _free(wishes, Goal.ACCELERATION)
+    return replace(free, limits=replace(free.limits, peak_power_w=cap_w))

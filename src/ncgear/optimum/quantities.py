@@ -1,0 +1,88 @@
+"""What is limited, at one place of the crank, from ln i12 there and its two derivatives by the driven angle.
+
+All is written in arithmetic that numbers, arrays and symbols share, so that the optimiser and its judges use the same
+formulas.  With i = dphi1/dphi2, s = 1/i, f = ln i and primes by phi2:  d/dphi1 = s d/dphi2, di/dphi1 = f',
+d2i/dphi1^2 = s f''.  Pitch radii r1 = a/(1 + i) and r2 = a i/(1 + i), a the centre distance.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+Term = Any
+"""A number, an array or a symbol."""
+
+
+class Place(NamedTuple):
+    """The ratio at a place: ln i12, i12, its inverse, and the derivatives of ln i12 by the driven angle."""
+
+    log: Term
+    ratio: Term
+    slope: Term
+    first: Term
+    second: Term
+
+
+class Slider(NamedTuple):
+    """The slider at a place: derivatives of its displacement by the driven angle, in mm, and the force on it in N."""
+
+    first: Term
+    second: Term
+    third: Term
+    force_n: Term
+
+
+def velocity(at: Place, slider: Slider, speed_rad_s: Term) -> Term:
+    """Slider velocity in mm/s: w x' s."""
+    return speed_rad_s * slider.first * at.slope
+
+
+def acceleration(at: Place, slider: Slider, speed_rad_s: Term) -> Term:
+    """Slider acceleration in mm/s2: w^2 s^2 (x'' - x' f')."""
+    return speed_rad_s**2 * at.slope**2 * (slider.second - slider.first * at.first)
+
+
+def jerk(at: Place, slider: Slider, speed_rad_s: Term) -> Term:
+    """Slider jerk in mm/s3: w^3 s^3 (x''' - 3 x'' f' + 2 x' f'^2 - x' f'')."""
+    bend = slider.third - 3.0 * slider.second * at.first + slider.first * (2.0 * at.first**2 - at.second)
+    return speed_rad_s**3 * at.slope**3 * bend
+
+
+def power(at: Place, slider: Slider, speed_rad_s: Term, mass_kg: float) -> Term:
+    """Power at the slider in W: (F + m a) v; the torque on the driving gear is this over its speed."""
+    force = slider.force_n
+    if mass_kg:
+        force = force + mass_kg * acceleration(at, slider, speed_rad_s) / 1000.0
+    return force * velocity(at, slider, speed_rad_s) / 1000.0
+
+
+def tangent(at: Place) -> Term:
+    """Tangent of the angle between the pitch curves and the normal to the centre line: -r1'/r1 = f'/(1 + i)."""
+    return at.first / (1.0 + at.ratio)
+
+
+def driving_bulge(at: Place) -> Term:
+    """1 + i + d2i/dphi1^2, with the sign of the driving curve's curvature."""
+    return 1.0 + at.ratio + at.slope * at.second
+
+
+def driven_bulge(at: Place) -> Term:
+    """1 + s + d2s/dphi2^2, with the sign of the driven curve's curvature."""
+    return 1.0 + at.slope + (at.first**2 - at.second) * at.slope
+
+
+def driving_curvature(at: Place) -> Term:
+    """Curvature of the driving curve times the centre distance."""
+    return (1.0 + at.ratio) ** 3 * driving_bulge(at) / ((1.0 + at.ratio) ** 2 + at.first**2) ** 1.5
+
+
+def driven_curvature(at: Place) -> Term:
+    """Curvature of the driven curve times the centre distance."""
+    slope = at.first * at.slope
+    return (1.0 + at.slope) ** 3 * driven_bulge(at) / ((1.0 + at.slope) ** 2 + slope**2) ** 1.5
+
+
+def length_rate(at: Place) -> Term:
+    """Length of the pitch curves per unit of phi2, over the centre distance."""
+    across = 1.0 + at.ratio
+    return at.ratio * (across**2 + at.first**2) ** 0.5 / across**2

@@ -1,0 +1,85 @@
+"""The levels that a series reaches at given places: the judge of the optimiser, in plain arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import log, pi
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array
+from ncgear.optimum.levels import Level
+from ncgear.optimum.quantities import Place, Slider
+from ncgear.optimum.series import Basis, basis
+from ncgear.optimum.stages import length_rates
+from ncgear.optimum.stations import Stations
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Places around a turn of the crank, and the series' matrices there."""
+
+    stations: Stations
+    basis: Basis
+
+    @property
+    def slider(self) -> Slider:
+        """The slider at all places, shape (n,) each."""
+        at = self.stations
+        return Slider(at.first, at.second, at.third, at.force_n)
+
+
+def grid(stations: Stations, harmonics: int) -> Grid:
+    """Places with the matrices of so many harmonics."""
+    return Grid(stations, basis(stations.phi2_rad, harmonics))
+
+
+def closing_constant(series: Array, cycle_rad: float) -> float:
+    """c0 that closes the cycle, from the series at even places of a turn: the mean of i12 is the cycle over 2 pi."""
+    return log(cycle_rad / (2.0 * pi)) - log(float(np.mean(np.exp(series))))
+
+
+def ratios(on: Grid, coefficients: Array, cycle_rad: float) -> tuple[Place, ...]:
+    """i12 at all places of a grid, shape (n,) each, and iB where coefficients of a second stage follow."""
+    size = on.basis.value.shape[1]
+    cycles = cycle_rad, 2.0 * pi
+    return tuple(_ratio(on, one, cycle) for one, cycle in zip(coefficients.reshape(-1, size), cycles, strict=False))
+
+
+def _ratio(on: Grid, coefficients: Array, cycle_rad: float) -> Place:
+    series = on.basis.value @ coefficients
+    logarithm = series + closing_constant(series, cycle_rad)
+    return Place(
+        logarithm,
+        np.exp(logarithm),
+        np.exp(-logarithm),
+        on.basis.first @ coefficients,
+        on.basis.second @ coefficients,
+    )
+
+
+def lengths(at: Sequence[Place]) -> list[float]:
+    """Length that every pair rolls in one cycle over its centre distance, from the ratios at even places of a turn."""
+    return [2.0 * pi * float(np.mean(rate)) for rate in length_rates(at)]
+
+
+def reached(levels: Sequence[Level], on: Grid, at: Sequence[Place]) -> Array:
+    """The largest value of every level's terms around the turn, shape (levels,)."""
+    rolled = lengths(at)
+    return np.array([max(_top(term) for term in level.terms(at, on.slider, rolled)) for level in levels])
+
+
+def _top(values: Array) -> float:
+    """Largest value of a function around a turn: of the parabola through each place and its neighbours.
+
+    What the third derivative adds there is taken from two more neighbours, so that peaks are missed by the fourth power
+    of the distance; places alone miss them by the second, parabolas alone by the third.
+    """
+    before, after = np.roll(values, 1), np.roll(values, -1)
+    bend = before - 2.0 * values + after
+    peak = (values >= before) & (values >= after) & (bend < 0.0)
+    share = np.where(peak, (after - before) / np.where(peak, -2.0 * bend, 1.0), 0.0)
+    third = (np.roll(values, -2) - 2.0 * after + 2.0 * before - np.roll(values, 2)) / 2.0
+    rise = share * (after - before) / 4.0 + third * share * (share**2 - 1.0) / 6.0
+    return float(np.max(values + rise))

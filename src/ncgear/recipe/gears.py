@@ -1,0 +1,64 @@
+"""The gears of a design, in mm at a module: basic rack, tooth form, helix, rim."""
+
+from __future__ import annotations
+
+from math import radians
+
+from ncgear.design.gears import Gears, Rack
+from ncgear.machine.rack import BasicRack, TipRelief
+from ncgear.solids.helix import Hand, Helix
+from ncgear.teeth.form import Cutter, CutterKind, TipLimits, ToothForm
+
+RIM_IN_MODULES = 3.5
+"""Rim of a ring where the file says nothing: from this thickness on ISO 6336-3 counts no weakening of internal teeth
+(value from secondary sources)."""
+
+
+def rack_of(gears: Gears, module_mm: float) -> BasicRack:
+    """The basic rack in mm at a module."""
+    rack = gears.rack
+    return BasicRack(
+        module_mm=module_mm,
+        pressure_angle_rad=radians(rack.pressure_angle_deg),
+        addendum_mm=rack.addendum * module_mm,
+        dedendum_mm=rack.dedendum * module_mm,
+        root_radius_mm=rack.root_radius * module_mm,
+        backlash_mm=gears.backlash_mm,
+        relief=_relief(rack, module_mm),
+    )
+
+
+def _relief(rack: Rack, module_mm: float) -> TipRelief | None:
+    if rack.tip_relief is None:
+        return None
+    start, full = rack.tip_relief.start * module_mm, rack.addendum * module_mm
+    return TipRelief(rack.tip_relief.amount * module_mm, start, full)
+
+
+def tooth_form(gears: Gears, module_mm: float) -> ToothForm:
+    """Everything asked of the teeth, in mm at a module; one shift given, the other is its opposite."""
+    shift = gears.profile_shift
+    driving = shift.driving if shift.driving is not None else 0.0 - (shift.driven or 0.0)
+    driven = shift.driven if shift.driven is not None else 0.0 - driving
+    return ToothForm(
+        rack=rack_of(gears, module_mm),
+        driving_shift_mm=driving * module_mm,
+        driven_shift_mm=driven * module_mm,
+        shift_for_undercut=shift.against_undercut,
+        cutter=Cutter(CutterKind(gears.cutter.kind), gears.cutter.teeth),
+        limits=TipLimits(gears.least_tip_land * module_mm, gears.undercut == "avoid"),
+        equivalent=gears.method == "equivalent_gear",
+    )
+
+
+def rim_mm_of(gears: Gears, module_mm: float) -> float:
+    """Thickness of a ring outside its deepest root."""
+    return RIM_IN_MODULES * module_mm if gears.driven.rim_mm is None else gears.driven.rim_mm
+
+
+def helix_of(gears: Gears) -> Helix | None:
+    """The helix of the teeth; None where they are straight."""
+    helix = gears.helix
+    if helix is None:
+        return None
+    return Helix(radians(helix.angle_deg), gears.face_width_mm, Hand(helix.hand), helix.kind == "herringbone")

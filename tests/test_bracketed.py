@@ -1,0 +1,55 @@
+"""Zeros in many brackets at once: against closed forms, hard functions, and a bracket without a zero."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.bracketed import zeros_between
+
+
+def test_many_zeros_at_once() -> None:
+    low = np.arange(50) * np.pi + 0.3
+    found = zeros_between(np.sin, low, low + 3.0)
+    assert np.max(np.abs(found - np.arange(1, 51) * np.pi)) <= 1e-13  # 157 and its rounding
+
+
+@pytest.mark.parametrize(
+    ("function", "low", "high", "zero"),
+    [
+        (lambda t: t**9, -1.0, 4.0, 0.0),
+        (lambda t: np.exp(50.0 * (t - 1.0)) - 1.0, -3.0, 1.5, 1.0),
+        (np.sign, -1.0, 0.7, 0.0),
+        (lambda t: np.where(t < 0.3, -1e-12, 1e12), 0.0, 1.0, 0.3),
+        (lambda t: t - 0.25, 0.25, 1.0, 0.25),
+        (lambda t: 1.0 / (t - 2.0) + 1.0, -5.0, 1.5, 1.0),
+    ],
+)
+def test_hard_functions(function: Callable[[Array], Array], low: float, high: float, zero: float) -> None:
+    for ends in ((low, high), (high, low)):
+        found = zeros_between(function, *(np.array([end]) for end in ends))
+        # Nothing is demanded beyond the function's own digits: t^9 is below the smallest number for t < 1e-36
+        assert found[0] == pytest.approx(zero, abs=1e-15)
+
+
+def test_few_evaluations_are_needed() -> None:
+    calls = []
+
+    def counted(points: Array) -> Array:
+        calls.append(points.size)
+        return np.cos(points)
+
+    zeros_between(counted, np.linspace(0.0, 1.0, 20), np.linspace(2.0, 3.0, 20))
+    assert len(calls) <= 12
+
+
+def test_nothing_to_look_for_is_nothing_found() -> None:
+    assert zeros_between(np.sin, np.empty(0), np.empty(0)).size == 0
+
+
+def test_a_function_that_is_no_number_has_no_zero() -> None:
+    with pytest.raises(ArithmeticError, match="no zero"):
+        zeros_between(lambda points: points * np.nan, np.zeros(2), np.ones(2))

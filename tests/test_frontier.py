@@ -1,0 +1,201 @@
+"""The frontier: points that are kept, taken up again, and written; power against acceleration falls."""
+
+from __future__ import annotations
+
+import csv
+import json
+from io import BytesIO, StringIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import ncgear.frontier as of_design
+from ncgear.design.load import load
+from ncgear.design.schema import Design
+from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.frontier import KEPT, Frontier, Kept, frontier
+from ncgear.improvement import Improvement
+from ncgear.optimum.family import Family, Peak, best_of_family
+from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, law_point, motion_of
+from ncgear.optimum.judged import Figures
+from ncgear.optimum.limit import Bound
+from ncgear.output.frontier import frontier_csv, frontier_json, mechanisms
+from ncgear.output.frontier_files import frontier_files, frontier_text
+from ncgear.recipe.law import linkage_of
+from ncgear.recipe.wishes import task_of, wishes_of
+
+DESIGNS = Path(__file__).parents[1] / "designs"
+
+
+RESISTANCE = {"polynomial_n": (-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7)}
+
+
+def design(harmonics: int = 8) -> Design:
+    """The baler with few harmonics, so that a point takes a fraction of a second."""
+    whole = load(DESIGNS / "baler-frontier.yaml").design
+    assert whole.optimize is not None
+    return whole.model_copy(update={"optimize": whole.optimize.model_copy(update={"harmonics": harmonics})})
+
+
+def figures(power: float, acceleration: float) -> Figures:
+    return Figures(power, acceleration, 3000.0, 0.7, 2.0, 3.5, 0.5, True, 9.0)
+
+
+def found() -> Frontier:
+    """Two points by hand."""
+    return Frontier(
+        [
+            LawPoint(6000.0, Bound(30_000.0, 30_010.0, 1600), figures(5999.0, 40_000.0)),
+            LawPoint(12_000.0, Bound(14_000.0, 14_010.0, 1600), figures(11_999.0, 16_000.0)),
+        ],
+        [FamilyPoint(6000.0, None, None), FamilyPoint(12_000.0, 11_990.0, 18_500.0)],
+    )
+
+
+# --- points ----------------------------------------------------------------------------------------------------------
+
+
+def test_caps_run_from_the_least_power_to_where_more_is_of_no_use() -> None:
+    task, wishes = task_of(design(), linkage_of(design())), wishes_of(design())
+    caps = caps_w(task, wishes, 3)
+    assert caps == sorted(caps)
+    assert caps[1] ** 2 == pytest.approx(caps[0] * caps[2], rel=1e-12)
+    points = [law_point(task, wishes, cap) for cap in (caps[0], caps[2], 1.5 * caps[2])]
+    accelerations = [point.law.peak_acceleration_mm_s2 for point in points]
+    assert accelerations[0] > accelerations[1]
+    # Beyond the last cap nothing is gained.
+    assert accelerations[2] == pytest.approx(accelerations[1], rel=1e-4)
+    for point in points:
+        assert point.law.peak_power_w <= point.cap_w
+        assert point.law.peak_acceleration_mm_s2 > point.bound.value
+
+
+def test_a_law_allowed_under_one_cap_is_allowed_under_every_higher_one() -> None:
+    points = [FamilyPoint(1.0, None, None), FamilyPoint(2.0, 1.9, 50.0), FamilyPoint(3.0, 2.9, 60.0)]
+    best = of_design._best_so_far([*points, FamilyPoint(4.0, None, None), FamilyPoint(5.0, 4.9, 20.0)])
+    assert [point.peak_acceleration_mm_s2 for point in best] == [None, 50.0, 50.0, 50.0, 20.0]
+    assert [point.cap_w for point in best] == [1.0, 2.0, 3.0, 4.0, 5.0]
+
+
+def test_the_familys_motion_makes_the_law_it_says() -> None:
+    """As the motion of a design file, by way of the schema; cheap starts, for any law will do."""
+    task = task_of(design(), linkage_of(design()))
+    family = Family(task.linkage, task.resistance, task.speed_rad_s)
+    best = best_of_family(family, Peak.ACCELERATION, 15_000.0, starts=1)
+    said = {"motion": motion_of(best), "name": "again", "linkage": {"crank_mm": 380.0, "rod_mm": 960.0}}
+    again = Design.model_validate({**said, "operation": {"speed_rpm": 60.0}, "resistance": RESISTANCE})
+    found = Improvement(again).given_figures
+    assert found is not None
+    assert found.peak_acceleration_mm_s2 == pytest.approx(best.peak(Peak.ACCELERATION), rel=1e-9)
+    assert found.peak_power_w == pytest.approx(best.peak(Peak.POWER), rel=1e-9)
+
+
+# --- what is kept ----------------------------------------------------------------------------------------------------
+
+
+def test_kept_points_are_those_of_the_same_design(tmp_path: Path) -> None:
+    kept, other = Kept(tmp_path / "new" / KEPT, design()), Kept(tmp_path / "new" / KEPT, design(9))
+    assert kept.found() == {}
+    kept.add("family", 6000.0, {"cap_w": 6000.0})
+    other.add("family", 7000.0, {"cap_w": 7000.0})
+    assert kept.found() == {("family", 6000.0): {"cap_w": 6000.0}}
+    assert other.found() == {("family", 7000.0): {"cap_w": 7000.0}}
+
+
+def test_a_line_cut_off_by_a_kill_is_passed_over(tmp_path: Path) -> None:
+    kept = Kept(tmp_path / KEPT, design())
+    kept.add("law", 6000.0, {"a": 1})
+    with kept.path.open("a", encoding="utf-8") as file:
+        file.write('{"key": "' + kept.key)
+    assert kept.found() == {("law", 6000.0): {"a": 1}}
+
+
+def test_an_interrupted_run_goes_on_from_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing that is on file is computed again, and an interruption loses nothing that is."""
+    asked: list[tuple[str, float]] = []
+
+    def point(kind: str, cap: float) -> dict[str, object]:
+        if kind == "family":
+            return vars(FamilyPoint(cap, cap, 20_000.0))
+        law = figures(cap, 20_000.0)
+        return {"cap_w": cap, "bound": vars(Bound(10_000.0, 10_001.0, 1600)), "law": vars(law)}
+
+    def computed(of: Design, jobs: list[tuple[str, float]]) -> object:
+        for job in jobs:
+            if len(asked) == 3:
+                raise KeyboardInterrupt
+            asked.append(job)
+            yield (*job, point(*job))
+
+    monkeypatch.setattr(of_design, "caps_w", lambda task, wishes, count: [6000.0, 8000.0, 12_000.0])
+    monkeypatch.setattr(of_design, "_computed", computed)
+    heard: list[tuple[int, int]] = []
+    with pytest.raises(KeyboardInterrupt):
+        frontier(design(), 3, tmp_path, lambda done, total: heard.append((done, total)))
+    assert heard == [(0, 6), (1, 6), (2, 6), (3, 6)]
+    first = list(asked)
+    monkeypatch.setattr(of_design, "caps_w", None)
+    asked.clear()
+    asked.extend([("none", 0.0)] * 4)  # past the interruption
+    whole = frontier(design(), 3, tmp_path, lambda done, total: None)
+    assert set(asked[4:]).isdisjoint(first)
+    assert [point.cap_w for point in whole.laws] == [6000.0, 8000.0, 12_000.0]
+
+
+def test_without_resistance_there_is_no_frontier(tmp_path: Path) -> None:
+    nothing = design().model_copy(update={"resistance": None})
+    with pytest.raises(WrongInput, match="no power to set against acceleration"):
+        frontier(nothing, 2, tmp_path, lambda done, total: None)
+
+
+def test_points_that_were_all_refused_say_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    results = {"law": {"refused": "no law was found"}, "family": vars(FamilyPoint(1.0, None, None))}
+    monkeypatch.setattr(of_design, "caps_w", lambda task, wishes, count: [6000.0])
+    monkeypatch.setattr(of_design, "_computed", lambda of, jobs: [(*job, results[job[0]]) for job in jobs])
+    with pytest.raises(NoSuchMechanism, match="no law was found"):
+        frontier(design(), 1, tmp_path, lambda done, total: None)
+
+
+# --- what is written -------------------------------------------------------------------------------------------------
+
+
+def test_tables_hold_the_points() -> None:
+    rows = list(csv.DictReader(StringIO(frontier_csv(found()))))
+    assert [float(row["limit_acceleration_mm_s2"]) for row in rows] == [30_000.0, 14_000.0]
+    assert [row["family_acceleration_mm_s2"] for row in rows] == ["", "18500.0"]
+    content = json.loads(frontier_json(found(), Improvement(design())))
+    assert content["points"][1]["gap"] == pytest.approx(1.0 / 7.0, rel=1e-12)
+    assert content["speed_rpm"] == 60.0
+
+
+def test_mechanisms_are_at_one_speed() -> None:
+    """The earlier mechanism's figures at 30 r/min: half the power, a quarter of the acceleration."""
+    slow = design().model_copy(update={"operation": design().operation.model_copy(update={"speed_rpm": 30.0})})
+    at_60, at_30 = ({one.name: one for one in mechanisms(Improvement(of))} for of in (design(), slow))
+    assert set(at_60) == {"design as given", "uniform crank", "Lei et al. 2012"}
+    assert at_60["Lei et al. 2012"].peak_power_w == 18_750.0
+    for name, one in at_60.items():
+        assert at_30[name].peak_power_w == pytest.approx(one.peak_power_w / 2.0, rel=1e-9)
+        assert at_30[name].peak_acceleration_mm_s2 == pytest.approx(one.peak_acceleration_mm_s2 / 4.0, rel=1e-9)
+
+
+def test_the_picture_and_the_text(tmp_path: Path) -> None:
+    files = frontier_files(found(), Improvement(design()))
+    assert set(files) == {"frontier.csv", "frontier.json", "frontier.png"}
+    picture = np.asarray(Image.open(BytesIO(files["frontier.png"])).convert("RGB")).reshape(-1, 3)
+    for colour in ((0x00, 0x72, 0xB2), (0xD5, 0x5E, 0x00), (0xCC, 0x79, 0xA7)):
+        assert np.any(np.all(picture == colour, axis=1))
+    text = frontier_text(found(), Improvement(design()), [tmp_path / "frontier.csv"])
+    assert "33.3" in text
+    assert "uniform crank" in text
+
+
+@pytest.mark.slow
+def test_points_come_from_processes_and_are_those_of_one(tmp_path: Path) -> None:
+    whole = frontier(design(6), 2, tmp_path, lambda done, total: None)
+    task, wishes = task_of(design(6), linkage_of(design(6))), wishes_of(design(6))
+    alone = law_point(task, wishes, whole.laws[0].cap_w)
+    assert whole.laws[0].law.peak_acceleration_mm_s2 == pytest.approx(alone.law.peak_acceleration_mm_s2, rel=1e-9)
+    assert (tmp_path / KEPT).read_text(encoding="utf-8").count("\n") == 5

@@ -1,0 +1,43 @@
+"""The certified limit against the convex programme in q(phi2), by a solver that knows nothing of passes."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+import pytest
+
+from ncgear.machine.polynomial_resistance import PolynomialResistance
+from ncgear.machine.resistance import Resistance
+from ncgear.machine.table_resistance import TableResistance
+from ncgear.optimum.limit import least_acceleration
+from ncgear.optimum.task import Limits, Task
+from oracles import convex_limit
+from test_kinematics import PRESS
+from test_laws import BALER_LINKAGE
+
+RPM = pi / 30.0
+PLACES = 321
+
+
+@pytest.mark.parametrize(
+    ("rpm", "power_w", "ratios", "resistance"),
+    [
+        (60.0, 9000.0, (0.2, 5.0), PRESS),
+        (52.80854482726039, 6300.0, (0.2, 5.0), PRESS),
+        (60.0, 12000.0, (0.5, 2.4), PRESS),
+        (30.0, 1000.0, (0.3, 3.0), PolynomialResistance((500.0,))),
+        (30.0, 3000.0, (0.3, 3.0), TableResistance((0.0, 300.0, 500.0, 760.0), (0.0, 100.0, 4000.0, 6000.0))),
+    ],
+)
+def test_the_convex_programme_gives_the_same(
+    rpm: float, power_w: float, ratios: tuple[float, float], resistance: Resistance
+) -> None:
+    """Its grid of 320 has chords where motions peak, which is of second order."""
+    angle = np.linspace(0.0, 2.0 * pi, PLACES)
+    position = convex_limit.displacement(380.0, 960.0, angle)
+    force = np.where(angle <= pi, resistance.force_n(position), 0.0)
+    convex = convex_limit.least_acceleration(380.0, 960.0, force, power_w, rpm * RPM, ratios)
+    task = Task(BALER_LINKAGE, resistance, rpm * RPM)
+    found = least_acceleration(task, Limits(*ratios, peak_power_w=power_w))
+    assert found.value == pytest.approx(convex, rel=3e-3)

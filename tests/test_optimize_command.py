@@ -1,0 +1,267 @@
+"""`ncgear optimize` as a user meets it: files, exit status, and what is said about a wrong block."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import math
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+import ncgear.cli
+from ncgear.design.load import load
+from ncgear.drive import Drive
+from ncgear.improvement import Improvement
+
+HEAD = """\
+# the press of hall 2
+name: press
+linkage: {crank_mm: 380, rod_mm: 960}   # measured
+operation: {speed_rpm: 60}
+motion: {law: uniform_crank}
+resistance: {polynomial_n: [-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7]}  # of the paper
+"""
+GEARS = "gears: {teeth: 40, module_mm: 4, face_width_mm: 30}\n"
+FEW = "optimize: {harmonics: 6, limits: {peak_power_w: 12000}}  # as wished\n"
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
+    """Optimise d.yaml, which holds the text, in an empty folder: status, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("NCGEAR_DEBUG", raising=False)
+
+    def run_once(text: str, *arguments: str) -> tuple[int, str, str]:
+        Path("d.yaml").write_text(text, encoding="utf-8")
+        monkeypatch.setattr(sys, "argv", ["ncgear", "optimize", "d.yaml", *arguments])
+        with pytest.raises(SystemExit) as exit_:
+            ncgear.cli.main()
+        out, err = capsys.readouterr()
+        return int(exit_.value.code or 0), out, err
+
+    return run_once
+
+
+def numbers(value: object) -> Iterator[float]:
+    """All numbers of a JSON value."""
+    if isinstance(value, dict):
+        for part in value.values():
+            yield from numbers(part)
+    elif isinstance(value, list):
+        for part in value:
+            yield from numbers(part)
+    elif isinstance(value, (int, float)):
+        yield float(value)
+
+
+def test_what_is_written(run: Run) -> None:
+    """A design that loads and builds its law, comments kept, and a certificate of finite numbers."""
+    status, out, err = run(HEAD + FEW)
+    assert (status, err) == (0, "")
+    folder = Path("export/press-optimized")
+    files = ["certificate.json", "frontier.png", "press-optimized.yaml"]
+    assert sorted(path.name for path in folder.iterdir()) == files
+    assert all(str(path) in out for path in folder.iterdir())
+    text = (folder / "press-optimized.yaml").read_text()
+    assert all(comment in text for comment in ("# the press of hall 2", "# measured", "# of the paper", "# as wished"))
+    drive = Drive(load(folder / "press-optimized.yaml").design)
+    found = json.loads((folder / "certificate.json").read_text())
+    assert all(math.isfinite(value) for value in numbers(found))
+    assert found["goal"]["gap"] >= 0.0
+    assert found["goal"]["law"] == found["law"]["peak_acceleration_mm_s2"] >= found["goal"]["limit"]
+    assert found["law"]["peak_power_w"] <= 12_000.0
+    assert found["law"]["convex"]
+    # What the certificate says is what a check of the written design says, bit for bit.
+    assert drive.check.peak_acceleration_cycle_mm_s2.value == found["law"]["peak_acceleration_mm_s2"]
+    assert drive.check.peak_power_w.value == found["law"]["peak_power_w"]
+    assert found["uniform_crank"] == found["design_as_given"]
+
+
+def test_the_written_file_gives_the_same_law_again(run: Run) -> None:
+    run(HEAD + FEW)
+    folder = Path("export/press-optimized")
+    text, certificate = (folder / "press-optimized.yaml").read_text(), (folder / "certificate.json").read_text()
+    assert run(text)[0] == 0
+    assert (folder / "press-optimized.yaml").read_text() == text
+    again = json.loads((folder / "certificate.json").read_text())
+    assert again["law"] == json.loads(certificate)["law"] == again["design_as_given"]
+
+
+def test_without_a_block_the_least_acceleration_is_looked_for(run: Run) -> None:
+    status, out, _ = run(HEAD)
+    assert status == 0
+    assert out.startswith("press: least acceleration at 60 r/min")
+
+
+def test_a_long_name_stays_a_name(run: Run) -> None:
+    name = "x" * 64
+    assert run(HEAD.replace("name: press", f"name: {name}") + FEW)[0] == 0
+    (written,) = Path("export").glob("*/*.yaml")
+    assert load(written).design.name == written.stem == written.parent.name
+    assert written.stem.endswith("-optimized")
+
+
+def test_points_of_another_file_come_along(run: Run, tmp_path: Path) -> None:
+    """The written design stands in another folder, where the file of points is not."""
+    Path(tmp_path, "force.csv").write_text("displacement_mm,force_n\n0,0\n300,1000\n760,20000\n")
+    lines = [line for line in HEAD.splitlines() if not line.startswith("resistance")]
+    text = "\n".join([*lines, "resistance: {table: {file: force.csv}}", "optimize: {harmonics: 4}", ""])
+    assert run(text)[0] == 0
+    design = load(Path("export/press-optimized/press-optimized.yaml")).design
+    assert design.resistance is not None
+    assert design.resistance.table is not None
+    assert design.resistance.table.force_n == (0.0, 1000.0, 20000.0)
+
+
+def test_output_folder_is_a_file(run: Run, tmp_path: Path) -> None:
+    Path(tmp_path, "taken").write_text("")
+    status, out, err = run(HEAD + FEW, "--out", "taken")
+    assert (status, out) == (2, "")
+    assert "taken: is no folder" in err
+
+
+def test_a_missing_solver_is_named_with_the_command(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    there = importlib.util.find_spec
+    monkeypatch.setattr("ncgear.extras.find_spec", lambda name: None if name == "casadi" else there(name))
+    status, out, err = run(HEAD + FEW)
+    assert (status, out) == (2, "")
+    assert "casadi" in err
+    assert "python -m pip install 'ncgear[optimize]'" in err
+    assert not Path("export").exists()
+
+
+@pytest.mark.parametrize(
+    ("limits", "status", "said"),
+    [
+        ("peak_power_w: 3000", 3, "d.yaml:8:35: optimize.limits.peak_power_w: 3000 W is too little"),
+        ("ratio_min: 1.0, ratio_max: 1.0", 2, "optimize.limits.ratio_max: 1 given; a ratio over ratio_min"),
+        ("working_angle_deg: 370", 3, "optimize.limits.working_angle_deg: a working stroke of 6.4577 rad"),
+        ("peak_power_w: 9000, peak_acceleration_mm_s2: 9000", 3, "optimize.limits.peak_acceleration_mm_s2: 9000 mm/s"),
+        ("driven_speed_rpm: 61, peak_power_w: 12000", 3, "a driven gear at"),
+    ],
+)
+def test_what_cannot_be_is_said_at_its_line(run: Run, limits: str, status: int, said: str) -> None:
+    got, out, err = run(f"{HEAD}\noptimize: {{harmonics: 4, limits: {{{limits}}}}}\n")
+    assert (got, out) == (status, "")
+    assert err.startswith("d.yaml:8:")
+    assert said in err
+    assert not Path("export").exists()
+
+
+WRONG: dict[str, tuple[str, str, str]] = {
+    "weights without weighted": ("weights: {acceleration_mm_s2: 1, power_w: 1}", "weights", "leave weights out"),
+    "weighted without weights": ("goal: weighted", "weights", "missing; a weighted goal"),
+    "zero weight": (
+        "goal: weighted, weights: {acceleration_mm_s2: 0, power_w: 1}",
+        "weights.acceleration_mm_s2",
+        "over 0",
+    ),
+    "endless weight": (
+        "goal: weighted, weights: {acceleration_mm_s2: 1.0e-320, power_w: 1}",
+        "weights.acceleration_mm_s2",
+        "a positive number is needed",
+    ),
+    "unknown goal": ("goal: least_noise", "goal", "'least_noise' given"),
+    "pressure angle of the rack": ("limits: {pressure_angle_deg: 20}", "limits.pressure_angle_deg", "the rack alone"),
+    "radius without sizes": ("limits: {least_radius_mm: 10}", "limits.least_radius_mm", "gears.teeth and"),
+    "undercut without teeth": ("limits: {free_of_undercut: true}", "limits.free_of_undercut", "give gears.teeth"),
+    "high ratio_min": ("limits: {ratio_min: 1.5}", "limits.ratio_min", "1.5 given; a number of 1 or under"),
+    "ratio_min of zero": ("limits: {ratio_min: 0}", "limits.ratio_min", "a number of 0.01 or over"),
+    "low ratio_max": ("limits: {ratio_max: 0.5}", "limits.ratio_max", "a number of 1 or over"),
+    "negative power": ("limits: {peak_power_w: -1}", "limits.peak_power_w", "a number over 0"),
+    "misspelt limit": ("limits: {peak_power: 1}", "limits.peak_power", "did you mean peak_power_w?"),
+    "working angle twice": (
+        "limits: {working_angle_deg: 200, working_angle_pi: 1}",
+        "limits.working_angle_",
+        "keep one",
+    ),
+    "no harmonics": ("harmonics: 1", "harmonics", "a number of 2 or over"),
+    "many starts": ("starts: 21", "starts", "a number of 20 or under"),
+    "negative mass": ("slider_mass_kg: -1", "slider_mass_kg", "a number of 0 or over"),
+}
+
+
+@pytest.mark.parametrize(("block", "key", "said"), WRONG.values(), ids=WRONG.keys())
+def test_wrong_blocks_are_refused_at_their_line(run: Run, block: str, key: str, said: str) -> None:
+    status, out, err = run(f"{HEAD}\noptimize: {{{block}}}\n")
+    assert (status, out) == (2, "")
+    assert err.startswith("d.yaml:8:")
+    assert f": optimize.{key}" in err
+    assert said in err.splitlines()[0]
+    assert not Path("export").exists()
+
+
+@pytest.mark.parametrize(
+    ("gears", "limits", "key", "said"),
+    [
+        ("teeth: 40, module_mm: 4", "least_radius_mm: 80", "limits.least_radius_mm", "under 80 mm is right"),
+        ("teeth: 12, module_mm: 4", "free_of_undercut: true", "limits.free_of_undercut", "undercut even on a circle"),
+        (
+            "teeth: 40, module_mm: 4, rack: {pressure_angle_deg: 25}",
+            "pressure_angle_deg: 24",
+            "limits.pressure_angle_deg",
+            "the rack alone has 25",
+        ),
+    ],
+)
+def test_what_no_gears_can_keep_is_refused(run: Run, gears: str, limits: str, key: str, said: str) -> None:
+    status, _, err = run(f"{HEAD}gears: {{{gears}, face_width_mm: 9}}\noptimize: {{limits: {{{limits}}}}}\n")
+    assert status == 2
+    assert f"d.yaml:8:{err.split(':')[2]}: optimize.{key}: " in err
+    assert said in err
+
+
+def test_a_pressure_angle_counts_the_rack(run: Run) -> None:
+    block = "optimize: {harmonics: 6, limits: {pressure_angle_deg: 27}}\n"
+    assert run(HEAD + GEARS + block)[0] == 0
+    found = json.loads(Path("export/press-optimized/certificate.json").read_text())
+    assert found["law"]["tangent_deg"] == pytest.approx(7.0, abs=1e-3)
+    assert found["law"]["tangent_deg"] <= 7.0
+
+
+LOADED = """
+import sys
+import ncgear.cli
+sys.argv = ["ncgear", *{arguments}]
+try:
+    ncgear.cli.main()
+finally:
+    print("loaded:", [name for name in {names} if name in sys.modules])
+"""
+
+
+def loaded(folder: Path, arguments: list[str], names: tuple[str, ...]) -> str:
+    """What a fresh process has loaded of the names after a command; its last line."""
+    command = [sys.executable, "-c", LOADED.format(arguments=arguments, names=names)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=folder, timeout=120, check=True)
+    return done.stdout.splitlines()[-1]
+
+
+@pytest.mark.slow
+def test_an_optimisation_loads_no_meshes(tmp_path: Path) -> None:
+    Path(tmp_path, "d.yaml").write_text(HEAD + "optimize: {harmonics: 4}\n")
+    heavy = ("trimesh", "casadi")
+    assert loaded(tmp_path, ["optimize", "d.yaml"], heavy) == "loaded: ['casadi']"
+
+
+def test_a_check_and_help_load_no_solver(tmp_path: Path) -> None:
+    Path(tmp_path, "d.yaml").write_text(HEAD + FEW)
+    assert loaded(tmp_path, ["check", "d.yaml"], ("casadi",)) == "loaded: []"
+    assert loaded(tmp_path, ["optimize", "--help"], ("casadi", "numpy")) == "loaded: []"
+
+
+def test_an_improvement_is_computed_once_and_starts_count(tmp_path: Path) -> None:
+    """More starts are never worse, and what is asked for twice is the same."""
+    path = Path(tmp_path, "d.yaml")
+    path.write_text(HEAD + FEW)
+    one = Improvement(load(path).design)
+    assert one.law is one.law
+    path.write_text(HEAD + FEW.replace("harmonics: 6", "harmonics: 6, starts: 2"))
+    two = Improvement(load(path).design)
+    assert two.goal <= one.goal * (1.0 + 1e-12)

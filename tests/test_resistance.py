@@ -1,0 +1,213 @@
+"""Every form of the resistance keeps one contract: derivatives, zeros, turns, work; then power and messages."""
+
+from __future__ import annotations
+
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from ncgear.design.load import load
+from ncgear.drive import Drive
+from ncgear.errors import WrongInput
+from ncgear.kinematics.check import kinematic_check, work_per_stroke_j
+from ncgear.kinematics.slider import Machine
+from ncgear.machine.formula_resistance import FormulaResistance
+from ncgear.machine.polynomial_resistance import PolynomialResistance
+from ncgear.machine.resistance import Resistance
+from ncgear.machine.table_resistance import TableResistance
+from ncgear.numerics.jet import Jet
+from ncgear.ratio.laws.uniform import uniform_law
+from ncgear.ratio.transmission import Lobes
+from test_design_file import HEAD, loaded, refusal
+from test_kinematics import FIT
+from test_laws import BALER_LINKAGE
+
+STROKE = 760.0
+AS_TEXT = "-131.2779 + 3.447*x + 1.846e-2*x**2 - 1.575e-4*x**3 + 2.498e-7*x**4"
+CURVE = Jet.variable(np.linspace(0.0, 759.0, 12), 1)
+
+FORMS: dict[str, Resistance] = {
+    "polynomial": PolynomialResistance(FIT),
+    "none": PolynomialResistance(),
+    "constant": PolynomialResistance((400.0,)),
+    "table": TableResistance((0.0, 100.0, 300.0, 310.0, 760.0), (-50.0, 80.0, -20.0, 900.0, 30.0)),
+    "short table": TableResistance((200.0, 500.0), (-10.0, 1000.0)),
+    "table with gaps": TableResistance((-9.0, 100.0, 200.0, 300.0, 900.0), (5.0, 0.0, 0.0, 0.0, 77.0)),
+    "expression": FormulaResistance(AS_TEXT),
+    "waves": FormulaResistance("1000*sin(x/40)*exp(-x/300) - 20"),
+    "expression of nothing": FormulaResistance("0"),
+}
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_slope_is_the_derivative(name: str) -> None:
+    inside = np.linspace(1.0, 759.0, 57)
+    step = 1e-4
+    slope = FORMS[name].fitted_n(Jet.variable(inside, 1)).derivative(1)
+    ends = [FORMS[name].fitted_n(Jet((inside + side)[None, :])).value for side in (step, -step)]
+    # A central difference: step^2 times the third derivative, and rounding of 1e4 N over the step.
+    assert slope == pytest.approx((ends[0] - ends[1]) / (2.0 * step), abs=2e-4)
+
+
+@pytest.mark.parametrize("keep", [False, True])
+@pytest.mark.parametrize("name", FORMS)
+def test_work_is_the_integral_of_the_force(name: str, keep: bool) -> None:
+    resistance = kept(FORMS[name], keep)
+    cuts = np.concatenate([[0.0], resistance.zeros_mm(STROKE), resistance.turns_mm(STROKE), [STROKE]])
+    for end in (55.0, 305.0, STROKE):
+        inner = np.unique(np.append(cuts[cuts < end], end))
+        parts = [quad(lambda x: float(resistance.force_n(np.array([x]))[0]), *pair)[0] for pair in pairs(inner)]
+        work = float(resistance.work_n_mm(np.array([end]), STROKE)[0])
+        assert work == pytest.approx(sum(parts), rel=1e-9, abs=1e-6)
+    assert work_per_stroke_j(resistance, STROKE) == pytest.approx(work / 1000.0, rel=1e-15)
+
+
+def kept(resistance: Resistance, keep: bool) -> Resistance:
+    match resistance:
+        case PolynomialResistance(coefficients_n=coefficients):
+            return PolynomialResistance(coefficients, keep)
+        case TableResistance(displacement_mm=points, at_points_n=forces):
+            return TableResistance(points, forces, keep)
+        case FormulaResistance(text=text):
+            return FormulaResistance(text, keep)
+    raise AssertionError(resistance)
+
+
+def pairs(edges: np.ndarray) -> list[tuple[float, float]]:
+    return list(zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True))
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_zeros_and_turns_are_all_there(name: str) -> None:
+    """Between two zeros no sample changes its sign, between two turns the samples rise or fall throughout."""
+    resistance = FORMS[name]
+    samples = np.linspace(0.0, STROKE, 20001)
+    force = resistance.fitted_n(Jet(samples[None, :])).value
+    zeros, turns = resistance.zeros_mm(STROKE), resistance.turns_mm(STROKE)
+    assert np.all(np.abs(resistance.fitted_n(Jet(zeros[None, :])).value) <= 1e-9 * (1.0 + np.abs(force).max()))
+    for low, high in pairs(np.concatenate([[0.0], zeros, [STROKE]])):
+        inside = force[(samples > low + 1e-6) & (samples < high - 1e-6)]
+        assert not (inside.max(initial=0.0) > 0.0 > inside.min(initial=0.0))
+    for low, high in pairs(np.concatenate([[0.0], turns, [STROKE]])):
+        steps = np.diff(force[(samples >= low) & (samples <= high)])
+        noise = 1e-11 * (1.0 + np.abs(force).max())
+        assert np.all(steps >= -noise) or np.all(steps <= noise)
+
+
+def test_the_same_curve_in_two_forms() -> None:
+    """The published fit as a polynomial and as an expression: zeros, work and peaks of the uniform crank."""
+    one, other = FORMS["polynomial"], FORMS["expression"]
+    assert other.zeros_mm(STROKE) == pytest.approx(one.zeros_mm(STROKE), rel=1e-12)
+    assert other.turns_mm(STROKE) == pytest.approx(one.turns_mm(STROKE), rel=1e-10)
+    assert other.negative_stretches_mm(STROKE)[0] == pytest.approx(one.negative_stretches_mm(STROKE)[0], rel=1e-12)
+    figures = [kinematic_check(Machine(uniform_law(Lobes()), BALER_LINKAGE, form, 2.0 * pi)) for form in (one, other)]
+    assert figures[1].peak_power_w.value == pytest.approx(figures[0].peak_power_w.value, rel=1e-13)
+    assert figures[1].mean_power_w == pytest.approx(figures[0].mean_power_w, rel=1e-12)
+
+
+def test_a_table_goes_through_its_points_and_nowhere_beyond() -> None:
+    table = FORMS["table"]
+    assert isinstance(table, TableResistance)
+    at_points = table.fitted_n(Jet(np.array(table.displacement_mm)[None, :])).value
+    assert at_points == pytest.approx(table.at_points_n, rel=1e-15)
+    between = table.fitted_n(Jet(np.linspace(300.0, 310.0, 99)[None, :])).value
+    assert np.all((between >= -20.0) & (between <= 900.0))
+    short = FORMS["short table"]
+    assert short.fitted_n(Jet(np.array([[0.0, 199.0, 501.0, 760.0]]))).value.tolist() == [-10.0, -10.0, 1000.0, 1000.0]
+
+
+def test_a_straight_table_is_the_straight_line() -> None:
+    table = TableResistance((0.0, 300.0, 760.0), (0.0, 600.0, 1520.0))
+    line = PolynomialResistance((0.0, 2.0))
+    assert table.fitted_n(CURVE).coefficients == pytest.approx(line.fitted_n(CURVE).coefficients)
+
+
+@pytest.mark.parametrize("name", ["table", "waves", "table with gaps"])
+def test_peak_of_power_against_dense_samples(name: str) -> None:
+    machine = Machine(uniform_law(Lobes()), BALER_LINKAGE, FORMS[name], 2.0 * pi)
+    dense = machine.motion(np.linspace(0.0, 2.0 * pi, 400001)).power_w.max()
+    # Samples miss a smooth peak by the square of their step; a peak of a hundredth of a turn is the sharpest here.
+    assert dense <= kinematic_check(machine).peak_power_w.value <= dense * (1.0 + 1e-6)
+
+
+def test_narrow_peaks_between_the_samples_are_found() -> None:
+    """A force that is there for 0.1 mm only, a hundredth of the spacing at which extremes are looked for."""
+    table = TableResistance((0.0, 400.0, 400.05, 400.1, 760.0), (0.0, 0.0, 1e4, 0.0, 0.0))
+    machine = Machine(uniform_law(Lobes()), BALER_LINKAGE, table, 2.0 * pi)
+    at = float(BALER_LINKAGE.crank_angle(np.array([400.05]), np.array([False]))[0])
+    exact = 1e4 * float(machine.displacement(np.array([at]), 1).derivative(1)[0]) * 2.0 * pi / 1000.0
+    assert kinematic_check(machine).peak_power_w.value == pytest.approx(exact, rel=1e-6)
+
+
+UNIFORM = HEAD + "motion: {law: uniform_crank}\n"
+
+
+def resistance_in(folder: Path, text: str) -> Resistance:
+    path = folder / "d.yaml"
+    path.write_text(f"{UNIFORM}resistance: {text}\n", encoding="utf-8")
+    return Drive(load(path).design).machine.resistance
+
+
+def test_forms_in_a_design_file(tmp_path: Path) -> None:
+    (tmp_path / "f.csv").write_text("force_n,displacement_mm\n5,0\n7,100\n")
+    table = TableResistance((0.0, 100.0), (5.0, 7.0))
+    assert resistance_in(tmp_path, "{table: {displacement_mm: [0, 100], force_n: [5, 7]}}") == table
+    assert resistance_in(tmp_path, "{table: {file: f.csv}}") == table
+    assert resistance_in(tmp_path, '{expression_n: "3*x", where_negative: keep}') == FormulaResistance("3*x", True)
+    assert resistance_in(tmp_path, "{polynomial_n: [1, 2]}") == PolynomialResistance((1.0, 2.0))
+    assert loaded(tmp_path, UNIFORM).design.resistance is None
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("{where_negative: keep}", "resistance: one of polynomial_n, table or expression_n is missing"),
+        ('{polynomial_n: [1], expression_n: "x"}', "resistance.expression_n: polynomial_n and expression_n are given"),
+        ("{table: {force_n: [1, 2]}}", "resistance.table.displacement_mm: missing; a table needs"),
+        ("{table: {displacement_mm: [1, 2], force_n: [1, 2, 3]}}", "resistance.table.force_n: 3 values for 2"),
+        ("{table: {displacement_mm: [1, 1], force_n: [1, 2]}}", "resistance.table.displacement_mm.1: 1 follows 1"),
+        ("{table: {displacement_mm: [1], force_n: [1]}}", "resistance.table.displacement_mm: a list given"),
+        ("{table: {file: f.csv, force_n: [1]}}", "resistance.table.force_n: given beside file; keep one"),
+        ("{table: {file: no.csv}}", "resistance.table.file:"),
+    ],
+)
+def test_wrong_resistances_are_refused(tmp_path: Path, text: str, said: str) -> None:
+    error = refusal(tmp_path, f"{UNIFORM}resistance: {text}\n")
+    assert str(error).startswith(f"{tmp_path}/d.yaml:")
+    assert said in str(error)
+
+
+def test_fault_in_a_file_of_forces_has_a_line_of_it(tmp_path: Path) -> None:
+    (tmp_path / "f.csv").write_text("displacement_mm,force_n\n0,5\n10,6\n9,7\n")
+    error = refusal(tmp_path, f"{UNIFORM}resistance: {{table: {{file: f.csv}}}}\n")
+    assert str(error).startswith(f"{tmp_path}/f.csv:4:1: resistance.table.displacement_mm.2: 9 follows 10")
+    (tmp_path / "f.csv").write_text("displacement_mm,ratio\n0,5\n")
+    error = refusal(tmp_path, f"{UNIFORM}resistance: {{table: {{file: f.csv}}}}\n")
+    assert str(error).startswith(f"{tmp_path}/f.csv:1:17: unknown column: 'ratio'; columns can be displacement_mm or")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("3*y", "unknown name 'y'"),
+        ("1/(x - 400)", "no smooth function near x = 400 mm"),
+        ("3 +", "is not an expression"),
+    ],
+)
+def test_what_is_no_force_is_refused(text: str, said: str) -> None:
+    with pytest.raises(WrongInput, match=r"resistance\.expression_n") as caught:
+        FormulaResistance(text).zeros_mm(STROKE)
+    assert said in caught.value.problem
+
+
+@pytest.mark.parametrize(
+    ("points", "forces", "key"),
+    [((0.0, 1.0), (1.0,), "force_n"), ((0.0,), (1.0,), "force_n"), ((0.0, 0.0), (1.0, 2.0), "displacement_mm")],
+)
+def test_what_is_no_table_is_refused(points: tuple[float, ...], forces: tuple[float, ...], key: str) -> None:
+    with pytest.raises(WrongInput) as caught:
+        TableResistance(points, forces)
+    assert caught.value.key == f"resistance.table.{key}"
