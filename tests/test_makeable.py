@@ -217,10 +217,13 @@ def test_coefficients_are_what_a_file_holds() -> None:
 
 
 def test_power_and_acceleration_are_each_other_s_inverse() -> None:
-    """One frontier: the least power at the least acceleration under a cap is that cap."""
+    """One frontier: the least power at the least acceleration under a cap is that cap.
+
+    But for what is taken off caps for the rises between places, two hundred-thousandths here.
+    """
     acceleration = judged(HALF).peak_acceleration_mm_s2
     dual = replace(HALF, goal=Goal.POWER, limits=replace(USUAL, peak_acceleration_mm_s2=acceleration))
-    assert judged(dual).peak_power_w == pytest.approx(9375.0, rel=1e-5)
+    assert judged(dual).peak_power_w == pytest.approx(9375.0, rel=3e-5)
 
 
 @pytest.mark.slow

@@ -67,11 +67,17 @@ def prepared(task: Task, limits: Limits, cells: int | None) -> Problem:
 
 def enclosed(problem: Problem, peaks: Callable[[float], Peaks], guess: float) -> Bound:
     """The least value whose peaks close the cycle, from both sides."""
-    open_from = turning_point(lambda value: problem.is_open(peaks(value)), guess)
-    if open_from is None:
+    least, open_from = certified(problem, peaks, guess)
+    reached = turning_point(lambda value: problem.is_reached(peaks(value)), open_from)
+    return Bound(least, inf if reached is None else reached[1], problem.cells)
+
+
+def certified(problem: Problem, peaks: Callable[[float], Peaks], guess: float) -> tuple[float, float]:
+    """A value that is too little for any law, and one just above it of which that is not known."""
+    found = turning_point(lambda value: problem.is_open(peaks(value)), guess)
+    if found is None:
         raise refuse(problem, peaks(inf))
-    reached = turning_point(lambda value: problem.is_reached(peaks(value)), open_from[1])
-    return Bound(open_from[0], inf if reached is None else reached[1], problem.cells)
+    return found
 
 
 def resting_acceleration(task: Task) -> float:

@@ -11,9 +11,11 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.conflict import NO_EXCESS, Easing, easings, easings_together
+from ncgear.optimum.equations import Working, programme
 from ncgear.optimum.levels import Level, Scales, levels
-from ncgear.optimum.programme import Programme, Solution, Working, programme
-from ncgear.optimum.reached import Grid, grid, ratios, reached
+from ncgear.optimum.programme import Programme, Solution
+from ncgear.optimum.quantities import Place
+from ncgear.optimum.reached import Grid, beyond, grid, ratios, reached
 from ncgear.optimum.stations import Stations, stations
 from ncgear.optimum.task import Task
 from ncgear.optimum.wishes import Wishes
@@ -121,8 +123,15 @@ class _Search:
 
     def reached(self, coefficients: Array) -> Array:
         """Levels on the finer grid, and between its places as parabolas through them tell; shape (levels,)."""
-        there = ratios(self.finer, coefficients, self.programme.cycle_rad)
-        return reached(self.programme.levels, self.finer, there)
+        return reached(self.programme.levels, self.finer, self._ratios(coefficients))
+
+    def beyond(self, coefficients: Array) -> Array:
+        """By how much every term is larger around the programme's places than at them, shape (programme.rows,)."""
+        places = self.programme.on.stations.count
+        return beyond(self.programme.levels, self.finer, self._ratios(coefficients), places)
+
+    def _ratios(self, coefficients: Array) -> tuple[Place, ...]:
+        return ratios(self.finer, coefficients, self.programme.cycle_rad)
 
 
 def _kept_at_last(search: _Search, task: Task, wishes: Wishes, start: Array) -> MakeableLaw:
@@ -164,22 +173,33 @@ def scales(task: Task, at: Stations) -> Scales:
 
 
 def _kept(search: _Search, start: Array) -> MakeableLaw | None:
-    """The law from one start, solved again with tighter caps until all limits hold on the finer grid."""
-    caps, found = search.caps.copy(), search.programme.solved(search.caps, search.weights, start)
-    for _ in range(ROUNDS):
+    """The law from one start, solved again until all limits hold on the finer grid.
+
+    First every term is kept back at each place by what it rises to beside it; what is left then is taken off the caps,
+    too, since places alone come near only round by round.
+    """
+    caps, kept_back = search.caps.copy(), np.zeros(search.programme.rows)
+    found = search.programme.solved(caps, search.weights, start, kept_back)
+    for tried in range(ROUNDS):
         if found is None:
             return None
         coefficients = np.round(found.coefficients, DECIMALS)
         values = search.reached(coefficients)
-        over = values - search.caps
-        if np.all(over <= 0.0):
-            cosine, sine, *second = coefficients.reshape(2 * search.programme.pairs, -1)
-            return MakeableLaw(cosine, sine, search.programme.levels, values, LogSeries(*second) if second else None)
-        caps = np.where(over > -MARGIN, caps - np.maximum(over, 0.0) - MARGIN, caps)
+        over = np.maximum(values - search.caps, 0.0)
+        if not np.any(over):
+            return _law(search, coefficients, values)
+        kept_back = np.maximum(kept_back, search.beyond(coefficients) + MARGIN)
+        if tried:
+            caps = caps - over
         # Where the next one is too far to go on to, afresh from the same place
-        onwards = search.programme.solved(caps, search.weights, found)
-        found = onwards or search.programme.solved(caps, search.weights, found.coefficients)
+        onwards = search.programme.solved(caps, search.weights, found, kept_back)
+        found = onwards or search.programme.solved(caps, search.weights, found.coefficients, kept_back)
     return None
+
+
+def _law(search: _Search, coefficients: Array, values: Array) -> MakeableLaw:
+    cosine, sine, *second = coefficients.reshape(2 * search.programme.pairs, -1)
+    return MakeableLaw(cosine, sine, search.programme.levels, values, LogSeries(*second) if second else None)
 
 
 def _cannot_be(search: _Search, near: Solution, others: Sequence[Easing]) -> NoSuchMechanism:

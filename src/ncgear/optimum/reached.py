@@ -66,15 +66,37 @@ def lengths(at: Sequence[Place]) -> list[float]:
 
 def reached(levels: Sequence[Level], on: Grid, at: Sequence[Place]) -> Array:
     """The largest value of every level's terms around the turn, shape (levels,)."""
+    return np.array([max(float(np.max(peaks(term))) for term in terms) for terms in _terms(levels, on, at)])
+
+
+def beyond(levels: Sequence[Level], finer: Grid, at: Sequence[Place], places: int) -> Array:
+    """By how much every term is larger around each of so many places than at it, shape (terms * places,).
+
+    The finer grid has an even number of places to each of them, the first at it; around is half a step to both sides.
+    """
+    return np.concatenate([_around(term, places) for terms in _terms(levels, finer, at) for term in terms])
+
+
+def _terms(levels: Sequence[Level], on: Grid, at: Sequence[Place]) -> list[tuple[Array, ...]]:
     rolled = lengths(at)
-    return np.array([max(_top(term) for term in level.terms(at, on.slider, rolled)) for level in levels])
+    return [level.terms(at, on.slider, rolled) for level in levels]
 
 
-def _top(values: Array) -> float:
-    """Largest value of a function around a turn: of the parabola through each place and its neighbours.
+def _around(values: Array, places: int) -> Array:
+    each = values.size // places
+    near = np.roll(peaks(values), each // 2).reshape(places, each)
+    # The last of each stretch is the first of the next
+    last = np.roll(near[:, 0], -1)
+    rise: Array = np.maximum(np.max(near, axis=1), last) - values[::each]
+    return rise
 
-    What the third derivative adds there is taken from two more neighbours, so that peaks are missed by the fourth power
-    of the distance; places alone miss them by the second, parabolas alone by the third.
+
+def peaks(values: Array) -> Array:
+    """Values of a function around a turn, in place of the largest ones those of the peaks nearby.
+
+    The peak of the parabola through a place and its neighbours; what the third derivative adds there is taken from two
+    more neighbours, so that peaks are missed by the fourth power of the distance; places alone miss them by the second,
+    parabolas alone by the third.
     """
     before, after = np.roll(values, 1), np.roll(values, -1)
     bend = before - 2.0 * values + after
@@ -82,4 +104,4 @@ def _top(values: Array) -> float:
     share = np.where(peak, (after - before) / np.where(peak, -2.0 * bend, 1.0), 0.0)
     third = (np.roll(values, -2) - 2.0 * after + 2.0 * before - np.roll(values, 2)) / 2.0
     rise = share * (after - before) / 4.0 + third * share * (share**2 - 1.0) / 6.0
-    return float(np.max(values + rise))
+    return np.asarray(values + rise)
