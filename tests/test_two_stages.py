@@ -91,10 +91,10 @@ def test_each_stage_is_within_its_pressure_angle_and_free_of_undercut(stage: int
 
 @every_stage
 def test_the_check_is_that_of_the_whole_machine(stage: int) -> None:
-    """Pinned beside the one pair of baler-66: 33 991 mm/s2 and 71.7 deg."""
+    """Pinned beside the one pair of baler-66: 33 990 mm/s2 and 71.7 deg."""
     check = built().summaries[stage - 1]["check"]
     assert check["peak_power_w"] == pytest.approx(6300.0, abs=0.05)
-    assert check["peak_acceleration_cycle_mm_s2"] == pytest.approx(30_893.6, abs=2.0)
+    assert check["peak_acceleration_cycle_mm_s2"] == pytest.approx(30_891.3, abs=2.0)
     assert check == check_summary(Drive(load(DESIGN).design))["check"]
 
 
@@ -298,7 +298,7 @@ def test_the_law_of_baler_66_shared_as_it_is() -> None:
     law = shared_law(improvement.task, wishes, np.array(motion.cosine), np.array(motion.sine))
     figures = figures_of(improvement.task, law.train(Lobes()))
     assert np.degrees(figures.tangent_rad) == pytest.approx(25.2, abs=0.1)
-    assert figures.peak_acceleration_mm_s2 == pytest.approx(33_990.7, abs=1.0)
+    assert figures.peak_acceleration_mm_s2 == pytest.approx(33_990.3, abs=1.0)
     assert figures.convex
 
 

@@ -35,7 +35,10 @@ FINER = 20
 the parabolas between its places missed the curvature of 36 harmonics by more than the margin."""
 
 ROUNDS = 6
-"""Times that caps are tightened by what is over them between the places; two are the rule."""
+"""Times that caps are tightened by what is over them between the places; three are the rule."""
+
+PATIENCE = 2
+"""Rounds in which places alone are kept back: each leaves a tenth of what was over the caps, or less."""
 
 MARGIN = 1e-6
 """Share by which caps are tightened beyond that, for what is left between the places of the finer grid."""
@@ -175,8 +178,8 @@ def scales(task: Task, at: Stations) -> Scales:
 def _kept(search: _Search, start: Array) -> MakeableLaw | None:
     """The law from one start, solved again until all limits hold on the finer grid.
 
-    First every term is kept back at each place by what it rises to beside it; what is left then is taken off the caps,
-    too, since places alone come near only round by round.
+    Every term is kept back at each place by what it rises to beside it; what is left in the end is taken off the caps,
+    since places alone come near only round by round.
     """
     caps, kept_back = search.caps.copy(), np.zeros(search.programme.rows)
     found = search.programme.solved(caps, search.weights, start, kept_back)
@@ -189,7 +192,7 @@ def _kept(search: _Search, start: Array) -> MakeableLaw | None:
         if not np.any(over):
             return _law(search, coefficients, values)
         kept_back = np.maximum(kept_back, search.beyond(coefficients) + MARGIN)
-        if tried:
+        if tried >= PATIENCE:
             caps = caps - over
         # Where the next one is too far to go on to, afresh from the same place
         onwards = search.programme.solved(caps, search.weights, found, kept_back)
