@@ -16,9 +16,9 @@ from time import perf_counter
 
 from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.polynomial_resistance import PolynomialResistance
-from ncgear.optimum.limit import Bound, least_acceleration, least_power
+from ncgear.optimum.certified.limit import Bound, least_acceleration, least_power
+from ncgear.optimum.certified.weighted import Weights, least_weighted_sum
 from ncgear.optimum.task import Limits, Task
-from ncgear.optimum.weighted import Weights, least_weighted_sum
 
 ROOT = Path(__file__).parents[1]
 RUNS = 5

@@ -25,13 +25,13 @@ from ncgear.improvement import Improvement
 from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.polynomial_resistance import PolynomialResistance
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.equations import programme
 from ncgear.optimum.judged import figures
-from ncgear.optimum.levels import levels
-from ncgear.optimum.makeable import makeable_law, scales, shared_law
-from ncgear.optimum.reached import Grid, ratios, reached
-from ncgear.optimum.series import Basis, basis
-from ncgear.optimum.stations import stations
+from ncgear.optimum.makeable.equations import programme
+from ncgear.optimum.makeable.law import makeable_law, scales, shared_law
+from ncgear.optimum.makeable.levels import levels
+from ncgear.optimum.makeable.reached import Grid, ratios, reached
+from ncgear.optimum.makeable.series import Basis, basis
+from ncgear.optimum.makeable.stations import stations
 from ncgear.optimum.task import Limits, Task
 from ncgear.optimum.wishes import TwoStages, Wishes
 from ncgear.ratio.train import Train

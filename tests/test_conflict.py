@@ -9,8 +9,8 @@ from math import pi, radians
 import pytest
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.optimum.makeable import makeable_law
-from ncgear.optimum.starts import rough_start
+from ncgear.optimum.makeable.law import makeable_law
+from ncgear.optimum.makeable.starts import rough_start
 from ncgear.optimum.task import Limits, Task
 from ncgear.optimum.wishes import CurvatureWish, Wishes
 from test_kinematics import PRESS

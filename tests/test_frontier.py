@@ -17,10 +17,10 @@ from ncgear.design.schema import Design
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.frontier import KEPT, Frontier, Kept, frontier
 from ncgear.improvement import Improvement
-from ncgear.optimum.family import Family, Peak, best_of_family
+from ncgear.optimum.certified.limit import Bound
+from ncgear.optimum.family.best import Family, Peak, best_of_family
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, law_point, motion_of
 from ncgear.optimum.judged import Figures
-from ncgear.optimum.limit import Bound
 from ncgear.output.frontier import frontier_csv, frontier_json, mechanisms
 from ncgear.output.frontier_files import frontier_files, frontier_text
 from ncgear.recipe.law import linkage_of

@@ -21,13 +21,13 @@ from ncgear.machine.table_resistance import TableResistance
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
-from ncgear.optimum.ceilings import Peaks
-from ncgear.optimum.limit import Bound, least_acceleration, least_power
-from ncgear.optimum.problem import Problem
-from ncgear.optimum.profile import fastest_motion
-from ncgear.optimum.search import turning_point
+from ncgear.optimum.certified.ceilings import Peaks
+from ncgear.optimum.certified.limit import Bound, least_acceleration, least_power
+from ncgear.optimum.certified.problem import Problem
+from ncgear.optimum.certified.profile import fastest_motion
+from ncgear.optimum.certified.search import turning_point
+from ncgear.optimum.certified.weighted import Weights, least_weighted_sum
 from ncgear.optimum.task import Limits, Task
-from ncgear.optimum.weighted import Weights, least_weighted_sum
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Piece, Transmission
 from test_kinematics import FIT, PRESS

@@ -10,7 +10,7 @@ import pytest
 from ncgear.machine.polynomial_resistance import PolynomialResistance
 from ncgear.machine.resistance import Resistance
 from ncgear.machine.table_resistance import TableResistance
-from ncgear.optimum.limit import least_acceleration
+from ncgear.optimum.certified.limit import least_acceleration
 from ncgear.optimum.task import Limits, Task
 from oracles import convex_limit
 from test_kinematics import PRESS

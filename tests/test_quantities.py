@@ -11,12 +11,12 @@ import pytest
 from ncgear.kinematics.slider import Machine
 from ncgear.machine.linkage import CrankSlider
 from ncgear.numerics.arrays import Array
-from ncgear.optimum import quantities
 from ncgear.optimum.judged import figures
-from ncgear.optimum.levels import Level
-from ncgear.optimum.quantities import Place
-from ncgear.optimum.reached import Grid, grid, lengths, ratios, reached
-from ncgear.optimum.stations import stations
+from ncgear.optimum.makeable import quantities
+from ncgear.optimum.makeable.levels import Level
+from ncgear.optimum.makeable.quantities import Place
+from ncgear.optimum.makeable.reached import Grid, grid, lengths, ratios, reached
+from ncgear.optimum.makeable.stations import stations
 from ncgear.optimum.task import Task
 from ncgear.pitch import shape
 from ncgear.pitch.arc import arc_length

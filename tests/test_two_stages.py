@@ -18,12 +18,12 @@ from ncgear.design.load import load
 from ncgear.drive import Drive
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.improvement import Improvement
-from ncgear.optimum import quantities
 from ncgear.optimum.judged import figures as figures_of
-from ncgear.optimum.levels import Scales, levels
-from ncgear.optimum.reached import grid, lengths, ratios, reached
-from ncgear.optimum.stages import pairs
-from ncgear.optimum.stations import stations
+from ncgear.optimum.makeable import quantities
+from ncgear.optimum.makeable.levels import Scales, levels
+from ncgear.optimum.makeable.reached import grid, lengths, ratios, reached
+from ncgear.optimum.makeable.stages import pairs
+from ncgear.optimum.makeable.stations import stations
 from ncgear.optimum.task import Task
 from ncgear.optimum.wishes import TwoStages
 from ncgear.output.build import build
@@ -37,7 +37,7 @@ from oracles import meshing
 from test_designs import DESIGNS, FILES
 
 if TYPE_CHECKING:
-    from ncgear.optimum.makeable import MakeableLaw
+    from ncgear.optimum.makeable.law import MakeableLaw
 
 DESIGN = DESIGNS / "baler-66-two-stage.yaml"
 
@@ -252,7 +252,7 @@ def angle_and_dents(task: Task, law: MakeableLaw, moved: np.ndarray) -> tuple[fl
 def test_the_larger_angle_is_least(tmp_path: Path, joint: bool) -> None:
     """No small change of the second stage's share lowers it and keeps all curves convex."""
     pytest.importorskip("casadi")
-    from ncgear.optimum.makeable import shared_law
+    from ncgear.optimum.makeable.law import shared_law
 
     improvement = improved(tmp_path, 2)
     task = improvement.task
@@ -272,7 +272,7 @@ GIVEN = np.array([-0.5, 0.15, 0.02, 0.0])
 
 def test_two_pairs_have_far_less_angle_than_one(tmp_path: Path) -> None:
     pytest.importorskip("casadi")
-    from ncgear.optimum.makeable import shared_law
+    from ncgear.optimum.makeable.law import shared_law
 
     assert improved(tmp_path, 2).figures.tangent_rad < 0.7 * improved(tmp_path, 1).figures.tangent_rad
     improvement = improved(tmp_path, 2)
@@ -290,7 +290,7 @@ def test_two_pairs_have_far_less_angle_than_one(tmp_path: Path) -> None:
 def test_the_law_of_baler_66_shared_as_it_is() -> None:
     """25.2 deg and the rack's 20, where its one pair has 51.7 and 20."""
     pytest.importorskip("casadi")
-    from ncgear.optimum.makeable import shared_law
+    from ncgear.optimum.makeable.law import shared_law
 
     improvement = Improvement(load(DESIGNS / "baler-66.yaml").design)
     wishes = replace(improvement.wishes, two_stages=TwoStages())

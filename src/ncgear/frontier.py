@@ -17,9 +17,9 @@ from ncgear import __version__
 from ncgear.design.schema import Design
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.extras import require
+from ncgear.optimum.certified.limit import Bound
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, family_point, law_point
 from ncgear.optimum.judged import Figures
-from ncgear.optimum.limit import Bound
 from ncgear.recipe.law import linkage_of
 from ncgear.recipe.wishes import task_of, wishes_of
 

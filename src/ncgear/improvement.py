@@ -17,8 +17,8 @@ from ncgear.recipe.law import Law, law_of, linkage_of
 from ncgear.recipe.wishes import task_of, wishes_of
 
 if TYPE_CHECKING:
-    from ncgear.optimum.limit import Bound
-    from ncgear.optimum.makeable import MakeableLaw
+    from ncgear.optimum.certified.limit import Bound
+    from ncgear.optimum.makeable.law import MakeableLaw
 
 
 LIMIT_POINTS = 30
@@ -48,7 +48,7 @@ class Improvement:
     @cached_property
     def bound(self) -> Bound:
         """What no law can be below: of acceleration in mm/s2, power in W, or the weighted sum."""
-        from ncgear.optimum import limit, weighted
+        from ncgear.optimum.certified import limit, weighted
 
         task, wishes = self.task, self.wishes
         match wishes.goal:
@@ -63,8 +63,8 @@ class Improvement:
     def law(self) -> MakeableLaw:
         """The best makeable law; raises WrongInput where the optimiser is not installed."""
         require("casadi", "optimize", "ncgear optimize")
-        from ncgear.optimum.makeable import makeable_law
-        from ncgear.optimum.starts import random_starts, rough_start
+        from ncgear.optimum.makeable.law import makeable_law
+        from ncgear.optimum.makeable.starts import random_starts, rough_start
 
         asked, wishes = self.design.optimize, self.wishes
         random = random_starts(wishes.harmonics, asked.starts - 1, asked.seed) if asked else ()
@@ -73,7 +73,7 @@ class Improvement:
     @cached_property
     def _roughly(self) -> float:
         """A peak of acceleration in mm/s2 for the start: what a rough motion attains, or is allowed."""
-        from ncgear.optimum import limit
+        from ncgear.optimum.certified import limit
 
         allowed = self.wishes.limits.peak_acceleration_mm_s2
         return allowed if allowed is not None else limit.least_acceleration(self.task, self.wishes.limits).attained

@@ -9,10 +9,8 @@ from typing import Any
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.optimum.ceilings import Peaks
-from ncgear.optimum.family import Family, FamilyOptimum, Peak, best_of_family
-from ncgear.optimum.judged import Figures, figures
-from ncgear.optimum.limit import (
+from ncgear.optimum.certified.ceilings import Peaks
+from ncgear.optimum.certified.limit import (
     CELLS,
     Bound,
     certified,
@@ -21,8 +19,10 @@ from ncgear.optimum.limit import (
     prepared,
     resting_acceleration,
 )
-from ncgear.optimum.makeable import MakeableLaw, makeable_law
-from ncgear.optimum.starts import rough_start
+from ncgear.optimum.family.best import Family, FamilyOptimum, Peak, best_of_family
+from ncgear.optimum.judged import Figures, figures
+from ncgear.optimum.makeable.law import MakeableLaw, makeable_law
+from ncgear.optimum.makeable.starts import rough_start
 from ncgear.optimum.task import Limits, Task
 from ncgear.optimum.wishes import Goal, Wishes
 

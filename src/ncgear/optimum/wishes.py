@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+from ncgear.optimum.certified.weighted import Weights
 from ncgear.optimum.task import Limits
-from ncgear.optimum.weighted import Weights
 
 
 class Goal(Enum):

@@ -12,7 +12,7 @@ from ncgear.design.schema import Design
 from ncgear.errors import WrongInput
 from ncgear.machine.linkage import CrankSlider
 from ncgear.optimum import task
-from ncgear.optimum.weighted import Weights
+from ncgear.optimum.certified.weighted import Weights
 from ncgear.optimum.wishes import CurvatureWish, Goal, TwoStages, Wishes
 from ncgear.recipe.gears import rack_of
 from ncgear.recipe.law import RAD_S_PER_RPM, lobes_of, resistance_of

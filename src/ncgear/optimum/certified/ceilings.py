@@ -8,7 +8,7 @@ from math import inf, isinf
 import numpy as np
 
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.road import Road
+from ncgear.optimum.certified.road import Road
 from ncgear.optimum.task import Limits, Task
 
 

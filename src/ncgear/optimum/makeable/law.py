@@ -10,13 +10,13 @@ import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.conflict import NO_EXCESS, Easing, easings, easings_together
-from ncgear.optimum.equations import Working, programme
-from ncgear.optimum.levels import Level, Scales, levels
-from ncgear.optimum.programme import Programme, Solution
-from ncgear.optimum.quantities import Place
-from ncgear.optimum.reached import Grid, beyond, grid, ratios, reached
-from ncgear.optimum.stations import Stations, stations
+from ncgear.optimum.makeable.conflict import NO_EXCESS, Easing, easings, easings_together
+from ncgear.optimum.makeable.equations import Working, programme
+from ncgear.optimum.makeable.levels import Level, Scales, levels
+from ncgear.optimum.makeable.programme import Programme, Solution
+from ncgear.optimum.makeable.quantities import Place
+from ncgear.optimum.makeable.reached import Grid, beyond, grid, ratios, reached
+from ncgear.optimum.makeable.stations import Stations, stations
 from ncgear.optimum.task import Task
 from ncgear.optimum.wishes import Wishes
 from ncgear.ratio.laws.harmonic import LogSeries, harmonic_law

@@ -9,10 +9,10 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import atan, ceil, degrees, exp, log, pi, radians, tan
 
-from ncgear.optimum import quantities
-from ncgear.optimum.quantities import Place, Slider, Term
-from ncgear.optimum.refusals import shown_above, shown_below
-from ncgear.optimum.stages import pairs
+from ncgear.optimum.certified.refusals import shown_above, shown_below
+from ncgear.optimum.makeable import quantities
+from ncgear.optimum.makeable.quantities import Place, Slider, Term
+from ncgear.optimum.makeable.stages import pairs
 from ncgear.optimum.wishes import CurvatureWish, Goal, Wishes
 
 CONVEX = "convex"

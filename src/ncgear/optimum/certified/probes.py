@@ -8,7 +8,7 @@ import numpy as np
 
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
-from ncgear.optimum.road import Road
+from ncgear.optimum.certified.road import Road
 from ncgear.optimum.task import Task
 
 SHARES = np.linspace(0.0, 1.0, 9)

@@ -9,11 +9,11 @@ from math import log, pi
 import numpy as np
 
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.levels import Level
-from ncgear.optimum.quantities import Place, Slider
-from ncgear.optimum.series import Basis, basis
-from ncgear.optimum.stages import length_rates
-from ncgear.optimum.stations import Stations
+from ncgear.optimum.makeable.levels import Level
+from ncgear.optimum.makeable.quantities import Place, Slider
+from ncgear.optimum.makeable.series import Basis, basis
+from ncgear.optimum.makeable.stages import length_rates
+from ncgear.optimum.makeable.stations import Stations
 
 
 @dataclass(frozen=True, eq=False)

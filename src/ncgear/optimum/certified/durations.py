@@ -7,9 +7,9 @@ from math import isinf
 import numpy as np
 
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.ceilings import Peaks
-from ncgear.optimum.passes import Ceilings
-from ncgear.optimum.road import Road
+from ncgear.optimum.certified.ceilings import Peaks
+from ncgear.optimum.certified.passes import Ceilings
+from ncgear.optimum.certified.road import Road
 from ncgear.optimum.task import Limits, Task
 
 

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.levels import CONVEX, Level
-from ncgear.optimum.programme import Programme, Solution
+from ncgear.optimum.makeable.levels import CONVEX, Level
+from ncgear.optimum.makeable.programme import Programme, Solution
 
 NO_EXCESS = 1e-6
 """Excess over caps that counts as none: far under what is left between the places of the programme."""

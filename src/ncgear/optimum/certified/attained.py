@@ -11,11 +11,11 @@ from math import inf, isinf
 import numpy as np
 
 from ncgear.numerics.arrays import Array, Mask
-from ncgear.optimum.ceilings import Peaks
-from ncgear.optimum.durations import linear_s
-from ncgear.optimum.passes import ROUNDING, Ceilings
-from ncgear.optimum.probes import SHARES, Probes
-from ncgear.optimum.road import Road
+from ncgear.optimum.certified.ceilings import Peaks
+from ncgear.optimum.certified.durations import linear_s
+from ncgear.optimum.certified.passes import ROUNDING, Ceilings
+from ncgear.optimum.certified.probes import SHARES, Probes
+from ncgear.optimum.certified.road import Road
 from ncgear.optimum.task import Limits, Task
 
 

@@ -13,8 +13,8 @@ from math import asinh, inf, isinf, sinh, sqrt
 import numpy as np
 
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.ceilings import Peaks, ceiling, floor, turning_ceiling
-from ncgear.optimum.road import Road
+from ncgear.optimum.certified.ceilings import Peaks, ceiling, floor, turning_ceiling
+from ncgear.optimum.certified.road import Road
 from ncgear.optimum.task import Limits, Task
 
 ROUNDS = 60

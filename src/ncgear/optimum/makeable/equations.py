@@ -15,12 +15,12 @@ import casadi
 import numpy as np
 from scipy import sparse
 
-from ncgear.optimum.levels import Level
-from ncgear.optimum.programme import Programme
-from ncgear.optimum.quantities import Place, Slider
-from ncgear.optimum.reached import Grid
-from ncgear.optimum.series import basis
-from ncgear.optimum.stages import length_rates
+from ncgear.optimum.makeable.levels import Level
+from ncgear.optimum.makeable.programme import Programme
+from ncgear.optimum.makeable.quantities import Place, Slider
+from ncgear.optimum.makeable.reached import Grid
+from ncgear.optimum.makeable.series import basis
+from ncgear.optimum.makeable.stages import length_rates
 
 TOLERANCE = 1e-8
 """Of the interior-point method, on terms of the order of one: far below what is left between the places."""

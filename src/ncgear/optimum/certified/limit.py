@@ -6,10 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
 
-from ncgear.optimum.ceilings import Peaks
-from ncgear.optimum.problem import Problem
-from ncgear.optimum.refusals import refuse, refuse_ratios
-from ncgear.optimum.search import turning_point
+from ncgear.optimum.certified.ceilings import Peaks
+from ncgear.optimum.certified.problem import Problem
+from ncgear.optimum.certified.refusals import refuse, refuse_ratios
+from ncgear.optimum.certified.search import turning_point
 from ncgear.optimum.task import Limits, Task
 
 CELLS = 1600

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ncgear.optimum.quantities import Place, Term, length_rate
+from ncgear.optimum.makeable.quantities import Place, Term, length_rate
 
 
 def pairs(ratios: Sequence[Place]) -> tuple[Place, ...]:

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.limit import prepared
-from ncgear.optimum.passes import Ceilings
-from ncgear.optimum.refusals import refuse
-from ncgear.optimum.road import Road
+from ncgear.optimum.certified.limit import prepared
+from ncgear.optimum.certified.passes import Ceilings
+from ncgear.optimum.certified.refusals import refuse
+from ncgear.optimum.certified.road import Road
 from ncgear.optimum.task import Limits, Task
 
 

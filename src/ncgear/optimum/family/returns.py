@@ -15,7 +15,7 @@ from numpy.polynomial import chebyshev
 from ncgear.machine.linkage import CrankSlider
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
-from ncgear.optimum.family_strokes import Strokes, shares
+from ncgear.optimum.family.strokes import Strokes, shares
 
 POINTS = 97
 SKEWNESS_UNIT = 16.0

@@ -1,6 +1,6 @@
 """The best law of the published three-segment family: least peak acceleration under a power cap, or conversely.
 
-Seven numbers describe a law of the family (``family_strokes``, ``family_returns``).  Sobol points of their box are
+Seven numbers describe a law of the family (``strokes``, ``returns``).  Sobol points of their box are
 looked at all at once; from the best that lie apart, sequential quadratic programming (D. Kraft, DFVLR-FB 88-28, 1988)
 goes down to a local optimum each, with all samples of acceleration and power as constraints and the peak as a variable
 of its own; and from random neighbours of the best again.  What comes out is made into a law as a design file would make
@@ -26,13 +26,13 @@ from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.resistance import Resistance
 from ncgear.machine.stroke import StrokeRequest, solved_stroke
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.family_returns import return_samples
-from ncgear.optimum.family_strokes import BOUNDS, Strokes, strokes_of, working_samples
+from ncgear.optimum.family.returns import return_samples
+from ncgear.optimum.family.strokes import BOUNDS, Strokes, strokes_of, working_samples
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.transmission import Lobes
 
 SKEWNESS = 6.0
-"""Largest skewness of the return that is looked at, in units of ``family_returns``."""
+"""Largest skewness of the return that is looked at, in units of ``returns``."""
 
 BOX = np.vstack([BOUNDS, [-SKEWNESS, SKEWNESS]])
 SOBOL_POWER = 12

@@ -7,9 +7,9 @@ from dataclasses import replace
 from math import ceil, degrees, floor, inf, log10, pi
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.optimum.ceilings import Peaks
-from ncgear.optimum.problem import Problem
-from ncgear.optimum.search import turning_point
+from ncgear.optimum.certified.ceilings import Peaks
+from ncgear.optimum.certified.problem import Problem
+from ncgear.optimum.certified.search import turning_point
 from ncgear.optimum.task import Limits, Task
 
 DIGITS = 5

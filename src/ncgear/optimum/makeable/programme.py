@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.levels import Level
-from ncgear.optimum.reached import Grid, lengths, ratios, reached
+from ncgear.optimum.makeable.levels import Level
+from ncgear.optimum.makeable.reached import Grid, lengths, ratios, reached
 
 SOLVED = {"Solve_Succeeded", "Solved_To_Acceptable_Level"}
 

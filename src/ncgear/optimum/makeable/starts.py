@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.profile import fastest_motion
+from ncgear.optimum.certified.profile import fastest_motion
 from ncgear.optimum.task import Task
 from ncgear.optimum.wishes import Wishes
 

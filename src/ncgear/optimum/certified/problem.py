@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf, pi
 
-from ncgear.optimum.attained import attained_durations_s
-from ncgear.optimum.ceilings import Peaks
-from ncgear.optimum.durations import least_durations_s
-from ncgear.optimum.passes import ROUNDING, Ceilings, fastest
-from ncgear.optimum.probes import Probes, probes
-from ncgear.optimum.road import Road, road
+from ncgear.optimum.certified.attained import attained_durations_s
+from ncgear.optimum.certified.ceilings import Peaks
+from ncgear.optimum.certified.durations import least_durations_s
+from ncgear.optimum.certified.passes import ROUNDING, Ceilings, fastest
+from ncgear.optimum.certified.probes import Probes, probes
+from ncgear.optimum.certified.road import Road, road
 from ncgear.optimum.task import Limits, Task
 
 PRESSING_SHARE = 0.8

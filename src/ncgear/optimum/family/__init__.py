@@ -1,0 +1,1 @@
+"""The published family of laws, and the best of it."""
