@@ -1,0 +1,80 @@
+"""A study: one number that ncgear computes, by several methods at several costs, against an independent reference."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+Level = int | float
+"""How fine a method works: a degree, a number of points, a tolerance."""
+
+
+@dataclass(frozen=True)
+class Method:
+    """One way to compute the number: ``run`` takes a level and gives what the study's error can be told of.
+
+    ``levels`` go from cheap to dear, and ``level`` says in a word what they are.  ``order`` is the theory's rate of
+    convergence, the power of one over the level with which the error falls; None where it falls faster than any power,
+    or does not depend on the level.
+    """
+
+    name: str
+    level: str
+    levels: tuple[Level, ...]
+    run: Callable[[Any], Any]
+    order: float | None = None
+
+
+@dataclass(frozen=True)
+class Study:
+    """Methods for one number of a stage.
+
+    ``error`` gives the error of a result in ``unit``, against a reference that none of the methods made; ``reference``
+    says in words which.  ``chosen`` names the method and the level that ncgear works with, ``because`` says why.
+    ``enough`` is an error below which nobody gains.
+    """
+
+    key: str
+    title: str
+    unit: str
+    reference: str
+    methods: tuple[Method, ...]
+    error: Callable[[Any], float]
+    chosen: tuple[str, Level]
+    enough: float
+    because: str
+
+    def method(self, name: str) -> Method:
+        """The method of that name; raises KeyError where there is none."""
+        return {method.name: method for method in self.methods}[name]
+
+
+@dataclass(frozen=True)
+class Point:
+    """What one level of a method takes in seconds, and how wrong it is."""
+
+    level: Level
+    seconds: float
+    error: float
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A study with the points of each of its methods, in the order of the methods."""
+
+    study: Study
+    points: tuple[tuple[Point, ...], ...]
+
+    @property
+    def chosen(self) -> Point:
+        """The point that ncgear works at."""
+        name, level = self.study.chosen
+        names = [method.name for method in self.study.methods]
+        return next(point for point in self.points[names.index(name)] if point.level == level)
+
+
+def quickest(points: Sequence[Sequence[Point]], error: float) -> Point | None:
+    """The quickest point of all whose error is at most that; None where there is none."""
+    enough = [point for row in points for point in row if point.error <= error]
+    return min(enough, key=lambda point: point.seconds) if enough else None
