@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from ncgear.precision.study import Study
 
-STUDIES: tuple[Callable[[], Study], ...] = ()
-"""Each is made when its turn comes, with the references that it needs."""
+STUDIES: Mapping[str, Callable[[], Study]] = {}
+"""By their keys; each is made when its turn comes, with the references that it needs."""

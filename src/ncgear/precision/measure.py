@@ -38,7 +38,7 @@ def order(found: Sequence[Point], floor: float) -> float:
         raise ValueError(f"fewer than two errors above {floor:g}: no rate can be told")
     mean_x, mean_y = (sum(values) / len(values) for values in zip(*logarithms, strict=True))
     across = sum((x - mean_x) ** 2 for x, _ in logarithms)
-    return -sum((x - mean_x) * (y - mean_y) for x, y in logarithms) / across
+    return -float(sum((x - mean_x) * (y - mean_y) for x, y in logarithms)) / across
 
 
 def _timed(run: Callable[[], object], timed_s: float) -> tuple[float, object]:
