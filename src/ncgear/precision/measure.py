@@ -24,7 +24,7 @@ def points(study: Study, method: Method, timed_s: float = TIMED_S) -> tuple[Poin
     found = []
     for level in method.levels:
         seconds, result = _timed(lambda level=level: method.run(level), timed_s)  # type: ignore[misc]
-        found.append(Point(level, seconds, study.error(result)))
+        found.append(Point(level, seconds, study.error(result), study.size.of(result) if study.size else None))
     return tuple(found)
 
 

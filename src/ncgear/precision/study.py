@@ -27,12 +27,20 @@ class Method:
 
 
 @dataclass(frozen=True)
+class Size:
+    """How large a result is, which costs whoever goes on with it: a ``name``, and the number ``of`` a result."""
+
+    name: str
+    of: Callable[[Any], float]
+
+
+@dataclass(frozen=True)
 class Study:
     """Methods for one number of a stage.
 
     ``error`` gives the error of a result in ``unit``, against a reference that none of the methods made; ``reference``
     says in words which.  ``chosen`` names the method and the level that ncgear works with, ``because`` says why.
-    ``enough`` is an error below which nobody gains.
+    ``enough`` is an error below which nobody gains.  Results that differ in ``size`` have it told beside the level.
     """
 
     key: str
@@ -44,6 +52,7 @@ class Study:
     chosen: tuple[str, Level]
     enough: float
     because: str
+    size: Size | None = None
 
     def method(self, name: str) -> Method:
         """The method of that name; raises KeyError where there is none."""
@@ -52,11 +61,12 @@ class Study:
 
 @dataclass(frozen=True)
 class Point:
-    """What one level of a method takes in seconds, and how wrong it is."""
+    """What one level of a method takes in seconds, how wrong it is, and the result's size where the study has one."""
 
     level: Level
     seconds: float
     error: float
+    size: float | None = None
 
 
 @dataclass(frozen=True)
