@@ -2,9 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
+from ncgear.errors import WrongInput
+from ncgear.precision import inversion
 from ncgear.precision.study import Study
 
-STUDIES: Mapping[str, Callable[[], Study]] = {}
+STUDIES: Mapping[str, Callable[[], Study]] = {"inversion": inversion.study}
 """By their keys; each is made when its turn comes, with the references that it needs."""
+
+
+def chosen(keys: Sequence[str]) -> Mapping[str, Callable[[], Study]]:
+    """The studies of those keys in the order of the stages, all where none is given; raises WrongInput for others."""
+    for key in keys:
+        if key not in STUDIES:
+            raise WrongInput(f"{key!r} is no study; known are {', '.join(STUDIES)}", key="--only")
+    return {key: make for key, make in STUDIES.items() if not keys or key in keys}
