@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
-from ncgear.precision import outlines, solids
+from ncgear.errors import WrongInput
+from ncgear.precision import inversion, outlines, solids
 from ncgear.precision.study import Study
 
 STUDIES: Mapping[str, Callable[[], Study]] = {
+    "inversion": inversion.study,
     "outlines-circle": outlines.circular_outlines,
     "outlines-ellipse": outlines.elliptical_outlines,
     "solid-volume": solids.volume,
     "solid-surface": solids.surface,
 }
 """By their keys; each is made when its turn comes, with the references that it needs."""
+
+
+def chosen(keys: Sequence[str]) -> Mapping[str, Callable[[], Study]]:
+    """The studies of those keys in the order of the stages, all where none is given; raises WrongInput for others."""
+    for key in keys:
+        if key not in STUDIES:
+            raise WrongInput(f"{key!r} is no study; known are {', '.join(STUDIES)}", key="--only")
+    return {key: make for key, make in STUDIES.items() if not keys or key in keys}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import log
+from math import isfinite, log
 from time import perf_counter
 
 from ncgear.precision.study import Measured, Method, Point, Study
@@ -15,30 +15,40 @@ MOST_RUNS = 200
 
 
 def measured(study: Study, timed_s: float = TIMED_S) -> Measured:
-    """All points of a study; whatever a method raises is raised."""
+    """All points of a study; whatever a method raises is raised, and ArithmeticError for an error that is no number."""
     return Measured(study, tuple(points(study, method, timed_s) for method in study.methods))
 
 
 def points(study: Study, method: Method, timed_s: float = TIMED_S) -> tuple[Point, ...]:
-    """The points of one method, from cheap to dear."""
+    """The points of one method, from cheap to dear; raises ArithmeticError for an error that is no number."""
     found = []
     for level in method.levels:
         seconds, result = _timed(lambda level=level: method.run(level), timed_s)  # type: ignore[misc]
-        found.append(Point(level, seconds, study.error(result), study.size.of(result) if study.size else None))
+        error = study.error(result)
+        if not isfinite(error):
+            raise ArithmeticError(f"{study.key}: the error of {method.name!r} at level {level:g} is {error}")
+        found.append(Point(level, seconds, error, study.size.of(result) if study.size else None))
     return tuple(found)
 
 
-def order(found: Sequence[Point], floor: float) -> float:
-    """Power of one over the level with which the error falls, fitted by least squares over the points above a floor.
+def falling(found: Sequence[Point], floor: float) -> tuple[Point, ...]:
+    """The points above a floor of rounding, up to the least error: beyond it rounding errors grow with the level."""
+    errors = [point.error for point in found]
+    return tuple(point for point in found[: errors.index(min(errors)) + 1] if point.error > floor)
 
-    The slope of ln error over ln level, changed in sign; raises ValueError with fewer than two points above the floor.
+
+def order(found: Sequence[Point], floor: float) -> float:
+    """Power of one over the level with which the error falls, fitted by least squares over its ``falling`` points.
+
+    The slope of ln error over ln level, changed in sign; raises ValueError with fewer than two such points.
     """
-    logarithms = [(log(point.level), log(point.error)) for point in found if point.error > floor]
+    logarithms = [(log(point.level), log(point.error)) for point in falling(found, floor)]
     if len(logarithms) < 2:
         raise ValueError(f"fewer than two errors above {floor:g}: no rate can be told")
     mean_x, mean_y = (sum(values) / len(values) for values in zip(*logarithms, strict=True))
-    across = sum((x - mean_x) ** 2 for x, _ in logarithms)
-    return -float(sum((x - mean_x) * (y - mean_y) for x, y in logarithms)) / across
+    across: float = sum((x - mean_x) ** 2 for x, _ in logarithms)
+    rise: float = sum((x - mean_x) * (y - mean_y) for x, y in logarithms)
+    return -rise / across
 
 
 def _timed(run: Callable[[], object], timed_s: float) -> tuple[float, object]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,9 +14,9 @@ Level = int | float
 class Method:
     """One way to compute the number: ``run`` takes a level and gives what the study's error can be told of.
 
-    ``levels`` go from cheap to dear, and ``level`` says in a word what they are.  ``order`` is the theory's rate of
-    convergence, the power of one over the level with which the error falls; None where it falls faster than any power,
-    or does not depend on the level.
+    ``levels`` go from cheap to dear, and ``level`` says in a word what they are; a method that works at one accuracy
+    only has the levels (0,) and no word.  ``order`` is the theory's rate of convergence: the power of one over the
+    level with which the error falls; None where it falls faster than any power, or does not depend on the level.
     """
 
     name: str
@@ -77,14 +77,13 @@ class Measured:
     points: tuple[tuple[Point, ...], ...]
 
     @property
-    def chosen(self) -> Point:
-        """The point that ncgear works at."""
+    def of_all(self) -> tuple[tuple[Method, Point], ...]:
+        """Every point of every method."""
+        rows = zip(self.study.methods, self.points, strict=True)
+        return tuple((method, point) for method, row in rows for point in row)
+
+    @property
+    def chosen(self) -> tuple[Method, Point]:
+        """The method and the point that ncgear works at."""
         name, level = self.study.chosen
-        names = [method.name for method in self.study.methods]
-        return next(point for point in self.points[names.index(name)] if point.level == level)
-
-
-def quickest(points: Sequence[Sequence[Point]], error: float) -> Point | None:
-    """The quickest point of all whose error is at most that; None where there is none."""
-    enough = [point for row in points for point in row if point.error <= error]
-    return min(enough, key=lambda point: point.seconds) if enough else None
+        return next(one for one in self.of_all if one[0].name == name and one[1].level == level)
