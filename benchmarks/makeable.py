@@ -85,7 +85,8 @@ def page() -> str:
             "",
             "## Two stages",
             "",
-            f"The baler's linkage at 60 r/min and 6300 W; the limit of any law is {improvement_of('baler-66').bound.value:.0f} mm/s².",
+            "The baler's linkage at 60 r/min and 6300 W; the limit of any law is "
+            f"{improvement_of('baler-66').bound.value:.0f} mm/s².",
             "",
             "| gears | peak acceleration, mm/s² | larger pressure angle, ° | ratios | s |",
             "|---|---|---|---|---|",

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from shapely import Polygon
 
-from ncgear.precision import outlines, solids, teeth_pairs
+from ncgear.contact.placement import PER_TOOTH
+from ncgear.precision import contact, outlines, solids, teeth_pairs
 from ncgear.precision.catalogue import STUDIES
 from ncgear.precision.circular_gear import CircularGear
 from ncgear.precision.elliptical_gear import EllipticalGear
@@ -151,6 +152,53 @@ def test_an_outline_displaced_by_a_tenth_of_the_tolerance_is_told(key: str) -> N
 
 def study_pair(key: str):
     return teeth_pairs.circular() if key == "outlines-circle" else teeth_pairs.elliptical()
+
+
+# --- contact -----------------------------------------------------------------------------------------------------
+
+
+def test_ends_of_contact_are_exact_once_every_contact_has_a_position() -> None:
+    assert all(point.error < 1e-12 for point in found("contact-ratio", contact.ENDS, 6, PER_TOOTH))
+    assert found("contact-ratio", contact.ENDS, 4)[0].error > 1e-2
+
+
+def test_counting_contacts_misses_up_to_one_position_of_each() -> None:
+    for point in found("contact-ratio", contact.COUNTED, 6, 10, PER_TOOTH):
+        assert 1e-3 < point.error <= 1.0 / (point.level * contact.contact_ratio())
+
+
+def test_exact_curves_have_no_transmission_error_and_the_backlash_of_involutes() -> None:
+    assert all(point.error < 1e-13 for point in found("contact-angle", contact.CURVES, 6, PER_TOOTH))
+
+
+def test_outlines_touch_where_involutes_do_but_for_both_gears_chords() -> None:
+    """Two chords astray by t turn the driven gear by 2 t / rb at most, and somewhere by more than half of that."""
+    measured = found("contact-angle", contact.CHORDS, TOLERANCE_MM, 0.0016, 5e-4)
+    for point in measured:
+        bound = 2.0 * point.level / CIRCLE.base_radius_mm
+        assert 0.5 * bound < point.error <= bound
+    assert order(measured, 0.0) == pytest.approx(-1.0, abs=0.05)
+
+
+def test_even_parameters_turn_the_driven_gear_at_second_order() -> None:
+    assert order(found("contact-angle", contact.EVEN, 4, 8, 16), 0.0) == pytest.approx(2.0, abs=0.25)
+
+
+def test_the_default_positions_find_what_outlines_do_and_half_of_them_do_not() -> None:
+    half, default, more = (contact.angle_error_rad(contact.by_chords(TOLERANCE_MM, n)) for n in (10, PER_TOOTH, 60))
+    assert default == pytest.approx(more, rel=0.05)
+    assert half < 0.7 * more
+
+
+@pytest.mark.parametrize("turn", [1e-5, -1e-5])
+def test_a_pair_whose_driven_gear_stands_elsewhere_is_told(turn: float) -> None:
+    exact = contact.by_curves(6)
+    assert contact.angle_error_rad(exact) < 1e-13
+    moved = contact.Play(exact.pushing_rad + turn, exact.back_rad + turn)
+    assert contact.angle_error_rad(moved) == pytest.approx(1e-5, rel=1e-6)
+    teeth = toothed_pair(teeth_pairs.circular(), teeth_pairs.form(contact.BACKLASH_MM), 5e-4)
+    outlines_mm = teeth.driving.outline_mm, turned(teeth.driven.outline_mm, 100.0 * turn)
+    assert contact.angle_error_rad(contact.by_outlines(outlines_mm)) == pytest.approx(1e-3, rel=0.05)
 
 
 # --- solids ------------------------------------------------------------------------------------------------------

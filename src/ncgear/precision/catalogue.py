@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from ncgear.errors import WrongInput
-from ncgear.precision import inversion, limit, makeable, outlines, solids
+from ncgear.precision import contact, inversion, limit, makeable, outlines, solids
 from ncgear.precision.study import Study
 
 STUDIES: Mapping[str, Callable[[], Study]] = {
     "inversion": inversion.study,
     "outlines-circle": outlines.circular_outlines,
     "outlines-ellipse": outlines.elliptical_outlines,
+    "contact-ratio": contact.ratio,
+    "contact-angle": contact.angle,
     "solid-volume": solids.volume,
     "solid-surface": solids.surface,
     "limit": limit.study,
