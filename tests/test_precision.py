@@ -10,7 +10,7 @@ import pytest
 
 import ncgear.precision.catalogue as catalogue
 from ncgear.output.precision import page
-from ncgear.precision import inversion
+from ncgear.precision import inversion, quadrature
 from ncgear.precision.knee import knee
 from ncgear.precision.measure import measured, order
 from ncgear.precision.rates import rates
@@ -29,8 +29,8 @@ def of(key: str) -> Measured:
 
 # --- studies ---------------------------------------------------------------------------------------------------------
 
-BOUNDS = {"inversion": 5e-15}
-"""Error of what ncgear does: some rounding errors."""
+BOUNDS = {"inversion": 5e-15, "driven-angle-ellipse": 5e-14, "driven-angle-return": 5e-15}
+"""Error of what ncgear does: some rounding errors, on the ellipse of slopes up to 19."""
 
 RATE_BAND = 0.3
 """The error's constant changes with where the samples fall between the points looked at."""
@@ -66,6 +66,12 @@ def test_a_planted_error_of_an_inversion_is_told(row: int) -> None:
     planted = inversion.closed_form(inversion.angles())
     planted[row, 200] *= 1.0 + 1e-10
     assert inversion.error(planted) >= 5e-11
+
+
+def test_a_planted_error_of_phi2_is_told() -> None:
+    stretch = quadrature.return_of_baler()
+    planted = quadrature.read(stretch, lambda angles: quadrature.panels(stretch, 24)(angles + 1e-10))
+    assert quadrature.error(stretch, planted) >= 5e-11
 
 
 # --- measuring -------------------------------------------------------------------------------------------------------

@@ -74,8 +74,12 @@ class PiecewiseChebyshev:
         return float(self.coefficients[:, -1].sum())
 
 
-def fitted(function: Callable[[Array], Array], breaks: Sequence[float] | Array) -> PiecewiseChebyshev:
+def fitted(
+    function: Callable[[Array], Array], breaks: Sequence[float] | Array, degree: int = DEGREE
+) -> PiecewiseChebyshev:
     """The piecewise form of a vectorised ``function`` (shape (n,) to (n, ...)) that is smooth between ``breaks``.
+
+    ``degree`` is that of each panel, 3 at least: the last three coefficients tell whether it is resolved.
 
     Raises NotSmooth where the function is not finite, or not resolved by panels of 2^-40 of its piece.
     """
@@ -85,7 +89,7 @@ def fitted(function: Callable[[Array], Array], breaks: Sequence[float] | Array) 
     done: list[tuple[Array, Array]] = []
     scale = 0.0
     for _ in range(HALVINGS):
-        coefficients = _panel_coefficients(function, left, right)
+        coefficients = _panel_coefficients(function, left, right, degree)
         tails, sizes = _largest(coefficients[-3:]), _largest(coefficients)
         # Only panels that are resolved by their own size set the scale: one value beside a pole would dwarf all others.
         scale = max(scale, float(np.max(sizes, where=tails <= RESOLVED * sizes, initial=0.0)))
@@ -115,13 +119,13 @@ def _largest(coefficients: Array) -> Array:
     return largest
 
 
-def _panel_coefficients(function: Callable[[Array], Array], left: Array, right: Array) -> Array:
-    points = nodes(left, right)
+def _panel_coefficients(function: Callable[[Array], Array], left: Array, right: Array, degree: int) -> Array:
+    points = nodes(left, right, degree)
     values = np.asarray(function(points.ravel()), dtype=float)
     wrong = ~np.isfinite(values).reshape(points.size, -1).all(axis=1)
     if wrong.any():
         raise NotSmooth(float(points.ravel()[wrong][0]))
-    return np.tensordot(_transform(DEGREE), values.reshape(points.shape + values.shape[1:]), axes=1)
+    return np.tensordot(_transform(degree), values.reshape(points.shape + values.shape[1:]), axes=1)
 
 
 def _assembled(parts: list[tuple[Array, Array]], end: float) -> PiecewiseChebyshev:

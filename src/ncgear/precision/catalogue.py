@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from ncgear.errors import WrongInput
-from ncgear.precision import inversion
+from ncgear.precision import inversion, quadrature
 from ncgear.precision.study import Study
 
-STUDIES: Mapping[str, Callable[[], Study]] = {"inversion": inversion.study}
+STUDIES: Mapping[str, Callable[[], Study]] = {
+    "inversion": inversion.study,
+    "driven-angle-ellipse": quadrature.of_ellipse,
+    "driven-angle-return": quadrature.of_return,
+}
 """By their keys; each is made when its turn comes, with the references that it needs."""
 
 
