@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from ncgear.errors import WrongInput
-from ncgear.precision import inversion, quadrature
+from ncgear.precision import bases, closure, inversion, quadrature
 from ncgear.precision.study import Study
 
 STUDIES: Mapping[str, Callable[[], Study]] = {
     "inversion": inversion.study,
+    "closure": closure.study,
+    "return-basis": bases.study,
     "driven-angle-ellipse": quadrature.of_ellipse,
     "driven-angle-return": quadrature.of_return,
 }
