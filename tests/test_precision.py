@@ -11,7 +11,7 @@ import pytest
 
 import ncgear.precision.catalogue as catalogue
 from ncgear.output.precision import page
-from ncgear.precision import bases, closure, inversion, quadrature
+from ncgear.precision import bases, closure, curvature, inversion, pitch_curves, pitch_length, quadrature
 from ncgear.precision.knee import knee
 from ncgear.precision.measure import measured, order
 from ncgear.precision.rates import rates
@@ -36,6 +36,10 @@ BOUNDS = {
     "return-basis": 1e-14,
     "driven-angle-ellipse": 5e-14,
     "driven-angle-return": 5e-15,
+    "pitch-length-ellipse": 1e-15,
+    "pitch-length-baler": 1e-15,
+    "curvature-ellipse": 2e-15,
+    "curvature-baler": 5e-15,
 }
 """Error of what ncgear does: some rounding errors; of phi2 on the ellipse, whose slopes go up to 19, some more."""
 
@@ -92,6 +96,27 @@ def test_a_planted_error_of_closure_is_told() -> None:
 def test_a_return_in_powers_of_phi1_loses_half_its_digits() -> None:
     assert bases.error(bases.ncgears_own()) <= 1e-14
     assert bases.error(bases.solved(bases.global_powers)) >= 1e-9
+
+
+@pytest.mark.parametrize("curve", [pitch_curves.of_ellipse(), pitch_curves.of_baler()], ids=lambda curve: curve.name)
+def test_planted_errors_of_pitch_curves_are_told(curve: pitch_curves.Curve) -> None:
+    length, bent = pitch_length.panels(curve, 24), curvature.closed_form(curve)
+    bent[3] += 1e-10 * np.max(np.abs(bent))
+    assert pitch_length.error(curve, length * (1.0 + 1e-10)) == pytest.approx(1e-10, rel=1e-4)
+    assert curvature.error(curve, bent) == pytest.approx(1e-10, rel=1e-3)
+
+
+def test_the_exact_length_is_the_published_one() -> None:
+    assert 200.0 * float(pitch_curves.of_baler().length()) == pytest.approx(629.2813, abs=5e-5)
+
+
+def test_trapezoids_are_spectral_on_a_smooth_closed_curve() -> None:
+    """Halving the gaps squares the error; with the baler's joints it only quarters it."""
+    ellipse, jointed = of("pitch-length-ellipse"), of("pitch-length-baler")
+    rows = [dict(zip((m.name for m in one.study.methods), one.points, strict=True)) for one in (ellipse, jointed)]
+    smooth, kinked = ([point.error for point in row["trapezoids"]] for row in rows)
+    assert smooth[1] <= 1e-15
+    assert kinked[1] >= 1e-5
 
 
 # --- measuring -------------------------------------------------------------------------------------------------------

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from ncgear.errors import WrongInput
-from ncgear.precision import bases, closure, inversion, quadrature
+from ncgear.precision import bases, closure, curvature, inversion, pitch_length, quadrature
 from ncgear.precision.study import Study
 
 STUDIES: Mapping[str, Callable[[], Study]] = {
@@ -14,6 +14,10 @@ STUDIES: Mapping[str, Callable[[], Study]] = {
     "return-basis": bases.study,
     "driven-angle-ellipse": quadrature.of_ellipse,
     "driven-angle-return": quadrature.of_return,
+    "pitch-length-ellipse": pitch_length.of_ellipse,
+    "pitch-length-baler": pitch_length.of_baler,
+    "curvature-ellipse": curvature.of_ellipse,
+    "curvature-baler": curvature.of_baler,
 }
 """By their keys; each is made when its turn comes, with the references that it needs."""
 
