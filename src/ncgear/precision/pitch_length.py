@@ -51,7 +51,7 @@ def _study(key: str, curve: Curve, trapezoid_order: float | None) -> Study:
         chosen=("Chebyshev panels", chebyshev.DEGREE),
         enough=1e-14,
         because="the arc length along the curve is wanted at every tooth, and its last value is the curve's length at "
-        "no further cost",
+        "no further cost; panels of a higher degree are found in fewer rounds, but every later reading costs more",
     )
 
 
