@@ -204,12 +204,12 @@ def bench(
     from ncgear.precision.catalogue import chosen
     from ncgear.precision.measure import measured
 
-    makers = chosen(only or [])
+    studies = [make() for make in chosen(only or []).values()]
     prepare(out)
     found = []
-    for number, (key, make) in enumerate(makers.items(), 1):
-        typer.echo(f"{number} of {len(makers)}: {key}", err=True)
-        found.append(measured(make()))
+    for number, study in enumerate(studies, 1):
+        typer.echo(f"{number} of {len(studies)}: {study.key}", err=True)
+        found.append(measured(study))
     typer.echo(bench_text(found, write(out, found)))
 
 

@@ -41,8 +41,8 @@ def _head() -> str:
         "What each number costs by the methods it could be computed with, written by `ncgear bench` on "
         f"{machine()}. Times are the least of repeated runs in one process; errors are against references that none "
         "of the methods made. The point that ncgear works at is **bold** in the tables and has a ring in the pictures. "
-        "The knee is the quickest point whose error is enough: what nobody gains below, or ten times the least error "
-        "of all."
+        "The knee is the quickest point whose error is enough: one below which nobody gains, or ten times the least "
+        "error of all where no method gets so far."
     )
 
 

@@ -22,7 +22,10 @@ def error_text(point: Point) -> str:
 
 def level_text(method: Method, point: Point) -> str:
     """Level with its word, a dash where there is none."""
-    return f"{point.level:g} {method.level}" if method.level else "-"
+    if not method.level:
+        return "-"
+    counted = method.level.split()[0].endswith("s")
+    return f"{point.level:g} {method.level}" if counted else f"{method.level} {point.level:g}"
 
 
 def named(one: Found) -> str:

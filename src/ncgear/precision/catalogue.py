@@ -5,11 +5,31 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from ncgear.errors import WrongInput
-from ncgear.precision import contact, inversion, limit, makeable, outlines, solids
+from ncgear.precision import (
+    bases,
+    closure,
+    contact,
+    curvature,
+    inversion,
+    limit,
+    makeable,
+    outlines,
+    pitch_length,
+    quadrature,
+    solids,
+)
 from ncgear.precision.study import Study
 
 STUDIES: Mapping[str, Callable[[], Study]] = {
     "inversion": inversion.study,
+    "closure": closure.study,
+    "return-basis": bases.study,
+    "driven-angle-ellipse": quadrature.of_ellipse,
+    "driven-angle-return": quadrature.of_return,
+    "pitch-length-ellipse": pitch_length.of_ellipse,
+    "pitch-length-baler": pitch_length.of_baler,
+    "curvature-ellipse": curvature.of_ellipse,
+    "curvature-baler": curvature.of_baler,
     "outlines-circle": outlines.circular_outlines,
     "outlines-ellipse": outlines.elliptical_outlines,
     "contact-ratio": contact.ratio,

@@ -41,9 +41,10 @@ class Knee:
 
 
 def knee(found: Measured) -> Knee:
-    """The knee of a study: the quickest point whose error is small enough."""
+    """The knee of a study: the quickest point whose error is enough, or nearly the least where none is so exact."""
     points = found.of_all
-    error = max(found.study.enough, NEARLY_LEAST * min(point.error for _, point in points))
+    least = min(point.error for _, point in points)
+    error = found.study.enough if least <= found.study.enough else NEARLY_LEAST * least
     quickest = min((one for one in points if one[1].error <= error), key=_seconds)
     front, chosen = _front(points), found.chosen
     cheaper = [one for one in front if _seconds(one) < _seconds(chosen) and one[1].error > chosen[1].error]

@@ -31,7 +31,7 @@ ENOUGH_MM = TOLERANCE_MM
 
 CHORDS, BOTH_SIDES = "chords to a tolerance", "chords to both sides"
 EVEN, EQUIVALENT = "even parameters", "equivalent gears"
-TOLERANCE = "mm"
+TOLERANCE = "tolerance in mm"
 
 
 @dataclass(frozen=True, eq=False)

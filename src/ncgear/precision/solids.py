@@ -39,7 +39,7 @@ SPREAD = np.array([[1, 1, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4], [0, 1, 1], [1, 0,
 """Places on a facet at which its distance from the surface is taken, as weights of its corners."""
 
 STRAIGHT, HELICAL, EVEN = "straight teeth", "helical teeth", "straight teeth, even parameters"
-TOLERANCE = "mm"
+TOLERANCE = "tolerance in mm"
 
 
 @dataclass(frozen=True, eq=False)

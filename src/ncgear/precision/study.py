@@ -14,9 +14,10 @@ Level = int | float
 class Method:
     """One way to compute the number: ``run`` takes a level and gives what the study's error can be told of.
 
-    ``levels`` go from cheap to dear, and ``level`` says in a word what they are; a method that works at one accuracy
-    only has the levels (0,) and no word.  ``order`` is the theory's rate of convergence: the power of one over the
-    level with which the error falls; None where it falls faster than any power, or does not depend on the level.
+    ``levels`` go from cheap to dear, and ``level`` says in words what they are, in the plural what is counted
+    ("samples a piece"), in the singular what is named ("degree"); a method that works at one accuracy only has the
+    levels (0,) and no word.  ``order`` is the theory's rate of convergence: the power of one over the level with which
+    the error falls; None where it falls faster than any power, or does not depend on the level.
     """
 
     name: str

@@ -1,0 +1,221 @@
+"""Studies: phi2 by quadrature of 1/i12, over an ellipse's whole cycle and over the baler's return."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from math import pi
+
+import numpy as np
+from numpy.polynomial import Chebyshev, legendre, polynomial
+from scipy.integrate import cumulative_trapezoid, quad, solve_ivp
+from scipy.interpolate import CubicSpline
+
+from ncgear.numerics import chebyshev
+from ncgear.numerics.arrays import Array
+from ncgear.precision import baler, exact
+from ncgear.precision.study import Level, Method, Study
+from ncgear.ratio.transmission import CLOSED
+
+CALLS, ANGLES = 16, 16
+"""phi2 is made once and then read at so many driving angles in each of so many calls, in no order.  That is less than
+what a stage asks for: a check of the baler reads its return in 30 calls, its gears in 60 more, most at a few angles."""
+
+GAPS = 128
+"""Of the table beside which Gauss-Legendre rules integrate the rest of the way."""
+
+ECCENTRICITY = 0.98
+"""i12 from 1/99 to 99, as steep as a law may be."""
+
+Reader = Callable[[Array], Array]
+"""phi2 in rad since the stretch's start at driving angles in rad, shape (n,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """1/i12 on a stretch of the driving angle in rad, and by how much phi2 has risen at each of the readings."""
+
+    slope: Callable[[Array], Array]
+    start_rad: float
+    end_rad: float
+    reference: Callable[[], Array]
+
+    @property
+    def readings_rad(self) -> Array:
+        """Spread evenly by the golden ratio, one row for each call."""
+        shares: Array = (np.arange(1, CALLS * ANGLES + 1) * (np.sqrt(5.0) - 1.0) / 2.0) % 1.0
+        return self.start_rad + (self.end_rad - self.start_rad) * shares.reshape(CALLS, ANGLES)
+
+
+def of_ellipse() -> Study:
+    """phi2 of equal elliptical gears."""
+    return _study(
+        "driven-angle-ellipse",
+        f"Driven angle by quadrature: ellipse of eccentricity {ECCENTRICITY:g}",
+        "closed form, tan(phi2/2) = (1 - e)/(1 + e) tan(phi1/2), in 50 digits",
+        ellipse(),
+        enough=CLOSED,
+    )
+
+
+def of_return() -> Study:
+    """phi2 of the baler's return."""
+    return _study(
+        "driven-angle-return",
+        "Driven angle by quadrature: the baler's return",
+        "50-digit quadrature of one over the return's polynomial, whose coefficients are taken as exact",
+        return_of_baler(),
+        enough=CLOSED / 20.0,
+    )
+
+
+def _study(key: str, title: str, reference: str, stretch: Stretch, enough: float) -> Study:
+    return Study(
+        key=key,
+        title=title,
+        unit="rad",
+        reference=reference,
+        methods=_methods(stretch),
+        error=lambda result: error(stretch, result),
+        chosen=("Chebyshev panels", chebyshev.DEGREE),
+        enough=enough,
+        because="panels are halved until they are resolved, so that no number of gaps or samples has to suit every law "
+        "at once, a pole is told from a steep place, and the same form gives arc lengths, curves and their bounds",
+    )
+
+
+def error(stretch: Stretch, result: Array) -> float:
+    """Largest error of phi2 at the readings in rad."""
+    return float(np.max(np.abs(result - stretch.reference())))
+
+
+def read(stretch: Stretch, reader: Reader) -> Array:
+    """phi2 at all readings, call by call, shape (CALLS, ANGLES)."""
+    return np.array([reader(angles) for angles in stretch.readings_rad])
+
+
+def _methods(stretch: Stretch) -> tuple[Method, ...]:
+    def reading(made: Callable[[Stretch, Level], Reader]) -> Callable[[Level], Array]:
+        return lambda level: read(stretch, made(stretch, level))
+
+    return (
+        Method("Chebyshev panels", "degree", (6, 8, 12, 16, 24, 32, 48), reading(panels)),
+        Method("one Chebyshev series", "degree", (8, 16, 32, 64, 128, 256, 512), reading(_series)),
+        Method(f"Gauss-Legendre in {GAPS} gaps", "points", (1, 2, 4, 8, 16, 24, 32), reading(_gauss)),
+        Method("adaptive quadrature", "tolerance", (1e-6, 1e-12), reading(_adaptive)),
+        Method("cubic spline, integrated", "samples", (65, 129, 257, 513, 1025, 2049), reading(_spline), order=4.0),
+        Method("cumulative trapezoids", "samples", (257, 1025, 4097, 16385, 65537), reading(_trapezoids), order=2.0),
+        Method("Runge-Kutta, order 8", "tolerance", (1e-4, 1e-6, 1e-8, 1e-10, 1e-12), reading(_stepped)),
+    )
+
+
+def panels(stretch: Stretch, degree: Level) -> Reader:
+    """ncgear's own way, by the degree of its panels."""
+    return chebyshev.fitted(stretch.slope, (stretch.start_rad, stretch.end_rad), int(degree)).integrated()
+
+
+def _series(stretch: Stretch, degree: Level) -> Reader:
+    domain = stretch.start_rad, stretch.end_rad
+    series: Reader = Chebyshev.interpolate(stretch.slope, int(degree), domain=domain).integ(lbnd=stretch.start_rad)
+    return series
+
+
+def _gauss(stretch: Stretch, points: Level) -> Reader:
+    """A table of phi2, and from its next row below to the angle by the same rule."""
+    unit, weights = legendre.leggauss(int(points))
+    knots = np.linspace(stretch.start_rad, stretch.end_rad, GAPS + 1)
+
+    def turned(start: Array, end: Array) -> Array:
+        half = (end - start)[:, None] / 2.0
+        parts: Array = (stretch.slope(start[:, None] + half * (1.0 + unit)) * half) @ weights
+        return parts
+
+    table = np.concatenate([[0.0], np.cumsum(turned(knots[:-1], knots[1:]))])
+
+    def read_at(angles: Array) -> Array:
+        below = np.searchsorted(knots, angles, side="right") - 1
+        values: Array = table[below] + turned(knots[below], angles)
+        return values
+
+    return read_at
+
+
+def _adaptive(stretch: Stretch, tolerance: Level) -> Reader:
+    def turned(angle: float) -> float:
+        return float(quad(stretch.slope, stretch.start_rad, angle, epsabs=tolerance, epsrel=tolerance, limit=200)[0])
+
+    return lambda angles: np.array([turned(angle) for angle in angles.tolist()])
+
+
+def _spline(stretch: Stretch, samples: Level) -> Reader:
+    knots = np.linspace(stretch.start_rad, stretch.end_rad, int(samples))
+    spline: Reader = CubicSpline(knots, stretch.slope(knots)).antiderivative()
+    return spline
+
+
+def _trapezoids(stretch: Stretch, samples: Level) -> Reader:
+    knots = np.linspace(stretch.start_rad, stretch.end_rad, int(samples))
+    table = cumulative_trapezoid(stretch.slope(knots), knots, initial=0.0)
+    return lambda angles: np.interp(angles, knots, table)
+
+
+def _stepped(stretch: Stretch, tolerance: Level) -> Reader:
+    done = solve_ivp(
+        lambda phi1, _: np.array([stretch.slope(phi1)]),
+        (stretch.start_rad, stretch.end_rad),
+        [0.0],
+        method="DOP853",
+        dense_output=True,
+        rtol=tolerance,
+        atol=tolerance,
+    )
+    if not done.success:
+        raise ArithmeticError(f"Runge-Kutta stopped: {done.message}")
+    return lambda angles: np.ravel(done.sol(angles))
+
+
+@cache
+def ellipse() -> Stretch:
+    """1/i12 = (1 - e^2) / (1 + e^2 + 2 e cos phi1), over one turn."""
+    e = ECCENTRICITY
+    return Stretch(lambda phi1: (1.0 - e**2) / (1.0 + e**2 + 2.0 * e * np.cos(phi1)), 0.0, 2.0 * pi, _ellipse_reference)
+
+
+@cache
+def return_of_baler() -> Stretch:
+    """From the extended dead centre to the retracted one."""
+    law = baler.law().return_law
+    start, length = law.ends.start_rad, law.ends.length_rad
+
+    def slope(phi1: Array) -> Array:
+        values: Array = 1.0 / polynomial.polyval((phi1 - start) / length, law.polynomial.coef)
+        return values
+
+    return Stretch(slope, start, law.ends.end_rad, _return_reference)
+
+
+@cache
+def _ellipse_reference() -> Array:
+    from mpmath import mp
+
+    readings = ellipse().readings_rad
+    with mp.workdps(exact.DIGITS):
+        share = (1 - mp.mpf(ECCENTRICITY)) / (1 + mp.mpf(ECCENTRICITY))
+        halves = [mp.mpf(angle) / 2 for angle in readings.ravel().tolist()]
+        # From 0 to 2 pi the sine of the half angle is not negative, and the quarter that atan2 finds is the right one.
+        values = [float(2 * mp.atan2(share * mp.sin(half), mp.cos(half))) for half in halves]
+    return np.array(values).reshape(readings.shape)
+
+
+@cache
+def _return_reference() -> Array:
+    from mpmath import mp
+
+    readings = return_of_baler().readings_rad
+    order = np.argsort(readings, axis=None)
+    values = np.empty(readings.size)
+    with mp.workdps(exact.DIGITS):
+        turned = exact.return_turned(baler.law().return_law, readings.ravel()[order].tolist())
+        values[order] = [float(value) for value in turned]
+    return values.reshape(readings.shape)
