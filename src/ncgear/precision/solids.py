@@ -27,7 +27,8 @@ HELIX = Helix(radians(15.0), FACE_WIDTH_MM, Hand.RIGHT)
 
 TOLERANCES_MM = (0.05, 0.016, TOLERANCE_MM, 0.0016, 5e-4, 1.6e-4, 5e-5)
 HELICAL_TOLERANCES_MM = (0.05, 0.016, TOLERANCE_MM, 0.0016)
-COUNTS = (2, 4, 8, 16, 32, 64)
+COUNTS = (8, 16, 32, 64)
+"""Fewer chords leave a surface that is seen to be faceted, 0.07 mm astray."""
 
 ENOUGH = 1e-3
 """Of the volume: castings and printed parts weigh what they should to a few thousandths at best."""
@@ -123,15 +124,18 @@ def _methods() -> tuple[Method, ...]:
 
 
 def _straight(tolerance: float) -> Solid:
-    return _extruded(toothed_pair(teeth_pairs.circular(), teeth_pairs.form(), tolerance).driving.outline_mm)
+    teeth = toothed_pair(teeth_pairs.circular(), teeth_pairs.form(), tolerance)
+    return _extruded((teeth.driving.outline_mm, teeth.driven.outline_mm))
 
 
 def _evenly(count: int) -> Solid:
-    return _extruded(even_outlines(teeth_pairs.circular(), teeth_pairs.form(), count)[0])
+    return _extruded(even_outlines(teeth_pairs.circular(), teeth_pairs.form(), count))
 
 
-def _extruded(outline: Array) -> Solid:
-    return Solid(gear_solid(outline, FACE_WIDTH_MM, None, TOLERANCE_MM))
+def _extruded(outlines: tuple[Array, Array]) -> Solid:
+    """Both gears, as a build makes them; the driving one."""
+    driving, _ = (gear_solid(outline, FACE_WIDTH_MM, None, TOLERANCE_MM) for outline in outlines)
+    return Solid(driving)
 
 
 def _helical(tolerance: float) -> Solid:
