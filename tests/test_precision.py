@@ -187,6 +187,18 @@ def test_levels_are_counted_or_named(word: str, said: str) -> None:
     assert level_text(Method("m", word, (8,), float), Point(8, 1.0, 1.0)) == said
 
 
+def test_a_fixed_rule_is_told_its_points_by_the_exact_result() -> None:
+    """An adaptive choice may be the knee of its kind; the page says both."""
+    found = by_hand((Point(1, 2.0, 1e-15),), (Point(1, 1.0, 1e-15),))
+    assert "That is not the knee" in page([found])
+    methods = tuple(replace(one, adaptive=one.name == "m0") for one in found.study.methods)
+    adaptive = replace(found, study=replace(found.study, methods=methods))
+    assert not knee(adaptive).is_chosen
+    assert knee(adaptive, unaided=True).is_chosen
+    assert "That is the knee among methods that find by themselves" in page([adaptive])
+    assert "2 times as fast" in page([adaptive])
+
+
 def test_a_choice_that_is_slow_or_wrong_is_no_knee() -> None:
     good = Point(1, 1.0, 1e-15)
     assert not knee(by_hand((Point(1, 2.0, 1e-15),), (good,))).is_chosen

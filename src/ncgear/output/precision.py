@@ -42,7 +42,7 @@ def _head() -> str:
         f"{machine()}. Times are the least of repeated runs in one process; errors are against references that none "
         "of the methods made. The point that ncgear works at is **bold** in the tables and has a ring in the pictures. "
         "The knee is the quickest point whose error is enough: one below which nobody gains, or ten times the least "
-        "error of all where no method gets so far."
+        "error of all where no method gets so far; adaptive methods find by themselves how fine they must be."
     )
 
 

@@ -47,17 +47,22 @@ def verdict_text(found: Measured) -> str:
         return "yes"
     if told.chosen[1].error > told.error:
         return "no: not exact enough"
-    return f"no: {told.slowness:.2g} times the time of {named(told.quickest)}"
+    slower = f"{told.slowness:.2g} times the time of {named(told.quickest)}"
+    return f"among adaptive methods; {slower}" if _among_adaptive(found) else f"no: {slower}"
 
 
 def choice_text(found: Measured) -> str:
     """What ncgear does and why, and what the measured points say of it."""
     told = knee(found)
     said = f"ncgear uses {named(told.chosen)}: {found.study.because}."
-    return " ".join([said, _knee_text(told), *_neighbours(told)])
+    return " ".join([said, _knee_text(found, told), *_neighbours(told)])
 
 
-def _knee_text(told: Knee) -> str:
+def _among_adaptive(found: Measured) -> bool:
+    return found.chosen[0].unaided and knee(found, unaided=True).is_chosen
+
+
+def _knee_text(found: Measured, told: Knee) -> str:
     bound = f"an error of at most {told.error:.1e}"
     if told.is_chosen:
         return f"That is the knee: with {bound}, no other point is quicker by a factor of {SAME_TIME:g}."
@@ -65,7 +70,13 @@ def _knee_text(told: Knee) -> str:
         return (
             f"That is not the knee: its error is larger than {told.error:.1e}, which {_costs(told.quickest)} reaches."
         )
-    return f"That is not the knee: {_costs(told.quickest)} has {bound} too, {told.slowness:.2g} times as fast."
+    quicker = f"{_costs(told.quickest)} has {bound} too, {told.slowness:.2g} times as fast"
+    if _among_adaptive(found):
+        return (
+            f"That is the knee among methods that find by themselves how fine they must be; {quicker}, with its number "
+            "of points chosen by the exact result."
+        )
+    return f"That is not the knee: {quicker}."
 
 
 def _neighbours(told: Knee) -> list[str]:

@@ -6,11 +6,12 @@ from collections.abc import Callable
 from functools import cache
 
 import numpy as np
-from numpy.polynomial import Polynomial, legendre
+from numpy.polynomial import Polynomial
 from scipy.integrate import quad, trapezoid
 
 from ncgear.numerics.arrays import Array
 from ncgear.precision import baler, exact
+from ncgear.precision.gauss import gauss_rule
 from ncgear.precision.study import Level, Method, Study
 from ncgear.ratio.compensation import ReturnEnds, ReturnLaw, published_family, return_with_constant
 from ncgear.ratio.transmission import CLOSED
@@ -34,9 +35,11 @@ def study() -> Study:
         reference="30-digit quadrature of one over the polynomial found, whose coefficients are taken as exact",
         methods=(
             Method("panels, then spectral integral", "", (0,), lambda _: ncgears_own()),
-            Method("Newton on the spectral integral", "steps", (1, 2, 3, 4, 5, 6), _spectral),
+            Method("Newton on the spectral integral", "steps", (1, 2, 3, 4, 5, 6), _spectral, adaptive=True),
             Method("Newton on Gauss-Legendre", "points", (4, 6, 8, 12, 16, 24, 32, 48, 64), _by_gauss),
-            Method("Newton on adaptive quadrature", "tolerance", (1e-2, 1e-4, 1e-8, 1e-12), _by_adaptive),
+            Method(
+                "Newton on adaptive quadrature", "tolerance", (1e-2, 1e-4, 1e-8, 1e-12), _by_adaptive, adaptive=True
+            ),
             Method("Newton on trapezoids", "samples", (17, 65, 257, 1025, 4097, 16385), _by_trapezoids, order=2.0),
         ),
         error=error,
@@ -115,7 +118,7 @@ def _ready(law: ReturnLaw) -> ReturnLaw:
 
 @cache
 def _gauss(points: int) -> Rule:
-    unit, weights = legendre.leggauss(points)
+    unit, weights = gauss_rule(points)
     tau, shares = (1.0 + unit) / 2.0, weights / 2.0
     return lambda integrand: float(shares @ integrand(tau))
 

@@ -40,9 +40,13 @@ class Knee:
         return self.chosen[1].error <= self.error and self.slowness <= SAME_TIME
 
 
-def knee(found: Measured) -> Knee:
-    """The knee of a study: the quickest point whose error is enough, or nearly the least where none is so exact."""
-    points = found.of_all
+def knee(found: Measured, unaided: bool = False) -> Knee:
+    """The knee of a study: the quickest point whose error is enough, or nearly the least where none is so exact.
+
+    ``unaided``: among methods that find by themselves how fine they must be.  The points of the others are chosen with
+    the exact result at hand, which no program has.
+    """
+    points = tuple(one for one in found.of_all if one[0].unaided or not unaided)
     least = min(point.error for _, point in points)
     error = found.study.enough if least <= found.study.enough else NEARLY_LEAST * least
     quickest = min((one for one in points if one[1].error <= error), key=_seconds)

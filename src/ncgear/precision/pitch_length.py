@@ -6,12 +6,12 @@ from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
-from numpy.polynomial import legendre
 from scipy.integrate import quad, trapezoid
 
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array
 from ncgear.precision import pitch_curves
+from ncgear.precision.gauss import gauss_rule
 from ncgear.precision.pitch_curves import Curve
 from ncgear.precision.study import Level, Method, Study
 
@@ -41,9 +41,9 @@ def _study(key: str, curve: Curve, trapezoid_order: float | None) -> Study:
         unit="share of the length, and so of module and centre distance",
         reference=curve.length_reference,
         methods=(
-            Method("Chebyshev panels", "degree", (8, 12, 16, 24, 32, 48), on(panels)),
+            Method("Chebyshev panels", "degree", (8, 12, 16, 24, 32, 48), on(panels), adaptive=True),
             Method("Gauss-Legendre from joint to joint", "points", (4, 8, 12, 16, 24, 32, 48, 64), on(_by_gauss)),
-            Method("adaptive quadrature", "tolerance", (1e-3, 1e-6, 1e-9, 1e-12), on(_adaptive)),
+            Method("adaptive quadrature", "tolerance", (1e-3, 1e-6, 1e-9, 1e-12), on(_adaptive), adaptive=True),
             Method("trapezoids", "samples", SAMPLES, on(_by_trapezoids), order=trapezoid_order),
             Method("polygon", "chords", SAMPLES, on(polygon), order=2.0),
         ),
@@ -51,7 +51,7 @@ def _study(key: str, curve: Curve, trapezoid_order: float | None) -> Study:
         chosen=("Chebyshev panels", chebyshev.DEGREE),
         enough=1e-14,
         because="the arc length along the curve is wanted at every tooth, and its last value is the curve's length at "
-        "no further cost; panels of a higher degree are found in fewer rounds, but every later reading costs more",
+        "no further cost; panels of a higher degree are found in fewer rounds, but cost more at every later reading",
     )
 
 
@@ -66,7 +66,7 @@ def panels(curve: Curve, degree: Level) -> float:
 
 
 def _by_gauss(curve: Curve, points: Level) -> float:
-    unit, weights = legendre.leggauss(int(points))
+    unit, weights = gauss_rule(int(points))
     joints = curve.transmission.joints_rad
     half = np.diff(joints)[:, None] / 2.0
     angles = joints[:-1, None] + half * (1.0 + unit)

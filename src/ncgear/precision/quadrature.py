@@ -8,13 +8,14 @@ from functools import cache
 from math import pi
 
 import numpy as np
-from numpy.polynomial import Chebyshev, legendre, polynomial
+from numpy.polynomial import Chebyshev, polynomial
 from scipy.integrate import cumulative_trapezoid, quad, solve_ivp
 from scipy.interpolate import CubicSpline
 
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array
 from ncgear.precision import baler, exact
+from ncgear.precision.gauss import gauss_rule
 from ncgear.precision.study import Level, Method, Study
 from ncgear.ratio.transmission import CLOSED
 
@@ -80,8 +81,8 @@ def _study(key: str, title: str, reference: str, stretch: Stretch, enough: float
         error=lambda result: error(stretch, result),
         chosen=("Chebyshev panels", chebyshev.DEGREE),
         enough=enough,
-        because="panels are halved until they are resolved, so that no number of gaps or samples has to suit every law "
-        "at once, a pole is told from a steep place, and the same form gives arc lengths, curves and their bounds",
+        because="panels are halved until they are resolved, a pole is told from a steep place, and the same form gives "
+        "arc lengths, curves and their bounds",
     )
 
 
@@ -100,13 +101,13 @@ def _methods(stretch: Stretch) -> tuple[Method, ...]:
         return lambda level: read(stretch, made(stretch, level))
 
     return (
-        Method("Chebyshev panels", "degree", (6, 8, 12, 16, 24, 32, 48), reading(panels)),
+        Method("Chebyshev panels", "degree", (6, 8, 12, 16, 24, 32, 48), reading(panels), adaptive=True),
         Method("one Chebyshev series", "degree", (8, 16, 32, 64, 128, 256, 512), reading(_series)),
         Method(f"Gauss-Legendre in {GAPS} gaps", "points", (1, 2, 4, 8, 16, 24, 32), reading(_gauss)),
-        Method("adaptive quadrature", "tolerance", (1e-6, 1e-12), reading(_adaptive)),
+        Method("adaptive quadrature", "tolerance", (1e-6, 1e-12), reading(_adaptive), adaptive=True),
         Method("cubic spline, integrated", "samples", (65, 129, 257, 513, 1025, 2049), reading(_spline), order=4.0),
         Method("cumulative trapezoids", "samples", (257, 1025, 4097, 16385, 65537), reading(_trapezoids), order=2.0),
-        Method("Runge-Kutta, order 8", "tolerance", (1e-4, 1e-6, 1e-8, 1e-10, 1e-12), reading(_stepped)),
+        Method("Runge-Kutta, order 8", "tolerance", (1e-4, 1e-6, 1e-8, 1e-10, 1e-12), reading(_stepped), adaptive=True),
     )
 
 
@@ -123,7 +124,7 @@ def _series(stretch: Stretch, degree: Level) -> Reader:
 
 def _gauss(stretch: Stretch, points: Level) -> Reader:
     """A table of phi2, and from its next row below to the angle by the same rule."""
-    unit, weights = legendre.leggauss(int(points))
+    unit, weights = gauss_rule(int(points))
     knots = np.linspace(stretch.start_rad, stretch.end_rad, GAPS + 1)
 
     def turned(start: Array, end: Array) -> Array:

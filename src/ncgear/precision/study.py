@@ -17,7 +17,8 @@ class Method:
     ``levels`` go from cheap to dear, and ``level`` says in words what they are, in the plural what is counted
     ("samples a piece"), in the singular what is named ("degree"); a method that works at one accuracy only has the
     levels (0,) and no word.  ``order`` is the theory's rate of convergence: the power of one over the level with which
-    the error falls; None where it falls faster than any power, or does not depend on the level.
+    the error falls; None where it falls faster than any power, or does not depend on the level.  ``adaptive`` is true
+    where the method finds by itself how fine it must be, whatever the level, and says so where it cannot.
     """
 
     name: str
@@ -25,6 +26,12 @@ class Method:
     levels: tuple[Level, ...]
     run: Callable[[Any], Any]
     order: float | None = None
+    adaptive: bool = False
+
+    @property
+    def unaided(self) -> bool:
+        """Whether it is exact without anyone's knowing beforehand how many points are enough."""
+        return self.adaptive or not self.level
 
 
 @dataclass(frozen=True)
