@@ -154,6 +154,14 @@ def test_rounding_does_not_count_for_a_rate() -> None:
     assert order(points, 1e-12) == pytest.approx(2.0, abs=1e-12)
 
 
+def test_errors_that_are_no_rounding_all_count_for_a_rate() -> None:
+    points = tuple(Point(n, 1.0, 1e-3 / n**2) for n in (1, 2, 4))
+    made = by_hand(points)
+    method = replace(made.study.methods[0], order=2.0)
+    (rate,) = rates(replace(made, study=replace(made.study, methods=(method,))))
+    assert rate.fitted == pytest.approx(2.0, abs=1e-12)
+
+
 def test_one_point_tells_no_rate() -> None:
     with pytest.raises(ValueError, match="no rate can be told"):
         order([Point(1, 1.0, 1.0), Point(2, 1.0, 1e-16)], 1e-12)

@@ -10,6 +10,9 @@ from ncgear.precision.study import Measured
 ABOVE_ROUNDING = 30.0
 """An error of so many times the least of all methods is the method's own, not rounding."""
 
+MOST_ROUNDING = 1e-10
+"""Rounding errors are below, in every study's unit; where no method gets so far, all errors are the methods' own."""
+
 
 @dataclass(frozen=True)
 class Rate:
@@ -22,7 +25,7 @@ class Rate:
 
 def rates(found: Measured) -> tuple[Rate, ...]:
     """One for each method whose rate theory tells; raises ValueError where a fit has fewer than two points."""
-    floor = ABOVE_ROUNDING * least_error(found)
+    floor = min(ABOVE_ROUNDING * least_error(found), MOST_ROUNDING)
     rows = zip(found.study.methods, found.points, strict=True)
     return tuple(Rate(one.name, order(row, floor), one.order) for one, row in rows if one.order is not None)
 
