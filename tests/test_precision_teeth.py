@@ -13,6 +13,7 @@ from shapely import Polygon
 from ncgear.contact.placement import PER_TOOTH
 from ncgear.precision import contact, outlines, solids, teeth_pairs
 from ncgear.precision.catalogue import STUDIES
+from ncgear.precision.circular_area import area_mm2
 from ncgear.precision.circular_gear import CircularGear
 from ncgear.precision.elliptical_gear import EllipticalGear
 from ncgear.precision.even_outline import even_outlines
@@ -88,7 +89,7 @@ def test_the_area_of_the_circular_gear_is_that_of_a_fine_polygon_but_for_its_cho
     """Richardson's extrapolation of two even outlines, whose areas are of second order, to the fourth."""
     outlines = (even_outlines(teeth_pairs.circular(), teeth_pairs.form(), count)[0] for count in (64, 128))
     coarse, fine = (Polygon(points).area for points in outlines)
-    assert (4.0 * fine - coarse) / 3.0 == pytest.approx(CIRCLE.area_mm2, rel=1e-10)
+    assert (4.0 * fine - coarse) / 3.0 == pytest.approx(area_mm2(CIRCLE), rel=1e-10)
 
 
 def test_eccentric_anomalies_are_those_of_elliptic_integrals_to_fifty_digits() -> None:

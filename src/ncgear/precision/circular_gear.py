@@ -1,4 +1,4 @@
-"""A circular gear cut by a rack, in closed form: how far points are from it, and its area.
+"""A circular gear cut by a rack, in closed form, and how far points are from it.
 
 Half a tooth, from its middle at polar angle 0 to the middle of the next space at pi / z: the tip's arc, the involute,
 the trochoidal fillet of the rack's rounded tip, the root's arc.  The rest follows by mirrors and turns.  Nothing of
@@ -16,9 +16,6 @@ import numpy as np
 
 from ncgear.machine.rack import BasicRack
 from ncgear.numerics.arrays import Array, ComplexArray
-
-DIGITS = 30
-"""Of the area: twice those of the numbers that it is compared with."""
 
 STARTS = 33
 """Places along a fillet from the nearest of which its foot is looked for."""
@@ -158,32 +155,3 @@ class CircularGear:
             turned * (-along - 1j * depth) / radius,
             turned * (radius + depth - 1j * along) / radius**2,
         )
-
-    @cached_property
-    def area_mm2(self) -> float:
-        """By Green's theorem on the four pieces: arcs and involute in closed form, the fillet by quadrature.
-
-        An involute unwound from t to t' rad sweeps rb^2 (t'^3 - t^3) / 6 about the axis.
-        """
-        from mpmath import mp, mpf
-
-        with mp.workdps(DIGITS):
-            base, tip, joint = (mpf(r) for r in (self.base_radius_mm, self.tip_radius_mm, self.joint_radius_mm))
-            roll = [mp.sqrt((radius / base) ** 2 - 1) for radius in (tip, joint)]
-            involute = base**2 * (roll[0] ** 3 - roll[1] ** 3) / 6
-            low, high = self.fillet_mm
-            half = pi / self.teeth - low / self.pitch_radius_mm
-            arcs = (tip**2 * self.tip_angle_rad + mpf(self.root_radius_mm) ** 2 * half) / 2
-            return float(2 * self.teeth * (arcs + involute + mp.quad(self._swept, [mpf(high), mpf(low)])))
-
-    def _swept(self, sigma: object) -> object:
-        """Half the product of a fillet's point and its derivative across, at a number of mpmath."""
-        from mpmath import mp, mpf
-
-        def point(at: object) -> object:
-            along, depth = mpf(self.center_along_mm) - at, mpf(self.center_depth_mm)
-            reach = 1 + mpf(self.rack.root_radius_mm) / mp.hypot(along, depth)
-            turned = mp.expj(at / mpf(self.pitch_radius_mm))
-            return turned * mp.mpc(mpf(self.pitch_radius_mm) - reach * depth, reach * along)
-
-        return mp.im(mp.conj(point(sigma)) * mp.diff(point, sigma)) / 2

@@ -73,7 +73,7 @@ def angle() -> Study:
         reference="involute gears, which have no transmission error, and a play of the normal backlash over rb",
         methods=(
             Method(CURVES, PER_PITCH, FEW_POSITIONS, by_curves),
-            Method(CHORDS, "tolerance in mm", TOLERANCES_MM, by_chords, -1.0),
+            Method(CHORDS, "tolerance in mm", TOLERANCES_MM, by_chords, -1.0, adaptive=True),
             Method(EVEN, "chords per curve", COUNTS, _by_even_parameters, 2.0),
         ),
         error=angle_error_rad,

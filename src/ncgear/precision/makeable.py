@@ -70,8 +70,8 @@ def study() -> Study:
         chosen=(FINISHED, HARMONICS),
         enough=ENOUGH,
         because="more harmonics gain a hundredth at most and take longer by their square. The programme of a spline is "
-        "quicker, its matrices being sparse, and comes as far; but a law of harmonics has no knots, which teeth would "
-        "show, and holding the limits everywhere takes as long for either",
+        "quicker, its matrices being sparse, and comes as far; but a law of harmonics is one piece, without knots that "
+        "pitch curves and teeth would show in their higher derivatives, and a second is little",
     )
 
 

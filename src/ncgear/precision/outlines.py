@@ -70,7 +70,7 @@ def elliptical_outlines() -> Study:
     reference = "the flanks of an elliptical gear in closed form, by incomplete elliptic integrals"
     title = "Flanks of an elliptical gear"
     case = _Case("outlines-ellipse", title, reference, teeth_pairs.elliptical(), gear.distance_mm)
-    return _study(case, (Method(EQUIVALENT, TOLERANCE, TOLERANCES_MM, _chords(case, equivalent=True)),))
+    return _study(case, (Method(EQUIVALENT, TOLERANCE, TOLERANCES_MM, _chords(case, equivalent=True), adaptive=True),))
 
 
 def largest_distance_mm(outline_mm: Array, distance_mm: Callable[[Array], Array]) -> float:
@@ -87,8 +87,8 @@ def _study(case: _Case, others: tuple[Method, ...]) -> Study:
         unit="mm",
         reference=case.reference,
         methods=(
-            Method(CHORDS, TOLERANCE, TOLERANCES_MM, _chords(case), -1.0),
-            Method(BOTH_SIDES, TOLERANCE, TOLERANCES_MM, _chords(case, straddling=True), -1.0),
+            Method(CHORDS, TOLERANCE, TOLERANCES_MM, _chords(case), -1.0, adaptive=True),
+            Method(BOTH_SIDES, TOLERANCE, TOLERANCES_MM, _chords(case, straddling=True), -1.0, adaptive=True),
             Method(EVEN, "chords per curve", COUNTS, _evenly(case), 2.0),
             *others,
         ),

@@ -12,6 +12,7 @@ from trimesh import Trimesh
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.precision import teeth_pairs
+from ncgear.precision.circular_area import area_mm2
 from ncgear.precision.circular_gear import CircularGear
 from ncgear.precision.even_outline import even_outlines
 from ncgear.precision.study import Method, Size, Study
@@ -98,7 +99,7 @@ def gear() -> CircularGear:
 
 def volume_error(solid: Solid) -> float:
     """Relative difference of a mesh's volume from the gear's, either way."""
-    return abs(float(solid.mesh.volume) / (gear().area_mm2 * FACE_WIDTH_MM) - 1.0)
+    return abs(float(solid.mesh.volume) / (area_mm2(gear()) * FACE_WIDTH_MM) - 1.0)
 
 
 def largest_distance_mm(solid: Solid) -> float:
@@ -117,9 +118,9 @@ def _turned_back(places: Array, angle: Array) -> Array:
 
 def _methods() -> tuple[Method, ...]:
     return (
-        Method(STRAIGHT, TOLERANCE, TOLERANCES_MM, _straight, -1.0),
+        Method(STRAIGHT, TOLERANCE, TOLERANCES_MM, _straight, -1.0, adaptive=True),
         Method(EVEN, "chords per curve", COUNTS, _evenly, 2.0),
-        Method(HELICAL, TOLERANCE, HELICAL_TOLERANCES_MM, _helical, -1.0),
+        Method(HELICAL, TOLERANCE, HELICAL_TOLERANCES_MM, _helical, -1.0, adaptive=True),
     )
 
 
