@@ -14,7 +14,7 @@ from scipy.integrate import quad
 from ncgear import extras
 from ncgear.errors import WrongInput
 from ncgear.optimum.limit import CELLS, Bound
-from ncgear.precision import limit, makeable
+from ncgear.precision import limit, makeable, makeable_places
 from ncgear.precision.catalogue import STUDIES
 from ncgear.precision.limit_reference import least_acceleration_mm_s2
 from ncgear.precision.measure import order, points
@@ -106,8 +106,9 @@ def test_an_enclosure_that_does_not_hold_the_limit_is_told(share: float) -> None
 
 def test_the_makeable_study_names_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(extras, "find_spec", lambda _: None)
-    with pytest.raises(WrongInput, match="needs casadi"):
-        makeable.study()
+    for study in (makeable.study, makeable_places.study):
+        with pytest.raises(WrongInput, match="needs casadi"):
+            study()
 
 
 def test_a_limit_of_known_order_is_extrapolated() -> None:
@@ -139,6 +140,15 @@ def test_the_excess_of_finished_laws_falls_at_the_rate_of_smeared_corners() -> N
     measured = found("makeable", makeable.FINISHED, 8, 12, makeable.HARMONICS)
     assert order(measured, 0.0) == pytest.approx(makeable.ORDER, abs=0.35)
     assert measured[-1].error < makeable.ENOUGH < measured[1].error
+
+
+@pytest.mark.slow
+def test_what_is_left_between_places_falls_with_their_square() -> None:
+    """With the highest harmonic alone (2 pi / n)^2 / 8 of it would be; laws have some hundredths of that."""
+    measured = found("makeable-places", makeable_places.PROGRAMME, 4, 6, 10, 16)
+    highest = [(2.0 * pi / point.level) ** 2 / 8.0 for point in measured]
+    assert all(5e-3 < point.error / whole < 0.03 for point, whole in zip(measured, highest, strict=True))
+    assert measured[2].error < makeable_places.ENOUGH < measured[1].error
 
 
 def test_a_law_that_is_a_hundredth_too_good_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,6 +13,7 @@ from ncgear.precision import (
     inversion,
     limit,
     makeable,
+    makeable_places,
     outlines,
     pitch_length,
     quadrature,
@@ -38,6 +39,7 @@ STUDIES: Mapping[str, Callable[[], Study]] = {
     "solid-surface": solids.surface,
     "limit": limit.study,
     "makeable": makeable.study,
+    "makeable-places": makeable_places.study,
 }
 """By their keys; each is made when its turn comes, with the references that it needs."""
 

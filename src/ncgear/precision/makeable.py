@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 from math import pi
 
@@ -13,7 +14,7 @@ from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.polynomial_resistance import PolynomialResistance
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.levels import levels
-from ncgear.optimum.reached import Grid, ratios, reached
+from ncgear.optimum.reached import Grid, lengths, ratios, reached
 from ncgear.optimum.series import Basis, basis
 from ncgear.optimum.stations import stations
 from ncgear.optimum.task import Limits, Task
@@ -83,23 +84,45 @@ def finished_mm_s2(harmonics: int) -> float:
     return law.goal * _unit_mm_s2()
 
 
+@dataclass(frozen=True, eq=False)
+class AtPlaces:
+    """A law whose limits hold at even places only: coefficients, the largest acceleration at the places, its level.
+
+    The level also counts what parabolas through the places tell of the peaks between.
+    """
+
+    coefficients: Array
+    at_places_mm_s2: float
+    level_mm_s2: float
+
+
 def at_places_mm_s2(form: Form, count: int) -> float:
-    """Least peak acceleration at the programme's places, for ln i12 of 2 ``count`` coefficients in some form.
+    """Least peak acceleration at the programme's places, for ln i12 of 2 ``count`` coefficients in some form."""
+    from ncgear.optimum.makeable import PLACES_PER_HARMONIC
+
+    return at_places(form, count, PLACES_PER_HARMONIC).level_mm_s2
+
+
+def at_places(form: Form, count: int, places_per_count: int) -> AtPlaces:
+    """The best law at even places, so many for each harmonic or two coefficients of a spline.
 
     Raises ArithmeticError where the optimiser finds none.
     """
     from ncgear.optimum.equations import programme
-    from ncgear.optimum.makeable import PLACES_PER_HARMONIC, scales
+    from ncgear.optimum.makeable import scales
 
-    at = stations(BALER.linkage, BALER.resistance, PLACES_PER_HARMONIC * count)
-    on, wanted = Grid(at, form(at.phi2_rad, count)), levels(Wishes(LIMITS), scales(BALER, at))
+    at = stations(BALER.linkage, BALER.resistance, places_per_count * count)
+    on, units = Grid(at, form(at.phi2_rad, count)), scales(BALER, at)
+    wanted = levels(Wishes(LIMITS), units)
     caps = np.array([np.inf if level.limit is None else level.limit for level in wanted])
     weights = np.array([level.weight for level in wanted])
     found = programme(wanted, on, BALER.cycle_rad, None, 1).solved(caps, weights, np.zeros(2 * count))
     if found is None:
         raise ArithmeticError(f"no law of {2 * count} coefficients was found")
-    goal = reached(wanted, on, ratios(on, found.coefficients, BALER.cycle_rad))[0]
-    return float(goal * scales(BALER, at).acceleration_mm_s2)
+    there = ratios(on, found.coefficients, BALER.cycle_rad)
+    largest = max(float(np.max(term)) for term in wanted[0].terms(there, on.slider, lengths(there)))
+    unit, level = units.acceleration_mm_s2, float(reached(wanted, on, there)[0])
+    return AtPlaces(found.coefficients, unit * largest, unit * level)
 
 
 def spline(angle_rad: Array, count: int) -> Basis:
