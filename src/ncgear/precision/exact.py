@@ -58,10 +58,11 @@ def return_turned(law: ReturnLaw, phi1: Iterable[float]) -> list[Real]:
 
     covered, at, all_covered = mp.mpf(0), _real(law.ends.start_rad), []
     for angle in phi1:
-        part, missed = mp.quad(lambda t: 1 / return_ratio(law, t), [at, _real(angle)], error=True)
+        ends = [at, _real(angle)]
+        part, missed = mp.quad(lambda t: 1 / return_ratio(law, t), ends, method="gauss-legendre", error=True)
         if missed > mp.mpf(10) ** -30:
             raise ArithmeticError(f"the reference's own quadrature is only good to {mp.nstr(missed, 2)}")
-        covered, at = covered + part, _real(angle)
+        covered, at = covered + part, ends[1]
         all_covered.append(covered)
     return all_covered
 

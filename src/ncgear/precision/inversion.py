@@ -29,8 +29,9 @@ def study() -> Study:
     return Study(
         key="inversion",
         title="Working stroke to driven angle and ratio",
-        unit="rad, and share of i12: the larger",
-        reference="50-digit inversion by the law of cosines, of the same stroke coefficients taken as exact",
+        unit="rad, or share of i12",
+        reference="50-digit inversion by the law of cosines, of the same stroke coefficients taken as exact; "
+        "the larger of both errors",
         methods=(
             Method("half angle, zeros divided out", "", (0,), lambda _: closed_form(angles())),
             Method("law of cosines, as in textbooks", "", (0,), lambda _: textbook(angles())),

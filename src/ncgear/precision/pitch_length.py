@@ -37,9 +37,9 @@ def _study(key: str, curve: Curve, trapezoid_order: float | None) -> Study:
 
     return Study(
         key=key,
-        title=f"Pitch length and size: {curve.name}",
-        unit="share of the length, and so of module and centre distance",
-        reference=curve.length_reference,
+        title=f"Pitch length: {curve.name}",
+        unit="share of the length",
+        reference=f"{curve.length_reference}; module and centre distance are in proportion to the length",
         methods=(
             Method("Chebyshev panels", "degree", (8, 12, 16, 24, 32, 48), on(panels), adaptive=True),
             Method("Gauss-Legendre from joint to joint", "points", (4, 8, 12, 16, 24, 32, 48, 64), on(_by_gauss)),
@@ -51,7 +51,8 @@ def _study(key: str, curve: Curve, trapezoid_order: float | None) -> Study:
         chosen=("Chebyshev panels", chebyshev.DEGREE),
         enough=1e-14,
         because="the arc length along the curve is wanted at every tooth, and its last value is the curve's length at "
-        "no further cost; panels of a higher degree are found in fewer rounds, but cost more at every later reading",
+        "no further cost; panels of a higher degree are found in fewer rounds, but cost more at every later "
+        "reading, as the tables of the driven angle show",
     )
 
 

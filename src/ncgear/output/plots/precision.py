@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import cycle
+from textwrap import fill
 
 from matplotlib.axes import Axes
 
@@ -26,6 +27,9 @@ WIDTH_IN, HEIGHT_IN = 8.2, 4.4
 KEY_IN = 2.45
 """Room for the key beside the axes."""
 
+LINE = 42
+"""Letters that fit along the scale of errors."""
+
 COLORS = (DRIVING, DRIVEN, HIGHLIGHT, "#009E73", "#E69F00", "#56B4E9", REFERENCE)
 MARKERS = ("o", "s", "D", "^", "v", "P", "X")
 """Told apart by form as well as by colour."""
@@ -34,7 +38,7 @@ MARKERS = ("o", "s", "D", "^", "v", "P", "X")
 def speed_against_error(found: Measured) -> bytes:
     """PNG with both scales logarithmic, one line per method, and a ring around the point that ncgear works at."""
     made = figure(WIDTH_IN, HEIGHT_IN, found.study.title)
-    made.subplots_adjust(**Margins(right=KEY_IN, top=0.45).shares(WIDTH_IN, HEIGHT_IN))
+    made.subplots_adjust(**Margins(left=1.0, right=KEY_IN, top=0.45).shares(WIDTH_IN, HEIGHT_IN))
     axes = made.add_subplot()
     # A scale of logarithms has no zero: what has no error at all stands below the least one.
     foot = (least_error(found) or 1.0) / 3.0
@@ -43,7 +47,7 @@ def speed_against_error(found: Measured) -> bytes:
         axes.plot(*_scaled(row, foot), color=color, marker=marker, markersize=4.5, linewidth=1.3, label=method.name)
     _ring(axes, found.chosen[1], foot)
     axes.set(xscale="log", yscale="log")
-    dress(axes, "time in ms", f"error ({found.study.unit})")
+    dress(axes, "time in ms", fill(f"error ({found.study.unit})", LINE))
     axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=SMALL, borderaxespad=0.0)
     return png(made)
 
