@@ -29,7 +29,7 @@ from ncgear.precision import (
 from ncgear.precision.knee import knee
 from ncgear.precision.measure import measured, order
 from ncgear.precision.rates import rates
-from ncgear.precision.study import Measured, Method, Point, Study
+from ncgear.precision.study import Measured, Method, Point, Size, Study
 
 PAGE = Path(__file__).parents[1] / "docs" / "speed-against-error.md"
 
@@ -260,6 +260,14 @@ def test_the_command_writes_page_and_pictures(run: Run, tmp_path: Path) -> None:
     assert titles(text) == [catalogue.STUDIES[key]().title for key in ("inversion", "return-basis")]
 
 
+def test_sizes_have_a_column_of_their_own() -> None:
+    made = by_hand((Point(1, 1.0, 1e-15, size=37396.0),))
+    text = page([replace(made, study=replace(made.study, size=Size("triangles", float)))])
+    assert "| method | level | triangles | time | error |" in text
+    assert "| **m0** | **1 steps** | **37396** | **1 s** | **1.0e-15** |" in text
+    assert "triangles" not in page([made])
+
+
 def test_an_unknown_study_is_refused_with_the_known_ones(run: Run, tmp_path: Path) -> None:
     status, out, err = run("--only", "inversion", "--only", "inversoin")
     assert (status, out) == (2, "")
@@ -285,7 +293,7 @@ def sections(text: str) -> dict[str, str]:
 
 def rows(section: str) -> list[tuple[str, str]]:
     """Method and level of each row of a table of the page, bold marks included."""
-    return re.findall(r"^\| ([^|]+) \| ([^|]+) \| [^|]+ \| [^|]+ \|$", section, flags=re.MULTILINE)[1:]
+    return re.findall(r"^\| ([^|]+) \| ([^|]+) \|(?: [^|]+ \|)? [^|]+ \| [^|]+ \|$", section, flags=re.MULTILINE)[1:]
 
 
 def test_the_page_in_docs_has_every_study_and_no_other() -> None:

@@ -17,7 +17,7 @@ from ncgear.output.precision_words import (
     time_text,
     verdict_text,
 )
-from ncgear.precision.study import Measured, Method, Point
+from ncgear.precision.study import Measured, Method, Point, Study
 
 PAGE = "speed-against-error.md"
 PICTURES = "speed-against-error"
@@ -69,7 +69,7 @@ def _section(found: Measured) -> str:
             f"## {study.title}",
             f"Reference: {study.reference}. Errors in {study.unit}; nobody gains below {study.enough:g}.",
             f"![{study.title}: time against error]({PICTURES}/{study.key}.png)",
-            _table(("method", "level", "time", "error"), [_row(found, *one) for one in found.of_all]),
+            _table(_heads(study), [_row(found, *one) for one in found.of_all]),
             rates_text(found),
             choice_text(found),
         )
@@ -77,8 +77,14 @@ def _section(found: Measured) -> str:
     )
 
 
+def _heads(study: Study) -> tuple[str, ...]:
+    size = (study.size.name,) if study.size else ()
+    return ("method", "level", *size, "time", "error")
+
+
 def _row(found: Measured, method: Method, point: Point) -> tuple[str, ...]:
-    cells = method.name, level_text(method, point), time_text(point), error_text(point)
+    size = () if point.size is None else (f"{point.size:.0f}",)
+    cells = method.name, level_text(method, point), *size, time_text(point), error_text(point)
     return tuple(f"**{cell}**" for cell in cells) if (method, point) == found.chosen else cells
 
 
