@@ -18,9 +18,10 @@ from ncgear.machine.resistance import Resistance
 from ncgear.machine.table_resistance import TableResistance
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.judged import Figures, figures
+from ncgear.optimum.kept import scales
 from ncgear.optimum.levels import levels
 from ncgear.optimum.limit import least_acceleration, least_power
-from ncgear.optimum.makeable import MakeableLaw, makeable_law, scales
+from ncgear.optimum.makeable import MakeableLaw, makeable_law
 from ncgear.optimum.reached import grid, lengths, ratios
 from ncgear.optimum.starts import random_starts, rough_start
 from ncgear.optimum.stations import stations

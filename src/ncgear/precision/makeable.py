@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from math import pi
+from math import log2, pi
 
 import numpy as np
 
@@ -14,9 +14,8 @@ from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.polynomial_resistance import PolynomialResistance
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.levels import levels
-from ncgear.optimum.reached import Grid, lengths, ratios, reached
-from ncgear.optimum.series import Basis, basis
-from ncgear.optimum.stations import stations
+from ncgear.optimum.reached import Grid, grid, lengths, ratios, reached
+from ncgear.optimum.stations import Stations, stations
 from ncgear.optimum.task import Limits, Task
 from ncgear.optimum.wishes import Wishes
 from ncgear.precision.limit import COEFFICIENTS_N
@@ -38,16 +37,15 @@ MORE = (*COUNTS, 48)
 ORDER = 2.0
 """A corner of the best motion, smeared over a share 1/n of the turn, costs a share of the time of the order 1/n^2."""
 
-REFERENCE = (50, 100)
-"""Of the reference's splines, counted as harmonics are."""
+REFERENCE = (25, 50, 100)
+"""Of the reference's splines, counted as harmonics are, each twice the one before."""
 
 ENOUGH = 0.02
 """Of the goal: the machine's resistance is not known so well."""
 
-FINISHED, AT_PLACES = "harmonics, limits held everywhere", "harmonics, limits at the places only"
-SPLINE = "quintic splines, limits at the places only"
+FINISHED, AT_PLACES, SPLINES = "harmonics", "harmonics, limits at the places only", "quintic splines"
 
-Form = Callable[[Array, int], Basis]
+Form = Callable[[Stations, int], Grid]
 
 
 def study() -> Study:
@@ -60,12 +58,12 @@ def study() -> Study:
         key="makeable",
         title="Makeable law",
         unit="share",
-        reference=f"Richardson's extrapolation, at the order {ORDER:g} of smeared corners, of quintic splines with "
-        f"{2 * REFERENCE[0]} and {2 * REFERENCE[1]} coefficients",
+        reference="Aitken's extrapolation, which fits limit and rate, of quintic splines with "
+        f"{', '.join(str(2 * count) for count in REFERENCE)} coefficients",
         methods=(
-            Method(FINISHED, "harmonics", COUNTS, finished_mm_s2, ORDER),
-            Method(AT_PLACES, "harmonics", MORE, lambda count: at_places_mm_s2(basis, count), ORDER),
-            Method(SPLINE, "pairs of coefficients", MORE, lambda count: at_places_mm_s2(spline, count), ORDER),
+            Method(FINISHED, "harmonics", COUNTS, lambda count: kept_mm_s2(grid, count), ORDER),
+            Method(SPLINES, "pairs of coefficients", COUNTS, lambda count: kept_mm_s2(splines, count), ORDER),
+            Method(AT_PLACES, "harmonics", MORE, lambda count: at_places_mm_s2(grid, count), ORDER),
         ),
         error=lambda found: abs(found / least_mm_s2() - 1.0),
         chosen=(FINISHED, HARMONICS),
@@ -76,12 +74,18 @@ def study() -> Study:
     )
 
 
-def finished_mm_s2(harmonics: int) -> float:
-    """Peak acceleration of a law as ncgear makes it, all limits held between the places too."""
-    from ncgear.optimum.makeable import makeable_law
+def kept_mm_s2(form: Form, count: int) -> float:
+    """Peak acceleration of a law of 2 ``count`` coefficients as ncgear makes it, limits held between places too.
 
-    law = makeable_law(BALER, Wishes(LIMITS, harmonics=harmonics), [np.zeros(2 * harmonics)])
-    return law.goal * _unit_mm_s2()
+    Raises ArithmeticError where none is found.
+    """
+    from ncgear.optimum.kept import kept, scales, searched
+
+    search = searched(BALER, Wishes(LIMITS, harmonics=count), form)
+    found = kept(search, np.zeros(2 * count))
+    if found is None:
+        raise ArithmeticError(f"no law of {2 * count} coefficients was found")
+    return float(found.reached[0]) * scales(BALER, search.finer.stations).acceleration_mm_s2
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +102,7 @@ class AtPlaces:
 
 def at_places_mm_s2(form: Form, count: int) -> float:
     """Least peak acceleration at the programme's places, for ln i12 of 2 ``count`` coefficients in some form."""
-    from ncgear.optimum.makeable import PLACES_PER_HARMONIC
+    from ncgear.optimum.kept import PLACES_PER_HARMONIC
 
     return at_places(form, count, PLACES_PER_HARMONIC).level_mm_s2
 
@@ -109,10 +113,10 @@ def at_places(form: Form, count: int, places_per_count: int) -> AtPlaces:
     Raises ArithmeticError where the optimiser finds none.
     """
     from ncgear.optimum.equations import programme
-    from ncgear.optimum.makeable import scales
+    from ncgear.optimum.kept import scales
 
     at = stations(BALER.linkage, BALER.resistance, places_per_count * count)
-    on, units = Grid(at, form(at.phi2_rad, count)), scales(BALER, at)
+    on, units = form(at, count), scales(BALER, at)
     wanted = levels(Wishes(LIMITS), units)
     caps = np.array([np.inf if level.limit is None else level.limit for level in wanted])
     weights = np.array([level.weight for level in wanted])
@@ -125,23 +129,28 @@ def at_places(form: Form, count: int, places_per_count: int) -> AtPlaces:
     return AtPlaces(found.coefficients, unit * largest, unit * level)
 
 
-def spline(angle_rad: Array, count: int) -> Basis:
+def splines(at: Stations, count: int) -> Grid:
     """The form that ncgear does not use."""
-    return periodic_spline(angle_rad, 2 * count)
+    return Grid(at, periodic_spline(at.phi2_rad, 2 * count))
+
+
+def least_mm_s2() -> float:
+    """What ever more coefficients come down to."""
+    return extrapolated(_down_mm_s2())
+
+
+def fitted_order() -> float:
+    """Rate at which the reference's splines come down to it."""
+    first, second, third = _down_mm_s2()
+    return log2((first - second) / (second - third))
 
 
 @cache
-def least_mm_s2() -> float:
-    """What ever more coefficients come down to."""
-    return extrapolated(REFERENCE, [at_places_mm_s2(spline, count) for count in REFERENCE])
+def _down_mm_s2() -> tuple[float, ...]:
+    return tuple(at_places_mm_s2(splines, count) for count in REFERENCE)
 
 
-def extrapolated(counts: tuple[int, int], values: list[float]) -> float:
-    """The limit of two values, by their order."""
-    return values[1] - (values[0] - values[1]) / float((counts[1] / counts[0]) ** ORDER - 1.0)
-
-
-def _unit_mm_s2() -> float:
-    from ncgear.optimum.makeable import scales
-
-    return scales(BALER, stations(BALER.linkage, BALER.resistance, 1000)).acceleration_mm_s2
+def extrapolated(values: Sequence[float]) -> float:
+    """The limit of three values whose excess falls by one factor from each to the next."""
+    first, second, third = values
+    return third - (second - third) ** 2 / (first - 2.0 * second + third)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from ncgear.extras import require
 from ncgear.optimum.judged import figures
-from ncgear.optimum.series import basis
+from ncgear.optimum.reached import grid
 from ncgear.precision.makeable import BALER, HARMONICS, POWER_W, AtPlaces, at_places
 from ncgear.precision.study import Method, Study
 from ncgear.ratio.laws.harmonic import harmonic_law
@@ -27,14 +27,14 @@ def study() -> Study:
     Raises WrongInput where the optimiser is not installed.
     """
     require("casadi", "optimize", "ncgear bench --only makeable-places")
-    from ncgear.optimum.makeable import PLACES_PER_HARMONIC
+    from ncgear.optimum.kept import PLACES_PER_HARMONIC
 
     return Study(
         key="makeable-places",
         title="Makeable law between its places",
         unit="share",
         reference="the exact peaks of acceleration and power of the law that was found, located on its closed form",
-        methods=(Method(PROGRAMME, "places per harmonic", PLACES, lambda count: at_places(basis, HARMONICS, count)),),
+        methods=(Method(PROGRAMME, "places per harmonic", PLACES, lambda count: at_places(grid, HARMONICS, count)),),
         error=overstepped,
         chosen=(PROGRAMME, PLACES_PER_HARMONIC),
         enough=ENOUGH,
