@@ -25,6 +25,7 @@ from ncgear.precision import (
     pitch_curves,
     pitch_length,
     quadrature,
+    quadrature_rules,
 )
 from ncgear.precision.knee import knee
 from ncgear.precision.measure import measured, order
@@ -98,7 +99,7 @@ def test_a_planted_error_of_an_inversion_is_told(row: int) -> None:
 
 def test_a_planted_error_of_phi2_is_told() -> None:
     stretch = quadrature.return_of_baler()
-    planted = quadrature.read(stretch, lambda angles: quadrature.panels(stretch, 24)(angles + 1e-10))
+    planted = quadrature_rules.read(stretch, lambda angles: quadrature_rules.panels(stretch, 24)(angles + 1e-10))
     assert quadrature.error(stretch, planted) >= 5e-11
 
 

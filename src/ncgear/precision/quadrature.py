@@ -3,50 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 from math import pi
 
 import numpy as np
-from numpy.polynomial import Chebyshev, polynomial
-from scipy.integrate import cumulative_trapezoid, quad, solve_ivp
-from scipy.interpolate import CubicSpline
+from numpy.polynomial import polynomial
 
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array
 from ncgear.precision import baler, exact
-from ncgear.precision.gauss import gauss_rule
+from ncgear.precision import quadrature_rules as rules
+from ncgear.precision.quadrature_rules import Reader, Stretch, read
 from ncgear.precision.study import Level, Method, Study
 from ncgear.ratio.transmission import CLOSED
 
-CALLS, ANGLES = 16, 16
-"""phi2 is made once and then read at so many driving angles in each of so many calls, in no order.  That is less than
-what a stage asks for: a check of the baler reads its return in 30 calls, its gears in 60 more, most at a few angles."""
-
-GAPS = 128
-"""Of the table beside which Gauss-Legendre rules integrate the rest of the way."""
-
 ECCENTRICITY = 0.98
-"""i12 from 1/99 to 99, as steep as a law may be."""
-
-Reader = Callable[[Array], Array]
-"""phi2 in rad since the stretch's start at driving angles in rad, shape (n,)."""
-
-
-@dataclass(frozen=True, eq=False)
-class Stretch:
-    """1/i12 on a stretch of the driving angle in rad, and by how much phi2 has risen at each of the readings."""
-
-    slope: Callable[[Array], Array]
-    start_rad: float
-    end_rad: float
-    reference: Callable[[], Array]
-
-    @property
-    def readings_rad(self) -> Array:
-        """Spread evenly by the golden ratio, one row for each call."""
-        shares: Array = (np.arange(1, CALLS * ANGLES + 1) * (np.sqrt(5.0) - 1.0) / 2.0) % 1.0
-        return self.start_rad + (self.end_rad - self.start_rad) * shares.reshape(CALLS, ANGLES)
+"""i12 from 1/99 to 99: steeper than teeth can follow."""
 
 
 def of_ellipse() -> Study:
@@ -91,89 +63,25 @@ def error(stretch: Stretch, result: Array) -> float:
     return float(np.max(np.abs(result - stretch.reference())))
 
 
-def read(stretch: Stretch, reader: Reader) -> Array:
-    """phi2 at all readings, call by call, shape (CALLS, ANGLES)."""
-    return np.array([reader(angles) for angles in stretch.readings_rad])
-
-
 def _methods(stretch: Stretch) -> tuple[Method, ...]:
     def reading(made: Callable[[Stretch, Level], Reader]) -> Callable[[Level], Array]:
         return lambda level: read(stretch, made(stretch, level))
 
     return (
-        Method("Chebyshev panels", "degree", (6, 8, 12, 16, 24, 32, 48), reading(panels), adaptive=True),
-        Method("one Chebyshev series", "degree", (8, 16, 32, 64, 128, 256, 512), reading(_series)),
-        Method(f"Gauss-Legendre in {GAPS} gaps", "points", (1, 2, 4, 8, 16, 24, 32), reading(_gauss)),
-        Method("adaptive quadrature", "tolerance", (1e-6, 1e-12), reading(_adaptive), adaptive=True),
-        Method("cubic spline, integrated", "samples", (65, 129, 257, 513, 1025, 2049), reading(_spline), order=4.0),
-        Method("cumulative trapezoids", "samples", (257, 1025, 4097, 16385, 65537), reading(_trapezoids), order=2.0),
-        Method("Runge-Kutta, order 8", "tolerance", (1e-4, 1e-6, 1e-8, 1e-10, 1e-12), reading(_stepped), adaptive=True),
+        Method("Chebyshev panels", "degree", (6, 8, 12, 16, 24, 32, 48), reading(rules.panels), adaptive=True),
+        Method("one Chebyshev series", "degree", (8, 16, 32, 64, 128, 256, 512), reading(rules.series)),
+        Method(f"Gauss-Legendre in {rules.GAPS} gaps", "points", (1, 2, 4, 8, 16, 24, 32), reading(rules.gauss)),
+        Method("adaptive quadrature", "tolerance", (1e-6, 1e-12), reading(rules.adaptive), adaptive=True),
+        Method(
+            "cubic spline, integrated", "samples", (65, 129, 257, 513, 1025, 2049), reading(rules.spline), order=4.0
+        ),
+        Method(
+            "cumulative trapezoids", "samples", (257, 1025, 4097, 16385, 65537), reading(rules.trapezoids), order=2.0
+        ),
+        Method(
+            "Runge-Kutta, order 8", "tolerance", (1e-4, 1e-6, 1e-8, 1e-10, 1e-12), reading(rules.stepped), adaptive=True
+        ),
     )
-
-
-def panels(stretch: Stretch, degree: Level) -> Reader:
-    """ncgear's own way, by the degree of its panels."""
-    return chebyshev.fitted(stretch.slope, (stretch.start_rad, stretch.end_rad), int(degree)).integrated()
-
-
-def _series(stretch: Stretch, degree: Level) -> Reader:
-    domain = stretch.start_rad, stretch.end_rad
-    series: Reader = Chebyshev.interpolate(stretch.slope, int(degree), domain=domain).integ(lbnd=stretch.start_rad)
-    return series
-
-
-def _gauss(stretch: Stretch, points: Level) -> Reader:
-    """A table of phi2, and from its next row below to the angle by the same rule."""
-    unit, weights = gauss_rule(int(points))
-    knots = np.linspace(stretch.start_rad, stretch.end_rad, GAPS + 1)
-
-    def turned(start: Array, end: Array) -> Array:
-        half = (end - start)[:, None] / 2.0
-        parts: Array = (stretch.slope(start[:, None] + half * (1.0 + unit)) * half) @ weights
-        return parts
-
-    table = np.concatenate([[0.0], np.cumsum(turned(knots[:-1], knots[1:]))])
-
-    def read_at(angles: Array) -> Array:
-        below = np.searchsorted(knots, angles, side="right") - 1
-        values: Array = table[below] + turned(knots[below], angles)
-        return values
-
-    return read_at
-
-
-def _adaptive(stretch: Stretch, tolerance: Level) -> Reader:
-    def turned(angle: float) -> float:
-        return float(quad(stretch.slope, stretch.start_rad, angle, epsabs=tolerance, epsrel=tolerance, limit=200)[0])
-
-    return lambda angles: np.array([turned(angle) for angle in angles.tolist()])
-
-
-def _spline(stretch: Stretch, samples: Level) -> Reader:
-    knots = np.linspace(stretch.start_rad, stretch.end_rad, int(samples))
-    spline: Reader = CubicSpline(knots, stretch.slope(knots)).antiderivative()
-    return spline
-
-
-def _trapezoids(stretch: Stretch, samples: Level) -> Reader:
-    knots = np.linspace(stretch.start_rad, stretch.end_rad, int(samples))
-    table = cumulative_trapezoid(stretch.slope(knots), knots, initial=0.0)
-    return lambda angles: np.interp(angles, knots, table)
-
-
-def _stepped(stretch: Stretch, tolerance: Level) -> Reader:
-    done = solve_ivp(
-        lambda phi1, _: np.array([stretch.slope(phi1)]),
-        (stretch.start_rad, stretch.end_rad),
-        [0.0],
-        method="DOP853",
-        dense_output=True,
-        rtol=tolerance,
-        atol=tolerance,
-    )
-    if not done.success:
-        raise ArithmeticError(f"Runge-Kutta stopped: {done.message}")
-    return lambda angles: np.ravel(done.sol(angles))
 
 
 @cache
