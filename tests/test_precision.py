@@ -174,6 +174,22 @@ def test_an_error_that_is_no_number_is_refused() -> None:
         measured(study, timed_s=0.0)
 
 
+@pytest.mark.parametrize(("takes_s", "runs"), [(1e-9, measure.MOST_RUNS), (0.01, 5), (0.04, 3), (0.3, 2), (0.6, 1)])
+def test_slow_levels_are_run_again_unless_they_are_very_slow(
+    takes_s: float, runs: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock, count = [0.0], [0]
+
+    def run(_: float) -> float:
+        clock[0], count[0] = clock[0] + takes_s, count[0] + 1
+        return 1.0
+
+    monkeypatch.setattr(measure, "perf_counter", lambda: clock[0])
+    study = Study("s", "S", "mm", "-", (Method("m", "", (0,), run),), float, ("m", 0), 0.0, "-")
+    measured(study, timed_s=0.0499)
+    assert count[0] == runs
+
+
 def test_the_knee_is_the_quickest_that_is_exact_enough() -> None:
     exact, rough, slow = Point(1, 1.0, 2e-15), Point(1, 0.1, 1e-3), Point(1, 9.0, 1e-15)
     told = knee(by_hand((exact,), (rough,), (slow,)))

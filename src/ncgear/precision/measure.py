@@ -13,6 +13,9 @@ TIMED_S = 0.05
 
 MOST_RUNS = 200
 
+LEAST_RUNS, LONG = 3, 10.0
+"""Levels that take longer are run so often all the same, the first time being cold, unless ten times that has gone."""
+
 
 def measured(study: Study, timed_s: float = TIMED_S) -> Measured:
     """All points of a study; whatever a method raises is raised, and ArithmeticError for an error that is no number."""
@@ -55,7 +58,7 @@ def _timed(run: Callable[[], object], timed_s: float) -> tuple[float, object]:
     """Least time of several runs, and the result of the last one."""
     least, gone, runs = float("inf"), 0.0, 0
     result: object = None
-    while runs == 0 or (gone < timed_s and runs < MOST_RUNS):
+    while runs == 0 or (runs < MOST_RUNS and gone < timed_s * (1.0 if runs >= LEAST_RUNS else LONG)):
         start = perf_counter()
         result = run()
         seconds = perf_counter() - start
