@@ -14,7 +14,8 @@ slow: .venv  ## the tests that take longer
 lint: .venv  ## style, formatting, types
 	.venv/bin/ruff check . && .venv/bin/ruff format --check . && .venv/bin/mypy
 
-bench: .venv  ## measure how long builds take, and equivalent gears beside exact teeth, the limit; write benchmarks/*.md
+bench: .venv  ## measure speed against error, how long builds take, and more; write docs/speed-against-error.md, benchmarks/*.md
+	.venv/bin/ncgear bench --out docs
 	$(PYTHON) benchmarks/timing.py
 	$(PYTHON) benchmarks/equivalent_gear.py
 	$(PYTHON) benchmarks/limit.py

@@ -26,6 +26,7 @@ LAYERS = [
     {"design"},
     {"recipe"},
     {"drive", "improvement", "frontier"},
+    {"precision"},
     {"output"},
     {"cli"},
     {"__main__"},
@@ -102,7 +103,7 @@ print(check_text(drive))
 
 
 def test_a_check_loads_neither_meshes_nor_plots_nor_algebra() -> None:
-    assert modules_after(CHECK) & {"trimesh", "matplotlib", "sympy", "shapely"} == set()
+    assert modules_after(CHECK) & {"trimesh", "matplotlib", "sympy", "mpmath", "shapely"} == set()
 
 
 def test_a_check_makes_no_pitch_curve_and_no_tooth() -> None:

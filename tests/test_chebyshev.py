@@ -49,6 +49,17 @@ def test_fit_reproduces_the_function(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", CASES)
+def test_columns_are_as_exact_as_single_functions(name: str) -> None:
+    """Several columns are summed in another way: breaks, ends and points off them to the right included."""
+    function, _, breaks = CASES[name]
+    points = np.concatenate([points_of(breaks), np.array(breaks, dtype=float)[:-1]])
+    values = function(points)
+    found = chebyshev.fitted(lambda x: np.column_stack([function(x), 2.0 * function(x)]), breaks)(points)
+    allowed = (2e-13 if name == "fast oscillation" else 4e-14) * np.max(np.abs(values))
+    assert np.max(np.abs(found - values[:, None] * [1.0, 2.0])) <= 2.0 * allowed
+
+
+@pytest.mark.parametrize("name", CASES)
 def test_integral_is_the_antiderivative_from_the_first_break(name: str) -> None:
     function, antiderivative, breaks = CASES[name]
     points = points_of(breaks)

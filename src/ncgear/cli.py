@@ -192,6 +192,28 @@ def frontier(
 
 
 @app.command()
+def bench(
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Output folder.")] = Path("export/bench"),
+    only: Annotated[
+        list[str] | None, typer.Option(metavar="KEY", help="A study to make, may be given again; left out: all.")
+    ] = None,
+) -> None:
+    """Measure speed against error of every number ncgear reports; write a page of tables, and plots."""
+    from ncgear.output.precision_files import bench_text, write
+    from ncgear.output.publish import prepare
+    from ncgear.precision.catalogue import chosen
+    from ncgear.precision.measure import measured
+
+    studies = [make() for make in chosen(only or []).values()]
+    prepare(out)
+    found = []
+    for number, study in enumerate(studies, 1):
+        typer.echo(f"{number} of {len(studies)}: {study.key}", err=True)
+        found.append(measured(study))
+    typer.echo(bench_text(found, write(out, found)))
+
+
+@app.command()
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help=f"Name of the design: {NAME_RULE}.")],
     law: Annotated[Law, typer.Option(help="The motion law to begin with.")] = Law.THREE_SEGMENT_STROKE,

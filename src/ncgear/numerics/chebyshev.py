@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -44,21 +44,31 @@ class NotSmooth(ValueError):
 class PiecewiseChebyshev:
     """Functions on consecutive panels: ``breaks`` (shape (m + 1,)), ``coefficients`` (shape (degree + 1, m, ...)).
 
-    Trailing axes of the coefficients are those of the values: none for a single function, (2,) for a plane curve.
+    A trailing axis of the coefficients is that of the values: none for a single function, (2,) for a plane curve.
     """
 
     breaks: Array
     coefficients: Array
 
     def __call__(self, points: Array) -> Array:
-        """Values at ``points`` (any shape), trailing axes appended.
+        """Values at ``points`` (any shape), the trailing axis appended.
 
-        A point at a break belongs to the panel on its right.
+        A point at a break belongs to the panel on its right.  Several columns share the polynomials of a point, which
+        takes a third of the time of a Clenshaw sum for each; for a single one the sum is quicker.
         """
         panel = np.clip(np.searchsorted(self.breaks, points, side="right") - 1, 0, len(self.breaks) - 2)
         left, right = self.breaks[panel], self.breaks[panel + 1]
         local = ((points - left) - (right - points)) / (right - left)
-        return _clenshaw(self.coefficients, panel, local.reshape(local.shape + (1,) * (self.coefficients.ndim - 2)))
+        if self.coefficients.ndim == 2:
+            return _clenshaw(self.coefficients, panel, local)
+        rows = _polynomials(local.ravel(), len(self.coefficients))[:, None]
+        values: Array = rows @ self._by_panel[panel.ravel()]
+        return values.reshape(panel.shape + self.coefficients.shape[2:])
+
+    @cached_property
+    def _by_panel(self) -> Array:
+        """The coefficients with those of a panel side by side, shape (m, degree + 1, columns)."""
+        return np.ascontiguousarray(np.moveaxis(self.coefficients, 1, 0))
 
     def integrated(self) -> PiecewiseChebyshev:
         """The antiderivative of a single function that is zero at the first break."""
@@ -74,8 +84,12 @@ class PiecewiseChebyshev:
         return float(self.coefficients[:, -1].sum())
 
 
-def fitted(function: Callable[[Array], Array], breaks: Sequence[float] | Array) -> PiecewiseChebyshev:
+def fitted(
+    function: Callable[[Array], Array], breaks: Sequence[float] | Array, degree: int = DEGREE
+) -> PiecewiseChebyshev:
     """The piecewise form of a vectorised ``function`` (shape (n,) to (n, ...)) that is smooth between ``breaks``.
+
+    ``degree`` is that of each panel, 3 at least: the last three coefficients tell whether it is resolved.
 
     Raises NotSmooth where the function is not finite, or not resolved by panels of 2^-40 of its piece.
     """
@@ -85,7 +99,7 @@ def fitted(function: Callable[[Array], Array], breaks: Sequence[float] | Array) 
     done: list[tuple[Array, Array]] = []
     scale = 0.0
     for _ in range(HALVINGS):
-        coefficients = _panel_coefficients(function, left, right)
+        coefficients = _panel_coefficients(function, left, right, degree)
         tails, sizes = _largest(coefficients[-3:]), _largest(coefficients)
         # Only panels that are resolved by their own size set the scale: one value beside a pole would dwarf all others.
         scale = max(scale, float(np.max(sizes, where=tails <= RESOLVED * sizes, initial=0.0)))
@@ -115,13 +129,13 @@ def _largest(coefficients: Array) -> Array:
     return largest
 
 
-def _panel_coefficients(function: Callable[[Array], Array], left: Array, right: Array) -> Array:
-    points = nodes(left, right)
+def _panel_coefficients(function: Callable[[Array], Array], left: Array, right: Array, degree: int) -> Array:
+    points = nodes(left, right, degree)
     values = np.asarray(function(points.ravel()), dtype=float)
     wrong = ~np.isfinite(values).reshape(points.size, -1).all(axis=1)
     if wrong.any():
         raise NotSmooth(float(points.ravel()[wrong][0]))
-    return np.tensordot(_transform(DEGREE), values.reshape(points.shape + values.shape[1:]), axes=1)
+    return np.tensordot(_transform(degree), values.reshape(points.shape + values.shape[1:]), axes=1)
 
 
 def _assembled(parts: list[tuple[Array, Array]], end: float) -> PiecewiseChebyshev:
@@ -157,8 +171,18 @@ def integration_matrix(degree: int) -> Array:
 def _clenshaw(coefficients: Array, panel: IndexArray, local: Array) -> Array:
     """Sum of the series, each point with the coefficients of its own panel."""
     twice = 2.0 * local
-    older = newer = np.zeros(panel.shape + coefficients.shape[2:])
+    older = newer = np.zeros(panel.shape)
     for row in coefficients[:0:-1]:
         older, newer = newer, row[panel] + twice * newer - older
     total: Array = coefficients[0][panel] + local * newer - older
     return total
+
+
+def _polynomials(local: Array, count: int) -> Array:
+    """T_0, T_1, ... at points of [-1, 1] (shape (n,)), by their recurrence; shape (n, count)."""
+    values = np.empty((count, local.size))
+    values[0], values[1] = 1.0, local
+    twice = 2.0 * local
+    for k in range(2, count):
+        values[k] = twice * values[k - 1] - values[k - 2]
+    return values.T

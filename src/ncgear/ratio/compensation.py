@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.polynomial import Polynomial, legendre
@@ -112,11 +112,16 @@ def return_with_constant(ends: ReturnEnds, constant: float) -> ReturnLaw:
 
     Raises NoSuchMechanism when no such polynomial closes the cycle with a positive ratio.
     """
+    base, direction = published_family(ends, constant)
+    return _polished(_closed_ratio(ends, base, direction), direction)
+
+
+def published_family(ends: ReturnEnds, constant: float) -> tuple[Polynomial, Polynomial]:
+    """Polynomials in tau with the ends and the e of a return: the first one plus any multiple of the second."""
     origin = -ends.start_rad / ends.length_rad
     base = _hermite(ends)
     lift = (constant - base(origin)) / BUMP(origin)
-    direction = BUMP * Polynomial([-origin, 1.0])
-    return _polished(_closed_ratio(ends, base + lift * BUMP, direction), direction)
+    return base + lift * BUMP, BUMP * Polynomial([-origin, 1.0])
 
 
 def return_of_least_acceleration(ends: ReturnEnds, linkage: CrankSlider, *, inverse: bool) -> ReturnLaw:
@@ -264,6 +269,7 @@ def _unit_integral(polynomial: Polynomial) -> float:
     return float(antiderivative(1.0) - antiderivative(0.0))
 
 
+@cache
 def _panels(count: int = 16, points: int = 16) -> tuple[Array, Array]:
     """Composite Gauss-Legendre rule on [0, 1], panels shorter towards the ends."""
     edges = (1.0 - np.cos(np.linspace(0.0, np.pi, count + 1))) / 2.0

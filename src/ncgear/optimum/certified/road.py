@@ -50,8 +50,15 @@ def road(task: Task, cells: int, working_share: float) -> Road:
 
     The cells of each stroke are even in the crank angle.
     """
+    return road_at(task, *_angles(task, cells, working_share))
+
+
+def road_at(task: Task, angles: Array, extended: int) -> Road:
+    """The cycle cut at crank angles in rad, shape (n + 1,), from dead centre to dead centre, 0 to 2 pi.
+
+    ``extended`` is the index of the extended dead centre among them.
+    """
     linkage = task.linkage
-    angles, extended = _angles(task, cells, working_share)
     position = linkage.displacement(Jet.variable(angles, 2))
     stroke = linkage.stroke_mm
     out = np.clip(position.value, 0.0, stroke)

@@ -1,0 +1,1 @@
+"""Speed against error: what each stage's accuracy costs, by the methods it could use."""

@@ -1,0 +1,52 @@
+"""All studies, in the order of the stages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+from ncgear.errors import WrongInput
+from ncgear.precision import (
+    bases,
+    closure,
+    contact,
+    curvature,
+    inversion,
+    limit,
+    makeable,
+    makeable_places,
+    outlines,
+    pitch_length,
+    quadrature,
+    solids,
+)
+from ncgear.precision.study import Study
+
+STUDIES: Mapping[str, Callable[[], Study]] = {
+    "inversion": inversion.study,
+    "closure": closure.study,
+    "return-basis": bases.study,
+    "driven-angle-ellipse": quadrature.of_ellipse,
+    "driven-angle-return": quadrature.of_return,
+    "pitch-length-ellipse": pitch_length.of_ellipse,
+    "pitch-length-baler": pitch_length.of_baler,
+    "curvature-ellipse": curvature.of_ellipse,
+    "curvature-baler": curvature.of_baler,
+    "outlines-circle": outlines.circular_outlines,
+    "outlines-ellipse": outlines.elliptical_outlines,
+    "contact-ratio": contact.ratio,
+    "contact-angle": contact.angle,
+    "solid-volume": solids.volume,
+    "solid-surface": solids.surface,
+    "limit": limit.study,
+    "makeable": makeable.study,
+    "makeable-places": makeable_places.study,
+}
+"""By their keys; each is made when its turn comes, with the references that it needs."""
+
+
+def chosen(keys: Sequence[str]) -> Mapping[str, Callable[[], Study]]:
+    """The studies of those keys in the order of the stages, all where none is given; raises WrongInput for others."""
+    for key in keys:
+        if key not in STUDIES:
+            raise WrongInput(f"{key!r} is no study; known are {', '.join(STUDIES)}", key="--only")
+    return {key: make for key, make in STUDIES.items() if not keys or key in keys}
