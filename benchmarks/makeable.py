@@ -19,7 +19,7 @@ from time import perf_counter
 from ncgear.design.load import load
 from ncgear.improvement import Improvement
 from ncgear.optimum.judged import figures
-from ncgear.optimum.makeable import shared_law
+from ncgear.optimum.makeable.law import shared_law
 from ncgear.optimum.wishes import TwoStages
 from ncgear.ratio.train import Train
 from ncgear.ratio.transmission import Lobes

@@ -20,13 +20,12 @@ from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.limit import least_acceleration, least_power
 from ncgear.optimum.certified.weighted import Weights, least_weighted_sum
 from ncgear.optimum.judged import Figures, figures
-from ncgear.optimum.kept import scales
-from ncgear.optimum.levels import levels
-from ncgear.optimum.limit import least_acceleration, least_power
-from ncgear.optimum.makeable import MakeableLaw, makeable_law
-from ncgear.optimum.reached import grid, lengths, ratios
-from ncgear.optimum.starts import random_starts, rough_start
-from ncgear.optimum.stations import stations
+from ncgear.optimum.makeable.kept import scales
+from ncgear.optimum.makeable.law import MakeableLaw, makeable_law
+from ncgear.optimum.makeable.levels import levels
+from ncgear.optimum.makeable.reached import grid, lengths, ratios
+from ncgear.optimum.makeable.starts import random_starts, rough_start
+from ncgear.optimum.makeable.stations import stations
 from ncgear.optimum.task import Limits, Task
 from ncgear.optimum.wishes import Goal, Wishes
 from ncgear.ratio.laws.harmonic import harmonic_law

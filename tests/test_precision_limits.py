@@ -13,7 +13,7 @@ from scipy.integrate import quad
 
 from ncgear import extras
 from ncgear.errors import WrongInput
-from ncgear.optimum.limit import CELLS, Bound
+from ncgear.optimum.certified.limit import CELLS, Bound
 from ncgear.precision import limit, makeable, makeable_places
 from ncgear.precision.catalogue import STUDIES
 from ncgear.precision.limit_reference import least_acceleration_mm_s2

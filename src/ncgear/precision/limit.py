@@ -9,10 +9,10 @@ import numpy as np
 
 from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.polynomial_resistance import PolynomialResistance
-from ncgear.optimum.ceilings import Peaks
-from ncgear.optimum.limit import CELLS, Bound, enclosed, least_acceleration, resting_acceleration
-from ncgear.optimum.problem import Problem
-from ncgear.optimum.road import Road, road_at
+from ncgear.optimum.certified.ceilings import Peaks
+from ncgear.optimum.certified.limit import CELLS, Bound, enclosed, least_acceleration, resting_acceleration
+from ncgear.optimum.certified.problem import Problem
+from ncgear.optimum.certified.road import Road, road_at
 from ncgear.optimum.task import Limits, Task
 from ncgear.precision.limit_reference import least_acceleration_mm_s2
 from ncgear.precision.study import Method, Study

@@ -13,9 +13,9 @@ from ncgear.extras import require
 from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.polynomial_resistance import PolynomialResistance
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.levels import levels
-from ncgear.optimum.reached import Grid, grid, lengths, ratios, reached
-from ncgear.optimum.stations import Stations, stations
+from ncgear.optimum.makeable.levels import levels
+from ncgear.optimum.makeable.reached import Grid, grid, lengths, ratios, reached
+from ncgear.optimum.makeable.stations import Stations, stations
 from ncgear.optimum.task import Limits, Task
 from ncgear.optimum.wishes import Wishes
 from ncgear.precision.limit import COEFFICIENTS_N
@@ -79,7 +79,7 @@ def kept_mm_s2(form: Form, count: int) -> float:
 
     Raises ArithmeticError where none is found.
     """
-    from ncgear.optimum.kept import kept, scales, searched
+    from ncgear.optimum.makeable.kept import kept, scales, searched
 
     search = searched(BALER, Wishes(LIMITS, harmonics=count), form)
     found = kept(search, np.zeros(2 * count))
@@ -102,7 +102,7 @@ class AtPlaces:
 
 def at_places_mm_s2(form: Form, count: int) -> float:
     """Least peak acceleration at the programme's places, for ln i12 of 2 ``count`` coefficients in some form."""
-    from ncgear.optimum.kept import PLACES_PER_HARMONIC
+    from ncgear.optimum.makeable.kept import PLACES_PER_HARMONIC
 
     return at_places(form, count, PLACES_PER_HARMONIC).level_mm_s2
 
@@ -112,8 +112,8 @@ def at_places(form: Form, count: int, places_per_count: int) -> AtPlaces:
 
     Raises ArithmeticError where the optimiser finds none.
     """
-    from ncgear.optimum.equations import programme
-    from ncgear.optimum.kept import scales
+    from ncgear.optimum.makeable.equations import programme
+    from ncgear.optimum.makeable.kept import scales
 
     at = stations(BALER.linkage, BALER.resistance, places_per_count * count)
     on, units = form(at, count), scales(BALER, at)

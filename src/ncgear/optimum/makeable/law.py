@@ -9,10 +9,10 @@ import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.conflict import NO_EXCESS, Easing, easings, easings_together
-from ncgear.optimum.kept import Kept, Search, kept, searched
-from ncgear.optimum.levels import Level
-from ncgear.optimum.programme import Solution
+from ncgear.optimum.makeable.conflict import NO_EXCESS, Easing, easings, easings_together
+from ncgear.optimum.makeable.kept import Kept, Search, kept, searched
+from ncgear.optimum.makeable.levels import Level
+from ncgear.optimum.makeable.programme import Solution
 from ncgear.optimum.task import Task
 from ncgear.optimum.wishes import Wishes
 from ncgear.ratio.laws.harmonic import LogSeries, harmonic_law

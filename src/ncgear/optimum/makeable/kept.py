@@ -9,12 +9,12 @@ from math import pi
 import numpy as np
 
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.equations import Working, programme
-from ncgear.optimum.levels import Scales, levels
-from ncgear.optimum.programme import Programme
-from ncgear.optimum.quantities import Place
-from ncgear.optimum.reached import Grid, beyond, grid, ratios, reached
-from ncgear.optimum.stations import Stations, stations
+from ncgear.optimum.makeable.equations import Working, programme
+from ncgear.optimum.makeable.levels import Scales, levels
+from ncgear.optimum.makeable.programme import Programme
+from ncgear.optimum.makeable.quantities import Place
+from ncgear.optimum.makeable.reached import Grid, beyond, grid, ratios, reached
+from ncgear.optimum.makeable.stations import Stations, stations
 from ncgear.optimum.task import Task
 from ncgear.optimum.wishes import Wishes
 
