@@ -9,7 +9,7 @@ extended) take more than pi.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import asin, pi, sqrt
+from math import acosh, asin, pi, sqrt
 
 import numpy as np
 
@@ -64,6 +64,19 @@ class CrankSlider:
     def _retracted_tilt_rad(self) -> float:
         """Angle at the crank axis between the slider's line and the retracted slider."""
         return asin(self.offset_mm / (self.rod_mm - self.crank_mm))
+
+    @property
+    def corners(self) -> tuple[tuple[float, float], ...]:
+        """Crank angles, 0 to 2 pi, at which the rod is steepest, and the width of the bend of the displacement there.
+
+        The rod's projection has zeros where crank sin(theta) = offset +- rod, that is at theta = +-pi/2 + i y with
+        cosh y = (rod +- offset)/crank: so far the displacement is analytic, and no feature of it is narrower than y.
+        """
+        square = 1.5 * pi + self._retracted_tilt_rad, 0.5 * pi + self._retracted_tilt_rad
+        reach = self.rod_mm - self.offset_mm, self.rod_mm + self.offset_mm
+        return tuple(
+            (angle % (2.0 * pi), acosh(length / self.crank_mm)) for angle, length in zip(square, reach, strict=True)
+        )
 
     def displacement(self, crank_angle: Jet) -> Jet:
         """Slider displacement in mm, with derivatives, at a crank angle in rad; relatively exact at both ends' zero.
