@@ -106,6 +106,29 @@ def test_no_sample_lies_outside_the_extremes(coefficients: list[float]) -> None:
     assert polynomial(high.at) == pytest.approx(high.value, abs=slack)
 
 
+@pytest.mark.parametrize("width", [1e-2, 1e-4, 1e-6])
+def test_a_narrow_swing_is_not_passed_by(width: float) -> None:
+    """Extrema +-1/(2 width) at -+width from a place between two samples: the derivative changes its sign twice."""
+    low, high = extremes(of_jet(lambda x: (x - 0.3) / ((x - 0.3) * (x - 0.3) + width**2)), 0.0, 1.0)
+    assert low.value == pytest.approx(-0.5 / width, rel=1e-9)
+    assert high.value == pytest.approx(0.5 / width, rel=1e-9)
+    assert (low.at, high.at) == (
+        pytest.approx(0.3 - width, abs=1e-6 * width),
+        pytest.approx(0.3 + width, abs=1e-6 * width),
+    )
+
+
+def test_rounding_error_alone_is_not_sampled_more_finely() -> None:
+    seen: list[int] = []
+
+    def noise(points: Array) -> Jet:
+        seen.append(points.size)
+        return Jet(1e-16 * np.stack([np.sin(1e7 * points), np.cos(3e7 * points)]))
+
+    extremes(noise, 0.0, 1.0)
+    assert max(seen) <= 129
+
+
 def test_it_never_looks_beyond_the_ends() -> None:
     def guarded(points: Array) -> Jet:
         assert points.min() >= 0.25
