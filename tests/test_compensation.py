@@ -154,7 +154,7 @@ def dense_peak(law: ReturnLaw, linkage: CrankSlider, count: int = 4001) -> float
 def skewed(law: ReturnLaw, amount: float) -> ReturnLaw:
     """An inverse-basis return skewed further: tau^2 (1 - tau)^2 (2 tau - 1) is odd about the middle, so it closes."""
     bump = Polynomial([0.0, 1.0]) ** 2 * Polynomial([1.0, -1.0]) ** 2
-    return replace(law, polynomial=law.polynomial + amount * bump * Polynomial([-1.0, 2.0]))
+    return replace(law, local=law.polynomial + amount * bump * Polynomial([-1.0, 2.0]))
 
 
 def neighbours(law: ReturnLaw, step: float) -> list[ReturnLaw]:

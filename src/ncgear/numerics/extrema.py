@@ -13,11 +13,11 @@ from ncgear.numerics.jet import Jet
 
 SAMPLES = 129
 """Points per piece on which sign changes of the derivative are looked for; two extrema closer than a 128th of a
-piece that cancel in sign differ from each other by a twelfth of the third derivative times the third power of that."""
+piece that cancel in sign differ from each other by at most that cubed times a twelfth of the third derivative."""
 
 ROUGH = 0.01
-"""Share of the largest value by which a sample may miss the cubic through its neighbours.  A wave of nine samples misses
-it by so much; narrower features, as of a ratio of 1:200, are sampled more finely until they do not."""
+"""Share of the largest value by which a sample may miss the cubic through its neighbours.  A wave of nine samples
+misses it by so much; narrower features, as of a ratio of 1:200, are sampled more finely until they do not."""
 
 HALVINGS = 30
 """Of a step, at most: steps of 1e-11 of a piece are next to rounding."""

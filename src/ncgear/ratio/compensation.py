@@ -29,6 +29,10 @@ from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
 from ncgear.numerics.jet import Jet
 from ncgear.ratio.transmission import CLOSED
 
+TOUCHING = 1e-12
+"""Share of the largest coefficient below which a value counts as none: 4500 rounding errors, of a touching point found
+as a root of a polynomial of degree nine."""
+
 BUMP = Polynomial([0.0, 0.0, 1.0, -2.0, 1.0])
 SKEW = Polynomial([-1.0, 2.0])
 
@@ -69,28 +73,36 @@ class ReturnEnds:
 
 @dataclass(frozen=True, eq=False)
 class ReturnLaw:
-    """The closed return: ``polynomial`` in tau is i12, or 1/i12 when ``inverse`` is true.
+    """The closed return: a polynomial in tau is i12, or 1/i12 when ``inverse`` is true.
 
-    ``correction``, which closes the cycle to rounding error, is kept by itself: added to coefficients that may be 1e5
-    times the smallest ratio it would be rounded off.
+    Its coefficients may be 1e5 times its smallest value, so they are those ``about`` the place of that, in powers of
+    tau - about; there the constant term is the value.  ``correction``, which closes the cycle to rounding error, is
+    in tau and kept by itself, since it would be rounded off.
     """
 
     ends: ReturnEnds
-    polynomial: Polynomial
+    local: Polynomial
     inverse: bool
+    about: float = 0.0
     correction: Polynomial = field(default_factory=lambda: Polynomial([0.0]))
+
+    @property
+    def polynomial(self) -> Polynomial:
+        """The polynomial in powers of tau."""
+        whole: Polynomial = self.local(Polynomial([-self.about, 1.0])) + self.correction
+        return whole
 
     @property
     def extrapolated_ratio(self) -> float:
         """The polynomial's value at phi1 = 0, the published method's e."""
         origin = -self.ends.start_rad / self.ends.length_rad
-        return float(self.polynomial(origin) + self.correction(origin))
+        return float(self.local(origin - self.about) + self.correction(origin))
 
     def slope(self, phi1: Array, order: int) -> Jet:
         """dphi2/dphi1 = 1/i12 with derivatives."""
         tau = (Jet.variable(phi1, order) - self.ends.start_rad) * (1.0 / self.ends.length_rad)
-        coarse, fine = (np.asarray(part.coef, dtype=float) for part in (self.polynomial, self.correction))
-        value = jet.polynomial(coarse, tau) + jet.polynomial(fine, tau)
+        local, fine = (np.asarray(part.coef, dtype=float) for part in (self.local, self.correction))
+        value = jet.polynomial(local, tau - self.about) + jet.polynomial(fine, tau)
         return value if self.inverse else 1.0 / value
 
     def driven_angle(self, phi1: Array, order: int) -> Jet:
@@ -209,7 +221,27 @@ def _closed_ratio(ends: ReturnEnds, base: Polynomial, direction: Polynomial) -> 
             key="motion.return",
         )
     step = np.exp(brentq(excess, low, high, xtol=1e-15, rtol=1e-15))
-    return ReturnLaw(ends, base + (least + step) * direction, inverse=False)
+    local, about = _about_touching(base + least * direction)
+    return ReturnLaw(ends, local + step * direction(Polynomial([about, 1.0])), inverse=False, about=about)
+
+
+def _about_touching(polynomial: Polynomial) -> tuple[Polynomial, float]:
+    """A polynomial that touches zero inside [0, 1], in powers about that place, which loses no digits beside it.
+
+    Constant and linear term are zero but for rounding, and left out; what they were is made up for by what closes.
+    """
+    about = _lowest(polynomial)[1]
+    for _ in range(3):
+        local = polynomial(Polynomial([about, 1.0]))
+        _, slope, bend = local.coef[:3]
+        if not bend > 0.0 or not 0.0 < about - 0.5 * slope / bend < 1.0:
+            return polynomial, 0.0
+        about -= 0.5 * slope / bend
+    local = polynomial(Polynomial([about, 1.0]))
+    noise = TOUCHING * np.max(np.abs(polynomial.coef))
+    if max(abs(local.coef[0]), abs(local.coef[1])) > noise:
+        return polynomial, 0.0
+    return Polynomial([0.0, 0.0, *local.coef[2:]]), float(about)
 
 
 def _polished(law: ReturnLaw, direction: Polynomial) -> ReturnLaw:
@@ -224,7 +256,7 @@ def _polished(law: ReturnLaw, direction: Polynomial) -> ReturnLaw:
         sensitivity = _closing_sensitivity(best.polynomial, direction)
         step = direction * (best.closure_error_rad / (sensitivity * best.ends.length_rad))
         candidate = replace(best, correction=best.correction + step)
-        positive = _lowest(candidate.polynomial + candidate.correction)[0] > 0.0
+        positive = _lowest(candidate.polynomial)[0] > 0.0
         if not (positive and abs(candidate.closure_error_rad) < abs(best.closure_error_rad)):
             break
         best = candidate
