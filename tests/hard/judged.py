@@ -17,9 +17,9 @@ FACTOR = 32.0
 """Rounding errors, times the condition, that a figure may be off by: 18 to which panels of a Chebyshev form count as
 resolved (ncgear.numerics.chebyshev.RESOLVED), the rest for the few dozen operations between an input and a figure."""
 
-CANCELLING = {"a1-small": 400.0, "theta1-small": 1200.0}
-"""Cases that lose two or three digits more, and the rounding errors they are held to: at its smallest, the return's
-polynomial is a thousandth and less of the terms it is summed from, and takes over their rounding error."""
+CANCELLING = {"theta1-small": 100.0}
+"""The case that is held to more: the return's polynomial begins and ends a hundred times and more above its smallest
+value, within a thousandth of the cycle, and takes over the rounding error of its largest terms."""
 
 LARGE = 1e6
 """Condition from which it is told in full."""
