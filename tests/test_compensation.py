@@ -154,7 +154,7 @@ def dense_peak(law: ReturnLaw, linkage: CrankSlider, count: int = 4001) -> float
 def skewed(law: ReturnLaw, amount: float) -> ReturnLaw:
     """An inverse-basis return skewed further: tau^2 (1 - tau)^2 (2 tau - 1) is odd about the middle, so it closes."""
     bump = Polynomial([0.0, 1.0]) ** 2 * Polynomial([1.0, -1.0]) ** 2
-    return replace(law, polynomial=law.polynomial + amount * bump * Polynomial([-1.0, 2.0]))
+    return replace(law, local=law.polynomial + amount * bump * Polynomial([-1.0, 2.0]))
 
 
 def neighbours(law: ReturnLaw, step: float) -> list[ReturnLaw]:
@@ -304,6 +304,23 @@ def test_closure_holds_however_far_the_driven_gear_must_turn(covered: float, con
         descending = [mp.mpf(float(c)) for c in law.polynomial.coef[::-1]]
         exact = 2 * mp.quad(lambda t: 1 / mp.polyval(descending, t), mp.linspace(0, 1, 33))
         assert abs(exact - mp.mpf(ends.driven_length_rad)) <= 1e-12  # the closure promised
+
+
+@pytest.mark.parametrize(("start_ratio", "towards"), [(1e4, "farther from"), (-0.5, "nearer to")])
+def test_refusals_say_which_way_a1_must_go(start_ratio: float, towards: str) -> None:
+    """The ratio at theta4 goes with 1/sqrt(-a1): far above the mean it must come down, below it go up."""
+    with pytest.raises(NoSuchMechanism, match=f"must be 1 in the mean: an a1 {towards} zero"):
+        return_with_constant(replace(LEVEL, start_ratio=start_ratio), 0.0)
+
+
+@pytest.mark.parametrize("start_ratio", [2.0, 70.0, 90.0])
+@pytest.mark.parametrize("shift", np.linspace(0.0, 1e-6, 5))
+def test_closure_holds_to_rounding_where_coefficients_dwarf_the_ratio(start_ratio: float, shift: float) -> None:
+    """From 90 down to a fortieth and back: coefficients of thousands, whose last digit is more than what closes."""
+    ends = replace(LEVEL, start_ratio=start_ratio * (1.0 + shift), start_ratio_slope=10.0 * start_ratio)
+    law = return_with_constant(ends, 0.0)
+    assert abs(law.closure_error_rad) <= 1e-13
+    assert law.extrapolated_ratio == pytest.approx(0.0, abs=1e-12 * start_ratio)
 
 
 @pytest.mark.parametrize("changed", [{"start_ratio": -0.5}, {"end_ratio": 0.0}])

@@ -73,6 +73,13 @@ def test_quartic_minimum_with_a_triple_zero_of_the_derivative(shift: float) -> N
     assert low.at == pytest.approx(shift, abs=1e-4)
 
 
+def test_an_inflection_exactly_on_a_sample_hides_nothing() -> None:
+    """x^4 + x^3 / 64 on [-1.5, 1.5]: flat at the sample 0, least half a step before it."""
+    low, _ = extremes(of_jet(lambda x: x * x * x * (x + 1.0 / 64.0)), -1.5, 1.5)
+    assert low.at == pytest.approx(-3.0 / 256.0, rel=1e-6)
+    assert low.value == pytest.approx(-27.0 / 256.0 / 64.0**4, rel=1e-9)
+
+
 def test_an_extremum_exactly_on_a_sample_is_kept() -> None:
     """The derivative is exactly zero at the middle sample, so neither neighbouring product is negative."""
     low, high = extremes(of_jet(lambda t: t * t), -1.0, 1.0)
@@ -99,11 +106,36 @@ def test_no_sample_lies_outside_the_extremes(coefficients: list[float]) -> None:
     low, high = extremes(of_jet(lambda t: jet.polynomial(coefficients, t)), -1.5, 1.5)
     values = polynomial(np.linspace(-1.5, 1.5, 3001))
     # Two orders of evaluation round differently; terms of up to 3 * 1.5^6 cancel
-    slack = 1e-13 * (1.0 + np.abs(values).max())
+    # Where the derivative changes its sign twice within a step, both extrema differ by its second derivative h^3 / 12.
+    hidden = np.abs(polynomial.deriv(3)(np.linspace(-1.5, 1.5, 301))).max() * (3.0 / 128.0) ** 3 / 12.0
+    slack = 1e-13 * (1.0 + np.abs(values).max()) + 1.1 * hidden
     assert values.min() >= low.value - slack
     assert values.max() <= high.value + slack
     assert polynomial(low.at) == pytest.approx(low.value, abs=slack)
     assert polynomial(high.at) == pytest.approx(high.value, abs=slack)
+
+
+@pytest.mark.parametrize("width", [1e-2, 1e-4, 1e-6])
+def test_a_narrow_swing_is_not_passed_by(width: float) -> None:
+    """Extrema +-1/(2 width) at -+width from a place between two samples: the derivative changes its sign twice."""
+    low, high = extremes(of_jet(lambda x: (x - 0.3) / ((x - 0.3) * (x - 0.3) + width**2)), 0.0, 1.0)
+    assert low.value == pytest.approx(-0.5 / width, rel=1e-9)
+    assert high.value == pytest.approx(0.5 / width, rel=1e-9)
+    assert (low.at, high.at) == (
+        pytest.approx(0.3 - width, abs=1e-6 * width),
+        pytest.approx(0.3 + width, abs=1e-6 * width),
+    )
+
+
+def test_rounding_error_alone_is_not_sampled_more_finely() -> None:
+    seen: list[int] = []
+
+    def noise(points: Array) -> Jet:
+        seen.append(points.size)
+        return Jet(1e-16 * np.stack([np.sin(1e7 * points), np.cos(3e7 * points)]))
+
+    extremes(noise, 0.0, 1.0)
+    assert max(seen) <= 129
 
 
 def test_it_never_looks_beyond_the_ends() -> None:

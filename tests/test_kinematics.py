@@ -19,6 +19,7 @@ from ncgear.machine.polynomial_resistance import PolynomialResistance
 from ncgear.machine.resistance import Resistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
+from ncgear.numerics.jet import Jet
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from test_laws import BALER_LINKAGE, LAWS, OFFSET, law
@@ -138,6 +139,34 @@ def test_peaks_bound_a_dense_sample_and_are_hardly_higher(name: str, linkage: st
     assert_peak(found.peak_speed_mm_s, phi1, np.abs(motion.velocity_mm_s))
     assert_peak(found.peak_acceleration_cycle_mm_s2, phi1, accelerations)
     assert_peak(found.peak_acceleration_working_mm_s2, phi1[working], accelerations[working])
+
+
+NARROW = {
+    "rod/crank 1.0001": CrankSlider(380.0, 380.038),
+    "rod/crank 1.01": CrankSlider(380.0, 383.8),
+    "rod/crank 1.14": CrankSlider(380.0, 433.2),
+    "offset to the limit": CrankSlider(380.0, 570.0, 189.99),
+    "offset back to the limit": CrankSlider(380.0, 570.0, -189.99),
+}
+
+
+@pytest.mark.parametrize("linkage", NARROW)
+@pytest.mark.parametrize("name", [BALER_LAW, "uniform", "ellipse 1:2"])
+def test_no_sharp_corner_of_a_short_rod_is_passed_by(name: str, linkage: str) -> None:
+    """Its acceleration is a peak 0.014 rad of the crank wide, which even samples of the strokes would miss."""
+    of = Machine(law(name), NARROW[linkage], PRESS, RPM)
+    phi1 = dense_angles(of, 60_007)
+    assert_peak(kinematic_check(of).peak_acceleration_cycle_mm_s2, phi1, np.abs(of.motion(phi1).acceleration_mm_s2))
+
+
+@pytest.mark.parametrize("name", NARROW)
+def test_corners_are_where_the_rod_is_steepest(name: str) -> None:
+    """Half a width off, the curve bends there at its most; the widths are those of cosh."""
+    for angle, width in NARROW[name].corners:
+        around = angle + width * np.linspace(-0.5, 0.5, 2001)
+        if width < 0.1:
+            bend = np.abs(NARROW[name].displacement(Jet.variable(around, 2)).derivative(2))
+            assert abs(around[int(bend.argmax())] - angle) <= 0.1 * width
 
 
 @pytest.mark.parametrize("name", LAWS)

@@ -78,6 +78,19 @@ def test_displacement_is_relatively_exact_near_the_retracted_end(lengths: Length
         assert abs(found / exact - 1) < 2e-15
 
 
+@pytest.mark.parametrize("rod", [380.038, 380.0001])
+def test_a_rod_hardly_longer_than_the_crank_loses_no_digits(rod: float) -> None:
+    """Where the slider is extended, the form that is exact when it is retracted would lose four digits and six."""
+    exact, phi2 = exact_linkage((380.0, rod, 0.0)), np.linspace(1.8, 4.4, 53)
+    found = CrankSlider(380.0, rod).displacement(Jet.variable(phi2, 1))
+    with mp.workdps(40):
+        wanted = [(exact.displacement(mp.mpf(at)), exact.slope(mp.mpf(at))) for at in phi2.tolist()]
+        errors = [abs(mp.mpf(float(x)) / value - 1) for x, (value, _) in zip(found.value, wanted, strict=True)]
+        steep = [abs(mp.mpf(float(v)) - slope) for v, (_, slope) in zip(found.derivative(1), wanted, strict=True)]
+    assert max(errors) <= 8 * 2.2e-16
+    assert max(steep) <= 1e-14 * 380.0
+
+
 @every_linkage
 def test_textbook_form_would_fail_the_same_comparison(lengths: Lengths) -> None:
     crank, rod, offset = lengths

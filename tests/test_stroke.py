@@ -251,6 +251,14 @@ def test_a1_so_steep_that_nothing_is_left_of_the_stroke() -> None:
     assert "no law speed closes" in fault.problem
 
 
+@pytest.mark.parametrize("theta1", [1e-9, 1e-6 * pi, 0.05 * pi])
+def test_an_approach_that_goes_backwards_is_refused_for_theta1(theta1: float) -> None:
+    """Not for a1, which the missing law speed would suggest: v1 and v2 together cover less than nothing."""
+    with pytest.raises(NoSuchMechanism, match="goes backwards altogether; theta1 lies too near 0") as caught:
+        solved_stroke(replace(BALER, theta1_rad=theta1))
+    assert caught.value.key == "motion.theta1_rad"
+
+
 def test_a1_that_accelerates_leaves_no_law_speed_in_the_other_reading() -> None:
     """The quadratic in 1/omega has no real root beyond some positive a1."""
     assert refusal(replace(AT_LAW_SPEED, a1_mm_s2=1e5)).key == "motion.solve_for"

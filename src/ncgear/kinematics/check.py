@@ -10,6 +10,7 @@ from math import pi
 import numpy as np
 from scipy.optimize import elementwise
 
+from ncgear.kinematics.corners import corner_cuts_rad
 from ncgear.kinematics.slider import Machine
 from ncgear.machine.resistance import Resistance
 from ncgear.numerics.arrays import Array
@@ -60,11 +61,11 @@ def work_per_stroke_j(resistance: Resistance, stroke_mm: float) -> float:
 
 
 def _intervals(machine: Machine, *, working: bool) -> Iterator[tuple[float, float]]:
-    """Stretches of one cycle, cut at the law's joints and at the extended dead centre."""
+    """Stretches of one cycle, cut at the law's joints, about sharp corners, and at the extended dead centre."""
     transmission, extended = machine.transmission, machine.extended_rad
     period = transmission.lobes.driving_period_rad
     starts = [k * period + piece.start_rad for k in range(transmission.lobes.driven) for piece in transmission.pieces]
-    edges = [*starts, transmission.cycle_rad]
+    edges = np.unique([*starts, *corner_cuts_rad(machine), transmission.cycle_rad]).tolist()
     for start, end in pairwise(edges):
         low, high = (start, min(end, extended)) if working else (max(start, extended), end)
         if high - low > 1e-9 * period:

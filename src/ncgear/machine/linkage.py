@@ -9,7 +9,7 @@ extended) take more than pi.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import asin, pi, sqrt
+from math import acosh, asin, pi, sqrt
 
 import numpy as np
 
@@ -65,12 +65,26 @@ class CrankSlider:
         """Angle at the crank axis between the slider's line and the retracted slider."""
         return asin(self.offset_mm / (self.rod_mm - self.crank_mm))
 
+    @property
+    def corners(self) -> tuple[tuple[float, float], ...]:
+        """Crank angles, 0 to 2 pi, at which the rod is steepest, and the width of the bend of the displacement there.
+
+        The rod's projection has zeros where crank sin(theta) = offset +- rod, that is at theta = +-pi/2 + i y with
+        cosh y = (rod +- offset)/crank: so far the displacement is analytic, and no feature of it is narrower than y.
+        """
+        square = 1.5 * pi + self._retracted_tilt_rad, 0.5 * pi + self._retracted_tilt_rad
+        reach = self.rod_mm - self.offset_mm, self.rod_mm + self.offset_mm
+        return tuple(
+            (angle % (2.0 * pi), acosh(length / self.crank_mm)) for angle, length in zip(square, reach, strict=True)
+        )
+
     def displacement(self, crank_angle: Jet) -> Jet:
         """Slider displacement in mm, with derivatives, at a crank angle in rad; relatively exact at both ends' zero.
 
-        The vector loop gives x = pin advance + rod gain, which cancel to second order at the dead centre.
-        Multiplying out (rod gain)(rod gain + 2 rod start) removes that: x = 2 l2 (l3 - l2) (1 - cos phi2) / (rod now +
-        rod start - pin advance), rod lengths being the rod's projections on the slider's line.
+        The vector loop gives x = pin advance + rod gain, which cancel to second order at the dead centre.  Multiplying
+        out (rod gain)(rod gain + 2 rod start) gives x y = 2 l2 (l3 - l2) (1 - cos phi2), y = rod now + rod start - pin
+        advance, rod lengths being the rod's projections on the slider's line.  Of x and y the larger is free of
+        cancellation: y but where the rod is hardly longer than the crank.
         """
         half_sine, half_cosine = jet.sin_cos(crank_angle * 0.5)
         versine = 2.0 * (half_sine * half_sine)
@@ -82,7 +96,9 @@ class CrankSlider:
         lateral = along * sine + across * versine - self.rod_mm * self.offset_mm / reach
         rod_start = self.rod_mm * self.nearest_mm / reach
         rod_now = jet.sqrt(self.rod_mm**2 - lateral * lateral)
-        return 2.0 * self.crank_mm * reach * versine / (rod_now + rod_start - pin_advance)
+        direct, other = rod_now - rod_start + pin_advance, rod_now + rod_start - pin_advance
+        product = 2.0 * self.crank_mm * reach * versine / other
+        return Jet(np.where(direct.value > other.value, direct.coefficients, product.coefficients))
 
     def working_angle(self, displacement: Jet, root_displaced: Jet, root_remaining: Jet) -> Jet:
         """Crank angle in rad, with derivatives, in the working stroke, regular up to and including both dead centres.

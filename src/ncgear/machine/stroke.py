@@ -148,6 +148,9 @@ def _closed_by_speed(request: StrokeRequest, per_v1: float, per_v2: float, per_a
     """Law speed from the stroke: linear in 1/omega, or quadratic when a1 is stated at the law speed itself."""
     v1, v2, a1 = _known(request.v1_mm_s), _known(request.v2_mm_s), _known(request.a1_mm_s2)
     stroke, linear = _known(request.stroke_mm), per_v1 * v1 + per_v2 * v2
+    if not linear > 0.0:
+        reason = "the approach goes backwards altogether; theta1 lies too near 0 or theta2"
+        raise _reversal(request.theta1_rad, reason, "motion.theta1_rad")
     if request.a1_speed_rad_s is not None:
         period = (stroke - per_a1 * a1 / request.a1_speed_rad_s**2) / linear
     else:

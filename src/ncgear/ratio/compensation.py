@@ -13,7 +13,7 @@ which changes neither end.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 
 import numpy as np
@@ -28,6 +28,10 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
 from ncgear.numerics.jet import Jet
 from ncgear.ratio.transmission import CLOSED
+
+TOUCHING = 1e-12
+"""Share of the largest coefficient below which a value counts as none: 4500 rounding errors, of a touching point found
+as a root of a polynomial of degree nine."""
 
 BUMP = Polynomial([0.0, 0.0, 1.0, -2.0, 1.0])
 SKEW = Polynomial([-1.0, 2.0])
@@ -69,21 +73,36 @@ class ReturnEnds:
 
 @dataclass(frozen=True, eq=False)
 class ReturnLaw:
-    """The closed return: ``polynomial`` in tau is i12, or 1/i12 when ``inverse`` is true."""
+    """The closed return: a polynomial in tau is i12, or 1/i12 when ``inverse`` is true.
+
+    Its coefficients may be 1e5 times its smallest value, so they are those ``about`` the place of that, in powers of
+    tau - about; there the constant term is the value.  ``correction``, which closes the cycle to rounding error, is
+    in tau and kept by itself, since it would be rounded off.
+    """
 
     ends: ReturnEnds
-    polynomial: Polynomial
+    local: Polynomial
     inverse: bool
+    about: float = 0.0
+    correction: Polynomial = field(default_factory=lambda: Polynomial([0.0]))
+
+    @property
+    def polynomial(self) -> Polynomial:
+        """The polynomial in powers of tau."""
+        whole: Polynomial = self.local(Polynomial([-self.about, 1.0])) + self.correction
+        return whole
 
     @property
     def extrapolated_ratio(self) -> float:
         """The polynomial's value at phi1 = 0, the published method's e."""
-        return float(self.polynomial(-self.ends.start_rad / self.ends.length_rad))
+        origin = -self.ends.start_rad / self.ends.length_rad
+        return float(self.local(origin - self.about) + self.correction(origin))
 
     def slope(self, phi1: Array, order: int) -> Jet:
         """dphi2/dphi1 = 1/i12 with derivatives."""
         tau = (Jet.variable(phi1, order) - self.ends.start_rad) * (1.0 / self.ends.length_rad)
-        value = jet.polynomial(np.asarray(self.polynomial.coef, dtype=float), tau)
+        local, fine = (np.asarray(part.coef, dtype=float) for part in (self.local, self.correction))
+        value = jet.polynomial(local, tau - self.about) + jet.polynomial(fine, tau)
         return value if self.inverse else 1.0 / value
 
     def driven_angle(self, phi1: Array, order: int) -> Jet:
@@ -99,7 +118,7 @@ class ReturnLaw:
         try:
             return chebyshev.fitted(lambda phi1: self.slope(phi1, 0).value, ends).integrated()
         except NotSmooth as fault:
-            raise _not_positive(fault.at) from fault
+            raise _not_positive(fault.at, self.ends) from fault
 
     @property
     def closure_error_rad(self) -> float:
@@ -175,7 +194,7 @@ def _inverse_family(ends: ReturnEnds) -> Callable[[float], ReturnLaw]:
         polynomial = shape + BUMP * (missing / _unit_integral(BUMP))
         lowest, at = _lowest(polynomial)
         if not lowest > 0.0:
-            raise _not_positive(ends.start_rad + at * ends.length_rad)
+            raise _not_positive(ends.start_rad + at * ends.length_rad, ends)
         return ReturnLaw(ends, polynomial, inverse=True)
 
     return closed
@@ -189,7 +208,7 @@ def _closed_ratio(ends: ReturnEnds, base: Polynomial, direction: Polynomial) -> 
     """
     for ratio, at_rad in ((ends.start_ratio, ends.start_rad), (ends.end_ratio, ends.end_rad)):
         if not ratio > 0.0:
-            raise _not_positive(at_rad)
+            raise _not_positive(at_rad, ends)
     least = _touching_multiple(base, direction)
     scale = max(1.0, abs(least), *np.abs(base.coef))
     target = ends.driven_length_rad / ends.length_rad
@@ -203,12 +222,31 @@ def _closed_ratio(ends: ReturnEnds, base: Polynomial, direction: Polynomial) -> 
     if not excess(low) > 0.0 > excess(high):
         raise NoSuchMechanism(
             f"the return from phi1 = {in_words(ends.start_rad)} cannot close: no "
-            f"polynomial of this basis covers a driven angle of {ends.driven_length_rad:.6g} rad; change theta4, e, or "
-            "the return's basis",
+            f"polynomial of this basis covers a driven angle of {ends.driven_length_rad:.6g} rad; {_remedy(ends)}",
             key="motion.return",
         )
     step = np.exp(brentq(excess, low, high, xtol=1e-15, rtol=1e-15))
-    return ReturnLaw(ends, base + (least + step) * direction, inverse=False)
+    local, about = _about_touching(base + least * direction)
+    return ReturnLaw(ends, local + step * direction(Polynomial([about, 1.0])), inverse=False, about=about)
+
+
+def _about_touching(polynomial: Polynomial) -> tuple[Polynomial, float]:
+    """A polynomial that touches zero inside [0, 1], in powers about that place, which loses no digits beside it.
+
+    Constant and linear term are zero but for rounding, and left out; what they were is made up for by what closes.
+    """
+    about = _lowest(polynomial)[1]
+    for _ in range(3):
+        local = polynomial(Polynomial([about, 1.0]))
+        _, slope, bend = local.coef[:3]
+        if not bend > 0.0 or not 0.0 < about - 0.5 * slope / bend < 1.0:
+            return polynomial, 0.0
+        about -= 0.5 * slope / bend
+    local = polynomial(Polynomial([about, 1.0]))
+    noise = TOUCHING * np.max(np.abs(polynomial.coef))
+    if max(abs(local.coef[0]), abs(local.coef[1])) > noise:
+        return polynomial, 0.0
+    return Polynomial([0.0, 0.0, *local.coef[2:]]), float(about)
 
 
 def _polished(law: ReturnLaw, direction: Polynomial) -> ReturnLaw:
@@ -220,16 +258,17 @@ def _polished(law: ReturnLaw, direction: Polynomial) -> ReturnLaw:
     for _ in range(6):
         if abs(best.closure_error_rad) <= CLOSED / 20.0:
             return best
-        ends, polynomial = best.ends, best.polynomial
-        sensitivity = _closing_sensitivity(polynomial, direction)
-        moved = polynomial + direction * (best.closure_error_rad / (sensitivity * ends.length_rad))
-        candidate = replace(best, polynomial=moved)
-        if not (_lowest(moved)[0] > 0.0 and abs(candidate.closure_error_rad) < abs(best.closure_error_rad)):
+        sensitivity = _closing_sensitivity(best.polynomial, direction)
+        step = direction * (best.closure_error_rad / (sensitivity * best.ends.length_rad))
+        candidate = replace(best, correction=best.correction + step)
+        positive = _lowest(candidate.polynomial)[0] > 0.0
+        if not (positive and abs(candidate.closure_error_rad) < abs(best.closure_error_rad)):
             break
         best = candidate
     if abs(best.closure_error_rad) > CLOSED:
         raise NoSuchMechanism(
-            f"the return closes only to {best.closure_error_rad:.2g} rad: its ratio comes too near zero",
+            f"the return closes only to {best.closure_error_rad:.2g} rad: its ratio comes too near zero; "
+            f"{_remedy(best.ends)}",
             key="motion.return",
         )
     return best
@@ -278,11 +317,21 @@ def _panels(count: int = 16, points: int = 16) -> tuple[Array, Array]:
     return (middle[:, None] + half[:, None] * unit).ravel(), (half[:, None] * weights).ravel()
 
 
-def _not_positive(at_rad: float) -> NoSuchMechanism:
+def _not_positive(at_rad: float, ends: ReturnEnds) -> NoSuchMechanism:
     return NoSuchMechanism(
         f"the return's ratio passes through zero or infinity, or comes too near to it, at phi1 = "
-        f"{in_words(at_rad)}; a smaller theta4, an a1 nearer to zero, or the other basis of the return helps",
+        f"{in_words(at_rad)}; {_remedy(ends)}",
         key="motion.return",
+    )
+
+
+def _remedy(ends: ReturnEnds) -> str:
+    """What brings the ratio at theta4, which goes with 1/sqrt(-a1), nearer to the mean that the return must have."""
+    mean = ends.length_rad / ends.driven_length_rad
+    towards = "farther from" if ends.start_ratio > mean else "nearer to"
+    return (
+        f"the ratio is {ends.start_ratio:.4g} where it begins and must be {mean:.4g} in the mean: an a1 {towards} zero "
+        "brings the two together, another theta4, e or basis of the return may help"
     )
 
 

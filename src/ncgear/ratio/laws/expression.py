@@ -25,7 +25,10 @@ def ratio_expression_law(text: str, lobes: Lobes, *, scale_to_close: bool) -> Tr
 
     def slope(phi1: Array, order: int) -> Jet:
         with np.errstate(all="ignore"):
-            return 1.0 / ratio(phi1, order)
+            value = ratio(phi1, order)
+            inverse = 1.0 / value
+        # At a pole itself the derivatives are infinity less infinity, but the driven gear stands still.
+        return Jet(np.where(np.isinf(value.value), 0.0, inverse.coefficients))
 
     return integrated_law(slope, np.empty(0), lobes, scale_to_close=scale_to_close, key=key)
 

@@ -1,0 +1,1 @@
+"""Hard cases: how they are judged, and the table of what came out."""

@@ -1,0 +1,93 @@
+"""The hard cases, judged as the table of docs/hard-cases.md is: refused in the right words, or right to rounding."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from hard.case import FOLDER, REFUSED, Case, cases, drive_of
+from hard.condition import conditions
+from hard.figures import reported, sampled_peak
+from hard.judged import FACTOR, Made, Refused, allowed, in_roundings, judged
+from ncgear.ratio.transmission import CLOSED
+
+PAGE = (Path(__file__).parents[1] / "docs" / "hard-cases.md").read_text(encoding="utf-8")
+
+ALL = {case.name: case for case in cases()}
+MADE = [name for name in ALL if name not in REFUSED]
+
+QUICK = ["baler", "rod-1-0001", "rod-1e6", "theta4-late", "lobes-5-1", "ratio-1-100", "near-zero", "ellipse-eccentric"]
+"""Judged against the reference every time; the others, which take longer together, when slow tests run."""
+
+
+@cache
+def verdict(name: str) -> Made | Refused:
+    return judged(ALL[name])
+
+
+def told(name: str) -> list[str]:
+    """The cells of a case in the page."""
+    (line,) = re.findall(rf"^\| `{re.escape(name)}` \|.*$", PAGE, flags=re.MULTILINE)
+    return [cell.strip() for cell in line.strip("|").split(" | ")]
+
+
+def test_the_page_has_every_case_once() -> None:
+    assert re.findall(r"^\| `([^`]+)` \|", PAGE, flags=re.MULTILINE) == list(ALL)
+    assert set(REFUSED) <= set(ALL)
+    assert {path.stem for path in FOLDER.glob("*.yaml")} <= set(ALL)
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_does_not_exist_is_refused_in_these_words(name: str) -> None:
+    refused = verdict(name)
+    assert isinstance(refused, Refused)
+    assert re.search(REFUSED[name], refused.message)
+    assert refused.exit_status in (2, 3)
+    assert told(name)[-1] == f"refused ({refused.exit_status}): {refused.message}"
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_what_is_made_closes_and_no_peak_is_passed_by(name: str) -> None:
+    drive = ALL[name].drive()
+    assert abs(drive.transmission.closure_error_rad) <= CLOSED
+    assert drive.check.peak_acceleration_cycle_mm_s2.value >= sampled_peak(drive, 2003) * (1.0 - 1e-10)
+    assert told(name)[-1] == "made"
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[] if name in QUICK else pytest.mark.slow) for name in MADE])
+def test_no_figure_is_off_by_more_than_the_page_tells(name: str) -> None:
+    """Twice what it says, for another machine's rounding, or the same rounding errors where they are few."""
+    made = verdict(name)
+    assert isinstance(made, Made)
+    error, condition = float(told(name)[2].split(",")[0]), float(told(name)[3])
+    assert max(made.errors.values()) <= max(2.0 * error, allowed(name) * 2.2e-16 * condition)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MADE)
+def test_errors_are_the_problems(name: str) -> None:
+    """No figure is farther off than the exact figures of designs whose numbers differ in the last digits."""
+    made, condition = verdict(name), conditions(ALL[name].data)
+    assert isinstance(made, Made)
+    assert max(in_roundings(made, condition).values()) <= allowed(name)
+    worst = max(made.errors, key=lambda figure: made.errors[figure])
+    assert condition[worst] == pytest.approx(float(told(name)[3]), rel=1.0) or condition[worst] <= 1e6
+
+
+def test_a_figure_off_by_more_than_its_condition_is_seen() -> None:
+    """A thousandth of the crank's length is not in the last digits."""
+    case = ALL["rod-1-2"]
+    longer = Case(case.name, lambda: {**case.data, "linkage": {**case.data["linkage"], "rod_mm": 456.001}})
+    figures = {name: figure.value for name, figure in reported(drive_of(longer.data)).items()}
+    exact = {name: figure.value for name, figure in reported(case.drive()).items()}
+    made = Made({name: abs(figures[name] / exact[name] - 1.0) for name in exact}, 0.0)
+    assert max(in_roundings(made, conditions(case.data)).values()) > 1e3 * FACTOR
+
+
+def test_a_stroke_within_rounding_of_the_linkages_is_the_linkages() -> None:
+    """stroke_mm off by 1e-9: every figure is that of the file without it, to the last bit."""
+    written, plain = reported(ALL["stroke-off-by-1e-9"].drive()), reported(ALL["baler"].drive())
+    assert written == plain
