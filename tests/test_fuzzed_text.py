@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import os
 import resource
 import subprocess
 import sys
@@ -15,11 +16,14 @@ import sympy
 from hypothesis import Phase, given, seed, settings
 from hypothesis import strategies as st
 
+import ncgear
 from ncgear.design.load import LARGEST_MB, load
 from ncgear.errors import DesignError, WrongInput
 from ncgear.numerics.formula import FUNCTIONS, compiled
 
 SHIPPED = [path.read_text("utf-8") for path in sorted((Path(__file__).parents[1] / "designs").glob("*.yaml"))]
+
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(Path(ncgear.__file__).parents[1])}
 
 LONGEST_MESSAGE = 6000
 """Characters of what is said of a file: ten faults, each with a shortened value and its meaning."""
@@ -93,7 +97,8 @@ def test_many_mangled_designs_are_read_or_refused_with_a_place(tmp_path: Path, b
     judge_texts(tmp_path / "d.yaml", 600, batch)
 
 
-MB = 900_000 * LARGEST_MB // 1000 * 1000
+MOST = 900_000 * LARGEST_MB
+"""Bytes of a file that is nearly as large as one may be."""
 
 LAUGHS = "a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
     f"{name}: &{name} [{', '.join([f'*{before}'] * 9)}]\n" for before, name in zip("abcdefgh", "bcdefghi", strict=True)
@@ -102,24 +107,24 @@ LAUGHS = "a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
 HARMFUL: dict[str, tuple[str | bytes, str]] = {
     # name: (the file, what is said of it)
     "billion laughs": (LAUGHS, "&a is an anchor or alias"),
-    "deep lists": ("[" * MB, "nested over 12 levels deep"),
-    "deep groups": ("{a: " * (MB // 4), "nested over 12 levels deep"),
-    "deep items": ("- " * (MB // 2), "nested over 12 levels deep"),
-    "deep keys": ("? " * (MB // 2), "stands as a key"),
-    "long list": ("a: [" + "1," * (MB // 2) + "]", "over 200000 items in one list"),
-    "long block": ("a:\n" + "- 1\n" * (MB // 4), "over 200000 items in one list"),
-    "many keys": ("".join(f"k{i}: 1\n" for i in range(MB // 12)), "over 200 keys in one group"),
-    "long anchor": ("a: &" + "x" * MB, "is an anchor or alias"),
-    "long tag": ("a: !" + "x" * MB, "is a tag"),
-    "long handle": ("a: !" + "x" * MB + "!y z", "is a tag"),
-    "long key": ("? " + "x" * MB + "\n: 1", "characters; none has over 100"),
-    "long number": ("name: " + "9" * MB, "inf given; text"),
-    "long text": ("name: '" + "x" * MB + "'", "a name of letters"),
-    "open quote": ("name: '" + "x" * MB, "end of stream"),
-    "blank lines": ("\n" * MB, "is empty"),
-    "documents": ("---\n" * (MB // 4), "a second document begins"),
-    "escapes": ('name: "' + "\\n" * (MB // 2) + '"', "a name of letters"),
-    "binary": (bytes(range(256)) * (MB // 256), "cannot stand in a text"),
+    "deep lists": ("[" * MOST, "nested over 12 levels deep"),
+    "deep groups": ("{a: " * (MOST // 4), "nested over 12 levels deep"),
+    "deep items": ("- " * (MOST // 2), "nested over 12 levels deep"),
+    "deep keys": ("? " * (MOST // 2), "stands as a key"),
+    "long list": ("a: [" + "1," * (MOST // 2) + "]", "over 200000 items in one list"),
+    "long block": ("a:\n" + "- 1\n" * (MOST // 4), "over 200000 items in one list"),
+    "many keys": ("".join(f"k{i}: 1\n" for i in range(MOST // 12)), "over 200 keys in one group"),
+    "long anchor": ("a: &" + "x" * MOST, "is an anchor or alias"),
+    "long tag": ("a: !" + "x" * MOST, "is a tag"),
+    "long handle": ("a: !" + "x" * MOST + "!y z", "is a tag"),
+    "long key": ("? " + "x" * MOST + "\n: 1", "characters; none has over 100"),
+    "long number": ("name: " + "9" * MOST, "inf given; text"),
+    "long text": ("name: '" + "x" * MOST + "'", "a name of letters"),
+    "open quote": ("name: '" + "x" * MOST, "end of stream"),
+    "blank lines": ("\n" * MOST, "is empty"),
+    "documents": ("---\n" * (MOST // 4), "a second document begins"),
+    "escapes": ('name: "' + "\\n" * (MOST // 2) + '"', "a name of letters"),
+    "binary": (bytes(range(256)) * (MOST // 256), "is not UTF-8 text"),
     "not UTF-8": (b"name: \xff\xfe", "is not UTF-8 text"),
     "code": ("a: !!python/object/apply:os.system ['touch owned']", "!!python/object/apply:os.system is a tag"),
 }
@@ -145,7 +150,7 @@ def test_harmful_files_are_refused_in_little_memory_and_time(tmp_path: Path, nam
     (tmp_path / "d.yaml").write_bytes(content if isinstance(content, bytes) else content.encode())
     done = subprocess.run(
         [sys.executable, "-m", "ncgear", "check", "d.yaml"],
-        capture_output=True, text=True, cwd=tmp_path, timeout=300, preexec_fn=limited,
+        capture_output=True, text=True, cwd=tmp_path, timeout=300, preexec_fn=limited, env=ENVIRONMENT,
     )  # fmt: skip
     assert done.returncode == 2, done.stderr[:500]
     assert said in done.stderr
