@@ -11,6 +11,9 @@ test: .venv  ## quick tests, under four minutes on two cores
 slow: .venv  ## the tests that take longer
 	$(PYTHON) -m pytest -m slow
 
+fuzz: .venv  ## ten times as many random designs as the slow tests have
+	NCGEAR_FUZZ=10 $(PYTHON) -m pytest -m slow tests/test_random_designs.py
+
 lint: .venv  ## style, formatting, types
 	.venv/bin/ruff check . && .venv/bin/ruff format --check . && .venv/bin/mypy
 
@@ -32,4 +35,4 @@ docs: .venv  ## make the pictures of the README and the table of hard cases anew
 	cp export/baler-frontier-frontier/frontier.png docs/images/baler-frontier.png
 	PYTHONPATH=tests $(PYTHON) -m hard.table
 
-.PHONY: test slow lint bench beside docs
+.PHONY: test slow fuzz lint bench beside docs

@@ -85,6 +85,24 @@ def test_every_room_has_a_layer() -> None:
     assert set(package_imports()) == set(HEIGHT)
 
 
+WRITES = {"write_bytes", "write_text", "write", "savetxt", "tofile", "export"}
+
+WRITERS = {"output/publish.py", "cli.py", "frontier.py"}
+"""What may write files: whole sets of files; a new design file, of which the path is free; lines of finished points."""
+
+
+def writes_to_paths(text: str) -> bool:
+    """Whether a module calls what writes files."""
+    calls = [node.func for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Call)]
+    return any(isinstance(call, ast.Attribute) and call.attr in WRITES for call in calls)
+
+
+def test_files_are_written_in_few_places() -> None:
+    assert writes_to_paths("path.write_text(text)")
+    found = {str(path.relative_to(SOURCE)) for path in SOURCE.rglob("*.py") if writes_to_paths(path.read_text())}
+    assert found == WRITERS
+
+
 def modules_after(code: str) -> set[str]:
     """Top-level modules loaded by a fresh interpreter that has run ``code``."""
     script = f"import sys, json\n{code}\nsys.stderr.write(json.dumps(sorted({{m.split('.')[0] for m in sys.modules}})))"

@@ -110,6 +110,14 @@ def test_a_line_cut_off_by_a_kill_is_passed_over(tmp_path: Path) -> None:
     with kept.path.open("a", encoding="utf-8") as file:
         file.write('{"key": "' + kept.key)
     assert kept.found() == {("law", 6000.0): {"a": 1}}
+    kept.add("law", 7000.0, {"a": 2})
+    assert kept.found() == {("law", 6000.0): {"a": 1}, ("law", 7000.0): {"a": 2}}
+
+
+def test_what_is_no_entry_is_passed_over(tmp_path: Path) -> None:
+    kept = Kept(tmp_path / KEPT, design())
+    kept.path.write_bytes(b'12\n[]\n{}\n\xff\n"key"\nnull\n')
+    assert kept.found() == {}
 
 
 def test_an_interrupted_run_goes_on_from_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

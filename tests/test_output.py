@@ -94,7 +94,7 @@ def test_publish_replaces_earlier_files_and_leaves_others(tmp_path: Path) -> Non
     assert contents(tmp_path) == {**FILES, "mine.txt": b"keep"}
 
 
-@pytest.mark.parametrize("stage", ["write_bytes", "replace"])
+@pytest.mark.parametrize("stage", ["write_bytes", "symlink_to", "replace"])
 @pytest.mark.parametrize("fault", [OSError(28, "No space left on device"), KeyboardInterrupt()])
 def test_failure_in_the_middle_leaves_the_last_good_build(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stage: str, fault: BaseException
@@ -103,11 +103,11 @@ def test_failure_in_the_middle_leaves_the_last_good_build(
     publish(tmp_path, old)
     real, calls = getattr(Path, stage), []
 
-    def failing(self: Path, *arguments: Any) -> Any:
+    def failing(self: Path, *arguments: Any, **named: Any) -> Any:
         calls.append(self)
         if len(calls) == 3:
             raise fault
-        return real(self, *arguments)
+        return real(self, *arguments, **named)
 
     monkeypatch.setattr(Path, stage, failing)
     with pytest.raises((WrongInput, KeyboardInterrupt)):
@@ -117,6 +117,36 @@ def test_failure_in_the_middle_leaves_the_last_good_build(
     # The negative control: without the fault the same call does change the folder.
     publish(tmp_path, FILES)
     assert contents(tmp_path) == FILES
+
+
+def without_links(*_: Any, **__: Any) -> None:
+    raise OSError(95, "Operation not supported")
+
+
+def test_without_symbolic_links_files_are_moved_one_by_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Path, "symlink_to", without_links)
+    publish(tmp_path, {"a.txt": b"old", "gone.txt": b"old", "mine.txt": b"keep"})
+    publish(tmp_path, FILES, obsolete=["gone.txt"])
+    assert contents(tmp_path) == {**FILES, "mine.txt": b"keep"}
+
+
+def test_without_symbolic_links_a_failure_leaves_the_last_good_build(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    old = {"a.txt": b"old first", "summary.json": b"old"}
+    publish(tmp_path, old)
+    monkeypatch.setattr(Path, "symlink_to", without_links)
+    real = Path.replace
+
+    def failing(self: Path, target: Path) -> Path:
+        if target.name == "summary.json" and self.parent.name == "new":
+            raise PermissionError(13, "open in another program", str(target))
+        return real(self, target)
+
+    monkeypatch.setattr(Path, "replace", failing)
+    with pytest.raises(WrongInput, match="open in another program"):
+        publish(tmp_path, FILES)
+    assert contents(tmp_path) == old
 
 
 def test_failure_because_a_folder_is_in_the_way_of_a_file(tmp_path: Path) -> None:
@@ -159,7 +189,7 @@ def test_prepare_creates_nothing(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("name", ["", ".", "..", "../a", "a/b", "a\\b", "/a", "a\0", f"{STAGING_PREFIX}x"])
+@pytest.mark.parametrize("name", ["", ".", "..", "../a", "a/../b", "a/b/c", "a\\b", "/a", "a\0", f"{STAGING_PREFIX}x"])
 def test_names_that_would_escape_are_refused_before_anything_is_written(tmp_path: Path, name: str) -> None:
     with pytest.raises(ValueError, match="plain"):
         publish(tmp_path / "out", {"a.txt": b"", name: b""})

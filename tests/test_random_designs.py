@@ -1,125 +1,258 @@
-"""Random laws, sizes, racks, shifts and cutters: gears that never overlap, or a refusal that names a place."""
+"""Random design files end as a result that holds or as a named error, and as nothing else.
+
+More of them: `make fuzz`, which is `NCGEAR_FUZZ=10 python -m pytest -m slow tests/test_random_designs.py`: ten times as
+many.  The same number draws the same designs each time; a larger one goes on from there.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import cos, pi, radians, tan
+import json
+import os
+import re
+import sys
+from collections import Counter
+from collections.abc import Callable
+from io import BytesIO, StringIO
+from math import isfinite, pi
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
+from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis import strategies as st
 from shapely import Polygon
 
-from ncgear.errors import DesignError, NoSuchMechanism
-from ncgear.machine.rack import BasicRack, TipRelief
-from ncgear.pitch.pair import PitchPair, sized_pair
-from ncgear.ratio.laws.ellipse import elliptical_law
-from ncgear.ratio.laws.expression import driven_angle_expression_law
-from ncgear.ratio.laws.uniform import uniform_law
-from ncgear.ratio.transmission import Lobes, Transmission
-from ncgear.teeth.form import Cutter, CutterKind, TipLimits, ToothForm
-from ncgear.teeth.gear import ToothedPair, toothed_pair
+import ncgear.cli
+from ncgear.design.schema import Design
+from ncgear.drive import Drive
+from ncgear.errors import DesignError
+from ncgear.output import build as build_module
+from ncgear.output.summary import check_summary
+from ncgear.output.tables import outline_csv
+from ncgear.output.written import outline_of_csv
 from oracles import meshing
-from pairs import baler_law
+from random_designs import Data, designs, spoiled_designs
+
+TIMES = int(os.environ.get("NCGEAR_FUZZ", "1"))
+
+CHECKED, BATCHES = 500, 20 * TIMES
+"""Designs in a batch that are checked, with their pitch curves: ten thousand in all."""
+
+BUILT, BUILT_BATCHES = 8, 8 * TIMES
+"""Designs in a batch that are built: teeth, contact, solids and all tables."""
+
+CLOSED_RAD = 1e-12
 
 POSITIONS = 97
 
-LOBES = [(1, 1)] * 4 + [(1, 2), (2, 1), (2, 3), (3, 1)]
 
+def each(count: int, number: int, strategy: st.SearchStrategy[Data], judged: Callable[[Data], str]) -> Counter[str]:
+    """How often each verdict was given to ``count`` designs, the same at each run with the same ``number``."""
+    found: Counter[str] = Counter()
 
-@dataclass(frozen=True, eq=False)
-class Wanted:
-    """A random design at module 2."""
-
-    law: Transmission
-    teeth: int
-    form: ToothForm
-    advance_mm: float
-
-    def made(self) -> tuple[PitchPair, ToothedPair]:
-        pitch = sized_pair(self.law, self.teeth, 2.0, None)
-        return pitch, toothed_pair(pitch, self.form, 0.005, advance_mm=self.advance_mm)
-
-
-def random_law(random: np.random.Generator) -> Transmission:
-    """From even to as uneven as machines are, and beyond; hollow curves among them."""
-    lobes = Lobes(*LOBES[random.integers(len(LOBES))])
-    match random.integers(5):
-        case 0:
-            return uniform_law(lobes)
-        case 1:
-            return elliptical_law(random.uniform(0.0, 0.8), random.uniform(0.0, 2.0 * pi), lobes)
-        case 2:
-            waves = random.integers(1, 4)
-            return driven_angle_expression_law(f"phi - {random.uniform(0.0, 0.6) / waves}*sin({waves}*phi)", Lobes())
-        case 3:
-            first, second, phase = random.uniform([0.0, 0.0, 0.0], [0.4, 0.15, 6.0])
-            return driven_angle_expression_law(
-                f"phi - {first}*sin(phi) - {second}*(sin(2*phi + {phase}) - sin({phase}))", Lobes()
-            )
-        case _:
-            return baler_law()
-
-
-def random_rack(random: np.random.Generator) -> BasicRack:
-    """Common angles and heights; the root radius up to what fits."""
-    angle = radians(random.choice([14.5, 20.0, 20.0, 22.5, 25.0]))
-    addendum = random.choice([0.8, 1.0, 1.0, 1.1])
-    dedendum = addendum + random.choice([0.25, 0.25, 0.4])
-    largest = (pi / 4.0 - dedendum * tan(angle)) / (1.0 / cos(angle) - tan(angle))
-    radius = min(random.choice([0.0, 0.2, 0.38]), 0.9 * largest)
-    relief = TipRelief(2.0 * random.uniform(0.005, 0.03), 1.0, 2.0 * addendum) if random.random() < 0.15 else None
-    sizes = (2.0 * addendum, 2.0 * dedendum, 2.0 * radius)
-    return BasicRack(2.0, angle, *sizes, random.choice([0.0, 0.0, 0.1]), relief=relief)
-
-
-def random_form(random: np.random.Generator) -> ToothForm:
-    """Any cutter, any limits, shifts that cancel."""
-    kind = random.choice([CutterKind.AUTO, CutterKind.AUTO, CutterKind.RACK, CutterKind.PINION, CutterKind.MATE])
-    teeth = int(random.integers(8, 60)) if kind is CutterKind.PINION and random.random() < 0.6 else None
-    shift = random.choice([0.0, 0.0, random.uniform(-1.2, 1.2)])
-    return ToothForm(
-        random_rack(random),
-        driving_shift_mm=float(shift),
-        driven_shift_mm=-float(shift),
-        shift_for_undercut=bool(shift == 0.0 and random.random() < 0.3),
-        cutter=Cutter(kind, teeth),
-        limits=TipLimits(random.choice([0.0, 0.4, 0.8]), bool(random.random() < 0.7)),
+    @seed(number)
+    @settings(
+        max_examples=count,
+        deadline=None,
+        database=None,
+        phases=(Phase.generate, Phase.shrink),
+        suppress_health_check=list(HealthCheck),
     )
+    @given(strategy)
+    def judge_all(data: Data) -> None:
+        found[judged(data)] += 1
+
+    judge_all()
+    return found
 
 
-def wanted(seed: int) -> Wanted:
-    """The design of a number."""
-    random = np.random.default_rng(seed)
-    law = random_law(random)
-    teeth = int(np.exp(random.uniform(np.log(8.0), np.log(120.0))))
-    teeth = max(teeth // law.lobes.driving, 3) * law.lobes.driving
-    advance = random.uniform(-6.0, 20.0) if random.random() < 0.2 else 0.0
-    return Wanted(law, teeth, random_form(random), float(advance))
+def written(folder: Path, data: Data) -> Path:
+    """The design as a file."""
+    path = folder / "d.yaml"
+    path.write_text(json.dumps(data).replace("NaN", ".nan").replace("Infinity", ".inf"), encoding="utf-8")
+    return path
 
 
-def judge(seed: int) -> bool:
-    """Whether gears were made; those that were are judged, and refusals must say where."""
+def verdict(folder: Path, data: Data, use: Callable[[Drive], None]) -> str:
+    """What became of a design as the command line would say it; any other exception, a warning too, goes through."""
+    path = written(folder, data)
     try:
-        pitch, pair = wanted(seed).made()
-    except DesignError as refusal:
-        assert refusal.key.startswith("gears.")
-        assert isinstance(refusal, NoSuchMechanism), f"{seed}: {refusal}"
-        assert "tooth" in refusal.problem or "phi1 = " in refusal.problem, f"{seed}: {refusal}"
-        return False
-    phi1 = np.linspace(0.0, pitch.driving.turn_rad, POSITIONS + 1)
-    phi2 = pitch.transmission.driven_angle(phi1).value
-    outlines = Polygon(pair.driving.outline_mm), Polygon(pair.driven.outline_mm)
-    report = meshing.Pair(*outlines, phi1, phi2, pitch.center_distance_mm).report(POSITIONS)
-    assert report.overlap_depth.max() <= 1.2 * 0.005, f"{seed}: {report.overlap_depth.max()} mm"
-    return True
+        with ncgear.cli._design(path) as loaded:
+            use(Drive(loaded.design))
+    except DesignError as error:
+        assert error.exit_status in (2, 3)
+        assert error.location.startswith(f"{path}:")
+        assert len(error.problem) > 10
+        assert "nan" not in error.problem.replace(".nan", "")
+        return f"refused {error.exit_status}"
+    return "made"
 
 
-@pytest.mark.parametrize("first", range(0, 32, 8))
-def test_random_designs_are_made_or_refused_by_name(first: int) -> None:
-    assert sum(judge(seed) for seed in range(first, first + 8)) >= 3
+def numbers_in(values: Any) -> list[float]:
+    """All numbers in plain values."""
+    if isinstance(values, dict | list):
+        inner = values.values() if isinstance(values, dict) else values
+        return [number for value in inner for number in numbers_in(value)]
+    return [values] if isinstance(values, int | float) else []
+
+
+def check_holds(drive: Drive) -> None:
+    """The figures of a check are finite and the law closes, by its own word and by its values at both ends."""
+    summary = check_summary(drive)
+    assert all(isfinite(number) for number in numbers_in(summary))
+    assert summary["closure"]["residual_rad"] <= CLOSED_RAD
+    assert summary["closure"]["stroke_residual_mm"] <= CLOSED_RAD * drive.linkage.stroke_mm
+    lobes = drive.transmission.lobes
+    ends = drive.transmission.driven_angle(np.array([0.0, lobes.driving_period_rad * (1.0 - 1e-15)])).value
+    assert abs(ends[1] - ends[0] - 2.0 * pi / lobes.driven) <= 2.0 * CLOSED_RAD
+    assert 0.0 < summary["ratio"]["min"] <= summary["ratio"]["max"]
+
+
+def curves_hold(drive: Drive) -> None:
+    """Pitch curves are finite and touch on the line of centres all the way."""
+    for pair in drive.by_stage:
+        pitch, phi1 = pair.pitch, np.linspace(0.0, 2.0 * pi, 50)
+        distance = [
+            float(np.hypot(*curve.at_angle(np.zeros(1)).position.T)[0]) for curve in (pitch.driving, pitch.driven)
+        ]
+        apart = distance[1] - distance[0] if pitch.driven.is_ring else distance[0] + distance[1]
+        assert apart == pytest.approx(pitch.center_distance_mm, rel=1e-9)
+        assert np.isfinite(pitch.pitch_point_mm(phi1)).all()
+
+
+def checked(drive: Drive) -> None:
+    check_holds(drive)
+    curves_hold(drive)
+
+
+def judge_checks(folder: Path, count: int, number: int) -> Counter[str]:
+    return each(count, number, spoiled_designs(), lambda data: verdict(folder, data, checked))
+
+
+def test_random_designs_are_checked_or_refused(tmp_path: Path) -> None:
+    found = judge_checks(tmp_path, 40, 10**6)
+    assert min(found["made"], found["refused 2"], found["refused 3"]) >= 3, found
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("first", range(32, 832, 50))
-def test_many_random_designs_are_made_or_refused_by_name(first: int) -> None:
-    assert sum(judge(seed) for seed in range(first, first + 50)) >= 25
+@pytest.mark.parametrize("batch", range(BATCHES))
+def test_many_random_designs_are_checked_or_refused(tmp_path: Path, batch: int) -> None:
+    found = judge_checks(tmp_path, CHECKED, batch)
+    assert found["made"] >= 0.2 * CHECKED, found
+
+
+def solid_holds(stl: bytes) -> None:
+    mesh = trimesh.load_mesh(BytesIO(stl), file_type="stl")
+    assert mesh.is_watertight
+    assert mesh.is_winding_consistent
+    assert mesh.volume > 0.0
+    assert np.isfinite(mesh.vertices).all()
+
+
+def gears_hold(drive: Drive, files: dict[str, bytes]) -> None:
+    """Written outlines never overlap while they turn by the law."""
+    pitch, tolerance = drive.pitch, drive.design.output.chord_tolerance_mm
+    phi1 = np.linspace(0.0, pitch.driving.turn_rad, POSITIONS + 1)
+    phi2 = pitch.transmission.driven_angle(phi1).value
+    driving, driven = (Polygon(outline_of_csv(files[f"{gear}.csv"])) for gear in ("driving", "driven"))
+    if pitch.driven.is_ring:
+        driven = driven.buffer(5.0 * drive.rack.module_mm).difference(driven)
+        phi2 = -phi2
+    report = meshing.Pair(driving, driven, phi1, phi2, pitch.center_distance_mm).report(POSITIONS)
+    assert report.overlap_depth.max() <= 1.2 * tolerance
+
+
+def files_hold(drive: Drive, files: dict[str, bytes]) -> None:
+    """Finite tables, closed solids, gears that run in each other."""
+    summary = json.loads(files["summary.json"])
+    assert all(isfinite(number) for number in numbers_in(summary))
+    assert summary["closure"]["residual_rad"] <= CLOSED_RAD
+    for table in ("law.csv", "driving.csv", "driven.csv", "contact.csv"):
+        assert np.isfinite(np.loadtxt(StringIO(files[table].decode()), delimiter=",", skiprows=1)).all()
+    for solid in ("driving.stl", "driven.stl"):
+        solid_holds(files[solid])
+    gears_hold(drive, files)
+
+
+def build_holds(drive: Drive) -> None:
+    """The files of every pair."""
+    for pair in drive.by_stage:
+        files, _ = build_module._made(pair, lambda _: None)
+        files_hold(pair, files)
+
+
+def judge_builds(folder: Path, count: int, number: int) -> Counter[str]:
+    return each(count, number, designs(teeth=(12, 45)), lambda data: verdict(folder, data, build_holds))
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Drawing takes longer than all the rest of a small build."""
+    monkeypatch.setattr(build_module, "_pictures", lambda *_: {})
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_random_designs_are_built_or_refused(tmp_path: Path) -> None:
+    found = judge_builds(tmp_path, 4, 10**6)
+    assert found["made"] >= 1, found
+
+
+def without_a_facet(stl: bytes) -> bytes:
+    count = int.from_bytes(stl[80:84], "little")
+    return stl[:80] + (count - 1).to_bytes(4, "little") + stl[84:-50]
+
+
+def thickened(table: bytes) -> bytes:
+    outline = outline_of_csv(table) * 1.01
+    return outline_csv(outline).encode()
+
+
+SPOILERS: dict[str, Callable[[bytes], bytes]] = {
+    "summary.json": lambda text: re.sub(rb'"residual_rad": [^,]*', b'"residual_rad": 2e-12', text, count=1),
+    "law.csv": lambda text: text + b"nan,1,1,1,1,1,1,1\n",
+    "driven.stl": without_a_facet,
+    "driving.csv": thickened,
+}
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize("name", SPOILERS)
+def test_the_judge_sees_what_is_wrong_in_a_file(name: str) -> None:
+    gears = {"teeth": 20, "module_mm": 2.0, "face_width_mm": 10.0}
+    linkage, motion = {"crank_mm": 10.0, "rod_mm": 30.0}, {"law": "uniform_crank"}
+    values = {"name": "a", "linkage": linkage, "operation": {"speed_rpm": 1.0}, "motion": motion, "gears": gears}
+    drive = Drive(Design.model_validate(values))
+    files, _ = build_module._made(drive, lambda _: None)
+    files_hold(drive, files)
+    spoiled = {**files, name: SPOILERS[name](files[name])}
+    assert spoiled != files
+    with pytest.raises(AssertionError):
+        files_hold(drive, spoiled)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize("batch", range(BUILT_BATCHES))
+def test_many_random_designs_are_built_or_refused(tmp_path: Path, batch: int) -> None:
+    found = judge_builds(tmp_path, BUILT, batch)
+    assert found["made"] >= 1, found
+
+
+def test_the_program_ends_with_the_status_of_the_verdict(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    status = {"made": 0, "refused 2": 2, "refused 3": 3}
+
+    def judged(data: Data) -> str:
+        expected = verdict(tmp_path, data, check_holds)
+        monkeypatch.setattr(sys, "argv", ["ncgear", "check", str(tmp_path / "d.yaml"), "--json"])
+        with pytest.raises(SystemExit) as ended:
+            ncgear.cli.main()
+        printed = capsys.readouterr()
+        assert (ended.value.code or 0) == status[expected], printed.err
+        assert bool(printed.out) == (expected == "made")
+        return expected
+
+    assert len(each(25, 10**6, spoiled_designs(), judged)) == 3

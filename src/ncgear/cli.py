@@ -141,7 +141,7 @@ def optimize(
 
     with _design(design_file) as loaded:
         from ncgear.improvement import Improvement
-        from ncgear.output.frontier_files import limit_picture
+        from ncgear.output.frontier_files import LIMIT_PICTURE, limit_picture
         from ncgear.output.optimized import certificate, optimized_design, optimized_name
         from ncgear.output.optimized_text import optimized_text
 
@@ -159,8 +159,8 @@ def optimize(
             files = {f"{name}.yaml": written.encode(), "certificate.json": text.encode()}
             if improvement.limit_points:
                 on_stage("picture")
-                files["frontier.png"] = limit_picture(improvement)
-        paths = publish(folder, files)
+                files[LIMIT_PICTURE] = limit_picture(improvement)
+        paths = publish(folder, files, obsolete=[LIMIT_PICTURE])
         typer.echo(optimized_text(improvement, paths))
 
 

@@ -46,16 +46,16 @@ class Kept:
         self.key = sha256(f"{__version__} {design.model_dump_json()}".encode()).hexdigest()[:16]
 
     def found(self) -> dict[tuple[str, float], dict[str, Any]]:
-        """Results by kind and cap; a line that was cut off when a run was killed is passed over."""
+        """Results by kind and cap; a line that was cut off when a run was killed, or is no entry, is passed over."""
         if not self.path.exists():
             return {}
         results = {}
-        for line in self.path.read_text(encoding="utf-8").splitlines():
+        for line in self.path.read_text(encoding="utf-8", errors="replace").splitlines():
             try:
                 entry = json.loads(line)
             except json.JSONDecodeError:
                 continue
-            if entry["key"] == self.key:
+            if isinstance(entry, dict) and entry.get("key") == self.key:
                 results[entry["kind"], entry["cap_w"]] = entry["result"]
         return results
 
@@ -64,7 +64,8 @@ class Kept:
         self.path.parent.mkdir(parents=True, exist_ok=True)
         entry = {"key": self.key, "kind": kind, "cap_w": cap_w, "result": result}
         with self.path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(entry) + "\n")
+            # On a line of its own even after one that was cut off.
+            file.write(f"\n{json.dumps(entry)}\n")
 
 
 def frontier(design: Design, count: int, folder: Path, on_point: Callable[[int, int], None]) -> Frontier:

@@ -6,6 +6,7 @@ they begin, before anything is built from them, and a value means the same whate
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -22,14 +23,26 @@ from ruamel.yaml.events import (
 )
 from ruamel.yaml.reader import ReaderError
 
-from ncgear.design.scalars import plain_value, shown
+from ncgear.design.scalars import plain_value, shortened, shown
 from ncgear.errors import WrongInput
+
+LONGEST_FAULT = 200
+"""Characters of what the parser has to say, which may quote megabytes of the file."""
 
 DEEPEST = 12
 """Levels of nesting; the schema needs four."""
 
 MOST_KEYS = 200
 """Keys in one group; a law needs two dozen. Hundreds of thousands would each be compared with the known ones."""
+
+MOST_ITEMS = 200_000
+"""Items in one list, the most points that a table takes; millions of them would take a minute to read."""
+
+LONG_TAG = re.compile(r"!\S{200}")
+"""Refused before the parser sees it, which decodes a tag in a time that grows with the square of its length."""
+
+LONGEST_KEY = 100
+"""Characters of a key; the longest of the schema has 23."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +73,9 @@ class Document:
 
 def read_yaml(text: str, file: str) -> Document:
     """Parse one YAML document; WrongInput names the place of whatever is not right in it."""
+    if long_tag := LONG_TAG.search(text):
+        location = _place_of_offset(text, long_tag.start(), file)
+        raise WrongInput(f"{shortened(long_tag.group())} is a tag; write the value without it", location=location)
     try:
         return _Reader(text, file).document()
     except ReaderError as error:
@@ -84,13 +100,13 @@ class _Reader:
     def document(self) -> Document:
         """The only document of the stream; an empty file gives None."""
         self._places[""] = Place(self._file, 1, 1)
-        data = None
+        data, begun = None, False
         for event in self._events:
             if isinstance(event, ScalarEvent | SequenceStartEvent | MappingStartEvent | AliasEvent):
-                if data is not None:
+                if begun:
                     raise self._wrong(event, "", "a second document begins; one design per file is right")
                 self._places[""] = self._place(event)
-                data = self._value(event, ())
+                data, begun = self._value(event, ()), True
         return Document(data, self._places)
 
     def _value(self, event: Any, path: tuple[str, ...]) -> Any:
@@ -106,9 +122,12 @@ class _Reader:
         key = ".".join(path)
         if event.anchor is not None:
             sign = "*" if isinstance(event, AliasEvent) else "&"
-            raise self._wrong(event, key, f"{sign}{event.anchor} is an anchor or alias; write the value itself")
-        if event.tag is not None:
-            raise self._wrong(event, key, f"{event.tag} is a tag; write the value without it")
+            name = shortened(f"{sign}{event.anchor}")
+            raise self._wrong(event, key, f"{name} is an anchor or alias; write the value itself")
+        tag = event.ctag
+        if tag is not None:
+            written = shortened(f"{tag.handle or ''}{tag.suffix or ''}")
+            raise self._wrong(event, key, f"{written} is a tag; write the value without it")
 
     def _mapping(self, path: tuple[str, ...]) -> dict[str, Any]:
         values: dict[str, Any] = {}
@@ -130,7 +149,10 @@ class _Reader:
         self._refuse_indirect(event, path)
         if not isinstance(event, ScalarEvent):
             raise self._wrong(event, ".".join(path), "a list or a group stands as a key; a key is a word")
-        return self._text(event, path)
+        text = self._text(event, path)
+        if len(text) > LONGEST_KEY:
+            raise self._wrong(event, ".".join(path), f"a key of {len(text)} characters; none has over {LONGEST_KEY}")
+        return text
 
     def _text(self, event: Any, path: tuple[str, ...]) -> str:
         text = str(event.value)
@@ -142,6 +164,8 @@ class _Reader:
     def _sequence(self, path: tuple[str, ...]) -> list[Any]:
         values: list[Any] = []
         while not isinstance(event := next(self._events), SequenceEndEvent):
+            if len(values) == MOST_ITEMS:
+                raise self._wrong(event, ".".join(path), f"over {MOST_ITEMS} items in one list; fewer are right")
             inner = (*path, str(len(values)))
             self._places[".".join(inner)] = self._place(event)
             values.append(self._value(event, inner))
@@ -156,7 +180,8 @@ class _Reader:
 
 def _syntax(error: MarkedYAMLError) -> str:
     context = f" {error.context}" if error.context else ""
-    return f"is not YAML: {error.problem}{context}; `key: value` lines with equal indentation by spaces are right"
+    problem = shortened(str(error.problem), LONGEST_FAULT)
+    return f"is not YAML: {problem}{context}; `key: value` lines with equal indentation by spaces are right"
 
 
 def _unreadable(error: ReaderError) -> str:

@@ -48,8 +48,8 @@ def shown(value: object) -> str:
     if isinstance(value, list | tuple):
         return "a list"
     if isinstance(value, str):
-        return repr(_shortened(value))
-    return _shortened(_number_or_truth(value))
+        return repr(shortened(value))
+    return shortened(_number_or_truth(value))
 
 
 def _number_or_truth(value: object) -> str:
@@ -60,5 +60,6 @@ def _number_or_truth(value: object) -> str:
     return f"{value!r}"
 
 
-def _shortened(text: str) -> str:
-    return text if len(text) <= _LONGEST_SHOWN else text[:_LONGEST_SHOWN] + "..."
+def shortened(text: str, longest: int = _LONGEST_SHOWN) -> str:
+    """The beginning of a text that is long."""
+    return text if len(text) <= longest else text[:longest] + "..."

@@ -54,18 +54,21 @@ class Built:
 def build(drive: Drive, folder: Path, on_stage: Callable[[str], None]) -> Built:
     """Compute everything, and write all files into ``folder``, which is created if need be.
 
-    Two stages go into folders ``stage-1`` and ``stage-2`` of it, once both are made. ``on_stage`` is told what is done
+    Two stages go into folders ``stage-1`` and ``stage-2`` of it, at the same instant. ``on_stage`` is told what is done
     before it begins. Raises WrongInput or NoSuchMechanism from the stages, and WrongInput when the folder cannot be
     written; whatever fails, the last good build in ``folder`` stays.
     """
     prepare(folder)
-    pairs = {_folder(pair, folder): _made(pair, _named(pair, on_stage)) for pair in drive.by_stage}
-    paths = [path for place, (files, _) in pairs.items() for path in publish(place, files)]
-    return Built(paths, [summary for _, summary in pairs.values()])
+    pairs = {_place(pair.stage): _made(pair, _named(pair, on_stage)) for pair in drive.by_stage}
+    files = {place + name: content for place, (own, _) in pairs.items() for name, content in own.items()}
+    # A folder may hold an earlier build of the other number of stages.
+    obsolete = [_place(stage) + name for stage in (None, 1, 2) for own, _ in pairs.values() for name in own]
+    return Built(publish(folder, files, obsolete), [summary for _, summary in pairs.values()])
 
 
-def _folder(pair: Drive, folder: Path) -> Path:
-    return folder if pair.stage is None else folder / f"stage-{pair.stage}"
+def _place(stage: int | None) -> str:
+    """What stands before the names of a pair's files."""
+    return "" if stage is None else f"stage-{stage}/"
 
 
 def _named(pair: Drive, on_stage: Callable[[str], None]) -> Callable[[str], None]:

@@ -11,6 +11,8 @@ from ncgear.output.frontier import frontier_csv, frontier_json, mechanisms
 from ncgear.output.plots.frontier import frontier as frontier_plot
 from ncgear.output.plots.frontier import rows
 
+LIMIT_PICTURE = "frontier.png"
+
 HEADS = ("power cap, W", "limit, mm/s2", "best law, mm/s2", "gap, %", "family, mm/s2")
 
 

@@ -1,7 +1,7 @@
-"""Files reach the output folder all together or not at all: a failed run leaves the last good build.
+"""Files reach the output folder all together or not at all: a failed or killed run leaves the last good build.
 
-They are first written into a staging folder beside their places, then moved into place one by one; the files they
-replace are kept in the staging folder until all have moved, and put back if one does not.
+They are first written into a staging folder beside their places, then exchanged for the earlier ones at one instant.
+What a killed run has left is cleared up by the next one.
 """
 
 from __future__ import annotations
@@ -9,11 +9,12 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ncgear.errors import WrongInput
+from ncgear.output.exchange import NEW, OLD, exchange, settle
 
 STAGING_PREFIX = ".ncgear-"
 
@@ -32,28 +33,33 @@ def prepare(folder: Path) -> None:
         raise WrongInput(f"cannot be written; {REMEDY}", location=str(existing))
 
 
-def publish(folder: Path, files: Mapping[str, bytes]) -> list[Path]:
-    """Write ``files`` (plain names to contents) into ``folder``, which is created if need be; returns their paths.
+def publish(folder: Path, files: Mapping[str, bytes], obsolete: Collection[str] = ()) -> list[Path]:
+    """Write ``files`` (names to contents) into ``folder``, which is created if need be; returns their paths.
 
-    They are moved into place in the order of the mapping. Raises WrongInput when the folder cannot be written,
-    ValueError when a name is not a plain one; in both cases the folder's earlier files are untouched.
+    A name is plain, or has one folder before it: ``stage-1/law.csv``. Files by the names of ``obsolete``, which an
+    earlier run may have left and which do not belong beside the new ones, go at the same instant. Raises WrongInput
+    when the folder cannot be written, ValueError when a name is none of those; in both cases the folder's earlier
+    files are untouched.
     """
-    for name in files:
-        _require_plain(name)
+    for name in (*files, *obsolete):
+        _require_inside(name)
     prepare(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with _alone_in(folder):
-            _remove_leftovers(folder)
-            _write_and_move(folder, files)
+            _clear_up(folder)
+            _write_and_exchange(folder, files, set(obsolete) - set(files))
     except OSError as error:
         place = str(error.filename or folder)
         raise WrongInput(f"cannot be written ({error.strerror or error}); {REMEDY}", location=place) from error
     return [folder / name for name in files]
 
 
-def _require_plain(name: str) -> None:
-    if name in ("", ".", "..") or any(mark in name for mark in "/\\\0") or name.startswith(STAGING_PREFIX):
+def _require_inside(name: str) -> None:
+    """Refuse names that could lead out of the folder, or into a staging folder."""
+    parts = name.split("/")
+    wrong = any(part in ("", ".", "..") or "\\" in part or "\0" in part for part in parts)
+    if wrong or len(parts) > 2 or name.startswith(STAGING_PREFIX):
         raise ValueError(f"{name!r} is not a plain file name")
 
 
@@ -77,48 +83,41 @@ def _alone_in(folder: Path) -> Iterator[None]:
         os.close(handle)
 
 
-def _remove_leftovers(folder: Path) -> None:
-    """Remove what killed runs have left."""
+def _clear_up(folder: Path) -> None:
+    """Finish the exchanges of killed runs, and remove what they have left."""
     for leftover in folder.glob(f"{STAGING_PREFIX}*"):
         if leftover.is_dir() and not leftover.is_symlink():
+            settle(folder, leftover)
             shutil.rmtree(leftover)
 
 
-def _write_and_move(folder: Path, files: Mapping[str, bytes]) -> None:
+def _write_and_exchange(folder: Path, files: Mapping[str, bytes], obsolete: Iterable[str]) -> None:
+    gone = [name for name in obsolete if (folder / name).is_file()]
     staging = Path(tempfile.mkdtemp(prefix=STAGING_PREFIX, dir=folder))
     try:
-        fresh, earlier = staging / "fresh", staging / "earlier"
-        fresh.mkdir()
-        earlier.mkdir()
         for name, content in files.items():
-            (fresh / name).write_bytes(content)
-        _keep_copies(folder, earlier, files)
-        _move_all(folder, fresh, earlier, files)
+            for place in (folder / name, staging / NEW / name, staging / OLD / name):
+                place.parent.mkdir(parents=True, exist_ok=True)
+            (staging / NEW / name).write_bytes(content)
+        _keep_copies(folder, staging / OLD, [*files, *gone])
+        exchange(folder, staging, [*files, *gone])
     finally:
+        # If this fails, what is behind links stays for the next run.
+        settle(folder, staging)
         shutil.rmtree(staging, ignore_errors=True)
+    _remove_empty(folder, gone)
 
 
 def _keep_copies(folder: Path, earlier: Path, names: Iterable[str]) -> None:
     """Copies, not moves: a run killed at any moment leaves a file at each place."""
     for name in names:
         if (folder / name).exists():
+            (earlier / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(folder / name, earlier / name)
 
 
-def _move_all(folder: Path, fresh: Path, earlier: Path, names: Iterable[str]) -> None:
-    moved: list[str] = []
-    try:
-        for name in names:
-            (fresh / name).replace(folder / name)
-            moved.append(name)
-    except BaseException:
-        _restore(folder, earlier, moved)
-        raise
-
-
-def _restore(folder: Path, earlier: Path, names: Iterable[str]) -> None:
-    for name in names:
-        if (earlier / name).exists():
-            (earlier / name).replace(folder / name)
-        else:
-            (folder / name).unlink()
+def _remove_empty(folder: Path, names: Iterable[str]) -> None:
+    """Remove the folders that have lost their last file."""
+    for place in {(folder / name).parent for name in names} - {folder}:
+        with suppress(OSError):
+            place.rmdir()

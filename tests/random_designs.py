@@ -1,0 +1,308 @@
+"""Random design files: every law, every block of the schema, mostly near what can be made, and at times spoiled."""
+
+from __future__ import annotations
+
+from math import cos, pi
+from typing import Any
+
+import numpy as np
+from hypothesis import strategies as st
+
+from ncgear.machine.linkage import CrankSlider
+from ncgear.numerics.jet import Jet
+
+Data = dict[str, Any]
+Draw = Any
+
+LOBES = [(1, 1)] * 5 + [(1, 2), (2, 1), (2, 3), (3, 1)]
+
+SPOILS = [0, -1, 3, 1e-9, -1e-9, 1e7, 1e12, 1e300, -1e300, float("nan"), float("inf"), None, True, "", "text", [], {}]
+"""What comes in the place of a good value; most of it is wrong at most places."""
+
+
+def number(low: float, high: float) -> st.SearchStrategy[float]:
+    """A number as people write them: four digits."""
+    return st.integers(0, 1000).map(lambda step: float(f"{low + (high - low) * step / 1000:.4g}"))
+
+
+def at_times(values: st.SearchStrategy[Any], one_in: int = 4) -> st.SearchStrategy[Any]:
+    """Values, or more often none."""
+    return st.one_of(*[st.none()] * (one_in - 1), values)
+
+
+def group(**values: st.SearchStrategy[Any]) -> st.SearchStrategy[Data]:
+    """A group of keys, without those that have come out as none."""
+    return st.fixed_dictionaries(values).map(
+        lambda data: {key: value for key, value in data.items() if value is not None}
+    )
+
+
+# --- the machine
+
+
+@st.composite
+def linkages(draw: Draw) -> Data:
+    """Rods from hardly longer than the crank on; offsets up to most of what the rod reaches."""
+    crank = draw(number(5.0, 400.0))
+    rod = crank * draw(st.one_of(number(1.001, 1.2), number(1.2, 6.0), number(1.2, 6.0)))
+    offset = draw(at_times(number(-0.9, 0.9)))
+    return {"crank_mm": crank, "rod_mm": rod, **({} if offset is None else {"offset_mm": offset * (rod - crank)})}
+
+
+EXPRESSIONS = ["200", "200 + 3*exp(x/900)", "5*x", "1000/(9 + x)", "300 - 2*x", "log(9 + x)*50", "sqrt(x)"]
+
+resistances = st.one_of(
+    group(
+        polynomial_n=st.lists(number(-300.0, 500.0), min_size=1, max_size=2),
+        where_negative=at_times(st.sampled_from(["zero", "keep"])),
+    ),
+    st.lists(st.tuples(number(1.0, 60.0), number(-50.0, 900.0)), min_size=2, max_size=8).map(
+        lambda steps: {
+            "table": {
+                "displacement_mm": [sum(step for step, _ in steps[: i + 1]) for i in range(len(steps))],
+                "force_n": [force for _, force in steps],
+            }
+        }
+    ),
+    group(expression_n=st.sampled_from(EXPRESSIONS)),
+)
+
+published = group(
+    name=st.sampled_from(["another", "a $ and \\frac", "ü"]),
+    speed_rpm=number(10.0, 100.0),
+    peak_power_w=number(1.0, 9000.0),
+    peak_acceleration_mm_s2=at_times(number(1.0, 9000.0)),
+)
+
+
+# --- motions
+
+
+def strokes(linkage: Data) -> st.SearchStrategy[Data]:
+    """The published baler's law, scaled to the linkage and changed; one quantity is left to be found."""
+
+    @st.composite
+    def made(draw: Draw) -> Data:
+        solve_for = draw(st.sampled_from(["law_speed", "v1", "v2", "a1", "stroke"]))
+        size, speed = linkage["crank_mm"] / 380.0, draw(number(10.0, 200.0))
+        values = {
+            "v1_mm_s": 1600.0 * size * speed / 52.81 * draw(number(0.8, 1.25)),
+            "v2_mm_s": 1100.0 * size * speed / 52.81 * draw(number(0.7, 1.3)),
+            "a1_mm_s2": -1500.0 * size * (speed / 20.0) ** 2 * draw(number(0.5, 1.5)),
+            "law_speed_rpm": speed,
+        }
+        values.pop({"law_speed": "law_speed_rpm", "a1": "a1_mm_s2"}.get(solve_for, f"{solve_for}_mm_s"), None)
+        angles = zip((0.4, 0.7, 1.0, 1.3), draw(st.tuples(*[number(-0.12, 0.12)] * 4)), strict=True)
+        unit, full = draw(st.sampled_from([("pi", 1.0), ("deg", 180.0), ("rad", pi)]))
+        return {
+            "law": "three_segment_stroke",
+            "solve_for": solve_for,
+            **{f"theta{i}_{unit}": full * (angle + more) for i, (angle, more) in enumerate(angles, start=1)},
+            **values,
+            "return": draw(RETURNS),
+        }
+
+    return made()
+
+
+RETURNS = st.one_of(
+    st.just({"basis": "inverse_ratio"}),
+    st.just({"e": "least_acceleration"}),
+    number(-3.0, 3.0).map(lambda e: {"basis": "ratio", "e": e}),
+)
+
+
+def ratio_expressions(lobes: tuple[int, int]) -> st.SearchStrategy[Data]:
+    """Ratios and driven angles of the lobes' period, some of which touch zero."""
+    driving, driven = lobes
+    waves = st.tuples(number(0.0, 0.8), number(0.0, 0.3), st.integers(1, 3), number(0.0, 6.0))
+    middle = driven / driving
+    return st.one_of(
+        waves.map(
+            lambda wave: {
+                "ratio": f"{middle!r}*(1 + {wave[0]}*cos({driving}*phi) + {wave[1]}*sin({wave[2] * driving}*phi))",
+                "scale_to_close": True,
+            }
+        ),
+        waves.map(
+            lambda wave: {
+                "driven_angle": f"phi/{middle!r} - {wave[0] / driven}*sin({driving}*phi)"
+                f" - {wave[1] / wave[2]}*(cos({wave[2] * driving}*phi + {wave[3]}) - cos({wave[3]}))"
+            }
+        ),
+        waves.map(lambda wave: {"ratio": f"{middle!r}*exp({wave[0]}*sin({driving}*phi))", "scale_to_close": True}),
+    ).map(lambda values: {"law": "ratio_expression", **values})
+
+
+def tables(linkage: Data, lobes: tuple[int, int]) -> st.SearchStrategy[Data]:
+    """Points of a wave, some of them noisy, as ratio or as displacement of the linkage."""
+
+    @st.composite
+    def made(draw: Draw) -> Data:
+        count, wave = draw(st.integers(4, 30)), draw(number(0.0, 0.6))
+        noise = draw(at_times(st.lists(number(-0.05, 0.05), min_size=count, max_size=count)))
+        phi = [2.0 * pi / lobes[0] * i / count for i in range(count)]
+        around = [wave * cos(lobes[0] * angle) + (noise[i] if noise else 0.0) for i, angle in enumerate(phi)]
+        if lobes != (1, 1) or draw(st.booleans()):
+            ratio = [lobes[1] / lobes[0] * (1.0 + value) for value in around]
+            return {"law": "table", "phi1_rad": phi, "ratio": ratio, "scale_to_close": draw(st.booleans())}
+        phi = np.linspace(0.0, 2.0 * pi, 2 * count, endpoint=False)
+        slider = CrankSlider(linkage["crank_mm"], linkage["rod_mm"], linkage.get("offset_mm", 0.0))
+        # Half way round is the extended dead centre.
+        ends = np.array([0.0, slider.working_angle_rad, 2.0 * pi])
+        crank_angle = np.interp(phi - wave * np.sin(phi), [0.0, pi, 2.0 * pi], ends)
+        places = slider.displacement(Jet(crank_angle[None, :])).value
+        return {"law": "table", "phi1_deg": np.degrees(phi).tolist(), "displacement_mm": places.tolist()}
+
+    return made()
+
+
+harmonics = st.tuples(st.lists(number(-0.6, 0.6), max_size=5), st.lists(number(-0.6, 0.6), max_size=5)).map(
+    lambda rows: {
+        "cosine": [value / (i + 1) ** 2 for i, value in enumerate(rows[0])],
+        "sine": [value / (i + 1) ** 2 for i, value in enumerate(rows[1])],
+    }
+)
+
+ellipses = st.one_of(
+    group(eccentricity=number(0.0, 0.7), phase_deg=at_times(number(-360.0, 720.0), 2)),
+    group(eccentricity=number(0.0, 0.99), phase_pi=at_times(number(0.0, 2.0), 2)),
+).map(lambda values: {"law": "ellipse", **values})
+
+
+def motions(linkage: Data, lobes: tuple[int, int]) -> st.SearchStrategy[Data]:
+    """Any law."""
+    return st.one_of(
+        strokes(linkage) if lobes == (1, 1) else st.just({"law": "uniform_crank"}),
+        ratio_expressions(lobes),
+        tables(linkage, lobes),
+        ellipses,
+        st.just({"law": "uniform_crank"}),
+        group(law=st.just("harmonic_ratio"), second_stage=at_times(harmonics)).flatmap(
+            lambda motion: harmonics.map(lambda rows: {**motion, **rows})
+        ),
+    )
+
+
+# --- gears
+
+
+racks = group(
+    profile=at_times(st.sampled_from("ABCD")),
+    pressure_angle_deg=at_times(st.sampled_from([14.5, 17.5, 20.0, 22.5, 25.0])),
+    addendum=at_times(number(0.7, 1.2), 6),
+    dedendum=at_times(number(1.1, 1.5), 6),
+    root_radius=at_times(number(0.0, 0.4), 6),
+    tip_relief=at_times(group(amount=number(0.002, 0.02), start=at_times(number(0.2, 0.9))), 6),
+)
+
+shifts = st.one_of(
+    group(driving=at_times(number(-0.6, 0.6), 2), driven=at_times(number(-0.6, 0.6), 2)),
+    st.just({"against_undercut": True}),
+)
+
+cutters = st.one_of(
+    group(kind=st.sampled_from(["auto", "rack", "mate"])),
+    group(kind=st.just("pinion"), teeth=at_times(st.integers(8, 60), 2)),
+)
+
+
+@st.composite
+def bodies(draw: Draw, largest_mm: float) -> Data:
+    """A bore, with a keyway at times."""
+    bore = draw(number(0.05, 0.6)) * largest_mm
+    keyway = draw(at_times(group(width_mm=number(0.2, 0.6), depth_mm=number(0.1, 0.3))))
+    return {"bore_mm": bore, **({"keyway": {key: bore * part for key, part in keyway.items()}} if keyway else {})}
+
+
+@st.composite
+def sizes(draw: Draw, lobes: tuple[int, int], teeth: tuple[int, int]) -> Data:
+    """Two of teeth, module and centre distance."""
+    count = lobes[0] * max(draw(st.integers(*teeth)) // lobes[0], 3)
+    module = draw(st.sampled_from([0.5, 1.0, 1.5, 2.0, 3.0, 10.0]))
+    if draw(st.integers(0, 3)):
+        return {"teeth": count, "module_mm": module}
+    distance = count * module * (1.0 + lobes[1] / lobes[0]) / 2.0
+    return {"teeth": count, "center_distance_mm": distance}
+
+
+@st.composite
+def gears(draw: Draw, lobes: tuple[int, int], teeth: tuple[int, int]) -> Data:
+    """Spur, helical and internal gears."""
+    size = draw(sizes(lobes, teeth))
+    ring = lobes[1] > lobes[0] and draw(st.booleans())
+    blank = bodies(0.7 * size["teeth"] * size.get("module_mm", 1.0))
+    rim = number(1.0, 20.0).map(lambda mm: {"rim_mm": mm})
+    values = draw(
+        group(
+            rack=at_times(racks, 2),
+            helix=at_times(HELICES, 8),
+            backlash_mm=at_times(number(0.0, 0.1), 2),
+            profile_shift=at_times(shifts),
+            cutter=at_times(cutters, 2),
+            undercut=at_times(st.sampled_from(["avoid", "allow"])),
+            least_tip_land=at_times(number(0.01, 0.5)),
+            least_contact_ratio=st.sampled_from([None, 0.0, 0.0, 1.2]),
+            method=at_times(st.sampled_from(["exact", "equivalent_gear"]), 8),
+            index_holes=at_times(st.booleans()),
+            driving=at_times(blank, 2),
+            driven=at_times(rim if ring else blank, 2),
+        )
+    )
+    mesh = {"mesh": "internal"} if ring else {}
+    return {**size, **mesh, "lobes": {"driving": lobes[0], "driven": lobes[1]}, "face_width_mm": 10.0, **values}
+
+
+HELICES = group(
+    angle_deg=number(5.0, 30.0),
+    kind=st.sampled_from(["helical", "herringbone"]),
+    hand=st.sampled_from(["right", "left"]),
+)
+
+
+# --- whole files
+
+
+@st.composite
+def designs(draw: Draw, teeth: tuple[int, int] = (6, 60)) -> Data:
+    """A design as a file's plain values, with gears."""
+    linkage, lobes = draw(linkages()), draw(st.sampled_from(LOBES))
+    motion = draw(motions(linkage, lobes))
+    if motion.get("solve_for") == "stroke":
+        linkage = {key: value for key, value in linkage.items() if key != "crank_mm"}
+    values = draw(
+        group(
+            resistance=at_times(resistances, 2),
+            comparison=at_times(group(published=st.lists(published, min_size=1, max_size=2)), 8),
+            optimize=at_times(group(harmonics=st.integers(2, 60), limits=group(peak_power_w=number(1.0, 9e3))), 8),
+            output=at_times(group(chord_tolerance_mm=st.sampled_from([0.002, 0.01, 0.05, 0.2])), 2),
+        )
+    )
+    return {
+        "name": "random",
+        "linkage": linkage,
+        "operation": {"speed_rpm": draw(number(1.0, 600.0))},
+        "motion": motion,
+        "gears": draw(gears(lobes, teeth)),
+        **values,
+    }
+
+
+@st.composite
+def spoiled_designs(draw: Draw) -> Data:
+    """Designs of which every third has one or two values or groups spoiled or left out."""
+    data = draw(designs())
+    for _ in range(draw(st.sampled_from([0, 0, 0, 0, 1, 2]))):
+        place, key = draw(st.sampled_from(list(_places(data))))
+        place[key] = draw(st.sampled_from(SPOILS) | number(-10.0, 10.0))
+        if place[key] is None and isinstance(place, dict):
+            del place[key]
+    return data
+
+
+def _places(data: Any) -> Any:
+    """Every group or list with each of its keys."""
+    for key, value in data.items() if isinstance(data, dict) else enumerate(data):
+        yield data, key
+        if isinstance(value, dict | list):
+            yield from _places(value)

@@ -1,0 +1,149 @@
+"""Runs killed at any moment leave the last good build whole, or the new one whole, never a mixture."""
+
+from __future__ import annotations
+
+import json
+from itertools import count, cycle
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import pytest
+
+from killed_runs import Files, build, killed_after, killed_at_step, seen, together
+from ncgear.output.publish import publish
+
+ONE = {"driving.csv": b"one, driving", "driven.csv": b"one, driven", "extra.png": b"one", "summary.json": b"one"}
+OTHER = {"driving.csv": b"other, driving", "driven.csv": b"other, driven", "fresh.csv": b"o", "summary.json": b"other"}
+STAGES = {f"stage-{stage}/{name}": b"%d of two " % stage + text for stage in (1, 2) for name, text in ONE.items()}
+OTHER_STAGES = {name: b"other " + text for name, text in STAGES.items()}
+KEPT = {"mine.txt": b"not of ncgear", "below/notes.txt": b"nor this"}
+
+
+def filled(folder: Path, files: Files) -> Path:
+    """A folder in which a person keeps files of their own, with ``files`` published into it."""
+    for name, content in KEPT.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(content)
+    publish(folder, files)
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("before", "after"), [(ONE, OTHER), pytest.param(STAGES, OTHER_STAGES, marks=pytest.mark.slow)]
+)
+def test_killed_at_each_step_the_folder_is_whole_and_the_next_run_clears_up(
+    tmp_path: Path, before: Files, after: Files
+) -> None:
+    for step in count(1):
+        folder = filled(tmp_path / str(step), before)
+        killed = killed_at_step(step, publish, folder, after)
+        assert seen(folder) in ({**KEPT, **before}, {**KEPT, **before, **after}), f"killed before step {step}"
+        publish(folder, after)
+        assert seen(folder) == {**KEPT, **before, **after}
+        assert not [place for place in folder.rglob("*") if place.is_symlink() or place.name.startswith(".")]
+        if not killed:
+            break
+    assert step > 4 * len(after)
+
+
+@pytest.mark.slow
+def test_a_run_killed_over_and_over_at_any_step_never_leaves_a_mixture(tmp_path: Path) -> None:
+    """Nobody clears up between the kills: each run meets what the others have left, and may die while it mends it."""
+    folder, whole = filled(tmp_path, ONE), {**KEPT, **ONE}
+    for step in (*range(1, 160, 3), *range(158, 1, -3)):
+        for files, others in ((STAGES, ONE), (ONE, STAGES)):
+            killed_at_step(step, publish, folder, files, tuple(others))
+            found, wanted = seen(folder), {**KEPT, **files}
+            assert found in (whole, wanted), f"killed before step {step}"
+            whole = found
+    publish(folder, OTHER, (*ONE, *STAGES))
+    assert seen(folder) == {**KEPT, **OTHER}
+    assert not [place for place in folder.iterdir() if place.name.startswith(".")]
+
+
+def test_names_of_an_earlier_build_go_with_it(tmp_path: Path) -> None:
+    folder = filled(tmp_path, STAGES)
+    publish(folder, ONE, tuple(STAGES))
+    assert seen(folder) == {**KEPT, **ONE}
+    assert not (folder / "stage-1").exists()
+
+
+DESIGN = """
+name: NAME
+linkage: {crank_mm: 40, rod_mm: 150}
+operation: {speed_rpm: 90}
+motion: MOTION
+gears: {teeth: 13, module_mm: 3, face_width_mm: 12}
+output: {chord_tolerance_mm: 0.02}
+"""
+MOTIONS = {
+    "one-pair": "{law: ellipse, eccentricity: 0.2}",
+    "other-pair": "{law: uniform_crank}",
+    "two-pairs": "{law: harmonic_ratio, cosine: [0.3], second_stage: {cosine: [0.15]}}",
+}
+KILLS = 200
+
+
+def built(folder: Path) -> dict[str, Any]:
+    """What a reader finds of a build; of summaries what they say but for how long it took."""
+    return {
+        name: {**json.loads(content), "timing_s": None} if name.endswith("summary.json") else content
+        for name, content in seen(folder).items()
+    }
+
+
+@pytest.fixture
+def designs(tmp_path: Path) -> dict[Path, tuple[float, dict[str, Any]]]:
+    """Design files, the seconds that a build of each takes, and what it leaves."""
+    killed_after(60.0, seen, tmp_path)  # the first one loads the program
+    made = {}
+    for name, motion in MOTIONS.items():
+        path, start = tmp_path / f"{name}.yaml", perf_counter()
+        path.write_text(DESIGN.replace("NAME", name).replace("MOTION", motion))
+        assert not killed_after(60.0, build, path, tmp_path / name)
+        made[path] = perf_counter() - start, built(tmp_path / name)
+    return made
+
+
+@pytest.mark.slow
+def test_builds_killed_at_random_moments_leave_one_build_whole(
+    tmp_path: Path, designs: dict[Path, tuple[float, dict[str, Any]]]
+) -> None:
+    """Spread over the whole run and a little beyond its end; nobody clears up in between."""
+    random, kills, folder = np.random.default_rng(2), 0, tmp_path / "out"
+    whole: dict[str, Any] = {}
+    for path in cycle(designs):
+        seconds, wanted = designs[path]
+        kills += killed_after(random.uniform(0.0, 1.1 * seconds), build, path, folder)
+        found = built(folder)
+        assert found in (whole, wanted), f"{path.name} after {kills} kills"
+        whole = found
+        if kills == KILLS:
+            break
+    assert whole
+
+
+@pytest.mark.slow
+def test_runs_killed_while_they_publish_leave_one_build_whole(
+    tmp_path: Path, designs: dict[Path, tuple[float, dict[str, Any]]]
+) -> None:
+    random, folder, whole = np.random.default_rng(3), tmp_path / "out", dict[str, bytes]()
+    builds = [seen(tmp_path / path.stem) for path in designs]
+    obsolete = {name for files in builds for name in files}
+    start = perf_counter()
+    publish(tmp_path / "once", builds[0])
+    seconds = 3.0 * (perf_counter() - start)
+    for moment in range(KILLS):
+        files = builds[moment % len(builds)]
+        killed_after(random.uniform(0.0, seconds), publish, folder, files, obsolete)
+        found = seen(folder)
+        assert found in (whole, files), f"after {moment} runs"
+        whole = found
+
+
+def test_runs_that_publish_at_the_same_time_wait_for_each_other(tmp_path: Path) -> None:
+    together(*[(publish, tmp_path, files, (*ONE, *STAGES, *OTHER)) for files in (ONE, STAGES, OTHER, STAGES, ONE)])
+    assert seen(tmp_path) in (ONE, STAGES, OTHER)
+    assert not [place for place in tmp_path.iterdir() if place.name.startswith(".")]
