@@ -26,6 +26,7 @@ LAYERS = [
     {"design"},
     {"recipe"},
     {"drive", "improvement", "frontier"},
+    {"screening"},
     {"output"},
     {"cli"},
     {"__main__"},

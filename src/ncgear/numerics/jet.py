@@ -22,10 +22,14 @@ from ncgear.numerics.arrays import Array, Mask
 class Jet:
     """Truncated Taylor series of one function at many points.
 
-    ``coefficients`` has shape (order + 1, n): row k is the k-th derivative divided by k!.
+    ``coefficients`` has shape (order + 1, n): row k is the k-th derivative divided by k!.  Where a rule takes a number,
+    an array of shape (n,) does as well, one number for each point.
     """
 
     coefficients: Array
+
+    __array_ufunc__ = None
+    """Has an array that stands to the left of a jet leave the arithmetic to the jet."""
 
     @staticmethod
     def variable(points: ArrayLike, order: int) -> Jet:
@@ -74,7 +78,7 @@ class Jet:
     def __neg__(self) -> Jet:
         return Jet(-self.coefficients)
 
-    def __add__(self, other: Jet | float) -> Jet:
+    def __add__(self, other: Jet | float | Array) -> Jet:
         if isinstance(other, Jet):
             return Jet(self.coefficients + other.coefficients)
         coefficients = self.coefficients.copy()
@@ -83,13 +87,13 @@ class Jet:
 
     __radd__ = __add__
 
-    def __sub__(self, other: Jet | float) -> Jet:
+    def __sub__(self, other: Jet | float | Array) -> Jet:
         return self + (-other)
 
-    def __rsub__(self, other: float) -> Jet:
+    def __rsub__(self, other: float | Array) -> Jet:
         return (-self) + other
 
-    def __mul__(self, other: Jet | float) -> Jet:
+    def __mul__(self, other: Jet | float | Array) -> Jet:
         if not isinstance(other, Jet):
             return Jet(self.coefficients * other)
         a, b = self.coefficients, other.coefficients
@@ -97,7 +101,7 @@ class Jet:
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Jet | float) -> Jet:
+    def __truediv__(self, other: Jet | float | Array) -> Jet:
         if not isinstance(other, Jet):
             return Jet(self.coefficients / other)
         a, b = self.coefficients, other.coefficients
@@ -118,7 +122,7 @@ class Jet:
             power[k] = sum(terms) / (k * a[0])
         return Jet(power)
 
-    def __rtruediv__(self, other: float) -> Jet:
+    def __rtruediv__(self, other: float | Array) -> Jet:
         numerator = np.zeros_like(self.coefficients)
         numerator[0] = other
         return Jet(numerator) / self
@@ -182,10 +186,13 @@ def arctan(argument: Jet) -> Jet:
 
 
 def polynomial(coefficients: Sequence[float] | Array, argument: Jet) -> Jet:
-    """Polynomial with ``coefficients`` from the constant term upwards, by Horner's rule."""
-    result = argument * 0.0 + float(coefficients[-1])
+    """Polynomial with ``coefficients`` from the constant term upwards, by Horner's rule.
+
+    Of shape (m,), or (m, n) for points that have a polynomial each.
+    """
+    result = argument * 0.0 + coefficients[-1]
     for coefficient in reversed(coefficients[:-1]):
-        result = result * argument + float(coefficient)
+        result = result * argument + coefficient
     return result
 
 
