@@ -58,17 +58,18 @@ def extremes(values: Array, owner: IndexArray) -> tuple[Array, Array]:
     ``owner`` (shape (r,)) counts from 0 on without a gap; the result has a value for each.
     """
     owners = int(owner.max()) + 1
-    tops = _largest(np.vstack([values, -values]), np.concatenate([owner, owner + owners]), 2 * owners)
-    return -tops[owners:], tops[:owners]
-
-
-def _largest(values: Array, owner: IndexArray, owners: int) -> Array:
-    """Largest value of what each owner has, shape (owners,)."""
     fine, slope = _refinement(values.shape[1])
     grid, slopes = values @ fine.T, values @ slope.T
+    high = _largest(values, grid, slopes, owner, owners)
+    return -_largest(-values, -grid, -slopes, owner, owners), high
+
+
+def _largest(values: Array, grid: Array, slopes: Array, owner: IndexArray, owners: int) -> Array:
+    """Largest value of what each owner has, shape (owners,), with values and slopes at the finer points."""
     best = np.full(owners, -np.inf)
     np.maximum.at(best, owner, grid.max(axis=1))
-    row, place = np.nonzero((slopes[:, :-1] > 0.0) & (slopes[:, 1:] < 0.0))
+    rising = slopes > 0.0
+    row, place = np.nonzero(rising[:, :-1] & ~rising[:, 1:])
     kept = _reach(grid, slopes, row, place) > best[owner[row]] + NEGLIGIBLE * np.abs(best[owner[row]])
     row, place = row[kept], place[kept]
     points = shares(FINER * values.shape[1] - 1)
@@ -98,15 +99,13 @@ def _tops(values: Array, low: Array, high: Array) -> Array:
 
 def _sums(coefficients: Array, share: Array) -> Array:
     """Chebyshev series (shape (degree + 1, k)), each at its own argument in [0, 1]."""
-    values: Array = chebyshev.chebval(2.0 * share - 1.0, coefficients, tensor=False)
-    return values
+    return np.asarray(chebyshev.chebval(2.0 * share - 1.0, coefficients, tensor=False), dtype=np.float64)
 
 
 @cache
 def _coefficients(count: int) -> Array:
     """Values at the points to Chebyshev coefficients."""
-    matrix: Array = np.linalg.inv(chebyshev.chebvander(2.0 * shares(count) - 1.0, count - 1))
-    return matrix
+    return np.asarray(np.linalg.inv(chebyshev.chebvander(2.0 * shares(count) - 1.0, count - 1)), dtype=np.float64)
 
 
 @cache
