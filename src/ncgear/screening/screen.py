@@ -23,38 +23,40 @@ TOGETHER = 128
 """Designs computed at once, whose arrays a core's cache holds (benchmarks/screening.md)."""
 
 
-def screened(designs: Sequence[Design], counts: Sequence[int] = COUNTS) -> Screened:
-    """Figures and verdicts of n designs, which must all have gears, or none.
+def screened(designs: Sequence[Design | DesignError], counts: Sequence[int] = COUNTS) -> Screened:
+    """Figures and verdicts of n designs, which must all have gears, or none; errors stand for designs refused before.
 
     ``counts`` are the points of a piece that are tried one after the other.
     """
-    rows: dict[int, Row] = {}
-    for kind, numbers in _groups(designs).items():
-        for first in range(0, len(numbers), TOGETHER):
-            rows.update(_together(kind, designs, numbers[first : first + TOGETHER], counts))
-    alone = [number for number in range(len(designs)) if number not in rows]
-    rows.update({number: _alone(designs[number]) for number in alone})
-    return _table([rows[number] for number in range(len(designs))], alone)
+    numbered = dict(enumerate(designs))
+    rows: dict[int, Row] = {number: design for number, design in numbered.items() if isinstance(design, DesignError)}
+    wanted = {number: design for number, design in numbered.items() if isinstance(design, Design)}
+    for kind, group in _groups(wanted).items():
+        for first in range(0, len(group), TOGETHER):
+            rows.update(_together(kind, dict(group[first : first + TOGETHER]), counts))
+    alone = [number for number in wanted if number not in rows]
+    rows.update({number: _alone(wanted[number]) for number in alone})
+    return _table([rows[number] for number in numbered], alone)
 
 
-def _groups(designs: Sequence[Design]) -> dict[Kind, list[int]]:
-    """Numbers of the designs that can be computed together."""
-    groups: dict[Kind, list[int]] = {}
-    for number, design in enumerate(designs):
+def _groups(designs: dict[int, Design]) -> dict[Kind, list[tuple[int, Design]]]:
+    """The designs that can be computed together, with their numbers."""
+    groups: dict[Kind, list[tuple[int, Design]]] = {}
+    for number, design in designs.items():
         kind = kind_of(design)
         if kind is not None:
-            groups.setdefault(kind, []).append(number)
+            groups.setdefault(kind, []).append((number, design))
     return groups
 
 
-def _together(kind: Kind, designs: Sequence[Design], numbers: list[int], counts: Sequence[int]) -> dict[int, Row]:
-    """What the first count of points is sure of, and of the rest what the next ones are."""
-    if not numbers or not counts:
+def _together(kind: Kind, designs: dict[int, Design], counts: Sequence[int]) -> dict[int, Row]:
+    """What the first count of points is sure of, and of the rest what the next ones are, by the designs' numbers."""
+    if not designs or not counts:
         return {}
-    found = rows_of(kind, [designs[number] for number in numbers], counts[0])
-    rows = {number: row for number, row in zip(numbers, found, strict=True) if row is not None}
-    left = [number for number in numbers if number not in rows]
-    return {**rows, **_together(kind, designs, left, counts[1:])}
+    found = rows_of(kind, list(designs.values()), counts[0])
+    rows = {number: row for number, row in zip(designs, found, strict=True) if row is not None}
+    left = {number: design for number, design in designs.items() if number not in rows}
+    return {**rows, **_together(kind, left, counts[1:])}
 
 
 def _alone(design: Design) -> Row:
