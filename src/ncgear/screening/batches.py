@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.design.motion import ThreeSegmentStroke
+from ncgear.design.motion import HarmonicRatio, ThreeSegmentStroke
 from ncgear.design.schema import Design
 from ncgear.machine.linkage import Linkages
 from ncgear.machine.resistance import Resistance
@@ -18,9 +18,14 @@ from ncgear.machine.table_resistance import TableResistance
 from ncgear.numerics.arrays import Array
 from ncgear.ratio.transmission import Lobes
 from ncgear.recipe.law import RAD_S_PER_RPM, SAME_STROKE, lobes_of, resistance_of
+from ncgear.screening.harmonics import harmonic_samples
 from ncgear.screening.returns import returns_with_constant
 from ncgear.screening.samples import Sampled
 from ncgear.screening.strokes import stroke_samples
+
+STROKE, HARMONIC = "three_segment_stroke", "harmonic_ratio"
+
+LENGTHS = ("crank_mm", "rod_mm", "offset_mm")
 
 
 @dataclass(frozen=True)
@@ -44,16 +49,24 @@ def kind_of(design: Design) -> Kind | None:
 
 def sampled(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
     """The laws of a batch at ``count`` points a piece."""
-    return _strokes(kind, designs, count)
+    return _strokes(kind, designs, count) if kind.law[0] == STROKE else _harmonics(kind, designs, count)
 
 
 def _law(design: Design) -> tuple[Hashable, ...] | None:
     motion = design.motion
-    if not isinstance(motion, ThreeSegmentStroke):
-        return None
-    if motion.solve_for != "stroke" and motion.return_.e != "least_acceleration":
-        return motion.law, motion.solve_for, motion.a1_speed_rpm is None, motion.stroke_mm is None
+    if isinstance(motion, ThreeSegmentStroke):
+        if motion.solve_for == "stroke" or motion.return_.e == "least_acceleration":
+            return None
+        return STROKE, motion.solve_for, motion.a1_speed_rpm is None, motion.stroke_mm is None
+    if isinstance(motion, HarmonicRatio) and motion.second_stage is None and (motion.cosine or motion.sine):
+        return HARMONIC, _tilts(design)
     return None
+
+
+def _tilts(design: Design) -> tuple[float, ...]:
+    """What the working angle of the linkage follows from; nothing where there is no offset."""
+    crank, rod, offset = (getattr(design.linkage, name) for name in LENGTHS)
+    return (offset / (rod + crank), offset / (rod - crank)) if offset and rod > crank else ()
 
 
 def _strokes(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
@@ -70,8 +83,25 @@ def _strokes(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
     return Sampled(samples, sound, stroke_mm, strokes.law_speed_rad_s / RAD_S_PER_RPM, strokes.closing_error_mm)
 
 
+def _harmonics(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
+    """As ``recipe/law.py`` makes one; the law holds at any speed, and so at that of operation."""
+    cosine, sine = _padded(designs, "motion.cosine", "motion.sine")
+    linkage = _linkages(designs)
+    samples = harmonic_samples(cosine, sine, linkage, kind.lobes, count)
+    sound = linkage.rod_mm - linkage.crank_mm > np.abs(linkage.offset_mm)
+    speed = _column(designs, "operation.speed_rpm")
+    return Sampled(samples, sound, linkage.stroke_mm, speed, 0.0 * speed)
+
+
+def _padded(designs: Sequence[Design], *names: str) -> list[Array]:
+    """Lists of numbers as rows, shape (n, longest of them) for each name, zeros where they are shorter."""
+    lists = [[attrgetter(name)(design) for design in designs] for name in names]
+    longest = max(len(values) for column in lists for values in column)
+    return [np.array([[*values, *[0.0] * (longest - len(values))] for values in column]) for column in lists]
+
+
 def _linkages(designs: Sequence[Design]) -> Linkages[Array]:
-    return Linkages(*(_column(designs, f"linkage.{name}") for name in ("crank_mm", "rod_mm", "offset_mm")))
+    return Linkages(*(_column(designs, f"linkage.{name}") for name in LENGTHS))
 
 
 def _requests(designs: Sequence[Design], stroke_mm: Array) -> StrokeRequests[Array]:

@@ -16,7 +16,7 @@ from ncgear.screening.rows import Row, rows_of
 from ncgear.screening.single import single_figures
 from ncgear.screening.table import MADE, Screened
 
-COUNTS = (65, 129)
+COUNTS = (65, 129, 257)
 """Points of a piece, and those tried where the first do not resolve a law."""
 
 TOGETHER = 128
