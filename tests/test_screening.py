@@ -142,7 +142,7 @@ def test_hundreds_of_random_strokes_agree_with_single_designs(seed: int) -> None
 
 
 def test_too_few_points_send_every_design_the_single_way() -> None:
-    designs = random_strokes(7, 2)
+    designs = [load(DESIGNS / f"{name}.yaml").design for name in ("baler", "baler-66")]
     assert screened(designs, counts=(9,)).one_by_one.all()
 
 
