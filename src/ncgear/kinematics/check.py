@@ -8,11 +8,11 @@ from itertools import pairwise
 from math import pi
 
 import numpy as np
-from scipy.optimize import elementwise
 
 from ncgear.kinematics.slider import Machine
 from ncgear.machine.resistance import Resistance
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.bracketed import zeros_between
 from ncgear.numerics.extrema import Extremum, extremes
 from ncgear.numerics.jet import Jet
 
@@ -132,11 +132,8 @@ def _angles_at(displacement: Callable[[Array, int], Jet], wanted_mm: Array, low:
     if not wanted_mm.size:
         return wanted_mm
 
-    def excess(phi1: Array, wanted: Array) -> Array:
-        return displacement(phi1.ravel(), 0).value.reshape(phi1.shape) - wanted
-
     ends = np.full(wanted_mm.shape, low), np.full(wanted_mm.shape, high)
-    return np.unique(elementwise.find_root(excess, ends, args=(wanted_mm,)).x)
+    return np.unique(zeros_between(lambda phi1: displacement(phi1, 0).value - wanted_mm, *ends))
 
 
 def _scaled(extremum: Extremum, factor: float) -> Extremum:

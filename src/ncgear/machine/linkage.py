@@ -9,7 +9,7 @@ extended) take more than pi.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi
+from math import pi, sqrt
 from typing import Generic
 
 import numpy as np
@@ -130,6 +130,16 @@ class CrankSlider(Linkages[float]):
                 f"the offset of {abs(self.offset_mm):g} mm; a rod over {self.crank_mm + abs(self.offset_mm):g} mm does",
                 key="linkage.rod_mm",
             )
+
+
+def crank_of_stroke_mm(stroke_mm: float, rod_mm: float, offset_mm: float) -> float:
+    """The crank whose dead centres are a stroke apart.
+
+    From far - near = H, far^2 - near^2 = 4 l2 l3 and far^2 + near^2 = 2 (l2^2 + l3^2 - e^2), with near and far the
+    slider's distances at the dead centres.
+    """
+    square = stroke_mm**2
+    return stroke_mm / 2.0 * sqrt((4.0 * (rod_mm**2 - offset_mm**2) - square) / (4.0 * rod_mm**2 - square))
 
 
 def _arctan2(sine_side: Jet, cosine_side: Jet) -> Jet:

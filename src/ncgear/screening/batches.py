@@ -14,7 +14,6 @@ from ncgear.design.schema import Design
 from ncgear.machine.linkage import Linkages
 from ncgear.machine.resistance import Resistance
 from ncgear.machine.stroke import StrokeRequests, closed_strokes
-from ncgear.machine.table_resistance import TableResistance
 from ncgear.numerics.arrays import Array
 from ncgear.ratio.transmission import Lobes
 from ncgear.recipe.law import RAD_S_PER_RPM, SAME_STROKE, lobes_of, resistance_of
@@ -42,9 +41,10 @@ def kind_of(design: Design) -> Kind | None:
     law = _law(design)
     if law is None or (design.gears is not None and design.gears.mesh == "internal"):
         return None
-    resistance = resistance_of(design)
-    # The slope of a table's force jumps at its points, which no series along a piece resolves.
-    return None if isinstance(resistance, TableResistance) else Kind(law, lobes_of(design), resistance)
+    if design.resistance is not None and design.resistance.table is not None:
+        # The bend of a table's force jumps at its points, which no series along a piece resolves.
+        return None
+    return Kind(law, lobes_of(design), resistance_of(design))
 
 
 def sampled(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
