@@ -14,11 +14,12 @@ slow: .venv  ## the tests that take longer
 lint: .venv  ## style, formatting, types
 	.venv/bin/ruff check . && .venv/bin/ruff format --check . && .venv/bin/mypy
 
-bench: .venv  ## measure how long builds take, and equivalent gears beside exact teeth, the limit; write benchmarks/*.md
+bench: .venv  ## measure how long builds take, and equivalent gears beside exact teeth, the limit, screening; write benchmarks/*.md
 	$(PYTHON) benchmarks/timing.py
 	$(PYTHON) benchmarks/equivalent_gear.py
 	$(PYTHON) benchmarks/limit.py
 	$(PYTHON) benchmarks/makeable.py
+	$(PYTHON) benchmarks/screening.py
 
 beside: .venv  ## measure beside the other program of the field and write benchmarks/beside-ncgears.md
 	.venv/bin/pip install -q -e '.[bench]'
