@@ -97,7 +97,10 @@ class Jet:
         if not isinstance(other, Jet):
             return Jet(self.coefficients * other)
         a, b = self.coefficients, other.coefficients
-        return Jet(np.array([sum(a[j] * b[k - j] for j in range(k + 1)) for k in range(len(a))]))
+        product = a[0] * b
+        for j in range(1, len(a)):
+            product[j:] += a[j] * b[:-j]
+        return Jet(product)
 
     __rmul__ = __mul__
 
@@ -105,9 +108,10 @@ class Jet:
         if not isinstance(other, Jet):
             return Jet(self.coefficients / other)
         a, b = self.coefficients, other.coefficients
-        quotient = np.empty_like(a)
+        quotient = a.copy()
         for k in range(len(a)):
-            quotient[k] = (a[k] - sum(quotient[j] * b[k - j] for j in range(k))) / b[0]
+            quotient[k] /= b[0]
+            quotient[k + 1 :] -= quotient[k] * b[1 : len(a) - k]
         return Jet(quotient)
 
     def __pow__(self, exponent: float) -> Jet:
@@ -134,7 +138,7 @@ def sqrt(argument: Jet) -> Jet:
     root = np.empty_like(a)
     root[0] = np.sqrt(a[0])
     for k in range(1, len(a)):
-        root[k] = (a[k] - sum(root[j] * root[k - j] for j in range(1, k))) / (2.0 * root[0])
+        root[k] = (a[k] - _paired(root[1:k], root[1:k])) / (2.0 * root[0])
     return Jet(root)
 
 
@@ -143,10 +147,17 @@ def sin_cos(argument: Jet) -> tuple[Jet, Jet]:
     a = argument.coefficients
     sine, cosine = np.empty_like(a), np.empty_like(a)
     sine[0], cosine[0] = np.sin(a[0]), np.cos(a[0])
+    slopes = a[1:] * np.arange(1.0, len(a))[:, None]
     for k in range(1, len(a)):
-        sine[k] = sum(j * a[j] * cosine[k - j] for j in range(1, k + 1)) / k
-        cosine[k] = -sum(j * a[j] * sine[k - j] for j in range(1, k + 1)) / k
+        sine[k] = _paired(slopes[:k], cosine[:k]) / k
+        cosine[k] = -_paired(slopes[:k], sine[:k]) / k
     return Jet(sine), Jet(cosine)
+
+
+def _paired(rising: Array, falling: Array) -> Array:
+    """Sum of products of rows, the first of one with the last of the other and so on; shape (n,)."""
+    total: Array = (rising * falling[::-1]).sum(axis=0)
+    return total
 
 
 def _whole_power(base: Jet, exponent: int) -> Jet:
@@ -163,8 +174,9 @@ def exp(argument: Jet) -> Jet:
     a = argument.coefficients
     power = np.empty_like(a)
     power[0] = np.exp(a[0])
+    slopes = a[1:] * np.arange(1.0, len(a))[:, None]
     for k in range(1, len(a)):
-        power[k] = sum(j * a[j] * power[k - j] for j in range(1, k + 1)) / k
+        power[k] = _paired(slopes[:k], power[:k]) / k
     return Jet(power)
 
 
