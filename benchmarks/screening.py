@@ -131,8 +131,8 @@ def report() -> str:
         "# Screening designs",
         "",
         "Written by `python benchmarks/screening.py`: law, closure, pitch curves and all scalar checks of a design, no",
-        f"teeth, on one of {os.cpu_count()} cores, Python {platform.python_version()}; processor time, smallest of several",
-        "runs.",
+        f"teeth, on one of {os.cpu_count()} cores, Python {platform.python_version()}; processor time, the smallest of",
+        "several runs.",
     ]
     for name, law in DESIGNS.items():
         lines += ["", f"## `designs/{name}.yaml`, {law}", "", "One design by itself:", ""]

@@ -12,6 +12,7 @@ import pytest
 from ncgear.design.load import load
 from ncgear.design.schema import Design
 from ncgear.errors import DesignError
+from ncgear.numerics.arrays import Array
 from ncgear.screening import figures as figures_module
 from ncgear.screening.screen import screened
 from ncgear.screening.single import single_figures
@@ -65,15 +66,13 @@ def disagreement(found: Screened, designs: list[Design]) -> float:
     assert found.verdicts == tuple(MADE if isinstance(row, dict) else row for row in alone)
     assert found.made.tolist() == [isinstance(row, dict) for row in alone]
     figures = [row for row in alone if isinstance(row, dict)]
-    return max(
-        float(
-            np.max(
-                np.abs(values - [row[name] for row in figures])
-                / (1.0 if name in RESIDUALS else np.abs(values) + 1e-300)
-            )
-        )
-        for name, values in found.figures.items()
-    )
+    return max((difference(name, values, figures) for name, values in found.figures.items()), default=0.0)
+
+
+def difference(name: str, values: Array, figures: list[dict[str, float]]) -> float:
+    """Largest of one figure, relative; of residuals, which are rounding errors, absolute."""
+    size = 1.0 if name in RESIDUALS else np.where(values == 0.0, 1.0, np.abs(values))
+    return float(np.max(np.abs(values - [row[name] for row in figures]) / size))
 
 
 @pytest.mark.parametrize("name", ["baler", "baler-a1-at-law-speed", "baler-66", "baler-smooth"])
@@ -177,6 +176,39 @@ def test_teeth_that_do_not_fit_are_refused_as_a_build_refuses_them() -> None:
     found = screened([design])
     assert found.verdicts == (singly(design),)
     assert not found.one_by_one.any()
+
+
+RESISTANCES: dict[str, dict[str, Any]] = {
+    "kept negative": {"polynomial_n": [-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7], "where_negative": "keep"},
+    "expression": {"expression_n": "200 + 3*exp(x/90)"},
+    "with a pole": {"expression_n": "1/(x - 100)"},
+    "with a corner": {"expression_n": "sqrt((x - 100)^2)"},
+    "no expression": {"expression_n": "x +"},
+}
+
+
+@pytest.mark.parametrize("resistance", RESISTANCES.values(), ids=RESISTANCES)
+def test_resistances_of_other_forms(resistance: dict[str, Any]) -> None:
+    designs = [Design.model_validate({**data_of("baler"), "resistance": resistance})]
+    assert disagreement(screened(designs), designs) <= AGREEMENT
+
+
+def test_no_part_at_constant_speed() -> None:
+    data = data_of("baler")
+    data["motion"] |= {"theta2_pi": 0.9, "theta3_pi": 0.9}
+    designs = [Design.model_validate(data)]
+    found = screened(designs)
+    assert disagreement(found, designs) <= AGREEMENT
+    assert not found.one_by_one.any()
+
+
+def test_several_lobes_of_the_driving_gear() -> None:
+    data = data_of("baler")
+    data["gears"] |= {"lobes": {"driving": 2, "driven": 1}, "teeth": 50}
+    for number in (1, 2, 3, 4):
+        data["motion"][f"theta{number}_pi"] /= 2.0
+    designs = [Design.model_validate(data)]
+    assert disagreement(screened(designs), designs) <= AGREEMENT
 
 
 @pytest.mark.parametrize("name", ["ellipse", "feeder-table", "internal-1-2", "baler-66-two-stage", "uniform-crank"])

@@ -13,9 +13,9 @@ from ncgear.optimum.quantities import driven_curvature, driving_curvature, lengt
 from ncgear.ratio.transmission import CLOSED, STANDSTILL
 from ncgear.screening.samples import Samples
 
-RESOLVED = 1e-11
-"""Last coefficients, relative to a figure's samples, up to which a law counts as resolved; figures then agree with
-those of single designs to 1e-9 (tests/test_screening.py), others are sampled more finely."""
+RESOLVED = 1e-12
+"""Last coefficients, relative to a quantity's largest value, up to which a law counts as resolved: its least value, a
+hundredth of that where the ratio varies by 1:100, still has ten digits (tests/test_screening.py)."""
 
 Ranges = dict[str, tuple[Array, Array]]
 
@@ -69,9 +69,10 @@ def _resolved(samples: Samples, quantities: dict[str, Array]) -> Mask:
     rates = samples.turning * length_rate(samples.at)
     resolved = samples.sound.copy()
     for values in (*quantities.values(), rates, samples.turning):
-        scale = np.abs(values).max(axis=(1, 2), keepdims=True)
-        tail = tails(values) * np.abs(values).max(axis=2) / np.where(scale > 0.0, scale, 1.0)[:, :, 0]
-        resolved &= ((tail <= RESOLVED) | ~samples.there[:, : values.shape[1]]).all(axis=1)
+        there = samples.there[:, : values.shape[1]]
+        size = np.where(there, np.abs(values).max(axis=2), 0.0)
+        small = tails(values) * size <= RESOLVED * size.max(axis=1, keepdims=True)
+        resolved &= (small | ~there).all(axis=1)
     ratio = np.where(samples.there[..., None], samples.at.ratio, samples.at.ratio[:, :1])
     lowest, highest = ratio.min(axis=(1, 2)), ratio.max(axis=(1, 2))
     closed = np.abs(_integral(samples.turning) - 2.0 * np.pi) <= CLOSED

@@ -22,25 +22,19 @@ PIECES = 3
 BUMP = np.array([0.0, 0.0, 1.0, -2.0, 1.0, 0.0])
 """tau^2 (1 - tau)^2, which changes neither end."""
 
-SKEW = np.array([0.0, 0.0, -1.0, 4.0, -5.0, 2.0])
-"""That times 2 tau - 1."""
-
 
 @dataclass(frozen=True, eq=False)
 class Returns:
-    """i12, or its inverse, as polynomials in tau (shape (6, n)) on returns that take ``length_rad`` (shape (n,))."""
+    """i12 as polynomials in tau (shape (6, n)) on returns of ``length_rad`` (shape (n,)) of the driving angle."""
 
     polynomial: Array
     length_rad: Array
-    inverse: bool
 
     def slopes(self, count: int) -> tuple[Array, Array, Array]:
         """dphi2/dphi1 and two derivatives by phi1 at Chebyshev points of each piece, shape (n, PIECES, count)."""
         length = self.length_rad[:, None, None]
         value, first, second = _derivatives(self.polynomial, count)
         first, second = first / length, second / length**2
-        if self.inverse:
-            return value, first, second
         return 1.0 / value, -first / value**2, 2.0 * first**2 / value**3 - second / value**2
 
 
@@ -49,7 +43,7 @@ def returns_with_constant(
 ) -> Returns:
     """i12 polynomials whose value extrapolated to phi1 = 0 is ``constant`` (shape (n,)), the published method's e."""
     length = period_rad - strokes.theta4_rad
-    cubic = _with_ends(strokes, linkage, length, inverse=False)
+    cubic = _with_ends(strokes, linkage, length)
     origin = -strokes.theta4_rad / length
     bump = origin**2 * (1.0 - origin) ** 2
     base = cubic + BUMP[:, None] * ((constant - _value(cubic, origin)) / bump)
@@ -57,9 +51,9 @@ def returns_with_constant(
     return _closed(base, direction, length, linkage, count)
 
 
-def _with_ends(strokes: WorkingStrokes[Array], linkage: Linkages[Array], length: Array, *, inverse: bool) -> Array:
+def _with_ends(strokes: WorkingStrokes[Array], linkage: Linkages[Array], length: Array) -> Array:
     """The Hermite cubic of the end conditions, shape (6, n)."""
-    cubic = hermite(ends_of(strokes.approach_slope, strokes.braking_slope, linkage), length, inverse=inverse)
+    cubic = hermite(ends_of(strokes.approach_slope, strokes.braking_slope, linkage), length, inverse=False)
     return np.vstack([cubic, np.zeros((2, length.size))])
 
 
@@ -69,7 +63,7 @@ def _closed(base: Array, direction: Array, length: Array, linkage: Linkages[Arra
     powers = _powers(count)
     weights = np.tile(integration(count)[-1] / PIECES, PIECES)
     lift = harmonic_lift(base.T @ powers, direction.T @ powers, mean, weights, CLOSING_STEPS)
-    return Returns(base + lift * direction, length, inverse=False)
+    return Returns(base + lift * direction, length)
 
 
 def _value(polynomial: Array, argument: Array) -> Array:

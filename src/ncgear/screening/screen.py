@@ -19,7 +19,7 @@ from ncgear.screening.table import MADE, Screened
 COUNTS = (65, 129, 257)
 """Points of a piece, and those tried where the first do not resolve a law."""
 
-TOGETHER = 128
+TOGETHER = 256
 """Designs computed at once, whose arrays a core's cache holds (benchmarks/screening.md)."""
 
 
@@ -53,7 +53,11 @@ def _together(kind: Kind, designs: dict[int, Design], counts: Sequence[int]) -> 
     """What the first count of points is sure of, and of the rest what the next ones are, by the designs' numbers."""
     if not designs or not counts:
         return {}
-    found = rows_of(kind, list(designs.values()), counts[0])
+    try:
+        found = rows_of(kind, list(designs.values()), counts[0])
+    except DesignError:
+        # A resistance that is no smooth function: each design is refused by itself.
+        return {}
     rows = {number: row for number, row in zip(designs, found, strict=True) if row is not None}
     left = {number: design for number, design in designs.items() if number not in rows}
     return {**rows, **_together(kind, left, counts[1:])}
