@@ -71,8 +71,8 @@ def _intervals(machine: Machine, *, working: bool) -> Iterator[tuple[float, floa
             yield low, high
 
 
-def _on_piece(machine: Machine, low: float, high: float) -> tuple[Callable[[Array, int], Jet], int]:
-    """Displacement along one stretch with one-sided limits at its ends, and the samples it needs."""
+def _on_piece(machine: Machine, low: float, high: float) -> tuple[Callable[[Array, int], Jet], Array]:
+    """Displacement along one stretch with one-sided limits at its ends, and the knots of the law there."""
     transmission = machine.transmission
     period = transmission.lobes.driving_period_rad
     turns = int(((low + high) / 2.0) // period)
@@ -84,19 +84,19 @@ def _on_piece(machine: Machine, low: float, high: float) -> tuple[Callable[[Arra
         driven = piece.driven_angle(local, order) + turns * transmission.lobes.driven_period_rad
         return machine.linkage.displacement(driven)
 
-    return displacement, piece.samples
+    return displacement, turns * period + np.array(piece.knots_rad)
 
 
 def _peak(machine: Machine, intervals: list[tuple[float, float]], quantity: Callable[[Jet], Jet]) -> Extremum:
     """Largest magnitude over the intervals of a quantity made from the displacement's jet."""
     best = Extremum(0.0, intervals[0][0])
     for low, high in intervals:
-        displacement, samples = _on_piece(machine, low, high)
+        displacement, knots = _on_piece(machine, low, high)
 
         def along(phi1: Array, displacement: Callable[[Array, int], Jet] = displacement) -> Jet:
             return quantity(displacement(phi1, 3))
 
-        for extremum in extremes(along, low, high, samples):
+        for extremum in extremes(along, low, high, knots):
             if abs(extremum.value) > best.value:
                 best = Extremum(abs(extremum.value), extremum.at)
     return best
@@ -106,13 +106,13 @@ def _peak_power(machine: Machine, intervals: list[tuple[float, float]]) -> Extre
     """Largest force times dx/dphi1, in N mm per rad; never below zero."""
     best = Extremum(0.0, intervals[0][0])
     for low, high in _cut_at_turns(machine, intervals):
-        displacement, samples = _on_piece(machine, low, high)
+        displacement, knots = _on_piece(machine, low, high)
 
         def power(phi1: Array, displacement: Callable[[Array, int], Jet] = displacement) -> Jet:
             position = displacement(phi1, 2)
             return machine.resistance.fitted_n(position.truncated(1)) * position.differentiated()
 
-        highest = extremes(power, low, high, samples)[1]
+        highest = extremes(power, low, high, knots)[1]
         best = max(best, highest, key=lambda extremum: extremum.value)
     return best
 
