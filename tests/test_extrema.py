@@ -53,7 +53,7 @@ def test_more_samples_separate_what_too_few_confound() -> None:
 
 
 def test_a_peak_that_only_knots_near_it_show() -> None:
-    """A thousandth of the interval wide on a slope: the sign changes and changes back between two of 129 even points."""
+    """On a slope, a thousandth of the interval wide: two signs change between two of 129 even points."""
     bell = of_jet(lambda t: t * 0.1 + jet.exp((t - 0.9961) * (t - 0.9961) * -1e7))
     knots = 1.0 - 0.5 ** np.arange(1.0, 13.0)
     assert extremes(bell, 0.0, 1.0)[1].value == 0.1
