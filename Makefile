@@ -23,6 +23,7 @@ bench: .venv  ## measure speed against error, how long builds take, and more; wr
 	$(PYTHON) benchmarks/equivalent_gear.py
 	$(PYTHON) benchmarks/limit.py
 	$(PYTHON) benchmarks/makeable.py
+	$(PYTHON) benchmarks/screening.py
 
 beside: .venv  ## measure beside the other program of the field and write benchmarks/beside-ncgears.md
 	.venv/bin/pip install -q -e '.[bench]'

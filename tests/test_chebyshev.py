@@ -176,3 +176,22 @@ def test_integration_matrix_is_not_exact_beyond_its_degree() -> None:
     values = numpy_chebyshev.chebval(nodes, [0.0] * 6 + [1.0])
     exact = numpy_chebyshev.chebval(nodes, numpy_chebyshev.chebint([0.0] * 6 + [1.0], lbnd=-1))
     assert np.max(np.abs(chebyshev.integration_matrix(5) @ values - exact)) > 1e-3
+
+
+def test_noise_is_given_up_before_millions_of_evaluations() -> None:
+    random, asked = np.random.default_rng(0), 0
+
+    def noise(points: Array) -> Array:
+        nonlocal asked
+        asked += points.size
+        return 1.0 + 1e-9 * random.standard_normal(points.size)
+
+    with pytest.raises(NotSmooth):
+        chebyshev.fitted(noise, [0.0, 1.0])
+    assert asked < 500_000
+
+
+def test_five_thousand_waves_are_no_noise() -> None:
+    form = chebyshev.fitted(lambda points: np.sin(1e4 * np.pi * points), [0.0, 1.0])
+    points = np.linspace(0.0, 1.0, 1001)
+    assert form(points) == pytest.approx(np.sin(1e4 * np.pi * points), abs=1e-10)

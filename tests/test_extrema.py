@@ -47,9 +47,17 @@ def test_every_sign_change_is_found(count: int) -> None:
 
 
 def test_more_samples_separate_what_too_few_confound() -> None:
-    """200 waves on 129 samples are aliased; on 1001 every one is seen."""
+    """200 waves on 129 samples are aliased; with knots, and so with four more for each, every one is seen."""
     assert stationary_points(sine(200.0), 0.0, 2.0 * pi).size < 402
-    assert stationary_points(sine(200.0), 0.0, 2.0 * pi, samples=1001).size == 402
+    assert stationary_points(sine(200.0), 0.0, 2.0 * pi, np.linspace(0.0, 2.0 * pi, 250)).size == 402
+
+
+def test_a_peak_that_only_knots_near_it_show() -> None:
+    """On a slope, a thousandth of the interval wide: two signs change between two of 129 even points."""
+    bell = of_jet(lambda t: t * 0.1 + jet.exp((t - 0.9961) * (t - 0.9961) * -1e7))
+    knots = 1.0 - 0.5 ** np.arange(1.0, 13.0)
+    assert extremes(bell, 0.0, 1.0)[1].value == 0.1
+    assert extremes(bell, 0.0, 1.0, knots)[1].value == pytest.approx(1.09961, abs=1e-6)
 
 
 @pytest.mark.parametrize(("sign", "low_at", "high_at"), [(1.0, -1.0, 2.0), (-1.0, 2.0, -1.0)])

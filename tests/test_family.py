@@ -17,9 +17,10 @@ from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.polynomial_resistance import PolynomialResistance
 from ncgear.machine.stroke import solved_stroke
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.sampled import shares
 from ncgear.optimum.family.best import BOX, Family, FamilyOptimum, Peak, best_of_family, figures
 from ncgear.optimum.family.returns import POINTS, SKEWNESS_UNIT, return_samples
-from ncgear.optimum.family.strokes import APPROACH, BOUNDS, BRAKING, PRESSING, shares, strokes_of, working_samples
+from ncgear.optimum.family.strokes import APPROACH, BOUNDS, BRAKING, PRESSING, strokes_of, working_samples
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.transmission import Lobes
 

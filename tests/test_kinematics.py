@@ -20,6 +20,7 @@ from ncgear.machine.resistance import Resistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.jet import Jet
+from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from test_laws import BALER_LINKAGE, LAWS, OFFSET, law
@@ -324,3 +325,15 @@ def test_a_sign_error_of_the_offset_would_show() -> None:
     """Offset +100 and -100 differ by 11 degrees of working stroke."""
     forward, back = (machine("uniform", 30.0, CrankSlider(380.0, 960.0, side * 100.0)) for side in (1.0, -1.0))
     assert forward.extended_rad - back.extended_rad > 0.19
+
+
+def test_a_peak_that_is_a_thousandth_of_the_cycle_wide_is_found() -> None:
+    """A ratio of 1:250, which makes the slider's whole working stroke near one end of the cycle."""
+    cosine = np.array([-2.250806469395375, -0.5788877717131287, 0.029454377666941874])
+    sine = np.array([0.7367287720954889, -0.0056116134174584815])
+    found = Machine(harmonic_law(cosine, sine, Lobes()), CrankSlider(380.0, 2294.8790550802387), PRESS, 60.0 * RPM)
+    phi1 = np.linspace(6.27, 2.0 * pi, 20_001)
+    sampled = float(np.max(np.abs(found.displacement(phi1, 2).derivative(2)))) * (60.0 * RPM) ** 2
+    exact = kinematic_check(found).peak_acceleration_cycle_mm_s2.value
+    assert sampled <= exact * (1.0 + 1e-12)
+    assert exact == pytest.approx(sampled, rel=1e-5)

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 
 from ncgear.errors import WrongInput
-from ncgear.machine.linkage import CrankSlider
+from ncgear.machine.linkage import CrankSlider, crank_of_stroke_mm
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
@@ -276,3 +276,11 @@ def test_linkages_that_cannot_turn_are_refused(lengths: Lengths, key: str, said:
         CrankSlider(*lengths)
     assert caught.value.key == key
     assert said in caught.value.problem
+
+
+@given(rod=st.floats(10.0, 1e4), share=st.floats(0.01, 0.95), offset=st.floats(-0.9, 0.9))
+def test_the_crank_follows_from_the_stroke(rod: float, share: float, offset: float) -> None:
+    """In closed form, back from the stroke that the dead centres give."""
+    crank = share * rod * (1.0 - abs(offset))
+    linkage = CrankSlider(crank, rod, offset * rod * (1.0 - share))
+    assert crank_of_stroke_mm(linkage.stroke_mm, rod, linkage.offset_mm) == pytest.approx(crank, rel=1e-12)

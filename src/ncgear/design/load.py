@@ -62,6 +62,11 @@ class LoadedDesign:
     source: Source
     text: str
 
+    @property
+    def data(self) -> dict[str, Any]:
+        """The plain values of the file, with the columns of its files of points; not to be changed."""
+        return _with_points(self.source.document.data, self.source.points)
+
     def locate(self, key: str) -> str:
         """``FILE:LINE:COLUMN`` of a dotted key, or of its nearest parent that the file has."""
         return str(self.source.place(key))

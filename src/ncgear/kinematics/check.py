@@ -8,12 +8,12 @@ from itertools import pairwise
 from math import pi
 
 import numpy as np
-from scipy.optimize import elementwise
 
 from ncgear.kinematics.corners import corner_cuts_rad
 from ncgear.kinematics.slider import Machine
 from ncgear.machine.resistance import Resistance
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.bracketed import zeros_between
 from ncgear.numerics.extrema import Extremum, extremes
 from ncgear.numerics.jet import Jet
 
@@ -72,8 +72,8 @@ def _intervals(machine: Machine, *, working: bool) -> Iterator[tuple[float, floa
             yield low, high
 
 
-def _on_piece(machine: Machine, low: float, high: float) -> tuple[Callable[[Array, int], Jet], int]:
-    """Displacement along one stretch with one-sided limits at its ends, and the samples it needs."""
+def _on_piece(machine: Machine, low: float, high: float) -> tuple[Callable[[Array, int], Jet], Array]:
+    """Displacement along one stretch with one-sided limits at its ends, and the knots of the law there."""
     transmission = machine.transmission
     period = transmission.lobes.driving_period_rad
     turns = int(((low + high) / 2.0) // period)
@@ -85,19 +85,19 @@ def _on_piece(machine: Machine, low: float, high: float) -> tuple[Callable[[Arra
         driven = piece.driven_angle(local, order) + turns * transmission.lobes.driven_period_rad
         return machine.linkage.displacement(driven)
 
-    return displacement, piece.samples
+    return displacement, turns * period + np.array(piece.knots_rad)
 
 
 def _peak(machine: Machine, intervals: list[tuple[float, float]], quantity: Callable[[Jet], Jet]) -> Extremum:
     """Largest magnitude over the intervals of a quantity made from the displacement's jet."""
     best = Extremum(0.0, intervals[0][0])
     for low, high in intervals:
-        displacement, samples = _on_piece(machine, low, high)
+        displacement, knots = _on_piece(machine, low, high)
 
         def along(phi1: Array, displacement: Callable[[Array, int], Jet] = displacement) -> Jet:
             return quantity(displacement(phi1, 3))
 
-        for extremum in extremes(along, low, high, samples):
+        for extremum in extremes(along, low, high, knots):
             if abs(extremum.value) > best.value:
                 best = Extremum(abs(extremum.value), extremum.at)
     return best
@@ -107,13 +107,13 @@ def _peak_power(machine: Machine, intervals: list[tuple[float, float]]) -> Extre
     """Largest force times dx/dphi1, in N mm per rad; never below zero."""
     best = Extremum(0.0, intervals[0][0])
     for low, high in _cut_at_turns(machine, intervals):
-        displacement, samples = _on_piece(machine, low, high)
+        displacement, knots = _on_piece(machine, low, high)
 
         def power(phi1: Array, displacement: Callable[[Array, int], Jet] = displacement) -> Jet:
             position = displacement(phi1, 2)
             return machine.resistance.fitted_n(position.truncated(1)) * position.differentiated()
 
-        highest = extremes(power, low, high, samples)[1]
+        highest = extremes(power, low, high, knots)[1]
         best = max(best, highest, key=lambda extremum: extremum.value)
     return best
 
@@ -133,11 +133,8 @@ def _angles_at(displacement: Callable[[Array, int], Jet], wanted_mm: Array, low:
     if not wanted_mm.size:
         return wanted_mm
 
-    def excess(phi1: Array, wanted: Array) -> Array:
-        return displacement(phi1.ravel(), 0).value.reshape(phi1.shape) - wanted
-
     ends = np.full(wanted_mm.shape, low), np.full(wanted_mm.shape, high)
-    return np.unique(elementwise.find_root(excess, ends, args=(wanted_mm,)).x)
+    return np.unique(zeros_between(lambda phi1: displacement(phi1, 0).value - wanted_mm, *ends))
 
 
 def _scaled(extremum: Extremum, factor: float) -> Extremum:

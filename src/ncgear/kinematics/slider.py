@@ -7,11 +7,11 @@ from functools import cached_property
 from math import pi
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.resistance import Resistance
 from ncgear.numerics.arrays import Array, Mask
+from ncgear.numerics.bracketed import zeros_between
 from ncgear.numerics.jet import Jet
 from ncgear.ratio.transmission import Transmission
 
@@ -48,10 +48,11 @@ class Machine:
         """Driving angle in the first cycle at which the slider is at its extended dead centre."""
         target = self.linkage.working_angle_rad
 
-        def excess(phi1: float) -> float:
-            return float(self.transmission.driven_angle(np.array([phi1])).value[0]) - target
+        def excess(phi1: Array) -> Array:
+            return self.transmission.driven_angle(phi1).value - target
 
-        return float(brentq(excess, 0.0, self.transmission.cycle_rad * (1.0 - 1e-12), xtol=1e-14, rtol=1e-14))
+        last = self.transmission.cycle_rad * (1.0 - 1e-12)
+        return float(zeros_between(excess, np.array([0.0]), np.array([last]))[0])
 
     def working(self, phi2: Array) -> Mask:
         """Whether the slider is in its working stroke, at driven angles of shape (n,)."""

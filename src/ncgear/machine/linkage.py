@@ -9,74 +9,51 @@ extended) take more than pi.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import acosh, asin, pi, sqrt
+from math import acosh, pi, sqrt
+from typing import Generic
 
 import numpy as np
 
 from ncgear.errors import WrongInput
 from ncgear.numerics import jet
-from ncgear.numerics.arrays import Array, Mask
+from ncgear.numerics.arrays import Array, Mask, Number
 from ncgear.numerics.jet import Jet
 
 
-@dataclass(frozen=True)
-class CrankSlider:
-    """An in-line (``offset_mm`` = 0) or offset crank-slider whose crank can turn fully: rod - crank > |offset|.
+@dataclass(frozen=True, eq=False)
+class Linkages(Generic[Number]):
+    """What follows from the lengths of one crank-slider, or of one for each point where they have shape (n,)."""
 
-    Raises WrongInput for lengths that are not positive or whose crank cannot turn fully.
-    """
-
-    crank_mm: float
-    rod_mm: float
-    offset_mm: float = 0.0
-
-    def __post_init__(self) -> None:
-        if not self.crank_mm > 0.0:
-            raise WrongInput(f"{self.crank_mm:g} is not a length; a positive one is needed", key="linkage.crank_mm")
-        if not self.rod_mm - self.crank_mm > abs(self.offset_mm):
-            raise WrongInput(
-                f"the crank cannot turn fully: rod - crank = {self.rod_mm - self.crank_mm:g} mm, and it must exceed "
-                f"the offset of {abs(self.offset_mm):g} mm; a rod over {self.crank_mm + abs(self.offset_mm):g} mm does",
-                key="linkage.rod_mm",
-            )
+    crank_mm: Number
+    rod_mm: Number
+    offset_mm: Number
 
     @property
-    def nearest_mm(self) -> float:
+    def nearest_mm(self) -> Number:
         """Distance along the slider's line from the crank axis to the retracted slider."""
         return _leg(self.rod_mm - self.crank_mm, self.offset_mm)
 
     @property
-    def farthest_mm(self) -> float:
+    def farthest_mm(self) -> Number:
         """Distance along the slider's line from the crank axis to the extended slider."""
         return _leg(self.rod_mm + self.crank_mm, self.offset_mm)
 
     @property
-    def stroke_mm(self) -> float:
+    def stroke_mm(self) -> Number:
         """Distance between the dead centres: (far^2 - near^2) / (far + near), free of cancellation."""
         return 4.0 * self.crank_mm * self.rod_mm / (self.farthest_mm + self.nearest_mm)
 
     @property
-    def working_angle_rad(self) -> float:
+    def working_angle_rad(self) -> Number:
         """Crank angle from the retracted to the extended dead centre; pi in line."""
-        return pi + self._retracted_tilt_rad - asin(self.offset_mm / (self.rod_mm + self.crank_mm))
+        tilt: Number = np.arcsin(self.offset_mm / (self.rod_mm + self.crank_mm))
+        return pi + self._retracted_tilt_rad - tilt
 
     @property
-    def _retracted_tilt_rad(self) -> float:
+    def _retracted_tilt_rad(self) -> Number:
         """Angle at the crank axis between the slider's line and the retracted slider."""
-        return asin(self.offset_mm / (self.rod_mm - self.crank_mm))
-
-    @property
-    def corners(self) -> tuple[tuple[float, float], ...]:
-        """Crank angles, 0 to 2 pi, at which the rod is steepest, and the width of the bend of the displacement there.
-
-        The rod's projection has zeros where crank sin(theta) = offset +- rod, that is at theta = +-pi/2 + i y with
-        cosh y = (rod +- offset)/crank: so far the displacement is analytic, and no feature of it is narrower than y.
-        """
-        square = 1.5 * pi + self._retracted_tilt_rad, 0.5 * pi + self._retracted_tilt_rad
-        reach = self.rod_mm - self.offset_mm, self.rod_mm + self.offset_mm
-        return tuple(
-            (angle % (2.0 * pi), acosh(length / self.crank_mm)) for angle, length in zip(square, reach, strict=True)
-        )
+        tilt: Number = np.arcsin(self.offset_mm / (self.rod_mm - self.crank_mm))
+        return tilt
 
     def displacement(self, crank_angle: Jet) -> Jet:
         """Slider displacement in mm, with derivatives, at a crank angle in rad; relatively exact at both ends' zero.
@@ -114,7 +91,7 @@ class CrankSlider:
         stretch = (distance + (self.rod_mm + self.crank_mm)) / (distance + (self.rod_mm - self.crank_mm))
         sine_side, cosine_side = root_displaced * ratio * stretch, root_remaining
         turned = 2.0 * _arctan2(sine_side, cosine_side)
-        if self.offset_mm == 0.0:
+        if not np.any(self.offset_mm):
             return turned
         tilt = displacement * self.offset_mm / (position * self.nearest_mm + self.offset_mm**2)
         return turned + jet.arctan(tilt)
@@ -126,12 +103,60 @@ class CrankSlider:
         working = self.working_angle(displacement, jet.sqrt(displacement), jet.sqrt(remaining)).value
         position = displacement_mm + self.nearest_mm
         tilt = np.arctan(displacement_mm * self.offset_mm / (position * self.nearest_mm + self.offset_mm**2))
-        return np.where(returning, 2.0 * pi - working + 2.0 * tilt, working)
+        angle: Array = np.where(returning, 2.0 * pi - working + 2.0 * tilt, working)
+        return angle
 
     def crank_pin_mm(self, crank_angle_rad: Array) -> Array:
         """Crank pin (x, y) from the crank axis, shape (n, 2)."""
         direction = pi + self._retracted_tilt_rad - crank_angle_rad
-        return self.crank_mm * np.column_stack([np.cos(direction), np.sin(direction)])
+        pin: Array = self.crank_mm * np.column_stack([np.cos(direction), np.sin(direction)])
+        return pin
+
+
+@dataclass(frozen=True)
+class CrankSlider(Linkages[float]):
+    """An in-line (``offset_mm`` = 0) or offset crank-slider whose crank can turn fully: rod - crank > |offset|.
+
+    Raises WrongInput for lengths that are not positive or whose crank cannot turn fully.
+    """
+
+    crank_mm: float
+    rod_mm: float
+    offset_mm: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.crank_mm > 0.0:
+            raise WrongInput(f"{self.crank_mm:g} is not a length; a positive one is needed", key="linkage.crank_mm")
+        if not self.rod_mm - self.crank_mm > abs(self.offset_mm):
+            raise WrongInput(
+                f"the crank cannot turn fully: rod - crank = {self.rod_mm - self.crank_mm:g} mm, and it must exceed "
+                f"the offset of {abs(self.offset_mm):g} mm; a rod over {self.crank_mm + abs(self.offset_mm):g} mm does",
+                key="linkage.rod_mm",
+            )
+
+    @property
+    def corners(self) -> tuple[tuple[float, float], ...]:
+        """Crank angles, 0 to 2 pi, at which the rod is steepest, and the width of the bend of the displacement there.
+
+        The rod's projection has zeros where crank sin(theta) = offset +- rod, that is at theta = +-pi/2 + i y with
+        cosh y = (rod +- offset)/crank: so far the displacement is analytic, and no feature of it is narrower than y.
+        """
+        square = 1.5 * pi + self._retracted_tilt_rad, 0.5 * pi + self._retracted_tilt_rad
+        reach = self.rod_mm - self.offset_mm, self.rod_mm + self.offset_mm
+        return tuple(
+            (float(angle % (2.0 * pi)), acosh(length / self.crank_mm))
+            for angle, length in zip(square, reach, strict=True)
+        )
+
+
+def crank_of_stroke_mm(stroke_mm: float, rod_mm: float, offset_mm: float) -> float:
+    """The crank whose dead centres are a stroke apart.
+
+    From far - near = H, far^2 - near^2 = 4 l2 l3 and far^2 + near^2 = 2 (l2^2 + l3^2 - e^2), with near and far the
+    slider's distances at the dead centres.
+    """
+    square = stroke_mm**2
+    return stroke_mm / 2.0 * sqrt((4.0 * (rod_mm**2 - offset_mm**2) - square) / (4.0 * rod_mm**2 - square))
 
 
 def _arctan2(sine_side: Jet, cosine_side: Jet) -> Jet:
@@ -145,5 +170,6 @@ def _arctan2(sine_side: Jet, cosine_side: Jet) -> Jet:
     return jet.joined(parts)
 
 
-def _leg(hypotenuse: float, side: float) -> float:
-    return sqrt((hypotenuse - side) * (hypotenuse + side))
+def _leg(hypotenuse: Number, side: Number) -> Number:
+    leg: Number = np.sqrt((hypotenuse - side) * (hypotenuse + side))
+    return leg

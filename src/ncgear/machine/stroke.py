@@ -13,70 +13,81 @@ follow in closed form.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import pi, sqrt
+from math import inf, pi
+from typing import Any, Generic
 
 import numpy as np
 from numpy.polynomial import Polynomial
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.angles import in_words
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, Number
 
 
 @dataclass(frozen=True)
-class StrokeRequest:
-    """What is asked of the stroke; exactly one of the fields that may be None is None and is solved for.
+class StrokeRequests(Generic[Number]):
+    """What is asked of one stroke, or, in arrays of shape (n,), of many; one field that may be None is solved for.
 
     Angles of the driving gear in rad, velocities in mm/s at ``law_speed_rad_s``, ``a1_mm_s2`` at ``a1_speed_rad_s``
     (None: at the law speed), ``stroke_mm`` the displacement to be covered.
     """
 
-    theta1_rad: float
-    theta2_rad: float
-    theta3_rad: float
-    theta4_rad: float
-    v1_mm_s: float | None
-    v2_mm_s: float | None
-    a1_mm_s2: float | None
-    law_speed_rad_s: float | None
-    stroke_mm: float | None
-    a1_speed_rad_s: float | None = None
+    theta1_rad: Number
+    theta2_rad: Number
+    theta3_rad: Number
+    theta4_rad: Number
+    v1_mm_s: Number | None
+    v2_mm_s: Number | None
+    a1_mm_s2: Number | None
+    law_speed_rad_s: Number | None
+    stroke_mm: Number | None
+    a1_speed_rad_s: Number | None = None
+
+
+@dataclass(frozen=True)
+class StrokeRequest(StrokeRequests[float]):
+    """What is asked of one stroke."""
 
 
 @dataclass(frozen=True, eq=False)
-class WorkingStroke:
-    """A stroke that closes; polynomials from the constant term upwards, in mm and rad.
+class WorkingStrokes(Generic[Number]):
+    """One stroke that closes, or many; polynomials from the constant term upwards, in mm and rad, shape (m,) or (m, n).
 
     ``approach_slope`` is Q(phi1) and ``approach_root`` is x/phi1^2 on [0, theta2]; ``braking_slope`` is R(delta) and
     ``braking_root`` is (stroke - x)/delta^2 on [0, theta4 - theta3].
     """
 
-    theta2_rad: float
-    theta3_rad: float
-    theta4_rad: float
-    stroke_mm: float
-    law_speed_rad_s: float
-    v1_mm_s: float
-    v2_mm_s: float
-    a1_mm_s2: float
-    pressing_mm_rad: float
+    theta2_rad: Number
+    theta3_rad: Number
+    theta4_rad: Number
+    stroke_mm: Number
+    law_speed_rad_s: Number
+    v1_mm_s: Number
+    v2_mm_s: Number
+    a1_mm_s2: Number
+    pressing_mm_rad: Number
     approach_slope: Array
     approach_root: Array
     braking_slope: Array
     braking_root: Array
 
     @property
-    def pressing_start_mm(self) -> float:
+    def pressing_start_mm(self) -> Number:
         """Displacement at theta2, where the constant speed begins."""
-        return self.theta2_rad**2 * float(np.polynomial.polynomial.polyval(self.theta2_rad, self.approach_root))
+        return self.theta2_rad**2 * _at(self.approach_root, self.theta2_rad)
 
     @property
-    def closing_error_mm(self) -> float:
+    def closing_error_mm(self) -> Number:
         """What the three segments together miss of the stroke; rounding error only."""
         delta = self.theta4_rad - self.theta3_rad
-        braking = delta**2 * float(np.polynomial.polynomial.polyval(delta, self.braking_root))
+        braking = delta**2 * _at(self.braking_root, delta)
         pressing = self.pressing_mm_rad * (self.theta3_rad - self.theta2_rad)
         return self.pressing_start_mm + pressing + braking - self.stroke_mm
+
+
+@dataclass(frozen=True, eq=False)
+class WorkingStroke(WorkingStrokes[float]):
+    """One stroke that closes."""
 
 
 def solved_stroke(request: StrokeRequest) -> WorkingStroke:
@@ -84,26 +95,57 @@ def solved_stroke(request: StrokeRequest) -> WorkingStroke:
 
     Raises NoSuchMechanism when no positive value closes the stroke, or when the slider stops or reverses on the way.
     """
-    per_v1, per_v2, per_a1 = _stroke_sensitivities(request)
-    closed = _closed(request, per_v1, per_v2, per_a1)
-    stroke = _assembled(closed)
+    _refuse_backwards(request)
+    with np.errstate(all="ignore"):
+        closed = _closed(request)
+    if not 0.0 < _known(closed.law_speed_rad_s) < inf:
+        raise _no_speed(closed)
+    assembled = _assembled(closed).items()
+    fields: dict[str, Any] = {name: value if np.ndim(value) else float(value) for name, value in assembled}
+    stroke = WorkingStroke(**fields)
     _refuse_reversal(stroke, request.theta1_rad)
     return stroke
 
 
-def _approach_slope(request: StrokeRequest, v1: float, v2: float) -> Array:
+def closed_strokes(requests: StrokeRequests[Array]) -> WorkingStrokes[Array]:
+    """Many strokes with their free quantity solved for, of which nothing is proved.
+
+    Where no positive value closes the stroke that value is negative or not a number; others may stop or reverse.
+    """
+    with np.errstate(all="ignore"):
+        return WorkingStrokes(**_assembled(_closed(requests)))
+
+
+def _at(coefficients: Array, argument: Number) -> Number:
+    """A polynomial's value, or, with coefficients of shape (m, n), that of each at its own argument."""
+    value: Number = argument * 0.0
+    for coefficient in coefficients[::-1]:
+        value = value * argument + coefficient
+    return value
+
+
+def _approach_slope(request: StrokeRequests[Number], v1: Number, v2: Number) -> Array:
     """Q on [0, theta2] in powers of phi1: the cubic Hermite form of v/phi1 between theta1 and theta2."""
     t1, t2 = request.theta1_rad, request.theta2_rad
     width = t2 - t1
     value1, value2 = v1 / t1, v2 / t2
     slope1, slope2 = -width * value1 / t1, -width * value2 / t2
     rise = value2 - value1
-    hermite = Polynomial([value1, slope1, 3 * rise - 2 * slope1 - slope2, slope1 + slope2 - 2 * rise])
-    coefficients = hermite(Polynomial([-t1 / width, 1.0 / width])).coef
-    return np.pad(coefficients, (0, 4 - coefficients.size))
+    return _shifted((value1, slope1, 3 * rise - 2 * slope1 - slope2, slope1 + slope2 - 2 * rise), t1, width)
 
 
-def _braking_slope(request: StrokeRequest, v2: float, a1: float) -> Array:
+def _shifted(hermite: tuple[Number, ...], start: Number, width: Number) -> Array:
+    """A polynomial of (t - start) / width in powers of t, by Horner's rule."""
+    *lower, highest = hermite
+    powers: list[Any] = [highest]
+    for coefficient in lower[::-1]:
+        raised = [0.0, *powers]
+        powers = [(up - start * kept) / width for up, kept in zip(raised, [*powers, 0.0], strict=True)]
+        powers[0] = powers[0] + coefficient
+    return np.stack(powers)
+
+
+def _braking_slope(request: StrokeRequests[Number], v2: Number, a1: Number) -> Array:
     """R in powers of delta: v = v2 and v' = 0 at theta3, v' = a1 at theta4."""
     delta = request.theta4_rad - request.theta3_rad
     start, mean = -a1, v2 / delta
@@ -112,29 +154,32 @@ def _braking_slope(request: StrokeRequest, v2: float, a1: float) -> Array:
 
 def _root_form(slope: Array) -> Array:
     """Integral of t * slope(t), divided by t^2."""
-    return slope / np.arange(2.0, slope.size + 2.0)
+    root: Array = (slope.T / np.arange(2.0, len(slope) + 2.0)).T
+    return root
 
 
-def _stroke_sensitivities(request: StrokeRequest) -> tuple[float, float, float]:
+def _stroke_sensitivities(request: StrokeRequests[Number]) -> tuple[Number, Number, Number]:
     """Stroke per unit of v1/omega, v2/omega and a1/omega_ref^2."""
     t2 = request.theta2_rad
     delta = request.theta4_rad - request.theta3_rad
+    none, unit = t2 * 0.0, t2 * 0.0 + 1.0
 
-    def approach(v1: float, v2: float) -> float:
-        return float(np.polynomial.polynomial.polyval(t2, _root_form(_approach_slope(request, v1, v2)))) * t2**2
+    def approach(v1: Number, v2: Number) -> Number:
+        return _at(_root_form(_approach_slope(request, v1, v2)), t2) * t2**2
 
-    return approach(1.0, 0.0), approach(0.0, 1.0) + (request.theta3_rad - t2) + delta / 2.0, -(delta**2) / 12.0
+    return approach(unit, none), approach(none, unit) + (request.theta3_rad - t2) + delta / 2.0, -(delta**2) / 12.0
 
 
-def _closed(request: StrokeRequest, per_v1: float, per_v2: float, per_a1: float) -> StrokeRequest:
+def _closed(request: StrokeRequests[Number]) -> StrokeRequests[Number]:
     """The request with its free quantity filled in."""
+    per_v1, per_v2, per_a1 = _stroke_sensitivities(request)
     if request.law_speed_rad_s is None:
-        return _closed_by_speed(request, per_v1, per_v2, per_a1)
+        return replace(request, law_speed_rad_s=1.0 / _closing_period(request, per_v1, per_v2, per_a1))
     omega = request.law_speed_rad_s
     factors = {
         "v1_mm_s": per_v1 / omega,
         "v2_mm_s": per_v2 / omega,
-        "a1_mm_s2": per_a1 / (request.a1_speed_rad_s or omega) ** 2,
+        "a1_mm_s2": per_a1 / _a1_speed(request, omega) ** 2,
     }
     given = {name: getattr(request, name) for name in factors}
     known = sum(factor * given[name] for name, factor in factors.items() if given[name] is not None)
@@ -144,53 +189,71 @@ def _closed(request: StrokeRequest, per_v1: float, per_v2: float, per_a1: float)
     return replace(request, **{free: (request.stroke_mm - known) / factors[free]})
 
 
-def _closed_by_speed(request: StrokeRequest, per_v1: float, per_v2: float, per_a1: float) -> StrokeRequest:
-    """Law speed from the stroke: linear in 1/omega, or quadratic when a1 is stated at the law speed itself."""
+def _closing_period(request: StrokeRequests[Number], per_v1: Number, per_v2: Number, per_a1: Number) -> Number:
+    """1/omega from the stroke: linear in it, or quadratic when a1 is stated at the law speed itself.
+
+    Not positive, or not a number, where nothing closes the stroke.
+    """
     v1, v2, a1 = _known(request.v1_mm_s), _known(request.v2_mm_s), _known(request.a1_mm_s2)
     stroke, linear = _known(request.stroke_mm), per_v1 * v1 + per_v2 * v2
-    if not linear > 0.0:
-        reason = "the approach goes backwards altogether; theta1 lies too near 0 or theta2"
-        raise _reversal(request.theta1_rad, reason, "motion.theta1_rad")
     if request.a1_speed_rad_s is not None:
-        period = (stroke - per_a1 * a1 / request.a1_speed_rad_s**2) / linear
-    else:
-        discriminant = linear**2 + 4.0 * per_a1 * a1 * stroke
-        period = 2.0 * stroke / (linear + sqrt(discriminant)) if discriminant >= 0.0 else -1.0
-    if not period > 0.0:
-        raise NoSuchMechanism(
-            f"no law speed closes a stroke of {stroke:g} mm with v1 = {v1:g}, v2 = {v2:g} mm/s and a1 = {a1:g} mm/s^2; "
-            "bring a1 nearer to zero or solve for another quantity",
-            key="motion.solve_for",
-        )
-    return replace(request, law_speed_rad_s=1.0 / period)
+        return (stroke - per_a1 * a1 / request.a1_speed_rad_s**2) / linear
+    discriminant = linear**2 + 4.0 * per_a1 * a1 * stroke
+    root: Number = np.sqrt(discriminant)
+    return 2.0 * stroke / (linear + root)
 
 
-def _known(value: float | None) -> float:
+def _a1_speed(request: StrokeRequests[Number], law_speed: Number) -> Number:
+    """Speed in rad/s at which a1 holds."""
+    return law_speed if request.a1_speed_rad_s is None else request.a1_speed_rad_s
+
+
+def _no_speed(request: StrokeRequests[float]) -> NoSuchMechanism:
+    stroke, v1, v2, a1 = request.stroke_mm, request.v1_mm_s, request.v2_mm_s, request.a1_mm_s2
+    return NoSuchMechanism(
+        f"no law speed closes a stroke of {stroke:g} mm with v1 = {v1:g}, v2 = {v2:g} mm/s and a1 = {a1:g} mm/s^2; "
+        "bring a1 nearer to zero or solve for another quantity",
+        key="motion.solve_for",
+    )
+
+
+def _known(value: Number | None) -> Number:
     if value is None:
         raise ValueError("exactly one of law speed, v1, v2, a1 and stroke may be left open")
     return value
 
 
-def _assembled(request: StrokeRequest) -> WorkingStroke:
+def _assembled(request: StrokeRequests[Number]) -> dict[str, Any]:
+    """The fields of the stroke that a closed request gives."""
     omega, a1 = _known(request.law_speed_rad_s), _known(request.a1_mm_s2)
     v1, v2 = _known(request.v1_mm_s), _known(request.v2_mm_s)
     approach = _approach_slope(request, v1 / omega, v2 / omega)
-    braking = _braking_slope(request, v2 / omega, a1 / (request.a1_speed_rad_s or omega) ** 2)
-    return WorkingStroke(
-        theta2_rad=request.theta2_rad,
-        theta3_rad=request.theta3_rad,
-        theta4_rad=request.theta4_rad,
-        stroke_mm=_known(request.stroke_mm),
-        law_speed_rad_s=omega,
-        v1_mm_s=v1,
-        v2_mm_s=v2,
-        a1_mm_s2=a1,
-        pressing_mm_rad=v2 / omega,
-        approach_slope=approach,
-        approach_root=_root_form(approach),
-        braking_slope=braking,
-        braking_root=_root_form(braking),
-    )
+    braking = _braking_slope(request, v2 / omega, a1 / _a1_speed(request, omega) ** 2)
+    return {
+        "theta2_rad": request.theta2_rad,
+        "theta3_rad": request.theta3_rad,
+        "theta4_rad": request.theta4_rad,
+        "stroke_mm": _known(request.stroke_mm),
+        "law_speed_rad_s": omega,
+        "v1_mm_s": v1,
+        "v2_mm_s": v2,
+        "a1_mm_s2": a1,
+        "pressing_mm_rad": v2 / omega,
+        "approach_slope": approach,
+        "approach_root": _root_form(approach),
+        "braking_slope": braking,
+        "braking_root": _root_form(braking),
+    }
+
+
+def _refuse_backwards(request: StrokeRequests[float]) -> None:
+    """Without braking, v1 and v2 must lead forwards, whatever law speed is to be found."""
+    if request.law_speed_rad_s is not None:
+        return
+    per_v1, per_v2, _ = _stroke_sensitivities(request)
+    if not per_v1 * _known(request.v1_mm_s) + per_v2 * _known(request.v2_mm_s) > 0.0:
+        reason = "the approach goes backwards altogether; theta1 lies too near 0 or theta2"
+        raise _reversal(request.theta1_rad, reason, "motion.theta1_rad")
 
 
 def _refuse_reversal(stroke: WorkingStroke, theta1: float) -> None:

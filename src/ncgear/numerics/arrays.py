@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,3 +18,6 @@ Mask = NDArray[np.bool_]
 
 IndexArray = NDArray[np.intp]
 """Whole numbers that count or point into another array."""
+
+Number = TypeVar("Number", float, Array)
+"""One number, or one for each of many points or designs: formulas that hold for both are written once."""

@@ -28,8 +28,9 @@ function's tail falls by 2^-24 when its panel is halved, so one that falls by le
 
 HALVINGS = 40
 
-MOST_PANELS = 1 << 18
-"""Panels halved at once beyond which the function is taken for noise; a table of 100 000 points stays below."""
+MOST_PANELS = 1 << 12
+"""Panels of a piece halved at once, on the mean over the pieces, beyond which the function is taken for noise: beside a
+pole or a corner only a few are, and a wave must turn over 5000 times along a piece to need as many."""
 
 
 class NotSmooth(ValueError):
@@ -110,7 +111,7 @@ def fitted(
         left, right = left[~resolved], right[~resolved]
         if not left.size:
             return _assembled(done, float(edges[-1]))
-        if left.size > MOST_PANELS:
+        if left.size > MOST_PANELS * (edges.size - 1):
             break
         middle, coarser = (left + right) / 2.0, np.tile(tails[~resolved], 2)
         left, right = np.concatenate([left, middle]), np.concatenate([middle, right])

@@ -12,8 +12,9 @@ from ncgear.numerics.bracketed import zeros_between
 from ncgear.numerics.jet import Jet
 
 SAMPLES = 129
-"""Points per piece on which sign changes of the derivative are looked for; two extrema closer than a 128th of a
-piece that cancel in sign differ from each other by at most that cubed times a twelfth of the third derivative."""
+"""Points per piece, and four more for each of its knots, on which sign changes of the derivative are looked for; two
+extrema closer than a 128th of a piece that cancel in sign differ from each other by at most that cubed times a twelfth
+of the third derivative."""
 
 ROUGH = 0.01
 """Share of the largest value by which a sample may miss the cubic through its neighbours.  A wave of nine samples
@@ -32,6 +33,8 @@ NEXT = 1e-3
 """Share of a step that is next to a sample: a zero of third order leaves a slope of 1e-6 there, which rounding does not
 reach, and an extremum so near to an inflection is as high as it to 1e-9 of the step's rise."""
 
+NO_KNOTS = np.empty(0)
+
 
 @dataclass(frozen=True)
 class Extremum:
@@ -41,14 +44,15 @@ class Extremum:
     at: float
 
 
-def stationary_points(function: Callable[[Array], Jet], start: float, end: float, samples: int = SAMPLES) -> Array:
+def stationary_points(function: Callable[[Array], Jet], start: float, end: float, knots: Array = NO_KNOTS) -> Array:
     """Both ends, every point between them where the derivative changes sign, and samples where it is not finite.
 
     In rising order.
 
     ``function`` maps points (shape (n,)) to a jet of order 1 or more, and is evaluated within [start, end] only.
+    ``knots`` (shape (m,), rising) are points between which it does about as much; those outside do not count.
     """
-    grid, slope = _beside_flat(function, *_sampled(function, start, end, samples))
+    grid, slope = _beside_flat(function, *_sampled(function, _grid(start, end, knots)))
     change = np.nonzero(np.sign(slope[:-1]) * np.sign(slope[1:]) < 0)[0]
     flat = grid[1:-1][(slope[1:-1] == 0.0) | ~np.isfinite(slope[1:-1])]
     if not change.size:
@@ -57,12 +61,25 @@ def stationary_points(function: Callable[[Array], Jet], start: float, end: float
     return np.unique(np.concatenate([[start, end], flat, found]))
 
 
-def _sampled(function: Callable[[Array], Jet], start: float, end: float, samples: int) -> tuple[Array, Array]:
-    """Points and slopes, even but for where every other sample is far from the cubic through its neighbours."""
-    points = np.linspace(start, end, samples)
-    jet = function(points)
+def _grid(start: float, end: float, knots: Array) -> Array:
+    """Points from start to end, as many between two knots as between any others, however near these are.
+
+    An even number of steps lies between two knots, so that pairs of steps are alike.
+    """
+    edges = np.concatenate([[start], knots[(knots > start) & (knots < end)], [end]])
+    each = 2 * -(-(SAMPLES - 1 + 4 * (edges.size - 2)) // (2 * (edges.size - 1)))
+    shares = np.arange(each) / each
+    return np.append((edges[:-1, None] + np.diff(edges)[:, None] * shares).ravel(), end)
+
+
+def _sampled(function: Callable[[Array], Jet], grid: Array) -> tuple[Array, Array]:
+    """Points and slopes, more of them where every other sample is far from the cubic through its neighbours.
+
+    Every other point of the grid, from the second on, is halfway between its neighbours.
+    """
+    points, jet = grid, function(grid)
     values, slopes = jet.value, jet.derivative(1)
-    low = np.arange(0, samples - 2, 2)
+    low = np.arange(0, grid.size - 2, 2)
     middle, high = low + 1, low + 2
     for halving in range(HALVINGS):
         rough = _missed(points, values, slopes, (low, middle, high)) > ROUGH * np.max(np.abs(values))
@@ -101,10 +118,10 @@ def _missed(points: Array, values: Array, slopes: Array, triples: tuple[IndexArr
 
 
 def extremes(
-    function: Callable[[Array], Jet], start: float, end: float, samples: int = SAMPLES
+    function: Callable[[Array], Jet], start: float, end: float, knots: Array = NO_KNOTS
 ) -> tuple[Extremum, Extremum]:
     """Smallest and largest value on [start, end]."""
-    points = stationary_points(function, start, end, samples)
+    points = stationary_points(function, start, end, knots)
     values = function(points).value
     low, high = int(np.argmin(values)), int(np.argmax(values))
     return Extremum(float(values[low]), float(points[low])), Extremum(float(values[high]), float(points[high]))

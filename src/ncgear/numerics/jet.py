@@ -22,10 +22,14 @@ from ncgear.numerics.arrays import Array, Mask
 class Jet:
     """Truncated Taylor series of one function at many points.
 
-    ``coefficients`` has shape (order + 1, n): row k is the k-th derivative divided by k!.
+    ``coefficients`` has shape (order + 1, n): row k is the k-th derivative divided by k!.  Where a rule takes a number,
+    an array of shape (n,) does as well, one number for each point.
     """
 
     coefficients: Array
+
+    __array_ufunc__ = None
+    """Has an array that stands to the left of a jet leave the arithmetic to the jet."""
 
     @staticmethod
     def variable(points: ArrayLike, order: int) -> Jet:
@@ -74,7 +78,7 @@ class Jet:
     def __neg__(self) -> Jet:
         return Jet(-self.coefficients)
 
-    def __add__(self, other: Jet | float) -> Jet:
+    def __add__(self, other: Jet | float | Array) -> Jet:
         if isinstance(other, Jet):
             return Jet(self.coefficients + other.coefficients)
         coefficients = self.coefficients.copy()
@@ -83,27 +87,31 @@ class Jet:
 
     __radd__ = __add__
 
-    def __sub__(self, other: Jet | float) -> Jet:
+    def __sub__(self, other: Jet | float | Array) -> Jet:
         return self + (-other)
 
-    def __rsub__(self, other: float) -> Jet:
+    def __rsub__(self, other: float | Array) -> Jet:
         return (-self) + other
 
-    def __mul__(self, other: Jet | float) -> Jet:
+    def __mul__(self, other: Jet | float | Array) -> Jet:
         if not isinstance(other, Jet):
             return Jet(self.coefficients * other)
         a, b = self.coefficients, other.coefficients
-        return Jet(np.array([sum(a[j] * b[k - j] for j in range(k + 1)) for k in range(len(a))]))
+        product = a[0] * b
+        for j in range(1, len(a)):
+            product[j:] += a[j] * b[:-j]
+        return Jet(product)
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Jet | float) -> Jet:
+    def __truediv__(self, other: Jet | float | Array) -> Jet:
         if not isinstance(other, Jet):
             return Jet(self.coefficients / other)
         a, b = self.coefficients, other.coefficients
-        quotient = np.empty_like(a)
+        quotient = a.copy()
         for k in range(len(a)):
-            quotient[k] = (a[k] - sum(quotient[j] * b[k - j] for j in range(k))) / b[0]
+            quotient[k] /= b[0]
+            quotient[k + 1 :] -= quotient[k] * b[1 : len(a) - k]
         return Jet(quotient)
 
     def __pow__(self, exponent: float) -> Jet:
@@ -118,7 +126,7 @@ class Jet:
             power[k] = sum(terms) / (k * a[0])
         return Jet(power)
 
-    def __rtruediv__(self, other: float) -> Jet:
+    def __rtruediv__(self, other: float | Array) -> Jet:
         numerator = np.zeros_like(self.coefficients)
         numerator[0] = other
         return Jet(numerator) / self
@@ -130,7 +138,7 @@ def sqrt(argument: Jet) -> Jet:
     root = np.empty_like(a)
     root[0] = np.sqrt(a[0])
     for k in range(1, len(a)):
-        root[k] = (a[k] - sum(root[j] * root[k - j] for j in range(1, k))) / (2.0 * root[0])
+        root[k] = (a[k] - _paired(root[1:k], root[1:k])) / (2.0 * root[0])
     return Jet(root)
 
 
@@ -139,10 +147,17 @@ def sin_cos(argument: Jet) -> tuple[Jet, Jet]:
     a = argument.coefficients
     sine, cosine = np.empty_like(a), np.empty_like(a)
     sine[0], cosine[0] = np.sin(a[0]), np.cos(a[0])
+    slopes = a[1:] * np.arange(1.0, len(a))[:, None]
     for k in range(1, len(a)):
-        sine[k] = sum(j * a[j] * cosine[k - j] for j in range(1, k + 1)) / k
-        cosine[k] = -sum(j * a[j] * sine[k - j] for j in range(1, k + 1)) / k
+        sine[k] = _paired(slopes[:k], cosine[:k]) / k
+        cosine[k] = -_paired(slopes[:k], sine[:k]) / k
     return Jet(sine), Jet(cosine)
+
+
+def _paired(rising: Array, falling: Array) -> Array:
+    """Sum of products of rows, the first of one with the last of the other and so on; shape (n,)."""
+    total: Array = (rising * falling[::-1]).sum(axis=0)
+    return total
 
 
 def _whole_power(base: Jet, exponent: int) -> Jet:
@@ -159,8 +174,9 @@ def exp(argument: Jet) -> Jet:
     a = argument.coefficients
     power = np.empty_like(a)
     power[0] = np.exp(a[0])
+    slopes = a[1:] * np.arange(1.0, len(a))[:, None]
     for k in range(1, len(a)):
-        power[k] = sum(j * a[j] * power[k - j] for j in range(1, k + 1)) / k
+        power[k] = _paired(slopes[:k], power[:k]) / k
     return Jet(power)
 
 
@@ -182,10 +198,13 @@ def arctan(argument: Jet) -> Jet:
 
 
 def polynomial(coefficients: Sequence[float] | Array, argument: Jet) -> Jet:
-    """Polynomial with ``coefficients`` from the constant term upwards, by Horner's rule."""
-    result = argument * 0.0 + float(coefficients[-1])
+    """Polynomial with ``coefficients`` from the constant term upwards, by Horner's rule.
+
+    Of shape (m,), or (m, n) for points that have a polynomial each.
+    """
+    result = argument * 0.0 + coefficients[-1]
     for coefficient in reversed(coefficients[:-1]):
-        result = result * argument + float(coefficient)
+        result = result * argument + coefficient
     return result
 
 

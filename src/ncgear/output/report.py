@@ -125,7 +125,8 @@ def _owner(key: str) -> str:
 
 def _row(key: str, value: Any, prefix: str = "", place_rad: float | None = None) -> tuple[str, str]:
     label, unit = label_and_unit(key)
-    text = shown(value) if value is None or value == [] or not unit else f"{shown(value)} {unit}"
+    nothing = value is None or (isinstance(value, list) and not value)
+    text = shown(value) if nothing or not unit else f"{shown(value)} {unit}"
     return prefix + LABELS.get(
         label, label
     ), text if place_rad is None else f"{text} at phi1 = {degrees(place_rad):.4g} deg"

@@ -18,13 +18,13 @@ from functools import cache, cached_property
 
 import numpy as np
 from numpy.polynomial import Polynomial, legendre
-from scipy.optimize import brentq, minimize_scalar
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.machine.linkage import CrankSlider
 from ncgear.numerics import chebyshev, jet
 from ncgear.numerics.angles import in_words
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.bracketed import zeros_between
 from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
 from ncgear.numerics.jet import Jet
 from ncgear.ratio.transmission import CLOSED
@@ -148,6 +148,8 @@ def return_of_least_acceleration(ends: ReturnEnds, linkage: CrankSlider, *, inve
 
     The skewness of the polynomial is scanned, and the best of the scan refined by a bounded minimisation.
     """
+    from scipy.optimize import minimize_scalar
+
     family = _inverse_family(ends) if inverse else _ratio_family(ends)
     evaluator = _ReturnAcceleration(ends, linkage)
 
@@ -215,17 +217,18 @@ def _closed_ratio(ends: ReturnEnds, base: Polynomial, direction: Polynomial) -> 
     nodes, weights = _panels()
     base_values, direction_values = base(nodes), direction(nodes)
 
-    def excess(log_step: float) -> float:
-        return float(weights @ (1.0 / (base_values + (least + np.exp(log_step)) * direction_values))) - target
+    def excess(log_step: Array) -> Array:
+        covered: Array = (1.0 / (base_values + (least + np.exp(log_step)) * direction_values)) @ weights
+        return np.atleast_1d(covered - target)
 
-    low, high = np.log(scale) - 30.0, np.log(scale) + 30.0
-    if not excess(low) > 0.0 > excess(high):
+    low, high = np.array([np.log(scale) - 30.0]), np.array([np.log(scale) + 30.0])
+    if not excess(low)[0] > 0.0 > excess(high)[0]:
         raise NoSuchMechanism(
             f"the return from phi1 = {in_words(ends.start_rad)} cannot close: no "
             f"polynomial of this basis covers a driven angle of {ends.driven_length_rad:.6g} rad; {_remedy(ends)}",
             key="motion.return",
         )
-    step = np.exp(brentq(excess, low, high, xtol=1e-15, rtol=1e-15))
+    step = np.exp(zeros_between(excess, low, high)[0])
     local, about = _about_touching(base + least * direction)
     return ReturnLaw(ends, local + step * direction(Polynomial([about, 1.0])), inverse=False, about=about)
 

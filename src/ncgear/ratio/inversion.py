@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from functools import partial
 
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.stroke import WorkingStroke
+from ncgear.machine.linkage import CrankSlider, Linkages
+from ncgear.machine.stroke import WorkingStroke, WorkingStrokes
 from ncgear.numerics import jet
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, Number
 from ncgear.numerics.jet import Jet
 from ncgear.ratio.transmission import Piece
 
@@ -20,27 +20,30 @@ from ncgear.ratio.transmission import Piece
 def working_pieces(stroke: WorkingStroke, linkage: CrankSlider) -> tuple[Piece, ...]:
     """The driven angle on the three segments (two, when the constant-speed part is empty)."""
     pieces = [
-        Piece(0.0, stroke.theta2_rad, partial(_approach, stroke, linkage)),
-        Piece(stroke.theta2_rad, stroke.theta3_rad, partial(_pressing, stroke, linkage)),
-        Piece(stroke.theta3_rad, stroke.theta4_rad, partial(_braking, stroke, linkage)),
+        Piece(0.0, stroke.theta2_rad, partial(approach_angle, stroke, linkage)),
+        Piece(stroke.theta2_rad, stroke.theta3_rad, partial(pressing_angle, stroke, linkage)),
+        Piece(stroke.theta3_rad, stroke.theta4_rad, partial(braking_angle, stroke, linkage)),
     ]
     return tuple(piece for piece in pieces if piece.end_rad > piece.start_rad)
 
 
-def _approach(stroke: WorkingStroke, linkage: CrankSlider, phi1: Array, order: int) -> Jet:
+def approach_angle(stroke: WorkingStrokes[Number], linkage: Linkages[Number], phi1: Array, order: int) -> Jet:
+    """phi2 in rad on [0, theta2], with derivatives, of one stroke or of one for each point."""
     angle = Jet.variable(phi1, order)
     quotient = jet.polynomial(stroke.approach_root, angle)
     displacement = angle * angle * quotient
     return linkage.working_angle(displacement, angle * jet.sqrt(quotient), jet.sqrt(stroke.stroke_mm - displacement))
 
 
-def _pressing(stroke: WorkingStroke, linkage: CrankSlider, phi1: Array, order: int) -> Jet:
+def pressing_angle(stroke: WorkingStrokes[Number], linkage: Linkages[Number], phi1: Array, order: int) -> Jet:
+    """The same on [theta2, theta3]."""
     beyond = Jet.variable(phi1 - stroke.theta2_rad, order)
     displacement = stroke.pressing_mm_rad * beyond + stroke.pressing_start_mm
     return linkage.working_angle(displacement, jet.sqrt(displacement), jet.sqrt(stroke.stroke_mm - displacement))
 
 
-def _braking(stroke: WorkingStroke, linkage: CrankSlider, phi1: Array, order: int) -> Jet:
+def braking_angle(stroke: WorkingStrokes[Number], linkage: Linkages[Number], phi1: Array, order: int) -> Jet:
+    """The same on [theta3, theta4]."""
     before_end = -Jet.variable(phi1 - stroke.theta4_rad, order)
     quotient = jet.polynomial(stroke.braking_root, before_end)
     displacement = stroke.stroke_mm - before_end * before_end * quotient

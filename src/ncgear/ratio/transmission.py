@@ -17,7 +17,7 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics import jet
 from ncgear.numerics.angles import in_words
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.extrema import SAMPLES, Extremum, extremes
+from ncgear.numerics.extrema import Extremum, extremes
 from ncgear.numerics.jet import Jet
 
 JetFunction = Callable[[Array, int], Jet]
@@ -71,18 +71,13 @@ class Piece:
     driven_angle: JetFunction
     knots_rad: tuple[float, ...] = ()
 
-    @property
-    def samples(self) -> int:
-        """Points on which an extremum of anything along the piece is looked for: four for each knot, 129 at least."""
-        return SAMPLES + 4 * len(self.knots_rad)
-
     def slope(self, phi1: Array, order: int) -> Jet:
         """dphi2/dphi1 = 1/i12 with derivatives by phi1."""
         return self.driven_angle(phi1, order + 1).differentiated()
 
     def extremes(self, quantity: Callable[[Array], Jet]) -> tuple[Extremum, Extremum]:
         """Smallest and largest value on the piece of a function of phi1 that returns jets of order 1 or more."""
-        return extremes(quantity, self.start_rad, self.end_rad, self.samples)
+        return extremes(quantity, self.start_rad, self.end_rad, np.array(self.knots_rad))
 
 
 @dataclass(frozen=True, eq=False)

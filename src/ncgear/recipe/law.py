@@ -6,23 +6,20 @@ from dataclasses import dataclass
 from math import isclose, pi
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ncgear.design.motion import Ellipse, HarmonicRatio, RatioExpression, SecondStage, ThreeSegmentStroke, UniformCrank
 from ncgear.design.schema import Design
 from ncgear.design.table import TableLaw
 from ncgear.errors import WrongInput
 from ncgear.machine.formula_resistance import FormulaResistance
-from ncgear.machine.linkage import CrankSlider
+from ncgear.machine.linkage import CrankSlider, crank_of_stroke_mm
 from ncgear.machine.polynomial_resistance import PolynomialResistance
 from ncgear.machine.resistance import Resistance
 from ncgear.machine.stroke import StrokeRequest, WorkingStroke, solved_stroke
-from ncgear.machine.table_resistance import TableResistance
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import driven_angle_expression_law, ratio_expression_law
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.staged import staged_law
-from ncgear.ratio.laws.table import displacement_table_law, ratio_table_law
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.train import Train, single
@@ -74,6 +71,9 @@ def resistance_of(design: Design) -> Resistance:
         return PolynomialResistance()
     keep = given.where_negative == "keep"
     if given.table is not None:
+        # Of SciPy's splines, which load slowly, only tables have need.
+        from ncgear.machine.table_resistance import TableResistance
+
         return TableResistance(given.table.displacement_mm or (), given.table.force_n or (), keep)
     if given.expression_n is not None:
         return FormulaResistance(given.expression_n, keep)
@@ -101,6 +101,15 @@ def _direct_law(
             return ratio_expression_law(text, lobes, scale_to_close=motion.scale_to_close)
         case RatioExpression(driven_angle=str() as text):
             return driven_angle_expression_law(text, lobes)
+        case TableLaw():
+            return _table_law(motion, linkage, lobes)
+    raise AssertionError(f"no law for {motion.law}")
+
+
+def _table_law(motion: TableLaw, linkage: CrankSlider, lobes: Lobes) -> Transmission:
+    from ncgear.ratio.laws.table import displacement_table_law, ratio_table_law
+
+    match motion:
         case TableLaw(displacement_mm=tuple() as displacements):
             return displacement_table_law(np.array(motion.phi1), np.array(displacements), linkage, lobes)
         case TableLaw(ratio=tuple() as ratios):
@@ -166,12 +175,9 @@ def _linkage_of_stroke(design: Design, stroke: WorkingStroke) -> CrankSlider:
             key="linkage.crank_mm",
         )
     longest = (rod - abs(offset)) * (1.0 - 1e-9)
-    if not CrankSlider(longest, rod, offset).stroke_mm > wanted > 0.0:
+    if not 0.0 < wanted < CrankSlider(longest, rod, offset).stroke_mm:
         raise WrongInput(
             f"a rod of {rod:g} mm cannot give the stroke of {wanted:.6g} mm that follows from the law",
             key="linkage.rod_mm",
         )
-    crank = brentq(
-        lambda length: CrankSlider(length, rod, offset).stroke_mm - wanted, 1e-9 * rod, longest, xtol=1e-13 * rod
-    )
-    return CrankSlider(float(crank), rod, offset)
+    return CrankSlider(crank_of_stroke_mm(wanted, rod, offset), rod, offset)

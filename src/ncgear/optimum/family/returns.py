@@ -10,12 +10,12 @@ from dataclasses import dataclass
 from math import pi
 
 import numpy as np
-from numpy.polynomial import chebyshev
 
-from ncgear.machine.linkage import CrankSlider
-from ncgear.numerics.arrays import Array, Mask
+from ncgear.machine.linkage import CrankSlider, Linkages
+from ncgear.numerics.arrays import Array, Mask, Number
 from ncgear.numerics.jet import Jet
-from ncgear.optimum.family.strokes import Strokes, shares
+from ncgear.numerics.sampled import integration, shares
+from ncgear.optimum.family.strokes import Strokes
 
 POINTS = 97
 SKEWNESS_UNIT = 16.0
@@ -54,10 +54,13 @@ def return_samples(
     driven = 2.0 * pi - linkage.working_angle_rad
     mean = driven / length if inverse else length / driven
     with np.errstate(all="ignore"):
-        base, base_slope = _hermite(_ends(strokes, linkage), length, inverse=inverse)
+        ends = ends_of(strokes.approach_slope.T, strokes.braking_slope.T, linkage)
+        rows = hermite(ends, length, inverse=inverse).T
+        base, base_slope = rows @ _POWERS.T, (rows[:, 1:] * np.arange(1.0, 4.0)) @ _POWERS[:, :3].T
         skew = (SKEWNESS_UNIT * mean * skewness)[:, None]
         base, base_slope = base + skew * _SKEW, base_slope + skew * _SKEW_SLOPE
-        lift = (_linear_lift(base, mean) if inverse else _harmonic_lift(base, mean))[:, None]
+        closing = _linear_lift(base, mean) if inverse else harmonic_lift(base, _BUMP, mean, _WEIGHTS, CLOSING_STEPS)
+        lift = closing[:, None]
         value, slope = base + lift * _BUMP, (base_slope + lift * _BUMP_SLOPE) / length[:, None]
         turning = Jet(np.stack([value.ravel(), slope.ravel()]))
         turning = turning if inverse else 1.0 / turning
@@ -68,35 +71,32 @@ def return_samples(
     return ReturnSamples(acceleration, (value.min(axis=1) > 0.0) & (miss <= CLOSED * driven))
 
 
-def _ends(strokes: Strokes, linkage: CrankSlider) -> Ends:
+def ends_of(approach: Array, braking: Array, linkage: Linkages[Number]) -> Ends:
     """From x(phi1) and x(phi2) to third order at their common double zeros.
 
+    ``approach`` and ``braking`` are v/phi1 in powers of phi1 and v/delta in powers of delta, shape (m, n).
     x = b phi1^2 + c phi1^3 = k phi2^2 + m phi2^3 gives phi2 = w phi1 + w'/2 phi1^2 with w^2 = b/k and
     w' = (c - m w^3)/(k w).
     """
-    centres = np.array([linkage.working_angle_rad, 0.0])
-    second, third = linkage.displacement(Jet.variable(centres, 3)).coefficients[2:]
-    braking, approach = strokes.braking_slope, strokes.approach_slope
-    extended, extended_slope = _rate(-braking[:, 0] / 2.0, braking[:, 1] / 3.0, second[0], third[0])
-    retracted, retracted_slope = _rate(approach[:, 0] / 2.0, approach[:, 1] / 3.0, second[1], third[1])
-    return Ends(extended, extended_slope, retracted, retracted_slope)
+    far, near = (
+        linkage.displacement(Jet.variable(np.broadcast_to(centre, approach.shape[1:]), 3)).coefficients[2:]
+        for centre in (linkage.working_angle_rad, 0.0)
+    )
+    return Ends(*_rate(-braking[0] / 2.0, braking[1] / 3.0, *far), *_rate(approach[0] / 2.0, approach[1] / 3.0, *near))
 
 
-def _rate(second: Array, third: Array, linkage_second: float, linkage_third: float) -> tuple[Array, Array]:
+def _rate(second: Array, third: Array, linkage_second: Array, linkage_third: Array) -> tuple[Array, Array]:
     rate = np.sqrt(second / linkage_second)
     return rate, (third - linkage_third * rate**3) / (linkage_second * rate)
 
 
-def _hermite(ends: Ends, length: Array, *, inverse: bool) -> tuple[Array, Array]:
-    """Values and derivatives by tau of the cubic at the nodes, shape (n, POINTS) each."""
+def hermite(ends: Ends, length: Array, *, inverse: bool) -> Array:
+    """The cubic in powers of tau, shape (4, n)."""
     start, end, rise0, rise1 = ends.extended, ends.retracted, ends.extended_slope, ends.retracted_slope
     if not inverse:
         start, end, rise0, rise1 = 1.0 / start, 1.0 / end, -rise0 / start**2, -rise1 / end**2
     rise0, rise1, total = rise0 * length, rise1 * length, end - start
-    rows = np.stack([start, rise0, 3.0 * total - 2.0 * rise0 - rise1, rise0 + rise1 - 2.0 * total], axis=1)
-    order = np.arange(4.0)
-    powers = _TAU[:, None] ** order
-    return rows @ powers.T, (rows[:, 1:] * order[1:]) @ powers[:, :3].T
+    return np.stack([start, rise0, 3.0 * total - 2.0 * rise0 - rise1, rise0 + rise1 - 2.0 * total])
 
 
 def _linear_lift(base: Array, mean: Array) -> Array:
@@ -104,35 +104,30 @@ def _linear_lift(base: Array, mean: Array) -> Array:
     return lift
 
 
-def _harmonic_lift(base: Array, mean: Array) -> Array:
-    """The multiple at which the harmonic mean of base + multiple * bump is ``mean``.
+def harmonic_lift(base: Array, direction: Array, mean: Array, weights: Array, steps: int) -> Array:
+    """The multiple (shape (n,)) at which the harmonic mean of base + multiple * direction is ``mean``.
+
+    ``base`` has shape (n, points), ``direction`` that or (points,), and is positive but for its double zeros at both
+    ends; the mean of values at the points is the sum of ``weights`` (shape (points,)) times them.
 
     From just above where the polynomial touches zero: of a concave function, Newton's steps never pass the zero.
     """
     inner = slice(2, -2)
-    least = np.max(-base[:, inner] / _BUMP[inner], axis=1)
+    least = np.max(-base[:, inner] / direction[..., inner], axis=1)
     lift: Array = least + 1e-3 * (np.abs(least) + SKEWNESS_UNIT * mean)
-    for _ in range(CLOSING_STEPS):
-        inverse = 1.0 / (base + lift[:, None] * _BUMP)
-        covered, falling = inverse @ _WEIGHTS, inverse**2 @ (_WEIGHTS * _BUMP)
+    for _ in range(steps):
+        inverse = 1.0 / (base + lift[:, None] * direction)
+        covered, falling = inverse @ weights, (inverse**2 * direction) @ weights
         step: Array = (mean - 1.0 / covered) * covered**2 / falling
         lift = np.maximum(lift + step, least)
     return lift
 
 
-def _integration() -> Array:
-    """Values at the nodes to the integral from 0 to each of them, shape (POINTS, POINTS)."""
-    degree = POINTS - 1
-    values = chebyshev.chebvander(2.0 * _TAU - 1.0, degree + 1)
-    integrals = chebyshev.chebint(np.eye(POINTS), lbnd=-1, axis=0) / 2.0
-    matrix: Array = values @ integrals @ np.linalg.inv(values[:, :POINTS])
-    return matrix
-
-
 _TAU = shares(POINTS)
+_POWERS = _TAU[:, None] ** np.arange(4.0)
 _BUMP = _TAU**2 * (1.0 - _TAU) ** 2
 _BUMP_SLOPE = 2.0 * _TAU * (1.0 - _TAU) * (1.0 - 2.0 * _TAU)
 _SKEW = (2.0 * _TAU - 1.0) * _BUMP
 _SKEW_SLOPE = 2.0 * _BUMP + (2.0 * _TAU - 1.0) * _BUMP_SLOPE
-_INTEGRATION = _integration()
+_INTEGRATION = integration(POINTS)
 _WEIGHTS = _INTEGRATION[-1]

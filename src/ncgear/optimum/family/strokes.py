@@ -14,12 +14,12 @@ Equations as in ``machine/stroke.py``.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi
 
 import numpy as np
 
 from ncgear.machine.stroke import StrokeRequest
 from ncgear.numerics.arrays import Array, Mask
+from ncgear.numerics.sampled import shares
 
 BOUNDS = np.array([[0.2, 0.9], [0.3, 0.995], [0.3, 1.0], [0.05, 0.98], [-1.55, 1.55], [0.02, 12.0]])
 """Of each number of a shape; wide enough that no optimum on the baler's linkage lies at them but at theta2 = theta3."""
@@ -111,12 +111,6 @@ def working_samples(strokes: Strokes) -> WorkingSamples:
         np.hstack([change1, 0.0 * pressed, -change3]),
         (slope.min(axis=1) > 0.0) & (strokes.pressing_mm_rad > 0.0),
     )
-
-
-def shares(count: int) -> Array:
-    """Chebyshev points of [0, 1], ends included."""
-    points: Array = (1.0 - np.cos(np.linspace(0.0, pi, count))) / 2.0
-    return points
 
 
 def _from_rest(slope: Array, angle: Array) -> tuple[Array, Array, Array, Array]:

@@ -1,0 +1,109 @@
+"""Designs that differ from a file's in the values of a few keys: what a sweep looks at."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from itertools import product
+from math import isfinite, prod
+from typing import Any
+
+from pydantic import ValidationError
+
+from ncgear.design.load import LoadedDesign
+from ncgear.design.messages import problems
+from ncgear.design.scalars import plain_number, shown
+from ncgear.design.schema import Design
+from ncgear.errors import WrongInput
+
+OPTION = "--vary"
+FORM = "KEY=FROM:TO:COUNT, as motion.v1_mm_s=1500:1700:21, is right"
+
+MOST_DESIGNS = 100_000
+"""Half a minute of designs that can be computed together."""
+
+
+@dataclass(frozen=True)
+class Varied:
+    """A dotted key of the design file and the values that it takes."""
+
+    key: str
+    values: tuple[float, ...]
+
+
+def varied_of(text: str) -> Varied:
+    """``KEY=FROM:TO:COUNT``: COUNT even values, both ends included; raises WrongInput for anything else."""
+    key, _, numbers = text.partition("=")
+    parts = [plain_number(part) for part in numbers.split(":")]
+    if not key or len(parts) != 3 or not all(part is not None and isfinite(part) for part in parts):
+        raise WrongInput(f"{text!r} given; {FORM}", key=OPTION)
+    low, high, count = (part for part in parts if part is not None)
+    if not isinstance(count, int) or not 2 <= count <= MOST_DESIGNS:
+        raise WrongInput(f"{count} values of {key} asked for; 2 to {MOST_DESIGNS} are right", key=OPTION)
+    return Varied(key, tuple(float(low + (high - low) * step / (count - 1)) for step in range(count)))
+
+
+def require_grid(loaded: LoadedDesign, varied: Sequence[Varied]) -> None:
+    """Refuse keys given twice, keys that hold no number or that no design has, and more designs than a sweep takes.
+
+    Raises WrongInput.
+    """
+    keys = [one.key for one in varied]
+    for key in keys:
+        if keys.count(key) > 1:
+            raise WrongInput(f"{key} is given twice; keep one", key=OPTION, location=str(loaded.path))
+        _require_number(loaded, key)
+    count = prod(len(one.values) for one in varied)
+    if count > MOST_DESIGNS:
+        raise WrongInput(
+            f"{count} designs asked for; {MOST_DESIGNS} or fewer are right", key=OPTION, location=str(loaded.path)
+        )
+
+
+def designs_of(loaded: LoadedDesign, varied: Sequence[Varied]) -> Iterator[Design | WrongInput]:
+    """The design of every combination of the values, the last key varying fastest, or what is wrong with it."""
+    for values in product(*(one.values for one in varied)):
+        data = loaded.data
+        for one, value in zip(varied, values, strict=True):
+            data = _with(data, one.key.split("."), value)
+        yield _checked(data)
+
+
+def _require_number(loaded: LoadedDesign, key: str) -> None:
+    """Refuse a key at which the file has no number."""
+    numbers = dict(_numbers(loaded.data, ""))
+    if key in numbers:
+        return
+    close = get_close_matches(key, list(numbers), n=1)
+    hint = f"; did you mean {close[0]}?" if close else "; a key that holds one in the file is right"
+    raise WrongInput(f"the file has no number at {shown(key)}{hint}", key=OPTION, location=str(loaded.path))
+
+
+def _numbers(data: Any, key: str) -> Iterator[tuple[str, float]]:
+    """Dotted keys that hold numbers, and the numbers."""
+    if isinstance(data, dict | list):
+        for name, value in data.items() if isinstance(data, dict) else enumerate(data):
+            yield from _numbers(value, f"{key}.{name}" if key else str(name))
+    elif isinstance(data, int | float) and not isinstance(data, bool):
+        yield key, data
+
+
+def _with(data: Any, keys: Sequence[str], value: float) -> Any:
+    """The data with another number at a path, sharing all the rest."""
+    if not keys:
+        # A whole number does for every key, and some take no other.
+        return int(value) if value.is_integer() else value
+    first, rest = keys[0], keys[1:]
+    if isinstance(data, list):
+        place = int(first)
+        return [*data[:place], _with(data[place], rest, value), *data[place + 1 :]]
+    return {**data, first: _with(data[first], rest, value)}
+
+
+def _checked(data: dict[str, Any]) -> Design | WrongInput:
+    try:
+        return Design.model_validate(data)
+    except ValidationError as error:
+        first = problems(error)[0]
+        return WrongInput(first.text, key=first.key)

@@ -1,0 +1,123 @@
+"""Many smooth functions at once, by their values at the same Chebyshev points of an interval, ends included.
+
+The polynomial through the values is the function itself, to rounding error, once its last coefficients have died away
+(L. N. Trefethen, "Approximation Theory and Approximation Practice", SIAM 2013, chapters 3 to 8), so integrals, values
+between the points and extrema are those of the polynomial.  The functions run along the last axis.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from math import pi
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.bracketed import zeros_between
+
+LAST = 3
+"""Coefficients that tell whether a function is resolved: even and odd ones, and one by chance zero."""
+
+NEGLIGIBLE = 1e-13
+"""Share of the largest value by which a top between two points must promise to be higher to be looked for: the slopes'
+rounding errors promise less."""
+
+FINER = 2
+"""Places per interval of the points on which sign changes of the derivative are looked for."""
+
+
+@cache
+def shares(count: int) -> Array:
+    """Chebyshev points of [0, 1], ends included, shape (count,)."""
+    points: Array = (1.0 - np.cos(np.linspace(0.0, pi, count))) / 2.0
+    return points
+
+
+@cache
+def integration(count: int) -> Array:
+    """Values at the points to the integral from 0 to each of them, shape (count, count)."""
+    values = chebyshev.chebvander(2.0 * shares(count) - 1.0, count)
+    integrals = chebyshev.chebint(np.eye(count), lbnd=-1, axis=0) / 2.0
+    matrix: Array = values @ integrals @ _coefficients(count)
+    return matrix
+
+
+def tails(values: Array) -> Array:
+    """Largest of the last coefficients over the largest value, shape (...,); infinite where a value is not finite."""
+    last = np.abs(values @ _coefficients(values.shape[-1])[-LAST:].T).max(axis=-1)
+    largest = np.abs(values).max(axis=-1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = np.where(largest > 0.0, last / largest, 0.0)
+    return np.where(np.isfinite(last) & np.isfinite(largest), share, np.inf)
+
+
+def extremes(values: Array, owner: IndexArray) -> tuple[Array, Array]:
+    """Smallest and largest value of what each owner has: functions of finite values (shape (r, count)) on an interval.
+
+    ``owner`` (shape (r,)) counts from 0 on without a gap; the result has a value for each.
+    """
+    owners = int(owner.max()) + 1
+    fine, slope = _refinement(values.shape[1])
+    grid, slopes = values @ fine.T, values @ slope.T
+    high = _largest(values, grid, slopes, owner, owners)
+    return -_largest(-values, -grid, -slopes, owner, owners), high
+
+
+def _largest(values: Array, grid: Array, slopes: Array, owner: IndexArray, owners: int) -> Array:
+    """Largest value of what each owner has, shape (owners,), with values and slopes at the finer points."""
+    best = np.full(owners, -np.inf)
+    np.maximum.at(best, owner, grid.max(axis=1))
+    rising = slopes > 0.0
+    row, place = np.nonzero(rising[:, :-1] & ~rising[:, 1:])
+    kept = _reach(grid, slopes, row, place) > best[owner[row]] + NEGLIGIBLE * np.abs(best[owner[row]])
+    row, place = row[kept], place[kept]
+    points = shares(FINER * values.shape[1] - 1)
+    np.maximum.at(best, owner[row], _tops(values[row], points[place], points[place + 1]))
+    return best
+
+
+def _reach(grid: Array, slopes: Array, row: IndexArray, place: IndexArray) -> Array:
+    """What a top between two points cannot exceed: it lies below the tangents at both.  Most are not the largest."""
+    width = np.diff(shares(grid.shape[1]))[place]
+    before = grid[row, place] + slopes[row, place] * width
+    after = grid[row, place + 1] - slopes[row, place + 1] * width
+    return np.minimum(before, after)
+
+
+def _tops(values: Array, low: Array, high: Array) -> Array:
+    """Value of each function where its slope changes sign between ``low`` and ``high``; shape (k,).
+
+    Where rounding hides the change, the slope at one of them is rounding itself, and the value there is the top.
+    """
+    series, slope = (np.ascontiguousarray(matrix @ values.T) for matrix in _series(values.shape[1]))
+    changes = _sums(slope, low) * _sums(slope, high) < 0.0
+    at, inner = low.copy(), slope[:, changes]
+    at[changes] = zeros_between(lambda share: _sums(inner, share), low[changes], high[changes])
+    return _sums(series, at)
+
+
+def _sums(coefficients: Array, share: Array) -> Array:
+    """Chebyshev series (shape (degree + 1, k)), each at its own argument in [0, 1]."""
+    return np.asarray(chebyshev.chebval(2.0 * share - 1.0, coefficients, tensor=False), dtype=np.float64)
+
+
+@cache
+def _coefficients(count: int) -> Array:
+    """Values at the points to Chebyshev coefficients."""
+    return np.asarray(np.linalg.inv(chebyshev.chebvander(2.0 * shares(count) - 1.0, count - 1)), dtype=np.float64)
+
+
+@cache
+def _series(count: int) -> tuple[Array, Array]:
+    """Values at the points to coefficients, and to those of the slope."""
+    slope = np.vstack([2.0 * chebyshev.chebder(np.eye(count), axis=0), np.zeros(count)])
+    return _coefficients(count), slope @ _coefficients(count)
+
+
+@cache
+def _refinement(count: int) -> tuple[Array, Array]:
+    """Values at the points to values and slopes at the finer points."""
+    finer = chebyshev.chebvander(2.0 * shares(FINER * count - 1) - 1.0, count - 1)
+    values, slopes = (finer @ matrix for matrix in _series(count))
+    return values, slopes

@@ -1,0 +1,81 @@
+"""Thousands of designs: those alike computed together, the others, and all that are doubtful, one by one.
+
+A law is refused only by the way of a single design: what a batch is not sure of goes that way and gets its verdict.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ncgear.design.schema import Design
+from ncgear.errors import DesignError
+from ncgear.screening.batches import Kind, kind_of
+from ncgear.screening.rows import Row, rows_of
+from ncgear.screening.single import single_figures
+from ncgear.screening.table import MADE, Screened
+
+COUNTS = (65, 129, 257)
+"""Points of a piece, and those tried where the first do not resolve a law."""
+
+TOGETHER = 256
+"""Designs computed at once, whose arrays a core's cache holds (benchmarks/screening.md)."""
+
+
+def screened(designs: Sequence[Design | DesignError], counts: Sequence[int] = COUNTS) -> Screened:
+    """Figures and verdicts of n designs, which must all have gears, or none; errors stand for designs refused before.
+
+    ``counts`` are the points of a piece that are tried one after the other.
+    """
+    numbered = dict(enumerate(designs))
+    rows: dict[int, Row] = {number: design for number, design in numbered.items() if isinstance(design, DesignError)}
+    wanted = {number: design for number, design in numbered.items() if isinstance(design, Design)}
+    for kind, group in _groups(wanted).items():
+        for first in range(0, len(group), TOGETHER):
+            rows.update(_together(kind, dict(group[first : first + TOGETHER]), counts))
+    alone = [number for number in wanted if number not in rows]
+    rows.update({number: _alone(wanted[number]) for number in alone})
+    return _table([rows[number] for number in numbered], alone)
+
+
+def _groups(designs: dict[int, Design]) -> dict[Kind, list[tuple[int, Design]]]:
+    """The designs that can be computed together, with their numbers."""
+    groups: dict[Kind, list[tuple[int, Design]]] = {}
+    for number, design in designs.items():
+        kind = kind_of(design)
+        if kind is not None:
+            groups.setdefault(kind, []).append((number, design))
+    return groups
+
+
+def _together(kind: Kind, designs: dict[int, Design], counts: Sequence[int]) -> dict[int, Row]:
+    """What the first count of points is sure of, and of the rest what the next ones are, by the designs' numbers."""
+    if not designs or not counts:
+        return {}
+    try:
+        found = rows_of(kind, list(designs.values()), counts[0])
+    except DesignError:
+        # A resistance that is no smooth function: each design is refused by itself.
+        return {}
+    rows = {number: row for number, row in zip(designs, found, strict=True) if row is not None}
+    left = {number: design for number, design in designs.items() if number not in rows}
+    return {**rows, **_together(kind, left, counts[1:])}
+
+
+def _alone(design: Design) -> Row:
+    try:
+        return single_figures(design)
+    except DesignError as error:
+        return error
+
+
+def _table(rows: list[Row], alone: list[int]) -> Screened:
+    figures = [row for row in rows if isinstance(row, dict)]
+    names = figures[0] if figures else {}
+    return Screened(
+        figures={name: np.array([row[name] for row in figures]) for name in names},
+        made=np.array([isinstance(row, dict) for row in rows], dtype=bool),
+        verdicts=tuple(MADE if isinstance(row, dict) else str(row) for row in rows),
+        one_by_one=np.isin(np.arange(len(rows)), alone),
+    )

@@ -1,0 +1,132 @@
+"""`ncgear sweep` as a user meets it: the table, the best of it, and what is said about wrong keys."""
+
+from __future__ import annotations
+
+import csv
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import ncgear.cli
+from ncgear.design.load import load
+from ncgear.design.template import Law, template
+from ncgear.design.varied import MOST_DESIGNS
+from ncgear.screening.single import single_figures
+
+SPEEDS = "motion.v1_mm_s=1500:1700:3"
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
+    """Sweep over d.yaml, which holds the text, in an empty folder: status, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("NCGEAR_DEBUG", raising=False)
+
+    def run_once(*varied: str, text: str = template("press")) -> tuple[int, str, str]:
+        Path("d.yaml").write_text(text, encoding="utf-8")
+        options = [part for one in varied for part in ("--vary", one)]
+        monkeypatch.setattr(sys, "argv", ["ncgear", "sweep", "d.yaml", *options])
+        with pytest.raises(SystemExit) as exit_:
+            ncgear.cli.main()
+        out, err = capsys.readouterr()
+        return int(exit_.value.code or 0), out, err
+
+    return run_once
+
+
+def table() -> list[dict[str, str]]:
+    with Path("export/press-sweep/sweep.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_sweep_writes_a_row_for_every_combination(run: Run) -> None:
+    status, out, err = run(SPEEDS, "operation.speed_rpm=20:40:2")
+    assert (status, err) == (0, "")
+    rows = [(row["motion.v1_mm_s"], row["operation.speed_rpm"]) for row in table()]
+    assert rows == [(f"{v1}.0", f"{rpm}.0") for v1 in (1500, 1600, 1700) for rpm in (20, 40)]
+    assert out.startswith("6 designs, of which 6 can be made\n")
+    assert "export/press-sweep/sweep.csv" in out
+
+
+def test_a_row_has_the_figures_of_its_design(run: Run) -> None:
+    run(SPEEDS)
+    row = table()[1]
+    figures = single_figures(load(Path("d.yaml")).design)
+    assert {name: float(row[name]) for name in figures} == pytest.approx(figures, rel=1e-9, abs=1e-11)
+    assert row["verdict"] == "made"
+
+
+def test_the_best_are_named_first(run: Run) -> None:
+    _, out, _ = run("motion.a1_mm_s2=-3000:-1000:9")
+    by_acceleration = min(table(), key=lambda row: float(row["check.peak_acceleration_cycle_mm_s2"]))
+    first = out.split("Best by least acceleration\n")[1].splitlines()[1].split()
+    assert float(first[0]) == float(by_acceleration["motion.a1_mm_s2"])
+    assert float(first[1]) == pytest.approx(float(by_acceleration["check.peak_acceleration_cycle_mm_s2"]), rel=1e-4)
+
+
+def test_designs_that_cannot_be_made_have_a_verdict_and_no_figures(run: Run) -> None:
+    status, out, _ = run("motion.v1_mm_s=1600:6000:2")
+    assert status == 0
+    assert out.startswith("2 designs, of which 1 can be made\n")
+    refused = table()[1]
+    assert refused["verdict"].startswith("motion.v1_mm_s: the slider stops or reverses inside the working stroke")
+    assert {refused[name] for name in refused if name.startswith(("ratio.", "check.", "pitch."))} == {""}
+    assert "      1  motion.v1_mm_s: the slider stops or reverses inside the working stroke" in out
+
+
+def test_values_that_the_schema_refuses_are_verdicts_too(run: Run) -> None:
+    """Teeth are whole, and angles rise."""
+    run("gears.teeth=25:26:3", "motion.theta2_pi=0.7:1.1:2")
+    verdicts = [row["verdict"] for row in table()]
+    assert verdicts[0] == "made"
+    assert verdicts[1].startswith("motion.theta3_pi: theta3 must be theta2 or over")
+    assert verdicts[2].startswith("gears.teeth: 25.5 given; a whole number is needed")
+
+
+def test_items_of_lists_can_be_varied(run: Run) -> None:
+    status, _, _ = run("motion.cosine.1=-0.1:0.1:3", text=template("press", Law.HARMONIC_RATIO))
+    assert status == 0
+    assert len({row["ratio.max"] for row in table()}) == 3
+
+
+@pytest.mark.parametrize(
+    ("varied", "said"),
+    [
+        (["motion.v1=1:2:3"], "d.yaml: --vary: the file has no number at 'motion.v1'; did you mean motion.v1_mm_s?"),
+        (["motion.law=1:2:3"], "d.yaml: --vary: the file has no number at 'motion.law'"),
+        (["motion=1:2:3"], "d.yaml: --vary: the file has no number at 'motion'"),
+        (["motion.return.e.x=1:2:3"], "d.yaml: --vary: the file has no number at 'motion.return.e.x'"),
+        ([SPEEDS, SPEEDS], "d.yaml: --vary: motion.v1_mm_s is given twice; keep one"),
+        (["motion.v1_mm_s"], "--vary: 'motion.v1_mm_s' given; KEY=FROM:TO:COUNT, as"),
+        (["motion.v1_mm_s=1:2"], "--vary: 'motion.v1_mm_s=1:2' given; KEY=FROM:TO:COUNT, as"),
+        (["motion.v1_mm_s=1:x:3"], "--vary: 'motion.v1_mm_s=1:x:3' given; KEY=FROM:TO:COUNT, as"),
+        (["motion.v1_mm_s=1:1e999:3"], "--vary: 'motion.v1_mm_s=1:1e999:3' given; KEY=FROM:TO:COUNT, as"),
+        (["motion.v1_mm_s=1:2:1"], f"--vary: 1 values of motion.v1_mm_s asked for; 2 to {MOST_DESIGNS} are right"),
+        (["motion.v1_mm_s=1:2:2.5"], "--vary: 2.5 values of motion.v1_mm_s asked for"),
+        (
+            ["motion.v1_mm_s=1:2:1000", "motion.v2_mm_s=1:2:1000"],
+            f"d.yaml: --vary: 1000000 designs asked for; {MOST_DESIGNS} or fewer are right",
+        ),
+    ],
+)
+def test_wrong_keys_and_values_are_refused_at_once(run: Run, varied: list[str], said: str) -> None:
+    status, out, err = run(*varied)
+    assert (status, out) == (2, "")
+    assert err.startswith(said)
+    assert not Path("export").exists()
+
+
+def test_a_sweep_needs_a_key(run: Run) -> None:
+    status, _, err = run()
+    assert status == 2
+    assert "--vary" in err
+
+
+def test_a_wrong_file_is_refused_with_its_place(run: Run) -> None:
+    status, _, err = run(SPEEDS, text=template("press").replace("rod_mm", "rod_m"))
+    assert status == 2
+    assert err.startswith("d.yaml:10:3: linkage.rod_m: unknown key; did you mean rod_mm?")
