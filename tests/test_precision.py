@@ -105,7 +105,7 @@ def test_a_planted_error_of_phi2_is_told() -> None:
 
 def test_a_planted_error_of_closure_is_told() -> None:
     law = closure.ncgears_own()
-    assert closure.error(replace(law, polynomial=law.polynomial * (1.0 + 1e-10))) >= 5e-11
+    assert closure.error(replace(law, local=law.local * (1.0 + 1e-10))) >= 5e-11
 
 
 def test_a_return_in_powers_of_phi1_loses_half_its_digits() -> None:

@@ -9,10 +9,10 @@ from __future__ import annotations
 from math import pi
 
 import numpy as np
-from scipy.optimize import elementwise
 
 from ncgear.kinematics.slider import Machine
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.bracketed import zeros_between
 
 SHARP_RAD = 0.5
 """Width of a corner in crank angle below which it is looked at by itself: a tenth of a stroke that is sampled at 129
@@ -41,14 +41,11 @@ def _about(angle: float, width: float) -> Array:
 
 
 def _driving_angles(machine: Machine, crank: Array) -> Array:
-    """Driving angles at crank angles within a turn, both shape (n,)."""
+    """Driving angles at crank angles within a turn, shape (n,); one next to the end, where none is cut, is left out."""
 
-    def excess(phi1: Array, wanted: Array) -> Array:
-        return machine.transmission.driven_angle(phi1.ravel()).value.reshape(phi1.shape) - wanted
+    def driven(phi1: Array) -> Array:
+        return machine.transmission.driven_angle(phi1).value
 
-    ends = np.zeros(crank.shape), np.full(crank.shape, machine.transmission.cycle_rad * (1.0 - 1e-12))
-    found = elementwise.find_root(excess, ends, args=(crank,))
-    if not np.all(found.success | (crank > 2.0 * pi * (1.0 - 1e-9))):
-        raise ArithmeticError("a crank angle of the cycle was not found")
-    angles: Array = found.x[found.success]
-    return angles
+    end = machine.transmission.cycle_rad * (1.0 - 1e-12)
+    wanted = crank[crank < driven(np.array([end]))[0]]
+    return zeros_between(lambda phi1: driven(phi1) - wanted, np.zeros(wanted.shape), np.full(wanted.shape, end))
