@@ -71,7 +71,7 @@ def test_every_command_of_the_readme_exists() -> None:
         [sys.executable, "-m", "ncgear", "--help"], capture_output=True, text=True, check=True
     ).stdout
     named = set(re.findall(r"`ncgear (\w+)", README))
-    assert named == {"build", "check", "frontier", "new", "optimize", "schema"}
+    assert named == {"bench", "build", "check", "frontier", "new", "optimize", "schema", "sweep"}
     assert all(command in shown for command in named)
 
 
