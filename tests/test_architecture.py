@@ -22,7 +22,7 @@ LAYERS = [
     {"teeth"},
     {"contact"},
     {"solids"},
-    {"optimum"},
+    {"optimum", "dynamics"},
     {"design"},
     {"recipe"},
     {"drive", "improvement", "frontier"},
