@@ -151,11 +151,14 @@ class Placement:
         return axis
 
 
-def placed(pitch: PitchPair) -> Placement:
-    """The pair at 20 positions or more per tooth, over the least number of pitches in which all teeth meet."""
+def placed(pitch: PitchPair, least_per_tooth: int = PER_TOOTH) -> Placement:
+    """The pair at so many positions or more per tooth, over the least number of pitches in which all teeth meet.
+
+    ``least_per_tooth`` is even.
+    """
     size = pitch.size
     meetings = lcm(size.driving_teeth, size.driven_teeth)
-    per_tooth = max(PER_TOOTH, 2 * ceil(FEWEST / meetings / 2))
+    per_tooth = max(least_per_tooth, 2 * ceil(FEWEST / meetings / 2))
     step = pitch.driving.length_mm / size.driving_teeth / per_tooth
     rolled: Array = step * np.arange(meetings * per_tooth, dtype=float)
     # Rounding errors must not put the first position before the seam of the law.
