@@ -13,12 +13,13 @@ from ncgear.errors import WrongInput
 from ncgear.kinematics.check import KinematicCheck, kinematic_check
 from ncgear.kinematics.slider import Machine, SliderMotion, sample_angles
 from ncgear.machine.linkage import CrankSlider
+from ncgear.machine.masses import Masses
 from ncgear.machine.rack import BasicRack
 from ncgear.numerics.arrays import Array
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.train import Pair
 from ncgear.ratio.transmission import Transmission
-from ncgear.recipe.gears import helix_of, rack_of, rim_mm_of, tooth_form
+from ncgear.recipe.gears import bore_of, helix_of, mesh_place, rack_of, rim_mm_of, tooth_form
 from ncgear.recipe.law import RAD_S_PER_RPM, Law, law_of, resistance_of
 from ncgear.stopwatch import Stopwatch
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from ncgear.contact.as_designed import AsDesigned
     from ncgear.contact.as_written import Outlines
     from ncgear.contact.pair_contact import PairContact
+    from ncgear.dynamics.rigid import Rigid
     from ncgear.pitch.pair import PitchPair
     from ncgear.solids.helix import Helix
     from ncgear.solids.pair import Blank, GearSolid, SolidPair
@@ -138,6 +140,42 @@ class Drive:
         """The uniform crank's peaks at the same speed."""
         with self.stopwatch("check"):
             return kinematic_check(self.uniform_machine)
+
+    @cached_property
+    def masses(self) -> Masses:
+        """The moving masses; makes teeth only where a gear's moment of inertia is left out."""
+        from ncgear.recipe.masses import masses_of
+
+        given = self.design.masses
+        if given is None:
+            raise WrongInput("missing; forces need slider_kg, rod and crank", key="masses")
+        driving, driven = given.driving_gear_kg_mm2, given.driven_gear_kg_mm2
+        return masses_of(
+            given,
+            _driving_inertia_kg_mm2(self, given.density_kg_m3) if driving is None else driving,
+            _driven_inertia_kg_mm2(self, given.density_kg_m3) if driven is None else driven,
+        )
+
+    @cached_property
+    def rigid(self) -> Rigid:
+        """What the machine bears at constant driving speed."""
+        return self._rigid(self.machine)
+
+    @cached_property
+    def uniform_rigid(self) -> Rigid:
+        """What the uniform crank bears with the same masses."""
+        return self._rigid(self.uniform_machine)
+
+    def _rigid(self, machine: Machine) -> Rigid:
+        from ncgear.dynamics.inverse import RigidMachine
+        from ncgear.dynamics.rigid import rigid_level
+
+        if self.design.stages > 1:
+            raise WrongInput("two pairs of gears; forces are computed of one", key="motion.second_stage")
+        place = None if self.design.gears is None else mesh_place(self.gears, self.pitch.center_distance_mm)
+        masses = self.masses
+        with self.stopwatch("forces"):
+            return rigid_level(RigidMachine(machine, masses, place))
 
     @cached_property
     def pitch(self) -> PitchPair:
@@ -273,9 +311,32 @@ def _driven_solid(drive: Drive) -> GearSolid:
 
 
 def _blank(gears: Gears, body: GearBody) -> Blank:
-    from ncgear.solids.bore import Bore, Keyway
     from ncgear.solids.pair import Blank
 
-    keyway = Keyway(body.keyway.width_mm, body.keyway.depth_mm) if body.keyway else None
-    bore = Bore(body.bore_mm, keyway) if body.bore_mm is not None else None
-    return Blank(gears.face_width_mm, bore, gears.index_holes)
+    return Blank(gears.face_width_mm, bore_of(body), gears.index_holes)
+
+
+def _driving_inertia_kg_mm2(drive: Drive, density_kg_m3: float) -> float:
+    """Of the driving gear's own body; none where a design has no gears."""
+    from ncgear.solids.inertia import gear_polar_mm4, plate_kg_mm2
+
+    if drive.design.gears is None:
+        return 0.0
+    tolerance = drive.design.output.chord_tolerance_mm
+    polar = gear_polar_mm4(drive.teeth.driving.outline_mm, bore_of(drive.gears.driving), tolerance)
+    return plate_kg_mm2(polar, drive.gears.face_width_mm, density_kg_m3)
+
+
+def _driven_inertia_kg_mm2(drive: Drive, density_kg_m3: float) -> float:
+    """Of the driven gear's own body, or ring; none where a design has no gears."""
+    from ncgear.solids.inertia import gear_polar_mm4, plate_kg_mm2, ring_polar_mm4
+    from ncgear.solids.ring import outer_radius_mm
+
+    if drive.design.gears is None:
+        return 0.0
+    gears, outline = drive.gears, drive.teeth.driven.outline_mm
+    if drive.pitch.driven.is_ring:
+        polar = ring_polar_mm4(outline, outer_radius_mm(outline, rim_mm_of(gears, drive.pitch.size.module_mm)))
+    else:
+        polar = gear_polar_mm4(outline, bore_of(gears.driven), drive.design.output.chord_tolerance_mm)
+    return plate_kg_mm2(polar, gears.face_width_mm, density_kg_m3)

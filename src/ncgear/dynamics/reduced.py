@@ -4,8 +4,8 @@ With q the crank's angle and primes by it, the kinetic energy is M(q) q'^2 / 2 a
 
     M = J_crank + m_rod (x_G'^2 + y_G'^2) + J_rod beta'^2 + m_slider x'^2
 
-The torque that moves the masses is M q.. + M' q.^2 / 2 (Lagrange's equation of one degree of freedom; e.g. J. J. Uicker,
-G. R. Pennock, J. E. Shigley, "Theory of Machines and Mechanisms", 4th edition, 2011, section 15.8 (Eksergian)).
+The torque that moves the masses is M q.. + M' q.^2 / 2 (Lagrange's equation of one degree of freedom, Eksergian's
+equation of motion; e.g. B. Paul, "Kinematics and Dynamics of Planar Machinery", Prentice-Hall 1979, chapter 9).
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class ReducedInertia:
 
 
 def reduced_inertia(at: Bodies, masses: Masses) -> ReducedInertia:
-    """The moving masses at the bodies' places, which need derivatives of order 2."""
+    """The moving masses at the bodies' places, which need derivatives of order 2 by the crank's angle."""
     center = at.on_rod(masses.rod_center_mm)
     rod = masses.rod_kg * (_squared(center.x) + _squared(center.y)) + masses.rod_inertia_kg_mm2 * _squared(at.rod_angle)
     whole = rod + masses.slider_kg * _squared(at.wrist.x) + masses.crank_shaft_kg_mm2

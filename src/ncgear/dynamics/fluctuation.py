@@ -1,0 +1,80 @@
+"""Mean driving torque, what the torque swings about it, and the flywheel that keeps the speed even.
+
+The driving shaft takes in the mean torque M evenly; what it stores over the cycle is E(phi1), the integral of M - T.  A
+flywheel of inertia J keeps the coefficient of speed fluctuation C = (largest - smallest speed) / mean speed where
+J C w^2 = E_max - E_min (e.g. R. L. Norton, "Design of Machinery", 5th edition, 2012, section 11.11).  That takes the
+torque at constant speed, so it holds for small C.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ncgear.dynamics.inverse import RigidMachine
+from ncgear.kinematics.stretches import Stretch
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.chebyshev import PiecewiseChebyshev, fitted
+from ncgear.numerics.extrema import Extremum, extremes
+from ncgear.numerics.jet import Jet
+
+KG_MM2 = 1e3
+"""One N mm s^2 in kg mm^2."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fluctuation:
+    """The driving torque in N mm over the driving angle, as piecewise Chebyshev forms of one cycle."""
+
+    torque: PiecewiseChebyshev
+    stretches: tuple[Stretch, ...]
+    speed_rad_s: float
+
+    @cached_property
+    def work(self) -> PiecewiseChebyshev:
+        """Work of the driving torque from phi1 = 0 on, in N mm."""
+        return self.torque.integrated()
+
+    @property
+    def work_n_mm(self) -> float:
+        """Work of one cycle."""
+        return self.work.final
+
+    @property
+    def mean_torque_n_mm(self) -> float:
+        """Mean over the cycle."""
+        return self.work_n_mm / (self.stretches[-1].end_rad - self.stretches[0].start_rad)
+
+    @cached_property
+    def stored_range_n_mm(self) -> tuple[Extremum, Extremum]:
+        """Smallest and largest energy stored in the driving shaft, from that at phi1 = 0 on, in N mm."""
+        ranges = [extremes(self._stored, part.start_rad, part.end_rad, part.samples) for part in self.stretches]
+        return min((low for low, _ in ranges), key=_value), max((high for _, high in ranges), key=_value)
+
+    @property
+    def swing_n_mm(self) -> float:
+        """Largest less smallest energy stored."""
+        low, high = self.stored_range_n_mm
+        return high.value - low.value
+
+    def flywheel_kg_mm2(self, coefficient: float) -> float:
+        """Inertia on the driving shaft, its gear included, for a coefficient of speed fluctuation (0 to about 0.2)."""
+        return KG_MM2 * self.swing_n_mm / (coefficient * self.speed_rad_s**2)
+
+    def _stored(self, phi1: Array) -> Jet:
+        start, mean = self.stretches[0].start_rad, self.mean_torque_n_mm
+        return Jet(np.stack([mean * (phi1 - start) - self.work(phi1), mean - self.torque(phi1)]))
+
+
+def fluctuation(rigid: RigidMachine) -> Fluctuation:
+    """The driving torque of one cycle; raises NotSmooth where the law or the resistance is not what it says it is."""
+    parts = tuple(rigid.loaded_stretches())
+    edges = [angle for part in parts for angle in (part.start_rad, *part.knots_rad)]
+    torque = fitted(lambda phi1: rigid.at(phi1).driving_torque.value, [*edges, parts[-1].end_rad])
+    return Fluctuation(torque, parts, rigid.machine.speed_rad_s)
+
+
+def _value(extremum: Extremum) -> float:
+    return extremum.value
