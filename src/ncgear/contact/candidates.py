@@ -33,9 +33,7 @@ def paths_of(teeth: ToothedPair) -> tuple[SidePaths, SidePaths]:
     return driving, driven
 
 
-def candidates(
-    teeth: ToothedPair, paths: tuple[SidePaths, SidePaths], placement: Placement, side: float
-) -> Candidates:
+def candidates(teeth: ToothedPair, paths: tuple[SidePaths, SidePaths], placement: Placement, side: float) -> Candidates:
     """The candidates on the driving gear's flanks of ``side`` (PUSHING or BACK)."""
     met = meetings(teeth, placement, side)
     return Candidates(met, *flank_contacts(teeth, placement, met), edge_hits(*seen_pair(*paths, placement, met), met))

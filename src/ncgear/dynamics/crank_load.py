@@ -60,7 +60,7 @@ class CrankLoad:
 
 
 def crank_load(linkage: CrankSlider, masses: Masses, resistance: Resistance) -> CrankLoad:
-    """The linkage's load; raises WrongInput where it has no inertia at some angle, as without a gear at a dead centre."""
+    """The linkage's load; raises WrongInput where nothing has inertia, as without a gear at a dead centre."""
     working = linkage.working_angle_rad
     parts = [_knots(0.0, working), _knots(working, 2.0 * pi)]
     work = [_working(linkage, resistance, parts[0]), _returning(linkage, resistance, parts[1])]

@@ -9,13 +9,17 @@ from ncgear.numerics.arrays import Array
 
 
 class DriveLine(Protocol):
-    """Answers a moment of the teeth in N mm at a driving speed in rad/s; ``speed_rad_s`` is the one without load."""
+    """Answers a moment of the teeth in N mm at a driving speed in rad/s."""
 
     @property
-    def speed_rad_s(self) -> float: ...
+    def speed_rad_s(self) -> float:
+        """Speed without load."""
+        ...
 
     @property
-    def inertia_n_mm_s2(self) -> float: ...
+    def inertia_n_mm_s2(self) -> float:
+        """Inertia of the driving shaft; 0 where nothing changes its speed."""
+        ...
 
     @property
     def starting_rad_s(self) -> float:

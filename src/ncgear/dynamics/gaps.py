@@ -24,8 +24,8 @@ from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.gear import ToothedPair
 
 PER_TOOTH = 80
-"""Positions per tooth pitch: a pair's ends of contact, where its gap begins to grow with the square of the way, are then
-met to some 1e-5 mm (tests/test_gaps.py)."""
+"""Positions per tooth pitch: at the ends of contact, where gaps begin to grow with the square of the way, first touches
+are then met to some millionths of a radian (tests/test_gaps.py)."""
 
 WITHIN_IN_MODULES = 0.5
 """Depth to which teeth are followed into each other: deeper than any law of impact holds."""
@@ -68,8 +68,8 @@ class Gaps:
         """The pairs near contact at driving angles in rad, of any shape."""
         value, slope = self.table.at(phi1_rad)
         _, index, _ = self.table.place(phi1_rad)
-        columns = (value[..., number] for number in range(4))
-        return Near(self.urge[index], *columns, (slope[..., 0], slope[..., 1]))
+        error, lever, driving, driven = (value[..., number] for number in range(4))
+        return Near(self.urge[index], error, lever, driving, driven, (slope[..., 0], slope[..., 1]))
 
     def play_rad(self, phi1_rad: Array) -> tuple[Array, Array]:
         """Driven angles beyond the law's at which pushing flanks and their backs first touch, shape of ``phi1_rad``."""

@@ -22,7 +22,7 @@ from ncgear.numerics.arrays import Array
 METHOD = "LSODA"
 """Of scipy's solvers for stiff equations the one with the least error in the same time (benchmarks/simulation.py)."""
 
-ACCURACY = 1e-8
+ACCURACY = 1e-7
 """Relative error of a step: the published baler's slider is then at the right place to a micrometre after a turn."""
 
 ENERGY = 1e-4
@@ -147,8 +147,8 @@ def _joined(mechanism: Mechanism, legs: list[Any]) -> Course:
     """Legs end to end; a leg's first state is the last one of the leg before."""
     time_s = np.concatenate([legs[0].t[:1], *(leg.t[1:] for leg in legs)])
     states = np.concatenate([legs[0].y[:, :1], *(leg.y[:, 1:] for leg in legs)], axis=1)
-    meetings = (np.concatenate([leg.t_events[number] for leg in legs]) for number in (2, 3))
-    return Course(mechanism, time_s, states, *meetings, tuple((float(leg.t[0]), leg.sol) for leg in legs))
+    pushing, back = (np.concatenate([leg.t_events[number] for leg in legs]) for number in (2, 3))
+    return Course(mechanism, time_s, states, pushing, back, tuple((float(leg.t[0]), leg.sol) for leg in legs))
 
 
 def _checked(found: Course) -> Course:

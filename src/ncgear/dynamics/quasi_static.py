@@ -57,7 +57,8 @@ class LoadedContact:
     @property
     def pairs(self) -> IndexArray:
         """Number of pairs that bear load at each position, shape (n,)."""
-        return np.sum(self.forces.normal_n > 0.0, axis=-1)
+        counted: IndexArray = np.sum(self.forces.normal_n > 0.0, axis=-1)
+        return counted
 
 
 def loaded_contact(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_rad_s: float) -> LoadedContact:

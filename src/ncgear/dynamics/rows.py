@@ -64,7 +64,7 @@ def first_rows(contacts: Contacts, urge: float, values: Array, drift: Array) -> 
 
 @dataclass(frozen=True, eq=False)
 class Stretches:
-    """Cubics of rows over intervals, in the order of the intervals: ``coefficients`` of shape (4, k, q), others (k,)."""
+    """Cubics of rows over intervals, in the order of these: ``coefficients`` of shape (4, k, q), the others (k,)."""
 
     row: IndexArray
     interval: IndexArray

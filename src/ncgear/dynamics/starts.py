@@ -29,8 +29,8 @@ def started(mechanism: Mechanism, transmission: Transmission, start: Start) -> A
     """The state at phi1 = 0, shape (6,).
 
     On the law both shafts have its speeds, and the teeth are pressed as deep as the load at that speed asks.  At rest
-    the driven gear stands on pushing flanks; so does the driving gear if a motor starts it, but a drive of one speed has
-    that from the start.
+    the driven gear stands on pushing flanks, and so does the driving gear if a motor starts it; a drive of one speed
+    has that speed from the start.
     """
     here = np.zeros(1)
     speed = mechanism.drive.speed_rad_s
