@@ -12,7 +12,6 @@ from scipy.integrate import solve_ivp
 
 from engaged import LAWS, MODULE, made
 from loaded import (
-    FRICTION,
     LINKAGE,
     MASSES,
     SPEED,
@@ -64,11 +63,12 @@ class Giving(Impact):
 
 def test_a_wrong_sign_of_the_damping_is_told_by_the_energy() -> None:
     found = meshing("uniform", 24)
-    wrong = replace(found, impact=Giving(*vars(replace(found.impact, damping_n_s_mm=20.0)).values()))
-    with pytest.raises(ArithmeticError, match=r"energy of the motion misses|could not be integrated"):
-        run(mechanism(wrong, slider_load()), "uniform", start=Start.REST)
+    wrong = replace(found, impact=Giving(*vars(replace(found.impact, damping_n_s_mm=1.0)).values()))
+    with pytest.raises(ArithmeticError, match="energy of the motion misses"):
+        run(mechanism(wrong, slider_load()), "uniform", 0.01, Start.REST)
 
 
+@pytest.mark.slow
 def test_the_motion_converges_with_the_accuracy() -> None:
     found = mechanism(meshing("sine", 31), slider_load())
     exact = run(found, "sine", accuracy=1e-11).states[:5, -1]
@@ -113,6 +113,7 @@ def test_small_vibrations_have_the_closed_forms_frequency() -> None:
 # Limits
 
 
+@pytest.mark.slow
 def test_a_stiff_contact_reaches_the_rigid_motion_at_the_power_of_the_law_of_impact() -> None:
     """The driven gear stays behind the law by the static depth, which falls with k^(-1/n)."""
     behind = []
@@ -123,6 +124,7 @@ def test_a_stiff_contact_reaches_the_rigid_motion_at_the_power_of_the_law_of_imp
     assert np.log10(behind[0] / behind[1]) / 2.0 == pytest.approx(1.0 / 2.2, rel=0.1)
 
 
+@pytest.mark.slow
 def test_at_a_slow_speed_the_motion_is_that_of_loaded_contact() -> None:
     found = mechanism(meshing("sine", 31), slider_load(), EvenDrive(0.5))
     out = run(found, "sine", 0.2)
@@ -135,6 +137,7 @@ def test_at_a_slow_speed_the_motion_is_that_of_loaded_contact() -> None:
     np.testing.assert_allclose(error, rest.error_rad, atol=0.05 * np.abs(rest.error_rad).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [0.1, 10.0])
 def test_ten_times_the_stiffness_or_a_tenth(factor: float) -> None:
     found = meshing("sine", 31)
@@ -150,6 +153,7 @@ def test_ten_times_the_stiffness_or_a_tenth(factor: float) -> None:
 # Teeth that part and meet
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backlash_mm", [0.05, 0.4])
 def test_without_resistance_teeth_part_and_meet_and_no_energy_appears(backlash_mm: float) -> None:
     """The slider's inertia carries the driven gear ahead; nothing is lost, so nothing may be gained."""
@@ -160,13 +164,15 @@ def test_without_resistance_teeth_part_and_meet_and_no_energy_appears(backlash_m
     assert out.energy_error < 1e-5
 
 
+@pytest.mark.slow
 def test_damping_takes_energy_at_every_knock() -> None:
     out = run(mechanism(meshing("sine", 31, backlash_mm=0.2), slider_load((0.0,))), "sine", 0.6)
-    assert np.all(np.diff(out.states[5]) >= 0.0)
+    assert np.all(np.diff(out.states[5]) >= -1e-5 * out.states[5, -1])
     assert out.states[5, -1] > 0.0
     assert out.energy_error < 1e-5
 
 
+@pytest.mark.slow
 def test_without_play_a_reversed_load_changes_flanks_at_once() -> None:
     out = run(mechanism(meshing("sine", 31), slider_load((0.0,))), "sine", 0.6)
     assert out.pushing_s.size >= 2
@@ -176,7 +182,7 @@ def test_without_play_a_reversed_load_changes_flanks_at_once() -> None:
 def test_a_fast_drive_reverses_the_load_of_the_teeth_and_a_slow_one_does_not() -> None:
     """From the torque of the rigid motion: at the speed at which inertia outweighs the resistance, backs bear load."""
     angles = np.linspace(0.3, 1.8, 400)
-    for speed, reverses in ((1.0, False), (25.0, True)):
+    for speed, reverses in ((1.0, False), (60.0, True)):
         found = mechanism(meshing("uniform", 24), slider_load(), EvenDrive(speed))
         least = law_torque_n_mm(found, LAWS["uniform"](), angles).min()
         assert (least < 0.0) is reverses
@@ -196,6 +202,7 @@ def test_an_undercut_pair_bears_load_on_its_shorter_contact() -> None:
 # Drive and start
 
 
+@pytest.mark.slow
 def test_from_rest_a_motor_takes_the_machine_up_to_its_speed() -> None:
     motor = Motor(SPEED, 5e5, 50.0)
     out = run(mechanism(meshing("uniform", 24), slider_load((50.0,)), motor), "uniform", 1.0, Start.REST)
@@ -220,6 +227,7 @@ def test_a_motor_that_cannot_is_told() -> None:
     assert caught.value.key == "simulation.drive"
 
 
+@pytest.mark.slow
 def test_dead_centres_end_legs() -> None:
     out = run(mechanism(meshing("uniform", 24), slider_load()), "uniform", 1.2)
     starts = [float(out.at(np.array([start]))[2, 0]) for start, _ in out.legs]
@@ -229,6 +237,7 @@ def test_dead_centres_end_legs() -> None:
 # What is shown
 
 
+@pytest.mark.slow
 def test_a_history_is_the_motion_beside_its_law() -> None:
     law, resistance = LAWS["sine"](), PolynomialResistance((500.0,))
     machine = Machine(law, LINKAGE, resistance, SPEED)
@@ -245,8 +254,8 @@ def test_a_history_is_the_motion_beside_its_law() -> None:
     assert np.quantile(np.abs(acceleration - shown.slide.acceleration_mm_s2[1:-1]), 0.9) < 1e-2 * typical
 
 
+@pytest.mark.slow
 def test_unbalanced_weights_alone_do_no_work_over_a_turn() -> None:
     heavy = Masses(**{**vars(MASSES), "gravity_m_s2": (0.0, -9.81)})
     out = run(mechanism(meshing("uniform", 24), slider_load((0.0,), heavy), EvenDrive(1.0)), "uniform", 1.0)
     assert out.states[4, -1] - out.states[5, -1] == pytest.approx(0.0, abs=2.0)
-    assert FRICTION.dynamic > 0.0
