@@ -185,7 +185,7 @@ def test_a_fast_drive_reverses_the_load_of_the_teeth_and_a_slow_one_does_not() -
     for speed, reverses in ((1.0, False), (60.0, True)):
         found = mechanism(meshing("uniform", 24), slider_load(), EvenDrive(speed))
         least = law_torque_n_mm(found, LAWS["uniform"](), angles).min()
-        assert (least < 0.0) is reverses
+        assert bool(least < 0.0) is reverses
         out = run(found, "uniform", 0.28)
         assert (out.back_s.size > 0) is reverses
 
