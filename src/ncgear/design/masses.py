@@ -87,8 +87,8 @@ class Masses(Model):
     crank: Crank = Field(description="the crank with all that turns with it, the driven gear apart")
     driving_gear_kg_mm2: Inertia | None = Field(
         default=None,
-        description="moment of inertia of the driving shaft with its gear in kg mm2, its flywheel apart; left out: that "
-        "of the gear's own body",
+        description="moment of inertia of the driving shaft with its gear in kg mm2, its flywheel apart; left out: "
+        "that of the gear's own body",
     )
     driven_gear_kg_mm2: Inertia | None = Field(
         default=None,
