@@ -79,6 +79,15 @@ def test_the_published_baler_with_masses(run: Run) -> None:
     assert "peak mesh force                    94295 N at phi1 = 201 deg" in out
 
 
+def test_the_optimised_baler_with_the_same_masses() -> None:
+    """At 60 r/min, with its own gears' inertia, its peak torque is half the uniform crank's, and is in the return."""
+    drive = Drive(load(DESIGN.with_name("baler-half.yaml")).design)
+    own, uniform = drive.rigid.peaks, drive.uniform_rigid.peaks
+    assert own.most_torque_n_mm.value == pytest.approx(1723.9e3, abs=50.0)
+    assert uniform.most_torque_n_mm.value == pytest.approx(3396.5e3, abs=50.0)
+    assert own.most_torque_n_mm.at > drive.machine.extended_rad
+
+
 def test_its_gears_are_those_of_the_baler() -> None:
     """Which is built with all checks; only masses are added."""
     ours, built = (YAML(typ="safe").load(DESIGN.with_name(name)) for name in ("baler-dynamics.yaml", "baler.yaml"))

@@ -97,3 +97,8 @@ class Masses(Model):
     density_kg_m3: float = Field(default=7850.0, gt=0.0, le=30000.0, description="density of both gears in kg/m3")
     flywheel: Flywheel = Field(default_factory=Flywheel, description="flywheel on the driving shaft; left out: none")
     gravity: Gravity | None = Field(default=None, description="gravity; left out: none")
+
+    @property
+    def tells_gears(self) -> bool:
+        """Whether the moments of inertia of both gears are given."""
+        return self.driving_gear_kg_mm2 is not None and self.driven_gear_kg_mm2 is not None
