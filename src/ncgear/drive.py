@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     from ncgear.contact.as_designed import AsDesigned
     from ncgear.contact.as_written import Outlines
     from ncgear.contact.pair_contact import PairContact
+    from ncgear.dynamics.integration import Course
+    from ncgear.dynamics.meshing import Meshing
+    from ncgear.dynamics.quasi_static import LoadedContact
     from ncgear.dynamics.rigid import Rigid
     from ncgear.pitch.pair import PitchPair
     from ncgear.solids.helix import Helix
@@ -178,6 +181,42 @@ class Drive:
             return rigid_level(RigidMachine(machine, masses, place))
 
     @cached_property
+    def meshing(self) -> Meshing:
+        """The straight teeth of the pair as they bear load; they must touch as designed."""
+        from ncgear.recipe.simulation import meshing_of
+
+        if self.helix is not None:
+            raise WrongInput("helical teeth are not followed under load; leave it out", key="gears.helix")
+        pitch, teeth = self.pitch, self.sound_teeth
+        with self.stopwatch("gaps"):
+            return meshing_of(self.design.simulation, pitch, teeth)
+
+    @cached_property
+    def loaded_contact(self) -> LoadedContact:
+        """The teeth under the torque of the rigid level, at the angles of ``motion``."""
+        from ncgear.dynamics.quasi_static import loaded_contact
+
+        phi1, meshing = self.motion.phi1_rad, self.meshing
+        torque = self.rigid.machine.at(phi1).driven_torque.value
+        with self.stopwatch("loaded contact"):
+            return loaded_contact(meshing, phi1, torque, self.machine.speed_rad_s)
+
+    @cached_property
+    def course(self) -> Course:
+        """The motion of the toothed mechanism in time."""
+        from ncgear.dynamics.crank_load import crank_load
+        from ncgear.dynamics.integration import course
+        from ncgear.dynamics.motion_equation import Mechanism
+        from ncgear.dynamics.starts import Start, started
+        from ncgear.recipe.simulation import drive_line_of
+
+        given, masses, meshing = self.design.simulation, self.masses, self.meshing
+        driving = drive_line_of(given, masses, self.machine.speed_rad_s)
+        with self.stopwatch("motion in time"):
+            mechanism = Mechanism(driving, meshing, crank_load(self.linkage, masses, self.machine.resistance))
+            return course(mechanism, started(mechanism, self.transmission, Start(given.start)), given.turns)
+
+    @cached_property
     def pitch(self) -> PitchPair:
         """Both pitch curves at their size."""
         from ncgear.pitch.pair import sized_pair
@@ -227,6 +266,12 @@ class Drive:
             refuse_overlap(contact, self.design.output.chord_tolerance_mm)
             refuse_short_contact(contact, teeth, self._asked_of_section(contact.longest_gap_pitches))
             return contact
+
+    @property
+    def sound_teeth(self) -> ToothedPair:
+        """Both toothed gears, once their contact is found sound."""
+        assert self.designed_contact
+        return self.teeth
 
     def contact(self, written: Sequence[Outlines]) -> PairContact:
         """Contact of the exact teeth and of outlines that were written, which must touch where the teeth do."""

@@ -9,3 +9,5 @@ class Level(StrEnum):
     """How much of the machine gives way; each level uses the stages below it and no more."""
 
     RIGID = "rigid"
+    QUASI_STATIC = "quasi_static"
+    DYNAMIC = "dynamic"

@@ -38,7 +38,23 @@ def _rigid(drive: Drive) -> Simulated:
     return rigid_simulation(drive)
 
 
-LEVELS: dict[Level, Callable[[Drive], Simulated]] = {Level.RIGID: _rigid}
+def _quasi_static(drive: Drive) -> Simulated:
+    from ncgear.output.quasi_static import quasi_static_simulation
+
+    return quasi_static_simulation(drive)
+
+
+def _dynamic(drive: Drive) -> Simulated:
+    from ncgear.output.dynamic import dynamic_simulation
+
+    return dynamic_simulation(drive)
+
+
+LEVELS: dict[Level, Callable[[Drive], Simulated]] = {
+    Level.RIGID: _rigid,
+    Level.QUASI_STATIC: _quasi_static,
+    Level.DYNAMIC: _dynamic,
+}
 """How each level is simulated; what one needs is imported when it is asked for."""
 
 
