@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from engaged import LAWS, made
+from engaged import LAWS, RINGS, made
 from ncgear.dynamics.crank_load import CrankLoad, crank_load
 from ncgear.dynamics.drive_line import DriveLine, EvenDrive
 from ncgear.dynamics.gaps import Gaps, gaps_of
@@ -51,7 +51,7 @@ def gaps(name: str, teeth: int, per_tooth: int = 80, **kinds: Any) -> Gaps:
 @cache
 def meshing(name: str, teeth: int, **kinds: Any) -> Meshing:
     """The same with the usual law of impact and friction."""
-    return Meshing(law_table(LAWS[name]()), gaps(name, teeth, **kinds), IMPACT, FRICTION)
+    return Meshing(law_table((LAWS | RINGS)[name]()), gaps(name, teeth, **kinds), IMPACT, FRICTION)
 
 
 def frictionless(found: Meshing, **changes: float) -> Meshing:

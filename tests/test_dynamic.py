@@ -25,16 +25,22 @@ from ncgear.dynamics.drive_line import EvenDrive, Motor
 from ncgear.dynamics.history import history, parted_s
 from ncgear.dynamics.impact import Impact
 from ncgear.dynamics.integration import Course, course
+from ncgear.dynamics.inverse import RigidMachine
+from ncgear.dynamics.mesh_force import MeshPlace, mesh_force
 from ncgear.dynamics.motion_equation import Mechanism
 from ncgear.dynamics.quasi_static import loaded_contact
 from ncgear.dynamics.starts import Start, law_torque_n_mm, started
+from ncgear.dynamics.tooth_vectors import force_on_driven, tangent
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.slider import Machine
 from ncgear.machine.masses import Masses
 from ncgear.machine.polynomial_resistance import PolynomialResistance
+from ncgear.numerics.jet import Jet
+from ncgear.pitch.shape import Mesh
 
 Array = np.ndarray
 BASE = 12.0 * MODULE * cos(radians(20.0))
+PLACE = MeshPlace(62.0, radians(20.0), Mesh.EXTERNAL, pi)
 HEAVY = 2e4
 """Inertia in kg mm2 of the closed forms' shaft."""
 
@@ -181,12 +187,12 @@ def test_without_play_a_reversed_load_changes_flanks_at_once() -> None:
 
 def test_a_fast_drive_reverses_the_load_of_the_teeth_and_a_slow_one_does_not() -> None:
     """From the torque of the rigid motion: at the speed at which inertia outweighs the resistance, backs bear load."""
-    angles = np.linspace(0.3, 1.8, 400)
-    for speed, reverses in ((1.0, False), (60.0, True)):
+    angles = np.linspace(0.3, 2.8, 400)
+    for speed, reverses in ((1.0, False), (120.0, True)):
         found = mechanism(meshing("uniform", 24), slider_load(), EvenDrive(speed))
         least = law_torque_n_mm(found, LAWS["uniform"](), angles).min()
         assert bool(least < 0.0) is reverses
-        out = run(found, "uniform", 0.28)
+        out = run(found, "uniform", 0.45)
         assert (out.back_s.size > 0) is reverses
 
 
@@ -239,10 +245,9 @@ def test_dead_centres_end_legs() -> None:
 
 @pytest.mark.slow
 def test_a_history_is_the_motion_beside_its_law() -> None:
-    law, resistance = LAWS["sine"](), PolynomialResistance((500.0,))
-    machine = Machine(law, LINKAGE, resistance, SPEED)
+    machine = Machine(LAWS["sine"](), LINKAGE, PolynomialResistance((500.0,)), SPEED)
     out = run(mechanism(meshing("sine", 31), slider_load()), "sine", 0.5)
-    shown = history(out, machine, 4000)
+    shown = history(out, RigidMachine(machine, MASSES, PLACE), PLACE, 4000)
     np.testing.assert_allclose(shown.law.velocity_mm_s, machine.motion(shown.phi1_rad).velocity_mm_s, atol=1e-9)
     assert np.abs(shown.slide.displacement_mm - shown.law.displacement_mm).max() < 0.3
     # Velocity and acceleration are the derivatives of what is shown beside them.
@@ -252,6 +257,42 @@ def test_a_history_is_the_motion_beside_its_law() -> None:
     acceleration = np.gradient(shown.slide.velocity_mm_s, step)[1:-1]
     typical = np.abs(acceleration).max()
     assert np.quantile(np.abs(acceleration - shown.slide.acceleration_mm_s2[1:-1]), 0.9) < 1e-2 * typical
+
+
+def test_joints_bear_what_newton_and_euler_ask_of_the_simulated_motion() -> None:
+    """The torque asked of the crank shaft is what the teeth bring, though the motion came from Lagrange's equation."""
+    machine = RigidMachine(Machine(LAWS["sine"](), LINKAGE, PolynomialResistance((500.0,)), SPEED), MASSES, PLACE)
+    out = run(mechanism(meshing("sine", 31), slider_load()), "sine", 0.15)
+    shown = history(out, machine, PLACE)
+    brought = out.mechanism.answer(out.at(shown.time_s)).teeth.driven_n_mm.sum(axis=-1)
+    np.testing.assert_allclose(shown.joints.torque_n_mm, brought, atol=1e-6 * np.abs(brought).max())
+
+
+@pytest.mark.parametrize(("name", "teeth"), [("uniform", 24), ("sine", 31), ("ring", 24)])
+def test_tangents_have_the_length_one(name: str, teeth: int) -> None:
+    found = meshing(name, teeth)
+    phi1 = np.linspace(0.01, 6.0, 301)
+    near = found.gaps.at(phi1)
+    pitch, _ = made(name, teeth)
+    place = MeshPlace(pitch.center_distance_mm, radians(20.0), pitch.mesh, pi)
+    close = (near.urge != 0.0) & (np.abs(near.error_rad * near.lever_mm) < 0.2)
+    assert np.quantile(np.abs(np.abs(tangent(near, found.law.at(phi1)[1], place))[close] - 1.0), 0.95) < 2e-3
+
+
+@pytest.mark.parametrize(("name", "teeth"), [("uniform", 24), ("sine", 31), ("ring", 24)])
+@pytest.mark.parametrize("torque", [500.0, -500.0])
+def test_stiff_teeth_push_as_the_rigid_levels_mesh_force(name: str, teeth: int, torque: float) -> None:
+    """The vector found from the teeth's own tangents, against the one through the pitch point."""
+    found = frictionless(meshing(name, teeth), stiffness=1e12)
+    pitch, _ = made(name, teeth)
+    place = MeshPlace(pitch.center_distance_mm, radians(20.0), pitch.mesh, 2.2)
+    phi1 = np.linspace(0.01, 6.0, 201)
+    loaded = loaded_contact(found, phi1, np.full_like(phi1, torque), 0.0)
+    vector = force_on_driven(loaded.forces, found.law.at(phi1)[1], place)
+    slope = pitch.transmission.driven_angle(phi1, 2).differentiated()
+    rigid = mesh_force(place, slope, Jet(np.full((1, phi1.size), torque))).force
+    off = np.hypot(vector.x - rigid.x.value, vector.y - rigid.y.value) / np.hypot(rigid.x.value, rigid.y.value)
+    assert np.quantile(off, 0.9) < 1e-3
 
 
 @pytest.mark.slow

@@ -7,9 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncgear.dynamics.integration import Course
-from ncgear.kinematics.slider import Machine
+from ncgear.dynamics.inverse import RigidMachine
+from ncgear.dynamics.joints import JointForces
+from ncgear.dynamics.mesh_force import MeshPlace
+from ncgear.dynamics.pace import CrankPace
+from ncgear.dynamics.tooth_vectors import force_on_driven
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.vector import Vector
 
 PER_TURN = 2000
 """Samples in a turn of the driving gear."""
@@ -28,9 +33,10 @@ class Slide:
 class History:
     """A motion at n even times, shape (n,) each.
 
-    ``slide`` is the slider's motion, ``law`` the one it would have on the law at the drive's speed without load;
+    ``slide`` is the slider's motion, ``law`` the one it would have on the law at the machine's speed;
     ``error_rad`` is the driven angle beyond the law's.  ``pushing_n`` and ``back_n`` are the largest normal forces of
-    any pair on either side of the teeth, ``torque_n_mm`` is the drive's.
+    any pair on either side of the teeth, ``torque_n_mm`` is the drive's.  ``joints`` are the forces in the linkage,
+    ``mesh`` is that of all teeth on the driven gear, which the driving shaft's bearings bear as it is.
     """
 
     time_s: Array
@@ -42,27 +48,38 @@ class History:
     pushing_n: Array
     back_n: Array
     torque_n_mm: Array
+    joints: JointForces
+    mesh: Vector
+
+    @property
+    def crank_bearing(self) -> Vector:
+        """Force of its bearing on the crank shaft in N."""
+        return self.joints.crank_axis - self.mesh
 
 
-def history(course: Course, machine: Machine, per_turn: int = PER_TURN) -> History:
-    """The motion at so many even times in each turn, of a machine that the course was made for."""
+def history(course: Course, machine: RigidMachine, place: MeshPlace, per_turn: int = PER_TURN) -> History:
+    """The motion at so many even times in each turn, of the machine and the mesh that the course was made for."""
     mechanism = course.mechanism
     turns = float(course.states[0, -1] - course.states[0, 0]) / (2.0 * np.pi)
     time_s = np.linspace(0.0, float(course.time_s[-1]), max(2, round(per_turn * turns) + 1))
     states = course.at(time_s)
     answer = mechanism.answer(states)
     phi1, _, phi2, speed2 = states[:4]
+    ratio = mechanism.meshing.law.at(phi1)[1]
+    linkage, law = machine.machine.linkage, machine.machine.motion(phi1)
     urge, normal = answer.teeth.near.urge, answer.teeth.normal_n
     return History(
         time_s,
         phi1,
         phi2,
         phi2 - mechanism.meshing.law.at(phi1)[0],
-        _slide(machine.linkage.displacement(Jet.variable(phi2, 2)), speed2, answer.acceleration2_rad_s2),
-        _slide(machine.displacement(phi1, 2), np.full_like(phi1, mechanism.drive.speed_rad_s), np.zeros_like(phi1)),
+        _slide(linkage.displacement(Jet.variable(phi2, 2)), speed2, answer.acceleration2_rad_s2),
+        Slide(law.displacement_mm, law.velocity_mm_s, law.acceleration_mm_s2),
         np.where(urge > 0.0, normal, 0.0).max(axis=-1),
         np.where(urge < 0.0, normal, 0.0).max(axis=-1),
         answer.torque_n_mm,
+        machine.joints(phi2, CrankPace(speed2, answer.acceleration2_rad_s2)),
+        force_on_driven(answer.teeth, ratio, place),
     )
 
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncgear.dynamics.joints import joint_forces
+from ncgear.dynamics.joints import JointForces, joint_forces
 from ncgear.dynamics.mesh_force import MeshForce, MeshPlace, mesh_force
-from ncgear.dynamics.pace import EvenPace
+from ncgear.dynamics.pace import CrankPace, EvenPace
 from ncgear.kinematics.bodies import bodies
 from ncgear.kinematics.slider import Machine
 from ncgear.kinematics.stretches import Stretch, angles_at
@@ -75,6 +75,12 @@ class RigidMachine:
         """The loads at driving angles in rad, shape (n,); right-hand limits at joints of the law."""
         driven = self.machine.transmission.driven_angle(phi1, 2)
         return self.loads(driven, self._resistance_n(driven.truncated(0), self.machine.working(driven.value)))
+
+    def joints(self, crank_angle_rad: Array, pace: CrankPace) -> JointForces:
+        """Forces in the joints as the crank happens to turn, at crank angles in rad, shape (n,)."""
+        angle = Jet.variable(crank_angle_rad, 2)
+        resistance = self._resistance_n(angle.truncated(0), self.machine.working(crank_angle_rad))
+        return joint_forces(bodies(self.machine.linkage, angle), self.masses, pace, resistance.value)
 
     def on(self, stretch: Stretch, phi1: Array) -> Loads:
         """The loads with their slopes at driving angles on a stretch, shape (n,); one-sided at its ends."""

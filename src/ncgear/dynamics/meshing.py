@@ -34,11 +34,13 @@ class ToothForces:
 
     ``depth_mm`` is negative by the gap where a pair does not touch; ``normal_n`` is 0 there.  The moments in N mm are
     those on the gears, each in the sense in which it turns; ``loss_n_mm_s`` is what damping and friction take.
+    ``rubbing_n`` is the friction on the driven gear along the tangent that leads outwards from its axis.
     """
 
     near: Near
     depth_mm: Array
     normal_n: Array
+    rubbing_n: Array
     driving_n_mm: Array
     driven_n_mm: Array
     loss_n_mm_s: Array
@@ -69,6 +71,7 @@ class Meshing:
             near,
             depth,
             normal,
+            rubbing,
             -normal * by_driving - rubbing * near.driving_mm,
             normal * lever + rubbing * near.driven_mm,
             self.impact.loss_n_mm_s(depth, closing) + np.abs(rubbing * sliding),

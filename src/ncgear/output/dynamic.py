@@ -10,6 +10,7 @@ from ncgear.drive import Drive
 from ncgear.dynamics.history import History, history, parted_s
 from ncgear.dynamics.level import Level
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.vector import Vector
 from ncgear.output.plots.time_rows import Row, time_rows
 from ncgear.output.simulated import Simulated
 
@@ -19,7 +20,9 @@ N_M = 1e-3
 
 def dynamic_simulation(drive: Drive) -> Simulated:
     """The motion of a drive in time, beside its law."""
-    shown = history(drive.course, drive.machine)
+    rigid = drive.rigid.machine
+    assert rigid.place is not None
+    shown = history(drive.course, rigid, rigid.place)
     apart = parted_s(drive.course)
     return Simulated(_table(shown), _figures(drive, shown, apart), _pictures(drive, shown, apart))
 
@@ -34,7 +37,14 @@ def _table(shown: History) -> dict[str, Array]:
         "pushing_force_n": shown.pushing_n,
         "back_force_n": shown.back_n,
         "driving_torque_n_m": N_M * shown.torque_n_mm,
+        **{f"{name}_{axis}_n": getattr(force, axis) for name, force in _joints(shown).items() for axis in ("x", "y")},
+        "guide_n": np.asarray(shown.joints.guide_n),
     }
+
+
+def _joints(shown: History) -> dict[str, Vector]:
+    joints = shown.joints
+    return {"wrist": joints.wrist, "pin": joints.pin, "crank_bearing": shown.crank_bearing, "mesh": shown.mesh}
 
 
 def _figures(drive: Drive, shown: History, apart_s: Array) -> dict[str, Any]:
@@ -48,6 +58,7 @@ def _figures(drive: Drive, shown: History, apart_s: Array) -> dict[str, Any]:
             "peak_acceleration_mm_s2": _largest(shown.slide.acceleration_mm_s2),
             "peak_acceleration_of_law_mm_s2": _largest(shown.law.acceleration_mm_s2),
         },
+        "bearings": {f"peak_{name}_force_n": _largest(_size(force)) for name, force in _joints(shown).items()},
         "motion_in_time": {
             "contact_stiffness_n": drive.meshing.impact.stiffness,
             "peak_pushing_force_n": _largest(shown.pushing_n),
@@ -68,6 +79,11 @@ def _largest(values: Array) -> float:
     return float(np.abs(values).max())
 
 
+def _size(force: Vector) -> Array:
+    size: Array = np.hypot(force.x, force.y)
+    return size
+
+
 def _pictures(drive: Drive, shown: History, apart_s: Array) -> dict[str, bytes]:
     apart = np.stack([drive.course.at(ends)[0] for ends in apart_s.T], axis=-1)
     speed = f"at {drive.design.operation.speed_rpm:.4g} r/min"
@@ -75,6 +91,7 @@ def _pictures(drive: Drive, shown: History, apart_s: Array) -> dict[str, bytes]:
     return {
         "slider_motion.png": time_rows(shown.phi1_rad, _motion(shown), f"{name}: slider {speed}", apart),
         "tooth_force.png": time_rows(shown.phi1_rad, _forces(shown), f"{name}: teeth and torque {speed}", apart),
+        "bearing_forces.png": time_rows(shown.phi1_rad, _bearings(shown), f"{name}: bearings {speed}", apart),
     }
 
 
@@ -89,7 +106,12 @@ def _motion(shown: History) -> list[Row]:
 
 def _forces(shown: History) -> list[Row]:
     return [
-        Row("force on\npushing flanks", "kN", 1e-3 * shown.pushing_n),
-        Row("force on backs", "kN", 1e-3 * shown.back_n),
+        Row("pushing force", "kN", 1e-3 * shown.pushing_n),
+        Row("back force", "kN", 1e-3 * shown.back_n),
         Row("driving torque", "kN m", N_M * N_M * shown.torque_n_mm),
     ]
+
+
+def _bearings(shown: History) -> list[Row]:
+    names = {"wrist": "wrist", "pin": "crank pin", "crank_bearing": "crank bearing", "mesh": "mesh force"}
+    return [Row(names[key], "kN", 1e-3 * _size(force)) for key, force in _joints(shown).items()]
