@@ -185,6 +185,7 @@ def test_without_play_a_reversed_load_changes_flanks_at_once() -> None:
     np.testing.assert_allclose(out.pushing_s, out.back_s, atol=1e-3)
 
 
+@pytest.mark.slow
 def test_a_fast_drive_reverses_the_load_of_the_teeth_and_a_slow_one_does_not() -> None:
     """From the torque of the rigid motion: at the speed at which inertia outweighs the resistance, backs bear load."""
     angles = np.linspace(0.3, 2.8, 400)
@@ -230,7 +231,7 @@ def test_a_motor_that_cannot_is_told() -> None:
     weak = Motor(SPEED, 2e3, 50.0)
     with pytest.raises(NoSuchMechanism, match="does not get round") as caught:
         run(mechanism(meshing("uniform", 24), slider_load(), weak), "uniform", 1.0, Start.REST)
-    assert caught.value.key == "simulation.drive"
+    assert caught.value.key == "simulation.motor"
 
 
 @pytest.mark.slow

@@ -117,7 +117,7 @@ def test_a_stiffer_law_of_impact_gives_way_less(exponent: float) -> None:
 def test_teeth_pressed_too_deep_are_refused() -> None:
     with pytest.raises(NoSuchMechanism, match="deeper than their teeth can be followed") as caught:
         loaded_contact(meshing("uniform", 24), ANGLES, np.full_like(ANGLES, 1e9), 0.0)
-    assert caught.value.key == "simulation.stiffness"
+    assert caught.value.key == "simulation.stiffness_n_mm"
 
 
 def test_friction_that_locks_the_teeth_is_refused() -> None:

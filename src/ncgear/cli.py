@@ -135,9 +135,7 @@ def simulate(
     design_file: DesignFile,
     level: Annotated[
         Level,
-        typer.Option(
-            help="rigid: inverse dynamics in closed form; quasi_static: teeth under load; dynamic: in time."
-        ),
+        typer.Option(help="rigid: inverse dynamics in closed form; quasi_static: teeth under load; dynamic: in time."),
     ] = Level.RIGID,
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-<level>")

@@ -129,5 +129,5 @@ def _too_deep(phi1_rad: float, pressed_rad: float) -> NoSuchMechanism:
     return NoSuchMechanism(
         f"at phi1 = {in_words(phi1_rad)} the load presses the driven gear {pressed_rad:.3g} rad into the driving one, "
         "deeper than their teeth can be followed into each other; stiffer teeth, larger ones or less load are needed",
-        key="simulation.stiffness",
+        key="simulation.stiffness_n_mm",
     )

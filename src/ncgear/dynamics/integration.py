@@ -164,5 +164,5 @@ def _stalled(mechanism: Mechanism, state: Array) -> NoSuchMechanism:
     return NoSuchMechanism(
         f"the drive does not get round in {SLOWEST:g} times the time that it takes without load: it is at phi1 = "
         f"{in_words(float(state[0]))}; more torque or a heavier flywheel is needed",
-        key="simulation.drive",
+        key="simulation.motor",
     )

@@ -20,10 +20,10 @@ N_M = 1e-3
 
 def dynamic_simulation(drive: Drive) -> Simulated:
     """The motion of a drive in time, beside its law."""
-    rigid = drive.rigid.machine
+    course, rigid = drive.course, drive.rigid.machine
     assert rigid.place is not None
-    shown = history(drive.course, rigid, rigid.place)
-    apart = parted_s(drive.course)
+    shown = history(course, rigid, rigid.place)
+    apart = parted_s(course)
     return Simulated(_table(shown), _figures(drive, shown, apart), _pictures(drive, shown, apart))
 
 
