@@ -17,6 +17,7 @@ from ruamel.yaml import YAML
 
 import ncgear.cli
 from ncgear.design.load import load
+from ncgear.design.template import template
 from ncgear.drive import Drive
 
 ROOT = Path(__file__).parents[1]
@@ -93,6 +94,19 @@ def test_its_gears_are_those_of_the_baler() -> None:
     ours, built = (YAML(typ="safe").load(DESIGN.with_name(name)) for name in ("baler-dynamics.yaml", "baler.yaml"))
     for key in ("linkage", "operation", "motion", "gears", "resistance"):
         assert ours[key] == built[key], key
+
+
+def test_the_templates_masses_hold_what_they_say(tmp_path: Path) -> None:
+    text = template("mine").replace("\n# masses:", "\nmasses:")
+    for mark in ("slider", "rod", "crank", "flywheel", "gravity"):
+        text = text.replace(f"\n#   {mark}", f"\n  {mark}").replace(f"\n#   # {mark}", f"\n  {mark}")
+    for gear in ("driving", "driven"):
+        text = text.replace(f"\n#   # {gear}_gear_kg_mm2:", f"\n  {gear}_gear_kg_mm2: 1000")
+    path = tmp_path / "d.yaml"
+    path.write_text(text)
+    found = Drive(load(path).design).masses
+    assert (found.slider_kg, found.driven_inertia_kg_mm2, found.crank_center_mm) == (150.0, 1000.0, 120.0)
+    assert found.gravity_m_s2 == pytest.approx((0.0, -9.80665), abs=1e-15)
 
 
 @pytest.mark.parametrize("gears", [GEARS, ""], ids=["gears", "no gears"])
