@@ -19,6 +19,7 @@ bench: .venv  ## measure how long builds take, and equivalent gears beside exact
 	$(PYTHON) benchmarks/equivalent_gear.py
 	$(PYTHON) benchmarks/limit.py
 	$(PYTHON) benchmarks/makeable.py
+	$(PYTHON) benchmarks/simulation.py
 
 beside: .venv  ## measure beside the other program of the field and write benchmarks/beside-ncgears.md
 	.venv/bin/pip install -q -e '.[bench]'
