@@ -32,8 +32,8 @@ ACCURACIES = (1e-4, 1e-6, 1e-8)
 EXACT = 1e-10
 
 HEAD = """\
-`python benchmarks/simulation.py`. Errors are those of the driven angle over a turn against the level dynamic at an accuracy of
-1e-10: what a level leaves out is its error. Times are the faster of two runs."""
+`python benchmarks/simulation.py`. Errors are those of the driven angle over a turn against the level dynamic at an
+accuracy of 1e-10: what a level leaves out is its error. Times are the faster of two runs."""
 
 
 T = TypeVar("T")

@@ -6,6 +6,8 @@ from math import cos, log2, pi, radians
 
 import numpy as np
 import pytest
+import shapely
+from shapely.affinity import rotate, translate
 
 from engaged import MODULE, designed, made
 from loaded import gaps
@@ -13,6 +15,8 @@ from ncgear.contact.candidates import contacts_within
 from ncgear.contact.placement import placed
 from ncgear.dynamics.gaps import gaps_of
 from ncgear.errors import NoSuchMechanism
+from ncgear.pitch.pair import PitchPair
+from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 BASE = 12.0 * MODULE * cos(radians(20.0))
 PAIRS = [("uniform", 24), ("sine", 31), ("baler", 25)]
@@ -116,3 +120,48 @@ def test_levers_are_positive() -> None:
     for name, teeth in PAIRS:
         near = gaps(name, teeth).at(np.linspace(0.0, 2.0 * pi, 20_011))
         assert near.lever_mm[near.urge != 0.0].min() > 0.0
+
+
+# One tooth of each gear as polygons: nothing of the contact analysis is used
+
+
+def tooth(gear: ToothedGear, number: int) -> shapely.Polygon:
+    """A tooth with the body below it, from the middle of one space to the middle of the next."""
+    flanks = gear.flanks
+    crossing, pitch = flanks.crossing_mm, flanks.rack.pitch_mm
+    middle = (crossing[2 * number - 2] + crossing[2 * number - 1]) / 2.0
+    edges = flanks.curve.at_length(middle + np.array([-0.5, -0.25, 0.0, 0.25, 0.5]) * pitch).position
+    return shapely.Polygon(gear.outline_mm).intersection(shapely.Polygon([(0.0, 0.0), *(2.0 * edges)]))
+
+
+def touching_rad(pair: ToothedPair, pitch: PitchPair, teeth: tuple[int, int], phi1: float) -> float:
+    """Driven angle beyond the law's at which two teeth stop overlapping, by bisection."""
+    own, other = tooth(pair.driving, teeth[0]), tooth(pair.driven, teeth[1])
+    driving = rotate(own, phi1, origin=(0.0, 0.0), use_radians=True)
+    law = float(pitch.transmission.driven_angle(np.array([phi1])).value[0])
+    low, high = -0.06, 0.03
+    for _ in range(24):
+        ahead = (low + high) / 2.0
+        driven = rotate(other, pitch.mesh.sense * (law + ahead), origin=(0.0, 0.0), use_radians=True)
+        overlap = driving.intersects(translate(driven, pitch.center_distance_mm))
+        low, high = (ahead, high) if overlap else (low, ahead)
+    return high
+
+
+@pytest.mark.parametrize(("name", "teeth"), [("uniform", 24), ("sine", 31)])
+def test_gaps_are_those_of_single_teeth_as_polygons(name: str, teeth: int) -> None:
+    """Pairs that touch and pairs that are about to, or have just parted, up to a third of a millimetre away."""
+    tolerance = 1e-3
+    pitch, pair = made(name, teeth, tolerance)
+    found = gaps(name, teeth)
+    checked = []
+    for phi1 in np.linspace(0.2, 5.9, 12):
+        near = found.at(phi1)
+        index = found.table.place(phi1)[1]
+        gap = near.lever_mm * np.abs(near.error_rad)
+        for slot in np.nonzero((near.urge > 0.0) & (gap < 0.35))[0]:
+            polygons = touching_rad(pair, pitch, tuple(found.pair[index, slot]), phi1)
+            checked.append((gap[slot], (polygons - near.error_rad[slot]) * near.lever_mm[slot]))
+    gap, missed = np.array(checked).T
+    assert np.sum(gap > 0.02) >= 5
+    assert np.abs(missed).max() < 3.0 * tolerance
