@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from engaged import LAWS, MODULE, made
+from engaged import LAWS, MODULE, RINGS, made
 from loaded import (
     LINKAGE,
     MASSES,
@@ -46,16 +46,16 @@ HEAVY = 2e4
 
 
 def run(found: Mechanism, name: str, turns: float = 0.3, start: Start = Start.ON_LAW, **kinds: Any) -> Course:
-    return course(found, started(found, LAWS[name](), start), turns, **kinds)
+    return course(found, started(found, (LAWS | RINGS)[name](), start), turns, **kinds)
 
 
 # Energy
 
 
 @pytest.mark.parametrize("start", list(Start))
-@pytest.mark.parametrize(("name", "teeth"), [("uniform", 24), ("sine", 31)])
+@pytest.mark.parametrize(("name", "teeth"), [("uniform", 24), ("sine", 31), ("uniform 1:2", 16), ("ring", 24)])
 def test_energy_balances(name: str, teeth: int, start: Start) -> None:
-    found = run(mechanism(meshing(name, teeth), slider_load()), name, start=start)
+    found = run(mechanism(meshing(name, teeth), slider_load()), name, 0.12, start)
     assert found.states[4, -1] > 1e3
     assert found.energy_error < 1e-5
 
