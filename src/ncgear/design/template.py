@@ -134,7 +134,7 @@ resistance:                # the force against the slider; left out: none
 #   # flywheel: {inertia_kg_mm2: 0, speed_fluctuation: 0.05}
 #   # gravity: {direction_deg: -90}                                # from the slider's way out, counter-clockwise
 
-# simulation:              # for ncgear simulate --level quasi_static and dynamic; left out: as in the published simulation
+# simulation:              # for ncgear simulate --level quasi_static and dynamic; left out: as published for a baler
 #   youngs_modulus_gpa: 201
 #   poisson: 0.29
 #   # stiffness_n_mm:        # force at a depth of 1 mm; left out: from the two above
