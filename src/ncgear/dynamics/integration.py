@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from ncgear.dynamics.events import next_dead_centre_rad, passing, pressed
 from ncgear.dynamics.motion_equation import Mechanism
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.angles import in_words
@@ -30,10 +31,6 @@ ENERGY = 1e-4
 
 SLOWEST = 20.0
 """Times the time without load, in which the drive has to get round."""
-
-
-CLEAR_RAD = 1e-9
-"""Angle within which a leg counts as starting at a dead centre: rounding errors of the event that ended the last."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,49 +87,16 @@ def course(mechanism: Mechanism, state: Array, turns: float, accuracy: float = A
 def _leg(mechanism: Mechanism, span_s: tuple[float, float], state: Array, target_rad: float, accuracy: float) -> Any:
     """From one dead centre to the next, or to the end of the course."""
     events = [
-        _passing(0, target_rad),
-        _passing(2, _next_dead_centre(mechanism, float(state[2]))),
-        _pressed(mechanism, 1.0),
-        _pressed(mechanism, -1.0),
+        passing(0, target_rad),
+        passing(2, next_dead_centre_rad(mechanism, float(state[2]))),
+        pressed(mechanism, 1.0),
+        pressed(mechanism, -1.0),
     ]
     tolerance = {"rtol": accuracy, "atol": accuracy * _scales(mechanism)}
     leg = solve_ivp(mechanism.change, span_s, state, METHOD, dense_output=True, events=events, **tolerance)
     if leg.status < 0:
         raise ArithmeticError(f"the motion could not be integrated: {leg.message}")
     return leg
-
-
-def _passing(row: int, angle_rad: float) -> Callable[[float, Array], float]:
-    """An event that ends a leg: an angle of the state passes a value."""
-
-    def beyond(_time_s: float, state: Array) -> float:
-        return float(state[row]) - angle_rad
-
-    return _marked(beyond, terminal=True)
-
-
-def _pressed(mechanism: Mechanism, urge: float) -> Callable[[float, Array], float]:
-    """An event of meeting or parting: how far the driven gear is pressed beyond the first contact of one side."""
-
-    def pressed(_time_s: float, state: Array) -> float:
-        angle, _ = mechanism.meshing.law.at(state[0])
-        pushing, back = mechanism.meshing.gaps.play_rad(state[0])
-        ahead = state[2] - angle
-        return float(pushing - ahead if urge > 0.0 else ahead - back)
-
-    return _marked(pressed, terminal=False)
-
-
-def _marked(event: Callable[[float, Array], float], *, terminal: bool) -> Callable[[float, Array], float]:
-    """The event as the solver wants it: ending a leg only where its value rises through 0."""
-    event.terminal, event.direction = terminal, 1.0 if terminal else 0.0  # type: ignore[attr-defined]
-    return event
-
-
-def _next_dead_centre(mechanism: Mechanism, phi2_rad: float) -> float:
-    turn, local = divmod(phi2_rad + CLEAR_RAD, 2.0 * pi)
-    beyond = [angle for angle in mechanism.load.dead_centres_rad if angle > local]
-    return turn * 2.0 * pi + min([*beyond, 2.0 * pi])
 
 
 def _scales(mechanism: Mechanism) -> Array:
