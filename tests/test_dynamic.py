@@ -245,6 +245,20 @@ def test_dead_centres_end_legs() -> None:
 
 
 @pytest.mark.slow
+def test_pushing_flanks_bear_nothing_where_they_are_told_apart() -> None:
+    """Zero in every interval of lost contact; and whatever they bear is outside of these."""
+    out = run(mechanism(meshing("sine", 31, backlash_mm=0.2), slider_load((0.0,))), "sine", 0.6)
+    machine = RigidMachine(Machine(LAWS["sine"](), LINKAGE, PolynomialResistance((0.0,)), SPEED), MASSES, PLACE)
+    shown = history(out, machine, PLACE)
+    lost = parted_s(out)
+    assert len(lost) >= 1
+    apart = np.any((shown.time_s[:, None] > lost[:, 0]) & (shown.time_s[:, None] < lost[:, 1]), axis=1)
+    assert 0.05 < apart.mean() < 0.95
+    assert shown.pushing_n[apart].max() == 0.0
+    assert np.mean(shown.pushing_n[~apart] > 0.0) > 0.95
+
+
+@pytest.mark.slow
 def test_a_history_is_the_motion_beside_its_law() -> None:
     machine = Machine(LAWS["sine"](), LINKAGE, PolynomialResistance((500.0,)), SPEED)
     out = run(mechanism(meshing("sine", 31), slider_load()), "sine", 0.5)
