@@ -26,7 +26,7 @@ LAYERS = [
     {"teeth"},
     {"contact"},
     {"solids"},
-    {"optimum"},
+    {"optimum", "dynamics"},
     {"design"},
     {"recipe"},
     {"drive", "improvement", "frontier"},

@@ -13,12 +13,13 @@ from ncgear.errors import WrongInput
 from ncgear.kinematics.check import KinematicCheck, kinematic_check
 from ncgear.kinematics.slider import Machine, SliderMotion, sample_angles
 from ncgear.machine.linkage import CrankSlider
+from ncgear.machine.masses import Masses
 from ncgear.machine.rack import BasicRack
 from ncgear.numerics.arrays import Array
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.train import Pair
 from ncgear.ratio.transmission import Transmission
-from ncgear.recipe.gears import helix_of, rack_of, rim_mm_of, tooth_form
+from ncgear.recipe.gears import bore_of, helix_of, mesh_place, rack_of, rim_mm_of, tooth_form
 from ncgear.recipe.law import RAD_S_PER_RPM, Law, law_of, resistance_of
 from ncgear.stopwatch import Stopwatch
 
@@ -26,6 +27,10 @@ if TYPE_CHECKING:
     from ncgear.contact.as_designed import AsDesigned
     from ncgear.contact.as_written import Outlines
     from ncgear.contact.pair_contact import PairContact
+    from ncgear.dynamics.integration import Course
+    from ncgear.dynamics.meshing import Meshing
+    from ncgear.dynamics.quasi_static import LoadedContact
+    from ncgear.dynamics.rigid import Rigid
     from ncgear.pitch.pair import PitchPair
     from ncgear.solids.helix import Helix
     from ncgear.solids.pair import Blank, GearSolid, SolidPair
@@ -140,6 +145,78 @@ class Drive:
             return kinematic_check(self.uniform_machine)
 
     @cached_property
+    def masses(self) -> Masses:
+        """The moving masses; makes teeth only where a gear's moment of inertia is left out."""
+        from ncgear.recipe.masses import masses_of
+
+        given, gears, tolerance = self.design.masses, self.design.gears, self.design.output.chord_tolerance_mm
+        if given is None:
+            raise WrongInput("missing; forces need slider_kg, rod and crank", key="masses")
+        if gears is None or given.tells_gears:
+            return masses_of(given)
+        from ncgear.recipe.gear_inertia import body_inertias_kg_mm2
+
+        module, outlines = self.pitch.size.module_mm, (self.teeth.driving.outline_mm, self.teeth.driven.outline_mm)
+        return masses_of(given, *body_inertias_kg_mm2(gears, *outlines, module, tolerance, given.density_kg_m3))
+
+    @cached_property
+    def rigid(self) -> Rigid:
+        """What the machine bears at constant driving speed."""
+        return self._rigid(self.machine)
+
+    @cached_property
+    def uniform_rigid(self) -> Rigid:
+        """What the uniform crank bears with the same masses."""
+        return self._rigid(self.uniform_machine)
+
+    def _rigid(self, machine: Machine) -> Rigid:
+        from ncgear.dynamics.inverse import RigidMachine
+        from ncgear.dynamics.rigid import rigid_level
+
+        if self.design.stages > 1:
+            raise WrongInput("two pairs of gears; forces are computed of one", key="motion.second_stage")
+        place = None if self.design.gears is None else mesh_place(self.gears, self.pitch.center_distance_mm)
+        masses = self.masses
+        with self.stopwatch("forces"):
+            return rigid_level(RigidMachine(machine, masses, place))
+
+    @cached_property
+    def meshing(self) -> Meshing:
+        """The straight teeth of the pair as they bear load; they must touch as designed."""
+        from ncgear.recipe.simulation import meshing_of
+
+        if self.helix is not None:
+            raise WrongInput("helical teeth are not followed under load; leave it out", key="gears.helix")
+        pitch, teeth = self.pitch, self.sound_teeth
+        with self.stopwatch("gaps"):
+            return meshing_of(self.design.simulation, pitch, teeth)
+
+    @cached_property
+    def loaded_contact(self) -> LoadedContact:
+        """The teeth under the torque of the rigid level, at the angles of ``motion``."""
+        from ncgear.dynamics.quasi_static import loaded_contact
+
+        phi1, meshing = self.motion.phi1_rad, self.meshing
+        torque = self.rigid.machine.at(phi1).driven_torque.value
+        with self.stopwatch("loaded contact"):
+            return loaded_contact(meshing, phi1, torque, self.machine.speed_rad_s)
+
+    @cached_property
+    def course(self) -> Course:
+        """The motion of the toothed mechanism in time."""
+        from ncgear.dynamics.crank_load import crank_load
+        from ncgear.dynamics.integration import course
+        from ncgear.dynamics.motion_equation import Mechanism
+        from ncgear.dynamics.starts import Start, started
+        from ncgear.recipe.simulation import drive_line_of
+
+        given, masses, meshing = self.design.simulation, self.masses, self.meshing
+        driving = drive_line_of(given, masses, self.machine.speed_rad_s)
+        with self.stopwatch("motion in time"):
+            mechanism = Mechanism(driving, meshing, crank_load(self.linkage, masses, self.machine.resistance))
+            return course(mechanism, started(mechanism, self.transmission, Start(given.start)), given.turns)
+
+    @cached_property
     def pitch(self) -> PitchPair:
         """Both pitch curves at their size."""
         from ncgear.pitch.pair import sized_pair
@@ -189,6 +266,12 @@ class Drive:
             refuse_overlap(contact, self.design.output.chord_tolerance_mm)
             refuse_short_contact(contact, teeth, self._asked_of_section(contact.longest_gap_pitches))
             return contact
+
+    @property
+    def sound_teeth(self) -> ToothedPair:
+        """Both toothed gears, once their contact is found sound."""
+        assert self.designed_contact
+        return self.teeth
 
     def contact(self, written: Sequence[Outlines]) -> PairContact:
         """Contact of the exact teeth and of outlines that were written, which must touch where the teeth do."""
@@ -273,9 +356,6 @@ def _driven_solid(drive: Drive) -> GearSolid:
 
 
 def _blank(gears: Gears, body: GearBody) -> Blank:
-    from ncgear.solids.bore import Bore, Keyway
     from ncgear.solids.pair import Blank
 
-    keyway = Keyway(body.keyway.width_mm, body.keyway.depth_mm) if body.keyway else None
-    bore = Bore(body.bore_mm, keyway) if body.bore_mm is not None else None
-    return Blank(gears.face_width_mm, bore, gears.index_holes)
+    return Blank(gears.face_width_mm, bore_of(body), gears.index_holes)

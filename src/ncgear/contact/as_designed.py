@@ -7,14 +7,11 @@ from functools import cached_property
 
 import numpy as np
 
+from ncgear.contact.candidates import Candidates, candidates, contacts_among, first_of, paths_of
 from ncgear.contact.clearance import TipClearance, tip_clearances
 from ncgear.contact.contacts import Contacts
-from ncgear.contact.edges import EdgeHits, edge_contacts, edge_hits
-from ncgear.contact.flank_contacts import flank_contacts
-from ncgear.contact.meetings import Meetings, meetings
+from ncgear.contact.meetings import Meetings
 from ncgear.contact.placement import BACK, PUSHING, Placement
-from ncgear.contact.seen import seen_pair
-from ncgear.contact.side_paths import SidePaths, side_paths
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.angles import in_words
 from ncgear.numerics.arrays import Array, IndexArray
@@ -118,8 +115,8 @@ def as_designed(teeth: ToothedPair, placement: Placement) -> AsDesigned:
 
     Raises NoSuchMechanism, with the angle, where no tooth touches another at all.
     """
-    paths = side_paths(teeth.driving.flanks, teeth.driving.sides), side_paths(teeth.driven.flanks, teeth.driven.sides)
-    pushing, back = (_candidates(teeth, paths, placement, side) for side in (PUSHING, BACK))
+    paths = paths_of(teeth)
+    pushing, back = (candidates(teeth, paths, placement, side) for side in (PUSHING, BACK))
     return AsDesigned(
         placement,
         _side_contact(pushing, back, placement, tip_clearances(*paths, pushing.meetings)),
@@ -127,46 +124,17 @@ def as_designed(teeth: ToothedPair, placement: Placement) -> AsDesigned:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Candidates:
-    """What may touch on one side of the teeth: pairs of flanks, how long each does, and corners before curves."""
-
-    meetings: Meetings
-    flanks: Contacts
-    arcs: Array
-    hits: list[EdgeHits]
-
-
-def _candidates(
-    teeth: ToothedPair, paths: tuple[SidePaths, SidePaths], placement: Placement, side: float
-) -> _Candidates:
-    met = meetings(teeth, placement, side)
-    return _Candidates(met, *flank_contacts(teeth, placement, met), edge_hits(*seen_pair(*paths, placement, met), met))
-
-
 def _side_contact(
-    own: _Candidates, other: _Candidates, placement: Placement, tips: tuple[TipClearance, TipClearance]
+    own: Candidates, other: Candidates, placement: Placement, tips: tuple[TipClearance, TipClearance]
 ) -> SideContact:
-    """The first contacts among all candidates.
-
-    A corner in a notch or at the far side of its space is held by curves that are gathered on the other side of the
-    teeth.
-    """
+    """The first contacts among all candidates."""
     urge = own.meetings.urge
-    hits = [found.kept(found.facing) for found in own.hits] + [found.kept(~found.facing) for found in other.hits]
-    contacts = Contacts.joined([own.flanks, edge_contacts(hits, urge, _first(own.flanks, urge, placement))])
-    later = _first(contacts, urge, placement)[contacts.position] - urge * contacts.error_rad
+    contacts = contacts_among(own, other, placement)
+    later = first_of(contacts, urge, placement)[contacts.position] - urge * contacts.error_rad
     alike, touching = later <= ALIKE_RAD, later * contacts.lever_mm <= TOUCHING_MM
     return SideContact(
         own.meetings, _foremost(contacts.kept(alike), placement), contacts.kept(touching), own.arcs, *tips
     )
-
-
-def _first(contacts: Contacts, urge: float, placement: Placement) -> Array:
-    """First driven angle of contacts at each position, times the urge, -inf where there is none."""
-    first = np.full(placement.count, -np.inf)
-    np.maximum.at(first, contacts.position, urge * contacts.error_rad)
-    return first
 
 
 def _foremost(alike: Contacts, placement: Placement) -> Contacts:

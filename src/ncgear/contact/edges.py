@@ -78,8 +78,8 @@ def edge_hits(driving: SeenGear, driven: SeenGear, meetings: Meetings) -> list[E
     return [_hits(driving, driven, meetings), _hits(driven, driving, meetings)]
 
 
-def edge_contacts(found: Sequence[EdgeHits], urge: float, first_rad: Array) -> Contacts:
-    """Corners that may touch before anything else does.
+def edge_contacts(found: Sequence[EdgeHits], urge: float, first_rad: Array, within_mm: float = 0.0) -> Contacts:
+    """Corners that may touch before anything else does, or so far behind it.
 
     ``urge`` is that of ``Meetings``, ``first_rad`` the first contact of flanks at each position, times the urge; -inf
     where there is none.  Raises ArithmeticError if a corner that comes near is not found on its curve.
@@ -87,10 +87,13 @@ def edge_contacts(found: Sequence[EdgeHits], urge: float, first_rad: Array) -> C
     first = first_rad.copy()
     for hits in found:
         np.maximum.at(first, hits.position, urge * hits.error_rad)
-    near = [
-        hits.kept((urge * hits.error_rad - first[hits.position]) * hits.lever_mm >= -_near_mm(hits)) for hits in found
-    ]
+    near = [hits.kept(_behind_mm(hits, urge, first) <= within_mm + _near_mm(hits)) for hits in found]
     return Contacts.joined([_touching(hits) for hits in near])
+
+
+def _behind_mm(hits: EdgeHits, urge: float, first_rad: Array) -> Array:
+    """How far each corner is from its curve when the first of its position touches."""
+    return (first_rad[hits.position] - urge * hits.error_rad) * hits.lever_mm
 
 
 def _near_mm(hits: EdgeHits) -> float:

@@ -182,6 +182,13 @@ class Gears(Model):
     module_mm: Length | None = Field(default=None, description="module in mm")
     center_distance_mm: Length | None = Field(default=None, description="distance of the two axes in mm")
     face_width_mm: Length = Field(description="width of both gears along their axes in mm")
+    driving_axis_deg: float = Field(
+        default=180.0,
+        ge=-360.0,
+        le=360.0,
+        description="where the driving gear's axis lies from the crank's axis: direction in degrees counter-clockwise "
+        "from the slider's way out; left out: straight behind the crank",
+    )
     rack: Rack = Field(default_factory=Rack, description="basic rack; left out: ISO 53 profile A at 20 degrees")
     helix: Helix | None = Field(
         default=None, description="helical or herringbone teeth; left out: straight ones. Sections differ from z = 0 on"

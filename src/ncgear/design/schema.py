@@ -10,10 +10,12 @@ from ncgear.design.base import Model
 from ncgear.design.faults import fault
 from ncgear.design.gears import Gears
 from ncgear.design.machine import Comparison, Linkage, Operation, Output
+from ncgear.design.masses import Masses
 from ncgear.design.motion import HarmonicRatio, Motion, ThreeSegmentStroke
 from ncgear.design.naming import NAME_PATTERN
 from ncgear.design.optimize import Optimize
 from ncgear.design.resistance import Resistance
+from ncgear.design.simulation import Simulation
 from ncgear.design.table import TableLaw
 
 JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -29,6 +31,13 @@ class Design(Model):
     motion: Motion
     gears: Gears | None = Field(default=None, description="the pair of gears; a check does without, a build needs it")
     resistance: Resistance | None = Field(default=None, description="the force against the slider; left out: none")
+    masses: Masses | None = Field(
+        default=None, description="what moves, as masses; ncgear simulate needs it, check and build take no notice"
+    )
+    simulation: Simulation = Field(
+        default_factory=Simulation,
+        description="how the teeth bear load in ncgear simulate; left out: as in the published baler's simulation",
+    )
     comparison: Comparison | None = Field(default=None, description="published mechanisms to compare with")
     optimize: Optimize | None = Field(
         default=None, description="what ncgear optimize looks for; check and build take no notice"

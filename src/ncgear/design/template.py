@@ -125,6 +125,27 @@ resistance:                # the force against the slider; left out: none
   # expression_n: "200 + 3*exp(x/90)"                                  # instead: a formula of x, the displacement
   where_negative: zero     # zero, or keep
 
+# masses:                  # for ncgear simulate; forces need them
+#   slider_kg: 150
+#   rod: {mass_kg: 30, center_mm: 430, inertia_kg_mm2: 2.8e+6}     # centre from the crank pin, inertia about the centre
+#   crank: {mass_kg: 40, center_mm: 120, inertia_kg_mm2: 1.6e+6}   # inertia about the axis
+#   # driving_gear_kg_mm2:   # left out, these follow from the teeth
+#   # driven_gear_kg_mm2:
+#   # flywheel: {inertia_kg_mm2: 0, speed_fluctuation: 0.05}
+#   # gravity: {direction_deg: -90}                                # from the slider's way out, counter-clockwise
+
+# simulation:              # for ncgear simulate --level quasi_static and dynamic; left out: as published for a baler
+#   youngs_modulus_gpa: 201
+#   poisson: 0.29
+#   # stiffness_n_mm:        # force at a depth of 1 mm; left out: from the two above
+#   exponent: 2.2          # of the depth, in the force of a contact
+#   damping_n_s_mm: 100    # full from a depth on
+#   full_damping_depth_mm: 0.1
+#   friction: {static: 0.08, dynamic: 0.05, static_speed_mm_s: 1, dynamic_speed_mm_s: 10}
+#   # motor: {no_load_speed_rpm: 21, stall_torque_n_m: 60000}        # left out: the operating speed, whatever it takes
+#   start: on_law          # or rest
+#   turns: 1               # of the driving gear
+
 # comparison:              # published mechanisms, compared at equal speed
 #   published:
 #     - name: author and year

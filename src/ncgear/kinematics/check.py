@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from math import pi
 
 import numpy as np
 
-from ncgear.kinematics.corners import corner_cuts_rad
 from ncgear.kinematics.slider import Machine
+from ncgear.kinematics.stretches import Stretch, cut, stretches
 from ncgear.machine.resistance import Resistance
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.bracketed import zeros_between
 from ncgear.numerics.extrema import Extremum, extremes
 from ncgear.numerics.jet import Jet
 
@@ -36,12 +34,13 @@ class KinematicCheck:
 def kinematic_check(machine: Machine) -> KinematicCheck:
     """Exact peaks of a machine: stationary points of the closed forms, and both sides of every joint."""
     omega = machine.speed_rad_s
-    working = list(_intervals(machine, working=True))
-    returning = list(_intervals(machine, working=False))
-    acceleration_working = _peak(machine, working, lambda jet: jet.differentiated().differentiated())
-    acceleration_returning = _peak(machine, returning, lambda jet: jet.differentiated().differentiated())
+    cycle = stretches(machine)
+    working = [stretch for stretch in cycle if stretch.working]
+    returning = [stretch for stretch in cycle if not stretch.working]
+    acceleration_working = _peak(working, lambda jet: jet.differentiated().differentiated())
+    acceleration_returning = _peak(returning, lambda jet: jet.differentiated().differentiated())
     acceleration = max(acceleration_working, acceleration_returning, key=lambda extremum: extremum.value)
-    speed = _peak(machine, working + returning, lambda jet: jet.differentiated())
+    speed = _peak(cycle, lambda jet: jet.differentiated())
     power = _peak_power(machine, working)
     return KinematicCheck(
         speed_rpm=omega * 30.0 / pi,
@@ -60,81 +59,28 @@ def work_per_stroke_j(resistance: Resistance, stroke_mm: float) -> float:
     return float(resistance.work_n_mm(np.array([stroke_mm]), stroke_mm)[0]) / 1000.0
 
 
-def _intervals(machine: Machine, *, working: bool) -> Iterator[tuple[float, float]]:
-    """Stretches of one cycle, cut at the law's joints, about sharp corners, and at the extended dead centre."""
-    transmission, extended = machine.transmission, machine.extended_rad
-    period = transmission.lobes.driving_period_rad
-    starts = [k * period + piece.start_rad for k in range(transmission.lobes.driven) for piece in transmission.pieces]
-    edges = np.unique([*starts, *corner_cuts_rad(machine), transmission.cycle_rad]).tolist()
-    for start, end in pairwise(edges):
-        low, high = (start, min(end, extended)) if working else (max(start, extended), end)
-        if high - low > 1e-9 * period:
-            yield low, high
+def _peak(along: Iterable[Stretch], quantity: Callable[[Jet], Jet]) -> Extremum:
+    """Largest magnitude over the stretches of a quantity made from the displacement's jet."""
+    found = [extremum for stretch in along for extremum in _extremes(stretch, quantity, 3)]
+    return max((Extremum(abs(extremum.value), extremum.at) for extremum in found), key=lambda extremum: extremum.value)
 
 
-def _on_piece(machine: Machine, low: float, high: float) -> tuple[Callable[[Array, int], Jet], Array]:
-    """Displacement along one stretch with one-sided limits at its ends, and the knots of the law there."""
-    transmission = machine.transmission
-    period = transmission.lobes.driving_period_rad
-    turns = int(((low + high) / 2.0) // period)
-    middle = (low + high) / 2.0 - turns * period
-    piece = next(piece for piece in transmission.pieces if piece.start_rad <= middle <= piece.end_rad)
+def _extremes(stretch: Stretch, quantity: Callable[[Jet], Jet], order: int) -> tuple[Extremum, Extremum]:
+    def along(phi1: Array) -> Jet:
+        return quantity(stretch.displacement(phi1, order))
 
-    def displacement(phi1: Array, order: int) -> Jet:
-        local = np.clip(phi1 - turns * period, piece.start_rad, piece.end_rad)
-        driven = piece.driven_angle(local, order) + turns * transmission.lobes.driven_period_rad
-        return machine.linkage.displacement(driven)
-
-    return displacement, turns * period + np.array(piece.knots_rad)
+    return extremes(along, stretch.start_rad, stretch.end_rad, np.array(stretch.knots_rad))
 
 
-def _peak(machine: Machine, intervals: list[tuple[float, float]], quantity: Callable[[Jet], Jet]) -> Extremum:
-    """Largest magnitude over the intervals of a quantity made from the displacement's jet."""
-    best = Extremum(0.0, intervals[0][0])
-    for low, high in intervals:
-        displacement, knots = _on_piece(machine, low, high)
-
-        def along(phi1: Array, displacement: Callable[[Array, int], Jet] = displacement) -> Jet:
-            return quantity(displacement(phi1, 3))
-
-        for extremum in extremes(along, low, high, knots):
-            if abs(extremum.value) > best.value:
-                best = Extremum(abs(extremum.value), extremum.at)
-    return best
-
-
-def _peak_power(machine: Machine, intervals: list[tuple[float, float]]) -> Extremum:
+def _peak_power(machine: Machine, working: Sequence[Stretch]) -> Extremum:
     """Largest force times dx/dphi1, in N mm per rad; never below zero."""
-    best = Extremum(0.0, intervals[0][0])
-    for low, high in _cut_at_turns(machine, intervals):
-        displacement, knots = _on_piece(machine, low, high)
-
-        def power(phi1: Array, displacement: Callable[[Array, int], Jet] = displacement) -> Jet:
-            position = displacement(phi1, 2)
-            return machine.resistance.fitted_n(position.truncated(1)) * position.differentiated()
-
-        highest = extremes(power, low, high, knots)[1]
-        best = max(best, highest, key=lambda extremum: extremum.value)
-    return best
-
-
-def _cut_at_turns(machine: Machine, intervals: list[tuple[float, float]]) -> Iterator[tuple[float, float]]:
-    """The intervals of the working stroke, cut where the slider passes a turn of the resistance."""
     turns = machine.resistance.turns_mm(machine.linkage.stroke_mm)
-    for low, high in intervals:
-        displacement, _ = _on_piece(machine, low, high)
-        start, end = displacement(np.array([low, high]), 0).value
-        passed = turns[(turns > start) & (turns < end)]
-        yield from pairwise([low, *_angles_at(displacement, passed, low, high).tolist(), high])
 
+    def power(position: Jet) -> Jet:
+        return machine.resistance.fitted_n(position.truncated(1)) * position.differentiated()
 
-def _angles_at(displacement: Callable[[Array, int], Jet], wanted_mm: Array, low: float, high: float) -> Array:
-    """Driving angles between ``low`` and ``high`` at which the slider passes the displacements, both shape (n,)."""
-    if not wanted_mm.size:
-        return wanted_mm
-
-    ends = np.full(wanted_mm.shape, low), np.full(wanted_mm.shape, high)
-    return np.unique(zeros_between(lambda phi1: displacement(phi1, 0).value - wanted_mm, *ends))
+    found = [_extremes(part, power, 2)[1] for stretch in working for part in cut(stretch, turns)]
+    return max((Extremum(0.0, working[0].start_rad), *found), key=lambda extremum: extremum.value)
 
 
 def _scaled(extremum: Extremum, factor: float) -> Extremum:

@@ -52,7 +52,7 @@ def stationary_points(function: Callable[[Array], Jet], start: float, end: float
     ``function`` maps points (shape (n,)) to a jet of order 1 or more, and is evaluated within [start, end] only.
     ``knots`` (shape (m,), rising) are points between which it does about as much; those outside do not count.
     """
-    grid, slope = _beside_flat(function, *_sampled(function, _grid(start, end, knots)))
+    grid, slope = _beside_flat(function, *_sampled(function, grid_between(start, end, knots)))
     change = np.nonzero(np.sign(slope[:-1]) * np.sign(slope[1:]) < 0)[0]
     flat = grid[1:-1][(slope[1:-1] == 0.0) | ~np.isfinite(slope[1:-1])]
     if not change.size:
@@ -61,7 +61,7 @@ def stationary_points(function: Callable[[Array], Jet], start: float, end: float
     return np.unique(np.concatenate([[start, end], flat, found]))
 
 
-def _grid(start: float, end: float, knots: Array) -> Array:
+def grid_between(start: float, end: float, knots: Array) -> Array:
     """Points from start to end, as many between two knots as between any others, however near these are.
 
     An even number of steps lies between two knots, so that pairs of steps are alike.

@@ -36,6 +36,7 @@ TITLES = {
     "teeth": "Teeth",
     "contact": "Contact",
     "check": "Motion and power at the operating speed",
+    "masses": "Moving masses",
 }
 """Headings of sections; others are headed by their key."""
 
@@ -94,8 +95,13 @@ def _sections(summary: Mapping[str, Any]) -> list[list[str]]:
 
 def _rows(key: str, value: Any) -> list[tuple[str, str]]:
     if isinstance(value, Mapping):
-        return list(_flattened(value, ""))
+        return labelled(value)
     return [_row(key, value)]
+
+
+def labelled(section: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Label and text of each entry of a section, values with their units and places."""
+    return list(_flattened(section, ""))
 
 
 def _flattened(section: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, str]]:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from math import radians
 
-from ncgear.design.gears import Gears, Rack
+from ncgear.design.gears import GearBody, Gears, Rack
+from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.machine.rack import BasicRack, TipRelief
+from ncgear.pitch.shape import Mesh
+from ncgear.solids.bore import Bore, Keyway
 from ncgear.solids.helix import Hand, Helix
 from ncgear.teeth.form import Cutter, CutterKind, TipLimits, ToothForm
 
@@ -54,6 +57,18 @@ def tooth_form(gears: Gears, module_mm: float) -> ToothForm:
 def rim_mm_of(gears: Gears, module_mm: float) -> float:
     """Thickness of a ring outside its deepest root."""
     return RIM_IN_MODULES * module_mm if gears.driven.rim_mm is None else gears.driven.rim_mm
+
+
+def bore_of(body: GearBody) -> Bore | None:
+    """A gear's bore with its keyway; None where there is none."""
+    keyway = Keyway(body.keyway.width_mm, body.keyway.depth_mm) if body.keyway else None
+    return Bore(body.bore_mm, keyway) if body.bore_mm is not None else None
+
+
+def mesh_place(gears: Gears, center_distance_mm: float) -> MeshPlace:
+    """How the gears lie to each other and to the crank, as far as the force between them asks."""
+    rack, axis = radians(gears.rack.pressure_angle_deg), radians(gears.driving_axis_deg)
+    return MeshPlace(center_distance_mm, rack, Mesh(gears.mesh), axis)
 
 
 def helix_of(gears: Gears) -> Helix | None:

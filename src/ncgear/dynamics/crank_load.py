@@ -1,0 +1,115 @@
+"""What the linkage asks of its crank shaft in any motion: inertia that changes with the angle, resistance and weight.
+
+With q the crank's angle, M the reduced inertia and U the work against the resistance plus the potential of the weights,
+
+    M(q) q.. + M'(q) q.^2 / 2 + U'(q) = moment of the teeth
+
+The resistance acts in the working stroke and by place alone, as in the check of power: a slider that moves back a
+little within the stroke is pushed back with the force it had there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, pi
+
+import numpy as np
+
+from ncgear.dynamics.reduced import N_MM, reduced_inertia
+from ncgear.errors import WrongInput
+from ncgear.kinematics.bodies import Bodies, bodies
+from ncgear.machine.linkage import CrankSlider
+from ncgear.machine.masses import Masses
+from ncgear.machine.resistance import Resistance
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
+from ncgear.numerics.periodic_table import PeriodicTable, cubics
+
+INTERVALS = 4096
+"""In a turn: torques of the shipped baler are then met to 1e-9 of the largest (tests/test_crank_load.py)."""
+
+
+@dataclass(frozen=True, eq=False)
+class CrankLoad:
+    """M in N mm s^2 and U in N mm as one table over the crank's angle; U rises by the work of each turn.
+
+    ``dead_centres_rad`` are the crank angles at which the working stroke begins and ends.
+    """
+
+    table: PeriodicTable
+    dead_centres_rad: tuple[float, float]
+
+    def acceleration_rad_s2(self, angle_rad: Array, speed_rad_s: Array, moment_n_mm: Array) -> Array:
+        """Of the crank shaft under a moment of the teeth; any shape."""
+        value, slope = self.table.at(angle_rad)
+        moving = moment_n_mm - slope[..., 1] - 0.5 * slope[..., 0] * speed_rad_s**2
+        acceleration: Array = moving / value[..., 0]
+        return acceleration
+
+    def torque_n_mm(self, angle_rad: Array, speed_rad_s: Array, acceleration_rad_s2: Array) -> Array:
+        """What the teeth have to bring for a motion; any shape."""
+        value, slope = self.table.at(angle_rad)
+        torque: Array = value[..., 0] * acceleration_rad_s2 + 0.5 * slope[..., 0] * speed_rad_s**2 + slope[..., 1]
+        return torque
+
+    def energy_n_mm(self, angle_rad: Array, speed_rad_s: Array) -> Array:
+        """Kinetic energy, and what has been put into resistance and weights since the angle 0; shapes broadcast."""
+        values, _ = self.table.at(angle_rad)
+        energy: Array = 0.5 * values[..., 0] * speed_rad_s**2 + values[..., 1]
+        return energy
+
+
+def crank_load(linkage: CrankSlider, masses: Masses, resistance: Resistance) -> CrankLoad:
+    """The linkage's load; raises WrongInput where nothing has inertia, as without a gear at a dead centre."""
+    working = linkage.working_angle_rad
+    parts = [_knots(0.0, working), _knots(working, 2.0 * pi)]
+    work = [_working(linkage, resistance, parts[0]), _returning(linkage, resistance, parts[1])]
+    knots = np.concatenate([parts[0], parts[1][1:]])
+    at = bodies(linkage, Jet.variable(knots, 2))
+    inertia = reduced_inertia(at, masses)
+    _require_inertia(float(inertia.inertia_kg_mm2.min()))
+    weight = _potential(at, masses)
+    work_value, work_slope = (np.concatenate([work[0][row], work[1][row][1:]]) for row in (0, 1))
+    values = np.column_stack([N_MM * inertia.inertia_kg_mm2, work_value + weight.value])
+    slopes = np.column_stack([N_MM * inertia.change_kg_mm2_rad, work_slope + weight.derivative(1)])
+    table = cubics(np.diff(knots), (values[:-1], slopes[:-1]), (values[1:], slopes[1:]))
+    return CrankLoad(PeriodicTable(knots, table, np.array([0.0, float(work_value[-1])])), (0.0, working))
+
+
+def _knots(low: float, high: float) -> Array:
+    return np.linspace(low, high, ceil((high - low) * INTERVALS / (2.0 * pi)) + 1)
+
+
+def _working(linkage: CrankSlider, resistance: Resistance, angle: Array) -> tuple[Array, Array]:
+    """Work against the resistance from the retracted end, and its slope by the crank's angle."""
+    slide = linkage.displacement(Jet.variable(angle, 1))
+    place = np.minimum(slide.value, linkage.stroke_mm)
+    return resistance.work_n_mm(place, linkage.stroke_mm), resistance.force_n(place) * slide.derivative(1)
+
+
+def _returning(linkage: CrankSlider, resistance: Resistance, angle: Array) -> tuple[Array, Array]:
+    whole = resistance.work_n_mm(np.array([linkage.stroke_mm]), linkage.stroke_mm)
+    return np.broadcast_to(whole, angle.shape), np.zeros_like(angle)
+
+
+def _potential(at: Bodies, masses: Masses) -> Jet:
+    """Potential energy of the weights in N mm."""
+    along, across = masses.gravity_m_s2
+    places = (
+        (masses.slider_kg, at.wrist),
+        (masses.rod_kg, at.on_rod(masses.rod_center_mm)),
+        (masses.crank_kg, at.on_crank(masses.crank_center_mm)),
+    )
+    total = 0.0 * at.crank_angle
+    for mass, place in places:
+        total = total - mass * (along * place.x + across * place.y)
+    return total
+
+
+def _require_inertia(least_kg_mm2: float) -> None:
+    if not least_kg_mm2 > 0.0:
+        raise WrongInput(
+            "nothing that turns with the crank has inertia, and at the dead centres nothing else has: give "
+            "driven_inertia_kg_mm2 or crank_inertia_kg_mm2",
+            key="masses",
+        )

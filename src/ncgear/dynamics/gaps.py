@@ -1,0 +1,133 @@
+"""When pairs of teeth touch, as tables over the driving angle.
+
+A pair touches at the law's driven angle along its path of contact; where only a corner of its teeth would touch, the
+driven gear has a way to go first.  The slope of the touching angle is no difference of samples: the common normal gives
+the speeds at which both gears pass along it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncgear.contact.candidates import contacts_within
+from ncgear.contact.contacts import Contacts
+from ncgear.contact.placement import Placement, placed
+from ncgear.dynamics.rows import Rows, first_rows, reach_rad, stretches
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.angles import in_words
+from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.periodic_table import PeriodicTable
+from ncgear.numerics.plane import along
+from ncgear.pitch.pair import PitchPair
+from ncgear.teeth.gear import ToothedPair
+
+PER_TOOTH = 80
+"""Positions per tooth pitch: at the ends of contact, where gaps begin to grow with the square of the way, first touches
+are then met to some millionths of a radian (tests/test_gaps.py)."""
+
+WITHIN_IN_MODULES = 0.5
+"""Depth to which teeth are followed into each other: deeper than any law of impact holds."""
+
+
+@dataclass(frozen=True, eq=False)
+class Near:
+    """Pairs that touch or nearly do, at driving angles of shape s; arrays of shape s + (slots,).
+
+    ``urge`` is +1 on pushing flanks, -1 on their backs and 0 in empty slots.  ``error_rad`` is the driven angle beyond
+    the law's at which the pair touches, ``lever_mm`` the arm of its normal force about the driven axis; ``slopes`` are
+    these two's by the driving angle.  ``driving_mm`` and ``driven_mm`` are the speeds, in mm per rad of each gear's own
+    angle, at which their points pass along the tangent that leads outwards from the driven axis.
+    """
+
+    urge: Array
+    error_rad: Array
+    lever_mm: Array
+    driving_mm: Array
+    driven_mm: Array
+    slopes: tuple[Array, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Gaps:
+    """The pairs of a mesh over a whole cycle of meetings.
+
+    ``urge`` has shape (intervals, slots), ``table`` the four quantities of each slot.  ``pair`` tells the driving and
+    the driven tooth of each slot, from 1; 0 where it is empty; shape (intervals, slots, 2).  ``reach_rad`` is how far,
+    in each interval, the driven gear may be pressed beyond the first contact before a pair is missed that the tables do
+    not follow; inf where they miss none.
+    """
+
+    table: PeriodicTable
+    urge: Array
+    pair: IndexArray
+    reach_rad: Array
+
+    def at(self, phi1_rad: Array | float) -> Near:
+        """The pairs near contact at driving angles in rad, of any shape."""
+        value, slope = self.table.at(phi1_rad)
+        _, index, _ = self.table.place(phi1_rad)
+        error, lever, driving, driven = (value[..., number] for number in range(4))
+        return Near(self.urge[index], error, lever, driving, driven, (slope[..., 0], slope[..., 1]))
+
+    def play_rad(self, phi1_rad: Array) -> tuple[Array, Array]:
+        """Driven angles beyond the law's at which pushing flanks and their backs first touch, shape of ``phi1_rad``."""
+        near = self.at(phi1_rad)
+        pushing = np.where(near.urge > 0.0, near.error_rad, -np.inf).max(axis=-1)
+        back = np.where(near.urge < 0.0, near.error_rad, np.inf).min(axis=-1)
+        return pushing, back
+
+    def require_reach(self, phi1_rad: Array, error_rad: Array) -> None:
+        """Refuse driven angles beyond the law's at which teeth are deeper in each other than they are followed.
+
+        Raises NoSuchMechanism.
+        """
+        pushing, back = self.play_rad(phi1_rad)
+        pressed = np.maximum(pushing - error_rad, error_rad - back)
+        worst = int(np.argmax(pressed - self.reach_rad[self.table.place(phi1_rad)[1]]))
+        if pressed[worst] > self.reach_rad[self.table.place(phi1_rad)[1]][worst]:
+            raise _too_deep(float(phi1_rad[worst]), float(pressed[worst]))
+
+
+def gaps_of(teeth: ToothedPair, pitch: PitchPair, per_tooth: int = PER_TOOTH) -> Gaps:
+    """The pairs of a mesh, from contacts at so many positions per tooth (an even number)."""
+    placement = placed(pitch, per_tooth)
+    found = contacts_within(teeth, placement, WITHIN_IN_MODULES * teeth.driving.flanks.rack.module_mm)
+    sides = [_rows(contacts, urge, placement) for contacts, urge in zip(found, (1.0, -1.0), strict=True)]
+    return _slotted(Rows.joined(sides), placement)
+
+
+def _rows(contacts: Contacts, urge: float, placement: Placement) -> Rows:
+    """The first contact of each pair of teeth at each position, with slopes."""
+    tangent = placement.fixed_directions(contacts.tangent, contacts.position, contacts.error_rad)
+    place = contacts.fixed_points(placement)
+    from_axis = place - placement.center_distance_mm
+    # Oriented by the normal force, whose arm never changes its sign, not by the way out, which a steep tangent does
+    tangent = tangent / np.abs(tangent) * np.sign(along(tangent, from_axis))
+    lever = along(tangent, from_axis)
+    driving, driven = along(tangent, 1j * place), placement.mesh.sense * along(tangent, 1j * from_axis)
+    drift = placement.mesh.sense * along(tangent, place) / lever - placement.speed[contacts.position]
+    values = np.column_stack([contacts.error_rad, lever, driving, driven])
+    return first_rows(contacts, urge, values, drift)
+
+
+def _slotted(rows: Rows, placement: Placement) -> Gaps:
+    """Rows side by side in the slots of each interval."""
+    found = stretches(rows, placement)
+    slot = np.arange(found.interval.size) - np.searchsorted(found.interval, found.interval)
+    place, shape = (found.interval, slot), (placement.count, int(slot.max()) + 1)
+    coefficients = np.zeros((4, *shape, rows.values.shape[1]))
+    coefficients[:, *place] = found.coefficients
+    urge, pair = np.zeros(shape), np.zeros((*shape, 2), dtype=int)
+    urge[place], pair[place] = rows.urge[found.row], rows.teeth[found.row]
+    breaks = np.append(placement.phi1_rad, placement.cycle_rad)
+    return Gaps(PeriodicTable(breaks, coefficients), urge, pair, reach_rad(rows, placement))
+
+
+def _too_deep(phi1_rad: float, pressed_rad: float) -> NoSuchMechanism:
+    return NoSuchMechanism(
+        f"at phi1 = {in_words(phi1_rad)} the load presses the driven gear {pressed_rad:.3g} rad into the driving one, "
+        "deeper than their teeth can be followed into each other; stiffer teeth, larger ones or less load are needed",
+        key="simulation.stiffness_n_mm",
+    )

@@ -1,0 +1,74 @@
+"""The force between the teeth, from the torque asked of the driven gear.
+
+Wherever teeth touch, the normal of the flanks goes through the pitch point, so the force turns the driven gear by its
+part across the line of centres alone: F_across = T2 / r2.  The flanks' normal leans from the pitch curves' tangent by
+the rack's angle alpha, the tangent from the normal to the line of centres by mu = atan(r1'/r1); the pressure angle is
+alpha - mu where the driving gear pushes and alpha + mu where the driven gear runs ahead and the back flanks hold it (F.
+L. Litvin, A. Fuentes-Aznar, I. Gonzalez-Perez, K. Hayasaka, "Noncircular Gears", Cambridge 2009, chapter 2).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, sin
+
+import numpy as np
+
+from ncgear.numerics import jet
+from ncgear.numerics.jet import Jet
+from ncgear.numerics.vector import Vector
+from ncgear.pitch import shape
+from ncgear.pitch.shape import Gear, Mesh
+
+
+@dataclass(frozen=True)
+class MeshPlace:
+    """How the gears lie: distance of their axes, angle of the rack, kind of mesh.
+
+    ``driving_axis_rad`` is the direction from the crank's axis to the driving gear's, in the frame of
+    ``machine.linkage``, counter-clockwise from the slider's line.
+    """
+
+    center_distance_mm: float
+    rack_angle_rad: float
+    mesh: Mesh
+    driving_axis_rad: float
+
+
+@dataclass(frozen=True, eq=False)
+class MeshForce:
+    """Force in N on the driven gear, its size, and its pressure angle in rad, as jets by the driving angle.
+
+    Of helical teeth it is the part across the axes.
+
+    The pressure angle is counted from the normal to the line of centres, positive where the force drives the axes
+    apart (of a ring: together).  From 90 degrees on no force can hold the torque, and the size is negative.
+    """
+
+    force: Vector
+    size_n: Jet
+    pressure_angle_rad: Jet
+
+
+def mesh_force(place: MeshPlace, slope: Jet, torque_n_mm: Jet) -> MeshForce:
+    """The force for a torque asked of the driven gear, in its sense of turning.
+
+    ``slope`` is dphi2/dphi1 with one derivative more than the torque has.  Where nothing is asked, the angle is that of
+    the flanks that push.
+    """
+    side = np.where(torque_n_mm.value < 0.0, -1.0, 1.0)
+    radius = shape.radius(slope, Gear.DRIVEN, place.mesh).truncated(torque_n_mm.order) * place.center_distance_mm
+    angle = place.rack_angle_rad - jet.arctan(shape.tangent_slope(slope, place.mesh)) * side
+    sine, cosine = jet.sin_cos(angle)
+    size = torque_n_mm * side / (radius * cosine)
+    turning, apart = _directions(place)
+    return MeshForce(turning * (size * cosine * side) + apart * (size * sine), size, angle)
+
+
+def _directions(place: MeshPlace) -> tuple[Vector, Vector]:
+    """Unit vectors at the pitch point: as the driven gear moves there, and away from the driving axis.
+
+    The crank turns clockwise; the pitch point lies towards the driving axis, of a ring beyond it.
+    """
+    towards = Vector(cos(place.driving_axis_rad), sin(place.driving_axis_rad))
+    return Vector(towards.y, -towards.x), towards * place.mesh.sense

@@ -1,0 +1,117 @@
+"""Loaded contact of the teeth: where the driven gear comes to rest under a torque while the driving gear turns slowly.
+
+At each position the forces of all pairs, which grow with the depth by the law of impact at rest, balance the torque.
+The more the driven gear gives way the larger is their moment, so that there is one such place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ncgear.dynamics.meshing import Meshing, ToothForces, TwoShafts
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.bracketed import zeros_between
+
+FIRST_STEP_RAD = 1e-7
+DOUBLINGS = 24
+"""Where a driven angle is looked for that bears the torque: up to a radian, farther than any tooth gives way."""
+
+BALANCED = 1e-6
+"""Share of the largest torque that may be left of a balance: a driven angle of some rad is known to 1e-15, so that even
+of teeth a million times as stiff as steel the depth is known to some 1e-8."""
+
+
+@dataclass(frozen=True, eq=False)
+class LoadedContact:
+    """The teeth under load at n positions.
+
+    ``error_rad`` (shape (n,)) is the driven angle beyond the law's; ``forces`` have shape (n, slots), their moments on
+    the driving gear are what the drive has to bring.
+    """
+
+    phi1_rad: Array
+    error_rad: Array
+    forces: ToothForces
+
+    @property
+    def transmission_error_rad(self) -> float:
+        """Peak to peak variation of the driven angle beyond the law's."""
+        return float(np.ptp(self.error_rad))
+
+    @property
+    def driving_torque_n_mm(self) -> Array:
+        """Torque on the driving shaft, shape (n,)."""
+        torque: Array = -self.forces.driving_n_mm.sum(axis=-1)
+        return torque
+
+    @property
+    def tooth_force_n(self) -> Array:
+        """Largest normal force of any pair at each position, shape (n,)."""
+        largest: Array = self.forces.normal_n.max(axis=-1)
+        return largest
+
+    @property
+    def pairs(self) -> IndexArray:
+        """Number of pairs that bear load at each position, shape (n,)."""
+        counted: IndexArray = np.sum(self.forces.normal_n > 0.0, axis=-1)
+        return counted
+
+
+def loaded_contact(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_rad_s: float) -> LoadedContact:
+    """The teeth at driving angles in rad that bring torques in N mm to the driven shaft, shape (n,) each.
+
+    The speed of the driving shaft tells how the flanks slide, and so which way they rub; 0 is without friction.  A pair
+    without torque stands on its pushing flanks, and touches.  Raises ArithmeticError where no balance is found, and
+    NoSuchMechanism where teeth would be pressed deeper into each other than they are followed.
+    """
+    resting = replace(meshing, impact=replace(meshing.impact, damping_n_s_mm=0.0))
+    ahead = meshing.gaps.play_rad(phi1_rad)[0]
+    loaded = np.nonzero(torque_n_mm)[0]
+    ahead[loaded] = _balanced(resting, phi1_rad[loaded], torque_n_mm[loaded], speed_rad_s)
+    meshing.gaps.require_reach(phi1_rad, ahead)
+    return LoadedContact(phi1_rad, ahead, _forces(resting, phi1_rad, ahead, speed_rad_s))
+
+
+def _forces(meshing: Meshing, phi1_rad: Array, ahead_rad: Array, speed_rad_s: float) -> ToothForces:
+    angle, ratio = meshing.law.at(phi1_rad)
+    return meshing.forces(TwoShafts(phi1_rad, speed_rad_s, angle + ahead_rad, ratio * speed_rad_s))
+
+
+def _balanced(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_rad_s: float) -> Array:
+    """Driven angles beyond the law's at which the teeth bear torques other than 0."""
+
+    def missing(ahead: Array) -> Array:
+        moments: Array = _forces(meshing, phi1_rad, ahead, speed_rad_s).driven_n_mm.sum(axis=-1)
+        return moments - torque_n_mm
+
+    ahead = zeros_between(missing, *_bracket(missing, meshing.gaps.play_rad(phi1_rad), torque_n_mm))
+    if not np.all(np.abs(missing(ahead)) <= BALANCED * np.abs(torque_n_mm).max(initial=0.0)):
+        raise ArithmeticError("the forces of the teeth do not balance the torque")
+    return ahead
+
+
+def _bracket(
+    missing: Callable[[Array], Array], play_rad: tuple[Array, Array], torque_n_mm: Array
+) -> tuple[Array, Array]:
+    """Driven angles beyond the law's between which the torque is met.
+
+    Where flanks push, they do so from their first touch backwards; where their backs hold, from theirs on.
+    """
+    pushing, back = play_rad
+    push = torque_n_mm >= 0.0
+    start = np.where(push, pushing, back)
+    way = np.where(push, np.minimum(pushing, back), np.maximum(pushing, back)) - start
+    step = np.where(push, -FIRST_STEP_RAD, FIRST_STEP_RAD)
+    for _ in range(DOUBLINGS):
+        short = np.where(push, missing(start + way + step) < 0.0, missing(start + way + step) > 0.0)
+        if not short.any():
+            end = start + way + step
+            return np.where(push, end, start), np.where(push, start, end)
+        step = np.where(short, 2.0 * step, step)
+    raise NoSuchMechanism(
+        "no depth of the teeth bears the torque: friction holds them; less of it is needed", key="simulation.friction"
+    )

@@ -1,0 +1,50 @@
+"""The teeth, the drive and the load of a design as they are simulated."""
+
+from __future__ import annotations
+
+from math import pi
+
+from ncgear.design.simulation import Simulation
+from ncgear.dynamics.drive_line import DriveLine, EvenDrive, Motor
+from ncgear.dynamics.gaps import gaps_of
+from ncgear.dynamics.impact import Friction, Impact, hertz_stiffness
+from ncgear.dynamics.law_table import law_table
+from ncgear.dynamics.meshing import Meshing
+from ncgear.dynamics.reduced import N_MM
+from ncgear.errors import WrongInput
+from ncgear.machine.masses import Masses
+from ncgear.pitch.pair import PitchPair
+from ncgear.recipe.law import RAD_S_PER_RPM
+from ncgear.teeth.gear import ToothedPair
+
+N_MM_PER_N_M = 1e3
+
+
+def meshing_of(given: Simulation, pitch: PitchPair, teeth: ToothedPair) -> Meshing:
+    """The pair of gears as it bears load."""
+    rub = given.friction
+    friction = Friction(rub.static, rub.dynamic, rub.static_speed_mm_s, rub.dynamic_speed_mm_s)
+    return Meshing(law_table(pitch.transmission), gaps_of(teeth, pitch), impact_of(given, pitch), friction)
+
+
+def impact_of(given: Simulation, pitch: PitchPair) -> Impact:
+    """The law of impact, with Hertz's stiffness where none is given."""
+    stiffness = given.stiffness_n_mm
+    if stiffness is None:
+        radii = pitch.driving.length_mm / (2.0 * pi), -pitch.mesh.sense * pitch.driven.length_mm / (2.0 * pi)
+        stiffness = hertz_stiffness(given.youngs_modulus_gpa, given.poisson, radii)
+    return Impact(stiffness, given.exponent, given.damping_n_s_mm, given.full_damping_depth_mm)
+
+
+def drive_line_of(given: Simulation, masses: Masses, speed_rad_s: float) -> DriveLine:
+    """What turns the driving gear; raises WrongInput where a motor has nothing to turn but teeth."""
+    motor = given.motor
+    if motor is None:
+        return EvenDrive(speed_rad_s)
+    if not masses.driving_shaft_kg_mm2 > 0.0:
+        raise WrongInput(
+            "0 given, but a motor's shaft needs inertia; give driving_gear_kg_mm2 or a flywheel",
+            key="masses.driving_gear_kg_mm2",
+        )
+    inertia = N_MM * masses.driving_shaft_kg_mm2
+    return Motor(motor.no_load_speed_rpm * RAD_S_PER_RPM, N_MM_PER_N_M * motor.stall_torque_n_m, inertia)

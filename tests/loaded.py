@@ -1,0 +1,78 @@
+"""Pairs that bear load, for the tests of loaded contact and of motion in time."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from math import pi
+from typing import Any
+
+import numpy as np
+
+from engaged import LAWS, RINGS, made
+from ncgear.dynamics.crank_load import CrankLoad, crank_load
+from ncgear.dynamics.drive_line import DriveLine, EvenDrive
+from ncgear.dynamics.gaps import Gaps, gaps_of
+from ncgear.dynamics.impact import Friction, Impact
+from ncgear.dynamics.law_table import law_table
+from ncgear.dynamics.meshing import Meshing
+from ncgear.dynamics.motion_equation import Mechanism
+from ncgear.machine.linkage import CrankSlider
+from ncgear.machine.masses import Masses
+from ncgear.machine.polynomial_resistance import PolynomialResistance
+from ncgear.numerics.periodic_table import PeriodicTable
+
+Array = np.ndarray
+
+IMPACT = Impact(5e5, 2.2, 100.0, 0.1)
+FRICTION = Friction(0.08, 0.05, 1.0, 10.0)
+SMOOTH = Friction(0.0, 0.0, 1.0, 10.0)
+MASSES = Masses(
+    slider_kg=5.0,
+    rod_kg=1.5,
+    rod_center_mm=90.0,
+    rod_inertia_kg_mm2=8e3,
+    crank_kg=1.0,
+    crank_center_mm=20.0,
+    crank_inertia_kg_mm2=2e3,
+    driven_inertia_kg_mm2=500.0,
+)
+LINKAGE = CrankSlider(60.0, 200.0)
+SPEED = 2.0 * pi
+
+
+@cache
+def gaps(name: str, teeth: int, per_tooth: int = 80, **kinds: Any) -> Gaps:
+    """The pairs of a mesh of ``engaged.made``."""
+    pitch, pair = made(name, teeth, **kinds)
+    return gaps_of(pair, pitch, per_tooth)
+
+
+@cache
+def meshing(name: str, teeth: int, **kinds: Any) -> Meshing:
+    """The same with the usual law of impact and friction."""
+    return Meshing(law_table((LAWS | RINGS)[name]()), gaps(name, teeth, **kinds), IMPACT, FRICTION)
+
+
+def frictionless(found: Meshing, **changes: float) -> Meshing:
+    """Without friction, and with other figures of the law of impact."""
+    return replace(found, friction=SMOOTH, impact=replace(found.impact, **changes))
+
+
+def even_load(inertia_kg_mm2: float, torque_n_mm: float) -> CrankLoad:
+    """A shaft of constant inertia under a constant torque."""
+    coefficients = np.zeros((4, 1, 2))
+    coefficients[3, 0, 0] = 1e-3 * inertia_kg_mm2
+    coefficients[2, 0, 1] = torque_n_mm
+    table = PeriodicTable(np.array([0.0, 2.0 * pi]), coefficients, np.array([0.0, 2.0 * pi * torque_n_mm]))
+    return CrankLoad(table, (0.0, pi))
+
+
+def slider_load(force_n: tuple[float, ...] = (500.0,), masses: Masses = MASSES) -> CrankLoad:
+    """A small crank-slider against a polynomial resistance."""
+    return crank_load(LINKAGE, masses, PolynomialResistance(force_n))
+
+
+def mechanism(found: Meshing, load: CrankLoad, drive: DriveLine | None = None) -> Mechanism:
+    """Teeth and load, driven evenly at a turn a second if nothing is said."""
+    return Mechanism(drive or EvenDrive(SPEED), found, load)

@@ -1,0 +1,66 @@
+"""The linkage as a load on its shaft, against the forces of Newton and Euler and against energy."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+
+from loaded import LINKAGE, MASSES, slider_load
+from ncgear.dynamics.crank_load import crank_load
+from ncgear.dynamics.joints import joint_forces
+from ncgear.dynamics.pace import CrankPace
+from ncgear.errors import WrongInput
+from ncgear.kinematics.bodies import bodies
+from ncgear.machine.linkage import CrankSlider
+from ncgear.machine.masses import Masses
+from ncgear.machine.polynomial_resistance import PolynomialResistance
+from ncgear.numerics.jet import Jet
+
+WEIGHT = replace(MASSES, gravity_m_s2=(1.3, -9.81))
+RESISTANCE = PolynomialResistance((-40.0, 3.0, 0.02))
+
+
+@pytest.mark.parametrize("linkage", [LINKAGE, CrankSlider(60.0, 200.0, 25.0)])
+def test_torque_of_any_motion_is_that_of_the_joint_forces(linkage: CrankSlider) -> None:
+    random = np.random.default_rng(5)
+    angle, speed, acceleration = random.uniform([0.0, -9.0, -50.0], [2.0 * pi, 9.0, 50.0], (500, 3)).T
+    slide = linkage.displacement(Jet.variable(angle, 0)).value
+    resisting = np.where(angle < linkage.working_angle_rad, RESISTANCE.force_n(slide), 0.0)
+    at = bodies(linkage, Jet.variable(angle, 2))
+    expected = joint_forces(at, WEIGHT, CrankPace(speed, acceleration), resisting).torque_n_mm
+    found = crank_load(linkage, WEIGHT, RESISTANCE).torque_n_mm(angle, speed, acceleration)
+    assert np.abs(found - expected).max() < 1e-6 * np.abs(expected).max()
+
+
+def test_acceleration_undoes_torque() -> None:
+    load = slider_load()
+    angle, speed, acceleration = np.random.default_rng(6).uniform(-9.0, 9.0, (3, 200))
+    torque = load.torque_n_mm(angle, speed, acceleration)
+    np.testing.assert_allclose(load.acceleration_rad_s2(angle, speed, torque), acceleration, rtol=1e-11, atol=1e-11)
+
+
+def test_a_turn_costs_the_work_of_the_resistance_and_no_work_of_the_weights() -> None:
+    load = crank_load(LINKAGE, WEIGHT, RESISTANCE)
+    ends = load.energy_n_mm(np.array([0.0, 2.0 * pi, 8.0 * pi]), np.full(3, 3.0))
+    work = float(RESISTANCE.work_n_mm(np.array([LINKAGE.stroke_mm]), LINKAGE.stroke_mm)[0])
+    np.testing.assert_allclose(np.diff(ends), [work, 3.0 * work], rtol=1e-13)
+
+
+def test_the_power_of_the_torque_is_the_change_of_energy() -> None:
+    load, step = slider_load(), 1e-5
+    angle, speed, acceleration = np.random.default_rng(8).uniform(0.1, 6.0, (3, 100))
+    sides = [
+        load.energy_n_mm(angle + way * speed + way**2 * acceleration / 2.0, speed + way * acceleration)
+        for way in (step, -step)
+    ]
+    power = load.torque_n_mm(angle, speed, acceleration) * speed
+    np.testing.assert_allclose((sides[0] - sides[1]) / (2.0 * step), power, rtol=1e-5, atol=1.0)
+
+
+def test_a_shaft_without_inertia_is_refused() -> None:
+    with pytest.raises(WrongInput, match="nothing that turns with the crank has inertia") as caught:
+        slider_load(masses=Masses(slider_kg=5.0))
+    assert caught.value.key == "masses"

@@ -1,0 +1,169 @@
+"""`ncgear simulate` at the levels at which teeth give way: files, figures, and what is said about wrong parameters."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import ncgear.cli
+from ncgear.design.load import load
+from ncgear.drive import Drive
+from ncgear.recipe.simulation import impact_of
+
+DESIGN = Path(__file__).parents[1] / "designs" / "baler-dynamics.yaml"
+
+HEAD = """\
+name: press
+linkage: {crank_mm: 38, rod_mm: 96}
+operation: {speed_rpm: 60}
+motion: {law: ellipse, eccentricity: 0.3}
+resistance: {polynomial_n: [400]}
+gears: {teeth: 19, module_mm: 1.5, face_width_mm: 10}
+masses: {slider_kg: 1, rod: {mass_kg: 0.3, center_mm: 40, inertia_kg_mm2: 300}, crank: {mass_kg: 0.4, center_mm: 10, \
+inertia_kg_mm2: 200}, driving_gear_kg_mm2: 50, driven_gear_kg_mm2: 50}
+"""
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
+    """Simulate d.yaml, which holds the text, in an empty folder: status, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("NCGEAR_DEBUG", raising=False)
+
+    def run_once(text: str, level: str) -> tuple[int, str, str]:
+        Path("d.yaml").write_text(text, encoding="utf-8")
+        monkeypatch.setattr(sys, "argv", ["ncgear", "simulate", "d.yaml", "--level", level, "--out", "here"])
+        with pytest.raises(SystemExit) as exit_:
+            ncgear.cli.main()
+        out, err = capsys.readouterr()
+        return int(exit_.value.code or 0), out, err
+
+    return run_once
+
+
+def figures() -> dict[str, Any]:
+    return json.loads(Path("here/simulation.json").read_text())
+
+
+def table() -> np.ndarray:
+    return np.genfromtxt("here/simulation.csv", delimiter=",", names=True)
+
+
+def test_loaded_contact_of_the_published_baler(run: Run) -> None:
+    """Pinned: what its teeth give way and bear under the rigid level's torque, with chosen masses."""
+    status, _, err = run(DESIGN.read_text(encoding="utf-8"), "quasi_static")
+    assert (status, err) == (0, "")
+    found, rows = figures()["loaded_contact"], table()
+    assert found["contact_stiffness_n"] == pytest.approx(633516.0, abs=1.0)
+    assert found["peak_tooth_force_n"] == pytest.approx(64061.0, rel=1e-3)
+    assert found["peak_depth_mm"] == pytest.approx(0.3529, rel=1e-3)
+    assert found["transmission_error_rad"] == pytest.approx(np.ptp(rows["error_rad"]), rel=1e-6)
+    assert {path.name for path in Path("here").iterdir()} == {
+        "simulation.csv",
+        "simulation.json",
+        "loaded_contact.png",
+    }
+    # Friction apart, the teeth ask of the drive what the rigid machine does.
+    assert rows["driving_torque_n_m"].mean() == pytest.approx(rows["rigid_driving_torque_n_m"].mean(), rel=0.03)
+
+
+@pytest.mark.slow
+def test_motion_in_time_of_the_published_baler(run: Run) -> None:
+    """Pinned: the slider keeps to the law within 4 mm, its acceleration swings about it, and energy balances."""
+    status, _, err = run(DESIGN.read_text(encoding="utf-8"), "dynamic")
+    assert (status, err) == (0, "")
+    found, rows = figures(), table()
+    assert found["motion_in_time"]["energy_error"] < 1e-5
+    assert found["motion_in_time"]["work_of_drive_j"] == pytest.approx(3182.2, rel=1e-3)
+    assert found["motion_in_time"]["peak_pushing_force_n"] == pytest.approx(68449.0, rel=5e-3)
+    assert found["slider"]["largest_displacement_error_mm"] == pytest.approx(3.5204, rel=1e-2)
+    assert rows["displacement_mm"].max() == pytest.approx(760.0, abs=1e-2)
+    names = {"slider_motion.png", "tooth_force.png", "bearing_forces.png"}
+    assert all(Path("here", name).read_bytes().startswith(b"\x89PNG") for name in names)
+
+
+def test_motion_in_time_with_a_motor_from_rest(run: Run) -> None:
+    motor = "simulation: {start: rest, turns: 0.1, motor: {no_load_speed_rpm: 60, stall_torque_n_m: 200}}\n"
+    status, out, err = run(HEAD + motor, "dynamic")
+    assert (status, err) == (0, "")
+    rows = table()
+    assert rows["phi1_rad"][-1] == pytest.approx(0.2 * np.pi, rel=1e-6)
+    assert rows["velocity_mm_s"][0] == 0.0
+    assert "energy error" in out
+
+
+def test_a_stiffness_is_hertzs_or_the_one_given() -> None:
+    """A quarter of the modulus is a quarter of the stiffness, and a stiffness that is given is taken."""
+    given, pitch = Drive(load(DESIGN).design).design.simulation, Drive(load(DESIGN).design).pitch
+    soft = given.model_copy(update={"youngs_modulus_gpa": given.youngs_modulus_gpa / 4.0})
+    assert impact_of(soft, pitch).stiffness == pytest.approx(impact_of(given, pitch).stiffness / 4.0, rel=1e-12)
+    assert impact_of(given.model_copy(update={"stiffness_n_mm": 7.0}), pitch).stiffness == 7.0
+
+
+WRONG: dict[str, tuple[str, str, str]] = {
+    "negative stiffness": ("{stiffness_n_mm: -1}", "stiffness_n_mm", "over 0"),
+    "exponent under 1": ("{exponent: 0.9}", "exponent", "1"),
+    "negative damping": ("{damping_n_s_mm: -1}", "damping_n_s_mm", "0 or over"),
+    "no depth of damping": ("{full_damping_depth_mm: 0}", "full_damping_depth_mm", "over 0"),
+    "no modulus": ("{youngs_modulus_gpa: 0}", "youngs_modulus_gpa", "over 0"),
+    "poisson": ("{poisson: 0.6}", "poisson", "0.5"),
+    "less friction at rest": ("{friction: {static: 0.01}}", "friction.static", "less than the dynamic 0.05"),
+    "speeds of friction": ("{friction: {dynamic_speed_mm_s: 1}}", "friction.dynamic_speed_mm_s", "over 1 is right"),
+    "motor without torque": (
+        "{motor: {no_load_speed_rpm: 60, stall_torque_n_m: 0}}",
+        "motor.stall_torque_n_m",
+        "over 0",
+    ),
+    "no turns": ("{turns: 0}", "turns", "over 0"),
+    "another start": ("{start: jump}", "start", "on_law"),
+}
+
+
+@pytest.mark.parametrize(("block", "key", "said"), WRONG.values(), ids=WRONG.keys())
+def test_wrong_parameters_are_refused_by_key(run: Run, block: str, key: str, said: str) -> None:
+    status, out, err = run(f"{HEAD}simulation: {block}\n", "dynamic")
+    assert (status, out) == (2, "")
+    assert f"simulation.{key}: " in err
+    assert said in err
+    assert not Path("here").exists()
+
+
+@pytest.mark.parametrize("level", ["quasi_static", "dynamic"])
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        (HEAD[: HEAD.index("masses")], "masses"),
+        ("\n".join(line for line in HEAD.splitlines() if not line.startswith("gears")) + "\n", "gears"),
+        (
+            HEAD.replace("face_width_mm: 10", "face_width_mm: 10, helix: {angle_deg: 10, kind: helical, hand: right}"),
+            "gears.helix",
+        ),
+    ],
+    ids=["masses", "gears", "helix"],
+)
+def test_what_a_level_needs_is_asked_for(run: Run, level: str, text: str, key: str) -> None:
+    status, out, err = run(text, level)
+    assert (status, out) == (2, "")
+    assert f": {key}: " in err
+
+
+def test_a_motor_whose_shaft_has_no_inertia_is_refused(run: Run) -> None:
+    motor = "simulation: {motor: {no_load_speed_rpm: 60, stall_torque_n_m: 200}}\n"
+    status, _, err = run(HEAD.replace("driving_gear_kg_mm2: 50", "driving_gear_kg_mm2: 0") + motor, "dynamic")
+    assert status == 2
+    assert "masses.driving_gear_kg_mm2: 0 given" in err
+
+
+def test_a_load_too_heavy_for_the_teeth_is_refused(run: Run) -> None:
+    status, _, err = run(HEAD + "simulation: {stiffness_n_mm: 10}\n", "quasi_static")
+    assert status == 3
+    assert "simulation.stiffness_n_mm: " in err
+    assert "deeper than their teeth can be followed" in err
