@@ -5,38 +5,49 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import pi
 
+import numpy as np
+
 from ncgear.dynamics.motion_equation import Mechanism
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.bracketed import zeros_between
 
 CLEAR_RAD = 1e-9
 """Angle within which a leg counts as starting at a dead centre: rounding errors of the event that ended the last."""
 
 
 def passing(row: int, angle_rad: float) -> Callable[[float, Array], float]:
-    """An event that ends a leg: an angle of the state passes a value."""
+    """An event that ends a leg as the solver wants it: an angle of the state rises through a value."""
 
     def beyond(_time_s: float, state: Array) -> float:
         return float(state[row]) - angle_rad
 
-    return _marked(beyond, terminal=True)
+    beyond.terminal, beyond.direction = True, 1.0  # type: ignore[attr-defined]
+    return beyond
 
 
-def pressed(mechanism: Mechanism, urge: float) -> Callable[[float, Array], float]:
-    """An event of meeting or parting: how far the driven gear is pressed beyond the first contact of one side."""
-
-    def depth(_time_s: float, state: Array) -> float:
-        angle, _ = mechanism.meshing.law.at(state[0])
-        pushing, back = mechanism.meshing.gaps.play_rad(state[0])
-        ahead = state[2] - angle
-        return float(pushing - ahead if urge > 0.0 else ahead - back)
-
-    return _marked(depth, terminal=False)
+def pressed_rad(mechanism: Mechanism, states: Array, urge: float) -> Array:
+    """How far the driven gear is pressed beyond the first contact of one side in states (shape (6, n)), shape (n,)."""
+    angle, _ = mechanism.meshing.law.at(states[0])
+    pushing, back = mechanism.meshing.gaps.play_rad(states[0])
+    ahead = states[2] - angle
+    pressed: Array = pushing - ahead if urge > 0.0 else ahead - back
+    return pressed
 
 
-def _marked(event: Callable[[float, Array], float], *, terminal: bool) -> Callable[[float, Array], float]:
-    """The event as the solver wants it: ending a leg only where its value rises through 0."""
-    event.terminal, event.direction = terminal, 1.0 if terminal else 0.0  # type: ignore[attr-defined]
-    return event
+def meetings_s(mechanism: Mechanism, time_s: Array, at: Callable[[Array], Array], urge: float) -> Array:
+    """Times at which flanks of one side meet or part between the steps at ``time_s``; states are ``at`` times.
+
+    Not left to the solver's own search for events: that compares the states of its steps with the interpolation between
+    them, which LSODA does not join to them exactly.
+    """
+
+    def pressed(times: Array) -> Array:
+        return pressed_rad(mechanism, at(times), urge)
+
+    sign = np.sign(pressed(time_s))
+    change = np.nonzero(sign[:-1] * sign[1:] < 0.0)[0]
+    # The interpolation takes no empty times
+    return zeros_between(pressed, time_s[change], time_s[change + 1]) if change.size else np.empty(0)
 
 
 def next_dead_centre_rad(mechanism: Mechanism, phi2_rad: float) -> float:

@@ -1,6 +1,6 @@
 """The motion of the toothed mechanism in time, by a solver for stiff equations.
 
-The solver starts anew at each dead centre, where the resistance goes on or off, and tells when flanks meet and part.
+The solver starts anew at each dead centre, where the resistance goes on or off.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from ncgear.dynamics.events import next_dead_centre_rad, passing, pressed
+from ncgear.dynamics.events import meetings_s, next_dead_centre_rad, passing
 from ncgear.dynamics.motion_equation import Mechanism
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.angles import in_words
@@ -86,12 +86,7 @@ def course(mechanism: Mechanism, state: Array, turns: float, accuracy: float = A
 
 def _leg(mechanism: Mechanism, span_s: tuple[float, float], state: Array, target_rad: float, accuracy: float) -> Any:
     """From one dead centre to the next, or to the end of the course."""
-    events = [
-        passing(0, target_rad),
-        passing(2, next_dead_centre_rad(mechanism, float(state[2]))),
-        pressed(mechanism, 1.0),
-        pressed(mechanism, -1.0),
-    ]
+    events = passing(0, target_rad), passing(2, next_dead_centre_rad(mechanism, float(state[2])))
     tolerance = {"rtol": accuracy, "atol": accuracy * _scales(mechanism)}
     leg = solve_ivp(mechanism.change, span_s, state, METHOD, dense_output=True, events=events, **tolerance)
     if leg.status < 0:
@@ -111,7 +106,9 @@ def _joined(mechanism: Mechanism, legs: list[Any]) -> Course:
     """Legs end to end; a leg's first state is the last one of the leg before."""
     time_s = np.concatenate([legs[0].t[:1], *(leg.t[1:] for leg in legs)])
     states = np.concatenate([legs[0].y[:, :1], *(leg.y[:, 1:] for leg in legs)], axis=1)
-    pushing, back = (np.concatenate([leg.t_events[number] for leg in legs]) for number in (2, 3))
+    pushing, back = (
+        np.concatenate([meetings_s(mechanism, leg.t, leg.sol, urge) for leg in legs]) for urge in (1.0, -1.0)
+    )
     return Course(mechanism, time_s, states, pushing, back, tuple((float(leg.t[0]), leg.sol) for leg in legs))
 
 
