@@ -23,6 +23,7 @@ LAYERS = [
     {"contact"},
     {"solids"},
     {"optimum", "dynamics"},
+    {"balance"},
     {"design"},
     {"recipe"},
     {"drive", "improvement", "frontier"},

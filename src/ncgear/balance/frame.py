@@ -1,0 +1,119 @@
+"""Several mechanisms on one frame, driven by one shaft: the sum of what they do to it, and the best phase of one.
+
+Turned by the direction of its slider's line, mirrored where its crank turns the other way, and ahead by its phase, the
+force of each is exact; so is the sum.
+"""
+
+from __future__ import annotations
+
+from cmath import exp
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import pi
+
+import numpy as np
+
+from ncgear.balance.mechanism import Mechanism
+from ncgear.balance.shaking import Shaking, shaking
+from ncgear.balance.waveform import Waveform
+from ncgear.errors import WrongInput
+from ncgear.numerics import chebyshev
+from ncgear.numerics.arrays import Array, ComplexArray
+from ncgear.numerics.chebyshev import PiecewiseChebyshev
+from ncgear.numerics.extrema import Extremum
+
+HARMONICS = 128
+"""Harmonics by which two forces are correlated over their phase: those of a law's acceleration jumps, which fall off
+slowest, by the square of their number, leave a share of 1e-6 of the mean square beyond them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mounted:
+    """A mechanism in the frame.
+
+    ``direction_rad`` is that of its slider's way out, ``place_mm`` that of its crank axis (x + i y); ``phase_rad`` is
+    the driving angle by which it is ahead of the shaft.  A mirrored one has its crank turning counter-clockwise.
+    """
+
+    mechanism: Mechanism
+    direction_rad: float = 0.0
+    phase_rad: float = 0.0
+    mirrored: bool = False
+    place_mm: complex = 0j
+
+
+def frame_shaking(mounted: Sequence[Mounted]) -> Shaking:
+    """Force along the frame's x and y, and moment about its origin, over the longest cycle among the mechanisms.
+
+    Raises WrongInput where the speeds differ or another cycle does not go into the longest a whole number of times.
+    """
+    cycle = _common_cycle(mounted)
+    parts = [(one, shaking(one.mechanism)) for one in mounted]
+
+    def total(angle: Array) -> Array:
+        return np.asarray(np.sum([_in_frame(one, of, angle) for one, of in parts], axis=0))
+
+    breaks = np.unique(np.concatenate([[0.0, cycle], *(_breaks(one, of, cycle) for one, of in parts)]))
+    # Two breaks apart by rounding alone are one
+    breaks = breaks[np.append(True, np.diff(breaks) > 1e-9 * cycle)]
+    form = chebyshev.fitted(total, np.append(breaks[:-1], cycle))
+    return Shaking(*(Waveform(PiecewiseChebyshev(form.breaks, form.coefficients[:, :, k])) for k in range(3)))
+
+
+def best_phase(mounted: Sequence[Mounted], moved: int) -> Extremum:
+    """Phase of the mechanism number ``moved``, in [0, cycle), with the least force: its r.m.s. value in N.
+
+    Over the phase the mean square is a trigonometric polynomial, the correlation of the force with that of the others.
+    """
+    others = frame_shaking([one for number, one in enumerate(mounted) if number != moved])
+    alone = frame_shaking([replace(mounted[moved], phase_rad=0.0)])
+    cycle = _common_cycle(mounted)
+    if abs(others.along.cycle_rad - alone.along.cycle_rad) > 1e-9 * cycle:
+        raise WrongInput("cycles of different lengths have no one best phase; give mechanisms of equal cycles")
+    crossed = np.conj(_coefficients(others)) * _coefficients(alone)
+    waves = np.arange(-HARMONICS, HARMONICS + 1) * 2.0 * pi / cycle
+    own = others.force.rms**2 + alone.force.rms**2
+
+    def mean_square(phase: Array) -> Array:
+        return own + 2.0 * (np.exp(1j * np.outer(phase, waves)) @ crossed).real
+
+    least = Waveform(chebyshev.fitted(mean_square, np.linspace(0.0, cycle, 17))).extremes[0]
+    return Extremum(float(np.sqrt(max(least.value, 0.0))), least.at % cycle)
+
+
+def _coefficients(of: Shaking) -> ComplexArray:
+    """Of the force as a complex number, from the highest negative wave to the highest positive one."""
+    along, across = of.along.harmonics(HARMONICS), of.across.harmonics(HARMONICS)
+    positive, negative = along + 1j * across, np.conj(along) + 1j * np.conj(across)
+    return np.concatenate([negative[:0:-1], positive])
+
+
+def _common_cycle(mounted: Sequence[Mounted]) -> float:
+    cycles = [one.mechanism.transmission.cycle_rad for one in mounted]
+    for number, one in enumerate(mounted):
+        if not np.isclose(one.mechanism.speed_rad_s, mounted[0].mechanism.speed_rad_s, rtol=1e-12):
+            raise WrongInput(
+                "another driving speed than that of the first; one shaft drives all", key=f"mechanisms.{number}"
+            )
+        if abs(max(cycles) / cycles[number] - round(max(cycles) / cycles[number])) > 1e-9:
+            raise WrongInput(
+                "its cycle does not go into the longest a whole number of times", key=f"mechanisms.{number}"
+            )
+    return max(cycles)
+
+
+def _in_frame(one: Mounted, of: Shaking, angle: Array) -> Array:
+    """Force and moment at shaft angles, shape (n, 3)."""
+    own = np.mod(angle + one.phase_rad, of.along.cycle_rad)
+    force, moment = of.along(own) + 1j * of.across(own), of.moment(own)
+    if one.mirrored:
+        force, moment = np.conj(force), -moment
+    turned = force * exp(1j * one.direction_rad)
+    return np.column_stack([turned.real, turned.imag, moment + (np.conj(one.place_mm) * turned).imag])
+
+
+def _breaks(one: Mounted, of: Shaking, cycle: float) -> Array:
+    """Where the mechanism's own breaks fall in the common cycle."""
+    times = round(cycle / of.along.cycle_rad)
+    starts = np.arange(times)[:, None] * of.along.cycle_rad
+    return np.mod((starts + one.mechanism.breaks_rad - one.phase_rad).ravel(), cycle)
