@@ -485,7 +485,7 @@ def test_in_a_process_of_its_own(tmp_path: Path) -> None:
 def test_help_names_every_command(tmp_path: Path) -> None:
     done = fresh("--help", folder=tmp_path)
     assert done.returncode == 0
-    assert all(f"  {command} " in done.stdout for command in ("build", "check", "new", "schema"))
+    assert all(f"  {command} " in done.stdout for command in ("build", "check", "simulate", "new", "schema"))
 
 
 HEAVY = ("numpy", "pydantic", "sympy", "matplotlib", "trimesh", "scipy", "ruamel", "rich")

@@ -20,6 +20,7 @@ import typer
 from ncgear import __version__
 from ncgear.design.naming import NAME_RULE, is_name
 from ncgear.design.template import Law, template
+from ncgear.dynamics.level import Level
 from ncgear.errors import DesignError, WrongInput
 
 if TYPE_CHECKING:
@@ -125,6 +126,36 @@ def check(
             on_stage("kinematics and power")
             text = json.dumps(check_summary(drive), indent=2, allow_nan=False) if as_json else check_text(drive)
         typer.echo(text)
+        if timing:
+            typer.echo(timing_text(drive), err=True)
+
+
+@app.command()
+def simulate(
+    design_file: DesignFile,
+    level: Annotated[Level, typer.Option(help="rigid: inverse dynamics in closed form.")] = Level.RIGID,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-<level>")
+    ] = None,
+    timing: Timing = False,
+) -> None:
+    """Find the torques and forces in a design's machine, beside the uniform crank with the same masses."""
+    from ncgear.output.publish import prepare, publish
+
+    with _design(design_file) as loaded:
+        folder = out or Path("export") / f"{loaded.design.name}-{level}"
+        prepare(folder)
+
+        from ncgear.drive import Drive
+        from ncgear.output.report import timing_text
+        from ncgear.output.simulated import simulate as simulate_drive
+        from ncgear.output.simulated import simulation_files, simulation_text
+
+        drive = Drive(loaded.design)
+        with _progress() as on_stage:
+            on_stage(f"simulation, level {level}")
+            found = simulate_drive(drive, level)
+        typer.echo(simulation_text(found, publish(folder, simulation_files(found))))
         if timing:
             typer.echo(timing_text(drive), err=True)
 

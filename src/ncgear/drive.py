@@ -146,15 +146,15 @@ class Drive:
         """The moving masses; makes teeth only where a gear's moment of inertia is left out."""
         from ncgear.recipe.masses import masses_of
 
-        given = self.design.masses
+        given, gears, tolerance = self.design.masses, self.design.gears, self.design.output.chord_tolerance_mm
         if given is None:
             raise WrongInput("missing; forces need slider_kg, rod and crank", key="masses")
-        driving, driven = given.driving_gear_kg_mm2, given.driven_gear_kg_mm2
-        return masses_of(
-            given,
-            _driving_inertia_kg_mm2(self, given.density_kg_m3) if driving is None else driving,
-            _driven_inertia_kg_mm2(self, given.density_kg_m3) if driven is None else driven,
-        )
+        if gears is None or given.tells_gears:
+            return masses_of(given)
+        from ncgear.recipe.gear_inertia import body_inertias_kg_mm2
+
+        module, outlines = self.pitch.size.module_mm, (self.teeth.driving.outline_mm, self.teeth.driven.outline_mm)
+        return masses_of(given, *body_inertias_kg_mm2(gears, *outlines, module, tolerance, given.density_kg_m3))
 
     @cached_property
     def rigid(self) -> Rigid:
@@ -314,29 +314,3 @@ def _blank(gears: Gears, body: GearBody) -> Blank:
     from ncgear.solids.pair import Blank
 
     return Blank(gears.face_width_mm, bore_of(body), gears.index_holes)
-
-
-def _driving_inertia_kg_mm2(drive: Drive, density_kg_m3: float) -> float:
-    """Of the driving gear's own body; none where a design has no gears."""
-    from ncgear.solids.inertia import gear_polar_mm4, plate_kg_mm2
-
-    if drive.design.gears is None:
-        return 0.0
-    tolerance = drive.design.output.chord_tolerance_mm
-    polar = gear_polar_mm4(drive.teeth.driving.outline_mm, bore_of(drive.gears.driving), tolerance)
-    return plate_kg_mm2(polar, drive.gears.face_width_mm, density_kg_m3)
-
-
-def _driven_inertia_kg_mm2(drive: Drive, density_kg_m3: float) -> float:
-    """Of the driven gear's own body, or ring; none where a design has no gears."""
-    from ncgear.solids.inertia import gear_polar_mm4, plate_kg_mm2, ring_polar_mm4
-    from ncgear.solids.ring import outer_radius_mm
-
-    if drive.design.gears is None:
-        return 0.0
-    gears, outline = drive.gears, drive.teeth.driven.outline_mm
-    if drive.pitch.driven.is_ring:
-        polar = ring_polar_mm4(outline, outer_radius_mm(outline, rim_mm_of(gears, drive.pitch.size.module_mm)))
-    else:
-        polar = gear_polar_mm4(outline, bore_of(gears.driven), drive.design.output.chord_tolerance_mm)
-    return plate_kg_mm2(polar, gears.face_width_mm, density_kg_m3)

@@ -87,8 +87,8 @@ class Masses(Model):
     crank: Crank = Field(description="the crank with all that turns with it, the driven gear apart")
     driving_gear_kg_mm2: Inertia | None = Field(
         default=None,
-        description="moment of inertia of the driving shaft with its gear in kg mm2, its flywheel apart; left out: that "
-        "of the gear's own body",
+        description="moment of inertia of the driving shaft with its gear in kg mm2, its flywheel apart; left out: "
+        "that of the gear's own body",
     )
     driven_gear_kg_mm2: Inertia | None = Field(
         default=None,
@@ -97,3 +97,8 @@ class Masses(Model):
     density_kg_m3: float = Field(default=7850.0, gt=0.0, le=30000.0, description="density of both gears in kg/m3")
     flywheel: Flywheel = Field(default_factory=Flywheel, description="flywheel on the driving shaft; left out: none")
     gravity: Gravity | None = Field(default=None, description="gravity; left out: none")
+
+    @property
+    def tells_gears(self) -> bool:
+        """Whether the moments of inertia of both gears are given."""
+        return self.driving_gear_kg_mm2 is not None and self.driven_gear_kg_mm2 is not None

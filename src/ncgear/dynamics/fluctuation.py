@@ -14,10 +14,10 @@ from functools import cached_property
 import numpy as np
 
 from ncgear.dynamics.inverse import RigidMachine
-from ncgear.kinematics.stretches import Stretch
+from ncgear.kinematics.stretches import stretches
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.chebyshev import PiecewiseChebyshev, fitted
-from ncgear.numerics.extrema import Extremum, extremes
+from ncgear.numerics.chebyshev import DEGREE, PiecewiseChebyshev, fitted
+from ncgear.numerics.extrema import Extremum, extremes_on
 from ncgear.numerics.jet import Jet
 
 KG_MM2 = 1e3
@@ -29,7 +29,6 @@ class Fluctuation:
     """The driving torque in N mm over the driving angle, as piecewise Chebyshev forms of one cycle."""
 
     torque: PiecewiseChebyshev
-    stretches: tuple[Stretch, ...]
     speed_rad_s: float
 
     @cached_property
@@ -45,13 +44,15 @@ class Fluctuation:
     @property
     def mean_torque_n_mm(self) -> float:
         """Mean over the cycle."""
-        return self.work_n_mm / (self.stretches[-1].end_rad - self.stretches[0].start_rad)
+        return self.work_n_mm / float(np.ptp(self.torque.breaks))
 
     @cached_property
     def stored_range_n_mm(self) -> tuple[Extremum, Extremum]:
         """Smallest and largest energy stored in the driving shaft, from that at phi1 = 0 on, in N mm."""
-        ranges = [extremes(self._stored, part.start_rad, part.end_rad, part.samples) for part in self.stretches]
-        return min((low for low, _ in ranges), key=_value), max((high for _, high in ranges), key=_value)
+        breaks = self.torque.breaks
+        shares = np.linspace(0.0, 1.0, DEGREE, endpoint=False)
+        grid = (breaks[:-1, None] + np.diff(breaks)[:, None] * shares).ravel()
+        return extremes_on(self._stored, np.append(grid, breaks[-1]))
 
     @property
     def swing_n_mm(self) -> float:
@@ -64,17 +65,13 @@ class Fluctuation:
         return KG_MM2 * self.swing_n_mm / (coefficient * self.speed_rad_s**2)
 
     def _stored(self, phi1: Array) -> Jet:
-        start, mean = self.stretches[0].start_rad, self.mean_torque_n_mm
-        return Jet(np.stack([mean * (phi1 - start) - self.work(phi1), mean - self.torque(phi1)]))
+        mean = self.mean_torque_n_mm
+        return Jet(np.stack([mean * (phi1 - self.torque.breaks[0]) - self.work(phi1), mean - self.torque(phi1)]))
 
 
 def fluctuation(rigid: RigidMachine) -> Fluctuation:
-    """The driving torque of one cycle; raises NotSmooth where the law or the resistance is not what it says it is."""
-    parts = tuple(rigid.loaded_stretches())
-    edges = [angle for part in parts for angle in (part.start_rad, *part.knots_rad)]
-    torque = fitted(lambda phi1: rigid.at(phi1).driving_torque.value, [*edges, parts[-1].end_rad])
-    return Fluctuation(torque, parts, rigid.machine.speed_rad_s)
-
-
-def _value(extremum: Extremum) -> float:
-    return extremum.value
+    """The driving torque of one cycle."""
+    breaks = [rigid.breaks(stretch) for stretch in stretches(rigid.machine)]
+    edges = np.concatenate([*(part[:-1] for part in breaks), breaks[-1][-1:]])
+    torque = fitted(lambda phi1: rigid.at(phi1).driving_torque.value, edges)
+    return Fluctuation(torque, rigid.machine.speed_rad_s)

@@ -15,9 +15,9 @@ from ncgear.dynamics.mesh_force import MeshForce, MeshPlace, mesh_force
 from ncgear.dynamics.pace import EvenPace
 from ncgear.kinematics.bodies import bodies
 from ncgear.kinematics.slider import Machine
-from ncgear.kinematics.stretches import Stretch, cut, stretches
+from ncgear.kinematics.stretches import Stretch, angles_at
 from ncgear.machine.masses import Masses
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.vector import Vector
 
@@ -74,29 +74,23 @@ class RigidMachine:
     def at(self, phi1: Array) -> Loads:
         """The loads at driving angles in rad, shape (n,); right-hand limits at joints of the law."""
         driven = self.machine.transmission.driven_angle(phi1, 2)
-        return self.loads(driven, self._resistance_n(driven.truncated(0)))
+        return self.loads(driven, self._resistance_n(driven.truncated(0), self.machine.working(driven.value)))
 
     def on(self, stretch: Stretch, phi1: Array) -> Loads:
-        """The loads with their slopes at driving angles on one of ``loaded_stretches``; one-sided at its ends."""
+        """The loads with their slopes at driving angles on a stretch, shape (n,); one-sided at its ends."""
         driven = stretch.driven_angle(phi1, 3)
-        return self.loads(driven, self._smooth_resistance_n(stretch, driven.truncated(1)))
+        return self.loads(driven, self._resistance_n(driven.truncated(1), np.full(phi1.shape, stretch.working)))
 
-    def loaded_stretches(self) -> list[Stretch]:
-        """Stretches of one cycle on which the resistance too is smooth, and has one sign."""
+    def breaks(self, stretch: Stretch) -> Array:
+        """Driving angles of a stretch, both ends included, between which the loads are smooth, and the resistance
+        monotone besides."""
         resistance, stroke = self.machine.resistance, self.machine.linkage.stroke_mm
         places = np.union1d(resistance.turns_mm(stroke), resistance.zeros_mm(stroke))
-        cycle = stretches(self.machine)
-        return [part for stretch in cycle for part in (cut(stretch, places) if stretch.working else [stretch])]
+        passed = angles_at(stretch, places) if stretch.working else np.empty(0)
+        return np.unique([stretch.start_rad, *stretch.knots_rad, *passed, stretch.end_rad])
 
-    def _resistance_n(self, driven_angle: Jet) -> Jet:
-        position = self.machine.linkage.displacement(driven_angle)
-        force = np.where(self.machine.working(driven_angle.value), self.machine.resistance.force_n(position.value), 0.0)
-        return Jet(force[None, :])
-
-    def _smooth_resistance_n(self, stretch: Stretch, driven_angle: Jet) -> Jet:
+    def _resistance_n(self, driven_angle: Jet, working: Mask) -> Jet:
         resistance = self.machine.resistance
-        position = self.machine.linkage.displacement(driven_angle)
-        middle = stretch.displacement(np.array([(stretch.start_rad + stretch.end_rad) / 2.0]), 0).value
-        if stretch.working and resistance.force_n(middle)[0] != 0.0:
-            return resistance.fitted_n(position)
-        return position * 0.0
+        force = resistance.fitted_n(self.machine.linkage.displacement(driven_angle))
+        pressing = working & (resistance.keep_negative | (force.value > 0.0))
+        return Jet(np.where(pressing, force.coefficients, 0.0))

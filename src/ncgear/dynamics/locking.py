@@ -8,6 +8,7 @@ import numpy as np
 
 from ncgear.dynamics.inverse import RigidMachine
 from ncgear.errors import NoSuchMechanism
+from ncgear.kinematics.stretches import stretches
 from ncgear.numerics.angles import in_words
 
 IDLE = 1e-9
@@ -16,7 +17,7 @@ IDLE = 1e-9
 
 def refuse_locked(rigid: RigidMachine) -> None:
     """Raises NoSuchMechanism with the driving angle at which flanks carry under 90 degrees or more."""
-    for stretch in rigid.loaded_stretches() if rigid.place else ():
+    for stretch in stretches(rigid.machine) if rigid.place else ():
         phi1 = np.linspace(stretch.start_rad, stretch.end_rad, stretch.samples)
         loads = rigid.on(stretch, phi1)
         torque, angle = loads.driven_torque.value, loads.gripped.pressure_angle_rad.value

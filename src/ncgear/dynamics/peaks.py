@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import sqrt
 
 import numpy as np
 
 from ncgear.dynamics.inverse import Loads, RigidMachine
-from ncgear.kinematics.stretches import Stretch
+from ncgear.kinematics.stretches import Stretch, stretches
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.extrema import Extremum, extremes
+from ncgear.numerics.extrema import Extremum, extremes_on
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.vector import Vector
+
+Gridded = tuple[Stretch, Array]
+"""A stretch with the driving angles between which extreme values are looked for."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +43,7 @@ class LoadPeaks:
 
 def load_peaks(rigid: RigidMachine) -> LoadPeaks:
     """Peaks over one cycle."""
-    cycle = rigid.loaded_stretches()
+    cycle = [(stretch, _grid(rigid, stretch)) for stretch in stretches(rigid.machine)]
     least, most = _range(rigid, cycle, lambda loads: loads.driving_torque)
     return LoadPeaks(
         most_torque_n_mm=most,
@@ -52,32 +56,37 @@ def load_peaks(rigid: RigidMachine) -> LoadPeaks:
     )
 
 
-def _mesh_peak(rigid: RigidMachine, cycle: Sequence[Stretch]) -> MeshPeak:
+def _mesh_peak(rigid: RigidMachine, cycle: Sequence[Gridded]) -> MeshPeak:
     found = [(part, _range(rigid, [part], lambda loads: loads.gripped.size_n)[1]) for part in cycle]
-    stretch, highest = max(found, key=lambda item: item[1].value)
+    (stretch, _), highest = max(found, key=lambda item: item[1].value)
     angle = rigid.on(stretch, np.array([highest.at])).gripped.pressure_angle_rad
     return MeshPeak(highest, float(angle.value[0]))
 
 
-def _largest(rigid: RigidMachine, cycle: Sequence[Stretch], vector: Callable[[Loads], Vector]) -> Extremum:
+def _largest(rigid: RigidMachine, cycle: Sequence[Gridded], vector: Callable[[Loads], Vector]) -> Extremum:
     """Largest length of a vector."""
     highest = _range(rigid, cycle, lambda loads: vector(loads).dot(vector(loads)))[1]
     return Extremum(sqrt(highest.value), highest.at)
 
 
 def _range(
-    rigid: RigidMachine, cycle: Sequence[Stretch], quantity: Callable[[Loads], Jet]
+    rigid: RigidMachine, cycle: Sequence[Gridded], quantity: Callable[[Loads], Jet]
 ) -> tuple[Extremum, Extremum]:
     """Smallest and largest value over the stretches."""
-    ranges = [_extremes(rigid, stretch, quantity) for stretch in cycle]
+    ranges = [extremes_on(partial(_along, rigid, stretch, quantity), grid) for stretch, grid in cycle]
     return min((low for low, _ in ranges), key=_value), max((high for _, high in ranges), key=_value)
 
 
-def _extremes(rigid: RigidMachine, stretch: Stretch, quantity: Callable[[Loads], Jet]) -> tuple[Extremum, Extremum]:
-    def along(phi1: Array) -> Jet:
-        return quantity(rigid.on(stretch, phi1))
+def _grid(rigid: RigidMachine, stretch: Stretch) -> Array:
+    """Even driving angles and those of the breaks, and the middles between: at a narrow peak of the resistance the
+    slopes at both feet and at the top may have one sign, those between have both."""
+    even = np.linspace(stretch.start_rad, stretch.end_rad, stretch.samples)
+    edges = np.union1d(even, rigid.breaks(stretch))
+    return np.union1d(edges, (edges[1:] + edges[:-1]) / 2.0)
 
-    return extremes(along, stretch.start_rad, stretch.end_rad, stretch.samples)
+
+def _along(rigid: RigidMachine, stretch: Stretch, quantity: Callable[[Loads], Jet], phi1: Array) -> Jet:
+    return quantity(rigid.on(stretch, phi1))
 
 
 def _value(extremum: Extremum) -> float:

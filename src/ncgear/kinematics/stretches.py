@@ -81,19 +81,20 @@ def _of_piece(machine: Machine, piece: Piece, turned: tuple[float, float]) -> It
 
 def cut(stretch: Stretch, displacements_mm: Array) -> list[Stretch]:
     """A stretch of the working stroke cut where the slider passes displacements in mm, in rising order, shape (n,)."""
-    start, end = stretch.displacement(np.array([stretch.start_rad, stretch.end_rad]), 0).value
-    passed = displacements_mm[(displacements_mm > start) & (displacements_mm < end)]
-    edges = [stretch.start_rad, *_angles_at(stretch, passed).tolist(), stretch.end_rad]
+    edges = [stretch.start_rad, *angles_at(stretch, displacements_mm).tolist(), stretch.end_rad]
     return [stretch.between(low, high) for low, high in pairwise(edges)]
 
 
-def _angles_at(stretch: Stretch, wanted_mm: Array) -> Array:
-    """Driving angles at which the slider passes the displacements, both shape (n,)."""
+def angles_at(stretch: Stretch, displacements_mm: Array) -> Array:
+    """Driving angles inside the stretch at which the slider passes any of the displacements, shape (n,), rising."""
+    ends = stretch.displacement(np.array([stretch.start_rad, stretch.end_rad]), 0).value
+    wanted_mm: Array = displacements_mm[(displacements_mm > ends.min()) & (displacements_mm < ends.max())]
     if not wanted_mm.size:
         return wanted_mm
 
     def excess(phi1: Array, wanted: Array) -> Array:
         return stretch.displacement(phi1.ravel(), 0).value.reshape(phi1.shape) - wanted
 
-    ends = np.full(wanted_mm.shape, stretch.start_rad), np.full(wanted_mm.shape, stretch.end_rad)
-    return np.unique(elementwise.find_root(excess, ends, args=(wanted_mm,)).x)
+    around = np.full(wanted_mm.shape, stretch.start_rad), np.full(wanted_mm.shape, stretch.end_rad)
+    found: Array = elementwise.find_root(excess, around, args=(wanted_mm,)).x
+    return np.unique(found)

@@ -14,15 +14,14 @@ import numpy as np
 
 from ncgear.contact.pair_contact import PairContact
 from ncgear.drive import Drive
-from ncgear.numerics.arrays import Array
 from ncgear.output import plots
+from ncgear.output.joints import joints_up_to
 from ncgear.output.publish import prepare, publish
 from ncgear.output.stl import stl_bytes
 from ncgear.output.summary import build_summary
 from ncgear.output.tables import contact_csv, law_csv, outline_csv
 from ncgear.output.written import written_outlines
 from ncgear.pitch.curve import CurvePoints, PitchCurve
-from ncgear.ratio.transmission import Transmission
 from ncgear.recipe.gears import rim_mm_of
 from ncgear.solids.assembly import Placed, assembly_report
 from ncgear.solids.ring import outer_radius_mm
@@ -147,8 +146,8 @@ def _ring_radius(drive: Drive) -> float | None:
 def _pictures(drive: Drive, contact: PairContact) -> dict[str, bytes]:
     name, speed = drive.design.name, drive.design.operation.speed_rpm
     tables = drive.motion, drive.uniform_motion
-    joints = _joints(drive.transmission, float(drive.motion.phi1_rad[-1]))
-    all_joints = _joints(drive.pair.transmission, contact.as_designed.placement.cycle_rad)
+    joints = joints_up_to(drive.transmission, float(drive.motion.phi1_rad[-1]))
+    all_joints = joints_up_to(drive.pair.transmission, contact.as_designed.placement.cycle_rad)
     return {
         "pitch_curves.png": _pitch_curves(drive),
         "tooth_pair.png": _tooth_pair(drive),
@@ -197,14 +196,3 @@ def _positions(drive: Drive) -> list[plots.Position]:
 
 def _closed_curve(curve: PitchCurve) -> CurvePoints:
     return curve.at_angle(np.linspace(0.0, curve.turn_rad, CURVE_POINTS))
-
-
-def _joints(transmission: Transmission, end_rad: float) -> Array:
-    """Where the law's pieces meet up to a driving angle, the seam between periods too; none if it is of one piece."""
-    starts = [piece.start_rad for piece in transmission.pieces]
-    if len(starts) == 1:
-        return np.empty(0)
-    period = transmission.lobes.driving_period_rad
-    cycles = np.arange(round(end_rad / period)) * period
-    repeated: Array = (cycles[:, None] + np.array(starts)).ravel()
-    return repeated[1:]

@@ -36,6 +36,9 @@ TITLES = {
     "teeth": "Teeth",
     "contact": "Contact",
     "check": "Motion and power at the operating speed",
+    "masses": "Moving masses",
+    "this_design": "Loads at constant driving speed",
+    "uniform_crank": "Loads of the uniform crank with the same masses at the same speed",
 }
 """Headings of sections; others are headed by their key."""
 

@@ -31,12 +31,12 @@ def law_csv(motion: SliderMotion) -> str:
 
     Raises ValueError when a column holds something other than finite numbers, or columns differ in length.
     """
-    return _csv(LAW_COLUMNS, [getattr(motion, name) for name in LAW_COLUMNS])
+    return csv_text(LAW_COLUMNS, [getattr(motion, name) for name in LAW_COLUMNS])
 
 
 def outline_csv(outline_mm: Array) -> str:
     """A tooth outline in mm, shape (n, 2), one point a row; raises ValueError as ``law_csv`` does."""
-    return _csv(OUTLINE_COLUMNS, list(outline_mm.T))
+    return csv_text(OUTLINE_COLUMNS, list(outline_mm.T))
 
 
 def contact_csv(contact: PairContact) -> str:
@@ -67,10 +67,11 @@ def contact_csv(contact: PairContact) -> str:
         columns[f"{written.source}_error_rad"] = written.pushing_rad
         columns[f"{written.source}_back_error_rad"] = written.back_rad
         columns[f"{written.source}_penetration_mm"] = written.overlap_mm
-    return _csv(list(columns), list(columns.values()))
+    return csv_text(list(columns), list(columns.values()))
 
 
-def _csv(names: Sequence[str], columns: Sequence[Array | IndexArray]) -> str:
+def csv_text(names: Sequence[str], columns: Sequence[Array | IndexArray]) -> str:
+    """Columns of shape (n,) under their names; raises ValueError as ``law_csv`` does."""
     rows = zip(*(_texts(name, column) for name, column in zip(names, columns, strict=True)), strict=True)
     return "\n".join([",".join(names), *map(",".join, rows)]) + "\n"
 

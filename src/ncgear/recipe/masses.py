@@ -9,8 +9,9 @@ from ncgear.design.masses import Masses as Given
 from ncgear.machine.masses import Masses
 
 
-def masses_of(given: Given, driving_gear_kg_mm2: float, driven_gear_kg_mm2: float) -> Masses:
-    """What a design says of its masses, with the moments of inertia of its gears."""
+def masses_of(given: Given, driving_body_kg_mm2: float = 0.0, driven_body_kg_mm2: float = 0.0) -> Masses:
+    """What a design says of its masses; where it is silent on a gear, the moment of inertia of the gear's body."""
+    driving, driven = given.driving_gear_kg_mm2, given.driven_gear_kg_mm2
     return Masses(
         slider_kg=given.slider_kg,
         rod_kg=given.rod.mass_kg,
@@ -19,8 +20,8 @@ def masses_of(given: Given, driving_gear_kg_mm2: float, driven_gear_kg_mm2: floa
         crank_kg=given.crank.mass_kg,
         crank_center_mm=given.crank.center_mm,
         crank_inertia_kg_mm2=given.crank.inertia_kg_mm2,
-        driven_inertia_kg_mm2=driven_gear_kg_mm2,
-        driving_inertia_kg_mm2=driving_gear_kg_mm2,
+        driven_inertia_kg_mm2=driven_body_kg_mm2 if driven is None else driven,
+        driving_inertia_kg_mm2=driving_body_kg_mm2 if driving is None else driving,
         flywheel_inertia_kg_mm2=given.flywheel.inertia_kg_mm2,
         gravity_m_s2=_vector(given.gravity),
     )

@@ -91,7 +91,7 @@ def _over_angle(axes: Axes, table: SliderMotion, uniform: SliderMotion, quantity
     mark_joints(axes, np.degrees(joints_rad))
     dress(axes, "", f"{quantity.name} in {quantity.unit}")
     if quantity.extreme:
-        _mark_extreme(axes, angle, values, quantity.unit)
+        mark_extreme(axes, angle, values, quantity.unit)
 
 
 def _over_displacement(axes: Axes, table: SliderMotion, uniform: SliderMotion, quantity: Quantity) -> None:
@@ -100,7 +100,7 @@ def _over_displacement(axes: Axes, table: SliderMotion, uniform: SliderMotion, q
     dress(axes, "", "")
 
 
-def _mark_extreme(axes: Axes, angle: Array, values: Array, unit: str) -> None:
+def mark_extreme(axes: Axes, angle: Array, values: Array, unit: str) -> None:
     """Mark and name the value that is largest in size: above a maximum, below a minimum."""
     place = int(np.argmax(np.abs(values)))
     x, y = float(angle[place]), float(values[place])

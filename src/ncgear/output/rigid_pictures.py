@@ -1,0 +1,57 @@
+"""The pictures of the rigid level."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ncgear.drive import Drive
+from ncgear.dynamics.inverse import Loads
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.vector import Vector
+from ncgear.output.joints import joints_up_to
+from ncgear.output.plots.loads import Row, load_curves
+
+KILO = 1e-3
+
+KN_M = 1e-6
+"""One N mm in kN m."""
+
+
+def rigid_pictures(drive: Drive, own: Loads, uniform: Loads) -> dict[str, bytes]:
+    """Driving torque, forces in the joints and between the teeth, as PNG by file name."""
+    pictures = {
+        "driving_torque.png": _picture(drive, [_torque(drive, own, uniform)], "driving torque"),
+        "bearing_forces.png": _picture(drive, _forces(own, uniform), "forces in the joints"),
+    }
+    if own.mesh is None or uniform.mesh is None:
+        return pictures
+    force = Row("mesh force", "kN", KILO * own.mesh.size_n.value, KILO * uniform.mesh.size_n.value)
+    angles = [np.degrees(mesh.pressure_angle_rad.value) for mesh in (own.mesh, uniform.mesh)]
+    rows = [force, Row("pressure angle", "deg", angles[0], angles[1], extreme=False)]
+    return {**pictures, "mesh_force.png": _picture(drive, rows, "force between the teeth")}
+
+
+def _picture(drive: Drive, rows: list[Row], what: str) -> bytes:
+    phi1, speed = drive.motion.phi1_rad, drive.design.operation.speed_rpm
+    title = f"{drive.design.name}: {what} at {speed:.4g} r/min"
+    return load_curves(phi1, rows, title, joints_up_to(drive.transmission, float(phi1[-1])))
+
+
+def _torque(drive: Drive, own: Loads, uniform: Loads) -> Row:
+    mean = KN_M * drive.rigid.fluctuation.mean_torque_n_mm
+    curves = [KN_M * loads.driving_torque.value for loads in (own, uniform)]
+    return Row("driving torque", "kN m", curves[0], curves[1], mean=mean)
+
+
+def _forces(own: Loads, uniform: Loads) -> list[Row]:
+    return [
+        Row("crank bearing", "kN", _size(own.crank_bearing), _size(uniform.crank_bearing)),
+        Row("crank pin", "kN", _size(own.pin), _size(uniform.pin)),
+        Row("wrist", "kN", _size(own.wrist), _size(uniform.wrist)),
+        Row("guide", "kN", KILO * own.guide.value, KILO * uniform.guide.value),
+    ]
+
+
+def _size(force: Vector) -> Array:
+    size: Array = KILO * (force.x.value**2 + force.y.value**2) ** 0.5
+    return size

@@ -1,0 +1,56 @@
+"""What a simulation of any level hands over: a table over the driving angle, figures, pictures."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ncgear.drive import Drive
+from ncgear.dynamics.level import Level
+from ncgear.numerics.arrays import Array
+from ncgear.output.report import summary_text
+from ncgear.output.tables import csv_text
+
+
+@dataclass(frozen=True, eq=False)
+class Simulated:
+    """``table`` holds columns of one length by name, ``figures`` sections of plain values, ``pictures`` PNGs by file.
+
+    Names and keys end in their unit.
+    """
+
+    table: Mapping[str, Array]
+    figures: Mapping[str, Any]
+    pictures: Mapping[str, bytes]
+
+
+def simulate(drive: Drive, level: Level) -> Simulated:
+    """Simulate a machine at a level; raises WrongInput where the design lacks what the level needs."""
+    return LEVELS[level](drive)
+
+
+def _rigid(drive: Drive) -> Simulated:
+    from ncgear.output.rigid import rigid_simulation
+
+    return rigid_simulation(drive)
+
+
+LEVELS: dict[Level, Callable[[Drive], Simulated]] = {Level.RIGID: _rigid}
+"""How each level is simulated; what one needs is imported when it is asked for."""
+
+
+def simulation_files(found: Simulated) -> dict[str, bytes]:
+    """Table, pictures and figures as files."""
+    return {
+        "simulation.csv": csv_text(list(found.table), list(found.table.values())).encode(),
+        **found.pictures,
+        "simulation.json": (json.dumps(found.figures, indent=2, allow_nan=False) + "\n").encode(),
+    }
+
+
+def simulation_text(found: Simulated, paths: Sequence[Path]) -> str:
+    """The figures for reading, and the files written."""
+    return "\n".join([summary_text(found.figures), "", "Written", *(f"  {path}" for path in paths)])
