@@ -24,6 +24,7 @@ LAYERS = [
     {"solids"},
     {"optimum", "dynamics"},
     {"balance"},
+    {"ledger"},
     {"design"},
     {"recipe"},
     {"drive", "improvement", "frontier"},

@@ -241,6 +241,25 @@ def new(
 
 
 @app.command()
+def reproduce(
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Output folder.")] = Path("export/reproduction"),
+) -> None:
+    """Compute every figure of the four papers that ncgear is built on, and say which can be reproduced."""
+    from ncgear.output.publish import prepare, publish
+
+    prepare(out)
+    with _progress() as on_stage:
+        on_stage("figures of four papers")
+        from ncgear.ledger.catalogue import PAPERS
+        from ncgear.ledger.entry import judgement
+        from ncgear.output.ledger import PAGE, ledger_page, ledger_text
+
+        judgements = [judgement(paper) for paper in PAPERS]
+    paths = publish(out, {PAGE: ledger_page(judgements).encode()})
+    typer.echo(ledger_text(judgements, paths))
+
+
+@app.command()
 def schema() -> None:
     """Print the JSON Schema of a design file, for editors that complete and check while typing."""
     from ncgear.design.schema import json_schema

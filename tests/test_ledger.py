@@ -1,0 +1,122 @@
+"""The reproduction ledger: verdicts are computed, none is typed; the page in docs is today's."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import chain
+from math import pi
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ncgear.design.load import load
+from ncgear.drive import Drive
+from ncgear.ledger.catalogue import PAPERS
+from ncgear.ledger.entry import Contradicted, Entry, Paper, Verdict, judged, judgement
+from ncgear.ledger.gear_baler import published as gear_baler
+from ncgear.ledger.printed import HOLDS, Computed, Printed, Relation, from_readings, half_step, of
+from ncgear.output.ledger import PAGE, ledger_page
+
+ROOT = Path(__file__).parents[1]
+
+ENTRIES = [entry for paper in PAPERS for entry in paper.entries]
+
+AGREEING = (Verdict.REPRODUCED, Verdict.UNDER_READING)
+
+
+def name(entry: Entry) -> str:
+    return f"{entry.places[0]} {entry.what}"
+
+
+@pytest.mark.parametrize("paper", PAPERS, ids=lambda paper: paper.title)
+def test_every_verdict_is_borne_out(paper: Paper) -> None:
+    assert len(judgement(paper).entries) == len(paper.entries) > 0
+
+
+@pytest.mark.parametrize("paper", PAPERS, ids=lambda paper: paper.title)
+def test_every_place_is_named(paper: Paper) -> None:
+    named = set(chain.from_iterable(one.places for one in (*paper.entries, *paper.given)))
+    assert set(paper.promised) - named == set()
+
+
+@pytest.mark.parametrize("entry", [entry for entry in ENTRIES if entry.compute], ids=name)
+def test_the_other_verdict_is_refused(entry: Entry) -> None:
+    """Whatever the computation says, claiming the contrary fails."""
+    other = Verdict.NOT_REPRODUCIBLE if entry.verdict in AGREEING else Verdict.REPRODUCED
+    with pytest.raises(Contradicted):
+        judged(replace(entry, verdict=other, words="typed"))
+
+
+@pytest.mark.parametrize("entry", [entry for entry in ENTRIES if entry.verdict in AGREEING], ids=name)
+def test_another_last_digit_is_refused(entry: Entry) -> None:
+    """Two steps off in any printed digit, or a thousandth in an equation, and the verdict falls."""
+    assert entry.compute is not None
+    computed = entry.compute()
+    if isinstance(entry.published, Relation):
+        off = replace(computed, values=tuple(value + 1e-3 for value in computed.values))
+        assert not entry.published.agrees(off)
+        return
+    for place, text in enumerate(entry.published.texts):
+        step = 4.0 * half_step(text) + 2.0 * computed.leeway[place]
+        values = tuple(value + step * (k == place) for k, value in enumerate(computed.values))
+        assert not entry.published.agrees(replace(computed, values=values))
+
+
+def test_what_is_off_by_more_than_rounding_has_words() -> None:
+    assert all(entry.words for entry in ENTRIES if entry.verdict is not Verdict.REPRODUCED)
+    with pytest.raises(ValueError, match="without a word"):
+        Entry(("eq. 1",), "x", Relation(), Verdict.NOT_REPRODUCIBLE, lambda: of(1.0))
+    with pytest.raises(ValueError, match="nothing is computed"):
+        Entry(("eq. 1",), "x", Relation(), Verdict.REPRODUCED)
+
+
+@pytest.mark.parametrize(
+    ("text", "half"), [("6300", 50.0), ("182", 0.5), ("0.4", 0.05), ("9.50", 0.005), ("0", 0.5), ("-2.08", 0.005)]
+)
+def test_half_step(text: str, half: float) -> None:
+    assert half_step(text) == pytest.approx(half, rel=1e-15)
+
+
+@given(st.decimals(-1000, 1000, places=2, allow_nan=False))
+def test_rounding_agrees_with_what_it_was_rounded_from(number: object) -> None:
+    printed = Printed((f"{float(str(number)):.1f}",))
+    assert printed.agrees(of(float(str(number))))
+
+
+def test_a_decimal_half_is_not_lost_to_its_binary_form() -> None:
+    """4.38 - 1.185 and the like end on halves that no binary number is."""
+    assert Printed(("0.2",)).agrees(of(0.1 + 0.05))
+    assert not Printed(("0.2",)).agrees(of(0.149999))
+
+
+def test_rounding_of_readings_is_allowed_for() -> None:
+    """0.12 + 0.17 may be 0.28 or 0.30 once each is rounded, but not 0.32."""
+    total = from_readings(lambda one, other: (one + other,), "0.12", "0.17")
+    assert total.input_rounding == pytest.approx((0.01,))
+    assert Printed(("0.30",)).agrees(total)
+    assert not Printed(("0.31",)).agrees(total)
+
+
+def test_an_equation_holds_to_rounding_errors_only() -> None:
+    assert Relation().agrees(of(0.5 * HOLDS))
+    assert not Relation().agrees(Computed((0.0, 2.0 * HOLDS)))
+
+
+def test_the_gear_balers_reading_is_the_design_file() -> None:
+    """The ledger's own Table 1 makes the law of designs/baler.yaml."""
+    drive = Drive(load(ROOT / "designs" / "baler.yaml").design)
+    assert gear_baler.law_rpm() == pytest.approx(drive.law_speed_rpm, rel=1e-12)
+    speed = drive.design.operation.speed_rpm
+    found, wanted = gear_baler.at_speed(speed), drive.check
+    assert found.peak_power_w.value == pytest.approx(wanted.peak_power_w.value, rel=1e-12)
+    cycle = "peak_acceleration_cycle_mm_s2"
+    assert getattr(found, cycle).value == pytest.approx(getattr(wanted, cycle).value, rel=1e-12)
+    assert gear_baler.law().stroke.theta4_rad == pytest.approx(1.3 * pi)
+
+
+def test_the_page_is_todays() -> None:
+    """``make docs`` writes it anew."""
+    page = (ROOT / "docs" / PAGE).read_text(encoding="utf-8")
+    assert page == ledger_page([judgement(paper) for paper in PAPERS])
