@@ -26,7 +26,7 @@ LAYERS = [
     {"balance"},
     {"design"},
     {"recipe"},
-    {"drive", "improvement", "frontier"},
+    {"drive", "improvement", "frontier", "balancing"},
     {"output"},
     {"cli"},
     {"__main__"},
