@@ -27,7 +27,7 @@ LAYERS = [
     {"ledger"},
     {"design"},
     {"recipe"},
-    {"drive", "improvement", "frontier"},
+    {"drive", "improvement", "frontier", "balancing"},
     {"output"},
     {"cli"},
     {"__main__"},

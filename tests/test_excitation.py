@@ -93,19 +93,20 @@ def test_harmonics_against_quadrature(mechanism: Mechanism, amplitude: float) ->
     """With 1 kg at the slider the shaking force of the oracle is minus the acceleration; trapezoidal, 240 points."""
     angles = np.arange(240) / 240 * 2.0 * pi
     acceleration = np.array([-oracle(mechanism, amplitude, float(angle))[0].real for angle in angles])
-    for k, found in enumerate(of_slider("slider", mechanism, 8), start=1):
+    for found in of_slider("slider", mechanism, 8):
+        k = int(found.kind.removeprefix("harmonic "))
         exact = 2.0 * abs(np.mean(acceleration * np.exp(-1j * k * angles)))
         assert found.frequency_hz == pytest.approx(k * 96.5 / 60.0, rel=1e-12)
         assert found.amplitude == pytest.approx(exact, abs=1e-9)
 
 
 def test_an_even_crank_has_two_strong_harmonics() -> None:
-    """r w^2 and about r w^2 r/l; above the third all odd ones are nothing, by symmetry."""
+    """r w^2 and about r w^2 r/l; odd ones from the third on are forbidden by symmetry, and left out."""
     scale = 0.265 * even().speed_rad_s ** 2
-    found = [one.amplitude / scale for one in of_slider("slider", even(), 7)]
-    assert found[0] == pytest.approx(1.0, rel=1e-12)
-    assert found[1] == pytest.approx(LINKAGE.crank_mm / LINKAGE.rod_mm, rel=0.1)
-    assert max(found[2::2]) <= 1e-13
+    found = {one.kind: one.amplitude / scale for one in of_slider("slider", even(), 7)}
+    assert list(found) == [f"harmonic {k}" for k in (1, 2, 4, 6)]
+    assert found["harmonic 1"] == pytest.approx(1.0, rel=1e-12)
+    assert found["harmonic 2"] == pytest.approx(LINKAGE.crank_mm / LINKAGE.rod_mm, rel=0.1)
 
 
 def test_the_baler_shakes_at_high_harmonics() -> None:

@@ -145,6 +145,9 @@ def test_a_boss_balances_the_mesh(height: float) -> None:
     assert found.mesh.is_watertight
     assert found.mesh.bounds[:, 2] == pytest.approx([0.0, 15.0 + height])
     assert found.boss is not None
+    # What is static is balanced in another plane: a couple of unbalance times half of both heights is left
+    unbalance = abs(plate_body(SLIGHT, 15.0, STEEL).unbalance_kg_mm)
+    assert abs(found.body.couple_kg_mm2) == pytest.approx(unbalance * (15.0 + height) / 2.0, rel=1e-6)
     assert found.boss.section.distance(SLIGHT.boundary) >= 2.0 * (1.0 - 1e-9)
 
 

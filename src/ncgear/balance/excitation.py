@@ -17,6 +17,9 @@ from ncgear.balance.mechanism import Mechanism
 from ncgear.balance.waveform import Waveform
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
 
+NEGLIGIBLE = 1e-9
+"""Share of the strongest harmonic below which one is none: those that symmetry forbids are 1e-14 by rounding."""
+
 
 @dataclass(frozen=True)
 class Excitation:
@@ -95,12 +98,14 @@ def of_engine(engine: Engine) -> list[Excitation]:
 
 
 def of_slider(name: str, mechanism: Mechanism, count: int) -> list[Excitation]:
-    """The first ``count`` harmonics of the slider's acceleration, with their amplitudes in m/s^2."""
+    """The first ``count`` harmonics of the slider's acceleration in m/s^2, but for those that are nothing."""
     form = accelerations(mechanism).form
     scale = mechanism.linkage.crank_mm * mechanism.speed_rad_s**2 / 1000.0
     waves = Waveform(PiecewiseChebyshev(form.breaks, scale * form.coefficients[:, :, WRIST])).harmonics(count)
     cycles = mechanism.speed_rad_s / mechanism.transmission.cycle_rad
-    return [Excitation(name, f"harmonic {k}", k * cycles, 2.0 * float(abs(waves[k]))) for k in range(1, count + 1)]
+    sizes = 2.0 * np.abs(waves)
+    present = [k for k in range(1, count + 1) if sizes[k] > NEGLIGIBLE * sizes[1:].max()]
+    return [Excitation(name, f"harmonic {k}", k * cycles, float(sizes[k])) for k in present]
 
 
 def margins(excitations: Sequence[Excitation], natural_hz: Sequence[float], band: float) -> list[Margin]:

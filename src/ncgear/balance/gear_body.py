@@ -18,11 +18,13 @@ class GearBody:
     """A rigid body on an axis along z.
 
     ``unbalance_kg_mm`` is mass times the centroid's place (x + i y), ``inertia_kg_mm2`` is about the axis.
+    ``couple_kg_mm2`` is the sum of mass times place times height over the centroid: zero for a plate.
     """
 
     mass_kg: float
     unbalance_kg_mm: complex
     inertia_kg_mm2: float
+    couple_kg_mm2: complex = 0j
 
     @property
     def centroid_mm(self) -> complex:
@@ -52,8 +54,9 @@ def mesh_body(mesh: Trimesh, density_kg_m3: float) -> GearBody:
     density = KG_MM3 * density_kg_m3
     mass, center = density * float(mesh.volume), mesh.center_mass
     place = complex(center[0], center[1])
-    about_center = density * float(mesh.moment_inertia[2, 2])
-    return GearBody(mass, mass * place, about_center + mass * abs(place) ** 2)
+    inertia = density * mesh.moment_inertia
+    about_axis = float(inertia[2, 2]) + mass * abs(place) ** 2
+    return GearBody(mass, mass * place, about_axis, -complex(inertia[0, 2], inertia[1, 2]))
 
 
 def _moments(section: Polygon) -> tuple[complex, complex, complex]:

@@ -69,7 +69,8 @@ class Printed:
             (abs(value - printed) / half_step(text), value - printed, text)
             for value, printed, text in zip(computed.values, self.values, self.texts, strict=True)
         ]
-        _, difference, text = max(off)
+        # To six digits, so that rounding errors of the computer do not choose
+        _, difference, text = max(off, key=lambda steps: round(steps[0], 6))
         return _fixed(difference, text, "+")
 
 
@@ -108,6 +109,11 @@ def from_readings(function: Callable[..., tuple[float, ...]], *texts: str) -> Co
         moved = function(*readings[:place], readings[place] + half_step(text), *readings[place + 1 :])
         leeway = [sum_ + abs(new - value) for sum_, new, value in zip(leeway, moved, values, strict=True)]
     return Computed(tuple(values), tuple(leeway))
+
+
+def words(line: str) -> tuple[str, ...]:
+    """The numbers of a line of a table, as printed."""
+    return tuple(line.split())
 
 
 def half_step(text: str) -> float:

@@ -1,0 +1,160 @@
+"""What a balance file says of shafts, gears and rotors."""
+
+from __future__ import annotations
+
+from typing import Annotated, Self
+
+from pydantic import Field, Strict, model_validator
+
+from ncgear.design.balance_mechanism import MOST_ITEMS, Angle
+from ncgear.design.base import Length, Model, Positive, Speed
+from ncgear.design.faults import fault
+
+MOST_COUNT = 10_000
+
+Amplitude = Annotated[float, Field(ge=0.0, le=1e9)]
+
+
+class Shaft(Model):
+    """A shaft that may shake the machine."""
+
+    name: str = Field(min_length=1, max_length=100, description="what it is called")
+    speed_rpm: Speed = Field(description="its speed in r/min")
+    rollers: int | None = Field(default=None, ge=1, le=MOST_COUNT, description="rolling elements of its bearing")
+    roller_ratio: float | None = Field(
+        default=None,
+        gt=0.0,
+        lt=1.0,
+        description="diameter of a rolling element by that of the pitch circle, times the cosine of the contact angle; "
+        "left out: as many passes as rolling elements in each turn",
+    )
+    teeth: int | None = Field(default=None, ge=1, le=MOST_COUNT, description="teeth of its sprocket or gear")
+
+
+class Engine(Model):
+    """A reciprocating engine."""
+
+    name: str = Field(default="engine", min_length=1, max_length=100, description="what it is called")
+    speed_rpm: Speed = Field(description="its speed in r/min")
+    cylinders: int = Field(ge=1, le=100, description="number of cylinders")
+    strokes: int = Field(default=4, ge=2, le=4, description="strokes of a cycle, 2 or 4")
+    inertia_order: Positive = Field(default=2.0, description="order of its strongest free inertia force")
+
+
+class Excitations(Model):
+    """Frequencies that shake the machine, beside its natural ones."""
+
+    natural_hz: Annotated[tuple[Positive, ...], Strict(False), Field(min_length=1, max_length=MOST_ITEMS)] = Field(
+        description="natural frequencies in Hz"
+    )
+    band: float = Field(
+        default=0.2, gt=0.0, lt=1.0, description="share of a natural frequency within which an excitation is near it"
+    )
+    shafts: Annotated[tuple[Shaft, ...], Strict(False), Field(max_length=MOST_ITEMS)] = Field(
+        default=(), description="shafts, a list"
+    )
+    engines: Annotated[tuple[Engine, ...], Strict(False), Field(max_length=MOST_ITEMS)] = Field(
+        default=(), description="engines, a list"
+    )
+    harmonics: int = Field(
+        default=0, ge=0, le=1000, description="harmonics of the slider's acceleration of each mechanism"
+    )
+
+
+class Holes(Model):
+    """Through holes that may be drilled."""
+
+    largest_mm: Length = Field(description="diameter of the largest in mm")
+    smallest_mm: Length = Field(description="diameter of the smallest in mm")
+    wall_mm: Length = Field(description="least wall between holes and to every edge in mm")
+
+
+class Boss(Model):
+    """A boss on the upper face."""
+
+    height_mm: Length = Field(description="its height over the face in mm")
+    wall_mm: Length = Field(description="its distance from every edge in mm")
+
+
+class Correction(Model):
+    """What may be done to a gear: holes first, a boss for what they leave."""
+
+    holes: Holes | None = Field(default=None, description="through holes; left out: none")
+    boss: Boss | None = Field(default=None, description="a boss; left out: none")
+
+
+class GearBalance(Model):
+    """Balance of the gears of a design."""
+
+    design: str = Field(min_length=1, description="the design file; its path counts from this file")
+    density_kg_m3: float = Field(default=7850.0, gt=0.0, le=30000.0, description="density of both gears in kg/m3")
+    grade: float = Field(
+        default=6.3, gt=0.0, le=4000.0, description="grade of balance quality of ISO 21940-11 in mm/s: 6.3 for G 6.3"
+    )
+    driving: Correction | None = Field(default=None, description="correction of the driving gear; left out: none")
+    driven: Correction | None = Field(default=None, description="correction of the driven gear; left out: none")
+
+
+class Reading(Model):
+    """What an instrument shows."""
+
+    amplitude: Amplitude = Field(description="amplitude, in the same unit for all")
+    phase_deg: Angle = Field(description="phase in degrees, as the instrument counts it")
+
+
+Readings = Annotated[tuple[Reading, ...], Strict(False), Field(min_length=1, max_length=MOST_ITEMS)]
+
+
+class Trial(Model):
+    """A run with a trial weight in one plane, taken off again after it."""
+
+    mass_g: float = Field(ge=0.0, le=1e9, description="mass of the trial weight in g")
+    angle_deg: Angle = Field(description="its angle in degrees, counted as the instrument counts phases")
+    readings: Readings = Field(description="what every sensor shows, a list")
+
+
+class Rotor(Model):
+    """Field balancing from trial weights."""
+
+    speed_rpm: Speed = Field(description="speed of the runs in r/min")
+    first: Readings = Field(description="readings of every sensor without trial weights, a list")
+    trials: Annotated[tuple[Trial, ...], Strict(False), Field(min_length=1, max_length=20)] = Field(
+        description="one run for each plane, a list"
+    )
+
+
+class ChainRun(Model):
+    """A run with the weight at one phase."""
+
+    weight_deg: Angle = Field(description="phase of the weight in degrees")
+    amplitude: Amplitude = Field(description="amplitude of the reading")
+    phase_deg: Angle = Field(description="phase of the reading in degrees")
+
+
+class ChainDrive(Model):
+    """Equivalent unbalance of a chain drive from runs with one weight at several phases."""
+
+    wrap_deg: Angle = Field(description="phase of the middle of the chain's wrap in degrees")
+    tight_deg: Angle = Field(description="phase of the tight side's equivalent unbalance in degrees")
+    slack_deg: Angle = Field(description="phase of the slack side's in degrees")
+    runs: Annotated[tuple[ChainRun, ...], Strict(False), Field(min_length=3, max_length=1000)] | None = Field(
+        default=None, description="runs, a list"
+    )
+    file: str | None = Field(
+        default=None,
+        min_length=1,
+        description="CSV file of runs instead, with columns weight_deg, amplitude, phase_deg; its path counts from "
+        "this file",
+    )
+    predict_deg: Annotated[tuple[Angle, ...], Strict(False), Field(max_length=MOST_ITEMS)] = Field(
+        default=(), description="phases of the weight in degrees for which readings are predicted"
+    )
+    effect_per_g: Positive | None = Field(
+        default=None, description="amplitude per g of a weight, for corrections; left out: none"
+    )
+
+    @model_validator(mode="after")
+    def _has_runs(self) -> Self:
+        if self.runs is None:
+            raise fault("runs", "missing; give runs, or a file of them")
+        return self
