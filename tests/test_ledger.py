@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from dataclasses import replace
 from itertools import chain
 from math import pi
@@ -16,7 +18,7 @@ from ncgear.drive import Drive
 from ncgear.ledger.catalogue import PAPERS
 from ncgear.ledger.entry import Contradicted, Entry, Paper, Verdict, judged, judgement
 from ncgear.ledger.gear_baler import published as gear_baler
-from ncgear.ledger.printed import HOLDS, Computed, Printed, Relation, from_readings, half_step, of
+from ncgear.ledger.printed import HOLDS, Computed, Printed, Relation, from_readings, half_step, of, words
 from ncgear.output.ledger import PAGE, ledger_page
 
 ROOT = Path(__file__).parents[1]
@@ -114,6 +116,61 @@ def test_the_gear_balers_reading_is_the_design_file() -> None:
     cycle = "peak_acceleration_cycle_mm_s2"
     assert getattr(found, cycle).value == pytest.approx(getattr(wanted, cycle).value, rel=1e-12)
     assert gear_baler.law().stroke.theta4_rad == pytest.approx(1.3 * pi)
+
+
+BALER, CHASSIS, DRUM, SIEVE = (paper.title for paper in PAPERS)
+
+
+@pytest.mark.parametrize(
+    ("title", "what", "verdict", "values"),
+    [
+        # Computed apart from this program before any of it was written
+        (BALER, "largest power", Verdict.UNDER_READING, "6315"),
+        (BALER, "the same at the speed at which v1 and v2 hold", Verdict.NOT_REPRODUCIBLE, "16675"),
+        (BALER, "largest acceleration, in the working stroke", Verdict.UNDER_READING, "1500.0"),
+        (BALER, "centre distance, from teeth and module", Verdict.NOT_REPRODUCIBLE, "74.885"),
+        (BALER, "power saved, from the two printed powers", Verdict.UNDER_READING, "66.4"),
+        (CHASSIS, "counterweight beyond the crank pin, and mass at the pin", Verdict.REPRODUCED, "182.0 247.0"),
+        (CHASSIS, "counterweight beyond the crank axis", Verdict.UNDER_READING, "261.82"),
+        (CHASSIS, "weight against the slider's inertia", Verdict.UNDER_READING, "4.86"),
+        (CHASSIS, "the same with the largest inertia force over the turn", Verdict.NOT_REPRODUCIBLE, "13.6"),
+        (CHASSIS, "weight against the dead weight", Verdict.REPRODUCED, "259.05"),
+        (CHASSIS, "the same for the exact acceleration of this linkage", Verdict.NOT_REPRODUCIBLE, "0.043"),
+        (DRUM, "range of the weight's amplitude, at 700 r/min", Verdict.REPRODUCED, "0.0743 0.2136"),
+        (DRUM, "largest amplitude of the tight side", Verdict.REPRODUCED, "2.045"),
+        (SIEVE, "pan: counterweight", Verdict.REPRODUCED, "5.40 6.11"),
+        (SIEVE, "sieve: counterweight, from the printed masses", Verdict.NOT_REPRODUCIBLE, "16.64 20.04"),
+        (SIEVE, "sieve: counterweight, from its dimensions", Verdict.NOT_REPRODUCIBLE, "16.88 20.28"),
+        (SIEVE, "eta1 at 45 deg", Verdict.NOT_REPRODUCIBLE, "0.714"),
+        (SIEVE, "eta1 at 90 deg", Verdict.UNDER_READING, "0.653"),
+        (SIEVE, "eta1 at 0 deg", Verdict.NOT_REPRODUCIBLE, "0.845"),
+        (SIEVE, "eta2 at 45 deg", Verdict.NOT_REPRODUCIBLE, "0.742"),
+        (SIEVE, "eta2 at 0 deg", Verdict.NOT_REPRODUCIBLE, "0.742"),
+    ],
+)
+def test_figures_that_were_computed_independently(title: str, what: str, verdict: Verdict, values: str) -> None:
+    paper = next(paper for paper in PAPERS if paper.title == title)
+    found = judged(next(entry for entry in paper.entries if entry.what == what))
+    assert found.entry.verdict is verdict
+    assert found.computed is not None
+    assert Printed(words(values)).agrees(Computed(found.computed.values))
+
+
+@pytest.mark.parametrize(
+    ("title", "counts"),
+    [(BALER, (8, 8, 9, 5)), (CHASSIS, (17, 7, 9, 6)), (DRUM, (12, 7, 7, 9)), (SIEVE, (7, 9, 16, 7))],
+)
+def test_counts(title: str, counts: tuple[int, ...]) -> None:
+    paper = next(paper for paper in PAPERS if paper.title == title)
+    assert tuple(judgement(paper).count(verdict) for verdict in Verdict) == counts
+
+
+def test_the_command_writes_the_page(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "ncgear", "reproduce", "--out", str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
+    assert done.stdout.splitlines()[-1] == str(tmp_path / PAGE)
+    assert f"{BALER}\n     8  reproduced\n" in done.stdout
+    assert (tmp_path / PAGE).read_bytes() == (ROOT / "docs" / PAGE).read_bytes()
 
 
 def test_the_page_is_todays() -> None:

@@ -9,7 +9,7 @@ from ncgear.balance.classical import failure
 from ncgear.ledger.entry import Entry, Verdict, equations
 from ncgear.ledger.printed import Computed, Printed, Relation, of
 from ncgear.ledger.track_chassis.published import LINKAGE, MECHANISM, SPEED_RAD_S
-from ncgear.numerics import jet
+from ncgear.ledger.two_terms import two_term_stroke
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 
@@ -32,29 +32,23 @@ def series() -> Computed:
     return of(*(abs(float(binom(0.5, power))) for power in (1, 2, 3)))
 
 
-def two_terms(order: int) -> Jet:
-    """Eq. 6 with derivatives by the crank angle."""
-    angle = Jet.variable(ANGLES_RAD, order)
-    return CRANK * ((1.0 - jet.sin_cos(angle)[1]) + (RATIO / 4.0) * (1.0 - jet.sin_cos(2.0 * angle)[1]))
-
-
 def two_term_residual() -> Computed:
     """Eq. 6 against eq. 3 with the root of eq. 5, by the stroke."""
     sine, cosine = np.sin(ANGLES_RAD), np.cos(ANGLES_RAD)
     with_root = CRANK * (1.0 - cosine) + ROD * 0.5 * RATIO**2 * sine**2
-    return of(float(np.abs(two_terms(0).value - with_root).max() / LINKAGE.stroke_mm))
+    return of(float(np.abs(two_term_stroke(LINKAGE, ANGLES_RAD, 0).value - with_root).max() / LINKAGE.stroke_mm))
 
 
 def velocity_residual() -> Computed:
     """Eq. 7 against the derivative of eq. 6."""
     formula = SPEED_RAD_S * CRANK * (np.sin(ANGLES_RAD) + RATIO / 2.0 * np.sin(2.0 * ANGLES_RAD))
-    return of(_off(formula, two_terms(1).derivative(1) * SPEED_RAD_S))
+    return of(_off(formula, two_term_stroke(LINKAGE, ANGLES_RAD, 1).derivative(1) * SPEED_RAD_S))
 
 
 def acceleration_residual() -> Computed:
     """Eq. 8 against minus the second derivative of eq. 6."""
     formula = -(SPEED_RAD_S**2) * CRANK * (np.cos(ANGLES_RAD) + RATIO * np.cos(2.0 * ANGLES_RAD))
-    return of(_off(formula, -two_terms(2).derivative(2) * SPEED_RAD_S**2))
+    return of(_off(formula, -two_term_stroke(LINKAGE, ANGLES_RAD, 2).derivative(2) * SPEED_RAD_S**2))
 
 
 def _off(formula: Array, exact: Array) -> float:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ncgear.ledger.entry import Given, Paper, counted, equations
-from ncgear.ledger.track_chassis import motion, vibration, weights
-from ncgear.ledger.track_chassis.frequencies import MEASURED, NATURAL, TABLE_1
+from ncgear.ledger.track_chassis import motion, spectra, vibration, weights
+from ncgear.ledger.track_chassis.frequencies import NATURAL, TABLE_1
 
 GIVEN = (
     Given(("Table 1",), "speeds of the shafts, rollers, teeth"),
@@ -21,6 +21,6 @@ PAPER = Paper(
     "Z. Tang, Y. Li, Y. Zhou, H. Zhang, Inertial Vibration Characteristics of Track Chassis Caused by Reciprocating "
     "Motion of Crank Slider, Shock and Vibration, 2019",
     (*counted("Table", 7), *equations(*range(1, 21))),
-    (*motion.ENTRIES, *TABLE_1, *weights.ENTRIES, *NATURAL, *MEASURED, *vibration.ENTRIES),
+    (*motion.ENTRIES, *TABLE_1, *weights.ENTRIES, *NATURAL, *spectra.ENTRIES, *vibration.ENTRIES),
     GIVEN,
 )
