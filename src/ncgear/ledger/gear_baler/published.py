@@ -13,7 +13,7 @@ from ncgear.machine.stroke import StrokeRequest, WorkingStroke, solved_stroke
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.laws.uniform import uniform_law
-from ncgear.ratio.transmission import Lobes
+from ncgear.ratio.transmission import Lobes, Transmission
 
 RAD_S_PER_RPM = pi / 30.0
 LINKAGE = CrankSlider(380.0, 960.0)
@@ -46,6 +46,12 @@ def law() -> StrokeLaw:
 
 
 @cache
+def other_law() -> StrokeLaw:
+    """The reading of designs/baler-a1-at-law-speed.yaml: v1, v2 and a1 all at the speed that closes the stroke."""
+    return stroke_law(stroke_at(None, None, STROKE_MM), LINKAGE, Lobes(), constant=0.0)
+
+
+@cache
 def law_rpm() -> float:
     """Speed at which v1 and v2 hold in that reading."""
     return law().stroke.law_speed_rad_s / RAD_S_PER_RPM
@@ -54,16 +60,26 @@ def law_rpm() -> float:
 @cache
 def at_speed(rpm: float) -> KinematicCheck:
     """Peaks of that mechanism at a driving speed in r/min."""
-    return kinematic_check(Machine(law().transmission, LINKAGE, RESISTANCE, rpm * RAD_S_PER_RPM))
+    return _check(law().transmission, rpm)
+
+
+@cache
+def other_at_speed(rpm: float) -> KinematicCheck:
+    """Peaks of the mechanism of the other reading."""
+    return _check(other_law().transmission, rpm)
 
 
 @cache
 def uniform_at_speed(rpm: float) -> KinematicCheck:
     """Peaks of the same linkage on a crank that turns evenly."""
-    return kinematic_check(Machine(uniform_law(Lobes()), LINKAGE, RESISTANCE, rpm * RAD_S_PER_RPM))
+    return _check(uniform_law(Lobes()), rpm)
 
 
 @cache
 def pitch() -> PitchPair:
     """The pitch curves at the printed centre distance, with the printed number of teeth."""
     return sized_pair(law().transmission, TEETH, None, CENTER_DISTANCE_MM)
+
+
+def _check(transmission: Transmission, rpm: float) -> KinematicCheck:
+    return kinematic_check(Machine(transmission, LINKAGE, RESISTANCE, rpm * RAD_S_PER_RPM))

@@ -109,7 +109,7 @@ NATURAL = (
     Entry(
         ("Table 4",), "differences of the 2nd and the 6th, which is the largest", Printed(("5.9", "11.3"), "%"),
         Verdict.NOT_REPRODUCIBLE, lambda: errors(2, 6),
-        "By the measured frequency, as the other four are; the printed ones are by the simulated frequency.",
+        "By the measured frequency, as the other four are; the printed ones are by the simulated frequency, cut off.",
     ),
     Entry(
         ("section 3.3",), "the auger's frequency by the first natural one", Printed(("0.8",)), Verdict.REPRODUCED,

@@ -73,7 +73,7 @@ ENTRIES = (
         "Counted positive away from the crank axis, against the sense in which the stroke is counted.",
     ),
     Entry(
-        equations("8", "16"), "the same for the exact acceleration of this linkage", Relation(),
+        equations("8", "16"), "two terms for the exact acceleration of this linkage", Relation(),
         Verdict.NOT_REPRODUCIBLE, lambda: of(failure(MECHANISM).largest_error),
         "At a crank of 0.473 rods the terms left out are not small.",
     ),

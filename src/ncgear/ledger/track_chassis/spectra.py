@@ -35,11 +35,11 @@ ENTRIES = (
         "The spectrum's lines are 1.95 Hz apart.",
     ),
     Entry(
-        ("section 3.4",), "multiple of the drive shaft's frequency", Printed(("87.89",), "Hz"),
+        ("section 3.4",), "4th multiple of the drive shaft's frequency", Printed(("87.89",), "Hz"),
         Verdict.NOT_REPRODUCIBLE, lambda: on_a_line(4.0 * DRIVE_SHAFT_HZ), NO_MULTIPLE,
     ),
     Entry(
-        ("section 3.4",), "multiple of the drive shaft's frequency", Printed(("335.94",), "Hz"),
+        ("section 3.4",), "15th multiple of the drive shaft's frequency", Printed(("335.94",), "Hz"),
         Verdict.NOT_REPRODUCIBLE, lambda: on_a_line(15.0 * DRIVE_SHAFT_HZ), NO_MULTIPLE,
     ),
 )  # fmt: skip

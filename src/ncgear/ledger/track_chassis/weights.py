@@ -57,7 +57,7 @@ ENTRIES = (
         "With the inertia force at the retracted dead centre, which is the smaller of the two.",
     ),
     Entry(
-        equations("16", "17", "18"), "the same with the largest inertia force over the turn", Printed(("5",), "kg"),
+        equations("16", "17", "18"), "weight against the slider's largest inertia force", Printed(("5",), "kg"),
         Verdict.NOT_REPRODUCIBLE, lambda: of(tail_weights().worst_kg.value),
         "The force is largest at the extended dead centre; the printed weight is not the safe one.",
     ),
