@@ -77,8 +77,8 @@ PINNED = {
         # 65 kg times the peak acceleration of 7341 mm/s^2, and of the uniform crank: r w^2 (1 + r/l)
         ("mechanisms.0.shaking.max_n", 65.0 * 7.341, 0.1),
         ("mechanisms.0.even_crank.max_n", 65.0 * 0.380 * 4.38649 * (1.0 + 38.0 / 96.0), 0.01),
-        ("gears.driving.corrected.left_percent", 0.0, 1e-6),
-        ("gears.driven.corrected.left_percent", 0.0, 1e-6),
+        ("gears.driving.corrected.unbalance_kg_mm", 0.0, 1e-9),
+        ("gears.driven.corrected.unbalance_kg_mm", 0.0, 1e-9),
     ],
 }
 
@@ -197,6 +197,7 @@ WRONG: dict[str, tuple[str, str, str]] = {
         "a.yaml:10:32: mechanisms.0.complete.crank_arm_mm",
         "too heavy by",
     ),
+    "massless": (changed(CRANK, "slider_kg: 1", "slider_kg: 0"), "a.yaml:6:5: mechanisms.0.masses", "nothing has a"),
     "no masses": (CRANK[: CRANK.index("    masses")], "a.yaml:4:5: mechanisms.0.masses", "missing; a linkage given"),
     "both": (
         changed(CRANK, "    masses:", "    design: b.yaml\n    masses:"),

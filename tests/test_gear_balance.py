@@ -186,6 +186,13 @@ def test_a_low_boss_is_refused_with_a_height_that_does() -> None:
     assert error.value.key == "gears.boss.height_mm"
 
 
+def test_a_balanced_gear_is_left_as_it_is() -> None:
+    round_gear = disc(60.0, 0j, ((0j, 10.0),))
+    found = corrected(round_gear, 15.0, STEEL, Means(DRILLS, BossSize(10.0, 2.0)), TOLERANCE, "gears")
+    assert (found.holes, found.boss) == ([], None)
+    assert found.mesh.volume == pytest.approx(round_gear.area * 15.0, rel=1e-9)
+
+
 def test_no_room_for_holes() -> None:
     with pytest.raises(NoSuchMechanism, match="no hole of 200 mm"):
         drilled_holes(SLIGHT, area_moment_mm3(SLIGHT), Drills(200.0, 3.0, 2.0), "gears.holes")

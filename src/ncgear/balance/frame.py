@@ -13,8 +13,9 @@ from math import pi
 
 import numpy as np
 
-from ncgear.balance.mechanism import Mechanism
+from ncgear.balance.mechanism import Counterweight, Mechanism
 from ncgear.balance.shaking import Shaking, shaking
+from ncgear.balance.track import TRACK_POINTS, Track
 from ncgear.balance.waveform import Waveform
 from ncgear.errors import WrongInput
 from ncgear.numerics import chebyshev
@@ -79,6 +80,35 @@ def best_phase(mounted: Sequence[Mounted], moved: int) -> Extremum:
 
     least = Waveform(chebyshev.fitted(mean_square, np.linspace(0.0, cycle, 17))).extremes[0]
     return Extremum(float(np.sqrt(max(least.value, 0.0))), least.at % cycle)
+
+
+def frame_track(mounted: Sequence[Mounted]) -> Track:
+    """The way of the common centre of mass of all mechanisms over the longest cycle."""
+    angle = np.linspace(0.0, _common_cycle(mounted), TRACK_POINTS)
+    moment = sum(one.mechanism.total_kg * _center(one, angle) for one in mounted)
+    center = moment / sum(one.mechanism.total_kg for one in mounted)
+    return Track(np.column_stack([center.real, center.imag]))
+
+
+def frame_sweep(
+    mounted: Sequence[Mounted], moved: int, counterweight: Counterweight, masses_kg: Sequence[float]
+) -> list[tuple[float, Shaking, Track]]:
+    """A counterweight on the crank of the mechanism number ``moved`` with each of the masses: all forces, the track."""
+    found = []
+    for mass in masses_kg:
+        mechanism = mounted[moved].mechanism
+        added = (*mechanism.counterweights, replace(counterweight, mass_kg=mass))
+        one = replace(mounted[moved], mechanism=replace(mechanism, counterweights=added))
+        together = [one if number == moved else other for number, other in enumerate(mounted)]
+        found.append((mass, frame_shaking(together), frame_track(together)))
+    return found
+
+
+def _center(one: Mounted, angle: Array) -> ComplexArray:
+    """A mechanism's centre of mass in the frame."""
+    center = one.mechanism.center_of_mass_mm(angle + one.phase_rad)
+    own = np.conj(center) if one.mirrored else center
+    return np.asarray(one.place_mm + own * exp(1j * one.direction_rad))
 
 
 def _coefficients(of: Shaking) -> ComplexArray:

@@ -7,8 +7,9 @@ from typing import Annotated, Self
 from pydantic import Field, Strict, model_validator
 
 from ncgear.design.angles import given, listed
+from ncgear.design.balance_excitation import Excitations
 from ncgear.design.balance_mechanism import Chassis, Mechanism
-from ncgear.design.balance_rotor import ChainDrive, Excitations, GearBalance, Rotor
+from ncgear.design.balance_rotor import ChainDrive, GearBalance, Rotor
 from ncgear.design.base import Model, Speed
 from ncgear.design.faults import fault
 from ncgear.design.naming import NAME_PATTERN

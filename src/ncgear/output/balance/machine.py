@@ -9,18 +9,22 @@ from typing import Any
 
 from ncgear.balance.chassis import dynamic_counterweights, static_counterweight_kg
 from ncgear.balance.excitation import Excitation, margins, of_engine, of_shaft, of_slider
-from ncgear.balance.frame import Mounted, best_phase, frame_shaking
+from ncgear.balance.frame import Mounted, best_phase, frame_shaking, frame_sweep
 from ncgear.balance.joint_masses import joint_masses
 from ncgear.balance.opposed import Crank, reciprocating_share, rotating_share
 from ncgear.balancing import Balancing
-from ncgear.output.balance.mechanisms import shaking_figures
-from ncgear.recipe.balance import chassis_of, engines_of, shafts_of
+from ncgear.design.balance_mechanism import Sweep
+from ncgear.output.balance.mechanisms import shaking_figures, statistics_figures
+from ncgear.recipe.balance import chassis_of, crank_counterweight, engines_of, shafts_of
 
 
 def frame_figures(balancing: Balancing) -> dict[str, Any]:
     """All mechanisms together, each pair's shares, and the best phase where one is looked for."""
     mounted, balance = balancing.mounted, balancing.balance
     figures: dict[str, Any] = {"together": shaking_figures(frame_shaking(mounted)), "pairs": _pairs(balancing)}
+    swept = [(number, one) for number, one in enumerate(balance.mechanisms) if one.sweep is not None]
+    if swept:
+        figures["sweeps"] = {one.name: _sweep(one.sweep, mounted, number) for number, one in swept if one.sweep}
     if balance.move_phase_of is not None:
         moved = [one.name for one in balance.mechanisms].index(balance.move_phase_of)
         found = best_phase(mounted, moved)
@@ -31,6 +35,21 @@ def frame_figures(balancing: Balancing) -> dict[str, Any]:
             **shaking_figures(frame_shaking(best)),
         }
     return figures
+
+
+def _sweep(asked: Sweep, mounted: list[Mounted], moved: int) -> list[dict[str, float]]:
+    """The counterweights of one mechanism tried with all the others."""
+    tried = frame_sweep(mounted, moved, crank_counterweight(asked), asked.masses_kg)
+    return [
+        {
+            "counterweight_kg": mass,
+            **{f"shaking_{key}": value for key, value in statistics_figures(force.force).items()},
+            "track_along_mm": way.extent_mm[0],
+            "track_across_mm": way.extent_mm[1],
+            "track_area_mm2": way.area_mm2,
+        }
+        for mass, force, way in tried
+    ]
 
 
 def _pairs(balancing: Balancing) -> list[dict[str, Any]]:

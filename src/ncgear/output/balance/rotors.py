@@ -32,7 +32,6 @@ def _gear(gear: BalancedGear, grade: float) -> dict[str, Any]:
         figures["corrected"] = {
             **_body(gear.corrected.body, gear.speed_rad_s, grade),
             "couple_kg_mm2": abs(gear.corrected.body.couple_kg_mm2),
-            "left_percent": 100.0 * abs(gear.corrected.body.unbalance_kg_mm) / abs(gear.body.unbalance_kg_mm),
             "holes": [{"x_mm": hole.x_mm, "y_mm": hole.y_mm, "diameter_mm": hole.diameter_mm} for hole in holes],
             "boss_height_mm": boss.height_mm if boss else None,
             "boss_area_mm2": float(boss.section.area) if boss else None,
