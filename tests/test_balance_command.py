@@ -266,14 +266,24 @@ def test_a_boss_too_low_is_no_such_mechanism(run: Run) -> None:
     status, _, err = run("a.yaml")
     assert status == 3
     assert err.startswith("a.yaml:6:12: gears.driven.boss.height_mm: no boss of 5 mm")
+    Path("a.yaml").write_text(changed(text, "boss: {height_mm: 5,", "holes: {largest_mm: 5, smallest_mm: 6,"))
+    status, _, err = run("a.yaml")
+    assert (status, err.split(": ")[:2]) == (2, ["a.yaml:6:28", "gears.driven.holes.smallest_mm"])
 
 
-def test_helical_gears_are_refused_in_their_own_file(run: Run) -> None:
-    text = f"name: a\nspeed_rpm: 60\ngears: {{design: {DESIGNS / 'helical-ellipse.yaml'}}}\n"
-    Path("a.yaml").write_text(text)
+HELICAL = f"name: a\nspeed_rpm: 60\ngears:\n  design: {DESIGNS / 'helical-ellipse.yaml'}\n"
+
+
+def test_helical_gears_are_weighed_and_not_corrected(run: Run) -> None:
+    """Sections that advance differ in their centroids: a couple, which straight teeth have not."""
+    Path("a.yaml").write_text(HELICAL)
+    status, out, _ = run("a.yaml", "--json")
+    driven = json.loads(out)["gears"]["driven"]
+    assert (status, driven["couple_kg_mm2"] > 0.0, driven["eccentricity_mm"] > 1.0) == (0, True, True)
+    Path("a.yaml").write_text(HELICAL + "  driven: {boss: {height_mm: 5, wall_mm: 2}}\n")
     status, _, err = run("a.yaml")
     assert status == 2
-    assert re.match(r".*helical-ellipse\.yaml:\d+:\d+: gears\.helix: balance is for straight teeth", err)
+    assert err.startswith("a.yaml:5:3: gears.driven: helical gears are not corrected")
 
 
 def test_the_schema_describes_every_key() -> None:

@@ -18,7 +18,7 @@ from ncgear.balance.gear_correction import BossSize, Corrected, Means, corrected
 from ncgear.balance.grades import grade_reached, permissible_unbalance_kg_mm
 from ncgear.design.load import load
 from ncgear.drive import Drive
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.recipe.gears import bore_of
 from ncgear.solids.bore import circle_points
 from ncgear.solids.extrude import extruded
@@ -196,6 +196,8 @@ def test_a_balanced_gear_is_left_as_it_is() -> None:
 def test_no_room_for_holes() -> None:
     with pytest.raises(NoSuchMechanism, match="no hole of 200 mm"):
         drilled_holes(SLIGHT, area_moment_mm3(SLIGHT), Drills(200.0, 3.0, 2.0), "gears.holes")
+    with pytest.raises(WrongInput, match="too many to choose from"):
+        drilled_holes(SLIGHT, area_moment_mm3(SLIGHT), Drills(0.01, 0.01, 0.01), "gears.holes")
 
 
 def test_a_boss_around_the_bore_is_one_sound_mesh() -> None:

@@ -20,6 +20,13 @@ class Holes(Model):
     smallest_mm: Length = Field(description="diameter of the smallest in mm")
     wall_mm: Length = Field(description="least wall between holes and to every edge in mm")
 
+    @model_validator(mode="after")
+    def _smallest_is_smaller(self) -> Self:
+        if self.smallest_mm > self.largest_mm:
+            problem = f"{self.smallest_mm:g} mm is over largest_mm; {self.largest_mm:g} or less is right"
+            raise fault("smallest_mm", problem)
+        return self
+
 
 class Boss(Model):
     """A boss on the upper face."""

@@ -31,7 +31,6 @@ def _gear(gear: BalancedGear, grade: float) -> dict[str, Any]:
         holes, boss = gear.corrected.holes, gear.corrected.boss
         figures["corrected"] = {
             **_body(gear.corrected.body, gear.speed_rad_s, grade),
-            "couple_kg_mm2": abs(gear.corrected.body.couple_kg_mm2),
             "holes": [{"x_mm": hole.x_mm, "y_mm": hole.y_mm, "diameter_mm": hole.diameter_mm} for hole in holes],
             "boss_height_mm": boss.height_mm if boss else None,
             "boss_area_mm2": float(boss.section.area) if boss else None,
@@ -48,6 +47,7 @@ def _body(body: GearBody, speed_rad_s: float, grade: float) -> dict[str, Any]:
         "direction_deg": degrees(phase(body.unbalance_kg_mm)),
         "inertia_kg_mm2": body.inertia_kg_mm2,
         "unbalance_kg_mm": unbalance,
+        "couple_kg_mm2": abs(body.couple_kg_mm2),
         "permissible_kg_mm": permissible,
         "permitted": unbalance <= permissible,
         "grade_reached": _finite(grade_reached(unbalance, body.mass_kg, speed_rad_s)),
