@@ -12,6 +12,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import trimesh
 
@@ -235,6 +236,78 @@ def test_a_wrong_file_is_told_by_place_and_key(name: str, run: Run) -> None:
     assert err.startswith(place), err
     assert words in err
     assert not Path("export").exists()
+
+
+TWO_PLANES = "name: drum\nrotor: {speed_rpm: 700, mass_kg: 20, radius_mm: 120, file: readings.csv}\n"
+READINGS = """plane,mass_g,angle_deg,sensor,amplitude,phase_deg
+0,0,0,1,2.0,30
+0,0,0,2,1.0,200
+1,10,0,1,2.5,60
+1,10,0,2,1.1,190
+2,12,90,1,1.8,20
+2,12,90,2,1.5,240
+"""
+
+
+def test_two_planes_from_a_file(run: Run) -> None:
+    """The corrections, put into the linear rotor that the readings make, leave nothing at both sensors."""
+    Path("a.yaml").write_text(TWO_PLANES)
+    Path("readings.csv").write_text(READINGS)
+    status, out, _ = run("a.yaml", "--json")
+    assert status == 0
+    found = json.loads(out)["rotor"]
+    table = np.genfromtxt("readings.csv", delimiter=",", names=True)
+    values = (table["amplitude"] * np.exp(1j * np.radians(table["phase_deg"]))).reshape(3, 2)
+    trials = 10.0, 12j
+    left = values[0] + 0j
+    for plane, weight in enumerate(found["planes"]):
+        put = weight["correction_g"] * np.exp(1j * np.radians(weight["angle_deg"]))
+        left += (values[plane + 1] - values[0]) / trials[plane] * put
+    assert np.abs(left).max() <= 1e-12
+    # G 16 at 700 r/min: 0.218 mm of eccentricity, of 20 kg at 120 mm
+    assert found["permissible_weight_g"] == pytest.approx(16.0 / (700 * np.pi / 30) * 20 / 120 * 1000, rel=1e-12)
+
+
+WRONG_READINGS: dict[str, tuple[str, str, str]] = {
+    "plane missing": (READINGS.replace("\n2,", "\n3,"), "readings.csv:1:1: plane", "one of them is missing"),
+    "half a plane": (changed(READINGS, "2,12,90,1", "1.5,12,90,1"), "readings.csv:6:1: plane", "1.5 given"),
+    "weightless": (
+        READINGS.replace("2,12,", "2,0,"),
+        "readings.csv:6:1: rotor.trials.1.mass_g",
+        "shows nothing",
+    ),
+    "negative": (
+        changed(READINGS, "1.1,190", "-1.1,190"),
+        "readings.csv:5:1: rotor.trials.0.readings.1.amplitude",
+        "0 or over",
+    ),
+    "no effect": (
+        READINGS.replace("2.5,60", "2.0,30").replace("1.1,190", "1.0,200"),
+        "readings.csv:4:1: rotor.trials.0.readings",
+        "changes nothing",
+    ),
+    "few sensors": (
+        "\n".join(READINGS.splitlines()[:2] + READINGS.splitlines()[3:7:2]),
+        "a.yaml:2:54: rotor.trials",
+        "2 planes for 1 sensors",
+    ),
+    "a reading missing": (
+        changed(READINGS, "1,10,0,2,1.1,190\n", ""),
+        "readings.csv:4:1: rotor.trials.0.readings",
+        "1 readings, but the first run has 2",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WRONG_READINGS)
+def test_wrong_readings_are_told_by_line(name: str, run: Run) -> None:
+    text, place, words = WRONG_READINGS[name]
+    Path("a.yaml").write_text(TWO_PLANES)
+    Path("readings.csv").write_text(text)
+    status, _, err = run("a.yaml")
+    assert status == 2
+    assert err.startswith(place), err
+    assert words in err
 
 
 RUNS = "weight_deg,amplitude,phase_deg\n60,0.4,275\n120,0.5,135\n180,0.4,124\n"

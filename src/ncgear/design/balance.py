@@ -41,6 +41,8 @@ class Balance(Model):
     def _asks_something(self) -> Self:
         if not self.mechanisms and not given(self, QUESTIONS):
             raise fault("", f"nothing is asked; give mechanisms, {listed(QUESTIONS)}")
+        if self.excitations and self.excitations.harmonics and not self.mechanisms:
+            raise fault("excitations.harmonics", "there is no mechanism whose slider has any; give mechanisms")
         if self.speed_rpm is None and (self.mechanisms or self.gears):
             raise fault("speed_rpm", "missing; mechanisms and gears need the speed of their shaft in r/min")
         return self

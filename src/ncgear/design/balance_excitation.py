@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Self
 
-from pydantic import Field, Strict
+from pydantic import Field, Strict, model_validator
 
 from ncgear.design.balance_mechanism import MOST_ITEMS
 from ncgear.design.base import Model, Positive, Speed
+from ncgear.design.faults import fault
 
 MOST_COUNT = 10_000
 
@@ -56,3 +57,9 @@ class Excitations(Model):
     harmonics: int = Field(
         default=0, ge=0, le=1000, description="harmonics of the slider's acceleration of each mechanism"
     )
+
+    @model_validator(mode="after")
+    def _something_shakes(self) -> Self:
+        if not self.shafts and not self.engines and not self.harmonics:
+            raise fault("", "nothing shakes; give shafts, engines or harmonics")
+        return self

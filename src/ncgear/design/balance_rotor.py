@@ -76,10 +76,30 @@ class Rotor(Model):
     """Field balancing from trial weights."""
 
     speed_rpm: Speed = Field(description="speed of the runs in r/min")
-    first: Readings = Field(description="readings of every sensor without trial weights, a list")
-    trials: Annotated[tuple[Trial, ...], Strict(False), Field(min_length=1, max_length=20)] = Field(
-        description="one run for each plane, a list"
+    first: Readings | None = Field(default=None, description="readings of every sensor without trial weights, a list")
+    trials: Annotated[tuple[Trial, ...], Strict(False), Field(min_length=1, max_length=20)] | None = Field(
+        default=None, description="one run for each plane, a list"
     )
+    file: str | None = Field(
+        default=None,
+        min_length=1,
+        description="CSV file of both instead, one reading in each row, with columns plane (0: without trial weight), "
+        "mass_g, angle_deg, sensor, amplitude, phase_deg; its path counts from this file",
+    )
+    mass_kg: Positive | None = Field(default=None, description="mass of the rotor in kg; left out: no grade is told")
+    radius_mm: Length | None = Field(default=None, description="radius of the weights in mm, with mass_kg")
+    grade: float = Field(
+        default=16.0, gt=0.0, le=4000.0, description="grade of balance quality of ISO 21940-11 in mm/s: 16 for G 16"
+    )
+
+    @model_validator(mode="after")
+    def _has_readings(self) -> Self:
+        for key in ("first", "trials"):
+            if getattr(self, key) is None:
+                raise fault(key, "missing; give first and trials, or a file of them")
+        if (self.mass_kg is None) != (self.radius_mm is None):
+            raise fault("mass_kg" if self.radius_mm is None else "radius_mm", "needs mass_kg and radius_mm both")
+        return self
 
 
 class ChainRun(Model):

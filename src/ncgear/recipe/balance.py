@@ -76,14 +76,14 @@ def means_of(given: balance_rotor.Correction) -> Means:
     return Means(drills, BossSize(boss.height_mm, boss.wall_mm) if boss else None)
 
 
-def readings_of(given: balance_rotor.Readings) -> tuple[complex, ...]:
+def readings_of(given: balance_rotor.Readings | None) -> tuple[complex, ...]:
     """Readings as complex numbers."""
-    return tuple(polar(one.amplitude, one.phase_deg) for one in given)
+    return tuple(polar(one.amplitude, one.phase_deg) for one in given or ())
 
 
 def trial_runs_of(given: balance_rotor.Rotor) -> list[TrialRun]:
     """Runs with trial weights in g."""
-    return [TrialRun(polar(one.mass_g, one.angle_deg), readings_of(one.readings)) for one in given.trials]
+    return [TrialRun(polar(one.mass_g, one.angle_deg), readings_of(one.readings)) for one in given.trials or ()]
 
 
 def weight_runs_of(given: balance_rotor.ChainDrive) -> list[WeightRun]:

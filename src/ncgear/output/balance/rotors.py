@@ -11,7 +11,7 @@ from ncgear.balance.gear_body import GearBody
 from ncgear.balance.grades import grade_reached, permissible_unbalance_kg_mm
 from ncgear.balance.influence import balanced
 from ncgear.balancing import BalancedGear, Balancing
-from ncgear.design.balance_rotor import ChainDrive
+from ncgear.design.balance_rotor import ChainDrive, Rotor
 from ncgear.recipe.balance import chain_phases_of, readings_of, trial_runs_of, weight_runs_of
 
 
@@ -67,7 +67,16 @@ def rotor_figures(balancing: Balancing) -> dict[str, Any]:
     return {
         "planes": [_polar(weight, "correction_g", "angle_deg") for weight in found.weights],
         "sensors": [_polar(left, "expected_amplitude", "phase_deg") for left in found.residual],
+        **_permissible(asked),
     }
+
+
+def _permissible(asked: Rotor) -> dict[str, float]:
+    """What may be left of the grade, as a weight at the corrections' radius; of all planes together."""
+    if asked.mass_kg is None or asked.radius_mm is None:
+        return {}
+    allowed = permissible_unbalance_kg_mm(asked.grade, asked.mass_kg, asked.speed_rpm * pi / 30.0)
+    return {"permissible_kg_mm": allowed, "permissible_weight_g": 1000.0 * allowed / asked.radius_mm}
 
 
 def chain_figures(balancing: Balancing) -> dict[str, Any]:
