@@ -174,6 +174,22 @@ def test_the_command_writes_and_says(run: Run) -> None:
     assert json.loads(out) == json.loads(Path("there/balance.json").read_text())
 
 
+SECOND = CRANK[CRANK.index("  - name: one") :].replace("name: one", "name: two").replace("mm: 10,", "mm: 20,")
+TWO_CRANKS = CRANK + SECOND
+SMALL_CRANK = "crank: {mass_kg: 1, center_mm: 0.001, inertia_kg_mm2: 1}"
+
+
+def test_cranks_of_other_lengths_share_by_mass_times_length(run: Run) -> None:
+    """In phase nothing cancels; half a turn apart a third of the force is left, 20 - 10 of 30."""
+    massive = TWO_CRANKS.replace("crank: {mass_kg: 0, center_mm: 0, inertia_kg_mm2: 0}", SMALL_CRANK)
+    for phase, left in ((0, 1.0), (180, 1.0 / 3.0)):
+        Path("a.yaml").write_text(massive + f"    phase_deg: {phase}\n")
+        status, out, _ = run("a.yaml", "--json")
+        assert status == 0
+        (pair,) = json.loads(out)["frame"]["pairs"]
+        assert (pair["eta1"], pair["first"], pair["second"]) == (pytest.approx(left), "one", "two")
+
+
 def changed(text: str, old: str, new: str) -> str:
     assert text.count(old) == 1, old
     return text.replace(old, new)

@@ -72,12 +72,17 @@ def _classical(mechanism: Mechanism) -> dict[str, Any]:
     """Textbook formulas beside the truth; of an uneven crank also the same linkage on an even one, as often."""
     if mechanism.linkage.offset_mm != 0.0:
         return {}
-    slowest, fastest = mechanism.transmission.slope_range
-    if fastest.value <= slowest.value * (1.0 + EVEN):
+    if turns_evenly(mechanism):
         return {"two_terms": _failure_figures(failure(mechanism))}
     figures = {f"at_{speed}_speed": _failure_figures(failure(mechanism, speed)) for speed in Speed}
     even = replace(mechanism, transmission=uniform_law(mechanism.transmission.lobes))
     return {"two_terms": figures, "even_crank": shaking_figures(shaking(even))}
+
+
+def turns_evenly(mechanism: Mechanism) -> bool:
+    """Whether the crank's speed is constant."""
+    slowest, fastest = mechanism.transmission.slope_range
+    return fastest.value <= slowest.value * (1.0 + EVEN)
 
 
 def _failure_figures(of: Failure) -> dict[str, float]:
