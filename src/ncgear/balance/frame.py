@@ -28,6 +28,11 @@ HARMONICS = 128
 slowest, by the square of their number, leave a share of 1e-6 of the mean square beyond them."""
 
 
+SAME = 1e-9
+"""Share of a cycle within which two breaks, or two cycles, are one: rounding of phases, and less than any stretch of a
+law that is looked at."""
+
+
 @dataclass(frozen=True, eq=False)
 class Mounted:
     """A mechanism in the frame.
@@ -55,8 +60,7 @@ def frame_shaking(mounted: Sequence[Mounted]) -> Shaking:
         return np.asarray(np.sum([_in_frame(one, of, angle) for one, of in parts], axis=0))
 
     breaks = np.unique(np.concatenate([[0.0, cycle], *(_breaks(one, of, cycle) for one, of in parts)]))
-    # Two breaks apart by rounding alone are one
-    breaks = breaks[np.append(True, np.diff(breaks) > 1e-9 * cycle)]
+    breaks = breaks[np.append(True, np.diff(breaks) > SAME * cycle)]
     form = chebyshev.fitted(total, np.append(breaks[:-1], cycle))
     return Shaking(*(Waveform(PiecewiseChebyshev(form.breaks, form.coefficients[:, :, k])) for k in range(3)))
 
@@ -69,7 +73,7 @@ def best_phase(mounted: Sequence[Mounted], moved: int) -> Extremum:
     others = frame_shaking([one for number, one in enumerate(mounted) if number != moved])
     alone = frame_shaking([replace(mounted[moved], phase_rad=0.0)])
     cycle = _common_cycle(mounted)
-    if abs(others.along.cycle_rad - alone.along.cycle_rad) > 1e-9 * cycle:
+    if abs(others.along.cycle_rad - alone.along.cycle_rad) > SAME * cycle:
         raise WrongInput("cycles of different lengths have no one best phase; give mechanisms of equal cycles")
     crossed = np.conj(_coefficients(others)) * _coefficients(alone)
     waves = np.arange(-HARMONICS, HARMONICS + 1) * 2.0 * pi / cycle
@@ -121,11 +125,11 @@ def _coefficients(of: Shaking) -> ComplexArray:
 def _common_cycle(mounted: Sequence[Mounted]) -> float:
     cycles = [one.mechanism.transmission.cycle_rad for one in mounted]
     for number, one in enumerate(mounted):
-        if not np.isclose(one.mechanism.speed_rad_s, mounted[0].mechanism.speed_rad_s, rtol=1e-12):
+        if not np.isclose(one.mechanism.speed_rad_s, mounted[0].mechanism.speed_rad_s, rtol=SAME):
             raise WrongInput(
                 "another driving speed than that of the first; one shaft drives all", key=f"mechanisms.{number}"
             )
-        if abs(max(cycles) / cycles[number] - round(max(cycles) / cycles[number])) > 1e-9:
+        if abs(max(cycles) / cycles[number] - round(max(cycles) / cycles[number])) > SAME:
             raise WrongInput(
                 "its cycle does not go into the longest a whole number of times", key=f"mechanisms.{number}"
             )
