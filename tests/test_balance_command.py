@@ -12,6 +12,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import trimesh
 
@@ -77,8 +78,8 @@ PINNED = {
         # 65 kg times the peak acceleration of 7341 mm/s^2, and of the uniform crank: r w^2 (1 + r/l)
         ("mechanisms.0.shaking.max_n", 65.0 * 7.341, 0.1),
         ("mechanisms.0.even_crank.max_n", 65.0 * 0.380 * 4.38649 * (1.0 + 38.0 / 96.0), 0.01),
-        ("gears.driving.corrected.left_percent", 0.0, 1e-6),
-        ("gears.driven.corrected.left_percent", 0.0, 1e-6),
+        ("gears.driving.corrected.unbalance_kg_mm", 0.0, 1e-9),
+        ("gears.driven.corrected.unbalance_kg_mm", 0.0, 1e-9),
     ],
 }
 
@@ -173,6 +174,22 @@ def test_the_command_writes_and_says(run: Run) -> None:
     assert json.loads(out) == json.loads(Path("there/balance.json").read_text())
 
 
+SECOND = CRANK[CRANK.index("  - name: one") :].replace("name: one", "name: two").replace("mm: 10,", "mm: 20,")
+TWO_CRANKS = CRANK + SECOND
+SMALL_CRANK = "crank: {mass_kg: 1, center_mm: 0.001, inertia_kg_mm2: 1}"
+
+
+def test_cranks_of_other_lengths_share_by_mass_times_length(run: Run) -> None:
+    """In phase nothing cancels; half a turn apart a third of the force is left, 20 - 10 of 30."""
+    massive = TWO_CRANKS.replace("crank: {mass_kg: 0, center_mm: 0, inertia_kg_mm2: 0}", SMALL_CRANK)
+    for phase, left in ((0, 1.0), (180, 1.0 / 3.0)):
+        Path("a.yaml").write_text(massive + f"    phase_deg: {phase}\n")
+        status, out, _ = run("a.yaml", "--json")
+        assert status == 0
+        (pair,) = json.loads(out)["frame"]["pairs"]
+        assert (pair["eta1"], pair["first"], pair["second"]) == (pytest.approx(left), "one", "two")
+
+
 def changed(text: str, old: str, new: str) -> str:
     assert text.count(old) == 1, old
     return text.replace(old, new)
@@ -197,6 +214,7 @@ WRONG: dict[str, tuple[str, str, str]] = {
         "a.yaml:10:32: mechanisms.0.complete.crank_arm_mm",
         "too heavy by",
     ),
+    "massless": (changed(CRANK, "slider_kg: 1", "slider_kg: 0"), "a.yaml:6:5: mechanisms.0.masses", "nothing has a"),
     "no masses": (CRANK[: CRANK.index("    masses")], "a.yaml:4:5: mechanisms.0.masses", "missing; a linkage given"),
     "both": (
         changed(CRANK, "    masses:", "    design: b.yaml\n    masses:"),
@@ -236,6 +254,78 @@ def test_a_wrong_file_is_told_by_place_and_key(name: str, run: Run) -> None:
     assert not Path("export").exists()
 
 
+TWO_PLANES = "name: drum\nrotor: {speed_rpm: 700, mass_kg: 20, radius_mm: 120, file: readings.csv}\n"
+READINGS = """plane,mass_g,angle_deg,sensor,amplitude,phase_deg
+0,0,0,1,2.0,30
+0,0,0,2,1.0,200
+1,10,0,1,2.5,60
+1,10,0,2,1.1,190
+2,12,90,1,1.8,20
+2,12,90,2,1.5,240
+"""
+
+
+def test_two_planes_from_a_file(run: Run) -> None:
+    """The corrections, put into the linear rotor that the readings make, leave nothing at both sensors."""
+    Path("a.yaml").write_text(TWO_PLANES)
+    Path("readings.csv").write_text(READINGS)
+    status, out, _ = run("a.yaml", "--json")
+    assert status == 0
+    found = json.loads(out)["rotor"]
+    table = np.genfromtxt("readings.csv", delimiter=",", names=True)
+    values = (table["amplitude"] * np.exp(1j * np.radians(table["phase_deg"]))).reshape(3, 2)
+    trials = 10.0, 12j
+    left = values[0] + 0j
+    for plane, weight in enumerate(found["planes"]):
+        put = weight["correction_g"] * np.exp(1j * np.radians(weight["angle_deg"]))
+        left += (values[plane + 1] - values[0]) / trials[plane] * put
+    assert np.abs(left).max() <= 1e-12
+    # G 16 at 700 r/min: 0.218 mm of eccentricity, of 20 kg at 120 mm
+    assert found["permissible_weight_g"] == pytest.approx(16.0 / (700 * np.pi / 30) * 20 / 120 * 1000, rel=1e-12)
+
+
+WRONG_READINGS: dict[str, tuple[str, str, str]] = {
+    "plane missing": (READINGS.replace("\n2,", "\n3,"), "readings.csv:1:1: plane", "one of them is missing"),
+    "half a plane": (changed(READINGS, "2,12,90,1", "1.5,12,90,1"), "readings.csv:6:1: plane", "1.5 given"),
+    "weightless": (
+        READINGS.replace("2,12,", "2,0,"),
+        "readings.csv:6:1: rotor.trials.1.mass_g",
+        "shows nothing",
+    ),
+    "negative": (
+        changed(READINGS, "1.1,190", "-1.1,190"),
+        "readings.csv:5:1: rotor.trials.0.readings.1.amplitude",
+        "0 or over",
+    ),
+    "no effect": (
+        READINGS.replace("2.5,60", "2.0,30").replace("1.1,190", "1.0,200"),
+        "readings.csv:4:1: rotor.trials.0.readings",
+        "changes nothing",
+    ),
+    "few sensors": (
+        "\n".join(READINGS.splitlines()[:2] + READINGS.splitlines()[3:7:2]),
+        "a.yaml:2:54: rotor.trials",
+        "2 planes for 1 sensors",
+    ),
+    "a reading missing": (
+        changed(READINGS, "1,10,0,2,1.1,190\n", ""),
+        "readings.csv:4:1: rotor.trials.0.readings",
+        "1 readings, but the first run has 2",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WRONG_READINGS)
+def test_wrong_readings_are_told_by_line(name: str, run: Run) -> None:
+    text, place, words = WRONG_READINGS[name]
+    Path("a.yaml").write_text(TWO_PLANES)
+    Path("readings.csv").write_text(text)
+    status, _, err = run("a.yaml")
+    assert status == 2
+    assert err.startswith(place), err
+    assert words in err
+
+
 RUNS = "weight_deg,amplitude,phase_deg\n60,0.4,275\n120,0.5,135\n180,0.4,124\n"
 WRONG_RUNS: dict[str, tuple[str, str, str]] = {
     "a word": (changed(RUNS, "0.5", "half"), "runs.csv:3:5: amplitude", "'half' is not a finite number"),
@@ -265,14 +355,24 @@ def test_a_boss_too_low_is_no_such_mechanism(run: Run) -> None:
     status, _, err = run("a.yaml")
     assert status == 3
     assert err.startswith("a.yaml:6:12: gears.driven.boss.height_mm: no boss of 5 mm")
+    Path("a.yaml").write_text(changed(text, "boss: {height_mm: 5,", "holes: {largest_mm: 5, smallest_mm: 6,"))
+    status, _, err = run("a.yaml")
+    assert (status, err.split(": ")[:2]) == (2, ["a.yaml:6:28", "gears.driven.holes.smallest_mm"])
 
 
-def test_helical_gears_are_refused_in_their_own_file(run: Run) -> None:
-    text = f"name: a\nspeed_rpm: 60\ngears: {{design: {DESIGNS / 'helical-ellipse.yaml'}}}\n"
-    Path("a.yaml").write_text(text)
+HELICAL = f"name: a\nspeed_rpm: 60\ngears:\n  design: {DESIGNS / 'helical-ellipse.yaml'}\n"
+
+
+def test_helical_gears_are_weighed_and_not_corrected(run: Run) -> None:
+    """Sections that advance differ in their centroids: a couple, which straight teeth have not."""
+    Path("a.yaml").write_text(HELICAL)
+    status, out, _ = run("a.yaml", "--json")
+    driven = json.loads(out)["gears"]["driven"]
+    assert (status, driven["couple_kg_mm2"] > 0.0, driven["eccentricity_mm"] > 1.0) == (0, True, True)
+    Path("a.yaml").write_text(HELICAL + "  driven: {boss: {height_mm: 5, wall_mm: 2}}\n")
     status, _, err = run("a.yaml")
     assert status == 2
-    assert re.match(r".*helical-ellipse\.yaml:\d+:\d+: gears\.helix: balance is for straight teeth", err)
+    assert err.startswith("a.yaml:5:3: gears.driven: helical gears are not corrected")
 
 
 def test_the_schema_describes_every_key() -> None:

@@ -8,12 +8,15 @@ from math import cos, pi, radians
 import clarabel
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy import sparse
 
 from mechanisms import MASSES, OFFSET, RPM, even, sampled, uneven
 from ncgear.balance.best import GAP, least_squares, minimax
 from ncgear.balance.chassis import Chassis, dynamic_counterweights, static_counterweight_kg
-from ncgear.balance.frame import Mounted, best_phase, frame_shaking
+from ncgear.balance.classical import failure
+from ncgear.balance.frame import Mounted, best_phase, frame_shaking, frame_sweep, frame_track
 from ncgear.balance.joint_masses import JointMasses, joint_masses
 from ncgear.balance.mechanism import Carrier, Counterweight, Mechanism
 from ncgear.balance.opposed import (
@@ -24,7 +27,8 @@ from ncgear.balance.opposed import (
     rotating_share,
 )
 from ncgear.balance.shaking import shaking
-from ncgear.balance.sweep import bearing_force, sweep, track
+from ncgear.balance.sweep import bearing_force, sweep
+from ncgear.balance.track import track
 from ncgear.dynamics.joints import joint_forces
 from ncgear.dynamics.pace import EvenPace
 from ncgear.errors import WrongInput
@@ -32,7 +36,7 @@ from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.masses import Masses
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.transmission import Lobes
-from pairs import baler_law
+from pairs import baler_law, sine_law
 
 BALER = Mechanism(CrankSlider(380.0, 960.0), baler_law(), 52.81 * RPM, MASSES)
 MECHANISMS = {"even": even(), "uneven": uneven(), "offset": uneven(OFFSET), "baler": BALER}
@@ -122,6 +126,48 @@ def test_no_neighbour_is_better(name: str) -> None:
             moved = found.moment_kg_mm + 0.02 * abs(found.moment_kg_mm) * np.exp(1j * turn)
             other = Counterweight(Carrier.CRANK, abs(moved) / 100.0, 100.0, float(np.angle(moved)))
             assert quantity(replace(mechanism, counterweights=(other,))) > best * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("grams", [1e-3, 1e9])
+def test_the_least_peak_does_not_depend_on_the_size(grams: float) -> None:
+    """A toy and a giant: forces go with the mass."""
+    sized = replace(uneven(), masses=Masses(slider_kg=grams / 1000.0))
+    one = replace(uneven(), masses=Masses(slider_kg=1.0))
+    small, known = minimax(sized), minimax(one)
+    assert small.moment_kg_mm / (grams / 1000.0) == pytest.approx(known.moment_kg_mm, rel=1e-3)
+    assert small.bound_n == pytest.approx(known.bound_n * grams / 1000.0, rel=2e-7)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    rod=st.floats(1.05, 20.0),
+    depth=st.floats(-0.45, 0.45),
+    crank_kg=st.floats(0.0, 50.0),
+    rod_kg=st.floats(0.0, 50.0),
+    place=st.floats(-0.3, 1.0),
+)
+def test_the_least_peak_is_found_for_any_mechanism(
+    rod: float, depth: float, crank_kg: float, rod_kg: float, place: float
+) -> None:
+    masses = Masses(1.0, rod_kg, place * rod * 100.0, 0.0, crank_kg, 50.0, 1e6)
+    mechanism = Mechanism(CrankSlider(100.0, rod * 100.0), sine_law(depth), 5.0, masses)
+    found = minimax(mechanism)
+    left = shaking(replace(mechanism, counterweights=(found.at(100.0),))).peak.value
+    assert left <= shaking(mechanism).peak.value * (1.0 + 1e-9)
+    assert found.bound_n is not None
+    assert left <= found.bound_n * (1.0 + 2.0 * GAP) + 1e-12 * mechanism.total_kg
+
+
+def test_a_balanced_rod_leaves_nothing_to_the_crank() -> None:
+    """A mass beyond the pin that balances the slider: the crank's counterweight then takes all that is left."""
+    rod = Counterweight(Carrier.ROD, 182.0, 200.0)
+    mechanism = replace(even(masses=Masses(slider_kg=65.0)), counterweights=(rod,))
+    found = minimax(mechanism)
+    assert found.bound_n == 0.0
+    balanced = replace(mechanism, counterweights=(rod, found.at(250.0)))
+    assert found.at(250.0).mass_kg == pytest.approx(261.82, rel=1e-12)
+    assert shaking(balanced).peak.value <= 1e-11 * shaking(mechanism).peak.value
+    assert failure(balanced).largest_error == 0.0
 
 
 def test_a_counterweight_that_is_there_counts() -> None:
@@ -290,6 +336,28 @@ def test_other_speeds_are_refused() -> None:
     with pytest.raises(WrongInput, match="one shaft drives all") as error:
         frame_shaking([Mounted(even()), Mounted(even(rpm=50.0))])
     assert error.value.key == "mechanisms.1"
+
+
+def test_a_counterweight_on_one_of_two() -> None:
+    """Newton for the whole: total mass times the acceleration of the common centre is the force, turned round."""
+    pair = [
+        Mounted(uneven(), direction_rad=0.4, phase_rad=0.3, place_mm=100j),
+        Mounted(uneven(OFFSET), mirrored=True, phase_rad=2.0),
+    ]
+    ((mass, force, way),) = frame_sweep(pair, 1, replace(OPPOSITE, arm_mm=200.0), [30.0])
+    heavy = replace(uneven(OFFSET), counterweights=(Counterweight(Carrier.CRANK, 30.0, 200.0),))
+    by_hand = [pair[0], replace(pair[1], mechanism=heavy)]
+    assert mass == 30.0
+    assert way.points_mm == pytest.approx(frame_track(by_hand).points_mm, rel=1e-14)
+    total = sum(one.mechanism.total_kg for one in by_hand)
+    # 360 even steps of a smooth track: its second derivative by the fast Fourier transform
+    waves = np.fft.fftfreq(360, 1.0 / 360.0)
+    track_of = way.points_mm[:-1] @ np.array([1.0, 1j])
+    second = np.fft.ifft(-(waves**2) * np.fft.fft(track_of)) * uneven().speed_rad_s ** 2 / 1000.0
+    angle = np.arange(360) / 360.0 * 2.0 * pi
+    expected = -total * second
+    found = force.along(angle) + 1j * force.across(angle)
+    assert np.abs(found - expected).max() <= 1e-8 * np.abs(found).max()
 
 
 # --- the chassis -------------------------------------------------------------------------------------------------

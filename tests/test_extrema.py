@@ -13,7 +13,7 @@ from numpy.polynomial import Polynomial
 
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.extrema import extremes, stationary_points
+from ncgear.numerics.extrema import extremes, extremes_on, stationary_on, stationary_points
 from ncgear.numerics.jet import Jet
 
 ORDER = 2
@@ -36,6 +36,18 @@ def test_sine_over_a_turn() -> None:
     low, high = extremes(sine(), 0.0, 2.0 * pi)
     assert (low.value, high.value) == pytest.approx((-1.0, 1.0), abs=VALUE)
     assert (low.at, high.at) == pytest.approx((1.5 * pi, 0.5 * pi), abs=AT)
+
+
+def test_extremes_between_given_places() -> None:
+    """Places as dense as the waves are find all of them; even ones pass over those that crowd at one end."""
+    waves = of_jet(lambda t: jet.sin_cos(jet.exp(t * 7.0))[0])
+    places = np.log(np.linspace(1.0, 1000.0, 4001)) / 7.0
+    low, high = extremes_on(waves, places)
+    assert (low.value, high.value) == pytest.approx((-1.0, 1.0), abs=VALUE)
+    found = stationary_on(waves, places)
+    # Odd multiples of pi / 2 between 1 and 1000, and both ends
+    assert found.size == 2 + int(1000.0 / pi + 0.5)
+    assert stationary_points(waves, 0.0, places[-1]).size < found.size
 
 
 @pytest.mark.parametrize("count", [1, 5, 20, 60])

@@ -8,6 +8,8 @@ from math import inf, pi
 import numpy as np
 import pytest
 import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.optimize import linprog
 from shapely import Point, Polygon
 
@@ -18,7 +20,7 @@ from ncgear.balance.gear_correction import BossSize, Corrected, Means, corrected
 from ncgear.balance.grades import grade_reached, permissible_unbalance_kg_mm
 from ncgear.design.load import load
 from ncgear.drive import Drive
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.recipe.gears import bore_of
 from ncgear.solids.bore import circle_points
 from ncgear.solids.extrude import extruded
@@ -186,9 +188,37 @@ def test_a_low_boss_is_refused_with_a_height_that_does() -> None:
     assert error.value.key == "gears.boss.height_mm"
 
 
+def test_a_balanced_gear_is_left_as_it_is() -> None:
+    round_gear = disc(60.0, 0j, ((0j, 10.0),))
+    found = corrected(round_gear, 15.0, STEEL, Means(DRILLS, BossSize(10.0, 2.0)), TOLERANCE, "gears")
+    assert (found.holes, found.boss) == ([], None)
+    assert found.mesh.volume == pytest.approx(round_gear.area * 15.0, rel=1e-9)
+
+
+@settings(max_examples=15, deadline=None)
+@given(
+    offset=st.floats(0.02, 0.5),
+    direction=st.floats(-pi, pi),
+    oval=st.floats(0.0, 0.1),
+    bore=st.floats(0.1, 0.3),
+)
+def test_every_gear_balances_with_the_height_advised(offset: float, direction: float, oval: float, bore: float) -> None:
+    angle = np.linspace(0.0, 2.0 * pi, 200, endpoint=False)
+    radius = 80.0 * (1.0 + 0.03 * np.cos(20.0 * angle) + oval * np.cos(2.0 * angle + 1.0))
+    points = 80.0 * offset * np.exp(1j * direction) + radius * np.exp(1j * angle)
+    gear = Polygon(np.column_stack([points.real, points.imag]), [circle_points(80.0 * bore, 0.05)])
+    with pytest.raises(NoSuchMechanism, match=r"one of (\d+) mm would") as error:
+        corrected(gear, 20.0, STEEL, Means(boss=BossSize(0.1, 1.5)), TOLERANCE, "gears")
+    height = float(str(error.value).split("one of ")[1].split(" ")[0])
+    found = corrected(gear, 20.0, STEEL, Means(boss=BossSize(height, 1.5)), TOLERANCE, "gears")
+    assert residual(found, gear) <= 1e-8
+
+
 def test_no_room_for_holes() -> None:
     with pytest.raises(NoSuchMechanism, match="no hole of 200 mm"):
         drilled_holes(SLIGHT, area_moment_mm3(SLIGHT), Drills(200.0, 3.0, 2.0), "gears.holes")
+    with pytest.raises(WrongInput, match="too many to choose from"):
+        drilled_holes(SLIGHT, area_moment_mm3(SLIGHT), Drills(0.01, 0.01, 0.01), "gears.holes")
 
 
 def test_a_boss_around_the_bore_is_one_sound_mesh() -> None:

@@ -61,9 +61,9 @@ class Balancing:
         drive = Drive(self.loaded.designs["gears.design"].design)
         with self._within("gears.design"):
             slope = drive.pair.transmission.slope_range[1].value
-            sections = {gear: _section(drive, gear) for gear in ("driving", "driven")}
+            drive.solids  # noqa: B018 - so that its faults are told here
         speeds = {"driving": self._speed_rad_s, "driven": self._speed_rad_s * slope}
-        return {gear: self._gear(drive, gear, sections[gear], speeds[gear]) for gear in sections}
+        return {gear: self._gear(drive, gear, speed) for gear, speed in speeds.items()}
 
     @property
     def _speed_rad_s(self) -> float:
@@ -84,18 +84,23 @@ class Balancing:
                 masses = drive.masses if given.masses is None else masses_of(given.masses, 0.0, 0.0)
         return mounted_of(given, mechanism_of(given, driven_by, masses, self.balance.speed_rpm))
 
-    def _gear(self, drive: Drive, gear: str, section: Polygon, speed_rad_s: float) -> BalancedGear:
-        from ncgear.balance.gear_body import plate_body
+    def _gear(self, drive: Drive, gear: str, speed_rad_s: float) -> BalancedGear:
+        from ncgear.balance.gear_body import mesh_body, plate_body
         from ncgear.balance.gear_correction import corrected
 
         asked = self.balance.gears
         assert asked is not None
-        width, tolerance = drive.gears.face_width_mm, drive.design.output.chord_tolerance_mm
         correction = asked.driving if gear == "driving" else asked.driven
-        body = plate_body(section, width, asked.density_kg_m3)
+        if drive.helix is not None:
+            if correction is not None:
+                raise WrongInput("helical gears are not corrected; leave it out", key=f"gears.{gear}")
+            return BalancedGear(mesh_body(getattr(drive.solids, gear).mesh, asked.density_kg_m3), speed_rad_s, None)
+        section, width, density = _section(drive, gear), drive.gears.face_width_mm, asked.density_kg_m3
+        body = plate_body(section, width, density)
         if correction is None:
             return BalancedGear(body, speed_rad_s, None)
-        made = corrected(section, width, asked.density_kg_m3, means_of(correction), tolerance, f"gears.{gear}")
+        tolerance = drive.design.output.chord_tolerance_mm
+        made = corrected(section, width, density, means_of(correction), tolerance, f"gears.{gear}")
         return BalancedGear(body, speed_rad_s, made)
 
     @contextmanager
@@ -119,15 +124,13 @@ def under(group: str) -> Iterator[None]:
 
 
 def _section(drive: Drive, gear: str) -> Polygon:
-    """The section of a straight gear; raises WrongInput for helical teeth, whose sections differ."""
+    """The section of a gear with straight teeth."""
     from shapely import Polygon
 
     from ncgear.solids.index_hole import hole_points
     from ncgear.solids.ring import ring_section
     from ncgear.solids.section import cut
 
-    if drive.helix is not None:
-        raise WrongInput("balance is for straight teeth; leave it out", key="gears.helix")
     outline, mark = getattr(drive.teeth, gear).outline_mm, getattr(drive.solids, gear).index_hole
     tolerance = drive.design.output.chord_tolerance_mm
     if gear == "driven" and drive.pitch.driven.is_ring:

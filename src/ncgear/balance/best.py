@@ -27,6 +27,15 @@ from ncgear.numerics.arrays import Array, ComplexArray
 GAP = 1e-7
 """Share of the peak by which it may be above its certified bound: far below what a counterweight can be made to."""
 
+FEASIBLE = 1e-10
+"""Tolerance of the linear programme on planes, in forces of a slider mass at the pin: well below ``GAP``."""
+
+BOX = 100.0
+"""Slider masses within which the pin's is looked for: x'' would have to be a hundredfold of c'' for more."""
+
+NOTHING = 1e-12
+"""Share of all masses below which what the slider counts for is rounding: the rod is balanced, the crank can be."""
+
 MOST_ROUNDS = 200
 
 NEAR_PEAK = 0.9
@@ -64,25 +73,24 @@ def minimax(mechanism: Mechanism, known: Accelerations | None = None) -> BestCou
 
     Raises ArithmeticError, a fault of ncgear, where peak and bound do not meet within ``GAP``.
     """
-    of = known or accelerations(mechanism)
-    crank = mechanism.linkage.crank_mm
+    of, size = known or accelerations(mechanism), abs(mechanism.wrist_kg)
+    if size <= NOTHING * mechanism.total_kg:
+        return BestCounterweight(least_squares(mechanism, of).moment_kg_mm, 0.0)
+    scale = N * mechanism.speed_rad_s**2 * mechanism.linkage.crank_mm * size
     _, pin, slider = _parts(mechanism, of)
-    found = least_squares(mechanism, of).moment_kg_mm / crank + mechanism.pin_kg
-    planes = _Planes(np.empty((0, 3)), np.empty(0))
-    scale = N * mechanism.speed_rad_s**2 * crank
+    slider, planes = slider / size, _Planes(np.empty((0, 3)), np.empty(0))
+    found = (least_squares(mechanism, of).moment_kg_mm / mechanism.linkage.crank_mm + mechanism.pin_kg) / size
     for _ in range(MOST_ROUNDS):
         planes = planes.joined(pin, slider, found)
-        found, bound = planes.lowest(abs(mechanism.wrist_kg))
-        moment = (found - mechanism.pin_kg) * crank
-        highest = float(np.abs(found * pin + slider).max())
-        if highest > bound * (1.0 + GAP / 2.0):
+        found, bound = planes.lowest()
+        if float(np.abs(found * pin + slider).max()) > bound * (1.0 + GAP / 2.0):
             continue
+        moment = (found * size - mechanism.pin_kg) * mechanism.linkage.crank_mm
         peak = shaking(_with_moment(mechanism, moment), of).peak
         if peak.value <= scale * bound * (1.0 + GAP):
             return BestCounterweight(moment, scale * bound)
-        pin, slider = (
-            np.append(part, new) for part, new in zip((pin, slider), _at(mechanism, of, peak.at), strict=True)
-        )
+        more = _at_angles(mechanism, of, np.array([peak.at]))
+        pin, slider = np.append(pin, more[0]), np.append(slider, more[1] / size)
     raise ArithmeticError("the counterweight of least peak was not found")
 
 
@@ -105,10 +113,10 @@ class _Planes:
         rows = np.column_stack([slope.real, -slope.imag, -np.ones(slope.size)])
         return _Planes(np.vstack([self.rows, rows]), np.concatenate([self.limits, -(direction * slider[crests]).real]))
 
-    def lowest(self, wrist_kg: float) -> tuple[complex, float]:
-        """The pin mass with the lowest envelope, and that height; within three slider masses, as every optimum is."""
-        box = 3.0 * wrist_kg
-        found = linprog([0.0, 0.0, 1.0], self.rows, self.limits, bounds=[(-box, box), (-box, box), (0.0, None)])
+    def lowest(self) -> tuple[complex, float]:
+        """The pin mass with the lowest envelope, in slider masses, and that height."""
+        bounds, options = [(-BOX, BOX), (-BOX, BOX), (0.0, None)], {"primal_feasibility_tolerance": FEASIBLE}
+        found = linprog([0.0, 0.0, 1.0], self.rows, self.limits, bounds=bounds, options=options)
         if not found.success:
             raise ArithmeticError(f"the linear programme of the counterweight failed: {found.message}")
         return complex(found.x[0], found.x[1]), float(found.x[2])
@@ -118,10 +126,6 @@ def _parts(mechanism: Mechanism, known: Accelerations) -> tuple[Array, ComplexAr
     """Breaks, and c''/r and S x''/r at their Gauss points."""
     breaks = known.form.breaks
     return breaks, *_at_angles(mechanism, known, gauss_points(breaks)[0])
-
-
-def _at(mechanism: Mechanism, known: Accelerations, angle_rad: float) -> tuple[ComplexArray, ComplexArray]:
-    return _at_angles(mechanism, known, np.array([angle_rad]))
 
 
 def _at_angles(mechanism: Mechanism, known: Accelerations, angles: Array) -> tuple[ComplexArray, ComplexArray]:

@@ -16,6 +16,9 @@ from math import inf, pi
 
 from ncgear.errors import WrongInput
 
+ACROSS = 1e-12
+"""Cosine of the angle between weight and wrap below which the weight stands across it: rounding of degrees."""
+
 
 @dataclass(frozen=True)
 class WeightRun:
@@ -99,9 +102,9 @@ def _weight_range(runs: Sequence[WeightRun], wrap_rad: float) -> Range:
         toward = (run.reading * exp(-1j * wrap_rad)).real
         slope = exp(1j * (run.phase_rad - wrap_rad)).real
         # toward - L slope > 0
-        if slope > 1e-12:
+        if slope > ACROSS:
             high = min(high, toward / slope)
-        elif slope < -1e-12:
+        elif slope < -ACROSS:
             low = max(low, toward / slope)
         elif toward <= 0.0:
             return Range(inf, -inf)

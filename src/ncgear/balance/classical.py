@@ -15,11 +15,14 @@ import numpy as np
 
 from ncgear.balance.accelerations import PIN_X, PIN_Y, WRIST, Accelerations, functions_at
 from ncgear.balance.mechanism import Mechanism
-from ncgear.balance.shaking import shaking
+from ncgear.balance.shaking import N, shaking
 from ncgear.errors import WrongInput
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
+
+BALANCED = 1e-12
+"""Share of the force of all masses at the pin below which a shaking force is rounding error."""
 
 
 class Speed(StrEnum):
@@ -31,7 +34,10 @@ class Speed(StrEnum):
 
 @dataclass(frozen=True)
 class Failure:
-    """A formula beside the exact shaking force: its peak in N, and its largest error by the exact peak."""
+    """A formula beside the exact shaking force: its peak in N, and its largest error by the exact peak.
+
+    Of a force that is balanced to rounding error no formula is wrong: the error is 0.
+    """
 
     peak_n: float
     largest_error: float
@@ -58,7 +64,8 @@ def failure(mechanism: Mechanism, speed: Speed = Speed.MEAN) -> Failure:
         shaking(mechanism, Accelerations(PiecewiseChebyshev(both.breaks, part))).peak.value
         for part in (exact, formula, formula - exact)
     )
-    return Failure(given, error / true)
+    unit = N * mechanism.total_kg * mechanism.linkage.crank_mm * mechanism.speed_rad_s**2
+    return Failure(given, error / true if true > BALANCED * unit else 0.0)
 
 
 def _require_in_line(mechanism: Mechanism) -> None:

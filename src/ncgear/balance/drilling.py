@@ -15,10 +15,13 @@ import shapely
 from scipy.optimize import linprog
 from shapely import Polygon
 
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.solids.index_hole import IndexHole as RoundHole
 from ncgear.solids.index_hole import hole_points
+
+MOST_PLACES = 200_000
+"""Points of a lattice: some two hundred holes along a gear's radius."""
 
 
 @dataclass(frozen=True)
@@ -33,9 +36,10 @@ class Drills:
 def drilled_holes(section: Polygon, moment_mm3: complex, drills: Drills, key: str) -> list[RoundHole]:
     """Holes whose areas' first moment about the axis is ``moment_mm3``, or as near along it as there is room.
 
-    ``section`` is the gear's, in mm.  Raises NoSuchMechanism for ``key`` where no hole has room.
+    ``section`` is the gear's, in mm.  Raises NoSuchMechanism for ``key`` where no hole has room, WrongInput where
+    holes and walls are so small that there are too many places.
     """
-    places = _places(section, drills)
+    places = _places(section, drills, key)
     if not places.size:
         raise NoSuchMechanism(
             f"no hole of {drills.largest_mm:g} mm with walls of {drills.wall_mm:g} mm has room; smaller ones may",
@@ -56,11 +60,14 @@ def drilled(section: Polygon, holes: list[RoundHole], chord_tolerance_mm: float)
     return Polygon(section.exterior, [*section.interiors, *rings])
 
 
-def _places(section: Polygon, drills: Drills) -> Array:
+def _places(section: Polygon, drills: Drills, key: str) -> Array:
     """Lattice points with room for the largest hole, as x + i y."""
     room = section.buffer(-drills.largest_mm / 2.0 - drills.wall_mm)
     pitch = drills.largest_mm + drills.wall_mm
     reach = int(np.abs(section.bounds).max() / pitch * 2.0 / sqrt(3.0)) + 1
+    if 8 * reach**2 > MOST_PLACES:
+        problem = f"holes {pitch:g} mm apart are too many to choose from; larger ones or thicker walls are needed"
+        raise WrongInput(problem, key=key)
     column, row = np.meshgrid(np.arange(-2 * reach, 2 * reach + 1), np.arange(-reach, reach + 1))
     places = pitch * (column + row / 2.0 + 1j * row * sqrt(3.0) / 2.0).ravel()
     return np.asarray(places[shapely.contains_xy(room, places.real, places.imag)])

@@ -14,6 +14,9 @@ from ncgear.solids.bossed import bossed
 from ncgear.solids.extrude import extruded
 from ncgear.solids.index_hole import IndexHole as RoundHole
 
+BALANCED = 1e-9
+"""Share of area to the power 3/2 below which a first moment is rounding error, and no boss has a direction."""
+
 
 @dataclass(frozen=True)
 class BossSize:
@@ -53,8 +56,8 @@ def corrected(
     if means.drills is not None:
         holes = drilled_holes(section, area_moment_mm3(section), means.drills, f"{key}.holes")
         section = drilled(section, holes, tolerance_mm)
-    if means.boss is not None:
-        moment = area_moment_mm3(section) * face_width_mm
+    moment = area_moment_mm3(section) * face_width_mm
+    if means.boss is not None and abs(moment) > BALANCED * section.area**1.5 * face_width_mm:
         boss = balancing_boss(section, moment, means.boss.height_mm, means.boss.wall_mm, f"{key}.boss.height_mm")
     mesh = bossed(section, face_width_mm, boss.section, boss.height_mm) if boss else extruded(section, face_width_mm)
     return Corrected(holes, boss, mesh, mesh_body(mesh, density_kg_m3))

@@ -1,8 +1,9 @@
 """How much of the inertia forces of two cranks on one frame is left when they work against each other.
 
-Forces of crank-sliders of equal crank radius and speed with long rods: the reciprocating mass m_C gives m_C cos, the
-rotating one a vector that turns.  C. Wei, L. Xu, J. Wang, Y. Li, Int. J. Agric. & Biol. Eng. 11 (2018) 129-137, eqs. 9
-to 16; that paper's second share depends on the phase where the integral it states does not.
+Forces of crank-sliders of equal speed, crank radius (else give masses times radius) and with long rods: the
+reciprocating mass m_C gives m_C cos, the rotating one a vector that turns.  C. Wei, L. Xu, J. Wang, Y. Li, Int. J.
+Agric. & Biol. Eng. 11 (2018) 129-137, eqs. 9 to 16; that paper's second share depends on the phase where the integral
+it states does not.
 """
 
 from __future__ import annotations

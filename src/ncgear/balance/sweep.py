@@ -13,34 +13,13 @@ import numpy as np
 from ncgear.balance.accelerations import Accelerations, accelerations
 from ncgear.balance.mechanism import Counterweight, Mechanism, as_complex
 from ncgear.balance.shaking import shaking
+from ncgear.balance.track import Track, track
 from ncgear.balance.waveform import Statistics, Waveform, magnitude_statistics
 from ncgear.dynamics.joints import N, joint_forces
 from ncgear.dynamics.pace import EvenPace
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
-
-TRACK_POINTS = 361
-"""Points of a track, first one repeated; its area by the trapezoidal rule is far more exact than any picture."""
-
-
-@dataclass(frozen=True, eq=False)
-class Track:
-    """The closed way of the common centre of mass: points in mm (shape (n, 2)), extents in mm and area in mm^2."""
-
-    points_mm: Array
-
-    @property
-    def extent_mm(self) -> tuple[float, float]:
-        """Along the slider's line and across it."""
-        along, across = np.ptp(self.points_mm, axis=0)
-        return float(along), float(across)
-
-    @property
-    def area_mm2(self) -> float:
-        """What it encloses, by Green's theorem, where it does not cross itself."""
-        x, y = self.points_mm[:-1].T
-        return abs(float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))) / 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,12 +59,6 @@ def bearing_force(mechanism: Mechanism) -> tuple[Waveform, Waveform]:
     form = chebyshev.fitted(force, mechanism.breaks_rad)
     along, across = (Waveform(PiecewiseChebyshev(form.breaks, form.coefficients[:, :, k])) for k in (0, 1))
     return along, across
-
-
-def track(mechanism: Mechanism) -> Track:
-    """The way of the common centre of mass over one cycle."""
-    center = mechanism.center_of_mass_mm(np.linspace(0.0, mechanism.transmission.cycle_rad, TRACK_POINTS))
-    return Track(np.column_stack([center.real, center.imag]))
 
 
 def _tried(mechanism: Mechanism, one: Counterweight, known: Accelerations) -> Tried:

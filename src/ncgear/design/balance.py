@@ -7,8 +7,9 @@ from typing import Annotated, Self
 from pydantic import Field, Strict, model_validator
 
 from ncgear.design.angles import given, listed
+from ncgear.design.balance_excitation import Excitations
 from ncgear.design.balance_mechanism import Chassis, Mechanism
-from ncgear.design.balance_rotor import ChainDrive, Excitations, GearBalance, Rotor
+from ncgear.design.balance_rotor import ChainDrive, GearBalance, Rotor
 from ncgear.design.base import Model, Speed
 from ncgear.design.faults import fault
 from ncgear.design.naming import NAME_PATTERN
@@ -40,6 +41,8 @@ class Balance(Model):
     def _asks_something(self) -> Self:
         if not self.mechanisms and not given(self, QUESTIONS):
             raise fault("", f"nothing is asked; give mechanisms, {listed(QUESTIONS)}")
+        if self.excitations and self.excitations.harmonics and not self.mechanisms:
+            raise fault("excitations.harmonics", "there is no mechanism whose slider has any; give mechanisms")
         if self.speed_rpm is None and (self.mechanisms or self.gears):
             raise fault("speed_rpm", "missing; mechanisms and gears need the speed of their shaft in r/min")
         return self

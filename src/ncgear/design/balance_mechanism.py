@@ -100,6 +100,8 @@ class Mechanism(Model):
             raise fault("linkage.crank_mm", "missing; give the length of the crank in mm")
         if self.linkage is not None and self.masses is None:
             raise fault("masses", "missing; a linkage given here needs slider_kg, rod and crank")
+        if self.masses and not self.masses.slider_kg + self.masses.rod.mass_kg + self.masses.crank.mass_kg > 0.0:
+            raise fault("masses", "nothing has a mass; give that of the slider, the rod or the crank")
         return self
 
 

@@ -1,4 +1,4 @@
-"""What a balance file says of shafts, gears and rotors."""
+"""What a balance file says of gears and rotors."""
 
 from __future__ import annotations
 
@@ -10,55 +10,7 @@ from ncgear.design.balance_mechanism import MOST_ITEMS, Angle
 from ncgear.design.base import Length, Model, Positive, Speed
 from ncgear.design.faults import fault
 
-MOST_COUNT = 10_000
-
 Amplitude = Annotated[float, Field(ge=0.0, le=1e9)]
-
-
-class Shaft(Model):
-    """A shaft that may shake the machine."""
-
-    name: str = Field(min_length=1, max_length=100, description="what it is called")
-    speed_rpm: Speed = Field(description="its speed in r/min")
-    rollers: int | None = Field(default=None, ge=1, le=MOST_COUNT, description="rolling elements of its bearing")
-    roller_ratio: float | None = Field(
-        default=None,
-        gt=0.0,
-        lt=1.0,
-        description="diameter of a rolling element by that of the pitch circle, times the cosine of the contact angle; "
-        "left out: as many passes as rolling elements in each turn",
-    )
-    teeth: int | None = Field(default=None, ge=1, le=MOST_COUNT, description="teeth of its sprocket or gear")
-
-
-class Engine(Model):
-    """A reciprocating engine."""
-
-    name: str = Field(default="engine", min_length=1, max_length=100, description="what it is called")
-    speed_rpm: Speed = Field(description="its speed in r/min")
-    cylinders: int = Field(ge=1, le=100, description="number of cylinders")
-    strokes: int = Field(default=4, ge=2, le=4, description="strokes of a cycle, 2 or 4")
-    inertia_order: Positive = Field(default=2.0, description="order of its strongest free inertia force")
-
-
-class Excitations(Model):
-    """Frequencies that shake the machine, beside its natural ones."""
-
-    natural_hz: Annotated[tuple[Positive, ...], Strict(False), Field(min_length=1, max_length=MOST_ITEMS)] = Field(
-        description="natural frequencies in Hz"
-    )
-    band: float = Field(
-        default=0.2, gt=0.0, lt=1.0, description="share of a natural frequency within which an excitation is near it"
-    )
-    shafts: Annotated[tuple[Shaft, ...], Strict(False), Field(max_length=MOST_ITEMS)] = Field(
-        default=(), description="shafts, a list"
-    )
-    engines: Annotated[tuple[Engine, ...], Strict(False), Field(max_length=MOST_ITEMS)] = Field(
-        default=(), description="engines, a list"
-    )
-    harmonics: int = Field(
-        default=0, ge=0, le=1000, description="harmonics of the slider's acceleration of each mechanism"
-    )
 
 
 class Holes(Model):
@@ -67,6 +19,13 @@ class Holes(Model):
     largest_mm: Length = Field(description="diameter of the largest in mm")
     smallest_mm: Length = Field(description="diameter of the smallest in mm")
     wall_mm: Length = Field(description="least wall between holes and to every edge in mm")
+
+    @model_validator(mode="after")
+    def _smallest_is_smaller(self) -> Self:
+        if self.smallest_mm > self.largest_mm:
+            problem = f"{self.smallest_mm:g} mm is over largest_mm; {self.largest_mm:g} or less is right"
+            raise fault("smallest_mm", problem)
+        return self
 
 
 class Boss(Model):
@@ -117,10 +76,30 @@ class Rotor(Model):
     """Field balancing from trial weights."""
 
     speed_rpm: Speed = Field(description="speed of the runs in r/min")
-    first: Readings = Field(description="readings of every sensor without trial weights, a list")
-    trials: Annotated[tuple[Trial, ...], Strict(False), Field(min_length=1, max_length=20)] = Field(
-        description="one run for each plane, a list"
+    first: Readings | None = Field(default=None, description="readings of every sensor without trial weights, a list")
+    trials: Annotated[tuple[Trial, ...], Strict(False), Field(min_length=1, max_length=20)] | None = Field(
+        default=None, description="one run for each plane, a list"
     )
+    file: str | None = Field(
+        default=None,
+        min_length=1,
+        description="CSV file of both instead, one reading in each row, with columns plane (0: without trial weight), "
+        "mass_g, angle_deg, sensor, amplitude, phase_deg; its path counts from this file",
+    )
+    mass_kg: Positive | None = Field(default=None, description="mass of the rotor in kg; left out: no grade is told")
+    radius_mm: Length | None = Field(default=None, description="radius of the weights in mm, with mass_kg")
+    grade: float = Field(
+        default=16.0, gt=0.0, le=4000.0, description="grade of balance quality of ISO 21940-11 in mm/s: 16 for G 16"
+    )
+
+    @model_validator(mode="after")
+    def _has_readings(self) -> Self:
+        for key in ("first", "trials"):
+            if getattr(self, key) is None:
+                raise fault(key, "missing; give first and trials, or a file of them")
+        if (self.mass_kg is None) != (self.radius_mm is None):
+            raise fault("mass_kg" if self.radius_mm is None else "radius_mm", "needs mass_kg and radius_mm both")
+        return self
 
 
 class ChainRun(Model):

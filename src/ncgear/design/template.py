@@ -125,6 +125,15 @@ resistance:                # the force against the slider; left out: none
   # expression_n: "200 + 3*exp(x/90)"                                  # instead: a formula of x, the displacement
   where_negative: zero     # zero, or keep
 
+# masses:                  # for ncgear simulate; forces need them
+#   slider_kg: 150
+#   rod: {mass_kg: 30, center_mm: 430, inertia_kg_mm2: 2.8e+6}     # centre from the crank pin, inertia about the centre
+#   crank: {mass_kg: 40, center_mm: 120, inertia_kg_mm2: 1.6e+6}   # inertia about the axis
+#   # driving_gear_kg_mm2:   # left out, these follow from the teeth
+#   # driven_gear_kg_mm2:
+#   # flywheel: {inertia_kg_mm2: 0, speed_fluctuation: 0.05}
+#   # gravity: {direction_deg: -90}                                # from the slider's way out, counter-clockwise
+
 # comparison:              # published mechanisms, compared at equal speed
 #   published:
 #     - name: author and year

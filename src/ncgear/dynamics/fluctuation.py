@@ -19,6 +19,10 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import DEGREE, PiecewiseChebyshev, fitted
 from ncgear.numerics.extrema import Extremum, extremes_on
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.roots import all_zeros
+
+IDLE = 1e-9
+"""Share of the largest torque below which nothing is carried: far over rounding errors, far below what is felt."""
 
 KG_MM2 = 1e3
 """One N mm s^2 in kg mm^2."""
@@ -59,6 +63,16 @@ class Fluctuation:
         """Largest less smallest energy stored."""
         low, high = self.stored_range_n_mm
         return high.value - low.value
+
+    @cached_property
+    def flank_changes_rad(self) -> Array:
+        """Driving angles in the cycle at which the torque changes its sign, and the other flanks carry, shape (m,)."""
+        places = np.union1d(all_zeros(self.torque), self.torque.breaks)
+        middles = self.torque((places[1:] + places[:-1]) / 2.0)
+        carried = np.abs(middles) > IDLE * np.abs(middles).max()
+        starts, signs = places[:-1][carried], np.sign(middles[carried])
+        changes: Array = starts[signs != np.roll(signs, 1)]
+        return changes
 
     def flywheel_kg_mm2(self, coefficient: float) -> float:
         """Inertia on the driving shaft, its gear included, for a coefficient of speed fluctuation (0 to about 0.2)."""

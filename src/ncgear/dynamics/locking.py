@@ -6,13 +6,11 @@ from math import degrees, pi
 
 import numpy as np
 
+from ncgear.dynamics.fluctuation import IDLE
 from ncgear.dynamics.inverse import RigidMachine
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.stretches import stretches
 from ncgear.numerics.angles import in_words
-
-IDLE = 1e-9
-"""Share of the largest torque below which flanks carry nothing: far over rounding errors, far below what is felt."""
 
 
 def refuse_locked(rigid: RigidMachine) -> None:

@@ -39,6 +39,8 @@ class MeshPlace:
 class MeshForce:
     """Force in N on the driven gear, its size, and its pressure angle in rad, as jets by the driving angle.
 
+    Of helical teeth it is the part across the axes.
+
     The pressure angle is counted from the normal to the line of centres, positive where the force drives the axes
     apart (of a ring: together).  From 90 degrees on no force can hold the torque, and the size is negative.
     """

@@ -37,8 +37,6 @@ TITLES = {
     "contact": "Contact",
     "check": "Motion and power at the operating speed",
     "masses": "Moving masses",
-    "this_design": "Loads at constant driving speed",
-    "uniform_crank": "Loads of the uniform crank with the same masses at the same speed",
 }
 """Headings of sections; others are headed by their key."""
 
@@ -97,8 +95,13 @@ def _sections(summary: Mapping[str, Any]) -> list[list[str]]:
 
 def _rows(key: str, value: Any) -> list[tuple[str, str]]:
     if isinstance(value, Mapping):
-        return list(_flattened(value, ""))
+        return labelled(value)
     return [_row(key, value)]
+
+
+def labelled(section: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Label and text of each entry of a section, values with their units and places."""
+    return list(_flattened(section, ""))
 
 
 def _flattened(section: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, str]]:

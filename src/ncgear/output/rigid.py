@@ -87,6 +87,7 @@ def _loads(rigid: Rigid, coefficient: float) -> dict[str, Any]:
         "mean_power_w": N_M * swing.mean_torque_n_mm * speed,
         "peak_driving_power_w": N_M * peaks.most_torque_n_mm.value * speed,
         "energy_swing_j": N_M * swing.swing_n_mm,
+        "flank_changes_deg": [degrees(angle) for angle in swing.flank_changes_rad],
         "speed_fluctuation": coefficient,
         "inertia_for_speed_fluctuation_kg_m2": KG_M2 * swing.flywheel_kg_mm2(coefficient),
         **_mesh(rigid),

@@ -11,6 +11,7 @@ from typing import Any
 from ncgear.drive import Drive
 from ncgear.dynamics.level import Level
 from ncgear.numerics.arrays import Array
+from ncgear.output.beside import MECHANISMS, beside_lines
 from ncgear.output.report import summary_text
 from ncgear.output.tables import csv_text
 
@@ -52,5 +53,8 @@ def simulation_files(found: Simulated) -> dict[str, bytes]:
 
 
 def simulation_text(found: Simulated, paths: Sequence[Path]) -> str:
-    """The figures for reading, and the files written."""
-    return "\n".join([summary_text(found.figures), "", "Written", *(f"  {path}" for path in paths)])
+    """The figures for reading, those of both mechanisms side by side, and the files written."""
+    compared = {key: found.figures[key] for key in MECHANISMS if key in found.figures}
+    alone = {key: value for key, value in found.figures.items() if key not in compared}
+    beside = [*beside_lines("Torques and forces", compared), ""] if compared else []
+    return "\n".join([summary_text(alone), "", *beside, "Written", *(f"  {path}" for path in paths)])

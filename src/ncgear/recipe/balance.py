@@ -14,7 +14,7 @@ from ncgear.balance.gear_correction import BossSize, Means
 from ncgear.balance.influence import TrialRun
 from ncgear.balance.joint_masses import JointMasses, joint_masses
 from ncgear.balance.mechanism import Carrier, Counterweight, Mechanism
-from ncgear.design import balance_mechanism, balance_rotor
+from ncgear.design import balance_excitation, balance_mechanism, balance_rotor
 from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.masses import Masses
 from ncgear.ratio.transmission import Transmission
@@ -49,17 +49,22 @@ def joint_masses_of(given: balance_mechanism.Partial, mechanism: Mechanism) -> J
     )
 
 
+def crank_counterweight(given: balance_mechanism.Sweep) -> Counterweight:
+    """The counterweight to try, without its mass."""
+    return Counterweight(Carrier.CRANK, 0.0, given.arm_mm, radians(given.angle_deg))
+
+
 def chassis_of(given: balance_mechanism.Chassis) -> Chassis:
     """The levers of a chassis."""
     return Chassis(given.support_mm, given.counterweight_mm, radians(given.tilt_deg))
 
 
-def shafts_of(given: balance_rotor.Excitations) -> list[Shaft]:
+def shafts_of(given: balance_excitation.Excitations) -> list[Shaft]:
     """Shafts that may shake the machine."""
     return [Shaft(one.name, one.speed_rpm, one.rollers, one.teeth, one.roller_ratio) for one in given.shafts]
 
 
-def engines_of(given: balance_rotor.Excitations) -> list[Engine]:
+def engines_of(given: balance_excitation.Excitations) -> list[Engine]:
     """Engines that may."""
     return [Engine(one.name, one.speed_rpm, one.cylinders, one.strokes, one.inertia_order) for one in given.engines]
 
@@ -71,14 +76,14 @@ def means_of(given: balance_rotor.Correction) -> Means:
     return Means(drills, BossSize(boss.height_mm, boss.wall_mm) if boss else None)
 
 
-def readings_of(given: balance_rotor.Readings) -> tuple[complex, ...]:
+def readings_of(given: balance_rotor.Readings | None) -> tuple[complex, ...]:
     """Readings as complex numbers."""
-    return tuple(polar(one.amplitude, one.phase_deg) for one in given)
+    return tuple(polar(one.amplitude, one.phase_deg) for one in given or ())
 
 
 def trial_runs_of(given: balance_rotor.Rotor) -> list[TrialRun]:
     """Runs with trial weights in g."""
-    return [TrialRun(polar(one.mass_g, one.angle_deg), readings_of(one.readings)) for one in given.trials]
+    return [TrialRun(polar(one.mass_g, one.angle_deg), readings_of(one.readings)) for one in given.trials or ()]
 
 
 def weight_runs_of(given: balance_rotor.ChainDrive) -> list[WeightRun]:

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from math import radians
 from typing import Any
 
 import numpy as np
 
 from ncgear.balance.accelerations import accelerations
 from ncgear.balance.best import least_squares, minimax
-from ncgear.balance.mechanism import Carrier, Counterweight, Mechanism
+from ncgear.balance.mechanism import Counterweight, Mechanism
 from ncgear.balance.shaking import Shaking, shaking
-from ncgear.balance.sweep import track
+from ncgear.balance.track import track
 from ncgear.balancing import Balancing
 from ncgear.numerics.arrays import Array
 from ncgear.output.balance.machine import excitations_of
 from ncgear.output.plots.balance import campbell, loops
 from ncgear.output.stl import stl_bytes
+from ncgear.recipe.balance import crank_counterweight
 
 POINTS = 721
 """Points of a force's curve over one cycle."""
@@ -35,8 +35,8 @@ def _pictures(balancing: Balancing) -> dict[str, bytes]:
     for number, (given, one) in enumerate(zip(balance.mechanisms, balancing.mounted, strict=True), start=1):
         files[f"shaking-{number}.png"] = loops(_forces(one.mechanism), "N", f"{given.name}: shaking force")
         if given.sweep is not None:
-            arm, angle = given.sweep.arm_mm, radians(given.sweep.angle_deg)
-            tracks = {f"{mass:g} kg": _track(one.mechanism, mass, arm, angle) for mass in given.sweep.masses_kg}
+            tried = [replace(crank_counterweight(given.sweep), mass_kg=mass) for mass in given.sweep.masses_kg]
+            tracks = {f"{added.mass_kg:g} kg": _track(one.mechanism, added) for added in tried}
             files[f"tracks-{number}.png"] = loops(
                 tracks, "mm", f"{given.name}: tracks of the centre of mass about their middles"
             )
@@ -64,9 +64,8 @@ def _curve(of: Shaking) -> Array:
     return np.column_stack([of.along(angle), of.across(angle)])
 
 
-def _track(mechanism: Mechanism, mass_kg: float, arm_mm: float, angle_rad: float) -> Array:
+def _track(mechanism: Mechanism, added: Counterweight) -> Array:
     """The track with a counterweight, about its middle, so that its size is seen and not its place."""
-    added = Counterweight(Carrier.CRANK, mass_kg, arm_mm, angle_rad)
     points = track(replace(mechanism, counterweights=(*mechanism.counterweights, added))).points_mm
     return np.asarray(points - (points.min(axis=0) + points.max(axis=0)) / 2.0)
 

@@ -9,18 +9,22 @@ from typing import Any
 
 from ncgear.balance.chassis import dynamic_counterweights, static_counterweight_kg
 from ncgear.balance.excitation import Excitation, margins, of_engine, of_shaft, of_slider
-from ncgear.balance.frame import Mounted, best_phase, frame_shaking
-from ncgear.balance.joint_masses import joint_masses
+from ncgear.balance.frame import Mounted, best_phase, frame_shaking, frame_sweep
+from ncgear.balance.joint_masses import JointMasses, joint_masses
 from ncgear.balance.opposed import Crank, reciprocating_share, rotating_share
 from ncgear.balancing import Balancing
-from ncgear.output.balance.mechanisms import shaking_figures
-from ncgear.recipe.balance import chassis_of, engines_of, shafts_of
+from ncgear.design.balance_mechanism import Sweep
+from ncgear.output.balance.mechanisms import shaking_figures, statistics_figures, turns_evenly
+from ncgear.recipe.balance import chassis_of, crank_counterweight, engines_of, shafts_of
 
 
 def frame_figures(balancing: Balancing) -> dict[str, Any]:
     """All mechanisms together, each pair's shares, and the best phase where one is looked for."""
     mounted, balance = balancing.mounted, balancing.balance
     figures: dict[str, Any] = {"together": shaking_figures(frame_shaking(mounted)), "pairs": _pairs(balancing)}
+    swept = [(number, one) for number, one in enumerate(balance.mechanisms) if one.sweep is not None]
+    if swept:
+        figures["sweeps"] = {one.name: _sweep(one.sweep, mounted, number) for number, one in swept if one.sweep}
     if balance.move_phase_of is not None:
         moved = [one.name for one in balance.mechanisms].index(balance.move_phase_of)
         found = best_phase(mounted, moved)
@@ -33,9 +37,25 @@ def frame_figures(balancing: Balancing) -> dict[str, Any]:
     return figures
 
 
+def _sweep(asked: Sweep, mounted: list[Mounted], moved: int) -> list[dict[str, float]]:
+    """The counterweights of one mechanism tried with all the others."""
+    tried = frame_sweep(mounted, moved, crank_counterweight(asked), asked.masses_kg)
+    return [
+        {
+            "counterweight_kg": mass,
+            **{f"shaking_{key}": value for key, value in statistics_figures(force.force).items()},
+            "track_along_mm": way.extent_mm[0],
+            "track_across_mm": way.extent_mm[1],
+            "track_area_mm2": way.area_mm2,
+        }
+        for mass, force, way in tried
+    ]
+
+
 def _pairs(balancing: Balancing) -> list[dict[str, Any]]:
-    """eta1 and eta2 of the long-rod formulas for every two mechanisms whose sliders move along one line."""
-    named = list(zip((one.name for one in balancing.balance.mechanisms), balancing.mounted, strict=True))
+    """eta1 and eta2, of long rods, for every two even cranks whose sliders move along one direction."""
+    names = [one.name for one in balancing.balance.mechanisms]
+    even = [pair for pair in zip(names, balancing.mounted, strict=True) if turns_evenly(pair[1].mechanism)]
     return [
         {
             "first": name,
@@ -43,16 +63,26 @@ def _pairs(balancing: Balancing) -> list[dict[str, Any]]:
             "eta1": reciprocating_share(_crank(one), _crank(other)),
             "eta2": rotating_share(_crank(one), _crank(other)),
         }
-        for (name, one), (other_name, other) in combinations(named, 2)
-        if one.direction_rad == other.direction_rad
-        and one.mechanism.transmission.lobes == other.mechanism.transmission.lobes
+        for (name, one), (other_name, other) in combinations(even, 2)
+        if one.direction_rad == other.direction_rad and _massive(one) and _massive(other)
     ]
 
 
+def _massive(one: Mounted) -> bool:
+    """Whether there is anything to share."""
+    joints = joint_masses(one.mechanism.linkage, one.mechanism.masses)
+    return joints.reciprocating_kg != 0.0 and joints.rotating_kg != 0.0
+
+
 def _crank(one: Mounted) -> Crank:
-    """The crank as the formulas have it: its angle in the frame at time zero, in the sense of its turning."""
-    sense = -1 if one.mirrored else 1
-    return Crank(joint_masses(one.mechanism.linkage, one.mechanism.masses), sense * one.phase_rad, sense)
+    """The crank as the formulas have it: its angle in the frame at time zero, in the sense of its turning.
+
+    Masses are weighted by the crank's length, by which their forces go.
+    """
+    sense, crank = (-1 if one.mirrored else 1), one.mechanism.linkage.crank_mm
+    joints = joint_masses(one.mechanism.linkage, one.mechanism.masses)
+    weighted = JointMasses(crank * joints.rotating_kg, crank * joints.reciprocating_kg)
+    return Crank(weighted, sense * one.phase_rad, sense)
 
 
 def chassis_figures(balancing: Balancing) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import degrees, radians
+from math import degrees
 from typing import Any
 
 from ncgear.balance.accelerations import accelerations
@@ -17,7 +17,7 @@ from ncgear.balance.waveform import Statistics
 from ncgear.balancing import under
 from ncgear.design import balance_mechanism as given_as
 from ncgear.ratio.laws.uniform import uniform_law
-from ncgear.recipe.balance import joint_masses_of
+from ncgear.recipe.balance import crank_counterweight, joint_masses_of
 
 EVEN = 1e-12
 """Relative difference of the crank's speeds below which it turns evenly: rounding."""
@@ -72,12 +72,17 @@ def _classical(mechanism: Mechanism) -> dict[str, Any]:
     """Textbook formulas beside the truth; of an uneven crank also the same linkage on an even one, as often."""
     if mechanism.linkage.offset_mm != 0.0:
         return {}
-    slowest, fastest = mechanism.transmission.slope_range
-    if fastest.value <= slowest.value * (1.0 + EVEN):
+    if turns_evenly(mechanism):
         return {"two_terms": _failure_figures(failure(mechanism))}
     figures = {f"at_{speed}_speed": _failure_figures(failure(mechanism, speed)) for speed in Speed}
     even = replace(mechanism, transmission=uniform_law(mechanism.transmission.lobes))
     return {"two_terms": figures, "even_crank": shaking_figures(shaking(even))}
+
+
+def turns_evenly(mechanism: Mechanism) -> bool:
+    """Whether the crank's speed is constant."""
+    slowest, fastest = mechanism.transmission.slope_range
+    return fastest.value <= slowest.value * (1.0 + EVEN)
 
 
 def _failure_figures(of: Failure) -> dict[str, float]:
@@ -127,7 +132,7 @@ def _left(mechanism: Mechanism, added: Counterweight) -> dict[str, float]:
 
 
 def _sweep(asked: given_as.Sweep, mechanism: Mechanism) -> list[dict[str, float]]:
-    tried = sweep(mechanism, Counterweight(Carrier.CRANK, 0.0, asked.arm_mm, radians(asked.angle_deg)), asked.masses_kg)
+    tried = sweep(mechanism, crank_counterweight(asked), asked.masses_kg)
     return [
         {
             "counterweight_kg": one.mass_kg,

@@ -11,7 +11,7 @@ from ncgear.balance.gear_body import GearBody
 from ncgear.balance.grades import grade_reached, permissible_unbalance_kg_mm
 from ncgear.balance.influence import balanced
 from ncgear.balancing import BalancedGear, Balancing
-from ncgear.design.balance_rotor import ChainDrive
+from ncgear.design.balance_rotor import ChainDrive, Rotor
 from ncgear.recipe.balance import chain_phases_of, readings_of, trial_runs_of, weight_runs_of
 
 
@@ -31,8 +31,6 @@ def _gear(gear: BalancedGear, grade: float) -> dict[str, Any]:
         holes, boss = gear.corrected.holes, gear.corrected.boss
         figures["corrected"] = {
             **_body(gear.corrected.body, gear.speed_rad_s, grade),
-            "couple_kg_mm2": abs(gear.corrected.body.couple_kg_mm2),
-            "left_percent": 100.0 * abs(gear.corrected.body.unbalance_kg_mm) / abs(gear.body.unbalance_kg_mm),
             "holes": [{"x_mm": hole.x_mm, "y_mm": hole.y_mm, "diameter_mm": hole.diameter_mm} for hole in holes],
             "boss_height_mm": boss.height_mm if boss else None,
             "boss_area_mm2": float(boss.section.area) if boss else None,
@@ -49,6 +47,7 @@ def _body(body: GearBody, speed_rad_s: float, grade: float) -> dict[str, Any]:
         "direction_deg": degrees(phase(body.unbalance_kg_mm)),
         "inertia_kg_mm2": body.inertia_kg_mm2,
         "unbalance_kg_mm": unbalance,
+        "couple_kg_mm2": abs(body.couple_kg_mm2),
         "permissible_kg_mm": permissible,
         "permitted": unbalance <= permissible,
         "grade_reached": _finite(grade_reached(unbalance, body.mass_kg, speed_rad_s)),
@@ -68,7 +67,16 @@ def rotor_figures(balancing: Balancing) -> dict[str, Any]:
     return {
         "planes": [_polar(weight, "correction_g", "angle_deg") for weight in found.weights],
         "sensors": [_polar(left, "expected_amplitude", "phase_deg") for left in found.residual],
+        **_permissible(asked),
     }
+
+
+def _permissible(asked: Rotor) -> dict[str, float]:
+    """What may be left of the grade, as a weight at the corrections' radius; of all planes together."""
+    if asked.mass_kg is None or asked.radius_mm is None:
+        return {}
+    allowed = permissible_unbalance_kg_mm(asked.grade, asked.mass_kg, asked.speed_rpm * pi / 30.0)
+    return {"permissible_kg_mm": allowed, "permissible_weight_g": 1000.0 * allowed / asked.radius_mm}
 
 
 def chain_figures(balancing: Balancing) -> dict[str, Any]:
