@@ -57,7 +57,7 @@ POWER = (
     Entry(
         ("Fig. 13", "Fig. 14"), "largest power and acceleration with a1 read at the speed of v1 and v2",
         Printed(("6300", "1500"), "W, mm/s2"), Verdict.NOT_REPRODUCIBLE, other_reading,
-        "The stroke then closes at 51.31 r/min, and the ratio runs from 0.12 to 7.55: no gears to use.",
+        "The stroke then closes at 51.31 r/min, and the ratio runs from 0.12 to 7.65: no gears to use.",
     ),
     Entry(
         ("Fig. 13",), "earlier mechanism: largest power", Printed(("18750",), "W"), Verdict.NEEDS_DATA, None, NOT_THERE
