@@ -18,7 +18,7 @@ from ncgear.drive import Drive
 from ncgear.ledger.catalogue import PAPERS
 from ncgear.ledger.entry import Contradicted, Entry, Paper, Verdict, judged, judgement
 from ncgear.ledger.gear_baler import published as gear_baler
-from ncgear.ledger.printed import HOLDS, Computed, Printed, Relation, from_readings, half_step, of, words
+from ncgear.ledger.printed import HOLDS, Computed, Printed, Relation, from_readings, half_step, of, texts
 from ncgear.ledger.track_chassis import published as chassis
 from ncgear.output.ledger import PAGE, ledger_page
 
@@ -183,12 +183,12 @@ def test_figures_that_were_computed_independently(title: str, what: str, verdict
     found = judged(next(entry for entry in paper.entries if entry.what == what))
     assert found.entry.verdict is verdict
     assert found.computed is not None
-    assert Printed(words(values)).agrees(Computed(found.computed.values))
+    assert Printed(texts(values)).agrees(Computed(found.computed.values))
 
 
 @pytest.mark.parametrize(
     ("title", "counts"),
-    [(BALER, (8, 8, 10, 5)), (CHASSIS, (17, 7, 9, 6)), (DRUM, (12, 7, 7, 9)), (SIEVE, (7, 9, 16, 7))],
+    [(BALER, (8, 8, 10, 5)), (CHASSIS, (17, 7, 9, 6)), (DRUM, (12, 7, 7, 10)), (SIEVE, (7, 9, 16, 9))],
 )
 def test_counts(title: str, counts: tuple[int, ...]) -> None:
     paper = next(paper for paper in PAPERS if paper.title == title)
@@ -201,6 +201,12 @@ def test_the_command_writes_the_page(tmp_path: Path) -> None:
     assert done.stdout.splitlines()[-1] == str(tmp_path / PAGE)
     assert f"{BALER}\n     8  reproduced\n" in done.stdout
     assert (tmp_path / PAGE).read_bytes() == (ROOT / "docs" / PAGE).read_bytes()
+
+
+def test_no_cell_breaks_the_tables() -> None:
+    """Every row of a table has as many cells as its head."""
+    rows = [line for line in (ROOT / "docs" / PAGE).read_text(encoding="utf-8").splitlines() if line.startswith("|")]
+    assert {line.count("|") for line in rows} == {6, 8}
 
 
 def test_the_page_is_todays() -> None:

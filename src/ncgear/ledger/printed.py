@@ -76,7 +76,7 @@ class Printed:
 
 @dataclass(frozen=True)
 class Relation:
-    """An equation, which holds or does not; what is computed for it is its largest relative residual."""
+    """An equation or a claim, which holds or does not; what is computed for it is its largest relative residual."""
 
     text: str = "equation"
 
@@ -111,7 +111,7 @@ def from_readings(function: Callable[..., tuple[float, ...]], *texts: str) -> Co
     return Computed(tuple(values), tuple(leeway))
 
 
-def words(line: str) -> tuple[str, ...]:
+def texts(line: str) -> tuple[str, ...]:
     """The numbers of a line of a table, as printed."""
     return tuple(line.split())
 

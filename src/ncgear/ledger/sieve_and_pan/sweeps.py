@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ncgear.balance.mechanism import Carrier, Counterweight, Mechanism
-from ncgear.balance.sweep import sweep
+from ncgear.balance.sweep import Tried, sweep
 from ncgear.ledger.entry import Entry, Verdict
-from ncgear.ledger.printed import Computed, Printed, half_step, of, words
+from ncgear.ledger.printed import Computed, Printed, half_step, of, texts
 from ncgear.ledger.sieve_and_pan.published import ARM_MM, PAN, SIEVE
 
 
@@ -32,23 +32,23 @@ class SweepTable:
 
 
 PAN_TABLE = SweepTable(
-    words("0 5.5 5.7 5.9 6.1"), words("159 524 535 546 542"), words("968 681 676 678 682"),
-    words("737 614 613 611 609"), words("809 157 141 132 140"),
+    texts("0 5.5 5.7 5.9 6.1"), texts("159 524 535 546 542"), texts("968 681 676 678 682"),
+    texts("737 614 613 611 609"), texts("809 157 141 132 140"),
 )  # fmt: skip
 SIEVE_TABLE = SweepTable(
-    words("0 16.8 17.4 18.0 18.6 19.2 19.8"), words("350 941 911 881 851 822 792"),
-    words("2587 2044 2046 2044 2051 2059 2070"), words("1995 1495 1491 1487 1486 1484 1484"),
-    words("2237 1103 1132 1163 1200 1237 1278"),
+    texts("0 16.8 17.4 18.0 18.6 19.2 19.8"), texts("350 941 911 881 851 822 792"),
+    texts("2587 2044 2046 2044 2051 2059 2070"), texts("1995 1495 1491 1487 1486 1484 1484"),
+    texts("2237 1103 1132 1163 1200 1237 1278"),
 )  # fmt: skip
 BOTH_TABLE = SweepTable(
-    words("14.0 14.5 15 15.5 16 16.5"), words("1580 1593 1604 1612 1592 1568"),
-    words("2510 2511 2513 2518 2523 2530"), words("1965 1962 1959 1957 1956 1954"), words("930 918 909 906 931 962"),
+    texts("14.0 14.5 15 15.5 16 16.5"), texts("1580 1593 1604 1612 1592 1568"),
+    texts("2510 2511 2513 2518 2523 2530"), texts("1965 1962 1959 1957 1956 1954"), texts("930 918 909 906 931 962"),
 )  # fmt: skip
 
 
 def bearing(mechanism: Mechanism, mass_kg: float) -> Computed:
     """Least, largest, mean and r.m.s. force in N on the crank's bearing, in the plane of the motion without weight."""
-    found = sweep(mechanism, Counterweight(Carrier.CRANK, 0.0, ARM_MM), [mass_kg])[0].bearing_n
+    found = _tried(mechanism, mass_kg).bearing_n
     return of(found.minimum, found.maximum, found.mean, found.rms)
 
 
@@ -58,6 +58,11 @@ MODEL = (
 )
 NO_MODEL = "The simulated assembly: inertias, slopes and what the frame's bearings carry."
 
+WHICH_MASSES = (
+    "Which parts the common centre is of. Computed for all that moves, with the board's centre where its printed "
+    "masses put it."
+)
+
 FORCES = (
     ("Table 1", "pan without counterweight", ("159", "968", "699", "737"), PAN, 0.0),
     ("Table 1", "pan with 5.9 kg", ("546", "678", "610", "611"), PAN, 5.9),
@@ -66,12 +71,37 @@ FORCES = (
 )
 
 
+def track_extent(mechanism: Mechanism, mass_kg: float) -> Computed:
+    """Way of the common centre of mass in mm, along the slider's line and across it."""
+    return of(*_tried(mechanism, mass_kg).track.extent_mm)
+
+
+def track_area(mechanism: Mechanism, mass_kg: float) -> Computed:
+    """What that way encloses, in mm^2."""
+    return of(_tried(mechanism, mass_kg).track.area_mm2)
+
+
+def _tried(mechanism: Mechanism, mass_kg: float) -> Tried:
+    return sweep(mechanism, Counterweight(Carrier.CRANK, 0.0, ARM_MM), [mass_kg])[0]
+
+
 def _force(place: str, what: str, printed: tuple[str, ...], mechanism: Mechanism, mass_kg: float) -> Entry:
     return Entry(
         (place,), f"{what}: least, largest, mean and r.m.s. force", Printed(printed, "N"), Verdict.NEEDS_DATA,
         lambda: bearing(mechanism, mass_kg), MODEL,
     )  # fmt: skip
 
+
+TRACKS = (
+    Entry(
+        ("Fig. 9", "Fig. 10"), "way of the pan's centre without counterweight, along and across",
+        Printed(("21.9", "11.1"), "mm"), Verdict.NEEDS_DATA, lambda: track_extent(PAN, 0.0), WHICH_MASSES,
+    ),
+    Entry(
+        ("Fig. 11",), "area of the pan's track with 5.9 kg", Printed(("1.7",), "mm2"), Verdict.NEEDS_DATA,
+        lambda: track_area(PAN, 5.9), WHICH_MASSES,
+    ),
+)  # fmt: skip
 
 ENTRIES = (
     *(_force(*row) for row in FORCES),
@@ -94,7 +124,7 @@ ENTRIES = (
           PAN_TABLE.steadiest, "The one of least peak to peak in the table."),
     Entry(("Table 2",), "sieve's best counterweight", Printed(("18.0",), "kg"), Verdict.NOT_REPRODUCIBLE,
           SIEVE_TABLE.steadiest,
-          "The one of least peak to peak in the table; mean and r.m.s. fall with every further mass."),
+          "The one of least peak to peak in the table; the r.m.s. does not rise with any further mass."),
     Entry(("Table 3",), "best counterweight for both at 45 deg", Printed(("15.5",), "kg"), Verdict.UNDER_READING,
           BOTH_TABLE.steadiest, "The one of least peak to peak in the table."),
     Entry(("section 3.3",), "least force at 45 deg, from Table 3", Printed(("1611",), "N"), Verdict.NOT_REPRODUCIBLE,

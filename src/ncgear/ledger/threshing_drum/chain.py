@@ -7,8 +7,10 @@ from math import cos, radians, sin
 from ncgear.ledger.entry import Entry, Verdict, equations
 from ncgear.ledger.polar import polar
 from ncgear.ledger.printed import Computed, Printed, Relation, of
-from ncgear.ledger.threshing_drum.field import RECORDS
+from ncgear.ledger.threshing_drum.field import RECORDS, effect, first_balancing
 from ncgear.ledger.threshing_drum.published import PRINTED_RANGES, RUNS, ranges
+
+WEIGHT_G = 161.3
 
 
 def sides_residual() -> Computed:
@@ -44,6 +46,11 @@ ENTRIES = (
         (*equations("1"), "Table 3", "Fig. 9"), "range of the weight's amplitude, at 700 r/min",
         Printed(("0.074", "0.214"), "mm/s"), Verdict.REPRODUCED,
         lambda: of(ranges().weight.low, ranges().weight.high),
+    ),
+    Entry(
+        ("section 3.2.1",), "largest amplitude of the weight's 161.3 g, by the effect that the first balancing found",
+        Printed(("0.214",), "mm/s"), Verdict.NEEDS_DATA, lambda: of(WEIGHT_G * abs(effect(*first_balancing()))),
+        "The radii of the weights. Computed for equal radii, at the same speed.",
     ),
     Entry(
         ("section 3.2.1",), "vector of the weight at 300 deg, by its length", Printed(("-0.5", "0.87")),

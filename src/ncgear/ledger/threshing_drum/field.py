@@ -7,16 +7,21 @@ from ncgear.balance.grades import GRADES_MM_S
 from ncgear.balance.influence import TrialRun, balanced
 from ncgear.ledger.entry import Entry, Verdict
 from ncgear.ledger.polar import phase_deg, polar
-from ncgear.ledger.printed import Computed, Printed, from_readings, of, words
+from ncgear.ledger.printed import Computed, Printed, from_readings, of, texts
 
-NATURAL_HZ = words("143.76 143.77 197.05 293.1 298.33 198.41")
-CRITICAL_RPM = words("8625.60 8626.20 11823 17586 17899.80 11904.60")
+NATURAL_HZ = texts("143.76 143.77 197.05 293.1 298.33 198.41")
+CRITICAL_RPM = texts("8625.60 8626.20 11823 17586 17899.80 11904.60")
 
 FIRST = ("1.234", "159")
 """Reading before balancing: amplitude in mm/s, phase in degrees."""
 
 TRIAL = ("107.7", "90", "0.562", "204")
 """Weight in g at an angle in degrees, and the reading with it."""
+
+
+def first_balancing() -> tuple[float, ...]:
+    """All readings of the first balancing, as ``effect`` takes them."""
+    return tuple(map(float, (*FIRST, *TRIAL)))
 
 
 def effect(*readings: float) -> complex:

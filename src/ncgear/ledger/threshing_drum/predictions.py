@@ -7,7 +7,7 @@ from math import cos, radians, sin
 from ncgear.ledger.entry import Entry, Verdict, equations
 from ncgear.ledger.polar import phase_deg
 from ncgear.ledger.printed import Computed, Printed, from_readings, of
-from ncgear.ledger.threshing_drum.field import FIRST, RECORDS, TRIAL, effect
+from ncgear.ledger.threshing_drum.field import RECORDS, effect, first_balancing
 from ncgear.ledger.threshing_drum.published import PRINTED_RANGES, prediction
 
 WEIGHT, TIGHT, SLACK = PRINTED_RANGES.weight, PRINTED_RANGES.tight, PRINTED_RANGES.slack
@@ -36,7 +36,7 @@ def by_slack(weight_deg: float) -> Computed:
 
 def grams(amplitude: float) -> Computed:
     """Weight against an amplitude by the effect that the first balancing found."""
-    return of(amplitude / abs(effect(*map(float, (*FIRST, *TRIAL)))))
+    return of(amplitude / abs(effect(*first_balancing())))
 
 
 def error(larger: str, smaller: str, by: str) -> Computed:
