@@ -16,10 +16,12 @@ from hypothesis import strategies as st
 from ncgear.design.load import load
 from ncgear.drive import Drive
 from ncgear.ledger.catalogue import PAPERS
-from ncgear.ledger.entry import Contradicted, Entry, Paper, Verdict, judged, judgement
+from ncgear.ledger.entry import Entry, Paper, Verdict
 from ncgear.ledger.gear_baler import published as gear_baler
+from ncgear.ledger.judgement import Contradicted, judged, judgement
 from ncgear.ledger.printed import HOLDS, Computed, Printed, Relation, from_readings, half_step, of, texts
 from ncgear.ledger.track_chassis import published as chassis
+from ncgear.ledger.track_chassis.spectra import LINE_HZ
 from ncgear.output.ledger import PAGE, ledger_page
 
 ROOT = Path(__file__).parents[1]
@@ -188,11 +190,19 @@ def test_figures_that_were_computed_independently(title: str, what: str, verdict
 
 @pytest.mark.parametrize(
     ("title", "counts"),
-    [(BALER, (8, 8, 10, 5)), (CHASSIS, (17, 7, 9, 6)), (DRUM, (12, 7, 7, 10)), (SIEVE, (7, 9, 16, 9))],
+    [(BALER, (8, 8, 10, 5)), (CHASSIS, (17, 7, 10, 6)), (DRUM, (12, 7, 7, 10)), (SIEVE, (7, 9, 16, 9))],
 )
 def test_counts(title: str, counts: tuple[int, ...]) -> None:
     paper = next(paper for paper in PAPERS if paper.title == title)
     assert tuple(judgement(paper).count(verdict) for verdict in Verdict) == counts
+
+
+def test_spectra_have_lines() -> None:
+    """The frequencies of Table 5 of the track chassis, but for the one that the ledger names."""
+    table = "87.89 335.94 332.03 5.86 13.67 417.97 27.34 160.16 80.08 76.17 74.22 78.13 156.25 525.39 748.05 537.1"
+    for text in texts(table):
+        lines = round(float(text) / LINE_HZ)
+        assert Printed((text,)).agrees(of(lines * LINE_HZ)), text
 
 
 def test_the_command_writes_the_page(tmp_path: Path) -> None:

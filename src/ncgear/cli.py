@@ -293,7 +293,7 @@ def reproduce(
     with _progress() as on_stage:
         on_stage("figures of four papers")
         from ncgear.ledger.catalogue import PAPERS
-        from ncgear.ledger.entry import judgement
+        from ncgear.ledger.judgement import judgement
         from ncgear.output.ledger import PAGE, ledger_page, ledger_text
 
         judgements = [judgement(paper) for paper in PAPERS]

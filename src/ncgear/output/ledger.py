@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from ncgear.ledger.entry import Given, Judged, Judgement, Verdict
+from ncgear.ledger.entry import Given, Verdict
+from ncgear.ledger.judgement import Judged, Judgement
 
 PAGE = "reproduction.md"
 
@@ -49,24 +50,16 @@ def _overview(judgements: Sequence[Judgement]) -> list[str]:
 
 
 def _section(one: Judgement) -> list[str]:
-    rows = [_row(judged) for judged in one.entries]
-    return [
-        f"## {one.paper.title}",
-        "",
-        one.paper.reference + ".",
-        "",
-        *_table(COLUMNS, rows),
-        "",
-        *_given(one.paper.given),
-    ]
+    paper, table = one.paper, _table(COLUMNS, map(_row, one.entries))
+    return [f"## {paper.title}", "", f"{paper.reference}.", "", *table, "", *_given(paper.given)]
 
 
 def _row(judged: Judged) -> tuple[str, ...]:
     entry, computed = judged.entry, judged.computed
-    texts = (
-        (entry.published.computed_text(computed), entry.published.difference_text(computed)) if computed else ("-", "-")
-    )
-    return (_places(entry.places), entry.what, entry.published.text, *texts, entry.verdict, entry.words)
+    published = entry.published
+    found = published.computed_text(computed) if computed else "-"
+    difference = published.difference_text(computed) if computed else "-"
+    return (_places(entry.places), entry.what, published.text, found, difference, entry.verdict, entry.words)
 
 
 def _given(given: Iterable[Given]) -> list[str]:
