@@ -30,11 +30,12 @@ beside: .venv  ## measure beside the other program of the field and write benchm
 	.venv/bin/pip install -q -e '.[bench]'
 	$(PYTHON) benchmarks/beside_ncgears.py
 
-docs: .venv  ## make the pictures of the README and the table of hard cases anew
+docs: .venv  ## make the pictures of the README, the table of hard cases and the reproduction ledger anew
 	.venv/bin/ncgear build designs/baler-86.yaml
 	cp export/baler-86/tooth_pair.png docs/images/baler-86-tooth-pair.png
 	.venv/bin/ncgear frontier designs/baler-frontier.yaml
 	cp export/baler-frontier-frontier/frontier.png docs/images/baler-frontier.png
 	PYTHONPATH=tests $(PYTHON) -m hard.table
+	.venv/bin/ncgear reproduce --out docs
 
 .PHONY: test slow fuzz lint bench beside docs

@@ -12,6 +12,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NoReturn
 
@@ -25,6 +26,14 @@ from ncgear.errors import DesignError, WrongInput
 
 if TYPE_CHECKING:
     from ncgear.design.load import LoadedDesign
+
+
+class FileKind(StrEnum):
+    """Files that ncgear reads."""
+
+    DESIGN = "design"
+    BALANCE = "balance"
+
 
 INTERRUPTED = 130
 WRONG_INPUT = 2
@@ -278,6 +287,39 @@ def bench(
 
 
 @app.command()
+def balance(
+    balance_file: Annotated[Path, typer.Argument(metavar="FILE.yaml", help="The balance file.")],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<name>-balance")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
+) -> None:
+    """Say how much a machine shakes, and what mass where would stop it: linkages, gears, rotors, frequencies."""
+    from ncgear.design.load_balance import load_balance
+    from ncgear.output.publish import prepare, publish
+
+    loaded = load_balance(balance_file)
+    folder = out or Path("export") / f"{loaded.balance.name}-balance"
+    prepare(folder)
+
+    from ncgear.balancing import Balancing
+    from ncgear.output.balance.figures import balance_text, figures_of
+    from ncgear.output.balance.files import balance_files
+
+    balancing = Balancing(loaded)
+    try:
+        with _progress() as on_stage:
+            on_stage("balance")
+            figures = figures_of(balancing)
+            on_stage("pictures")
+            files = balance_files(balancing, figures)
+    except DesignError as error:
+        raise loaded.located(error) from error
+    paths = publish(folder, files)
+    typer.echo(files["balance.json"].decode().rstrip() if as_json else balance_text(figures, paths))
+
+
+@app.command()
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help=f"Name of the design: {NAME_RULE}.")],
     law: Annotated[Law, typer.Option(help="The motion law to begin with.")] = Law.THREE_SEGMENT_STROKE,
@@ -296,11 +338,33 @@ def new(
 
 
 @app.command()
-def schema() -> None:
-    """Print the JSON Schema of a design file, for editors that complete and check while typing."""
-    from ncgear.design.schema import json_schema
+def reproduce(
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Output folder.")] = Path("export/reproduction"),
+) -> None:
+    """Compute every figure of the four papers that ncgear is built on, and say which can be reproduced."""
+    from ncgear.output.publish import prepare, publish
 
-    typer.echo(json.dumps(json_schema(), indent=2))
+    prepare(out)
+    with _progress() as on_stage:
+        on_stage("figures of four papers")
+        from ncgear.ledger.catalogue import PAPERS
+        from ncgear.ledger.judgement import judgement
+        from ncgear.output.ledger import PAGE, ledger_page, ledger_text
+
+        judgements = [judgement(paper) for paper in PAPERS]
+    paths = publish(out, {PAGE: ledger_page(judgements).encode()})
+    typer.echo(ledger_text(judgements, paths))
+
+
+@app.command()
+def schema(
+    of: Annotated[FileKind, typer.Option(help="The kind of file.")] = FileKind.DESIGN,
+) -> None:
+    """Print the JSON Schema of a design or a balance file, for editors that complete and check while typing."""
+    from ncgear.design.balance import Balance
+    from ncgear.design.schema import Design, json_schema
+
+    typer.echo(json.dumps(json_schema(Balance if of is FileKind.BALANCE else Design), indent=2))
 
 
 @contextmanager

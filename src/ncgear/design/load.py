@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from pydantic import ValidationError
 
@@ -24,10 +24,17 @@ LARGEST_MB = 5
 MOST_PROBLEMS = 10
 
 TABLES = {
-    "motion": Columns(ANGLE_COLUMNS, VALUE_COLUMNS, MOST_POINTS),
-    "resistance.table": Columns(("displacement_mm",), ("force_n",), MOST_RESISTANCE_POINTS),
+    "motion": Columns((ANGLE_COLUMNS, VALUE_COLUMNS), MOST_POINTS),
+    "resistance.table": Columns((("displacement_mm",), ("force_n",)), MOST_RESISTANCE_POINTS),
 }
 """Groups of the design file that can name a file of points instead of giving columns, and the columns."""
+
+
+class Places(Protocol):
+    """Where the values of a file stand."""
+
+    def place(self, key: str) -> Place:
+        """Where ``key`` (dotted) stands, or its nearest parent that does."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +89,7 @@ def load(path: Path) -> LoadedDesign:
     try:
         design = Design.model_validate(_with_points(document.data, source.points))
     except ValidationError as error:
-        raise _wrong_input(problems(error), source) from error
+        raise wrong_input(problems(error, Design), source) from error
     return LoadedDesign(design, path, source, text)
 
 
@@ -125,11 +132,14 @@ def _read_points(document: Document, path: Path, group: str) -> PointsFile:
     try:
         return read_points(path, TABLES[group])
     except WrongInput as error:
-        # A fault within the file has a line of that file; a file that cannot be had is a fault of the design's key.
-        if error.location != str(path):
-            raise
-        key = f"{group}.file"
-        raise WrongInput(f"{path} {error.problem}", key=key, location=str(document.place(key))) from error
+        raise of_key(error, path, f"{group}.file", document) from error
+
+
+def of_key(error: WrongInput, file: Path, key: str, document: Document) -> WrongInput:
+    """A fault within a file that ``key`` names has a place there; a file that cannot be had is a fault of the key."""
+    if error.location != str(file):
+        return error
+    return WrongInput(f"{file} {error.problem}", key=key, location=str(document.place(key)))
 
 
 def _with_points(data: dict[str, Any], points: dict[str, PointsFile]) -> dict[str, Any]:
@@ -145,9 +155,9 @@ def _merged(data: dict[str, Any], keys: list[str], columns: dict[str, list[float
     return {**data, keys[0]: _merged(data[keys[0]], keys[1:], columns)}
 
 
-def _wrong_input(found: list[Problem], source: Source) -> WrongInput:
-    """One error of all faults in the order of the file; faults of the file of points come last."""
-    own_file = source.document.place("").file
+def wrong_input(found: list[Problem], source: Places) -> WrongInput:
+    """One error of all faults in the order of the file; faults of files that it names come last."""
+    own_file = source.place("").file
     placed = [(source.place(problem.key), problem) for problem in found]
     placed.sort(key=lambda item: (item[0].file != own_file, item[0].line, item[0].column))
     (place, first), *others = placed

@@ -15,7 +15,6 @@ from ncgear.design.faults import FAULT_TYPE
 from ncgear.design.motion import LAWS
 from ncgear.design.naming import NAME_RULE
 from ncgear.design.scalars import shown
-from ncgear.design.schema import Design
 
 Location = tuple[int | str, ...]
 
@@ -27,27 +26,27 @@ class Problem(NamedTuple):
     text: str
 
 
-def problems(error: ValidationError) -> list[Problem]:
-    """All faults of a design file, without those that only follow from another."""
+def problems(error: ValidationError, root: type[BaseModel]) -> list[Problem]:
+    """All faults of a file whose model is ``root``, without those that only follow from another."""
     details = [detail for detail in error.errors() if detail["type"] != "default_factory_not_called"]
-    misspelt = {_suggestion(detail) for detail in details if detail["type"] == "extra_forbidden"}
+    misspelt = {_suggestion(detail, root) for detail in details if detail["type"] == "extra_forbidden"}
     parents = {detail["loc"][:i] for detail in details for i in range(len(detail["loc"]))}
     # A key that is there but misspelt is not missing, and a list is not short because its items are wrong.
     follows = {"missing": misspelt, "too_short": parents}
-    return [_problem(detail) for detail in details if detail["loc"] not in follows.get(detail["type"], ())]
+    return [_problem(detail, root) for detail in details if detail["loc"] not in follows.get(detail["type"], ())]
 
 
-def _problem(detail: ErrorDetails) -> Problem:
+def _problem(detail: ErrorDetails, root: type[BaseModel]) -> Problem:
     kind = detail["type"]
     context: Mapping[str, Any] = detail.get("ctx") or {}
     if kind == FAULT_TYPE:
         parts = [_key(detail["loc"]), context["key"]]
         return Problem(".".join(part for part in parts if part), context["problem"])
     if kind == "extra_forbidden":
-        return Problem(_key(detail["loc"]), _unknown_key(detail))
+        return Problem(_key(detail["loc"]), _unknown_key(detail, root))
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         return Problem(_key((*detail["loc"], "law")), _wrong_law(detail["input"]))
-    return Problem(_key(detail["loc"]), _wrong_value(detail, context))
+    return Problem(_key(detail["loc"]), _wrong_value(detail, context, root))
 
 
 def _key(location: Location) -> str:
@@ -57,11 +56,11 @@ def _key(location: Location) -> str:
     return ".".join(str(part) for part in location)
 
 
-def _wrong_value(detail: ErrorDetails, context: Mapping[str, Any]) -> str:
-    meaning = _meaning(detail["loc"])
+def _wrong_value(detail: ErrorDetails, context: Mapping[str, Any], root: type[BaseModel]) -> str:
+    meaning = _meaning(detail["loc"], root)
     if detail["type"] == "missing":
         return f"missing; give it{meaning}"
-    model = _model_at(detail["loc"])
+    model = _model_at(detail["loc"], root)
     if detail["type"] in ("model_type", "model_attributes_type") and model:
         return f"{shown(detail['input'])} given; a group of keys is needed: {listed(_keys_of(model))}"
     needed = _NEEDED.get(detail["type"])
@@ -93,8 +92,8 @@ _NEEDED: dict[str, Callable[[Mapping[str, Any]], str]] = {
 }
 
 
-def _meaning(location: Location) -> str:
-    field = _field_at(location)
+def _meaning(location: Location, root: type[BaseModel]) -> str:
+    field = _field_at(location, root)
     return f" ({field.description})" if field and field.description else ""
 
 
@@ -105,8 +104,8 @@ def _wrong_law(motion: Mapping[str, Any]) -> str:
     return f"{shown(law)} is no known law; one of {listed(LAWS)} is right{_did_you_mean(str(law), LAWS)}"
 
 
-def _unknown_key(detail: ErrorDetails) -> str:
-    model = _model_at(detail["loc"][:-1])
+def _unknown_key(detail: ErrorDetails, root: type[BaseModel]) -> str:
+    model = _model_at(detail["loc"][:-1], root)
     allowed = _keys_of(model) if model else []
     hint = _did_you_mean(str(detail["loc"][-1]), allowed)
     return f"unknown key{hint}" if hint else f"unknown key; known are {listed(allowed, 'and')}"
@@ -117,10 +116,10 @@ def _did_you_mean(word: str, known: Sequence[str] | Mapping[str, Any]) -> str:
     return f"; did you mean {close[0]}?" if close else ""
 
 
-def _suggestion(detail: ErrorDetails) -> Location:
+def _suggestion(detail: ErrorDetails, root: type[BaseModel]) -> Location:
     """The location of the key that an unknown one was probably meant to be."""
     *parent, word = detail["loc"]
-    model = _model_at(tuple(parent))
+    model = _model_at(tuple(parent), root)
     return (*parent, *get_close_matches(str(word), _keys_of(model) if model else [], n=1))
 
 
@@ -128,15 +127,15 @@ def _keys_of(model: type[BaseModel]) -> list[str]:
     return [field.alias or name for name, field in model.model_fields.items()]
 
 
-def _field_at(location: Location) -> FieldInfo | None:
+def _field_at(location: Location, root: type[BaseModel]) -> FieldInfo | None:
     names = [part for part in location if isinstance(part, str)]
-    model = _model_at(tuple(names[:-1]))
+    model = _model_at(tuple(names[:-1]), root)
     return _fields(model).get(names[-1]) if model and names else None
 
 
-def _model_at(location: Location) -> type[BaseModel] | None:
+def _model_at(location: Location, root: type[BaseModel]) -> type[BaseModel] | None:
     """The model that holds the keys at ``location``, which names the law under motion as pydantic does."""
-    model: type[BaseModel] | None = Design
+    model: type[BaseModel] | None = root
     for part in location:
         if isinstance(part, str):
             field = _fields(model).get(part) if model else None

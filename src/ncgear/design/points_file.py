@@ -19,16 +19,15 @@ LARGEST_MB = 20
 
 @dataclass(frozen=True)
 class Columns:
-    """What a file may hold: one column of each of two kinds, each kind the names it can go by, and so many points."""
+    """What a file holds: one column of each kind, a kind being the names it can go by, and so many points at most."""
 
-    arguments: tuple[str, ...]
-    values: tuple[str, ...]
+    kinds: tuple[tuple[str, ...], ...]
     most_points: int
 
     @property
     def names(self) -> tuple[str, ...]:
         """All names."""
-        return (*self.arguments, *self.values)
+        return tuple(name for kind in self.kinds for name in kind)
 
 
 @dataclass(frozen=True)
@@ -72,7 +71,7 @@ def _names(header: list[str], file: str, columns: Columns) -> list[str]:
         if name not in columns.names or name in names[:i]:
             problem = "column given twice" if name in columns.names else "unknown column"
             raise _wrong(file, 1, header, i, f"{problem}: {shown(name)}; columns can be {listed(columns.names)}")
-    for kind in (columns.arguments, columns.values):
+    for kind in columns.kinds:
         if len(set(kind) & set(names)) != 1:
             problem = f"the first line must name one of the columns {listed(kind)}; it names {listed(names) or 'none'}"
             raise WrongInput(problem, location=f"{file}:1:1")

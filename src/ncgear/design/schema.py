@@ -81,6 +81,7 @@ class Design(Model):
         return self
 
 
-def json_schema() -> dict[str, Any]:
-    """The JSON Schema of a design file, for editors that complete and check while typing."""
-    return {"$schema": JSON_SCHEMA_DIALECT, **Design.model_json_schema(), "title": "ncgear design file"}
+def json_schema(of: type[Model] = Design) -> dict[str, Any]:
+    """The JSON Schema of a design file or another one, for editors that complete and check while typing."""
+    title = f"ncgear {of.__name__.lower()} file"
+    return {"$schema": JSON_SCHEMA_DIALECT, **of.model_json_schema(), "title": title}

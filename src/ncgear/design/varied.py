@@ -105,5 +105,5 @@ def _checked(data: dict[str, Any]) -> Design | WrongInput:
     try:
         return Design.model_validate(data)
     except ValidationError as error:
-        first = problems(error)[0]
+        first = problems(error, Design)[0]
         return WrongInput(first.text, key=first.key)

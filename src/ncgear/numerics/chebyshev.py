@@ -79,6 +79,11 @@ class PiecewiseChebyshev:
         raised[0] += np.concatenate([[0.0], np.cumsum(totals)[:-1]])
         return PiecewiseChebyshev(self.breaks, raised)
 
+    def differentiated(self) -> PiecewiseChebyshev:
+        """The derivative, panel by panel."""
+        half_widths = (np.diff(self.breaks) / 2.0).reshape(-1, *(1,) * (self.coefficients.ndim - 2))
+        return PiecewiseChebyshev(self.breaks, chebyshev.chebder(self.coefficients, axis=0) / half_widths)
+
     @property
     def final(self) -> float:
         """Value at the last break, as the limit from the left."""

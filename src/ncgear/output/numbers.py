@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 UNITS = {
+    "_kg_mm": "kg mm",
+    "_n_mm": "N mm",
     "_mm_s2": "mm/s2",
     "_mm_s": "mm/s",
     "_mm": "mm",
@@ -16,6 +18,7 @@ UNITS = {
     "_mpa": "MPa",
     "_m_s2": "m/s2",
     "_kg_mm2": "kg mm2",
+    "_mm2": "mm2",
     "_kg_m2": "kg m2",
     "_kg": "kg",
     "_hz": "Hz",
@@ -24,6 +27,7 @@ UNITS = {
     "_n": "N",
     "_w": "W",
     "_percent": "%",
+    "_g": "g",
     "_s": "s",
 }
 """Units by key suffix; longer suffixes stand before those that end them."""

@@ -1,0 +1,142 @@
+"""The crank counterweight that leaves least of the shaking force: in the mean square, or at its peak.
+
+With P at the pin and S at the slider the force is P c'' + S x'' times a constant, c'' and x'' by the driving angle of
+the actual motion.  Least squares over the complex P is closed: P = -<conj(c'') S x''> / <|c''|^2>; evenly driven with a
+long rod it is -S/2, the counterweight m_B + m_C/2.  The least peak is a convex problem: every direction of the force at
+every angle is a plane below the peak, linear in P, so that a linear programme over such planes bounds the peak from
+below, and its solution bounds it from above (J. E. Kelley, "The cutting-plane method for solving convex programs", J.
+SIAM 8 (1960) 703-712).
+"""
+
+from __future__ import annotations
+
+from cmath import phase
+from dataclasses import dataclass, replace
+from math import pi
+
+import numpy as np
+from scipy.optimize import linprog
+
+from ncgear.balance.accelerations import PIN_X, PIN_Y, WRIST, Accelerations, accelerations
+from ncgear.balance.joint_masses import require_arm
+from ncgear.balance.mechanism import Carrier, Counterweight, Mechanism
+from ncgear.balance.shaking import N, shaking
+from ncgear.balance.waveform import gauss_points
+from ncgear.numerics.arrays import Array, ComplexArray
+
+GAP = 1e-7
+"""Share of the peak by which it may be above its certified bound: far below what a counterweight can be made to."""
+
+FEASIBLE = 1e-10
+"""Tolerance of the linear programme on planes, in forces of a slider mass at the pin: well below ``GAP``."""
+
+BOX = 100.0
+"""Slider masses within which the pin's is looked for: x'' would have to be a hundredfold of c'' for more."""
+
+NOTHING = 1e-12
+"""Share of all masses below which what the slider counts for is rounding: the rod is balanced, the crank can be."""
+
+MOST_ROUNDS = 200
+
+NEAR_PEAK = 0.9
+"""Share of the peak above which a local maximum gets a plane of its own."""
+
+
+@dataclass(frozen=True)
+class BestCounterweight:
+    """First moment of the counterweight in kg mm, along the direction to the pin and across it counter-clockwise.
+
+    ``bound_n`` is what the shaking force's peak cannot fall below whatever the counterweight; None for least squares.
+    """
+
+    moment_kg_mm: complex
+    bound_n: float | None = None
+
+    def at(self, arm_mm: float) -> Counterweight:
+        """The counterweight at an arm on the crank; raises WrongInput for an arm that is not positive."""
+        require_arm(arm_mm, "arm_mm")
+        return Counterweight(
+            Carrier.CRANK, abs(self.moment_kg_mm) / arm_mm, arm_mm, phase(self.moment_kg_mm) % (2 * pi)
+        )
+
+
+def least_squares(mechanism: Mechanism, known: Accelerations | None = None) -> BestCounterweight:
+    """The counterweight beside those there that makes the mean square of the shaking force least."""
+    breaks, pin, slider = _parts(mechanism, known or accelerations(mechanism))
+    weights = gauss_points(breaks)[1]
+    best = -np.sum(weights * np.conj(pin) * slider) / np.sum(weights * np.abs(pin) ** 2)
+    return BestCounterweight(complex(best - mechanism.pin_kg) * mechanism.linkage.crank_mm)
+
+
+def minimax(mechanism: Mechanism, known: Accelerations | None = None) -> BestCounterweight:
+    """The counterweight beside those there that makes the largest shaking force least.
+
+    Raises ArithmeticError, a fault of ncgear, where peak and bound do not meet within ``GAP``.
+    """
+    of, size = known or accelerations(mechanism), abs(mechanism.wrist_kg)
+    if size <= NOTHING * mechanism.total_kg:
+        return BestCounterweight(least_squares(mechanism, of).moment_kg_mm, 0.0)
+    scale = N * mechanism.speed_rad_s**2 * mechanism.linkage.crank_mm * size
+    _, pin, slider = _parts(mechanism, of)
+    slider, planes = slider / size, _Planes(np.empty((0, 3)), np.empty(0))
+    found = (least_squares(mechanism, of).moment_kg_mm / mechanism.linkage.crank_mm + mechanism.pin_kg) / size
+    for _ in range(MOST_ROUNDS):
+        planes = planes.joined(pin, slider, found)
+        found, bound = planes.lowest()
+        if float(np.abs(found * pin + slider).max()) > bound * (1.0 + GAP / 2.0):
+            continue
+        moment = (found * size - mechanism.pin_kg) * mechanism.linkage.crank_mm
+        peak = shaking(_with_moment(mechanism, moment), of).peak
+        if peak.value <= scale * bound * (1.0 + GAP):
+            return BestCounterweight(moment, scale * bound)
+        more = _at_angles(mechanism, of, np.array([peak.at]))
+        pin, slider = np.append(pin, more[0]), np.append(slider, more[1] / size)
+    raise ArithmeticError("the counterweight of least peak was not found")
+
+
+@dataclass(frozen=True, eq=False)
+class _Planes:
+    """Planes below the peak: rows (a, b) with t >= a . (Re P, Im P, 0) + b, as linprog has them."""
+
+    rows: Array
+    limits: Array
+
+    def joined(self, pin: ComplexArray, slider: ComplexArray, found: complex) -> _Planes:
+        """With the planes that touch at the largest forces of a pin mass."""
+        force = found * pin + slider
+        size = np.abs(force)
+        crests = (
+            (size >= np.roll(size, 1)) & (size >= np.roll(size, -1)) & (size >= NEAR_PEAK * size.max()) & (size > 0)
+        )
+        direction = np.conj(force[crests]) / size[crests]
+        slope = direction * pin[crests]
+        rows = np.column_stack([slope.real, -slope.imag, -np.ones(slope.size)])
+        return _Planes(np.vstack([self.rows, rows]), np.concatenate([self.limits, -(direction * slider[crests]).real]))
+
+    def lowest(self) -> tuple[complex, float]:
+        """The pin mass with the lowest envelope, in slider masses, and that height."""
+        bounds, options = [(-BOX, BOX), (-BOX, BOX), (0.0, None)], {"primal_feasibility_tolerance": FEASIBLE}
+        found = linprog([0.0, 0.0, 1.0], self.rows, self.limits, bounds=bounds, options=options)
+        if not found.success:
+            raise ArithmeticError(f"the linear programme of the counterweight failed: {found.message}")
+        return complex(found.x[0], found.x[1]), float(found.x[2])
+
+
+def _parts(mechanism: Mechanism, known: Accelerations) -> tuple[Array, ComplexArray, ComplexArray]:
+    """Breaks, and c''/r and S x''/r at their Gauss points."""
+    breaks = known.form.breaks
+    return breaks, *_at_angles(mechanism, known, gauss_points(breaks)[0])
+
+
+def _at_angles(mechanism: Mechanism, known: Accelerations, angles: Array) -> tuple[ComplexArray, ComplexArray]:
+    values = known.form(angles)
+    pin: ComplexArray = values[:, PIN_X] + 1j * values[:, PIN_Y]
+    slider: ComplexArray = np.asarray(mechanism.wrist_kg * values[:, WRIST], dtype=np.complex128)
+    return pin, slider
+
+
+def _with_moment(mechanism: Mechanism, moment_kg_mm: complex) -> Mechanism:
+    """With a first moment added to the crank, at the crank's own length; of no use but for the force."""
+    crank = mechanism.linkage.crank_mm
+    added = Counterweight(Carrier.CRANK, abs(moment_kg_mm) / crank, crank, phase(moment_kg_mm))
+    return replace(mechanism, counterweights=(*mechanism.counterweights, added))

@@ -1,0 +1,124 @@
+"""Frequencies at which a machine is shaken, beside the natural frequencies it has.
+
+Shafts n/60, bearings and sprockets that times their rollers and teeth, engines: Z. Tang, Y. Li, Y. Zhou, H. Zhang,
+Shock and Vibration 2019, eqs. 9 to 13.  Harmonics of the slider's acceleration are the Fourier coefficients of the
+actual motion, panel by panel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncgear.balance.accelerations import WRIST, accelerations
+from ncgear.balance.mechanism import Mechanism
+from ncgear.balance.waveform import Waveform
+from ncgear.numerics.chebyshev import PiecewiseChebyshev
+
+NEGLIGIBLE = 1e-9
+"""Share of the strongest harmonic below which one is none: those that symmetry forbids are 1e-14 by rounding."""
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """One frequency: what shakes and how; ``amplitude`` in m/s^2 where it is known, of harmonics of the slider."""
+
+    source: str
+    kind: str
+    frequency_hz: float
+    amplitude: float | None = None
+
+
+@dataclass(frozen=True)
+class Shaft:
+    """A shaft with the rollers of its bearing and the teeth of its sprocket or gear, where it has them.
+
+    ``roller_ratio`` is the diameter of a roller by that of the pitch circle of the rollers, times the cosine of the
+    contact angle.
+    """
+
+    name: str
+    speed_rpm: float
+    rollers: int | None = None
+    teeth: int | None = None
+    roller_ratio: float | None = None
+
+
+@dataclass(frozen=True)
+class Engine:
+    """A reciprocating engine; ``inertia_order`` is that of its strongest free inertia force, 2 with four in line."""
+
+    name: str
+    speed_rpm: float
+    cylinders: int
+    strokes: int
+    inertia_order: float = 2.0
+
+
+@dataclass(frozen=True)
+class Margin:
+    """An excitation and the natural frequency nearest to it by ratio; ``ratio`` is excitation by natural frequency."""
+
+    excitation: Excitation
+    natural_hz: float
+    ratio: float
+    near: bool
+
+
+def of_shaft(shaft: Shaft) -> list[Excitation]:
+    """Rotation, passing of the bearing's rollers, and meshing of the teeth.
+
+    Without ``roller_ratio`` rollers pass z times a turn, as if the cage went with the shaft (the paper's equation 11,
+    about twice the true frequency); with it, z/2 (1 -+ ratio) times over the outer and the inner race that turns.
+    """
+    turning = shaft.speed_rpm / 60.0
+    found = [Excitation(shaft.name, "rotation", turning)]
+    if shaft.rollers is not None and shaft.roller_ratio is None:
+        found.append(Excitation(shaft.name, "rollers", shaft.rollers * turning))
+    elif shaft.rollers is not None and shaft.roller_ratio is not None:
+        half = shaft.rollers / 2.0 * turning
+        found.append(Excitation(shaft.name, "rollers, outer race", half * (1.0 - shaft.roller_ratio)))
+        found.append(Excitation(shaft.name, "rollers, inner race", half * (1.0 + shaft.roller_ratio)))
+    if shaft.teeth is not None:
+        found.append(Excitation(shaft.name, "teeth", shaft.teeth * turning))
+    return found
+
+
+def of_engine(engine: Engine) -> list[Excitation]:
+    """Rotation, combustion 2 n i / (60 c) and inertia Q n / 60."""
+    turning = engine.speed_rpm / 60.0
+    combustion = 2.0 * turning * engine.cylinders / engine.strokes
+    return [
+        Excitation(engine.name, "rotation", turning),
+        Excitation(engine.name, "combustion", combustion),
+        Excitation(engine.name, "inertia", engine.inertia_order * turning),
+    ]
+
+
+def of_slider(name: str, mechanism: Mechanism, count: int) -> list[Excitation]:
+    """The first ``count`` harmonics of the slider's acceleration in m/s^2, but for those that are nothing."""
+    form = accelerations(mechanism).form
+    scale = mechanism.linkage.crank_mm * mechanism.speed_rad_s**2 / 1000.0
+    waves = Waveform(PiecewiseChebyshev(form.breaks, scale * form.coefficients[:, :, WRIST])).harmonics(count)
+    cycles = mechanism.speed_rad_s / mechanism.transmission.cycle_rad
+    sizes = 2.0 * np.abs(waves)
+    present = [k for k in range(1, count + 1) if sizes[k] > NEGLIGIBLE * sizes[1:].max()]
+    return [Excitation(name, f"harmonic {k}", k * cycles, float(sizes[k])) for k in present]
+
+
+def margins(excitations: Sequence[Excitation], natural_hz: Sequence[float], band: float) -> list[Margin]:
+    """Each excitation beside its nearest natural frequency; near where they differ by no more than ``band`` of it."""
+    natural = np.array(natural_hz)
+    found = []
+    for excitation in excitations:
+        nearest = float(natural[np.argmin(np.abs(np.log(excitation.frequency_hz / natural)))])
+        ratio = excitation.frequency_hz / nearest
+        found.append(Margin(excitation, nearest, ratio, abs(ratio - 1.0) <= band))
+    return found
+
+
+def critical_speed_rpm(natural_hz: float) -> float:
+    """Speed in r/min at which a shaft's rotation meets a natural frequency."""
+    return 60.0 * natural_hz

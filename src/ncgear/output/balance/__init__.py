@@ -1,0 +1,1 @@
+"""What ncgear balance says and draws."""

@@ -1,0 +1,225 @@
+"""The reproduction ledger: verdicts are computed, none is typed; the page in docs is today's."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import replace
+from itertools import chain
+from math import pi
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ncgear.design.load import load
+from ncgear.drive import Drive
+from ncgear.ledger.catalogue import PAPERS
+from ncgear.ledger.entry import Entry, Paper, Verdict
+from ncgear.ledger.gear_baler import published as gear_baler
+from ncgear.ledger.judgement import Contradicted, judged, judgement
+from ncgear.ledger.printed import HOLDS, Computed, Printed, Relation, from_readings, half_step, of, texts
+from ncgear.ledger.track_chassis import published as chassis
+from ncgear.ledger.track_chassis.spectra import LINE_HZ
+from ncgear.output.ledger import PAGE, ledger_page
+
+ROOT = Path(__file__).parents[1]
+
+ENTRIES = [entry for paper in PAPERS for entry in paper.entries]
+
+AGREEING = (Verdict.REPRODUCED, Verdict.UNDER_READING)
+
+
+def name(entry: Entry) -> str:
+    return f"{entry.places[0]} {entry.what}"
+
+
+@pytest.mark.parametrize("paper", PAPERS, ids=lambda paper: paper.title)
+def test_every_verdict_is_borne_out(paper: Paper) -> None:
+    assert len(judgement(paper).entries) == len(paper.entries) > 0
+
+
+def unnamed(paper: Paper) -> set[str]:
+    """Tables, equations and figures that neither an entry nor what is given names."""
+    named = set(chain.from_iterable(one.places for one in (*paper.entries, *paper.given)))
+    return set(paper.promised) - named
+
+
+@pytest.mark.parametrize("paper", PAPERS, ids=lambda paper: paper.title)
+def test_every_place_is_named(paper: Paper) -> None:
+    assert unnamed(paper) == set()
+    assert unnamed(replace(paper, entries=paper.entries[1:], given=())) != set()
+
+
+@pytest.mark.parametrize("paper", PAPERS, ids=lambda paper: paper.title)
+def test_no_figure_is_there_twice(paper: Paper) -> None:
+    figures = [(entry.places, entry.what) for entry in paper.entries]
+    assert len(set(figures)) == len(figures)
+
+
+@pytest.mark.parametrize("entry", [entry for entry in ENTRIES if entry.compute], ids=name)
+def test_the_other_verdict_is_refused(entry: Entry) -> None:
+    """Whatever the computation says, claiming the contrary fails."""
+    other = Verdict.NOT_REPRODUCIBLE if entry.verdict in AGREEING else Verdict.REPRODUCED
+    with pytest.raises(Contradicted):
+        judged(replace(entry, verdict=other, words="typed"))
+
+
+@pytest.mark.parametrize("entry", [entry for entry in ENTRIES if entry.verdict in AGREEING], ids=name)
+def test_another_last_digit_is_refused(entry: Entry) -> None:
+    """Two steps off in any printed digit, or a thousandth in an equation, and the verdict falls."""
+    assert entry.compute is not None
+    computed = entry.compute()
+    if isinstance(entry.published, Relation):
+        off = replace(computed, values=tuple(value + 1e-3 for value in computed.values))
+        assert not entry.published.agrees(off)
+        return
+    for place, text in enumerate(entry.published.texts):
+        step = 4.0 * half_step(text) + 2.0 * computed.leeway[place]
+        values = tuple(value + step * (k == place) for k, value in enumerate(computed.values))
+        assert not entry.published.agrees(replace(computed, values=values))
+
+
+def test_what_is_off_by_more_than_rounding_has_words() -> None:
+    assert all(entry.words for entry in ENTRIES if entry.verdict is not Verdict.REPRODUCED)
+    with pytest.raises(ValueError, match="without a word"):
+        Entry(("eq. 1",), "x", Relation(), Verdict.NOT_REPRODUCIBLE, lambda: of(1.0))
+    with pytest.raises(ValueError, match="nothing is computed"):
+        Entry(("eq. 1",), "x", Relation(), Verdict.REPRODUCED)
+
+
+@pytest.mark.parametrize(
+    ("text", "half"), [("6300", 50.0), ("182", 0.5), ("0.4", 0.05), ("9.50", 0.005), ("0", 0.5), ("-2.08", 0.005)]
+)
+def test_half_step(text: str, half: float) -> None:
+    assert half_step(text) == pytest.approx(half, rel=1e-15)
+
+
+@given(st.decimals(-1000, 1000, places=2, allow_nan=False))
+def test_rounding_agrees_with_what_it_was_rounded_from(number: object) -> None:
+    printed = Printed((f"{float(str(number)):.1f}",))
+    assert printed.agrees(of(float(str(number))))
+
+
+def test_a_decimal_half_is_not_lost_to_its_binary_form() -> None:
+    """4.38 - 1.185 and the like end on halves that no binary number is."""
+    assert Printed(("0.2",)).agrees(of(0.1 + 0.05))
+    assert not Printed(("0.2",)).agrees(of(0.149999))
+
+
+def test_rounding_of_readings_is_allowed_for() -> None:
+    """0.12 + 0.17 may be 0.28 or 0.30 once each is rounded, but not 0.32."""
+    total = from_readings(lambda one, other: (one + other,), "0.12", "0.17")
+    assert total.input_rounding == pytest.approx((0.01,))
+    assert Printed(("0.30",)).agrees(total)
+    assert not Printed(("0.31",)).agrees(total)
+
+
+def test_an_equation_holds_to_rounding_errors_only() -> None:
+    assert Relation().agrees(of(0.5 * HOLDS))
+    assert not Relation().agrees(Computed((0.0, 2.0 * HOLDS)))
+
+
+@pytest.mark.parametrize("entry", [e for e in ENTRIES if isinstance(e.published, Relation) and e.compute], ids=name)
+def test_equations_hold_to_rounding_errors_or_fail_by_far(entry: Entry) -> None:
+    """What HOLDS parts: nothing lies within three orders of it."""
+    assert entry.compute is not None
+    worst = max(map(abs, entry.compute().values))
+    assert worst < 1e-3 * HOLDS if entry.verdict in AGREEING else worst > 1e3 * HOLDS
+
+
+def test_numbers_in_words_are_todays() -> None:
+    assert f"{gear_baler.law_rpm():.2f}" == "52.81"
+    assert f"{gear_baler.other_law().stroke.law_speed_rad_s * 30.0 / pi:.2f}" == "51.31"
+    low, high = gear_baler.other_law().transmission.slope_range
+    assert (f"{1.0 / high.value:.2f}", f"{1.0 / low.value:.2f}") == ("0.12", "7.65")
+    assert f"{gear_baler.RESISTANCE.zeros_mm(gear_baler.STROKE_MM)[0]:.1f}" == "33.7"
+    assert f"{chassis.LINKAGE.crank_mm / chassis.LINKAGE.rod_mm:.3f}" == "0.473"
+
+
+def test_the_gear_balers_reading_is_the_design_file() -> None:
+    """The ledger's own Table 1 makes the law of designs/baler.yaml."""
+    drive = Drive(load(ROOT / "designs" / "baler.yaml").design)
+    assert gear_baler.law_rpm() == pytest.approx(drive.law_speed_rpm, rel=1e-12)
+    speed = drive.design.operation.speed_rpm
+    found, wanted = gear_baler.at_speed(speed), drive.check
+    assert found.peak_power_w.value == pytest.approx(wanted.peak_power_w.value, rel=1e-12)
+    cycle = "peak_acceleration_cycle_mm_s2"
+    assert getattr(found, cycle).value == pytest.approx(getattr(wanted, cycle).value, rel=1e-12)
+    assert gear_baler.law().stroke.theta4_rad == pytest.approx(1.3 * pi)
+
+
+BALER, CHASSIS, DRUM, SIEVE = (paper.title for paper in PAPERS)
+
+
+@pytest.mark.parametrize(
+    ("title", "what", "verdict", "values"),
+    [
+        # Computed apart from this program before any of it was written
+        (BALER, "largest power", Verdict.UNDER_READING, "6315"),
+        (BALER, "largest power at the speed at which v1 and v2 hold", Verdict.NOT_REPRODUCIBLE, "16675"),
+        (BALER, "largest acceleration, in the working stroke", Verdict.UNDER_READING, "1500.0"),
+        (BALER, "centre distance, from teeth and module", Verdict.NOT_REPRODUCIBLE, "74.885"),
+        (BALER, "power saved, from the two printed powers", Verdict.UNDER_READING, "66.4"),
+        (CHASSIS, "counterweight beyond the crank pin, and mass at the pin", Verdict.REPRODUCED, "182.0 247.0"),
+        (CHASSIS, "counterweight beyond the crank axis", Verdict.UNDER_READING, "261.82"),
+        (CHASSIS, "weight against the slider's inertia", Verdict.UNDER_READING, "4.86"),
+        (CHASSIS, "weight against the slider's largest inertia force", Verdict.NOT_REPRODUCIBLE, "13.6"),
+        (CHASSIS, "weight against the dead weight", Verdict.REPRODUCED, "259.05"),
+        (CHASSIS, "two terms for the exact acceleration of this linkage", Verdict.NOT_REPRODUCIBLE, "0.043"),
+        (DRUM, "range of the weight's amplitude, at 700 r/min", Verdict.REPRODUCED, "0.0743 0.2136"),
+        (DRUM, "largest amplitude of the tight side", Verdict.REPRODUCED, "2.045"),
+        (SIEVE, "pan: counterweight", Verdict.REPRODUCED, "5.40 6.11"),
+        (SIEVE, "sieve: counterweight, from the printed masses", Verdict.NOT_REPRODUCIBLE, "16.64 20.04"),
+        (SIEVE, "sieve: counterweight, from its dimensions", Verdict.NOT_REPRODUCIBLE, "16.88 20.28"),
+        (SIEVE, "eta1 at 45 deg", Verdict.NOT_REPRODUCIBLE, "0.714"),
+        (SIEVE, "eta1 at 90 deg", Verdict.UNDER_READING, "0.653"),
+        (SIEVE, "eta1 at 0 deg", Verdict.NOT_REPRODUCIBLE, "0.845"),
+        (SIEVE, "eta2 at 45 deg", Verdict.NOT_REPRODUCIBLE, "0.742"),
+        (SIEVE, "eta2 at 0 deg", Verdict.NOT_REPRODUCIBLE, "0.742"),
+    ],
+)
+def test_figures_that_were_computed_independently(title: str, what: str, verdict: Verdict, values: str) -> None:
+    paper = next(paper for paper in PAPERS if paper.title == title)
+    found = judged(next(entry for entry in paper.entries if entry.what == what))
+    assert found.entry.verdict is verdict
+    assert found.computed is not None
+    assert Printed(texts(values)).agrees(Computed(found.computed.values))
+
+
+@pytest.mark.parametrize(
+    ("title", "counts"),
+    [(BALER, (8, 8, 10, 5)), (CHASSIS, (17, 7, 10, 6)), (DRUM, (12, 7, 7, 10)), (SIEVE, (7, 9, 16, 9))],
+)
+def test_counts(title: str, counts: tuple[int, ...]) -> None:
+    paper = next(paper for paper in PAPERS if paper.title == title)
+    assert tuple(judgement(paper).count(verdict) for verdict in Verdict) == counts
+
+
+def test_spectra_have_lines() -> None:
+    """The frequencies of Table 5 of the track chassis, but for the one that the ledger names."""
+    table = "87.89 335.94 332.03 5.86 13.67 417.97 27.34 160.16 80.08 76.17 74.22 78.13 156.25 525.39 748.05 537.1"
+    for text in texts(table):
+        lines = round(float(text) / LINE_HZ)
+        assert Printed((text,)).agrees(of(lines * LINE_HZ)), text
+
+
+def test_the_command_writes_the_page(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "ncgear", "reproduce", "--out", str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
+    assert done.stdout.splitlines()[-1] == str(tmp_path / PAGE)
+    assert f"{BALER}\n     8  reproduced\n" in done.stdout
+    assert (tmp_path / PAGE).read_bytes() == (ROOT / "docs" / PAGE).read_bytes()
+
+
+def test_no_cell_breaks_the_tables() -> None:
+    """Every row of a table has as many cells as its head."""
+    rows = [line for line in (ROOT / "docs" / PAGE).read_text(encoding="utf-8").splitlines() if line.startswith("|")]
+    assert {line.count("|") for line in rows} == {6, 8}
+
+
+def test_the_page_is_todays() -> None:
+    """``make docs`` writes it anew."""
+    page = (ROOT / "docs" / PAGE).read_text(encoding="utf-8")
+    assert page == ledger_page([judgement(paper) for paper in PAPERS])

@@ -1,0 +1,171 @@
+"""Shaking force and moment: momentum by 40-digit arithmetic, the joints' forces, balance that is complete."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+
+from mechanisms import AMPLITUDE, ASIDE, LINKAGE, MASSES, OFFSET, RPM, even, oracle, sampled, uneven
+from ncgear.balance.classical import Speed, classical_accelerations, failure
+from ncgear.balance.joint_masses import JointMasses, complete_balance, joint_masses, partial_counterweight_kg
+from ncgear.balance.mechanism import Carrier, Counterweight, Mechanism
+from ncgear.balance.shaking import Shaking, shaking
+from ncgear.dynamics.joints import joint_forces
+from ncgear.dynamics.pace import EvenPace
+from ncgear.errors import WrongInput
+from ncgear.machine.linkage import CrankSlider
+from ncgear.machine.masses import Masses
+from pairs import baler_law
+
+SLIDER = Masses(slider_kg=65.0)
+
+MECHANISMS = {
+    "even": (even(), 0.0),
+    "uneven": (uneven(), AMPLITUDE),
+    "uneven, offset, masses aside": (replace(uneven(OFFSET), counterweights=ASIDE), AMPLITUDE),
+    "even, offset back": (even(CrankSlider(265.0, 560.0, -90.0)), 0.0),
+}
+
+
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_force_and_moment_are_rates_of_momentum(name: str) -> None:
+    mechanism, amplitude = MECHANISMS[name]
+    found, peak = shaking(mechanism), shaking(mechanism).peak.value
+    for phi1 in sampled(mechanism):
+        force, moment = oracle(mechanism, amplitude, float(phi1))
+        at = np.array([phi1])
+        assert abs(found.along(at)[0] + 1j * found.across(at)[0] - force) <= 1e-12 * peak
+        assert abs(found.moment(at)[0] - moment) <= 1e-12 * peak * 1000.0
+
+
+@pytest.mark.parametrize("mechanism", [uneven(OFFSET), Mechanism(LINKAGE, baler_law(), 52.81 * RPM, MASSES)])
+def test_the_frame_feels_what_the_joints_bear(mechanism: Mechanism) -> None:
+    """Newton and Euler body by body: bearing, guide and the reaction of the drive."""
+    phi1 = sampled(mechanism, 50)
+    at, found = mechanism.bodies(phi1), shaking(mechanism)
+    joints = joint_forces(at, mechanism.masses, EvenPace(mechanism.speed_rad_s), 0.0)
+    peak = found.peak.value
+    assert np.allclose(found.along(phi1), -joints.crank_axis.x.value, rtol=0.0, atol=1e-11 * peak)
+    assert np.allclose(found.across(phi1), -(joints.crank_axis.y + joints.guide_n).value, rtol=0.0, atol=1e-11 * peak)
+    # The torque is asked for in the crank's sense, clockwise; what asks for it is turned the other way.
+    moment = joints.torque_n_mm.value - at.wrist.x.value * joints.guide_n.value
+    assert np.allclose(found.moment(phi1), moment, rtol=0.0, atol=1e-11 * np.abs(moment).max())
+
+
+def completely_balanced(mechanism: Mechanism, more: float = 1.0) -> Mechanism:
+    found = complete_balance(mechanism.linkage, mechanism.masses, 200.0, 250.0)
+    added = Counterweight(Carrier.ROD, more * found.rod_kg, 200.0), Counterweight(Carrier.CRANK, found.crank_kg, 250.0)
+    return replace(mechanism, counterweights=added)
+
+
+def test_the_published_complete_balance() -> None:
+    found = complete_balance(LINKAGE, SLIDER, 200.0, 250.0)
+    assert found.rod_kg == pytest.approx(182.0, rel=1e-15)
+    assert found.pin_kg == pytest.approx(247.0, rel=1e-15)
+    assert round(found.crank_kg, 2) == 261.82
+
+
+@pytest.mark.parametrize("mechanism", [even(), uneven(OFFSET), even(masses=SLIDER)])
+def test_complete_balance_leaves_no_force_whatever_the_drive(mechanism: Mechanism) -> None:
+    bare, balanced = shaking(mechanism), shaking(completely_balanced(mechanism))
+    assert balanced.peak.value <= 1e-12 * bare.peak.value
+    # One per cent of the rod's counterweight is felt
+    assert shaking(completely_balanced(mechanism, 1.01)).peak.value > 1e-3 * bare.peak.value
+    # The moment is not balanced: it grows
+    assert balanced.moment.statistics.maximum > bare.moment.statistics.maximum
+
+
+def test_the_center_of_mass_rests_when_balanced() -> None:
+    mechanism = completely_balanced(uneven())
+    assert np.abs(mechanism.center_of_mass_mm(sampled(mechanism))).max() <= 1e-12 * LINKAGE.rod_mm
+
+
+@pytest.mark.parametrize(("rod", "crank", "key"), [(0.0, 1.0, "rod_arm_mm"), (1.0, -1.0, "crank_arm_mm")])
+def test_arms_must_be_positive(rod: float, crank: float, key: str) -> None:
+    with pytest.raises(WrongInput, match="no arm") as error:
+        complete_balance(LINKAGE, SLIDER, rod, crank)
+    assert error.value.key == key
+
+
+def test_a_crank_too_heavy_behind_is_refused() -> None:
+    heavy = Masses(slider_kg=1.0, crank_kg=100.0, crank_center_mm=-100.0)
+    with pytest.raises(WrongInput, match="too heavy by 8993 kg mm"):
+        complete_balance(LINKAGE, heavy, 200.0, 250.0)
+
+
+# --- partial balance ----------------------------------------------------------------------------------------------
+
+PAN = JointMasses(11.9, 12.86)
+SIEVE = Masses(slider_kg=0.26, rod_kg=90.4, rod_center_mm=1378.0 - 448.0, crank_kg=1.0, crank_center_mm=12.3)
+
+
+def test_the_published_partial_balance() -> None:
+    crank = CrankSlider(15.0, 1045.0)
+    pan = [partial_counterweight_kg(crank, PAN, 45.0, k) for k in (1 / 3, 1 / 2)]
+    assert [round(mass, 2) for mass in pan] == [5.40, 6.11]
+    sieve = CrankSlider(15.0, 1378.0)
+    printed = JointMasses(29.5, 61.26)
+    given = joint_masses(sieve, SIEVE)
+    for at, expected in ((printed, [16.64, 20.04]), (given, [16.88, 20.28])):
+        assert [round(partial_counterweight_kg(sieve, at, 45.0, k), 2) for k in (1 / 3, 1 / 2)] == expected
+    assert round(given.rotating_kg, 2) == 30.21
+
+
+def test_joint_masses_move_the_center_of_mass_as_the_parts_do() -> None:
+    mechanism, at = uneven(OFFSET), joint_masses(OFFSET, MASSES)
+    assert mechanism.pin_kg == pytest.approx(at.rotating_kg, rel=1e-15)
+    assert mechanism.wrist_kg == pytest.approx(at.reciprocating_kg, rel=1e-15)
+
+
+# --- two terms ----------------------------------------------------------------------------------------------------
+
+
+def test_two_terms_are_off_by_4_3_per_cent_of_the_peak() -> None:
+    """At r/l = 0.473 of the paper's own slider; the oracle is the closed form of the exact acceleration."""
+    found = failure(even(masses=SLIDER))
+    assert round(100.0 * found.largest_error, 1) == 4.3
+    ratio, t = 265.0 / 560.0, np.linspace(0.0, 2.0 * pi, 100_001)
+    root = np.sqrt(1.0 - (ratio * np.sin(t)) ** 2)
+    exact = np.cos(t) + ratio * np.cos(2.0 * t) / root + ratio**3 * np.sin(2.0 * t) ** 2 / (4.0 * root**3)
+    error = np.abs(exact - np.cos(t) - ratio * np.cos(2.0 * t)).max() / (1.0 + ratio)
+    assert found.largest_error == pytest.approx(error, rel=1e-8)
+    # Both ends are exact: 1 + r/l is the formula's peak as well
+    assert found.peak_n == pytest.approx(shaking(even(masses=SLIDER)).peak.value, rel=1e-13)
+
+
+def test_two_terms_become_exact_with_a_long_rod() -> None:
+    """The first term left out is of the third order in r/l."""
+    errors = [failure(even(CrankSlider(10.0, rod), SLIDER)).largest_error for rod in (100.0, 200.0, 400.0)]
+    assert errors[0] / errors[1] == pytest.approx(8.0, rel=0.15)
+    assert errors[1] / errors[2] == pytest.approx(8.0, rel=0.08)
+
+
+def test_classical_formulas_fail_for_an_uneven_crank() -> None:
+    """The baler: what a textbook's formula gives at the mean or the momentary speed, beside the truth."""
+    mechanism = Mechanism(CrankSlider(380.0, 960.0), baler_law(), 20.0 * RPM, SLIDER)
+    mean, momentary = failure(mechanism, Speed.MEAN), failure(mechanism, Speed.MOMENTARY)
+    true = shaking(mechanism).peak.value
+    assert true == pytest.approx(65.0 * 7.3411, rel=1e-4)  # the slider's peak acceleration in m/s^2
+    assert mean.peak_n / true < 0.4
+    assert momentary.peak_n / true < 0.75
+    assert mean.largest_error > momentary.largest_error > 0.5
+
+
+def test_the_formula_at_the_momentary_speed_is_exact_where_the_crank_keeps_it() -> None:
+    for speed in Speed:
+        assert failure(even(), speed) == failure(even())
+
+
+def test_an_offset_has_no_two_term_formula() -> None:
+    with pytest.raises(WrongInput, match="in line"):
+        classical_accelerations(even(OFFSET))
+
+
+def test_force_goes_with_the_square_of_the_speed() -> None:
+    def peaks(found: Shaking) -> np.ndarray:
+        return np.array([found.peak.value, found.moment.statistics.maximum])
+
+    assert peaks(shaking(uneven(rpm=60.0))) == pytest.approx(9.0 * peaks(shaking(uneven(rpm=20.0))), rel=1e-13)
