@@ -24,7 +24,6 @@ bench: .venv  ## measure speed against error, how long builds take, and more; wr
 	$(PYTHON) benchmarks/limit.py
 	$(PYTHON) benchmarks/makeable.py
 	$(PYTHON) benchmarks/screening.py
-	$(PYTHON) benchmarks/simulation.py
 
 beside: .venv  ## measure beside the other program of the field and write benchmarks/beside-ncgears.md
 	.venv/bin/pip install -q -e '.[bench]'

@@ -71,7 +71,19 @@ def test_every_command_of_the_readme_exists() -> None:
         [sys.executable, "-m", "ncgear", "--help"], capture_output=True, text=True, check=True
     ).stdout
     named = set(re.findall(r"`ncgear (\w+)", README))
-    assert named == {"bench", "build", "check", "frontier", "new", "optimize", "schema", "sweep"}
+    assert named == {
+        "balance",
+        "bench",
+        "build",
+        "check",
+        "frontier",
+        "new",
+        "optimize",
+        "reproduce",
+        "schema",
+        "simulate",
+        "sweep",
+    }
     assert all(command in shown for command in named)
 
 

@@ -274,11 +274,13 @@ def bench(
     """Measure speed against error of every number ncgear reports; write a page of tables, and plots."""
     from ncgear.output.precision_files import bench_text, write
     from ncgear.output.publish import prepare
-    from ncgear.precision.catalogue import chosen
+    from ncgear.precision.catalogue import made
     from ncgear.precision.measure import measured
 
-    studies = [make() for make in chosen(only or []).values()]
+    studies, left_out = made(only or [])
     prepare(out)
+    for reason in left_out:
+        typer.echo(reason, err=True)
     found = []
     for number, study in enumerate(studies, 1):
         typer.echo(f"{number} of {len(studies)}: {study.key}", err=True)

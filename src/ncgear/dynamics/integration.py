@@ -21,7 +21,7 @@ from ncgear.numerics.angles import in_words
 from ncgear.numerics.arrays import Array
 
 METHOD = "LSODA"
-"""Of scipy's solvers for stiff equations the one with the least error in the same time (benchmarks/simulation.py)."""
+"""Of scipy's stiff solvers the one with the least error in the same time (docs/speed-against-error.md)."""
 
 ACCURACY = 1e-7
 """Relative error of a step: the published baler's slider is then at the right place to a micrometre after a turn."""
@@ -64,8 +64,10 @@ class Course:
         return float(np.abs(work - loss - (stored - stored[0])).max()) / most if most else 0.0
 
 
-def course(mechanism: Mechanism, state: Array, turns: float, accuracy: float = ACCURACY) -> Course:
-    """The motion from a state (shape (6,)) over so many turns of the driving gear.
+def course(
+    mechanism: Mechanism, state: Array, turns: float, accuracy: float = ACCURACY, method: str = METHOD
+) -> Course:
+    """The motion from a state (shape (6,)) over so many turns of the driving gear, by one of scipy's solvers.
 
     Raises NoSuchMechanism where the drive does not get round or teeth are pressed too deep into each other, and
     ArithmeticError where the solver fails or energy does not balance.
@@ -75,7 +77,7 @@ def course(mechanism: Mechanism, state: Array, turns: float, accuracy: float = A
     legs: list[Any] = []
     time_s = 0.0
     while True:
-        leg = _leg(mechanism, (time_s, limit_s), state, target, accuracy)
+        leg = _leg(mechanism, (time_s, limit_s), state, target, (accuracy, method))
         legs.append(leg)
         time_s, state = float(leg.t[-1]), leg.y[:, -1]
         if leg.status == 0:
@@ -84,11 +86,14 @@ def course(mechanism: Mechanism, state: Array, turns: float, accuracy: float = A
             return _checked(_joined(mechanism, legs))
 
 
-def _leg(mechanism: Mechanism, span_s: tuple[float, float], state: Array, target_rad: float, accuracy: float) -> Any:
+def _leg(
+    mechanism: Mechanism, span_s: tuple[float, float], state: Array, target_rad: float, how: tuple[float, str]
+) -> Any:
     """From one dead centre to the next, or to the end of the course."""
     events = passing(0, target_rad), passing(2, next_dead_centre_rad(mechanism, float(state[2])))
+    accuracy, method = how
     tolerance = {"rtol": accuracy, "atol": accuracy * _scales(mechanism)}
-    leg = solve_ivp(mechanism.change, span_s, state, METHOD, dense_output=True, events=events, **tolerance)
+    leg = solve_ivp(mechanism.change, span_s, state, method, dense_output=True, events=events, **tolerance)
     if leg.status < 0:
         raise ArithmeticError(f"the motion could not be integrated: {leg.message}")
     return leg

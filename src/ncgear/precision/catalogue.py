@@ -17,6 +17,7 @@ from ncgear.precision import (
     outlines,
     pitch_length,
     quadrature,
+    simulation,
     solids,
 )
 from ncgear.precision.study import Study
@@ -37,6 +38,8 @@ STUDIES: Mapping[str, Callable[[], Study]] = {
     "contact-angle": contact.angle,
     "solid-volume": solids.volume,
     "solid-surface": solids.surface,
+    "simulation-baler": simulation.of_baler,
+    "simulation-half": simulation.of_half,
     "limit": limit.study,
     "makeable": makeable.study,
     "makeable-places": makeable_places.study,
@@ -50,3 +53,19 @@ def chosen(keys: Sequence[str]) -> Mapping[str, Callable[[], Study]]:
         if key not in STUDIES:
             raise WrongInput(f"{key!r} is no study; known are {', '.join(STUDIES)}", key="--only")
     return {key: make for key, make in STUDIES.items() if not keys or key in keys}
+
+
+def made(keys: Sequence[str]) -> tuple[list[Study], list[str]]:
+    """The studies of those keys, or all that can be made here; and why others cannot.
+
+    Raises WrongInput where one of the keys cannot be made.
+    """
+    studies, left_out = [], []
+    for key, make in chosen(keys).items():
+        try:
+            studies.append(make())
+        except WrongInput as error:
+            if keys:
+                raise
+            left_out.append(f"{key} is left out: {error}")
+    return studies, left_out
