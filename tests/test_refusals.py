@@ -88,6 +88,17 @@ WRONG = {
         "gears.rack.root_radius",
         "is the most",
     ),
+    "helical teeth of equivalent gears": (
+        "build",
+        changed(
+            ELLIPSE,
+            "  driving: {bore_mm: 10}",
+            "  helix: {angle_deg: 10, kind: helical, hand: right}\n  method: equivalent_gear",
+        ),
+        "method:",
+        "gears.method",
+        "helical teeth are made of exact sections",
+    ),
     "name outside the whitelist": (
         "check",
         changed(

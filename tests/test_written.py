@@ -12,7 +12,7 @@ from trimesh.exchange.stl import export_stl
 
 from ncgear.output.stl import stl_bytes
 from ncgear.output.tables import outline_csv
-from ncgear.output.written import outline_of_csv, outline_of_stl, section_rings, written_outlines
+from ncgear.output.written import FOOT_MM, outline_of_csv, outline_of_stl, section_rings, written_outlines
 from ncgear.solids.bore import Bore, Keyway
 from ncgear.solids.extrude import gear_solid
 
@@ -48,6 +48,16 @@ def test_a_section_that_is_not_the_outline_is_seen() -> None:
     )
     found = outline_of_stl(export_stl(stack))
     assert np.hypot(*found.T).max() == pytest.approx(41.9, abs=1e-4)
+
+
+def test_the_foot_of_twisted_teeth_keeps_its_points() -> None:
+    """Close above the foot the section has two points at each corner, one of them on a diagonal, and keeps one."""
+    twisted = gear_solid(wavy(), 10.0, None, 0.005)
+    vertices = np.array(twisted.vertices)
+    turn = np.exp(0.01j * (vertices[:, 2] > 5.0)) * (vertices[:, 0] + 1j * vertices[:, 1])
+    twisted.vertices = np.column_stack([turn.real, turn.imag, vertices[:, 2]])
+    found = Polygon(outline_of_stl(stl_bytes(twisted), FOOT_MM))
+    assert found.boundary.hausdorff_distance(Polygon(wavy()).boundary) <= 1e-5
 
 
 def test_rings_of_a_ring_run_round_it_outside_and_back_inside() -> None:

@@ -64,7 +64,7 @@ def drive_of(data: dict[str, Any]) -> Drive:
     try:
         return Drive(Design.model_validate(data))
     except ValidationError as error:
-        first = problems(error)[0]
+        first = problems(error, Design)[0]
         raise WrongInput(first.text, key=first.key) from error
 
 

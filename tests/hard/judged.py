@@ -17,9 +17,9 @@ FACTOR = 32.0
 """Rounding errors, times the condition, that a figure may be off by: 18 to which panels of a Chebyshev form count as
 resolved (ncgear.numerics.chebyshev.RESOLVED), the rest for the few dozen operations between an input and a figure."""
 
-CANCELLING = {"theta1-small": 100.0}
-"""The case that is held to more: the return's polynomial begins and ends a hundred times and more above its smallest
-value, within a thousandth of the cycle, and takes over the rounding error of its largest terms."""
+CANCELLING = {"theta1-small": 100.0, "a1-small": 100.0}
+"""Cases that are held to more: the return's polynomial begins a hundred times and more above its smallest value, with
+terms 1e4 times that value and more, and takes over their rounding error."""
 
 LARGE = 1e6
 """Condition from which it is told in full."""

@@ -22,7 +22,7 @@ same figure, the sum of its relative changes per relative change of each input: 
 no method can do better than the condition times 2.2e-16. **Roundings** is the largest error of any figure in that
 unit; up to {factor:.0f} the error is the problem's and not the method's: 18 rounding errors are the tail at which a
 Chebyshev form counts as resolved, the rest goes to the operations between an input and a figure.
-Held to a hundred: {names}, whose return takes over the rounding error of terms much larger than its ratio.
+Held to a hundred: {names}, whose returns take over the rounding error of terms much larger than their ratio.
 Conditions over 1e6 are listed below the table.
 
 """

@@ -242,3 +242,9 @@ class Gears(Model):
         if not ring and driven.rim_mm is not None:
             raise fault("driven.rim_mm", "given, but only a ring has a rim; leave it out, or give mesh: internal")
         return self
+
+    @model_validator(mode="after")
+    def _helical_teeth_are_exact(self) -> Self:
+        if self.helix is not None and self.method != "exact":
+            raise fault("method", f"{self.method} given, but helical teeth are made of exact sections; leave it out")
+        return self

@@ -15,6 +15,10 @@ STRAIGHT_MM = 1e-9
 """Distance from the line through its neighbours at which a point counts as on it: where a section crosses the diagonal
 of a flat facet."""
 
+NEAR_MM = 1e-6
+"""Distance at which a point of a section is the one before it: next to a corner a diagonal crosses the section, and of
+two such points each would be on the line through the other and its other neighbour."""
+
 FOOT_MM = 1e-6
 """Height at which the section of helical teeth is taken: there it is the outline, farther up it has turned."""
 
@@ -101,6 +105,8 @@ def _cycles(following: list[int]) -> Iterator[list[int]]:
 
 
 def _without_straight_points(ring: Array) -> Array:
+    step = ring - np.roll(ring, 1, axis=0)
+    ring = ring[np.hypot(step[:, 0], step[:, 1]) > NEAR_MM]
     before, after = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)
     whole, arm = after - before, ring - before
     aside = np.abs(whole[:, 0] * arm[:, 1] - whole[:, 1] * arm[:, 0])

@@ -259,7 +259,7 @@ def _polished(law: ReturnLaw, direction: Polynomial) -> ReturnLaw:
     """
     best = law
     for _ in range(6):
-        if abs(best.closure_error_rad) <= CLOSED / 20.0:
+        if abs(best.closure_error_rad) <= CLOSED / 1000.0:
             return best
         sensitivity = _closing_sensitivity(best.polynomial, direction)
         step = direction * (best.closure_error_rad / (sensitivity * best.ends.length_rad))
