@@ -45,7 +45,15 @@ BUILT, BUILT_BATCHES = 8, 8 * TIMES
 
 CLOSED_RAD = 1e-12
 
+IN_CI = 4
+"""Batches of each kind that fit into the quarter of an hour of .ci/run; all are run by make slow."""
+
 POSITIONS = 97
+
+
+def batches(count: int) -> list[Any]:
+    """Numbers of batches as parameters, from the fifth on marked as long."""
+    return [pytest.param(number, marks=[pytest.mark.long] if number >= IN_CI else []) for number in range(count)]
 
 
 def each(count: int, number: int, strategy: st.SearchStrategy[Data], judged: Callable[[Data], str]) -> Counter[str]:
@@ -137,7 +145,7 @@ def test_random_designs_are_checked_or_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("batch", range(BATCHES))
+@pytest.mark.parametrize("batch", batches(BATCHES))
 def test_many_random_designs_are_checked_or_refused(tmp_path: Path, batch: int) -> None:
     found = judge_checks(tmp_path, CHECKED, batch)
     assert found["made"] >= 0.2 * CHECKED, found
@@ -234,7 +242,7 @@ def test_the_judge_sees_what_is_wrong_in_a_file(name: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
-@pytest.mark.parametrize("batch", range(BUILT_BATCHES))
+@pytest.mark.parametrize("batch", batches(BUILT_BATCHES))
 def test_many_random_designs_are_built_or_refused(tmp_path: Path, batch: int) -> None:
     found = judge_builds(tmp_path, BUILT, batch)
     assert found["made"] >= 1, found

@@ -99,6 +99,17 @@ WRONG = {
         "gears.method",
         "helical teeth are made of exact sections",
     ),
+    "points of a resistance beyond any machine": (
+        "check",
+        changed(
+            BALER,
+            "polynomial_n: [-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7]",
+            "table: {displacement_mm: [0, 1.0e+300], force_n: [0, 1]}",
+        ),
+        "table:",
+        "resistance.table.displacement_mm.1",
+        "of 1e+07 or under",
+    ),
     "name outside the whitelist": (
         "check",
         changed(

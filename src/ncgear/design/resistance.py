@@ -4,26 +4,32 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, Strict, model_validator
 
 from ncgear.design.angles import require_one
-from ncgear.design.base import Model, Numbers
+from ncgear.design.base import LONGEST_MM, Model, Numbers
 from ncgear.design.faults import fault
 from ncgear.design.motion import Expression
 
 MOST_POINTS = 1000
 FEWEST_POINTS = 2
 
-Column = Annotated[Numbers, Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)]
+STRONGEST_N = 1e15
+"""Far beyond any machine, and far below where slopes between two points overflow."""
+
+Points = Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)
+Displacement = Annotated[float, Field(ge=-LONGEST_MM, le=LONGEST_MM)]
+Displacements = Annotated[tuple[Displacement, ...], Strict(False), Points]
+Forces = Annotated[tuple[Annotated[float, Field(ge=-STRONGEST_N, le=STRONGEST_N)], ...], Strict(False), Points]
 
 
 class ResistanceTable(Model):
     """Points of the force. Points from a CSV file stand in the same columns once the file is loaded."""
 
-    displacement_mm: Column | None = Field(
+    displacement_mm: Displacements | None = Field(
         default=None, description="displacements in mm from the retracted end, strictly rising"
     )
-    force_n: Column | None = Field(default=None, description="forces in N, one for each displacement")
+    force_n: Forces | None = Field(default=None, description="forces in N, one for each displacement")
     file: str | None = Field(
         default=None,
         min_length=1,
