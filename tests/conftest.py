@@ -3,6 +3,29 @@
 from __future__ import annotations
 
 import os
+import sys
+from pathlib import Path
+
+import pytest
+
+import ncgear.cli
+from commands import Outcome, Run
 
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
+    """Run the command line in this process, in an empty folder: ``run("check", "d.yaml")``."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("NCGEAR_DEBUG", raising=False)
+
+    def run_once(*arguments: str) -> Outcome:
+        monkeypatch.setattr(sys, "argv", ["ncgear", *arguments])
+        with pytest.raises(SystemExit) as exit_:
+            ncgear.cli.main()
+        out, err = capsys.readouterr()
+        return int(exit_.value.code or 0), out, err
+
+    return run_once

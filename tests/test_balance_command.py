@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-import sys
-from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from io import BytesIO
 from math import isfinite
 from pathlib import Path
@@ -16,7 +14,7 @@ import numpy as np
 import pytest
 import trimesh
 
-import ncgear.cli
+from commands import Run
 from ncgear.balancing import Balancing
 from ncgear.design.balance import Balance
 from ncgear.design.load_balance import load_balance
@@ -144,22 +142,11 @@ chain_drive:
   file: runs.csv
 """
 
-Run = Callable[..., tuple[int, str, str]]
-
 
 @pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
-    """Run the command in this process, in an empty folder: its status, stdout and stderr."""
-    monkeypatch.chdir(tmp_path)
-
-    def run_once(*arguments: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["ncgear", "balance", *arguments])
-        with pytest.raises(SystemExit) as exit_:
-            ncgear.cli.main()
-        out, err = capsys.readouterr()
-        return int(exit_.value.code or 0), out, err
-
-    return run_once
+def run(run: Run) -> Run:
+    """Balance what the arguments name."""
+    return partial(run, "balance")
 
 
 def test_the_command_writes_and_says(run: Run) -> None:

@@ -13,30 +13,13 @@ import pytest
 
 import ncgear
 import ncgear.cli
+from commands import Run
 from ncgear.design.template import Law, template
 from ncgear.errors import NoSuchMechanism
 
 STROKE = template("baler")
 TABLE = template("points", Law.TABLE)
 PLAIN = "name: a\nlinkage: {crank_mm: 1, rod_mm: 3}\noperation: {speed_rpm: 1}\n"
-
-Run = Callable[..., tuple[int, str, str]]
-
-
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
-    """Run the command line in this process, in an empty folder: its status, stdout and stderr."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.delenv("NCGEAR_DEBUG", raising=False)
-
-    def run_once(*arguments: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["ncgear", *arguments])
-        with pytest.raises(SystemExit) as exit_:
-            ncgear.cli.main()
-        out, err = capsys.readouterr()
-        return int(exit_.value.code or 0), out, err
-
-    return run_once
 
 
 def fresh(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]:

@@ -7,12 +7,12 @@ import json
 import math
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-import ncgear.cli
+from commands import Outcome, Run
 from ncgear.design.load import load
 from ncgear.drive import Drive
 from ncgear.improvement import Improvement
@@ -28,22 +28,14 @@ resistance: {polynomial_n: [-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7]}  #
 GEARS = "gears: {teeth: 40, module_mm: 4, face_width_mm: 30}\n"
 FEW = "optimize: {harmonics: 6, limits: {peak_power_w: 12000}}  # as wished\n"
 
-Run = Callable[..., tuple[int, str, str]]
-
 
 @pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
-    """Optimise d.yaml, which holds the text, in an empty folder: status, stdout and stderr."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.delenv("NCGEAR_DEBUG", raising=False)
+def run(run: Run) -> Run:
+    """Optimise d.yaml, which holds the text."""
 
-    def run_once(text: str, *arguments: str) -> tuple[int, str, str]:
+    def run_once(text: str, *arguments: str) -> Outcome:
         Path("d.yaml").write_text(text, encoding="utf-8")
-        monkeypatch.setattr(sys, "argv", ["ncgear", "optimize", "d.yaml", *arguments])
-        with pytest.raises(SystemExit) as exit_:
-            ncgear.cli.main()
-        out, err = capsys.readouterr()
-        return int(exit_.value.code or 0), out, err
+        return run("optimize", "d.yaml", *arguments)
 
     return run_once
 

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
-from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
@@ -12,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import ncgear.cli
+from commands import Run
 from ncgear.output.precision import page
 from ncgear.output.precision_words import level_text
 from ncgear.precision import (
@@ -245,23 +243,12 @@ def test_the_page_says_whether_the_choice_is_the_knee(chosen: Point, said: str) 
 
 # --- command and page ------------------------------------------------------------------------------------------------
 
-Run = Callable[..., tuple[int, str, str]]
-
 
 @pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
-    """``ncgear bench`` in this process and an empty folder, each level once: status, stdout, stderr."""
-    monkeypatch.chdir(tmp_path)
+def run(run: Run, monkeypatch: pytest.MonkeyPatch) -> Run:
+    """``ncgear bench``, each level once."""
     monkeypatch.setattr(measure, "measured", partial(measured, timed_s=0.0))
-
-    def run_once(*arguments: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["ncgear", "bench", *arguments])
-        with pytest.raises(SystemExit) as exit_:
-            ncgear.cli.main()
-        out, err = capsys.readouterr()
-        return int(exit_.value.code or 0), out, err
-
-    return run_once
+    return partial(run, "bench")
 
 
 def test_the_command_writes_page_and_pictures(run: Run, tmp_path: Path) -> None:

@@ -25,6 +25,7 @@ from hypothesis import strategies as st
 from shapely import Polygon
 
 import ncgear.cli
+from ncgear.cli.opened import opened
 from ncgear.design.schema import Design
 from ncgear.drive import Drive
 from ncgear.errors import DesignError
@@ -87,7 +88,7 @@ def verdict(folder: Path, data: Data, use: Callable[[Drive], None]) -> str:
     """What became of a design as the command line would say it; any other exception, a warning too, goes through."""
     path = written(folder, data)
     try:
-        with ncgear.cli._design(path) as loaded:
+        with opened(path) as loaded:
             use(Drive(loaded.design))
     except DesignError as error:
         assert error.exit_status in (2, 3)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from collections.abc import Callable
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ import pytest
 import trimesh
 from ruamel.yaml import YAML
 
-import ncgear.cli
+from commands import Outcome, Run
 from ncgear.design.load import load
 from ncgear.design.template import template
 from ncgear.drive import Drive
@@ -35,22 +34,14 @@ BODIES = "slider_kg: 1, rod: {mass_kg: 0.3, center_mm: 40, inertia_kg_mm2: 300}"
 CRANK = "crank: {mass_kg: 0.4, center_mm: 10, inertia_kg_mm2: 200}"
 MASSES = f"masses: {{{BODIES}, {CRANK}}}\n"
 
-Run = Callable[..., tuple[int, str, str]]
-
 
 @pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
-    """Simulate d.yaml, which holds the text, in an empty folder: status, stdout and stderr."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.delenv("NCGEAR_DEBUG", raising=False)
+def run(run: Run) -> Run:
+    """Simulate d.yaml, which holds the text."""
 
-    def run_once(text: str, *arguments: str) -> tuple[int, str, str]:
+    def run_once(text: str, *arguments: str) -> Outcome:
         Path("d.yaml").write_text(text, encoding="utf-8")
-        monkeypatch.setattr(sys, "argv", ["ncgear", "simulate", "d.yaml", *arguments])
-        with pytest.raises(SystemExit) as exit_:
-            ncgear.cli.main()
-        out, err = capsys.readouterr()
-        return int(exit_.value.code or 0), out, err
+        return run("simulate", "d.yaml", *arguments)
 
     return run_once
 

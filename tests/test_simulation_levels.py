@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import json
-import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-import ncgear.cli
+from commands import Outcome, Run
 from ncgear.design.load import load
 from ncgear.drive import Drive
 from ncgear.recipe.simulation import impact_of
@@ -29,22 +27,14 @@ masses: {slider_kg: 1, rod: {mass_kg: 0.3, center_mm: 40, inertia_kg_mm2: 300}, 
 inertia_kg_mm2: 200}, driving_gear_kg_mm2: 50, driven_gear_kg_mm2: 50}
 """
 
-Run = Callable[..., tuple[int, str, str]]
-
 
 @pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
-    """Simulate d.yaml, which holds the text, in an empty folder: status, stdout and stderr."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.delenv("NCGEAR_DEBUG", raising=False)
+def run(run: Run) -> Run:
+    """Simulate d.yaml, which holds the text, into the folder here."""
 
-    def run_once(text: str, level: str) -> tuple[int, str, str]:
+    def run_once(text: str, level: str) -> Outcome:
         Path("d.yaml").write_text(text, encoding="utf-8")
-        monkeypatch.setattr(sys, "argv", ["ncgear", "simulate", "d.yaml", "--level", level, "--out", "here"])
-        with pytest.raises(SystemExit) as exit_:
-            ncgear.cli.main()
-        out, err = capsys.readouterr()
-        return int(exit_.value.code or 0), out, err
+        return run("simulate", "d.yaml", "--level", level, "--out", "here")
 
     return run_once
 

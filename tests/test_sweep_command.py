@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import csv
-import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-import ncgear.cli
+from commands import Outcome, Run
 from ncgear.design.load import load
 from ncgear.design.template import Law, template
 from ncgear.design.varied import MOST_DESIGNS
@@ -17,23 +15,14 @@ from ncgear.screening.single import single_figures
 
 SPEEDS = "motion.v1_mm_s=1500:1700:3"
 
-Run = Callable[..., tuple[int, str, str]]
-
 
 @pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
-    """Sweep over d.yaml, which holds the text, in an empty folder: status, stdout and stderr."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.delenv("NCGEAR_DEBUG", raising=False)
+def run(run: Run) -> Run:
+    """Sweep over d.yaml, which holds the text."""
 
-    def run_once(*varied: str, text: str = template("press")) -> tuple[int, str, str]:
+    def run_once(*varied: str, text: str = template("press")) -> Outcome:
         Path("d.yaml").write_text(text, encoding="utf-8")
-        options = [part for one in varied for part in ("--vary", one)]
-        monkeypatch.setattr(sys, "argv", ["ncgear", "sweep", "d.yaml", *options])
-        with pytest.raises(SystemExit) as exit_:
-            ncgear.cli.main()
-        out, err = capsys.readouterr()
-        return int(exit_.value.code or 0), out, err
+        return run("sweep", "d.yaml", *(part for one in varied for part in ("--vary", one)))
 
     return run_once
 

@@ -1,0 +1,9 @@
+"""The command line. Numerical libraries are imported inside the commands, so that help and usage errors come at once.
+
+Results go to stdout, everything else to stderr. Exit status: 0 done, 1 a fault in ncgear, 2 wrong input, 3 no such
+mechanism, 130 interrupted.
+"""
+
+from ncgear.cli.run import main
+
+__all__ = ["main"]

@@ -1,0 +1,25 @@
+"""A design file in use by a command."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ncgear.errors import DesignError
+
+if TYPE_CHECKING:
+    from ncgear.design.load import LoadedDesign
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[LoadedDesign]:
+    """The design of a file; errors raised while it is in use get the place of their key in that file."""
+    from ncgear.design.load import load, with_location
+
+    loaded = load(path)
+    try:
+        yield loaded
+    except DesignError as error:
+        raise with_location(error, loaded) from error
