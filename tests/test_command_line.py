@@ -442,7 +442,9 @@ def raising(error: Exception) -> Callable[[object], None]:
 def test_later_errors_get_the_place_of_their_key(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A stage names a quantity; the user reads the key as it is written in the file, and where."""
     Path(tmp_path, "d.yaml").write_text(STROKE)
-    monkeypatch.setattr("ncgear.drive.law_of", raising(NoSuchMechanism("the slider would jump", key="motion.theta2")))
+    monkeypatch.setattr(
+        "ncgear.drive.motion.law_of", raising(NoSuchMechanism("the slider would jump", key="motion.theta2"))
+    )
     status, out, err = run("check", "d.yaml")
     place = spot(STROKE, "theta2_pi")
     assert (status, out, err) == (3, "", f"d.yaml:{place}: motion.theta2_pi: the slider would jump\n")
