@@ -167,6 +167,37 @@ class DrivenBody(GearBody):
     )
 
 
+class Tolerances(Model):
+    """What the data sheet says of accuracy, as given; only the limits of the measurements follow from it."""
+
+    standard: str = Field(default="", max_length=200, description="standard that the grade belongs to, as text")
+    grade: str = Field(default="", max_length=200, description="accuracy grade, as text")
+    tooth_thickness_upper_mm: float | None = Field(
+        default=None,
+        ge=-10.0,
+        le=10.0,
+        description="greatest deviation of the tooth thickness along the pitch curve in mm, of both gears; thinner "
+        "teeth have a negative one",
+    )
+    tooth_thickness_lower_mm: float | None = Field(
+        default=None,
+        ge=-10.0,
+        le=10.0,
+        description="least deviation of the tooth thickness along the pitch curve in mm, of both gears",
+    )
+    note: str = Field(default="", max_length=2000, description="more for the data sheet, as text: runout, hardness")
+
+    @model_validator(mode="after")
+    def _two_limits(self) -> Self:
+        upper, lower = self.tooth_thickness_upper_mm, self.tooth_thickness_lower_mm
+        if (upper is None) != (lower is None):
+            absent = "tooth_thickness_upper_mm" if upper is None else "tooth_thickness_lower_mm"
+            raise fault(absent, "missing; the deviation of the tooth thickness has two limits")
+        if upper is not None and lower is not None and lower > upper:
+            raise fault("tooth_thickness_lower_mm", f"{lower:g} mm is over the upper limit; {upper:g} or less is right")
+        return self
+
+
 class Gears(Model):
     """The pair of gears: lobes, size, rack, backlash, bodies."""
 
@@ -219,6 +250,13 @@ class Gears(Model):
     index_holes: bool = Field(
         default=False,
         description="true: a small hole in each gear, half a module wide, which face each other at phi1 = 0",
+    )
+    measuring_pin_mm: Length | None = Field(
+        default=None,
+        description="diameter in mm of the pins or balls in the data sheet; left out: one that is sold and fits",
+    )
+    tolerances: Tolerances | None = Field(
+        default=None, description="what the data sheet says of accuracy; left out: nothing"
     )
     driving: GearBody = Field(default_factory=GearBody, description="bore and keyway of the driving gear")
     driven: DrivenBody = Field(
