@@ -46,9 +46,12 @@ class Pins:
     misfits: dict[int, Misfit]
 
 
-def pins_in_spaces(working: WorkingFlanks, diameter_mm: float, outline_mm: Array, tolerance_mm: float) -> Pins:
-    """Pins of a diameter in all spaces of a gear with an outline (shape (n, 2)) of a chord tolerance, which may be
-    of the teeth without their allowance."""
+def pins_in_spaces(working: WorkingFlanks, diameter_mm: float, outline_mm: Array, astray_mm: float) -> Pins:
+    """Pins of a diameter in all spaces of a gear with an outline (shape (n, 2)).
+
+    ``astray_mm`` is how far the outline may stand into spaces by its chords, and by the thickness of its teeth where
+    these are thinner.
+    """
     flanks, radius = working.flanks, diameter_mm / 2.0 / working.base_cosine
     front = np.arange(1, flanks.count, 2)
     both = np.stack([front, (front + 1) % flanks.count])
@@ -60,7 +63,7 @@ def pins_in_spaces(working: WorkingFlanks, diameter_mm: float, outline_mm: Array
         Misfit.NOWHERE: ~met,
         Misfit.DEEP: np.any(heights < working.low_mm[both], axis=0),
         Misfit.HIGH: np.any(heights > working.high_mm[both], axis=0),
-        Misfit.ROOT: _held(center, diameter_mm / 2.0, outline_mm, tolerance_mm),
+        Misfit.ROOT: _held(center, diameter_mm / 2.0, outline_mm, astray_mm),
         Misfit.HIDDEN: ~stands_out(working, np.arange(front.size), center, diameter_mm / 2.0, outwards),
     }
     return _kept(diameter_mm, center, reach + sense * diameter_mm / 2.0, tests)
@@ -93,11 +96,11 @@ def _resting(working: WorkingFlanks, both: IndexArray, radius: float) -> tuple[A
     return working.parallel(front, at_front, radius)[0], np.stack([at_front, at_back]), met
 
 
-def _held(center: Array, radius: float, outline: Array, tolerance: float) -> Mask:
-    """Whether pins are nearer to the outline than by their radius, chords' errors aside."""
+def _held(center: Array, radius: float, outline: Array, astray: float) -> Mask:
+    """Whether pins are nearer to the outline than by their radius, what it strays aside."""
     ring = shapely.linearrings(outline)
     shapely.prepare(ring)
-    held: Mask = shapely.distance(shapely.points(center), ring) < radius - 2.0 * tolerance
+    held: Mask = shapely.distance(shapely.points(center), ring) < radius - 2.0 * astray
     return held
 
 

@@ -15,6 +15,8 @@ import numpy as np
 from ncgear.contact.pair_contact import PairContact
 from ncgear.drive import Drive
 from ncgear.output import plots
+from ncgear.output.data_sheet.sheet import data_sheet
+from ncgear.output.data_sheet.text import pitch_csv, sheet_text
 from ncgear.output.joints import joints_up_to
 from ncgear.output.publish import prepare, publish
 from ncgear.output.stl import stl_bytes
@@ -111,6 +113,8 @@ def _tables(drive: Drive) -> dict[str, bytes]:
         "law.csv": law_csv(drive.motion).encode(),
         "driving.csv": outline_csv(drive.teeth.driving.outline_mm).encode(),
         "driven.csv": outline_csv(drive.teeth.driven.outline_mm).encode(),
+        "pitch.csv": pitch_csv(drive).encode(),
+        "data_sheet.md": sheet_text(data_sheet(drive)).encode(),
     }
 
 

@@ -27,12 +27,15 @@ class MeasuredGear:
     @property
     def at_limits(self) -> tuple[tuple[WorkingFlanks, Pins], ...]:
         """Flanks and pins of the thinnest and of the thickest teeth; none where no limits are given."""
-        thicker = (self.working.thicker(limit) for limit in self.limits_mm or ())
-        return tuple((working, self.pins_of(working)) for working in thicker)
+        return tuple((working, self._pins_of(working, limit)) for limit, working in self._thicker())
 
-    def pins_of(self, working: WorkingFlanks) -> Pins:
-        """The same pins on other flanks."""
-        return pins_in_spaces(working, self.pins.diameter_mm, self.toothed.outline_mm, self.tolerance_mm)
+    def _thicker(self) -> list[tuple[float, WorkingFlanks]]:
+        return [(limit, self.working.thicker(limit)) for limit in self.limits_mm or ()]
+
+    def _pins_of(self, working: WorkingFlanks, limit_mm: float) -> Pins:
+        """The same pins; the outline is that of the teeth without their deviation."""
+        astray = self.tolerance_mm + abs(limit_mm) / 2.0
+        return pins_in_spaces(working, self.pins.diameter_mm, self.toothed.outline_mm, astray)
 
 
 def measured_gears(drive: Drive) -> tuple[MeasuredGear, MeasuredGear]:

@@ -23,17 +23,18 @@ Readings = dict[Place, float]
 
 
 def pin_tables(gear: MeasuredGear) -> tuple[Table, ...]:
-    """The distances from the axis over single pins, and over two nearly opposite ones; tables without rows or notes are left out."""
+    """The distances from the axis over single pins, and over two nearly opposite ones.
+
+    Tables without rows or notes are left out.
+    """
     return tuple(table for table in (_single(gear), _double(gear)) if table.rows or table.notes)
 
 
 def _single(gear: MeasuredGear) -> Table:
     ring, pins, name = gear.working.is_ring, gear.pins, gear.gear.value
     limits = [_over_one(pins_there) for _, pins_there in gear.at_limits]
-    rows = [
-        (space, *center, over, *_among(limits, space))
-        for space, center, over in zip(pins.space.tolist(), pins.center_mm.tolist(), pins.over_mm.tolist(), strict=True)
-    ]
+    found = zip(pins.space.tolist(), pins.center_mm.tolist(), pins.over_mm.tolist(), strict=True)
+    rows = [(space, *center, over, *_among(limits, (space,))) for space, center, over in found]
     far = Column("axis to the pin's near side" if ring else "axis to the pin's far side", "mm")
     columns = (*SINGLE, far, *(LIMITS if limits else ()))
     return Table(f"Pins of {pins.diameter_mm:g} mm in the {name} gear", columns, tuple(rows), _notes(pins))

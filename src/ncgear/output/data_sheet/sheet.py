@@ -25,4 +25,4 @@ def data_sheet(pair: Drive) -> DataSheet:
     groups = (sizes(pair), rack_data(pair), tooth_data(pair), bodies(pair), *tolerances(pair))
     measured = [(*span_table(gear, of), *pin_tables(gear)) for gear, of in zip(gears, found, strict=True)]
     tables = [table for of_gear in measured for table in of_gear]
-    return DataSheet(name, (*groups, measurements(gears, found)), (pitch_table(pair), *tables))
+    return DataSheet(name, (*groups, measurements(pair, gears, found)), (pitch_table(pair), *tables))

@@ -23,10 +23,11 @@ def tolerances(drive: Drive) -> tuple[Group, ...]:
     return (Group("Tolerances, as given", tuple(row for row in rows if row.of_pair)),)
 
 
-def measurements(gears: tuple[MeasuredGear, MeasuredGear], spans: tuple[Spans, Spans]) -> Group:
+def measurements(drive: Drive, gears: tuple[MeasuredGear, MeasuredGear], spans: tuple[Spans, Spans]) -> Group:
     """What is measured with, and in how many places it can be."""
     driving, driven = gears
     rows = (
+        *([Row("section that is measured, z", "mm", pair=drive.helix.rise_mm / 2.0)] if drive.helix else []),
         Row(_tool(driving), "mm", driving=driving.pins.diameter_mm, driven=driven.pins.diameter_mm),
         Row("spaces in which they measure", driving=_spaces(driving), driven=_spaces(driven)),
         Row("places of a span", driving=_places(driving, spans[0]), driven=_places(driven, spans[1])),
