@@ -29,6 +29,10 @@ class SliderMotion:
     force_n: Array
     power_w: Array
 
+    def __repr__(self) -> str:
+        last = float(np.degrees(self.phi1_rad[-1]))
+        return f"SliderMotion({self.phi1_rad.size} driving angles up to {last:.4g} deg)"
+
 
 @dataclass(frozen=True, eq=False)
 class Machine:
@@ -38,6 +42,9 @@ class Machine:
     linkage: CrankSlider
     resistance: Resistance
     speed_rad_s: float
+
+    def __repr__(self) -> str:
+        return f"Machine({self.speed_rad_s * 30.0 / pi:.4g} r/min, {self.linkage!r},\n  {self.transmission!r})"
 
     def displacement(self, phi1: Array, order: int) -> Jet:
         """Slider displacement in mm, with derivatives by the driving angle."""
