@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +11,7 @@ from ncgear.drive import Drive
 from ncgear.dynamics.level import Level
 from ncgear.numerics.arrays import Array
 from ncgear.output.beside import MECHANISMS, beside_lines
+from ncgear.output.json_text import json_text
 from ncgear.output.report import summary_text
 from ncgear.output.tables import csv_text
 
@@ -64,7 +64,7 @@ def simulation_files(found: Simulated) -> dict[str, bytes]:
     return {
         "simulation.csv": csv_text(list(found.table), list(found.table.values())).encode(),
         **found.pictures,
-        "simulation.json": (json.dumps(found.figures, indent=2, allow_nan=False) + "\n").encode(),
+        "simulation.json": json_text(found.figures).encode(),
     }
 
 

@@ -29,6 +29,10 @@ from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
 from ncgear.numerics.jet import Jet
 from ncgear.ratio.transmission import CLOSED
 
+POLISHED = CLOSED / 20.0
+"""Closure error in rad at which no further Newton step is taken: 25 rounding errors of a full turn. A step costs a
+sixth of the time of the whole law, and would only move the rounding."""
+
 TOUCHING = 1e-12
 """Share of the largest coefficient below which a value counts as none: 4500 rounding errors, of a touching point found
 as a root of a polynomial of degree nine."""
@@ -259,7 +263,7 @@ def _polished(law: ReturnLaw, direction: Polynomial) -> ReturnLaw:
     """
     best = law
     for _ in range(6):
-        if abs(best.closure_error_rad) <= CLOSED / 1000.0:
+        if abs(best.closure_error_rad) <= POLISHED:
             return best
         sensitivity = _closing_sensitivity(best.polynomial, direction)
         step = direction * (best.closure_error_rad / (sensitivity * best.ends.length_rad))
