@@ -13,6 +13,7 @@ from ncgear.machine.resistance import Resistance
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.bracketed import zeros_between
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.ratio.transmission import Transmission
 
 
@@ -44,7 +45,7 @@ class Machine:
     speed_rad_s: float
 
     def __repr__(self) -> str:
-        return f"Machine({self.speed_rad_s * 30.0 / pi:.4g} r/min, {self.linkage!r},\n  {self.transmission!r})"
+        return f"Machine({self.speed_rad_s / RAD_S_PER_RPM:.4g} r/min, {self.linkage!r},\n  {self.transmission!r})"
 
     def displacement(self, phi1: Array, order: int) -> Jet:
         """Slider displacement in mm, with derivatives by the driving angle."""
