@@ -52,8 +52,8 @@ def _template_data(law: Law) -> Any:
 
 
 def _group(key: Key, root: type[Any]) -> str:
-    """A group of the keys that it must have, or of the first one; of several kinds, the one that must have fewest."""
-    model = min(key.group, key=lambda one: sum(field.is_required() for field in fields_of(one).values()))
+    """A group of the keys that it must have, or of the first one; of several kinds, the one of fewest keys."""
+    model = min(key.group, key=lambda one: len(fields_of(one)))
     law = law_of(model) if len(key.group) > 1 else key.law
     keys = [Key(f"{key.path}.{name}", law, model, field) for name, field in fields_of(model).items()]
     needed = [one for one in keys if one.field.is_required()] or keys[:1]
