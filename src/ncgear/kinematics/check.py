@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from math import pi
+from math import degrees
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from ncgear.machine.resistance import Resistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum, extremes
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.units import RAD_S_PER_RPM
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,15 @@ class KinematicCheck:
     peak_acceleration_working_mm_s2: Extremum
     peak_acceleration_cycle_mm_s2: Extremum
 
+    def __repr__(self) -> str:
+        rows = (
+            f"power {_at(self.peak_power_w, 'W')}, on average {self.mean_power_w:.4g} W",
+            f"speed {_at(self.peak_speed_mm_s, 'mm/s')}",
+            f"acceleration {_at(self.peak_acceleration_cycle_mm_s2, 'mm/s2')}",
+            f"acceleration of the working stroke {_at(self.peak_acceleration_working_mm_s2, 'mm/s2')}",
+        )
+        return f"KinematicCheck(peaks at {self.speed_rpm:.4g} r/min:\n  " + "\n  ".join(rows) + ")"
+
 
 def kinematic_check(machine: Machine) -> KinematicCheck:
     """Exact peaks of a machine: stationary points of the closed forms, and both sides of every joint."""
@@ -43,7 +53,7 @@ def kinematic_check(machine: Machine) -> KinematicCheck:
     speed = _peak(cycle, lambda jet: jet.differentiated())
     power = _peak_power(machine, working)
     return KinematicCheck(
-        speed_rpm=omega * 30.0 / pi,
+        speed_rpm=omega / RAD_S_PER_RPM,
         peak_power_w=_scaled(power, omega / 1000.0),
         mean_power_w=work_per_stroke_j(machine.resistance, machine.linkage.stroke_mm)
         * omega
@@ -81,6 +91,10 @@ def _peak_power(machine: Machine, working: Sequence[Stretch]) -> Extremum:
 
     found = [_extremes(part, power, 2)[1] for stretch in working for part in cut(stretch, turns)]
     return max((Extremum(0.0, working[0].start_rad), *found), key=lambda extremum: extremum.value)
+
+
+def _at(peak: Extremum, unit: str) -> str:
+    return f"{peak.value:.5g} {unit} at {degrees(peak.at):.4g} deg"
 
 
 def _scaled(extremum: Extremum, factor: float) -> Extremum:

@@ -24,7 +24,7 @@ JetFunction = Callable[[Array, int], Jet]
 """Points (shape (n,)) and an order to a jet; the driven angle in rad at driving angles in rad."""
 
 CLOSED = 1e-12
-"""Closure error in rad that counts as none: about 500 rounding errors of a full turn (tests/test_ratio.py)."""
+"""Closure error in rad that counts as none: about 500 rounding errors of a full turn (tests/test_compensation.py)."""
 
 
 STANDSTILL = 1e-6
@@ -96,6 +96,11 @@ class Transmission:
                     f"dphi2/dphi1 = {extremum.value:.4g}; the ratio must stay positive and finite",
                     key="motion",
                 )
+
+    def __repr__(self) -> str:
+        low, high = (extremum.value for extremum in self.ratio_range)
+        lobes = f"{self.lobes.driving}:{self.lobes.driven} lobes"
+        return f"Transmission(ratio {low:.4g} to {high:.4g}, {lobes}, {len(self.pieces)} pieces)"
 
     @property
     def joints_rad(self) -> Array:

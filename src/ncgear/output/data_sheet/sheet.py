@@ -25,4 +25,5 @@ def data_sheet(pair: Drive) -> DataSheet:
     groups = (sizes(pair), rack_data(pair), tooth_data(pair), bodies(pair), *tolerances(pair))
     measured = [(*span_table(gear, of), *pin_tables(gear)) for gear, of in zip(gears, found, strict=True)]
     tables = [table for of_gear in measured for table in of_gear]
-    return DataSheet(name, (*groups, measurements(pair, gears, found)), (pitch_table(pair), *tables))
+    filled = tuple(group for group in (*groups, measurements(pair, gears, found)) if group.rows)
+    return DataSheet(name, filled, (pitch_table(pair), *tables))
