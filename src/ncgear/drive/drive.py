@@ -5,10 +5,9 @@ from __future__ import annotations
 from functools import cached_property
 
 from ncgear.drive.forces import ForceStages
-from ncgear.drive.solids import SolidStages
 
 
-class Drive(ForceStages, SolidStages):
+class Drive(ForceStages):
     """A design and all that follows from it.
 
     Stages are attributes; each needs only the ones it is made from, so a check of power never makes a tooth.  They

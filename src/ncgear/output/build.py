@@ -22,7 +22,7 @@ from ncgear.output.summary import build_summary
 from ncgear.output.tables import contact_csv, law_csv, outline_csv
 from ncgear.output.written import written_outlines
 from ncgear.pitch.curve import CurvePoints, PitchCurve
-from ncgear.recipe.gears import rim_mm_of
+from ncgear.recipe.bodies import rim_mm_of
 from ncgear.solids.assembly import Placed, assembly_report
 from ncgear.solids.ring import outer_radius_mm
 
