@@ -1,0 +1,260 @@
+"""STEP files, read by a reader that knows nothing of who wrote them, and by two builds of OpenCASCADE."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections import Counter
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+pytest.importorskip("OCP", reason="python -m pip install 'ncgear[step]' installs what writes STEP")
+
+from closeness import farthest
+from ncgear.design.load import load
+from ncgear.drive import Drive
+from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.numerics.plane import signed_area
+from ncgear.output.workshop.step import SHARE, step_files
+from ncgear.output.workshop.step_document import Part, part_bytes
+from ncgear.output.workshop.step_read import _read, require_same, volume_mm3
+from ncgear.pitch.shape import Gear
+from ncgear.solids.brep.gear import gear_shape
+from ncgear.teeth.contour import Contour, Spline, contour_of
+from ncgear.teeth.gear import ToothedGear
+from ncgear.teeth.outline import ChordTolerance, outline_points
+from oracles.part21 import Entity, Part21
+from pairs import DESIGNS
+
+FINE = 1e-5
+"""Chord tolerance of the outlines that files are held against."""
+DENSE, VERY_DENSE = 24, 192
+"""Points on each curve of a file: between those at which it was fitted; and so many that chords stray by nothing."""
+
+Array = NDArray[np.float64]
+
+CONCAVE = """\
+name: concave
+linkage: {crank_mm: 40, rod_mm: 160}
+operation: {speed_rpm: 60}
+motion: {law: ratio_expression, ratio: "1/(1 - 0.4*cos(2*phi))", scale_to_close: true}
+gears:
+  teeth: 40
+  module_mm: 1
+  face_width_mm: 6
+  driving: {bore_mm: 5}
+  driven: {bore_mm: 5}
+"""
+
+
+@cache
+def drive(name: str) -> Drive:
+    return Drive(load(DESIGNS / f"{name}.yaml").design)
+
+
+@cache
+def files(name: str) -> dict[str, bytes]:
+    return step_files(drive(name))
+
+
+def exact_ring(gear: ToothedGear) -> Array:
+    return outline_points(gear.tips, gear.sides, ChordTolerance(FINE, FINE))
+
+
+def sections(file: Part21, solid: Entity, samples: int = DENSE) -> dict[float, list[Array]]:
+    """The loops of the faces across z by their heights, the longest first."""
+    flat = [face for face in file.faces(solid) if file.surface(face).name == "PLANE"]
+    heights = {height: face for face in flat if (height := file.height(file.surface(face))) is not None}
+    return {
+        height: sorted((loop[:, :2] for loop in file.loops(face, samples)), key=lambda loop: -abs(signed_area(loop)))
+        for height, face in heights.items()
+    }
+
+
+def solid_of(data: bytes) -> tuple[Part21, Entity]:
+    file = Part21(data)
+    (solid,) = file.of("MANIFOLD_SOLID_BREP")
+    return file, solid
+
+
+def require_agreement(data: bytes, gear: ToothedGear, tolerance: float, width: float, *, ring: bool = False) -> None:
+    """Both ends of the solid hold the exact outline, and its walls stand straight on them."""
+    file, solid = solid_of(data)
+    exact = exact_ring(gear)
+    coarse, fine = (sections(file, solid, samples) for samples in (DENSE, VERY_DENSE))
+    assert sorted(coarse) == [0.0, width]
+    for height in coarse:
+        assert farthest(coarse[height][int(ring)], exact) <= tolerance + FINE
+        assert farthest(exact, fine[height][int(ring)]) <= 1.01 * tolerance
+    walls = [file.surface(face) for face in file.faces(solid)]
+    extruded = [wall.arguments for wall in walls if wall.name == "SURFACE_OF_LINEAR_EXTRUSION"]
+    ways = np.array([file.triple(file[vector].arguments[1]) for _, _, vector in extruded])
+    np.testing.assert_allclose(np.abs(ways), np.broadcast_to([0.0, 0.0, 1.0], ways.shape), rtol=0.0, atol=1e-15)
+    splines = [file.spline(file.basis(curve)) for _, curve, _ in extruded]
+    swept = np.concatenate([spline(np.linspace(spline.t[0], spline.t[-1], DENSE)) for spline in splines])
+    assert farthest(swept[:, :2], exact) <= tolerance + FINE
+
+
+def require_all(name: str, *, ring: bool = False) -> None:
+    own = drive(name)
+    tolerance, width = SHARE * own.design.output.chord_tolerance_mm, own.gears.face_width_mm
+    require_agreement(files(name)["driving.step"], own.teeth.driving, tolerance, width)
+    require_agreement(files(name)["driven.step"], own.teeth.driven, tolerance, width, ring=ring)
+
+
+@pytest.mark.slow
+def test_ellipse_sections_are_the_exact_outlines() -> None:
+    require_all("ellipse")
+
+
+@pytest.mark.slow
+def test_baler_sections_are_the_exact_outlines() -> None:
+    require_all("baler")
+
+
+@pytest.mark.slow
+def test_internal_sections_are_the_exact_outlines() -> None:
+    require_all("internal-1-2", ring=True)
+
+
+@pytest.mark.slow
+def test_concave_sections_are_the_exact_outlines(tmp_path: Path) -> None:
+    path = tmp_path / "concave.yaml"
+    path.write_text(CONCAVE)
+    own = Drive(load(path).design)
+    assert not own.pitch.convex(Gear.DRIVING)
+    made = step_files(own)
+    require_agreement(made["driving.step"], own.teeth.driving, 5e-4, 6.0)
+    require_agreement(made["driven.step"], own.teeth.driven, 5e-4, 6.0)
+
+
+def moved(contour: Contour, off: float) -> Contour:
+    """The contour with the inner poles of its longest spline moved across it."""
+    longest = max(
+        (curve for curve in contour.curves if isinstance(curve, Spline)),
+        key=lambda curve: float(np.linalg.norm(curve.end - curve.start)),
+    )
+    step = longest.end - longest.start
+    poles = longest.poles_mm.copy()
+    poles[1:-1] += off * np.array([-step[1], step[0]]) / np.hypot(*step)
+    curves = tuple(replace(one, poles_mm=poles) if one is longest else one for one in contour.curves)
+    return replace(contour, curves=curves)
+
+
+def test_a_face_that_is_moved_by_two_tolerances_is_seen() -> None:
+    gear = drive("ellipse").teeth.driving
+    contour = contour_of(gear, 5e-4)
+    for off, seen in ((0.0, False), (1e-3, True)):
+        data = part_bytes(Part("driving", gear_shape(moved(contour, off), 12.0, None, None)), "")
+        if seen:
+            with pytest.raises(AssertionError):
+                require_agreement(data, gear, 5e-4, 12.0)
+        else:
+            require_agreement(data, gear, 5e-4, 12.0)
+
+
+@pytest.mark.slow
+def test_baler_has_a_face_for_every_curve_and_no_more() -> None:
+    """Two ends, bore and three sides of the keyway, index hole; and six faces a tooth, parted at joints of the law."""
+    file, solid = solid_of(files("baler")["driving.step"])
+    kinds = Counter(file.surface(face).name for face in file.faces(solid))
+    curves = len(contour_of(drive("baler").teeth.driving, 5e-4).curves)
+    assert kinds.total() == 2 + 4 + 1 + curves
+    assert curves < 7 * 25
+    assert kinds["PLANE"] == 2 + 3
+    round_ = [file.surface(face) for face in file.faces(solid) if file.surface(face).name == "CYLINDRICAL_SURFACE"]
+    radii = [surface.arguments[2] for surface in round_]
+    assert radii.count(8.0) == 1
+    assert radii.count(0.75) == 1
+
+
+@pytest.mark.slow
+def test_a_ring_stands_within_a_cylinder() -> None:
+    file, solid = solid_of(files("internal-1-2")["driven.step"])
+    outer, hole, mark = sections(file, solid, VERY_DENSE)[0.0]
+    deepest = float(np.hypot(*drive("internal-1-2").teeth.driven.outline_mm.T).max())
+    np.testing.assert_allclose(np.hypot(*outer.T), deepest + 8.0, rtol=0.0, atol=1e-9)
+    assert len(hole) > len(outer)
+    assert abs(signed_area(mark)) == pytest.approx(np.pi / 4.0, rel=1e-6)
+
+
+def test_the_pair_stands_as_it_goes_together() -> None:
+    file = Part21(files("ellipse")["pair.step"])
+    names = [product.arguments[0] for product in file.of("PRODUCT")]
+    assert names == ["ellipse", "driving", "driven"]
+    places = [file[use.arguments[3]] for use in file.of("ITEM_DEFINED_TRANSFORMATION")]
+    origins = [file.triple(place.arguments[1]) for place in places]
+    distance = drive("ellipse").pitch.center_distance_mm
+    np.testing.assert_allclose(origins, [[0.0, 0.0, 0.0], [distance, 0.0, 0.0]], rtol=1e-14, atol=0.0)
+    assert len(file.of("MANIFOLD_SOLID_BREP")) == 2
+    units = [one for entity in file.entities.values() if not entity.name for one in entity.arguments]
+    assert {tuple(unit.arguments) for unit in units if unit.name == "SI_UNIT"} >= {(".MILLI.", ".METRE.")}
+
+
+def test_the_header_says_how_close_and_nothing_of_clock_or_machine() -> None:
+    header = " ".join(files("ellipse")["driving.step"].decode().split("ENDSEC", 1)[0].split())
+    assert "'ellipse: tooth faces within 3.4e-04 mm of the exact ones'" in header
+    assert "FILE_NAME('driving','1970-01-01T00:00:00',(''),(''), 'Open CASCADE STEP processor" in header
+    assert header.endswith("'ncgear',''); FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));")
+
+
+def test_the_same_design_gives_the_same_bytes(capfd: pytest.CaptureFixture[str]) -> None:
+    assert step_files(Drive(load(DESIGNS / "ellipse.yaml").design)) == files("ellipse")
+    assert capfd.readouterr() == ("", "")
+
+
+def test_helical_teeth_are_refused() -> None:
+    with pytest.raises(NoSuchMechanism, match=r"gears\.helix: helical teeth are not made as STEP.*STL and 3MF"):
+        step_files(drive("helical-ellipse"))
+
+
+def test_a_missing_library_is_named_with_its_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("ncgear.extras.find_spec", lambda library: None)
+    with pytest.raises(WrongInput, match=r"python -m pip install 'ncgear\[step\]' installs it"):
+        step_files(drive("ellipse"))
+
+
+def test_a_file_of_another_solid_is_a_fault() -> None:
+    contour = contour_of(drive("ellipse").teeth.driving, 5e-4)
+    own, wider = (gear_shape(contour, width, None, None) for width in (12.0, 12.001))
+    data = part_bytes(Part("driving", own), "")
+    require_same(data, [own])
+    with pytest.raises(RuntimeError, match="a STEP file holds 224 faces"):
+        require_same(data, [wider])
+    with pytest.raises(RuntimeError, match="cannot be read back"):
+        require_same(b"nothing", [own])
+
+
+KERNEL = 2e-5
+"""Relative error that the kernel's integrals over the ends have: 1e-5 here, against sections of very many chords."""
+
+
+def volumes(name: str) -> list[float]:
+    """Areas of the files' sections by very many chords, times the face width."""
+    solids = (solid_of(files(name)[f"{gear}.step"]) for gear in ("driving", "driven"))
+    rings = [sections(*solid, VERY_DENSE)[0.0] for solid in solids]
+    areas = [2.0 * abs(signed_area(ring[0])) - sum(abs(signed_area(one)) for one in ring) for ring in rings]
+    return [float(area) * drive(name).gears.face_width_mm for area in areas]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["ellipse", "baler", "internal-1-2"])
+def test_volumes_are_those_of_the_meshes_and_of_the_kernel(name: str) -> None:
+    """Walls of a mesh stray by the chord tolerance at most, all to one side or not: its area measures them."""
+    own = drive(name)
+    meshes = own.solids.driving.mesh, own.solids.driven.mesh
+    shapes = [_read(files(name)[f"{gear}.step"]) for gear in ("driving", "driven")]
+    for volume, mesh, shape in zip(volumes(name), meshes, shapes, strict=True):
+        assert abs(volume - mesh.volume) <= own.design.output.chord_tolerance_mm * mesh.area
+        assert volume_mm3(shape) == pytest.approx(volume, rel=KERNEL)
+
+
+def test_nothing_but_steps_needs_the_library() -> None:
+    """The module that the command line imports loads it only when it is asked for files."""
+    code = "import sys, ncgear.output.workshop.step; sys.exit('OCP' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
