@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable
 from functools import cache
 from io import BytesIO, StringIO
 from pathlib import Path
@@ -13,19 +11,19 @@ import numpy as np
 import pygltflib
 import pytest
 import shapely
-from commands import Run
 from lib3mf import get_wrapper
 from shapely import Polygon
-from svgelements import SVG
+from svgelements import SVG, Arc, Group, Move
 from svgelements import Path as SvgPath
+from trimesh import Trimesh
 
+from commands import Run
 from ncgear.design.load import load
 from ncgear.drive import Drive
 from ncgear.numerics.arrays import Array
-from ncgear.output.workshop import formats
-from ncgear.output.workshop.drawing import Layer
-from ncgear.output.workshop.formats import workshop_files
-from ncgear.output.workshop.kinds import Format
+from ncgear.output.workshop.drawing import CUT_THROUGH
+from ncgear.output.workshop.formats import NAMES, WRITERS, workshop_files
+from ncgear.output.workshop.kinds import USUAL
 from ncgear.pitch.shape import Gear
 from oracles import dxf
 
@@ -48,7 +46,7 @@ def drive(name: str) -> Drive:
 
 @cache
 def files(name: str) -> dict[str, bytes]:
-    return workshop_files(drive(name), tuple(kind for kind in Format if kind is not Format.STEP))
+    return workshop_files(drive(name), USUAL)
 
 
 def outline(name: str, gear: Gear) -> Array:
@@ -59,8 +57,8 @@ def outline(name: str, gear: Gear) -> Array:
 
 def apart_mm(points: Array, other: Array) -> float:
     """The greatest distance between two closed lines through points (n, 2)."""
-    lines = [shapely.LinearRing(line) for line in (points, other)]
-    return float(max(shapely.distance(shapely.points(a), line).max() for a, line in zip((points, other), lines[::-1])))
+    both = (points, other), (other, points)
+    return float(max(shapely.distance(shapely.points(a), shapely.LinearRing(b)).max() for a, b in both))
 
 
 def section(name: str, gear: Gear) -> Polygon:
@@ -77,13 +75,9 @@ def drawn(data: bytes, layer: str) -> list[dxf.Entity]:
 
 def cut_area(data: bytes, prefix: str = "") -> Polygon:
     """What a machine leaves that cuts all contours of the three layers: the largest less all others."""
-    rings = [Polygon(one.points()) for layer in formats_cut() for one in drawn(data, f"{prefix}{layer}")]
+    rings = [Polygon(one.points()) for layer in CUT_THROUGH for one in drawn(data, f"{prefix}{layer}")]
     largest = max(rings, key=lambda ring: ring.area)
     return largest.difference(shapely.union_all([ring for ring in rings if ring is not largest]))
-
-
-def formats_cut() -> tuple[str, ...]:
-    return Layer.OUTLINE.value, Layer.BORE.value, Layer.HOLES.value
 
 
 @pytest.mark.parametrize("gear", Gear)
@@ -149,17 +143,145 @@ def test_the_pair_is_drawn_as_assembled() -> None:
 
 
 def svg_rings(data: bytes, layer: str) -> list[Array]:
-    """Contours of a layer in mm with y up: one inch is 25.4 units."""
-    image = SVG.parse(BytesIO(data), ppi=25.4, reify=True)
-    found = [group for group in image.select(lambda one: getattr(one, "id", None) == layer)]
-    paths = [path for group in found for path in group.select(lambda one: isinstance(one, SvgPath))]
-    origin = np.array(viewbox(data)[:2])
-    return [(np.array([(p.x, p.y) for p in all_along(path)]) + origin) * (1.0, -1.0) for path in paths]
+    """Contours of a layer in mm, y up as it was, from what a browser would draw at 25.4 dots per inch."""
+    image = SVG.parse(BytesIO(data), ppi=25.4)
+    (group,) = image.select(lambda one: isinstance(one, Group) and one.id == layer)
+    box = np.array([float(word) for word in image.values["viewBox"].split()])
+    scale = np.array([float(image.width), float(image.height)]) / box[2:]
+    assert scale == pytest.approx([1.0, 1.0], rel=1e-6), "1:1, the reader's inch being 25.4 mm to six digits"
+    paths = group.select(lambda one: isinstance(one, SvgPath))
+    return [(points_of(path) / scale + box[:2]) * (1.0, -1.0) for path in paths]
 
 
-def all_along(path: SvgPath) -> list[object]:
-    return [point for segment in path.segments() for point in segment.npoint(np.linspace(0.0, 1.0, 33)[:-1])]
+def points_of(path: SvgPath) -> Array:
+    segments = [segment for segment in path.segments() if not isinstance(segment, Move)]
+    count = {Arc: 6400}
+    rows = [segment.npoint(np.linspace(0.0, 1.0, count.get(type(segment), 1), endpoint=False)) for segment in segments]
+    return np.array([(point[0], point[1]) for row in rows for point in row])
 
 
-def viewbox(data: bytes) -> list[float]:
-    return [float(word) for word in SVG.parse(BytesIO(data)).values["attributes"]["viewBox"].split()]
+@pytest.mark.parametrize("gear", Gear)
+@pytest.mark.parametrize("name", DESIGNS)
+def test_an_image_has_the_outline_at_its_size(name: str, gear: Gear) -> None:
+    rings = svg_rings(files(name)[f"{gear.value}.svg"], "OUTLINE")
+    assert apart_mm(rings[0], outline(name, gear)) <= ROUNDING_MM
+
+
+def test_an_image_has_bore_and_holes() -> None:
+    data = files("baler")["driven.svg"]
+    rings = [svg_rings(data, layer)[0] for layer in ("BORE", "HOLES")]
+    drawn_rings = [np.array(drawn(files("baler")["driven.dxf"], layer)[0].points()) for layer in ("BORE", "HOLES")]
+    for ours, other in zip(rings, drawn_rings, strict=True):
+        assert apart_mm(ours, other) <= ARC_MM
+
+
+def test_an_image_with_y_down_is_seen() -> None:
+    (ring,) = svg_rings(files("baler")["driving.svg"], "OUTLINE")
+    assert apart_mm(ring * (1.0, -1.0), outline("baler", Gear.DRIVING)) > 1.0
+
+
+# --- 3MF and GLB -----------------------------------------------------------------------------------------------------
+
+
+def printed(data: bytes) -> tuple[str, dict[str, Trimesh]]:
+    """Unit and parts at their places, as the 3MF Consortium's own library reads them."""
+    model = get_wrapper().CreateModel()
+    reader = model.QueryReader("3mf")
+    reader.SetStrictModeActive(True)
+    reader.ReadFromBuffer(data)
+    assert reader.GetWarningCount() == 0
+    unit, items, parts = model.GetUnit(), model.GetBuildItems(), {}
+    while items.MoveNext():
+        item = items.GetCurrent()
+        mesh, place = item.GetObjectResource(), item.GetObjectTransform()
+        solid = model.GetMeshObjectByID(mesh.GetUniqueResourceID())
+        points = np.array([list(vertex.Coordinates) for vertex in solid.GetVertices()])
+        moved = points + np.array([place.Fields[3][axis] for axis in range(3)])
+        parts[item.GetPartNumber()] = Trimesh(
+            moved, [list(t.Indices) for t in solid.GetTriangleIndices()], process=False
+        )
+    return unit.name, parts
+
+
+@pytest.mark.parametrize("name", [*DESIGNS, "helical-ellipse"])
+def test_prints_are_the_solids_side_by_side(name: str) -> None:
+    unit, parts = printed(files(name)["gears.3mf"])
+    assert unit == "MilliMeter"
+    solids = drive(name).solids
+    for gear, solid in ((Gear.DRIVING, solids.driving), (Gear.DRIVEN, solids.driven)):
+        part = parts[gear.value]
+        assert part.is_watertight
+        assert part.volume == pytest.approx(solid.mesh.volume, rel=1e-6)
+        assert np.ptp(part.bounds, axis=0) == pytest.approx(np.ptp(solid.mesh.bounds, axis=0), abs=1e-4)
+        assert part.bounds[0][2] == pytest.approx(0.0, abs=1e-9)
+    assert parts["driven"].bounds[0][0] - parts["driving"].bounds[1][0] == pytest.approx(5.0, abs=1e-4)
+
+
+def shown(data: bytes) -> dict[str, Array]:
+    """Vertices of each node in the scene's frame, in metres, by the names of the nodes."""
+    image = pygltflib.GLTF2.load_from_bytes(data)
+    blob, found = image.binary_blob(), {}
+    for node in image.nodes:
+        if node.mesh is None:
+            continue
+        accessor = image.accessors[image.meshes[node.mesh].primitives[0].attributes.POSITION]
+        assert accessor.componentType == pygltflib.FLOAT
+        view = image.bufferViews[accessor.bufferView]
+        start = (view.byteOffset or 0) + (accessor.byteOffset or 0)
+        points = np.frombuffer(blob, "<f4", 3 * accessor.count, start).reshape(-1, 3).astype(float)
+        matrix = np.array(node.matrix or np.eye(4).ravel()).reshape(4, 4).T
+        found[node.name] = points @ matrix[:3, :3].T + matrix[:3, 3]
+    return found
+
+
+@pytest.mark.parametrize("name", [*DESIGNS, "helical-ellipse"])
+def test_the_scene_is_the_pair_in_metres_with_y_up(name: str) -> None:
+    nodes, one = shown(files(name)["pair.glb"]), drive(name)
+    for gear, solid, x_mm in (
+        ("driving", one.solids.driving, 0.0),
+        ("driven", one.solids.driven, one.pitch.center_distance_mm),
+    ):
+        x, y, z = solid.mesh.vertices.T
+        expected = np.column_stack([x + x_mm, z, -y]) / 1000.0
+        assert np.abs(nodes[gear] - expected).max() <= 1e-7
+
+
+# --- command ---------------------------------------------------------------------------------------------------------
+
+
+def test_the_same_design_gives_the_same_bytes() -> None:
+    again = workshop_files(Drive(drive("ellipse").design), USUAL)
+    assert again == files("ellipse")
+
+
+def test_every_kind_writes_what_it_is_said_to_write() -> None:
+    written = files("baler")
+    for kind in USUAL:
+        assert set(WRITERS[kind].names) <= set(written)
+    assert set(written) <= set(NAMES)
+
+
+WHEEL = """\
+name: wheel
+linkage: {crank_mm: 10, rod_mm: 40}
+operation: {speed_rpm: 60}
+motion: {law: uniform_crank}
+gears: {teeth: 12, module_mm: 2, face_width_mm: 5, driving: {bore_mm: 5}}
+"""
+
+
+def test_a_build_writes_the_kinds_asked_for_and_clears_the_others(run: Run) -> None:
+    Path("wheel.yaml").write_text(WHEEL)
+    assert run("build", "wheel.yaml")[0] == 0
+    usual = {path.name for path in Path("export/wheel").iterdir()}
+    assert usual >= {"driving.dxf", "driven.svg", "gears.3mf", "pair.glb", "driving.stl"}
+    assert run("build", "wheel.yaml", "--format", "dxf")[0] == 0
+    left = {path.name for path in Path("export/wheel").iterdir()}
+    assert usual - left == {"driving.svg", "driven.svg", "gears.3mf", "pair.glb"}
+
+
+def test_an_unknown_kind_is_a_usage_error(run: Run) -> None:
+    Path("wheel.yaml").write_text(WHEEL)
+    status, _, err = run("build", "wheel.yaml", "--format", "dwg")
+    assert status == 2
+    assert "dxf" in err

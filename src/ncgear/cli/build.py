@@ -11,7 +11,7 @@ from ncgear.cli.arguments import DesignFile, Timing
 from ncgear.cli.opened import opened
 from ncgear.cli.progress import stages_shown
 from ncgear.errors import WrongInput
-from ncgear.output.workshop.kinds import Format
+from ncgear.output.workshop.kinds import USUAL, Format
 
 
 def build(
@@ -37,7 +37,6 @@ def build(
         from ncgear.drive import Drive
         from ncgear.output.build import build as build_files
         from ncgear.output.report import build_text, timing_text
-        from ncgear.output.workshop.formats import USUAL
 
         drive = Drive(loaded.design)
         with stages_shown() as on_stage:

@@ -41,14 +41,13 @@ class Built:
     summaries: list[dict[str, Any]]
 
 
-def build(
-    drive: Drive, folder: Path, on_stage: Callable[[str], None], formats: Collection[Format] = ()
-) -> Built:
+def build(drive: Drive, folder: Path, on_stage: Callable[[str], None], formats: Collection[Format] = ()) -> Built:
     """Compute everything, and write all files into ``folder``, which is created if need be.
 
     Two stages go into folders ``stage-1`` and ``stage-2`` of it, at the same instant. Files of the kinds ``formats``
-    are written beside CSV and STL. ``on_stage`` is told what is done before it begins. Raises WrongInput or NoSuchMechanism from the stages, and WrongInput when the folder cannot be
-    written; whatever fails, the last good build in ``folder`` stays.
+    are written beside CSV and STL. ``on_stage`` is told what is done before it begins. Raises WrongInput or
+    NoSuchMechanism from the stages, and WrongInput when the folder cannot be written; whatever fails, the last good
+    build in ``folder`` stays.
     """
     prepare(folder)
     pairs = {_place(pair.stage): _made(pair, _named(pair, on_stage), formats) for pair in drive.by_stage}

@@ -1,4 +1,4 @@
-"""A gear as a flat drawing in mm: closed contours and marks on named layers; what DXF and SVG files are written from."""
+"""A gear as a flat drawing in mm: closed contours and marks on named layers. DXF and SVG files are written from it."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class Cross:
         """Both lines, shape (2, 2, 2): line, end, coordinate."""
         half = self.length_mm / 2.0
         arms = np.array([[[-half, 0.0], [half, 0.0]], [[0.0, -half], [0.0, half]]])
-        return arms + np.array([self.x_mm, self.y_mm])
+        return np.asarray(arms + np.array([self.x_mm, self.y_mm]))
 
 
 Shape = Contour | Circle | Cross

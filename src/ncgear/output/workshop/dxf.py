@@ -51,7 +51,7 @@ def dxf_bytes(drawings: Sequence[Drawing], *, prefixed: bool = False) -> bytes:
     """
     with _without_clock():
         document = ezdxf.new(VERSION, units=units.MM)
-        document.linetypes.add("CENTER", [20.0, 12.5, -2.5, 2.5, -2.5], description="Center ____ _ ____")
+        document.linetypes.add("CENTER", [6.0, 4.0, -0.75, 0.5, -0.75], description="Center ____ _ ____")
         for drawing in drawings:
             _draw(document, drawing, f"{drawing.name.upper()}_" if prefixed else "")
         if document.audit().has_issues:

@@ -35,7 +35,7 @@ def gear_drawing(drive: Drive, gear: Gear) -> Drawing:
         Layer.HOLES: tuple(Circle(hole.x_mm, hole.y_mm, hole.diameter_mm / 2.0) for hole in plan.round_holes),
         Layer.POCKETS: () if plan.web is None else _contours(shapely.union_all(plan.web.pockets)),
         Layer.HUB: () if plan.hub is None else (Circle(0.0, 0.0, plan.hub.diameter_mm / 2.0),),
-        Layer.PITCH_CURVE: (polygon(_pitch_points(curve, drive.pitch.size.teeth)),),
+        Layer.PITCH_CURVE: (polygon(_pitch_points(curve, _teeth(drive, gear))),),
         Layer.AXIS: (Cross(0.0, 0.0, CROSS_IN_MODULES * module),),
     }
     return Drawing(gear.value, {name: found for name, found in shapes.items() if found}, _notes(drive, plan, gear))
@@ -96,3 +96,8 @@ def _notes(drive: Drive, plan: BodyPlan, gear: Gear) -> tuple[str, ...]:
     if plan.clearance_mm > 0.0:
         notes.append(f"{plan.clearance_mm:g} mm taken off outline and bore for the process")
     return tuple(notes)
+
+
+def _teeth(drive: Drive, gear: Gear) -> int:
+    size = drive.pitch.size
+    return size.driving_teeth if gear is Gear.DRIVING else size.driven_teeth

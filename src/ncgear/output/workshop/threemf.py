@@ -20,7 +20,10 @@ GAP_MM = 5.0
 LONG_AGO = (1980, 1, 1, 0, 0, 0)
 """The first moment that a ZIP archive can name: the same design gives the same bytes, whenever it is built."""
 
-IDENTITY = re.compile(rb'(UUID=")[0-9a-f-]{36}(")')
+REPEATED = re.compile(rb'(<item)(?: xmlns(?::\w+)?="[^"]*")+')
+"""Namespaces that the writer declares again on each item, which the 3MF Consortium's own reader refuses."""
+
+IDENTITY = re.compile(rb'UUID="[0-9a-f-]{36}"')
 
 
 def threemf_files(drive: Drive) -> dict[str, bytes]:
@@ -41,10 +44,11 @@ def threemf_bytes(parts: dict[str, tuple[Trimesh, float]]) -> bytes:
 
 
 def _reproducible(archive: bytes) -> bytes:
-    """The archive without the time of writing, its identities counted instead of drawn by lot."""
+    """The archive as strict readers want it, without the time of writing, identities counted, not drawn by lot."""
     numbers, made = count(1), BytesIO()
     with zipfile.ZipFile(BytesIO(archive)) as old, zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as new:
         for name in old.namelist():
-            content = IDENTITY.sub(lambda found: found[1] + str(UUID(int=next(numbers))).encode() + found[2], old.read(name))
+            plain = REPEATED.sub(rb"\1", old.read(name))
+            content = IDENTITY.sub(lambda _: f'UUID="{UUID(int=next(numbers))}"'.encode(), plain)
             new.writestr(zipfile.ZipInfo(name, LONG_AGO), content, zipfile.ZIP_DEFLATED)
     return made.getvalue()
