@@ -79,8 +79,7 @@ def _made(
     with _timed(drive, "files", on_stage):
         files = {**_tables(drive), **_meshes(drive), "assembly.json": json_text(_assembly(drive)).encode()}
     with _timed(drive, "written contact", on_stage):
-        ring, helical = drive.pitch.driven.is_ring, drive.helix is not None
-        contact = drive.contact(written_outlines(files, ring=ring, helical=helical))
+        contact = drive.contact(written_outlines(files, drive.solids, helical=drive.helix is not None))
         files["contact.csv"] = contact_csv(contact).encode()
     with _timed(drive, "workshop files", on_stage):
         files.update(workshop_files(drive, formats))
