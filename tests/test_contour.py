@@ -21,8 +21,9 @@ from ncgear.ratio.laws.expression import ratio_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.teeth import splines
+from ncgear.teeth.arcs import Arc, Line, line_or_arc, ring_of_arcs
 from ncgear.teeth.chords import Stretch
-from ncgear.teeth.contour import SAME_MM, SHORTEST_MM, Arc, Contour, Curve, Line, Spline, _joined, _plain, contour_of
+from ncgear.teeth.contour import SAME_MM, SHORTEST_MM, Contour, Curve, Spline, _joined, contour_of
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 from ncgear.teeth.outline import ChordTolerance, exact_curves, outline_points
@@ -192,14 +193,27 @@ def quarter(off: float = 0.0) -> Array:
 
 
 def test_points_on_a_line_or_a_circle_make_one() -> None:
-    straight = _plain(np.linspace([0.0, 1.0], [2.0, 5.0], 9), 0.0)
-    round_ = _plain(quarter(), 0.0)
+    straight, round_ = line_or_arc(np.linspace([0.0, 1.0], [2.0, 5.0], 9), SAME_MM), line_or_arc(quarter(), SAME_MM)
     assert straight is not None
-    assert isinstance(straight.curve, Line)
+    assert isinstance(straight[0], Line)
     assert round_ is not None
-    assert isinstance(round_.curve, Arc)
-    assert _plain(quarter(0.5 * SAME_MM), 0.0) is not None
-    assert _plain(quarter(2.0 * SAME_MM), 0.0) is None
+    assert isinstance(round_[0], Arc)
+    for off, found in ((0.5, True), (2.0, False)):
+        assert (line_or_arc(quarter(off * SAME_MM), SAME_MM) is not None) is found
+
+
+def test_a_slot_as_a_polygon_becomes_its_lines_and_arcs() -> None:
+    """Two half circles of radius 2 joined by lines of 6 mm: arcs may not turn by half a circle."""
+    angle = np.linspace(-pi / 2.0, pi / 2.0, 41)
+    half = 2.0 * np.column_stack([np.cos(angle), np.sin(angle)]) + [3.0, 0.0]
+    curves = ring_of_arcs(np.concatenate([half, -half]), 1e-3)
+    assert len(curves) <= 8
+    assert all(
+        np.array_equal(one.end, after.start) for one, after in zip(curves, [*curves[1:], curves[0]], strict=True)
+    )
+    points = np.concatenate([points_of(curve) for curve in curves])
+    away = np.abs(np.hypot(np.maximum(np.abs(points[:, 0]) - 3.0, 0.0), points[:, 1]) - 2.0)
+    assert away.max() <= 2e-3
 
 
 def test_a_gap_between_curves_is_a_fault() -> None:

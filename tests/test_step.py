@@ -12,19 +12,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from shapely import Polygon
 
 pytest.importorskip("OCP", reason="python -m pip install 'ncgear[step]' installs what writes STEP")
 
 from closeness import farthest
 from ncgear.design.load import load
 from ncgear.drive import Drive
-from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.errors import WrongInput
 from ncgear.numerics.plane import signed_area
 from ncgear.output.workshop.step import SHARE, step_files
 from ncgear.output.workshop.step_document import Part, part_bytes
-from ncgear.output.workshop.step_read import _read, require_same, volume_mm3
+from ncgear.output.workshop.step_read import _read, require_same
 from ncgear.pitch.shape import Gear
+from ncgear.solids.body import BodyPlan
 from ncgear.solids.brep.gear import gear_shape
+from ncgear.solids.brep.parts import volume_mm3
 from ncgear.teeth.contour import Contour, Spline, contour_of
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.outline import ChordTolerance, outline_points
@@ -62,6 +65,13 @@ def files(name: str) -> dict[str, bytes]:
     return step_files(drive(name))
 
 
+def written(folder: Path, text: str) -> Drive:
+    """The drive of a design file's text."""
+    path = folder / "own.yaml"
+    path.write_text(text)
+    return Drive(load(path).design)
+
+
 def exact_ring(gear: ToothedGear) -> Array:
     return outline_points(gear.tips, gear.sides, ChordTolerance(FINE, FINE))
 
@@ -86,11 +96,11 @@ def require_agreement(data: bytes, gear: ToothedGear, tolerance: float, width: f
     """Both ends of the solid hold the exact outline, and its walls stand straight on them."""
     file, solid = solid_of(data)
     exact = exact_ring(gear)
-    coarse, fine = (sections(file, solid, samples) for samples in (DENSE, VERY_DENSE))
+    coarse = sections(file, solid)
     assert sorted(coarse) == [0.0, width]
     for height in coarse:
         assert farthest(coarse[height][int(ring)], exact) <= tolerance + FINE
-        assert farthest(exact, fine[height][int(ring)]) <= 1.01 * tolerance
+    assert farthest(exact, sections(file, solid, VERY_DENSE)[0.0][int(ring)]) <= 1.01 * tolerance
     walls = [file.surface(face) for face in file.faces(solid)]
     extruded = [wall.arguments for wall in walls if wall.name == "SURFACE_OF_LINEAR_EXTRUSION"]
     ways = np.array([file.triple(file[vector].arguments[1]) for _, _, vector in extruded])
@@ -124,13 +134,16 @@ def test_internal_sections_are_the_exact_outlines() -> None:
 
 @pytest.mark.slow
 def test_concave_sections_are_the_exact_outlines(tmp_path: Path) -> None:
-    path = tmp_path / "concave.yaml"
-    path.write_text(CONCAVE)
-    own = Drive(load(path).design)
+    own = written(tmp_path, CONCAVE)
     assert not own.pitch.convex(Gear.DRIVING)
     made = step_files(own)
     require_agreement(made["driving.step"], own.teeth.driving, 5e-4, 6.0)
     require_agreement(made["driven.step"], own.teeth.driven, 5e-4, 6.0)
+
+
+def plate(width: float) -> BodyPlan:
+    """A gear without anything cut into it."""
+    return BodyPlan(Polygon(drive("ellipse").teeth.driving.outline_mm), width, 0.005)
 
 
 def moved(contour: Contour, off: float) -> Contour:
@@ -150,7 +163,7 @@ def test_a_face_that_is_moved_by_two_tolerances_is_seen() -> None:
     gear = drive("ellipse").teeth.driving
     contour = contour_of(gear, 5e-4)
     for off, seen in ((0.0, False), (1e-3, True)):
-        data = part_bytes(Part("driving", gear_shape(moved(contour, off), 12.0, None, None)), "")
+        data = part_bytes(Part("driving", gear_shape(moved(contour, off), plate(12.0))), "")
         if seen:
             with pytest.raises(AssertionError):
                 require_agreement(data, gear, 5e-4, 12.0)
@@ -208,9 +221,18 @@ def test_the_same_design_gives_the_same_bytes(capfd: pytest.CaptureFixture[str])
     assert capfd.readouterr() == ("", "")
 
 
-def test_helical_teeth_are_refused() -> None:
-    with pytest.raises(NoSuchMechanism, match=r"gears\.helix: helical teeth are not made as STEP.*STL and 3MF"):
-        step_files(drive("helical-ellipse"))
+@pytest.mark.parametrize(
+    ("key", "line"),
+    [
+        ("helix", "helix: {angle_deg: 20, kind: helical, hand: right}"),
+        ("first_layer_chamfer_mm", "first_layer_chamfer_mm: 0.2"),
+        ("process_clearance_mm", "process_clearance_mm: 0.1"),
+    ],
+)
+def test_what_only_meshes_have_is_refused(key: str, line: str, tmp_path: Path) -> None:
+    own = written(tmp_path, f"{CONCAVE}  {line}\n")
+    with pytest.raises(WrongInput, match=rf"gears\.{key}: given, but only meshes are made so; formats stl and 3mf"):
+        step_files(own)
 
 
 def test_a_missing_library_is_named_with_its_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -221,7 +243,7 @@ def test_a_missing_library_is_named_with_its_remedy(monkeypatch: pytest.MonkeyPa
 
 def test_a_file_of_another_solid_is_a_fault() -> None:
     contour = contour_of(drive("ellipse").teeth.driving, 5e-4)
-    own, wider = (gear_shape(contour, width, None, None) for width in (12.0, 12.001))
+    own, wider = (gear_shape(contour, plate(width)) for width in (12.0, 12.001))
     data = part_bytes(Part("driving", own), "")
     require_same(data, [own])
     with pytest.raises(RuntimeError, match="a STEP file holds 224 faces"):
@@ -240,6 +262,69 @@ def volumes(name: str) -> list[float]:
     rings = [sections(*solid, VERY_DENSE)[0.0] for solid in solids]
     areas = [2.0 * abs(signed_area(ring[0])) - sum(abs(signed_area(one)) for one in ring) for ring in rings]
     return [float(area) * drive(name).gears.face_width_mm for area in areas]
+
+
+BODIES = """\
+  driving:
+    bore_mm: 8
+    keyway: {width_mm: 2, depth_mm: 1.4}
+    hub: {diameter_mm: 14, height_mm: 9, set_screw: {diameter_mm: 4, direction_deg: 90}}
+    web: {thickness_mm: 2.5, rim_mm: 2}
+  driven:
+    bore_mm: 5
+    hub: {diameter_mm: 10, height_mm: 6}
+    lightening_holes: {count: 3, least_wall_mm: 1.5}
+"""
+
+
+@pytest.fixture(scope="module")
+def bodied(tmp_path_factory: pytest.TempPathFactory) -> tuple[Drive, dict[str, bytes]]:
+    """Hollow gears with all that can be made of their bodies."""
+    text = CONCAVE.split("  driving:", 1)[0] + BODIES
+    own = written(tmp_path_factory.mktemp("bodies"), text)
+    return own, step_files(own)
+
+
+def cylinders(data: bytes) -> list[tuple[float, list[float]]]:
+    """Radius and axis of every cylindrical face."""
+    file, solid = solid_of(data)
+    walls = [surface for face in file.faces(solid) if (surface := file.surface(face)).name == "CYLINDRICAL_SURFACE"]
+    axes = [file.triple(file[wall.arguments[1]].arguments[2]) for wall in walls]
+    return [(wall.arguments[2], np.abs(axis).round(12).tolist()) for wall, axis in zip(walls, axes, strict=True)]
+
+
+@pytest.mark.slow
+def test_hub_screw_and_holes_are_cylinders_of_one_face_each(bodied: tuple[Drive, dict[str, bytes]]) -> None:
+    own, made = bodied
+    driving, driven = cylinders(made["driving.step"]), cylinders(made["driven.step"])
+    assert driving.count((2.0, [0.0, 1.0, 0.0])) == 1
+    for found, radius in ((driving, 7.0), (driving, 4.0), (driven, 5.0), (driven, 2.5)):
+        assert found.count((radius, [0.0, 0.0, 1.0])) == 1
+    holes = own.solids.driven.plan.lightening_holes
+    assert len(holes) == 3
+    assert sum(abs(radius - holes[0].diameter_mm / 2.0) < 1e-9 for radius, _ in driven) == 3
+
+
+@pytest.mark.slow
+def test_bodies_stand_on_the_heights_of_their_plans(bodied: tuple[Drive, dict[str, bytes]]) -> None:
+    own, made = bodied
+    assert sorted(sections(*solid_of(made["driving.step"]))) == [0.0, 2.5, 6.0, 15.0]
+    assert sorted(sections(*solid_of(made["driven.step"]))) == [0.0, 6.0, 12.0]
+    file, solid = solid_of(made["driving.step"])
+    (pocket,) = own.solids.driving.plan.web.pockets if own.solids.driving.plan.web else ()
+    floor, hub = sections(file, solid)[2.5]
+    allowed = own.design.output.chord_tolerance_mm
+    assert farthest(np.asarray(pocket.exterior.coords), floor) <= allowed
+    assert farthest(floor, np.asarray(pocket.exterior.coords)) <= allowed
+    np.testing.assert_allclose(np.hypot(*hub.T), 7.0, rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.slow
+def test_bodies_hold_what_their_meshes_hold(bodied: tuple[Drive, dict[str, bytes]]) -> None:
+    own, made = bodied
+    for gear, mesh in (("driving", own.solids.driving.mesh), ("driven", own.solids.driven.mesh)):
+        found = volume_mm3(_read(made[f"{gear}.step"]))
+        assert abs(found - mesh.volume) <= own.design.output.chord_tolerance_mm * mesh.area
 
 
 @pytest.mark.slow

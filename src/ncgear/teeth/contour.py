@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.teeth.arcs import Arc, Line, line_or_arc
 from ncgear.teeth.chords import Stretch
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.outline import exact_curves
@@ -25,23 +26,6 @@ nothing but its own tolerances."""
 
 LOOKED_AT = np.linspace(0.0, 1.0, 9)
 """Shares of a curve at which it is held against a line or a circle; it bends too little to wave between them."""
-
-
-@dataclass(frozen=True, eq=False)
-class Line:
-    """A straight line; points of shape (2,) in mm."""
-
-    start: Array
-    end: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Arc:
-    """The arc of a circle through three points of shape (2,) in mm."""
-
-    start: Array
-    middle: Array
-    end: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,21 +90,8 @@ def _placed(stretch: Stretch, tolerance: float) -> list[_Placed]:
 
 def _plain(points: Array, rank: float) -> _Placed | None:
     """The line or arc that a curve's points (n, 2) lie on; None where they lie on neither."""
-    start, middle, end = points[0], points[len(points) // 2], points[-1]
-    chord = (end - start) / np.linalg.norm(end - start)
-    aside = chord[0] * (points - start)[:, 1] - chord[1] * (points - start)[:, 0]
-    if (off := float(np.abs(aside).max())) <= SAME_MM:
-        return _Placed(rank, Line(start, end), off)
-    center, radius = _circle(start, middle, end)
-    off = float(np.abs(np.linalg.norm(points - center, axis=1) - radius).max())
-    return _Placed(rank, Arc(start, middle, end), off) if off <= SAME_MM else None
-
-
-def _circle(start: Array, middle: Array, end: Array) -> tuple[Array, float]:
-    """Centre and radius of the circle through three points that are not in line."""
-    rows = np.array([middle - start, end - start])
-    arm = np.linalg.solve(rows, np.sum(rows**2, axis=1) / 2.0)
-    return start + arm, float(np.linalg.norm(arm))
+    found = line_or_arc(points, SAME_MM)
+    return found and _Placed(rank, *found)
 
 
 def _splines(stretch: Stretch, rows: IndexArray, tolerance: float) -> list[_Placed]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ncgear.design.gears import Gears
 from ncgear.drive import Drive
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import WrongInput
 from ncgear.extras import require
 from ncgear.pitch.shape import Gear
-from ncgear.recipe.gears import bore_of, rim_mm_of
+from ncgear.recipe.bodies import rim_mm_of
 from ncgear.solids.ring import outer_radius_mm
 from ncgear.teeth.contour import Contour, contour_of
 
@@ -23,13 +24,11 @@ the least share of it, 0.15, the faces are the closer ones, so that gears made o
 def step_files(drive: Drive) -> dict[str, bytes]:
     """``driving.step``, ``driven.step`` and ``pair.step`` by their names.
 
-    Raises WrongInput when the library is not installed, NoSuchMechanism for helical teeth.
+    Raises WrongInput when the library is not installed, and for helical teeth, chamfer and clearance: only meshes have
+    them.
     """
     require("OCP", "step", "--format step")
-    if drive.helix is not None:
-        raise NoSuchMechanism(
-            "helical teeth are not made as STEP, only as meshes; STL and 3MF have them", key="gears.helix"
-        )
+    _refuse_what_only_meshes_have(drive.gears)
     from ncgear.output.workshop.step_document import Part, assembly_bytes, part_bytes
     from ncgear.output.workshop.step_read import require_same
 
@@ -44,6 +43,17 @@ def step_files(drive: Drive) -> dict[str, bytes]:
     return files
 
 
+def _refuse_what_only_meshes_have(gears: Gears) -> None:
+    for name, given in {
+        "helix": gears.helix is not None,
+        "first_layer_chamfer_mm": gears.first_layer_chamfer_mm > 0.0,
+        "process_clearance_mm": gears.process_clearance_mm > 0.0,
+    }.items():
+        if given:
+            problem = "given, but only meshes are made so; formats stl and 3mf have it, and without it there is STEP"
+            raise WrongInput(problem, key=f"gears.{name}")
+
+
 def _contour(drive: Drive, gear: Gear) -> Contour:
     teeth = drive.sound_teeth
     own = teeth.driving if gear is Gear.DRIVING else teeth.driven
@@ -53,14 +63,11 @@ def _contour(drive: Drive, gear: Gear) -> Contour:
 def _shape(drive: Drive, gear: Gear, contour: Contour) -> TopoDS_Shape:
     from ncgear.solids.brep.gear import gear_shape, ring_shape
 
-    gears, solids = drive.gears, drive.solids
-    width = gears.face_width_mm
-    if gear is Gear.DRIVING:
-        return gear_shape(contour, width, bore_of(gears.driving), solids.driving.index_hole)
-    if not drive.pitch.driven.is_ring:
-        return gear_shape(contour, width, bore_of(gears.driven), solids.driven.index_hole)
-    radius = outer_radius_mm(drive.teeth.driven.outline_mm, rim_mm_of(gears, drive.pitch.size.module_mm))
-    return ring_shape(contour, width, radius, solids.driven.index_hole)
+    plan = (drive.solids.driving if gear is Gear.DRIVING else drive.solids.driven).plan
+    if gear is Gear.DRIVING or not drive.pitch.driven.is_ring:
+        return gear_shape(contour, plan)
+    rim = rim_mm_of(drive.gears, drive.pitch.size.module_mm)
+    return ring_shape(contour, plan, outer_radius_mm(drive.teeth.driven.outline_mm, rim))
 
 
 def _description(drive: Drive, contours: dict[Gear, Contour]) -> str:

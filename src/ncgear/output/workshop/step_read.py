@@ -6,13 +6,11 @@ from collections.abc import Sequence
 from io import BytesIO
 
 from OCP.BRepCheck import BRepCheck_Analyzer
-from OCP.BRepGProp import BRepGProp
-from OCP.GProp import GProp_GProps
 from OCP.IFSelect import IFSelect_ReturnStatus
 from OCP.STEPControl import STEPControl_Reader
-from OCP.TopAbs import TopAbs_FACE, TopAbs_SOLID
-from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS_Shape
+
+from ncgear.solids.brep.parts import faces_of, solids_of, volume_mm3
 
 VOLUME_TOLERANCE = 1e-6
 """Relative difference allowed between a solid and the same one read back: a file has 15 digits, a lost face is seen."""
@@ -23,7 +21,7 @@ def require_same(data: bytes, shapes: Sequence[TopoDS_Shape]) -> None:
     whole = _read(data)
     if not BRepCheck_Analyzer(whole).IsValid():
         raise RuntimeError("a STEP file holds solids that are not valid")
-    for shape, found in zip(shapes, _parts(whole, TopAbs_SOLID), strict=True):
+    for shape, found in zip(shapes, solids_of(whole), strict=True):
         _require_alike(shape, found)
 
 
@@ -36,24 +34,9 @@ def _read(data: bytes) -> TopoDS_Shape:
 
 
 def _require_alike(shape: TopoDS_Shape, found: TopoDS_Shape) -> None:
-    faces, faces_found = (len(_parts(one, TopAbs_FACE)) for one in (shape, found))
+    faces, faces_found = (len(faces_of(one)) for one in (shape, found))
     volume, volume_found = volume_mm3(shape), volume_mm3(found)
     if faces != faces_found or not abs(volume_found - volume) <= VOLUME_TOLERANCE * volume:
         raise RuntimeError(
             f"a STEP file holds {faces_found} faces about {volume_found:.9g} mm3, not {faces} about {volume:.9g} mm3"
         )
-
-
-def volume_mm3(shape: TopoDS_Shape) -> float:
-    """The volume that a solid's faces enclose."""
-    properties = GProp_GProps()
-    BRepGProp.VolumeProperties_s(shape, properties)
-    return float(properties.Mass())
-
-
-def _parts(shape: TopoDS_Shape, kind: int) -> list[TopoDS_Shape]:
-    explorer, found = TopExp_Explorer(shape, kind), []
-    while explorer.More():
-        found.append(explorer.Current())
-        explorer.Next()
-    return found

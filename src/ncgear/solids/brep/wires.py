@@ -15,7 +15,8 @@ from OCP.TopoDS import TopoDS_Vertex, TopoDS_Wire
 
 from ncgear.numerics.arrays import Array
 from ncgear.solids.bore import Bore
-from ncgear.teeth.contour import Arc, Curve, Line, Spline
+from ncgear.teeth.arcs import Arc, Line
+from ncgear.teeth.contour import Curve, Spline
 from ncgear.teeth.splines import DEGREE
 
 UP = gp_Dir(0.0, 0.0, 1.0)
