@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +19,8 @@ from ncgear.output.publish import prepare, publish
 from ncgear.output.stl import stl_bytes
 from ncgear.output.summary import build_summary
 from ncgear.output.tables import contact_csv, law_csv, outline_csv
+from ncgear.output.workshop.formats import NAMES, workshop_files
+from ncgear.output.workshop.kinds import Format
 from ncgear.output.written import written_outlines
 from ncgear.pitch.curve import PitchCurve
 from ncgear.solids.assembly import Placed, assembly_report
@@ -41,18 +43,20 @@ class Built:
     summaries: list[dict[str, Any]]
 
 
-def build(drive: Drive, folder: Path, on_stage: Callable[[str], None]) -> Built:
+def build(drive: Drive, folder: Path, on_stage: Callable[[str], None], formats: Collection[Format] = ()) -> Built:
     """Compute everything, and write all files into ``folder``, which is created if need be.
 
-    Two stages go into folders ``stage-1`` and ``stage-2`` of it, at the same instant. ``on_stage`` is told what is done
-    before it begins. Raises WrongInput or NoSuchMechanism from the stages, and WrongInput when the folder cannot be
-    written; whatever fails, the last good build in ``folder`` stays.
+    Two stages go into folders ``stage-1`` and ``stage-2`` of it, at the same instant. Files of the kinds ``formats``
+    are written beside CSV and STL. ``on_stage`` is told what is done before it begins. Raises WrongInput or
+    NoSuchMechanism from the stages, and WrongInput when the folder cannot be written; whatever fails, the last good
+    build in ``folder`` stays.
     """
     prepare(folder)
-    pairs = {_place(pair.stage): _made(pair, _named(pair, on_stage)) for pair in drive.by_stage}
+    pairs = {_place(pair.stage): _made(pair, _named(pair, on_stage), formats) for pair in drive.by_stage}
     files = {place + name: content for place, (own, _) in pairs.items() for name, content in own.items()}
-    # A folder may hold an earlier build of the other number of stages.
-    obsolete = [_place(stage) + name for stage in (None, 1, 2) for own, _ in pairs.values() for name in own]
+    # A folder may hold an earlier build of the other number of stages, or of other kinds of files.
+    names = {*NAMES, *(name for own, _ in pairs.values() for name in own)}
+    obsolete = [_place(stage) + name for stage in (None, 1, 2) for name in sorted(names)]
     return Built(publish(folder, files, obsolete), [summary for _, summary in pairs.values()])
 
 
@@ -66,7 +70,9 @@ def _named(pair: Drive, on_stage: Callable[[str], None]) -> Callable[[str], None
     return on_stage if pair.stage is None else lambda done: on_stage(f"stage {pair.stage}: {done}")
 
 
-def _made(drive: Drive, on_stage: Callable[[str], None]) -> tuple[dict[str, bytes], dict[str, Any]]:
+def _made(
+    drive: Drive, on_stage: Callable[[str], None], formats: Collection[Format]
+) -> tuple[dict[str, bytes], dict[str, Any]]:
     """The files of one pair of gears, the summary among them, and the summary itself."""
     for stage, attributes in STAGES.items():
         on_stage(stage)
@@ -75,9 +81,10 @@ def _made(drive: Drive, on_stage: Callable[[str], None]) -> tuple[dict[str, byte
     with _timed(drive, "files", on_stage):
         files = {**_tables(drive), **_meshes(drive), "assembly.json": json_text(_assembly(drive)).encode()}
     with _timed(drive, "written contact", on_stage):
-        ring, helical = drive.pitch.driven.is_ring, drive.helix is not None
-        contact = drive.contact(written_outlines(files, ring=ring, helical=helical))
+        contact = drive.contact(written_outlines(files, drive.solids, helical=drive.helix is not None))
         files["contact.csv"] = contact_csv(contact).encode()
+    with _timed(drive, "workshop files", on_stage):
+        files.update(workshop_files(drive, formats))
     with _timed(drive, "plots", on_stage):
         files.update(pictures(drive, contact))
     # Last: only now are the timings known, and a summary is then never newer in its folder than what it sums up.
