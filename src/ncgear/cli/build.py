@@ -18,6 +18,7 @@ def build(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>")
     ] = None,
+    report: Annotated[bool, typer.Option("--report", help="Also write report.html, as ncgear report does.")] = False,
     timing: Timing = False,
 ) -> None:
     """Build the gears: outlines, solids, plots, motion law and summary, into a folder."""
@@ -35,7 +36,7 @@ def build(
 
         drive = Drive(loaded.design)
         with stages_shown() as on_stage:
-            built = build_files(drive, folder, on_stage)
+            built = build_files(drive, folder, on_stage, loaded if report else None)
         typer.echo(build_text(built.summaries, built.paths))
         if timing:
             typer.echo(timing_text(drive), err=True)

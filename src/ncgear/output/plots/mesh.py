@@ -48,7 +48,7 @@ def contact(result: PairContact, title: str, joints_rad: Array) -> bytes:
 def _errors(axes: Axes, result: PairContact, angle: Array) -> None:
     """Driven angle beyond the law's, of the worst outlines and as designed."""
     written = max(result.as_written, key=lambda outlines: outlines.transmission_error_rad)
-    factor, unit = _scaled(written.pushing_rad)
+    factor, unit = scaled(written.pushing_rad)
     axes.plot(angle, factor * result.as_designed.pushing.error_rad, **PUSHING)
     axes.plot([], [], **BACK)
     axes.plot(angle, factor * written.pushing_rad, **WRITTEN)
@@ -56,7 +56,7 @@ def _errors(axes: Axes, result: PairContact, angle: Array) -> None:
 
 
 def _backlash(axes: Axes, result: PairContact, angle: Array) -> None:
-    factor, unit = _scaled(result.as_designed.backlash_rad)
+    factor, unit = scaled(result.as_designed.backlash_rad)
     axes.plot(angle, factor * result.as_designed.backlash_rad, color=DRIVING, linewidth=1.6)
     dress(axes, "", f"backlash\nin {unit}")
 
@@ -87,7 +87,7 @@ def _sides(designed: AsDesigned) -> Sequence[tuple[Any, dict[str, Any]]]:
     return (designed.back, BACK), (designed.pushing, PUSHING)
 
 
-def _scaled(angles_rad: Array) -> tuple[float, str]:
-    """Factor and name of the unit in which angles are drawn."""
+def scaled(angles_rad: Array) -> tuple[float, str]:
+    """Factor from rad to the unit in which angles (shape (n,)) are drawn, and its name."""
     small = float(np.max(np.abs(angles_rad))) < MILLI_FROM_RAD
     return (1e6, "\u00b5rad") if small else (1e3, "mrad")
