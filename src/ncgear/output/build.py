@@ -65,8 +65,9 @@ def build(drive: Drive, folder: Path, on_stage: Callable[[str], None], reported:
     """Compute everything, and write all files into ``folder``, which is created if need be.
 
     Given the design as it was loaded, which is then ``reported`` on, a report is among them.  Two stages go into
-    folders ``stage-1`` and ``stage-2``, at the same instant. ``on_stage`` is told what is done before it begins. Raises WrongInput or NoSuchMechanism from the stages, and WrongInput when the folder cannot be
-    written; whatever fails, the last good build in ``folder`` stays.
+    folders ``stage-1`` and ``stage-2``, at the same instant.  ``on_stage`` is told what is done before it begins.
+    Raises WrongInput or NoSuchMechanism from the stages, and WrongInput when the folder cannot be written; whatever
+    fails, the last good build in ``folder`` stays.
     """
     prepare(folder)
     pairs = {_place(pair.stage): _made(pair, _named(pair, on_stage)) for pair in drive.by_stage}
