@@ -27,7 +27,8 @@ class Figure:
         The drawing is made of numbers and of words of this package only.
         """
         first = self.drawing.svg.removesuffix(END)
-        dots = "".join(f'<circle class="{line.role}" r="3.6"/>' for line in reversed(self.chart.lines))
+        places = reversed(list(enumerate(self.chart.lines)))
+        dots = "".join(f'<circle class="{line.role}" data-line="{place}" r="3.6"/>' for place, line in places)
         low, high = self.drawing.y
         return Markup(f'{first}<g class="cursor"><line y1="{low:g}" y2="{high:g}"/>{dots}</g>{END}')
 

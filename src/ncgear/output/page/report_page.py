@@ -11,6 +11,8 @@ from ncgear import __version__
 from ncgear.contact.pair_contact import PairContact
 from ncgear.design.load import LoadedDesign
 from ncgear.drive import Drive
+from ncgear.output.advice.collected import build_advice, check_advice
+from ncgear.output.data_sheet.sheet import data_sheet
 from ncgear.output.numbers import shown
 from ncgear.output.page.data import page_data
 from ncgear.output.page.facts import facts, gear_facts
@@ -18,8 +20,7 @@ from ncgear.output.page.figure import figure
 from ncgear.output.page.gear_charts import gear_charts
 from ncgear.output.page.motion_charts import motion_charts
 from ncgear.output.page.render import rendered
-from ncgear.output.page.tables import comparison_tables, contact_tables, versions
-from ncgear.output.warnings import build_warnings, check_warnings
+from ncgear.output.page.tables import comparison_tables, contact_tables, sheet_tables, versions
 
 READABLE_DEG_S = 30.0
 """Pace at which the eye follows a tooth through the mesh: a turn of the driving gear in twelve seconds."""
@@ -54,7 +55,7 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
         "cycle_deg": data["cycle_deg"],
         "facts": [*facts(drive), *chain.from_iterable(gear_facts(*pair) for pair in pairs)],
         "pairs": [_pair(*pair) for pair in pairs],
-        "warnings": [*check_warnings(drive), *chain.from_iterable(_warnings(pair) for pair, _ in pairs)],
+        "advices": [("", check_advice(drive)), *((stage_name(pair), build_advice(pair)) for pair, _ in pairs)],
     }
     return rendered({**content, **_about_design(drive, loaded)})
 
@@ -64,6 +65,7 @@ def _about_design(drive: Drive, loaded: LoadedDesign) -> dict[str, Any]:
     return {
         "has_gears": drive.design.gears is not None,
         "staged": drive.design.stages > 1,
+        "speed": shown(drive.design.operation.speed_rpm),
         "paces": paces(drive.design.operation.speed_rpm),
         "comparison": comparison_tables(drive),
         "text": loaded.text,
@@ -81,9 +83,10 @@ def paces(speed_rpm: float) -> list[Pace]:
 
 
 def _pair(drive: Drive, contact: PairContact) -> dict[str, Any]:
-    return {"title": f"Stage {drive.stage}" if drive.stage else "", "contact": contact_tables(drive, contact)}
+    sheet = sheet_tables(data_sheet(drive))
+    return {"title": stage_name(drive), "sheet": sheet, "contact": contact_tables(drive, contact)}
 
 
-def _warnings(pair: Drive) -> list[str]:
-    stage = f"stage {pair.stage}: " if pair.stage else ""
-    return [stage + warning for warning in build_warnings(pair)]
+def stage_name(pair: Drive) -> str:
+    """What the page calls one of two pairs; nothing where there is one."""
+    return f"Stage {pair.stage}" if pair.stage else ""

@@ -16,10 +16,10 @@ function createChart(figure, chart) {
     const x = between(deg, chart.angle_deg, chart.x);
     line.setAttribute("x1", x);
     line.setAttribute("x2", x);
-    dots.forEach((dot, number) => {
+    for (const dot of dots) {
       dot.setAttribute("cx", x);
-      dot.setAttribute("cy", between(values[number], chart.values, chart.y));
-    });
+      dot.setAttribute("cy", between(values[Number(dot.dataset.line)], chart.values, chart.y));
+    }
   }
 
   return { show };
