@@ -1,4 +1,4 @@
-"""What the page's script gets to know, as plain values for JSON: the law, and the lines of the charts."""
+"""What the page's script gets to know, as plain values for JSON: the scene, and the lines of the charts."""
 
 from __future__ import annotations
 
@@ -8,48 +8,28 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.drive import Drive
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.output.joints import joints_up_to
 from ncgear.output.page.chart import Chart, Line
-from ncgear.output.page.motion_charts import turns_of
-from ncgear.output.page.sampling import split_angles
+from ncgear.output.page.scene_data import scene_data
 from ncgear.output.page.svg import Drawn
-from ncgear.ratio.transmission import Transmission
+from ncgear.scene.scene import Scene
 
-ANGLE_DECIMALS = 10
-"""Of angles in degrees: far below the 1e-6 rad to which the page shows the driven angle."""
+ANGLE_DECIMALS = 9
+"""Of angles in degrees: a sixtieth of the distance by which samples stand aside of a jump."""
 
 MORE_DECIMALS = 3
 """Decimals of the tables beyond those that are shown."""
 
 
-def page_data(drive: Drive, charts: Sequence[Chart], drawings: Sequence[Drawn]) -> dict[str, Any]:
+def page_data(scene: Scene, charts: Sequence[Chart], drawings: Sequence[Drawn]) -> dict[str, Any]:
     """All that moves; raises ValueError as the charts do."""
     grids = _Grids()
     shown = [_chart(chart, drawing, grids) for chart, drawing in zip(charts, drawings, strict=True)]
     return {
-        "cycle_deg": 360.0 * turns_of(drive.transmission.lobes),
-        "speed_deg_s": degrees(drive.design.operation.speed_rpm * RAD_S_PER_RPM),
-        "law": _law(drive.transmission),
-        "between": _law(drive.by_stage[0].pair.transmission) if len(drive.by_stage) > 1 else None,
+        "cycle_deg": degrees(scene.loop_rad),
+        "scene": scene_data(scene),
         "grids": grids.found,
         "charts": shown,
-    }
-
-
-def _law(transmission: Transmission) -> dict[str, Any]:
-    """phi2 over one cycle of the slider with its slope, from which the page interpolates by cubic Hermite pieces."""
-    cycle = transmission.cycle_rad
-    angle = split_angles(cycle, joints_up_to(transmission, cycle).tolist())
-    driven = transmission.driven_angle(angle, 1)
-    return {
-        "period_deg": degrees(cycle),
-        "driven_period_deg": 360.0,
-        "deg": _rounded(np.degrees(angle), ANGLE_DECIMALS),
-        "driven_deg": _rounded(np.degrees(driven.value), ANGLE_DECIMALS),
-        "slope": _rounded(driven.derivative(1), ANGLE_DECIMALS),
     }
 
 

@@ -11,9 +11,11 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from ncgear.output.page.scene_files import scene_script, scene_style
+
 PACKAGE = "ncgear.output.page"
 
-SCRIPTS = ("interpolation", "clock", "charts", "readouts", "controls", "page")
+SCRIPTS = ("interpolation", "shafts", "clock", "charts", "readouts", "controls", "page")
 """In the order in which they build on each other."""
 
 JSON_FORM = {"separators": (",", ":"), "sort_keys": False, "allow_nan": False}
@@ -25,14 +27,14 @@ def rendered(content: Mapping[str, Any]) -> bytes:
     page = (
         _environment()
         .get_template("template.html.j2")
-        .render(**content, css=Markup(_asset("page.css")), script=Markup(code), policy=policy(code))
+        .render(**content, css=Markup(_asset("page.css") + scene_style()), script=Markup(code), policy=policy(code))
     )
     return page.encode()
 
 
 def script() -> str:
     """The page's code, in a scope of its own."""
-    parts = [_asset(f"script/{name}.js") for name in SCRIPTS]
+    parts = [scene_script(), *(_asset(f"script/{name}.js") for name in SCRIPTS)]
     return "\n".join(["(() => {", '"use strict";', *parts, "})();"])
 
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import Any
 
+from markupsafe import Markup
+
 from ncgear import __version__
 from ncgear.contact.pair_contact import PairContact
 from ncgear.design.load import LoadedDesign
@@ -20,7 +22,10 @@ from ncgear.output.page.figure import figure
 from ncgear.output.page.gear_charts import gear_charts
 from ncgear.output.page.motion_charts import motion_charts
 from ncgear.output.page.render import rendered
+from ncgear.output.page.scene_svg import scene_svg
+from ncgear.output.page.scene_views import views
 from ncgear.output.page.tables import comparison_tables, contact_tables, sheet_tables, versions
+from ncgear.scene.made import scene_of
 
 READABLE_DEG_S = 30.0
 """Pace at which the eye follows a tooth through the mesh: a turn of the driving gear in twelve seconds."""
@@ -47,11 +52,14 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
     pairs = list(zip(drive.by_stage, contacts, strict=True)) if contacts else []
     charts = [*motion_charts(drive), *chain.from_iterable(gear_charts(*pair) for pair in pairs)]
     figures = [figure(chart) for chart in charts]
-    data = page_data(drive, charts, [one.drawing for one in figures])
+    scene = scene_of(drive)
+    data = page_data(scene, charts, [one.drawing for one in figures])
     content = {
         "design": drive.design,
         "figures": figures,
         "data": data,
+        "scene": Markup(scene_svg(scene)),
+        "views": list(views(scene)),
         "cycle_deg": data["cycle_deg"],
         "facts": [*facts(drive), *chain.from_iterable(gear_facts(*pair) for pair in pairs)],
         "pairs": [_pair(*pair) for pair in pairs],
