@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 from ncgear.balance.frame import Mounted
 from ncgear.design.balance import Balance
 from ncgear.design.balance_mechanism import Mechanism as Given
-from ncgear.design.load import with_location
 from ncgear.design.load_balance import LoadedBalance
 from ncgear.drive import Drive
 from ncgear.errors import DesignError, WrongInput
@@ -20,12 +19,9 @@ from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.recipe.balance import means_of, mechanism_of, mounted_of
-from ncgear.recipe.gears import bore_of, rim_mm_of
 from ncgear.recipe.masses import masses_of
 
 if TYPE_CHECKING:
-    from shapely import Polygon
-
     from ncgear.balance.gear_body import GearBody
     from ncgear.balance.gear_correction import Corrected
 
@@ -58,10 +54,8 @@ class Balancing:
     @cached_property
     def gears(self) -> dict[str, BalancedGear]:
         """Both gears of the design, driving and driven."""
-        drive = Drive(self.loaded.designs["gears.design"].design)
-        with self._within("gears.design"):
-            slope = drive.pair.transmission.slope_range[1].value
-            drive.solids  # noqa: B018 - so that its faults are told here
+        drive = self._drive("gears.design")
+        slope = drive.pair.transmission.slope_range[1].value
         speeds = {"driving": self._speed_rad_s, "driven": self._speed_rad_s * slope}
         return {gear: self._gear(drive, gear, speed) for gear, speed in speeds.items()}
 
@@ -78,11 +72,15 @@ class Balancing:
             driven_by = linkage, uniform_law(Lobes())
             masses = masses_of(given.masses, 0.0, given.masses.driven_gear_kg_mm2 or 0.0)
         else:
-            with self._within(f"mechanisms.{number}.design"):
-                drive = Drive(self.loaded.designs[f"mechanisms.{number}.design"].design)
-                driven_by = drive.linkage, drive.transmission
-                masses = drive.masses if given.masses is None else masses_of(given.masses, 0.0, 0.0)
+            drive = self._drive(f"mechanisms.{number}.design")
+            driven_by = drive.linkage, drive.transmission
+            masses = drive.masses if given.masses is None else masses_of(given.masses, 0.0, 0.0)
         return mounted_of(given, mechanism_of(given, driven_by, masses, self.balance.speed_rpm))
+
+    def _drive(self, key: str) -> Drive:
+        """The drive of a design that the file names; its faults are told with their place in that design's file."""
+        loaded = self.loaded.designs[key]
+        return Drive(loaded.design, loaded=loaded)
 
     def _gear(self, drive: Drive, gear: str, speed_rad_s: float) -> BalancedGear:
         from ncgear.balance.gear_body import mesh_body, plate_body
@@ -95,21 +93,17 @@ class Balancing:
             if correction is not None:
                 raise WrongInput("helical gears are not corrected; leave it out", key=f"gears.{gear}")
             return BalancedGear(mesh_body(getattr(drive.solids, gear).mesh, asked.density_kg_m3), speed_rad_s, None)
-        section, width, density = _section(drive, gear), drive.gears.face_width_mm, asked.density_kg_m3
-        body = plate_body(section, width, density)
+        solid, width, density = getattr(drive.solids, gear), drive.gears.face_width_mm, asked.density_kg_m3
+        plan = solid.plan
+        body = plate_body(plan.section, width, density) if plan.is_plate else mesh_body(solid.mesh, density)
         if correction is None:
             return BalancedGear(body, speed_rad_s, None)
+        if not plan.is_plate:
+            problem = "gears with a hub, a web or a chamfer are not corrected; leave it out, or those"
+            raise WrongInput(problem, key=f"gears.{gear}")
         tolerance = drive.design.output.chord_tolerance_mm
-        made = corrected(section, width, density, means_of(correction), tolerance, f"gears.{gear}")
+        made = corrected(plan.section, width, density, means_of(correction), tolerance, f"gears.{gear}")
         return BalancedGear(body, speed_rad_s, made)
-
-    @contextmanager
-    def _within(self, key: str) -> Iterator[None]:
-        """Errors raised while a design that the file names is in use get their place in that design's file."""
-        try:
-            yield
-        except DesignError as error:
-            raise with_location(error, self.loaded.designs[key]) from error
 
 
 @contextmanager
@@ -121,19 +115,3 @@ def under(group: str) -> Iterator[None]:
         if not error.location:
             error.key = f"{group}.{error.key}" if error.key else group
         raise
-
-
-def _section(drive: Drive, gear: str) -> Polygon:
-    """The section of a gear with straight teeth."""
-    from shapely import Polygon
-
-    from ncgear.solids.index_hole import hole_points
-    from ncgear.solids.ring import ring_section
-    from ncgear.solids.section import cut
-
-    outline, mark = getattr(drive.teeth, gear).outline_mm, getattr(drive.solids, gear).index_hole
-    tolerance = drive.design.output.chord_tolerance_mm
-    if gear == "driven" and drive.pitch.driven.is_ring:
-        ring = ring_section(outline, rim_mm_of(drive.gears, drive.pitch.size.module_mm), tolerance)
-        return Polygon(ring.exterior, [*ring.interiors, *([hole_points(mark, tolerance)] if mark else [])])
-    return cut(Polygon(outline), bore_of(getattr(drive.gears, gear)), mark, tolerance)
