@@ -24,12 +24,14 @@ class Kind(Enum):
 class Body:
     """A flat body in its own frame: contours in mm, shape (n, 2) each, first point not repeated.
 
-    The first contour is the outer one, counter-clockwise; the others are holes.
+    The first contour is the outer one, counter-clockwise; the others are holes.  ``edges_mm`` are closed lines on its
+    face: pockets, a hub.
     """
 
     name: str
     kind: Kind
     contours_mm: tuple[Array, ...]
+    edges_mm: tuple[Array, ...] = ()
 
     @property
     def reach_mm(self) -> float:

@@ -15,7 +15,8 @@ from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.scene.bodies import Body, Kind, Places
 from ncgear.scene.mounting import Mounting, mountings
-from ncgear.scene.section import gear_section
+from ncgear.solids.body import BodyPlan
+from ncgear.solids.bore import circle_points
 
 CURVE_POINTS = 721
 """Points of a drawn pitch curve: one every half degree of the driving angle."""
@@ -78,16 +79,27 @@ def scene_pairs(drive: Drive) -> tuple[ScenePair, ...]:
 
 
 def _pair(drive: Drive, number: int, mounting: Mounting) -> ScenePair:
+    assert drive.sound_teeth
     driving, driven = (_gear(drive, gear, number, mounting) for gear in Gear)
     return ScenePair(drive.pitch, drive.pitch.size.module_mm, mounting, driving, driven)
 
 
 def _gear(drive: Drive, gear: Gear, number: int, mounting: Mounting) -> SceneGear:
     name = gear.value if drive.stage is None else f"{gear.value}-{drive.stage}"
-    body = Body(name, Kind(gear.value), _seen(gear_section(drive, gear), mounting))
+    plan = drive.solids.driving.plan if gear is Gear.DRIVING else drive.solids.driven.plan
+    edges = tuple(mounting.seen(edge) for edge in _edges(plan))
+    body = Body(name, Kind(gear.value), _seen(plan.section, mounting), edges)
     curve = drive.pitch.driving if gear is Gear.DRIVING else drive.pitch.driven
     points = curve.at_angle(np.linspace(0.0, curve.turn_rad, CURVE_POINTS)).position
     return SceneGear(body, gear, number + (gear is Gear.DRIVEN), mounting, mounting.seen(points))
+
+
+def _edges(plan: BodyPlan) -> list[Array]:
+    """Pockets and hub as they are seen on the upper face."""
+    pockets = plan.web.pockets if plan.web else ()
+    rings = [ring for pocket in pockets for ring in (pocket.exterior, *pocket.interiors)]
+    hub = [circle_points(plan.hub.diameter_mm / 2.0, plan.chord_tolerance_mm)] if plan.hub else []
+    return [np.asarray(ring.coords)[:-1] for ring in rings] + hub
 
 
 def _seen(section: Polygon, mounting: Mounting) -> tuple[Array, ...]:

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from ncgear.numerics.arrays import Array
-from ncgear.output.page.scene_views import views
 from ncgear.ratio.transmission import Piece, Transmission
 from ncgear.scene.gears import SceneGear, ScenePair
 from ncgear.scene.scene import Scene
+from ncgear.scene.views import views
 
 TABLE_ERROR_RAD = 1e-7
 """How far an interpolated angle may be from the law's in the middle of any step of its table; the cubics' error is

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ncgear.output.page.scene_views import views
-from ncgear.output.page.svg_path import closed_path, grid_mm, simplified, strokes_path
+from ncgear.output.page.svg_path import closed_path, grid_mm, strokes_path
 from ncgear.scene.bodies import Body
 from ncgear.scene.gears import SceneGear, ScenePair
 from ncgear.scene.links import pin_radius_mm
 from ncgear.scene.scene import Scene
+from ncgear.scene.simplified import simplified
 from ncgear.scene.standing import hatches_mm, straws, wall_mm
+from ncgear.scene.views import views
 
 GEAR_TOLERANCE = 0.0025
 """Of a gear's outline, in modules: a third of a pixel where 9 modules fill 1200 pixels."""
@@ -81,6 +82,8 @@ def _gear(pair: ScenePair, gear: SceneGear) -> str:
 def _body(body: Body, tolerance_mm: float, extra: str = "") -> str:
     grid = grid_mm(tolerance_mm)
     outline = closed_path(simplified(body.contours_mm, tolerance_mm), grid)
+    if body.edges_mm:
+        extra = f'<path class="edge" d="{closed_path(body.edges_mm, grid)}"/>{extra}'
     return _group(f"body {body.kind.value}", body.name, _scaled(grid, f'<path class="outline" d="{outline}"/>{extra}'))
 
 

@@ -1,4 +1,4 @@
-"""Contours as path data of an SVG: as few points as a tolerance allows, as few characters as their places need."""
+"""Contours as path data of an SVG, in as few characters as their places need."""
 
 from __future__ import annotations
 
@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from math import floor, log10
 
 import numpy as np
-import shapely
-from shapely import Polygon
 
 from ncgear.numerics.arrays import Array
 
@@ -18,13 +16,6 @@ PLACES_PER_TOLERANCE = 5.0
 def grid_mm(tolerance_mm: float) -> float:
     """The power of ten that coordinates are whole multiples of."""
     return float(10.0 ** floor(log10(tolerance_mm / PLACES_PER_TOLERANCE)))
-
-
-def simplified(contours_mm: Sequence[Array], tolerance_mm: float) -> list[Array]:
-    """Contours (shape (n, 2) each, outer one first) with fewer points, no dropped point farther than the tolerance."""
-    polygon = Polygon(contours_mm[0], contours_mm[1:])
-    fewer = shapely.simplify(polygon, tolerance_mm, preserve_topology=True)
-    return [np.asarray(ring.coords)[:-1] for ring in (fewer.exterior, *fewer.interiors)]
 
 
 def closed_path(contours: Sequence[Array], grid: float) -> str:
