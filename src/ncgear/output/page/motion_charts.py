@@ -11,8 +11,10 @@ from ncgear.kinematics.slider import SliderMotion
 from ncgear.output.joints import joints_up_to
 from ncgear.output.page.chart import OWN, UNIFORM, Chart, Line
 from ncgear.output.page.sampling import cycle_angles_rad
-from ncgear.output.plots.curves import MOTION, POWER, Quantity
+from ncgear.output.plots.curves import ACCELERATION, DISPLACEMENT, FORCE, POWER, VELOCITY, Quantity
 from ncgear.ratio.transmission import Lobes
+
+MOTION, LOAD = (DISPLACEMENT, VELOCITY, ACCELERATION), (FORCE, POWER)
 
 RATIO = Quantity("ratio", "ratio i\u2081\u2082", "", 1.0, extreme=True)
 
@@ -26,7 +28,7 @@ def motion_charts(drive: Drive) -> tuple[Chart, ...]:
     """Displacement to ratio over the driving angle; force and power where the design has a resistance."""
     phi1 = cycle_angles_rad(drive)
     tables = drive.machine.motion(phi1), drive.uniform_machine.motion(phi1)
-    quantities = (*MOTION, *(POWER if drive.design.resistance is not None else ()), RATIO)
+    quantities = (*MOTION, *(LOAD if drive.design.resistance is not None else ()), RATIO)
     return tuple(_chart(drive, quantity, *tables) for quantity in quantities)
 
 

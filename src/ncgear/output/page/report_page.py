@@ -23,9 +23,9 @@ from ncgear.output.page.gear_charts import gear_charts
 from ncgear.output.page.motion_charts import motion_charts
 from ncgear.output.page.render import rendered
 from ncgear.output.page.scene_svg import scene_svg
-from ncgear.output.page.scene_views import views
 from ncgear.output.page.tables import comparison_tables, contact_tables, sheet_tables, versions
 from ncgear.scene.made import scene_of
+from ncgear.scene.views import views
 
 READABLE_DEG_S = 30.0
 """Pace at which the eye follows a tooth through the mesh: a turn of the driving gear in twelve seconds."""
