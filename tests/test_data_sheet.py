@@ -19,6 +19,7 @@ from ncgear.output.data_sheet.sheet import data_sheet
 from ncgear.output.data_sheet.text import pitch_csv, sheet_text
 from ncgear.output.data_sheet.values import DataSheet, Row, Table
 from ncgear.output.joints import joints_up_to
+from ncgear.output.page.tables import sheet_tables
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 
@@ -158,6 +159,12 @@ def test_the_text_has_every_group_and_table() -> None:
         assert f"\n## {title}\n" in text
     assert "| module | 2 |  | mm |" in text
     assert "None" not in text
+
+
+def test_the_report_shows_measurements_to_a_tenth_of_a_micrometre() -> None:
+    shown = next(table for table in sheet_tables(toleranced()) if table.title.startswith("Span of the driving"))
+    nominal = [cells[4] for cells in table(toleranced(), "Span of the driving").rows]
+    assert [float(cells.cells[4]) for cells in shown.rows] == pytest.approx(nominal, abs=1e-4)
 
 
 def test_the_pitch_file_is_the_law() -> None:
