@@ -116,6 +116,12 @@ def test_a_ring_has_pins_and_says_that_it_has_no_span() -> None:
     assert "between two pins" in table(found, "Measurement between").columns[-1].label
 
 
+def test_flanks_of_equivalent_gears_have_pins_and_no_span() -> None:
+    found = data_sheet(drive("ellipse", method="equivalent_gear"))
+    assert "equivalent" in str(row(found, "places of a span").driving)
+    assert row(found, "spaces in which they measure").driving == "all"
+
+
 def test_helical_gears_are_measured_with_balls_half_way_up() -> None:
     found = sheet("helical-ellipse")
     assert row(found, "section that is measured, z").pair == 5.0
