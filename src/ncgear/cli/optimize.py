@@ -23,10 +23,10 @@ def optimize(
 
     with opened(design_file) as loaded:
         from ncgear.improvement import Improvement
-        from ncgear.output.frontier_files import LIMIT_PICTURE, limit_picture
         from ncgear.output.json_text import json_text
-        from ncgear.output.optimized import certificate, optimized_design, optimized_name
-        from ncgear.output.optimized_text import optimized_text
+        from ncgear.output.optimum.frontier_files import LIMIT_PICTURE, limit_picture
+        from ncgear.output.optimum.optimized import certificate, optimized_design, optimized_name
+        from ncgear.output.optimum.optimized_text import optimized_text
 
         improvement = Improvement(loaded.design)
         name = optimized_name(improvement)

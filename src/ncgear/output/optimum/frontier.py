@@ -10,7 +10,7 @@ from ncgear.frontier import Frontier
 from ncgear.improvement import Improvement
 from ncgear.optimum.frontier import FamilyPoint, LawPoint
 from ncgear.output.json_text import json_text
-from ncgear.output.optimized import ARGUMENT, figures_summary
+from ncgear.output.optimum.optimized import ARGUMENT, figures_summary
 from ncgear.output.tables import rows_text
 
 COLUMNS = (
