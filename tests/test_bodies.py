@@ -11,6 +11,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import pytest
 import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.integrate import quad
 from shapely import Point, Polygon
 
@@ -34,6 +36,7 @@ from ncgear.solids.bevel import bevel_of
 from ncgear.solids.blank import Blank, HoleSet, WebSize
 from ncgear.solids.body import Hub, Layer, SetScrew
 from ncgear.solids.bore import Bore, Keyway, circle_points
+from ncgear.solids.hub import require_hub_room
 from ncgear.solids.inertia import body_kg_mm2
 from ncgear.solids.layered import layered
 from ncgear.solids.pair import GearSolid, driving_solid, solid_of_plan
@@ -455,6 +458,47 @@ def test_wrong_bodies_are_refused_with_their_place(text: str, key: str, problem:
         asked("  " + text)
     assert caught.value.key == f"gears.{key}"
     assert caught.value.location
+
+
+@pytest.mark.parametrize("name", ["printed-pump", "pump-1-2", "baler"])
+def test_the_largest_hubs_of_a_pair_do_not_meet(name: str) -> None:
+    made_of, largest = drive(name), []
+    for gear in (made_of.teeth.driving, made_of.teeth.driven):
+        with pytest.raises(WrongInput, match="reaches over the tooth spaces") as caught:
+            require_hub_room(Polygon(gear.outline_mm), Hub(1000.0, 5.0), "gears.driving")
+        largest.append(float(caught.value.problem.split("largest that fits is ")[1].split(" mm")[0]))
+    assert sum(largest) / 2.0 < made_of.pitch.center_distance_mm
+
+
+LENGTHS = st.floats(0.2, 30.0)
+BORES = st.builds(Bore, st.floats(4.0, 20.0), st.none() | st.builds(Keyway, st.floats(0.5, 3.5), st.floats(0.2, 3.0)))
+SCREWS = st.builds(SetScrew, st.floats(0.5, 3.0), st.floats(WIDTH + 1.6, WIDTH + 2.4), st.floats(-7.0, 7.0))
+BLANKS = st.builds(
+    Blank,
+    st.just(WIDTH),
+    BORES,
+    st.booleans(),
+    hub=st.none() | st.builds(Hub, st.floats(28.0, 60.0), st.just(4.0), st.none() | SCREWS),
+    web=st.none() | st.builds(WebSize, st.floats(1.5, 11.0), st.floats(0.5, 8.0), st.just(60.0) | st.just(34.0)),
+    holes=st.none() | st.builds(HoleSet, st.integers(1, 12), st.floats(0.3, 5.0), st.none() | LENGTHS),
+    chamfer_mm=st.just(0.0) | st.floats(0.05, 1.2),
+    clearance_mm=st.just(0.0) | st.floats(0.005, 0.4),
+)
+
+
+@pytest.mark.slow
+@settings(max_examples=60, deadline=None)
+@given(blank=BLANKS, name=st.sampled_from(["baler", "pump-1-2", "printed-pump"]))
+def test_every_body_is_sound_or_refused(blank: Blank, name: str) -> None:
+    """Closed, of the volume of its parts, and the same after it was written and read; or refused with a key."""
+    if blank.web is not None and blank.hub is not None:
+        blank = replace(blank, web=replace(blank.web, hub_mm=max(blank.web.hub_mm, blank.hub.diameter_mm)))
+    try:
+        solid = made(blank, TOLERANCE, drive(name).teeth.driven.outline_mm)
+    except WrongInput as refused:
+        assert refused.key.startswith("gears.")
+    else:
+        assert read_back(stl_bytes(solid.mesh), solid.mesh).is_watertight
 
 
 # --- helical teeth, rings, balance -----------------------------------------------------------------------------------
