@@ -10,6 +10,7 @@
  *   scene.view(name)          look at "machine", "gears" or "mesh" (which follows the pitch point); of a machine without
  *                             gears there is "machine" alone, and scene.views tells which there are
  *   scene.driven_angle(phi1)  how far the crank's shaft has turned, in rad, in its own sense
+ *   scene.shaft_angles(phi1)  how far each shaft has turned, in rad, the driving one first, the crank's last
  *   scene.zoom(factor)        magnify about the middle of the view; scene.reset() undoes zooming and dragging
  *   scene.place(name, phi1)   {x, y, angle} of a body in mm and rad, y upwards: "crank", "rod", "slider", "driving", ...
  *   scene.loop                driving angle in rad after which every body is back in its pose
@@ -254,6 +255,7 @@ const createScene = (() => {
     view("machine");
     show(0);
     const place = (name, phi1) => placesAt(data, phi1)[name];
-    return { show, view, driven_angle, zoom, reset, place, views: Object.keys(data.views), loop: data.loop };
+    const shaft_angles = (phi1) => shaftsAt(data.shafts, phi1).map((shaft) => shaft.value);
+    return { show, view, driven_angle, shaft_angles, zoom, reset, place, views: Object.keys(data.views), loop: data.loop };
   };
 })();
