@@ -27,6 +27,8 @@ FILES = {
     "summary.json",
     "assembly.json",
     "law.csv",
+    "pitch.csv",
+    "data_sheet.md",
     "contact.csv",
     "driving.csv",
     "driven.csv",
