@@ -144,7 +144,9 @@ def test_four_hundred_teeth_stay_under_five_megabytes(run: Run, tmp_path: Path) 
 def test_both_commands_and_any_order_of_hashing_give_the_same_bytes(run: Run, tmp_path: Path) -> None:
     design = str(ROOT / "designs" / "ellipse.yaml")
     command = [sys.executable, "-m", "ncgear", "report", design, "--out", str(tmp_path / "alone")]
-    subprocess.run(command, check=True, capture_output=True, env={**os.environ, "PYTHONHASHSEED": "7"}, cwd=ROOT / "src")
+    subprocess.run(
+        command, check=True, capture_output=True, env={**os.environ, "PYTHONHASHSEED": "7"}, cwd=ROOT / "src"
+    )
     assert run("build", design, "--report", "--out", str(tmp_path / "built"))[0] == 0
     alone, built = (tmp_path / folder / REPORT_FILE for folder in ("alone", "built"))
     assert alone.read_bytes() == built.read_bytes()

@@ -31,11 +31,22 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-<<<<<<< HEAD
-COMMANDS = (build, report, check, simulate, optimize, frontier, sweep, bench, balance, new, explain, reproduce, schema)
-=======
-COMMANDS = (build, animate, check, simulate, optimize, frontier, sweep, bench, balance, new, explain, reproduce, schema)
->>>>>>> c79019acf9f8f4b811afa0bf6f1b804fe383a41b
+COMMANDS = (
+    build,
+    report,
+    animate,
+    check,
+    simulate,
+    optimize,
+    frontier,
+    sweep,
+    bench,
+    balance,
+    new,
+    explain,
+    reproduce,
+    schema,
+)
 """In the order of the help."""
 
 for command in COMMANDS:
