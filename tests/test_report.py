@@ -24,10 +24,9 @@ from ncgear.kinematics.slider import SliderMotion
 from ncgear.output.page import REPORT_FILE
 from ncgear.output.page.chart import Chart, decimals_of
 from ncgear.output.page.gear_charts import gear_charts
-from ncgear.output.page.motion_charts import motion_charts
+from ncgear.output.page.motion_charts import LOAD, MOTION, motion_charts
 from ncgear.output.page.sampling import SIDE_RAD, split_angles
 from ncgear.output.page.svg import drawn
-from ncgear.output.plots.curves import MOTION, POWER
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "src" / "ncgear" / "output" / "page"
@@ -203,7 +202,7 @@ def test_the_page_says_what_the_design_is() -> None:
 
 
 def test_every_quantity_has_a_chart() -> None:
-    wanted = [q.column for q in (*MOTION, *POWER)] + ["ratio", "pressure_angle", "transmission_error"]
+    wanted = [q.column for q in (*MOTION, *LOAD)] + ["ratio", "pressure_angle", "transmission_error"]
     assert parsed(reports.page("baler")).xpath("//figure/@data-key") == wanted
 
 
@@ -243,7 +242,7 @@ def test_the_force_is_read_out_on_both_sides_of_its_jump() -> None:
     dead_centre = np.degrees(reports.drive("baler").machine.extended_rad)
     angles = dead_centre + np.array([-1e-3, 1e-3])
     force = motion_charts(reports.drive("baler"))[3]
-    assert error_of_straight_lines(force, POWER[0].of(motion_at("baler", angles)), angles) < 0.5
+    assert error_of_straight_lines(force, LOAD[0].of(motion_at("baler", angles)), angles) < 0.5
 
 
 def test_even_samples_would_miss_the_jump() -> None:

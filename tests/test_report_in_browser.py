@@ -16,8 +16,7 @@ import pytest
 import reports
 from ncgear.output.page.chart import Chart
 from ncgear.output.page.gear_charts import gear_charts
-from ncgear.output.page.motion_charts import motion_charts
-from ncgear.output.plots.curves import MOTION, POWER
+from ncgear.output.page.motion_charts import LOAD, MOTION, motion_charts
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 
@@ -146,7 +145,7 @@ def test_readouts_are_the_motion_at_the_angle(baler: Opened, angle_deg: float) -
     drive, known = reports.drive("baler"), charts("baler")
     for machine, line in ((drive.machine, 0), (drive.uniform_machine, 1)):
         motion = machine.motion(np.radians([angle_deg]))
-        for quantity in (*MOTION, *POWER):
+        for quantity in (*MOTION, *LOAD):
             shown = baler.text(f"figure [data-now={quantity.column}][data-line='{line}']")
             digit = 10.0 ** -known[quantity.column].decimals
             assert float(shown) == pytest.approx(float(quantity.of(motion)[0]), abs=0.51 * digit), quantity
