@@ -16,7 +16,7 @@ import pytest
 import reports
 from ncgear.output.page.chart import Chart
 from ncgear.output.page.gear_charts import gear_charts
-from ncgear.output.page.motion_charts import LOAD, MOTION, motion_charts
+from ncgear.output.page.motion_charts import LOAD, MOTION
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 
@@ -135,7 +135,7 @@ def charts(name: str) -> dict[str, Chart]:
     drive = reports.drive(name)
     pairs = zip(drive.by_stage, reports.contacts(name), strict=True)
     return {
-        chart.key: chart for chart in (*motion_charts(drive), *(one for pair in pairs for one in gear_charts(*pair)))
+        chart.key: chart for chart in (*reports.motion(name), *(one for pair in pairs for one in gear_charts(*pair)))
     }
 
 
