@@ -19,6 +19,7 @@ from ncgear.output.data_sheet.sheet import data_sheet
 from ncgear.output.data_sheet.text import pitch_csv, sheet_text
 from ncgear.output.data_sheet.values import DataSheet, Row, Table
 from ncgear.output.joints import joints_up_to
+from ncgear.output.page.tables import sheet_tables
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 
@@ -115,6 +116,12 @@ def test_a_ring_has_pins_and_says_that_it_has_no_span() -> None:
     assert "between two pins" in table(found, "Measurement between").columns[-1].label
 
 
+def test_flanks_of_equivalent_gears_have_pins_and_no_span() -> None:
+    found = data_sheet(drive("ellipse", method="equivalent_gear"))
+    assert "equivalent" in str(row(found, "places of a span").driving)
+    assert row(found, "spaces in which they measure").driving == "all"
+
+
 def test_helical_gears_are_measured_with_balls_half_way_up() -> None:
     found = sheet("helical-ellipse")
     assert row(found, "section that is measured, z").pair == 5.0
@@ -158,6 +165,12 @@ def test_the_text_has_every_group_and_table() -> None:
         assert f"\n## {title}\n" in text
     assert "| module | 2 |  | mm |" in text
     assert "None" not in text
+
+
+def test_the_report_shows_measurements_to_a_tenth_of_a_micrometre() -> None:
+    shown = next(table for table in sheet_tables(toleranced()) if table.title.startswith("Span of the driving"))
+    nominal = [cells[4] for cells in table(toleranced(), "Span of the driving").rows]
+    assert [float(cells.cells[4]) for cells in shown.rows] == pytest.approx(nominal, abs=1e-4)
 
 
 def test_the_pitch_file_is_the_law() -> None:

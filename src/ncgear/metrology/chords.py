@@ -47,13 +47,16 @@ class MeasuringChords:
     everywhere: bool = False
 
 
+NO_CHORDS = MeasuringChords(np.empty(0), np.empty(0), np.zeros(0, dtype=bool))
+
+
 def measuring_chords(curve: PitchCurve, angle_rad: float) -> MeasuringChords:
     """All such chords of one turn between stretches on which the curve is convex; none on a ring.
 
     Of a dented curve, those that begin where it has turned farther than anywhere before.
     """
     if curve.is_ring:
-        return MeasuringChords(np.empty(0), np.empty(0), np.zeros(0, dtype=bool))
+        return NO_CHORDS
     start, end, offset, length = _tried(curve, angle_rad)
     if np.all(np.abs(offset) <= EVEN * length):
         return MeasuringChords(start[:1], end[:1], np.ones(1, dtype=bool), everywhere=True)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncgear.metrology.chords import MeasuringChords, measuring_chords
+from ncgear.metrology.chords import NO_CHORDS, MeasuringChords, measuring_chords
 from ncgear.metrology.working import WorkingFlanks
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 
@@ -43,10 +43,11 @@ class Spans:
 def spans(working: WorkingFlanks) -> Spans:
     """All spans of a gear whose plates touch flanks, each over the teeth that they touch nearest to the pitch curve.
 
-    Of a circular gear that of every tooth and as many after it as do so.
+    Of a circular gear that of every tooth and as many after it as do so.  None of equivalent gears' flanks, which do
+    not follow the pitch curve.
     """
     flanks = working.flanks
-    chords = _of_teeth(working, measuring_chords(flanks.curve, flanks.rack.pressure_angle_rad))
+    chords = _of_teeth(working, _chords(working))
     first, low = _touching(working, chords.start_mm, -1.0)
     last, high = _touching(working, chords.end_mm, 1.0)
     good = np.isfinite(low) & np.isfinite(high)
@@ -63,6 +64,11 @@ def spans(working: WorkingFlanks) -> Spans:
         chords.everywhere,
         int(np.count_nonzero(~good)),
     )
+
+
+def _chords(working: WorkingFlanks) -> MeasuringChords:
+    flanks = working.flanks
+    return NO_CHORDS if flanks.equivalent else measuring_chords(flanks.curve, flanks.rack.pressure_angle_rad)
 
 
 def _of_teeth(working: WorkingFlanks, chords: MeasuringChords) -> MeasuringChords:

@@ -94,13 +94,15 @@ def _gears(axes: Axes, scene: Scene, pixel_mm: float, to_screen: Transform) -> I
         yield _gear(axes, pair.driving, pixel_mm, to_screen)
         yield _gear(axes, pair.driven, pixel_mm, to_screen)
     yield _axes_of_rotation(axes, scene, to_screen)
-    yield _pitch_points(axes, scene, to_screen)
+    if scene.pairs:
+        yield _pitch_points(axes, scene, to_screen)
 
 
 def _body(axes: Axes, body: Body, pixel_mm: float, to_screen: Transform) -> Moving:
     contours = simplified(body.contours_mm, PIXEL_SHARE * pixel_mm)
     transform = Affine2D()
-    patch = PathPatch(_path(contours), transform=transform + to_screen, **looks.BODIES[body.kind])
+    # Not snapped to whole pixels, or what moves slowly would jump from one to the next.
+    patch = PathPatch(_path(contours), transform=transform + to_screen, snap=False, **looks.BODIES[body.kind])
     axes.add_artist(patch)
     return Moving((patch,), lambda poses, row: _place(transform, poses.places[body.name], row))
 

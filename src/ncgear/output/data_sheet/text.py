@@ -6,16 +6,13 @@ import numpy as np
 
 from ncgear.drive import Drive
 from ncgear.output.data_sheet.pitch_table import pitch_columns
-from ncgear.output.data_sheet.values import Column, DataSheet, Group, Row, Table, Value
+from ncgear.output.data_sheet.values import Column, DataSheet, Group, Row, Table, Value, cell_text
 from ncgear.output.tables import csv_text
 
 PITCH_STEPS = 720
 """Of half a degree each over a turn of the driving gear."""
 
 PITCH_COLUMNS = ("phi1_deg", "phi2_deg", "ratio", "radius_driving_mm", "radius_driven_mm")
-
-DIGITS = 7
-"""Of numbers: a tenth of a micrometre on a gear of 100 mm."""
 
 
 def pitch_csv(drive: Drive) -> str:
@@ -56,10 +53,3 @@ def _headed(title: str, heads: tuple[str, ...], rows: list[tuple[Value, ...]]) -
 
 def _line(cells: tuple[Value, ...]) -> str:
     return f"| {' | '.join(map(cell_text, cells))} |"
-
-
-def cell_text(value: Value) -> str:
-    """A cell for reading: numbers to ``DIGITS`` digits, nothing for None."""
-    if value is None:
-        return ""
-    return f"{value:.{DIGITS}g}" if isinstance(value, float) else str(value)

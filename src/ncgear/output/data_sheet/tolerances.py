@@ -47,6 +47,8 @@ def _spaces(gear: MeasuredGear) -> Value:
 def _places(gear: MeasuredGear, spans: Spans) -> Value:
     if gear.working.is_ring:
         return "not defined: plates do not reach the flanks of a ring"
+    if gear.working.flanks.equivalent:
+        return "not defined: flanks of equivalent gears do not follow the pitch curve"
     if spans.everywhere:
         return "everywhere alike"
     if not spans.first.size:
