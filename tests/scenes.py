@@ -31,7 +31,23 @@ operation: {speed_rpm: 90}
 motion: {law: ellipse, eccentricity: 0.3}
 """
 
-TEXTS = {"askew": ASKEW, "gearless": GEARLESS}
+WEBBED = """
+name: webbed
+linkage: {crank_mm: 40, rod_mm: 150}
+operation: {speed_rpm: 90}
+motion: {law: uniform_crank}
+gears:
+  teeth: 30
+  module_mm: 2
+  face_width_mm: 12
+  driving:
+    bore_mm: 10
+    hub: {diameter_mm: 20, height_mm: 8}
+    web: {thickness_mm: 4, rim_mm: 4}
+    lightening_holes: {count: 4, least_wall_mm: 2}
+"""
+
+TEXTS = {"askew": ASKEW, "gearless": GEARLESS, "webbed": WEBBED}
 
 
 @cache

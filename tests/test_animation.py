@@ -127,7 +127,7 @@ def gif(name: str, frames: int = 5, seconds: float = 0.37, width: int = 401) -> 
     return Image.open(BytesIO(animated(scene(name), Format.GIF, loop, lambda done, total: None)))
 
 
-@pytest.mark.parametrize("name", ["baler", "internal-1-2", TWO_STAGES, "gearless"])
+@pytest.mark.parametrize("name", ["baler", "internal-1-2", TWO_STAGES, "gearless", "webbed"])
 def test_a_gif_has_its_frames_its_time_and_its_size(name: str) -> None:
     made = gif(name)
     assert made.n_frames == 5  # type: ignore[attr-defined]

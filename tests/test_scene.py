@@ -176,6 +176,19 @@ def test_contours_go_round_the_right_way(name: str) -> None:
         assert all(hole < 0.0 for hole in holes)
 
 
+def test_pockets_hub_and_holes_are_seen() -> None:
+    body = scene("webbed").pairs[0].driving.body
+    # A bore and four holes; a hub, and a pocket around it with its own inner edge.
+    assert len(body.contours_mm) == 1 + 1 + 4
+    hub, *pocket = sorted(body.edges_mm, key=signed_size)
+    assert np.hypot(*hub.T) == pytest.approx(np.full(len(hub), 10.0))
+    assert len(pocket) == 2
+
+
+def signed_size(ring: Array) -> float:
+    return abs(float(signed_area(ring)))
+
+
 @every_scene
 def test_after_the_loop_every_body_is_back_and_not_before(name: str) -> None:
     found = scene(name)

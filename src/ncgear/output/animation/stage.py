@@ -111,8 +111,12 @@ def _gear(axes: Axes, gear: SceneGear, pixel_mm: float, to_screen: Transform) ->
     filled = _body(axes, gear.body, pixel_mm, to_screen)
     (patch,) = filled.artists
     curve = Line2D(*gear.pitch_curve_mm.T, transform=patch.get_transform(), **looks.PITCH_CURVES[gear.body.kind])
-    axes.add_artist(curve)
-    return Moving((patch, curve), filled.pose)
+    loops = [np.vstack([edge, edge[:1]]) for edge in gear.body.edges_mm]
+    style = looks.EDGES[gear.body.kind]
+    edges = [Line2D(*loop.T, transform=patch.get_transform(), **style) for loop in loops]
+    for line in (*edges, curve):
+        axes.add_artist(line)
+    return Moving((patch, *edges, curve), filled.pose)
 
 
 def _place(transform: Affine2D, places: Places, row: int) -> None:
