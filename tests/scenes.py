@@ -6,8 +6,12 @@ from functools import cache
 from pathlib import Path
 from tempfile import mkdtemp
 
+import numpy as np
+
 from ncgear.design.load import load
 from ncgear.drive import Drive
+from ncgear.numerics.arrays import Array
+from ncgear.scene.bodies import Places
 from ncgear.scene.made import scene_of
 from ncgear.scene.scene import Scene
 from test_designs import DESIGNS
@@ -64,3 +68,18 @@ def drive_of(name: str) -> Drive:
 def scene(name: str) -> Scene:
     """Its scene."""
     return scene_of(drive_of(name))
+
+
+def carried(places: Places, point_mm: Array) -> Array:
+    """Where one point of a body, shape (2,), is at each of its places, shape (n, 2)."""
+    return places.origin_mm + flat((point_mm[0] + 1j * point_mm[1]) * np.exp(1j * places.angle_rad))
+
+
+def standing(places: Places, points_mm: Array, row: int) -> Array:
+    """Where points of a body, shape (m, 2), are at one of its places, shape (m, 2)."""
+    turned = (points_mm[:, 0] + 1j * points_mm[:, 1]) * np.exp(1j * places.angle_rad[row])
+    return places.origin_mm[row] + flat(turned)
+
+
+def flat(points: np.ndarray) -> Array:
+    return np.stack([points.real, points.imag], axis=-1)
