@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from pathlib import Path
 
@@ -25,6 +26,7 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp
         monkeypatch.setattr(sys, "argv", ["ncgear", *arguments])
         with pytest.raises(SystemExit) as exit_:
             ncgear.cli.main()
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         out, err = capsys.readouterr()
         return int(exit_.value.code or 0), out, err
 

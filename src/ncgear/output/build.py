@@ -35,6 +35,9 @@ STAGES = {
 }
 """Stages in order and the attributes of the drive whose first use computes them."""
 
+PAIR_STAGES = (*STAGES, "files", "written contact", "workshop files", "plots")
+"""All that a build tells of one pair of gears."""
+
 
 @dataclass(frozen=True)
 class Built:
@@ -76,6 +79,11 @@ def build(
     names = {*NAMES, *(name for pair in pairs.values() for name in pair.files)}
     obsolete = [_place(stage) + name for stage in (None, 1, 2) for name in sorted(names)]
     return Built(publish(folder, files, [*obsolete, REPORT_FILE]), [pair.summary for pair in pairs.values()])
+
+
+def stage_count(drive: Drive, *, report: bool) -> int:
+    """How often a build tells what is done."""
+    return len(PAIR_STAGES) * drive.design.stages + report
 
 
 def contacts_as_written(drive: Drive, on_stage: Callable[[str], None]) -> list[PairContact]:
