@@ -140,7 +140,7 @@ def test_only_lines_of_other_values_differ_from_the_template(law: Law) -> None:
     before, after = template("a", law), begun("a", law, {"teeth": 45, "face_width_mm": 7.5})
     changed = [line for line in ndiff(before.splitlines(), after.splitlines()) if line[0] in "+-"]
     keys = {line[1:].strip().partition(":")[0] for line in changed}
-    assert keys == {"teeth", "face_width_mm", "driving", "driven"}
+    assert keys == {"teeth", "face_width_mm", "bore_mm", "keyway", "driven"}
     assert before.count("#") == after.count("#")
     assert filled(before, {}) == before
 

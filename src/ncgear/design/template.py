@@ -119,6 +119,8 @@ gears:                     # a check does without, a build needs it
   # helix: {angle_deg: 15, kind: helical, hand: right}   # or herringbone, left; left out: straight teeth
   backlash_mm: 0           # normal backlash
   index_holes: true        # a small hole in each gear; they face each other at phi1 = 0, so that teeth pair up right
+  # tolerances: {standard: ISO 1328-1, grade: "8", tooth_thickness_upper_mm: -0.05, tooth_thickness_lower_mm: -0.1}
+  # measuring_pin_mm: 3.5  # of the data sheet; left out: one that fits
   # first_layer_chamfer_mm: 0.4   # bevel of all edges at z = 0, where the first layers of a print spread
   # process_clearance_mm: 0.05    # the solids' teeth and bores are drawn back by it, since a print swells
   driving:
