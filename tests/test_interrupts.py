@@ -58,7 +58,7 @@ def design(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.mark.parametrize("seconds", [0.01, 0.3, 1.0])
+@pytest.mark.parametrize("seconds", [0.01, 0.2, 0.5])
 def test_an_interrupted_build_leaves_nothing(tmp_path: Path, design: Path, seconds: float) -> None:
     assert_interrupted(interrupted(seconds, "build", str(design), "--out", str(tmp_path / "out")))
     assert not (tmp_path / "out").exists() or not list((tmp_path / "out").iterdir())
@@ -114,6 +114,30 @@ def test_an_interrupted_frontier_ends_its_processes_at_once(
     monkeypatch.chdir(ROOT)
     arguments = "frontier", "designs/baler-frontier.yaml", "--points", "4", "--out", str(tmp_path / "out")
     assert_interrupted(interrupted(5.0, *arguments, whole_group=whole_group))
+
+
+AWAY = """
+import signal, sys, time
+from ncgear.cli import app, run
+
+class Freed:
+    def __del__(self):
+        signal.raise_signal(signal.SIGINT)
+
+def work():
+    Freed()
+    time.sleep(30)
+
+app.app = work
+run.main()
+"""
+"""Ctrl-C while an object is freed, where the interpreter can raise nothing."""
+
+
+def test_ctrl_c_is_heard_also_where_it_cannot_be_raised() -> None:
+    environment = {**os.environ, "PYTHONPATH": SOURCE}
+    done = subprocess.run([sys.executable, "-c", AWAY], env=environment, capture_output=True, text=True, timeout=25)
+    assert_interrupted((done.returncode, done.stderr))
 
 
 def test_ctrl_c_waits_for_what_must_not_be_left_half_done() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import threading
 from types import FrameType
 from typing import NoReturn
 
@@ -13,6 +14,8 @@ from ncgear.errors import DesignError
 INTERRUPTED = 130
 WRONG_INPUT = 2
 FAULT = 1
+
+AGAIN_SECONDS = 0.01
 
 LAST_WORDS = "interrupted; what earlier runs have written is untouched"
 
@@ -32,6 +35,7 @@ def main() -> NoReturn:
     """Run the command line and exit with its status; from then on the process hears no Ctrl-C."""
     hearing = _Hearing()
     signal.signal(signal.SIGINT, hearing)
+    sys.unraisablehook = _heard_again
     status, last_words = _run()
     # What is done is done: the interpreter's own end is not interrupted.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -40,6 +44,16 @@ def main() -> NoReturn:
     if last_words:
         print(last_words, file=sys.stderr)
     sys.exit(status)
+
+
+def _heard_again(unraisable: sys.UnraisableHookArgs) -> None:
+    """Where the interpreter can raise no error, as while it frees an object, Ctrl-C is heard again a little later."""
+    if issubclass(unraisable.exc_type, KeyboardInterrupt):
+        later = threading.Timer(AGAIN_SECONDS, os.kill, (os.getpid(), signal.SIGINT))
+        later.daemon = True
+        later.start()
+    else:
+        sys.__unraisablehook__(unraisable)
 
 
 def _run() -> tuple[int, str]:
