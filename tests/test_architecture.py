@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[1]
 SOURCE = ROOT / "src" / "ncgear"
 
 LAYERS = [
-    {"errors", "extras", "stopwatch", "numerics"},
+    {"errors", "extras", "interrupts", "stopwatch", "numerics"},
     {"machine"},
     {"ratio"},
     {"kinematics"},

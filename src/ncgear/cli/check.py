@@ -24,7 +24,7 @@ def check(
         from ncgear.output.summary.check import check_summary
 
         drive = Drive(loaded.design)
-        with stages_shown() as on_stage:
+        with stages_shown(1) as on_stage:
             on_stage("kinematics and power")
             text = json_text(check_summary(drive)).rstrip() if as_json else check_text(drive)
         typer.echo(text)

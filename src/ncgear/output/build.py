@@ -37,6 +37,10 @@ STAGES = {
 }
 """Stages in order and the attributes of the drive whose first use computes them."""
 
+WRITTEN_STAGES = (*STAGES, "files", "written contact")
+PAIR_STAGES = (*WRITTEN_STAGES, "workshop files", "plots")
+"""What is told of one pair of gears until its contact as written is known, and until all its files are made."""
+
 
 @dataclass(frozen=True)
 class Built:
@@ -78,6 +82,11 @@ def build(
     names = {*NAMES, *(name for pair in pairs.values() for name in pair.files)}
     obsolete = [_place(stage) + name for stage in (None, 1, 2) for name in sorted(names)]
     return Built(publish(folder, files, [*obsolete, REPORT_FILE]), [pair.summary for pair in pairs.values()])
+
+
+def stage_count(drive: Drive, *, report: bool) -> int:
+    """How often a build tells what is done."""
+    return len(PAIR_STAGES) * drive.design.stages + report
 
 
 def contacts_as_written(drive: Drive, on_stage: Callable[[str], None]) -> list[PairContact]:
