@@ -39,6 +39,10 @@ class SolidPair:
     driving: GearSolid
     driven: GearSolid
 
+    def of(self, gear: Gear) -> GearSolid:
+        """One of them."""
+        return self.driving if gear is Gear.DRIVING else self.driven
+
 
 def driving_solid(
     outline_mm: Array, blank: Blank, module_mm: float, chord_tolerance_mm: float, mesh: Mesh = Mesh.EXTERNAL
