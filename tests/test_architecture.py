@@ -24,7 +24,7 @@ LAYERS = [
     {"kinematics"},
     {"pitch"},
     {"teeth"},
-    {"contact"},
+    {"contact", "metrology"},
     {"solids"},
     {"optimum", "dynamics"},
     {"balance"},
@@ -32,9 +32,9 @@ LAYERS = [
     {"design"},
     {"recipe"},
     {"drive", "improvement", "frontier", "balancing"},
-    {"precision", "screening"},
+    {"precision", "screening", "scene"},
     {"output"},
-    {"cli"},
+    {"cli", "plots"},
     {"__main__"},
 ]
 """From the bottom up; a room may import from its own layer and from those below."""

@@ -13,7 +13,8 @@ from ncgear.machine.resistance import Resistance
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.bracketed import zeros_between
 from ncgear.numerics.jet import Jet
-from ncgear.ratio.transmission import Transmission
+from ncgear.numerics.units import RAD_S_PER_RPM
+from ncgear.ratio.transmission import CLOSED, Transmission
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +30,10 @@ class SliderMotion:
     force_n: Array
     power_w: Array
 
+    def __repr__(self) -> str:
+        last = float(np.degrees(self.phi1_rad[-1]))
+        return f"SliderMotion({self.phi1_rad.size} driving angles up to {last:.4g} deg)"
+
 
 @dataclass(frozen=True, eq=False)
 class Machine:
@@ -38,6 +43,9 @@ class Machine:
     linkage: CrankSlider
     resistance: Resistance
     speed_rad_s: float
+
+    def __repr__(self) -> str:
+        return f"Machine({self.speed_rad_s / RAD_S_PER_RPM:.4g} r/min, {self.linkage!r},\n  {self.transmission!r})"
 
     def displacement(self, phi1: Array, order: int) -> Jet:
         """Slider displacement in mm, with derivatives by the driving angle."""
@@ -55,8 +63,11 @@ class Machine:
         return float(zeros_between(excess, np.array([0.0]), np.array([last]))[0])
 
     def working(self, phi2: Array) -> Mask:
-        """Whether the slider is in its working stroke, at driven angles of shape (n,)."""
-        return np.mod(phi2, 2.0 * pi) < self.linkage.working_angle_rad
+        """Whether the slider is in its working stroke, at driven angles of shape (n,); at a dead centre, in the next.
+
+        A dead centre that the law misses by no more than its own closure may is taken as reached.
+        """
+        return np.mod(phi2 + CLOSED, 2.0 * pi) < self.linkage.working_angle_rad
 
     def motion(self, phi1: Array) -> SliderMotion:
         """The motion at driving angles in rad, shape (n,)."""

@@ -2,29 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from math import pi
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ncgear.contact.pair_contact import PairContact
+from ncgear.design.load import LoadedDesign
 from ncgear.drive import Drive
-from ncgear.output import plots
-from ncgear.output.joints import joints_up_to
 from ncgear.output.json_text import json_text
+from ncgear.output.page import REPORT_FILE
+from ncgear.output.pictures import pictures
 from ncgear.output.publish import prepare, publish
 from ncgear.output.stl import stl_bytes
 from ncgear.output.summary import build_summary
 from ncgear.output.tables import contact_csv, law_csv, outline_csv
+from ncgear.output.workshop.formats import NAMES, workshop_files
+from ncgear.output.workshop.kinds import Format
 from ncgear.output.written import written_outlines
-from ncgear.pitch.curve import CurvePoints, PitchCurve
-from ncgear.recipe.bodies import rim_mm_of
+from ncgear.pitch.curve import PitchCurve
 from ncgear.solids.assembly import Placed, assembly_report
-from ncgear.solids.ring import outer_radius_mm
 
 STAGES = {
     "motion": ("motion", "uniform_motion"),
@@ -35,12 +35,6 @@ STAGES = {
 }
 """Stages in order and the attributes of the drive whose first use computes them."""
 
-CURVE_POINTS = 1500
-"""Points of a drawn pitch curve: 0.2 mm apart on a screen-wide gear of 300 mm."""
-
-POSITIONS = 3
-"""Positions of the pair in the picture of its teeth, evenly spread over a turn of the driving gear."""
-
 
 @dataclass(frozen=True)
 class Built:
@@ -50,19 +44,52 @@ class Built:
     summaries: list[dict[str, Any]]
 
 
-def build(drive: Drive, folder: Path, on_stage: Callable[[str], None]) -> Built:
+@dataclass(frozen=True)
+class _Pair:
+    """What is made of one pair of gears: its files, the summary among them, and the contact as written."""
+
+    files: dict[str, bytes]
+    summary: dict[str, Any]
+    contact: PairContact
+
+
+def build(
+    drive: Drive,
+    folder: Path,
+    on_stage: Callable[[str], None],
+    formats: Collection[Format] = (),
+    reported: LoadedDesign | None = None,
+) -> Built:
     """Compute everything, and write all files into ``folder``, which is created if need be.
 
-    Two stages go into folders ``stage-1`` and ``stage-2`` of it, at the same instant. ``on_stage`` is told what is done
-    before it begins. Raises WrongInput or NoSuchMechanism from the stages, and WrongInput when the folder cannot be
-    written; whatever fails, the last good build in ``folder`` stays.
+    Files of the kinds ``formats`` are written beside CSV and STL and, given the design as it was loaded, which is then
+    ``reported`` on, a report.  Two stages go into folders ``stage-1`` and ``stage-2``, at the same instant.
+    ``on_stage`` is told what is done before it begins.  Raises WrongInput or NoSuchMechanism from the stages, and
+    WrongInput when the folder cannot be written; whatever fails, the last good build in ``folder`` stays.
     """
     prepare(folder)
-    pairs = {_place(pair.stage): _made(pair, _named(pair, on_stage)) for pair in drive.by_stage}
-    files = {place + name: content for place, (own, _) in pairs.items() for name, content in own.items()}
-    # A folder may hold an earlier build of the other number of stages.
-    obsolete = [_place(stage) + name for stage in (None, 1, 2) for own, _ in pairs.values() for name in own]
-    return Built(publish(folder, files, obsolete), [summary for _, summary in pairs.values()])
+    pairs = {_place(pair.stage): _made(pair, _named(pair, on_stage), formats) for pair in drive.by_stage}
+    files = {place + name: content for place, pair in pairs.items() for name, content in pair.files.items()}
+    if reported is not None:
+        files[REPORT_FILE] = _report(drive, reported, [pair.contact for pair in pairs.values()], on_stage)
+    # A folder may hold an earlier build of the other number of stages, of other kinds of files, or with a report.
+    names = {*NAMES, *(name for pair in pairs.values() for name in pair.files)}
+    obsolete = [_place(stage) + name for stage in (None, 1, 2) for name in sorted(names)]
+    return Built(publish(folder, files, [*obsolete, REPORT_FILE]), [pair.summary for pair in pairs.values()])
+
+
+def contacts_as_written(drive: Drive, on_stage: Callable[[str], None]) -> list[PairContact]:
+    """The contact of every pair as a build finds it in its files, none of which is written; raises as ``build``."""
+    return [_written(pair, _named(pair, on_stage))[1] for pair in drive.by_stage]
+
+
+def _report(
+    drive: Drive, reported: LoadedDesign, contacts: Sequence[PairContact], on_stage: Callable[[str], None]
+) -> bytes:
+    from ncgear.output.page.report_page import report_page
+
+    with _timed(drive, "report", on_stage):
+        return report_page(drive, reported, contacts)
 
 
 def _place(stage: int | None) -> str:
@@ -75,8 +102,20 @@ def _named(pair: Drive, on_stage: Callable[[str], None]) -> Callable[[str], None
     return on_stage if pair.stage is None else lambda done: on_stage(f"stage {pair.stage}: {done}")
 
 
-def _made(drive: Drive, on_stage: Callable[[str], None]) -> tuple[dict[str, bytes], dict[str, Any]]:
-    """The files of one pair of gears, the summary among them, and the summary itself."""
+def _made(drive: Drive, on_stage: Callable[[str], None], formats: Collection[Format]) -> _Pair:
+    """All of one pair of gears."""
+    files, contact = _written(drive, on_stage)
+    with _timed(drive, "workshop files", on_stage):
+        files.update(workshop_files(drive, formats))
+    with _timed(drive, "plots", on_stage):
+        files.update(pictures(drive, contact))
+    # Last: only now are the timings known, and a summary is then never newer in its folder than what it sums up.
+    summary = build_summary(drive, contact)
+    return _Pair({**files, "summary.json": json_text(summary).encode()}, summary, contact)
+
+
+def _written(drive: Drive, on_stage: Callable[[str], None]) -> tuple[dict[str, bytes], PairContact]:
+    """Tables and solids of one pair of gears, and its contact as they have it."""
     for stage, attributes in STAGES.items():
         on_stage(stage)
         for attribute in attributes:
@@ -84,14 +123,9 @@ def _made(drive: Drive, on_stage: Callable[[str], None]) -> tuple[dict[str, byte
     with _timed(drive, "files", on_stage):
         files = {**_tables(drive), **_meshes(drive), "assembly.json": json_text(_assembly(drive)).encode()}
     with _timed(drive, "written contact", on_stage):
-        ring, helical = drive.pitch.driven.is_ring, drive.helix is not None
-        contact = drive.contact(written_outlines(files, ring=ring, helical=helical))
+        contact = drive.contact(written_outlines(files, drive.solids, helical=drive.helix is not None))
         files["contact.csv"] = contact_csv(contact).encode()
-    with _timed(drive, "plots", on_stage):
-        files.update(_pictures(drive, contact))
-    # Last: only now are the timings known, and a summary is then never newer in its folder than what it sums up.
-    summary = build_summary(drive, contact)
-    return {**files, "summary.json": json_text(summary).encode()}, summary
+    return files, contact
 
 
 @contextmanager
@@ -132,65 +166,3 @@ def _assembly(drive: Drive) -> dict[str, Any]:
 def _pitch_radius(curve: PitchCurve) -> float:
     """On the line of centres at phi1 = 0."""
     return float(np.linalg.norm(curve.at_angle(np.zeros(1)).position))
-
-
-def _ring_radius(drive: Drive) -> float | None:
-    """Outer radius of a driven ring; None for an external pair."""
-    if not drive.pitch.driven.is_ring:
-        return None
-    return outer_radius_mm(drive.teeth.driven.outline_mm, rim_mm_of(drive.gears, drive.pitch.size.module_mm))
-
-
-def _pictures(drive: Drive, contact: PairContact) -> dict[str, bytes]:
-    name, speed = drive.design.name, drive.design.operation.speed_rpm
-    tables = drive.motion, drive.uniform_motion
-    joints = joints_up_to(drive.transmission, float(drive.motion.phi1_rad[-1]))
-    all_joints = joints_up_to(drive.pair.transmission, contact.as_designed.placement.cycle_rad)
-    return {
-        "pitch_curves.png": _pitch_curves(drive),
-        "tooth_pair.png": _tooth_pair(drive),
-        "motion.png": plots.motion(*tables, f"{name}: motion at {speed:.4g} r/min", joints),
-        "contact.png": plots.contact(contact, f"{_title(drive)}: contact of the teeth", all_joints),
-        "power.png": plots.power(*tables, f"{name}: force and power at {speed:.4g} r/min", joints),
-    }
-
-
-def _title(drive: Drive) -> str:
-    """Of pictures that show one pair of gears."""
-    return drive.design.name if drive.stage is None else f"{drive.design.name}, stage {drive.stage} by its own angles"
-
-
-def _pitch_curves(drive: Drive) -> bytes:
-    driving, driven = (_closed_curve(curve) for curve in (drive.pitch.driving, drive.pitch.driven))
-    return plots.pitch_curves(
-        driving.position,
-        driven.position,
-        drive.pitch.center_distance_mm,
-        driving.curvature < 0.0,
-        driven.curvature > 0.0 if drive.pitch.driven.is_ring else driven.curvature < 0.0,
-        f"{_title(drive)}: pitch curves at phi1 = 0",
-        ring_radius_mm=_ring_radius(drive),
-    )
-
-
-def _tooth_pair(drive: Drive) -> bytes:
-    return plots.tooth_pair(
-        drive.teeth.driving.outline_mm,
-        drive.teeth.driven.outline_mm,
-        drive.pitch.center_distance_mm,
-        drive.pitch.size.module_mm,
-        _positions(drive),
-        f"{_title(drive)}: tooth outlines in mesh",
-        ring_radius_mm=_ring_radius(drive),
-    )
-
-
-def _positions(drive: Drive) -> list[plots.Position]:
-    phi1 = np.linspace(0.0, 2.0 * pi, POSITIONS, endpoint=False)
-    phi2 = drive.pair.transmission.driven_angle(phi1).value
-    point = drive.pitch.pitch_point_mm(phi1)
-    return [plots.Position(float(a), float(b), float(x)) for a, b, x in zip(phi1, phi2, point, strict=True)]
-
-
-def _closed_curve(curve: PitchCurve) -> CurvePoints:
-    return curve.at_angle(np.linspace(0.0, curve.turn_rad, CURVE_POINTS))

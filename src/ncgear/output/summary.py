@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from ncgear.drive import Drive
 from ncgear.kinematics.check import KinematicCheck
 from ncgear.numerics.extrema import Extremum
+from ncgear.output.advice.collected import build_advice, check_advice
 from ncgear.output.comparison_rows import comparison_rows
-from ncgear.output.warnings import build_warnings, check_warnings
 
 if TYPE_CHECKING:
     from ncgear.contact.pair_contact import PairContact
@@ -27,12 +27,13 @@ def check_summary(drive: Drive) -> dict[str, Any]:
         "ratio": _ratio(drive),
         "check": _check(drive),
         "comparison": comparison_rows(drive),
-        "warnings": check_warnings(drive),
+        "warnings": [advice.line for advice in check_advice(drive)],
     }
 
 
 def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
-    """All of the check, and pitch curves, teeth and contact."""
+    """All of the check, and pitch curves, teeth, contact and bodies."""
+    from ncgear.output.bodies import bodies_summary
     from ncgear.output.contact_summary import contact_summary
 
     summary = check_summary(drive)
@@ -42,8 +43,9 @@ def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
         "pitch": _pitch(drive),
         "teeth": _teeth(drive),
         "contact": {**contact_summary(contact, drive.pair_speed_rad_s), **_overlap(drive, contact)},
+        "bodies": bodies_summary(drive),
         "comparison": comparison,
-        "warnings": warnings + build_warnings(drive),
+        "warnings": warnings + [advice.line for advice in build_advice(drive)],
         "timing_s": {stage: round(seconds, 6) for stage, seconds in drive.timing_s.items()},
     }
 

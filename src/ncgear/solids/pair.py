@@ -31,6 +31,11 @@ class GearSolid:
         """Where one was wanted and had room."""
         return self.plan.index_hole
 
+    def __repr__(self) -> str:
+        size = " x ".join(f"{length:.4g}" for length in self.mesh.extents)
+        mark = "with" if self.index_hole else "no"
+        return f"GearSolid({size} mm, {len(self.mesh.faces)} triangles, {mark} index hole)"
+
 
 @dataclass(frozen=True, eq=False)
 class SolidPair:
@@ -42,6 +47,9 @@ class SolidPair:
     def of(self, gear: Gear) -> GearSolid:
         """One of them."""
         return self.driving if gear is Gear.DRIVING else self.driven
+
+    def __repr__(self) -> str:
+        return f"SolidPair(\n  driving: {self.driving!r},\n  driven: {self.driven!r})"
 
 
 def driving_solid(
