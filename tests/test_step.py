@@ -17,6 +17,7 @@ from shapely import Polygon
 pytest.importorskip("OCP", reason="python -m pip install 'ncgear[step]' installs what writes STEP")
 
 from closeness import farthest, farthest_from_pieces
+from commands import Run
 from ncgear.design.load import load
 from ncgear.drive import Drive
 from ncgear.errors import WrongInput
@@ -381,7 +382,17 @@ def test_volumes_are_those_of_the_meshes_and_of_the_kernel(name: str) -> None:
         assert volume_mm3(shape) == pytest.approx(volume, rel=KERNEL)
 
 
+@pytest.mark.slow
+def test_a_build_writes_the_kind_that_is_asked_for(run: Run, tmp_path: Path) -> None:
+    status, out, err = run("build", str(DESIGNS / "ellipse.yaml"), "--format", "step", "--out", "made")
+    assert status == 0, err
+    assert {path.name for path in (tmp_path / "made").glob("*.step")} == set(files("ellipse"))
+    for name, content in files("ellipse").items():
+        assert (tmp_path / "made" / name).read_bytes() == content
+    assert not list((tmp_path / "made").glob("*.dxf"))
+
+
 def test_nothing_but_steps_needs_the_library() -> None:
     """The module that others import loads it only when it is asked for files."""
-    code = "import sys, ncgear.output.workshop.step; sys.exit('OCP' in sys.modules)"
+    code = "import sys, ncgear.output.build, ncgear.output.workshop.step; sys.exit('OCP' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
