@@ -138,7 +138,7 @@ LIBRARIES = {
     "mapbox_earcut",
     "networkx",
 }
-"""Meshes, plots, algebra, planes, and every solver."""
+"""Meshes, plots, algebra, planes, every solver, and the kernel of solids."""
 
 
 def loaded_by(*arguments: str) -> set[str]:

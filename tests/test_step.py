@@ -384,7 +384,7 @@ def test_volumes_are_those_of_the_meshes_and_of_the_kernel(name: str) -> None:
 
 @pytest.mark.slow
 def test_a_build_writes_the_kind_that_is_asked_for(run: Run, tmp_path: Path) -> None:
-    status, out, err = run("build", str(DESIGNS / "ellipse.yaml"), "--format", "step", "--out", "made")
+    status, _, err = run("build", str(DESIGNS / "ellipse.yaml"), "--format", "step", "--out", "made")
     assert status == 0, err
     assert {path.name for path in (tmp_path / "made").glob("*.step")} == set(files("ellipse"))
     for name, content in files("ellipse").items():

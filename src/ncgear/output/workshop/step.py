@@ -22,11 +22,12 @@ def step_files(drive: Drive) -> dict[str, bytes]:
     from ncgear.output.workshop.step_shapes import solids_of_drive
 
     solids = solids_of_drive(drive)
-    words = _description(drive, max(solid.deviation_mm for solid in solids.values()))
+    title = drive.design.name if drive.stage is None else f"{drive.design.name}-stage-{drive.stage}"
+    words = _description(title, max(solid.deviation_mm for solid in solids.values()))
     place = {Gear.DRIVING: 0.0, Gear.DRIVEN: drive.pitch.center_distance_mm}
     files = {f"{gear.value}.step": part_bytes(Part(gear.value, solids[gear].shape), words) for gear in Gear}
     parts = [Part(gear.value, solids[gear].shape, place[gear]) for gear in Gear]
-    files["pair.step"] = assembly_bytes(drive.design.name, parts, words)
+    files["pair.step"] = assembly_bytes(title, parts, words)
     require_same(files["pair.step"], [part.shape for part in parts])
     return files
 
@@ -41,6 +42,6 @@ def _refuse_what_only_meshes_have(gears: Gears) -> None:
             raise WrongInput(problem, key=f"gears.{name}")
 
 
-def _description(drive: Drive, deviation_mm: float) -> str:
+def _description(title: str, deviation_mm: float) -> str:
     """What the header says of the files: how far faces were found from the exact ones."""
-    return f"{drive.design.name}: tooth faces within {deviation_mm:.1e} mm of the exact ones"
+    return f"{title}: tooth faces within {deviation_mm:.1e} mm of the exact ones"
