@@ -93,8 +93,9 @@ def test_every_room_has_a_layer() -> None:
 
 WRITES = {"write_bytes", "write_text", "write", "savetxt", "tofile", "export"}
 
-WRITERS = {"output/publish.py", "cli/new.py", "frontier.py"}
-"""What may write files: whole sets of files; a new design file, of which the path is free; lines of finished points."""
+WRITERS = {"output/publish.py", "cli/new.py", "frontier.py", "output/workshop/dxf.py"}
+"""What may write files: whole sets of files; a new design file, of which the path is free; lines of finished points;
+a drawing's library, which writes into memory only when it is handed that."""
 
 
 def writes_to_paths(text: str) -> bool:
@@ -126,19 +127,19 @@ except SystemExit as exit_:
 """
 """A command as a user gives it, in an interpreter that has loaded nothing else."""
 
-LIBRARIES = {
-    "OCP",
+SOLVERS = {"sympy", "scipy", "casadi", "clarabel"}
+LIBRARIES = SOLVERS | {
     "trimesh",
     "matplotlib",
-    "sympy",
     "shapely",
-    "casadi",
-    "clarabel",
-    "scipy",
     "mapbox_earcut",
     "networkx",
+    "ezdxf",
+    "lxml",
+    "jinja2",
+    "OCP",
 }
-"""Meshes, plots, algebra, planes, every solver, and the kernel of solids."""
+"""Every solver and algebra; meshes, plots, planes, drawings, pages, exact solids."""
 
 
 def loaded_by(*arguments: str) -> set[str]:
