@@ -94,8 +94,8 @@ def test_every_room_has_a_layer() -> None:
 WRITES = {"write_bytes", "write_text", "write", "savetxt", "tofile", "export"}
 
 WRITERS = {"output/publish.py", "cli/new.py", "frontier.py", "output/workshop/dxf.py"}
-"""What may write files: whole sets of files; a new design file, of which the path is free; lines of finished points;
-a drawing's library, which writes into memory only when it is handed that."""
+"""What may write files: whole sets of files; a new design file, of which the path is free; lines of finished points.
+And what calls the same of a library, for a text in memory."""
 
 
 def writes_to_paths(text: str) -> bool:

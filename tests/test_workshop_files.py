@@ -138,10 +138,15 @@ def test_the_axis_is_marked_across() -> None:
     assert np.allclose(np.diff(ends, axis=1)[:, 0], [[6.0, 0.0], [0.0, 6.0]])
 
 
-def test_the_pair_is_drawn_as_assembled() -> None:
-    data, distance = files("baler")["pair.dxf"], drive("baler").pitch.center_distance_mm
+@pytest.mark.parametrize("name", [*DESIGNS, "printed-pump", "helical-ellipse"])
+def test_the_pair_is_drawn_as_assembled(name: str) -> None:
+    """Clear of each other but for the chord tolerance of each; not so where one is turned by half a tooth."""
+    data, distance = files(name)["pair.dxf"], drive(name).pitch.center_distance_mm
     driving, driven = (cut_area(data, f"{gear.value.upper()}_") for gear in Gear)
     assert driving.intersection(driven).buffer(-0.005).is_empty
+    half_tooth = 180.0 / drive(name).pitch.size.driving_teeth
+    turned = shapely.affinity.rotate(driving, half_tooth, origin=(0.0, 0.0))
+    assert not turned.intersection(driven).buffer(-0.005).is_empty
     (axis, _) = drawn(data, "DRIVEN_AXIS")
     assert (axis.number(10) + axis.number(11)) / 2.0 == pytest.approx(distance, abs=1e-9)
 
