@@ -17,6 +17,9 @@ from ncgear.teeth.arcs import ring_of_arcs
 AT_CORNERS = 8.0 / 17.0
 """Of the chord tolerance, within which walls of pockets pass the corners: they are then within it everywhere."""
 
+SHORT_OF_HUB = 4.0
+"""Chord tolerances: a pocket that goes round a hub stops three short of it, for its chords' sake."""
+
 BEYOND_MM = 1.0
 """How far tools go on beyond what they cut, so that no two faces lie in each other."""
 
@@ -56,5 +59,5 @@ def _round(ring: LinearRing, plan: BodyPlan) -> TopoDS_Wire:
     if radii.max() - middle > within:
         return wire_of(ring_of_arcs(corners, within))
     hub = plan.hub.diameter_mm / 2.0 if plan.hub else 0.0
-    # A pocket that goes round the hub stops a chord tolerance short of it: here the hub's own side goes on.
-    return circle_wire(0.0, 0.0, hub if abs(middle - hub) <= 2.0 * plan.chord_tolerance_mm else middle)
+    # The hub's own side goes on down to the web, without a ledge of a few micrometres.
+    return circle_wire(0.0, 0.0, hub if abs(middle - hub) <= SHORT_OF_HUB * plan.chord_tolerance_mm else middle)
