@@ -128,8 +128,18 @@ except SystemExit as exit_:
 """A command as a user gives it, in an interpreter that has loaded nothing else."""
 
 SOLVERS = {"sympy", "scipy", "casadi", "clarabel"}
-LIBRARIES = SOLVERS | {"trimesh", "matplotlib", "shapely", "mapbox_earcut", "networkx", "ezdxf", "lxml", "jinja2"}
-"""Every solver and algebra; meshes, plots, planes, drawings, pages."""
+LIBRARIES = SOLVERS | {
+    "trimesh",
+    "matplotlib",
+    "shapely",
+    "mapbox_earcut",
+    "networkx",
+    "ezdxf",
+    "lxml",
+    "jinja2",
+    "OCP",
+}
+"""Every solver and algebra; meshes, plots, planes, drawings, pages, exact solids."""
 
 
 def loaded_by(*arguments: str) -> set[str]:
