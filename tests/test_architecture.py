@@ -127,8 +127,19 @@ except SystemExit as exit_:
 """
 """A command as a user gives it, in an interpreter that has loaded nothing else."""
 
-LIBRARIES = {"trimesh", "matplotlib", "sympy", "shapely", "casadi", "clarabel", "scipy", "mapbox_earcut", "networkx"}
-"""Meshes, plots, algebra, planes, and every solver."""
+SOLVERS = {"sympy", "scipy", "casadi", "clarabel"}
+LIBRARIES = SOLVERS | {
+    "trimesh",
+    "matplotlib",
+    "shapely",
+    "mapbox_earcut",
+    "networkx",
+    "ezdxf",
+    "lxml",
+    "jinja2",
+    "OCP",
+}
+"""Every solver and algebra; meshes, plots, planes, drawings, pages, exact solids."""
 
 
 def loaded_by(*arguments: str) -> set[str]:

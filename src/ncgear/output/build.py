@@ -20,7 +20,7 @@ from ncgear.output.page import REPORT_FILE
 from ncgear.output.pictures import pictures
 from ncgear.output.publish import prepare, publish
 from ncgear.output.stl import stl_bytes
-from ncgear.output.summary import build_summary
+from ncgear.output.summary.build import build_summary
 from ncgear.output.tables import contact_csv, law_csv, outline_csv
 from ncgear.output.workshop.formats import NAMES, workshop_files
 from ncgear.output.workshop.kinds import Format
