@@ -14,7 +14,7 @@ import pytest
 
 import ncgear
 from killed_runs import seen
-from ncgear.design.template import Law, template
+from ncgear.design.template import template
 from ncgear.interrupts import uninterrupted
 
 ROOT = Path(__file__).parents[1]
@@ -54,7 +54,7 @@ def assert_interrupted(outcome: tuple[int, str]) -> None:
 @pytest.fixture
 def design(tmp_path: Path) -> Path:
     path = tmp_path / "a.yaml"
-    path.write_text(template("a", Law.ELLIPSE).replace("teeth: 90 ", "teeth: 40 "))
+    path.write_text(template("a"))
     return path
 
 
@@ -91,7 +91,7 @@ LONG: dict[str, tuple[float, list[str]]] = {
     "sweep": (1.0, ["sweep", "designs/baler.yaml", "--vary", "motion.v1_mm_s=1500:1700:20000"]),
     "simulate": (2.0, ["simulate", "designs/baler-dynamics.yaml", "--level", "dynamic"]),
     "reproduce": (1.0, ["reproduce"]),
-    "bench": (2.0, ["bench", "--only", "law"]),
+    "bench": (2.0, ["bench"]),
     "optimize": (3.0, ["optimize", "designs/baler-66.yaml"]),
 }
 

@@ -7,6 +7,7 @@ import pty
 import select
 import subprocess
 import sys
+import time
 from collections.abc import Sequence
 from difflib import ndiff
 from pathlib import Path
@@ -37,6 +38,8 @@ def at_terminal(arguments: Sequence[str], answers: Sequence[str], folder: Path) 
         except OSError:  # Linux tells the end of a terminal so
             break
         if since.endswith("]: ") and left:
+            # Nobody answers before the question is read: so soon, the interpreter would miss a Ctrl-C.
+            time.sleep(0.05)
             os.write(terminal, left.pop(0).encode())
             shown, since = shown + since, ""
     else:

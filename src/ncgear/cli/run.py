@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 import sys
-import threading
 from types import FrameType
 from typing import NoReturn
 
@@ -15,30 +14,41 @@ INTERRUPTED = 130
 WRONG_INPUT = 2
 FAULT = 1
 
-AGAIN_SECONDS = 0.01
+AGAIN_SECONDS = 0.2
 
 LAST_WORDS = "interrupted; what earlier runs have written is untouched"
 
 
 class _Hearing:
-    """Hears Ctrl-C, and knows afterwards that it came: a library may make another error of it."""
+    """Hears Ctrl-C, and goes on telling of it until the run ends.
+
+    Libraries swallow it here and there, as while optional parts of them are imported, or make another error of it.
+    """
 
     def __init__(self) -> None:
         self.came = False
 
     def __call__(self, number: int, frame: FrameType | None) -> NoReturn:
         self.came = True
+        if hasattr(signal, "setitimer"):
+            signal.signal(signal.SIGALRM, lambda *_: signal.raise_signal(signal.SIGINT))
+            signal.setitimer(signal.ITIMER_REAL, AGAIN_SECONDS)
         raise KeyboardInterrupt
+
+    def end(self) -> None:
+        """What is done is done: the interpreter's own end is not interrupted."""
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        if self.came and hasattr(signal, "setitimer"):
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
 def main() -> NoReturn:
     """Run the command line and exit with its status; from then on the process hears no Ctrl-C."""
     hearing = _Hearing()
     signal.signal(signal.SIGINT, hearing)
-    sys.unraisablehook = _heard_again
+    sys.unraisablehook = _quiet_of_ctrl_c
     status, last_words = _run()
-    # What is done is done: the interpreter's own end is not interrupted.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    hearing.end()
     if hearing.came and status:
         status, last_words = INTERRUPTED, LAST_WORDS
     if last_words:
@@ -46,13 +56,9 @@ def main() -> NoReturn:
     sys.exit(status)
 
 
-def _heard_again(unraisable: sys.UnraisableHookArgs) -> None:
-    """Where the interpreter can raise no error, as while it frees an object, Ctrl-C is heard again a little later."""
-    if issubclass(unraisable.exc_type, KeyboardInterrupt):
-        later = threading.Timer(AGAIN_SECONDS, os.kill, (os.getpid(), signal.SIGINT))
-        later.daemon = True
-        later.start()
-    else:
+def _quiet_of_ctrl_c(unraisable: sys.UnraisableHookArgs) -> None:
+    """Say nothing of a Ctrl-C that could not be raised, as while an object is freed: it comes again."""
+    if not issubclass(unraisable.exc_type, KeyboardInterrupt):
         sys.__unraisablehook__(unraisable)
 
 
