@@ -17,7 +17,10 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.stroke import StrokeRequest, solved_stroke
 from ncgear.numerics.arrays import Array
-from ncgear.ratio.compensation import ReturnEnds, ReturnLaw, return_of_least_acceleration, return_with_constant
+from ncgear.ratio.compensation.ends import ReturnEnds
+from ncgear.ratio.compensation.families import return_with_constant
+from ncgear.ratio.compensation.law import ReturnLaw
+from ncgear.ratio.compensation.least_acceleration import return_of_least_acceleration
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.transmission import Lobes
 from oracles import stroke as oracle

@@ -21,8 +21,8 @@ from ncgear.optimum.certified.limit import Bound
 from ncgear.optimum.family.best import Family, Peak, best_of_family
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, law_point, motion_of
 from ncgear.optimum.judged import Figures
-from ncgear.output.frontier import frontier_csv, frontier_json, mechanisms
-from ncgear.output.frontier_files import frontier_files, frontier_text
+from ncgear.output.optimum.frontier import frontier_csv, frontier_json, mechanisms
+from ncgear.output.optimum.frontier_files import frontier_files, frontier_text
 from ncgear.recipe.law import linkage_of
 from ncgear.recipe.wishes import task_of, wishes_of
 

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from shapely import Polygon
 
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.plane import signed_area
 from ncgear.output.stl import read_back, stl_bytes
 from ncgear.pitch.pair import sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
@@ -21,7 +22,7 @@ from ncgear.ratio.transmission import Lobes
 from ncgear.solids import columns as columns_module
 from ncgear.solids import loft
 from ncgear.solids.columns import Columns, Limits, close_columns, sagittas, spread_columns, twists
-from ncgear.solids.loft import falls, lofted, middle_section, signed_area
+from ncgear.solids.loft import falls, lofted, middle_section
 from ncgear.solids.pieces import PER_TOOTH, Pieces, pieces_of
 from ncgear.solids.stack import Stack
 from ncgear.teeth.form import TipLimits, ToothForm

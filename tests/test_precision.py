@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from commands import Run
-from ncgear.output.precision import page
-from ncgear.output.precision_words import level_text
+from ncgear.output.precision.page import page
+from ncgear.output.precision.words import level_text
 from ncgear.precision import (
     bases,
     catalogue,

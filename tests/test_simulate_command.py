@@ -216,7 +216,7 @@ from ncgear.design.load import load
 from pathlib import Path
 from ncgear.drive import Drive
 from ncgear.dynamics.level import Level
-from ncgear.output.simulated import simulate
+from ncgear.output.simulation.files import simulate
 drive = Drive(load(Path({str(DESIGN)!r})).design)
 simulate(drive, Level.RIGID)
 {check}

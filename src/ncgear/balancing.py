@@ -16,11 +16,11 @@ from ncgear.design.load_balance import LoadedBalance
 from ncgear.drive import Drive
 from ncgear.errors import DesignError, WrongInput
 from ncgear.machine.linkage import CrankSlider
+from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.recipe.balance import means_of, mechanism_of, mounted_of
 from ncgear.recipe.gears import bore_of, rim_mm_of
-from ncgear.recipe.law import RAD_S_PER_RPM
 from ncgear.recipe.masses import masses_of
 
 if TYPE_CHECKING:

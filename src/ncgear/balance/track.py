@@ -8,6 +8,7 @@ import numpy as np
 
 from ncgear.balance.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.plane import signed_area
 
 TRACK_POINTS = 361
 """Points of a track, first one repeated; its area by the trapezoidal rule is far more exact than any picture."""
@@ -28,8 +29,7 @@ class Track:
     @property
     def area_mm2(self) -> float:
         """What it encloses, by Green's theorem, where it does not cross itself."""
-        x, y = self.points_mm[:-1].T
-        return abs(float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))) / 2.0
+        return abs(float(signed_area(self.points_mm[:-1])))
 
 
 def track(mechanism: Mechanism) -> Track:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import Annotated
 
 import typer
@@ -20,13 +19,14 @@ def check(
     """Check a design: kinematics and power only, no teeth, no files."""
     with opened(design_file) as loaded:
         from ncgear.drive import Drive
+        from ncgear.output.json_text import json_text
         from ncgear.output.report import check_text, timing_text
         from ncgear.output.summary import check_summary
 
         drive = Drive(loaded.design)
         with stages_shown() as on_stage:
             on_stage("kinematics and power")
-            text = json.dumps(check_summary(drive), indent=2, allow_nan=False) if as_json else check_text(drive)
+            text = json_text(check_summary(drive)).rstrip() if as_json else check_text(drive)
         typer.echo(text)
         if timing:
             typer.echo(timing_text(drive), err=True)

@@ -28,7 +28,7 @@ def frontier(
     with opened(design_file) as loaded:
         from ncgear.frontier import frontier as frontier_of
         from ncgear.improvement import Improvement
-        from ncgear.output.frontier_files import frontier_files, frontier_text
+        from ncgear.output.optimum.frontier_files import frontier_files, frontier_text
 
         folder = out or Path("export") / f"{loaded.design.name}-frontier"
         prepare(folder)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
@@ -24,9 +23,10 @@ def optimize(
 
     with opened(design_file) as loaded:
         from ncgear.improvement import Improvement
-        from ncgear.output.frontier_files import LIMIT_PICTURE, limit_picture
-        from ncgear.output.optimized import certificate, optimized_design, optimized_name
-        from ncgear.output.optimized_text import optimized_text
+        from ncgear.output.json_text import json_text
+        from ncgear.output.optimum.frontier_files import LIMIT_PICTURE, limit_picture
+        from ncgear.output.optimum.optimized import certificate, optimized_design, optimized_name
+        from ncgear.output.optimum.optimized_text import optimized_text
 
         improvement = Improvement(loaded.design)
         name = optimized_name(improvement)
@@ -38,8 +38,8 @@ def optimize(
             on_stage("makeable law")
             written = optimized_design(loaded.text, improvement)
             on_stage("figures")
-            text = json.dumps(certificate(improvement), indent=2, allow_nan=False) + "\n"
-            files = {f"{name}.yaml": written.encode(), "certificate.json": text.encode()}
+            certified = json_text(certificate(improvement)).encode()
+            files = {f"{name}.yaml": written.encode(), "certificate.json": certified}
             if improvement.limit_points:
                 on_stage("picture")
                 files[LIMIT_PICTURE] = limit_picture(improvement)

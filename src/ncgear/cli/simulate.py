@@ -33,8 +33,8 @@ def simulate(
 
         from ncgear.drive import Drive
         from ncgear.output.report import timing_text
-        from ncgear.output.simulated import simulate as simulate_drive
-        from ncgear.output.simulated import simulation_files, simulation_text
+        from ncgear.output.simulation.files import simulate as simulate_drive
+        from ncgear.output.simulation.files import simulation_files, simulation_text
 
         drive = Drive(loaded.design)
         with stages_shown() as on_stage:

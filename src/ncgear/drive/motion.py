@@ -12,10 +12,11 @@ from ncgear.kinematics.check import KinematicCheck, kinematic_check
 from ncgear.kinematics.slider import Machine, SliderMotion, sample_angles
 from ncgear.machine.linkage import CrankSlider
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.train import Pair
 from ncgear.ratio.transmission import Transmission
-from ncgear.recipe.law import RAD_S_PER_RPM, Law, law_of, resistance_of
+from ncgear.recipe.law import Law, law_of, resistance_of
 from ncgear.stopwatch import Stopwatch
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from math import pi
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from ncgear.machine.resistance import Resistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum, extremes
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.units import RAD_S_PER_RPM
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ def kinematic_check(machine: Machine) -> KinematicCheck:
     speed = _peak(cycle, lambda jet: jet.differentiated())
     power = _peak_power(machine, working)
     return KinematicCheck(
-        speed_rpm=omega * 30.0 / pi,
+        speed_rpm=omega / RAD_S_PER_RPM,
         peak_power_w=_scaled(power, omega / 1000.0),
         mean_power_w=work_per_stroke_j(machine.resistance, machine.linkage.stroke_mm)
         * omega

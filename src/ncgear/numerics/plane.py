@@ -39,3 +39,9 @@ def across(direction: ComplexArray, vector: ComplexArray) -> Array:
 def angle_between(first: ComplexArray, second: ComplexArray) -> Array:
     """Angle in rad from the first vector to the second, from -pi to pi; shapes broadcast."""
     return np.arctan2(across(first, second), along(first, second))
+
+
+def signed_area(ring: Array) -> Array:
+    """Area within closed polygons, shape (..., n, 2), first point not repeated; positive counter-clockwise, (...)."""
+    x, y = ring[..., 0], ring[..., 1]
+    return np.asarray(np.sum(x * np.roll(y, -1, axis=-1) - y * np.roll(x, -1, axis=-1), axis=-1) / 2.0)

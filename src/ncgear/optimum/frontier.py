@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import inf, pi
+from math import inf
 from typing import Any
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.certified.ceilings import Peaks
 from ncgear.optimum.certified.limit import (
     CELLS,
@@ -115,7 +116,7 @@ def motion_of(best: FamilyOptimum) -> dict[str, Any]:
     return {
         "law": "three_segment_stroke",
         "solve_for": "v2",
-        "law_speed_rpm": asked.law_speed_rad_s * 30.0 / pi,
+        "law_speed_rpm": asked.law_speed_rad_s / RAD_S_PER_RPM,
         **{f"theta{number}_rad": getattr(asked, f"theta{number}_rad") for number in (1, 2, 3, 4)},
         "v1_mm_s": asked.v1_mm_s,
         "a1_mm_s2": asked.a1_mm_s2,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from ncgear.contact.pair_contact import PairContact
 from ncgear.drive import Drive
 from ncgear.output import plots
 from ncgear.output.joints import joints_up_to
+from ncgear.output.json_text import json_text
 from ncgear.output.publish import prepare, publish
 from ncgear.output.stl import stl_bytes
 from ncgear.output.summary import build_summary
@@ -82,7 +82,7 @@ def _made(drive: Drive, on_stage: Callable[[str], None]) -> tuple[dict[str, byte
         for attribute in attributes:
             getattr(drive, attribute)
     with _timed(drive, "files", on_stage):
-        files = {**_tables(drive), **_meshes(drive), "assembly.json": _json(_assembly(drive))}
+        files = {**_tables(drive), **_meshes(drive), "assembly.json": json_text(_assembly(drive)).encode()}
     with _timed(drive, "written contact", on_stage):
         ring, helical = drive.pitch.driven.is_ring, drive.helix is not None
         contact = drive.contact(written_outlines(files, ring=ring, helical=helical))
@@ -91,7 +91,7 @@ def _made(drive: Drive, on_stage: Callable[[str], None]) -> tuple[dict[str, byte
         files.update(_pictures(drive, contact))
     # Last: only now are the timings known, and a summary is then never newer in its folder than what it sums up.
     summary = build_summary(drive, contact)
-    return {**files, "summary.json": _json(summary)}, summary
+    return {**files, "summary.json": json_text(summary).encode()}, summary
 
 
 @contextmanager
@@ -99,11 +99,6 @@ def _timed(drive: Drive, stage: str, on_stage: Callable[[str], None]) -> Iterato
     on_stage(stage)
     with drive.stopwatch(stage):
         yield
-
-
-def _json(content: dict[str, Any]) -> bytes:
-    """Indented JSON; NaN and infinities, which JSON does not have, raise ValueError."""
-    return (json.dumps(content, indent=2, allow_nan=False) + "\n").encode()
 
 
 def _tables(drive: Drive) -> dict[str, bytes]:

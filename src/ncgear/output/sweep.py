@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections import Counter
 from collections.abc import Sequence
-from io import StringIO
 from itertools import product
 from pathlib import Path
 from textwrap import shorten
@@ -14,6 +12,7 @@ from textwrap import shorten
 from ncgear.design.varied import Varied
 from ncgear.numerics.arrays import IndexArray
 from ncgear.output.numbers import shown
+from ncgear.output.tables import rows_text
 from ncgear.screening.table import MADE, Screened
 
 BEST = 5
@@ -29,14 +28,11 @@ WIDTH = 110
 
 def sweep_csv(varied: Sequence[Varied], found: Screened) -> str:
     """One row for each design: its values, its figures where it can be made, and the verdict."""
-    text = StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([*(one.key for one in varied), *found.figures, "verdict"])
+    names = [*(one.key for one in varied), *found.figures, "verdict"]
     figures = iter(zip(*(values.tolist() for values in found.figures.values()), strict=True))
     none = ("",) * len(found.figures)
-    for values, verdict in zip(_values(varied), found.verdicts, strict=True):
-        writer.writerow([*values, *(next(figures) if verdict == MADE else none), verdict])
-    return text.getvalue()
+    rows = zip(_values(varied), found.verdicts, strict=True)
+    return rows_text(names, [[*values, *(next(figures) if made == MADE else none), made] for values, made in rows])
 
 
 def sweep_text(varied: Sequence[Varied], found: Screened, paths: Sequence[Path]) -> str:

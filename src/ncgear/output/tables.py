@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import csv
+from collections.abc import Iterable, Sequence
+from io import StringIO
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -74,6 +76,14 @@ def csv_text(names: Sequence[str], columns: Sequence[Array | IndexArray]) -> str
     """Columns of shape (n,) under their names; raises ValueError as ``law_csv`` does."""
     rows = zip(*(_texts(name, column) for name, column in zip(names, columns, strict=True)), strict=True)
     return "\n".join([",".join(names), *map(",".join, rows)]) + "\n"
+
+
+def rows_text(names: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """Rows of numbers, words and empty cells (None) under names; words with commas go in quotes."""
+    text = StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerows([names, *rows])
+    return text.getvalue()
 
 
 def _texts(name: str, column: Array | IndexArray) -> list[str]:

@@ -10,6 +10,7 @@ import trimesh
 
 from ncgear.contact.as_written import Outlines
 from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.plane import signed_area
 
 STRAIGHT_MM = 1e-9
 """Distance from the line through its neighbours at which a point counts as on it: where a section crosses the diagonal
@@ -52,7 +53,7 @@ def outline_of_stl(data: bytes, height_mm: float | None = None, *, hole: bool = 
     vertices = np.asarray(mesh.vertices)
     height = (vertices[:, 2].min() + vertices[:, 2].max()) / 2.0 if height_mm is None else height_mm
     rings = section_rings(vertices, np.asarray(mesh.faces), height)
-    chosen = min(rings, key=_area)[::-1] if hole else max(rings, key=_area)
+    chosen = min(rings, key=signed_area)[::-1] if hole else max(rings, key=signed_area)
     return _without_straight_points(chosen)
 
 
@@ -111,9 +112,3 @@ def _without_straight_points(ring: Array) -> Array:
     whole, arm = after - before, ring - before
     aside = np.abs(whole[:, 0] * arm[:, 1] - whole[:, 1] * arm[:, 0])
     return ring[aside > STRAIGHT_MM * np.hypot(whole[:, 0], whole[:, 1])]
-
-
-def _area(ring: Array) -> float:
-    """Signed area, positive counter-clockwise."""
-    x, y = ring.T
-    return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) / 2.0

@@ -11,7 +11,7 @@ from typing import Any
 
 from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.stroke import WorkingStroke
-from ncgear.ratio.compensation import ReturnLaw
+from ncgear.ratio.compensation.law import ReturnLaw
 
 DIGITS = 50
 

@@ -24,7 +24,7 @@ JetFunction = Callable[[Array, int], Jet]
 """Points (shape (n,)) and an order to a jet; the driven angle in rad at driving angles in rad."""
 
 CLOSED = 1e-12
-"""Closure error in rad that counts as none: about 500 rounding errors of a full turn (tests/test_ratio.py)."""
+"""Closure error in rad that counts as none: about 500 rounding errors of a full turn (tests/test_compensation.py)."""
 
 
 STANDSTILL = 1e-6

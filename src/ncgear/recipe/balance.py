@@ -17,8 +17,8 @@ from ncgear.balance.mechanism import Carrier, Counterweight, Mechanism
 from ncgear.design import balance_excitation, balance_mechanism, balance_rotor
 from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.masses import Masses
+from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.ratio.transmission import Transmission
-from ncgear.recipe.law import RAD_S_PER_RPM
 
 
 def mechanism_of(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isclose, pi
+from math import isclose
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from ncgear.machine.linkage import CrankSlider, crank_of_stroke_mm
 from ncgear.machine.polynomial_resistance import PolynomialResistance
 from ncgear.machine.resistance import Resistance
 from ncgear.machine.stroke import StrokeRequest, WorkingStroke, solved_stroke
+from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import driven_angle_expression_law, ratio_expression_law
 from ncgear.ratio.laws.harmonic import harmonic_law
@@ -27,8 +28,6 @@ from ncgear.ratio.transmission import Lobes, Transmission
 
 SAME_STROKE = 1e-6
 """Relative difference of the file's stroke from the linkage's that counts as rounding in the file: seven digits."""
-
-RAD_S_PER_RPM = pi / 30.0
 
 
 @dataclass(frozen=True, eq=False)

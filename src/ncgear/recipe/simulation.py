@@ -13,8 +13,8 @@ from ncgear.dynamics.meshing import Meshing
 from ncgear.dynamics.reduced import N_MM
 from ncgear.errors import WrongInput
 from ncgear.machine.masses import Masses
+from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.pitch.pair import PitchPair
-from ncgear.recipe.law import RAD_S_PER_RPM
 from ncgear.teeth.gear import ToothedPair
 
 N_MM_PER_N_M = 1e3

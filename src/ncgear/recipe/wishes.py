@@ -11,11 +11,12 @@ from ncgear.design.optimize import Limits, Optimize
 from ncgear.design.schema import Design
 from ncgear.errors import WrongInput
 from ncgear.machine.linkage import CrankSlider
+from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum import task
 from ncgear.optimum.certified.weighted import Weights
 from ncgear.optimum.wishes import CurvatureWish, Goal, TwoStages, Wishes
 from ncgear.recipe.gears import rack_of
-from ncgear.recipe.law import RAD_S_PER_RPM, lobes_of, resistance_of
+from ncgear.recipe.law import lobes_of, resistance_of
 
 RACK_ANGLE_DEG = 20.0
 """Pressure angle of the rack where a design has no gears: that of ISO 53."""

@@ -15,8 +15,9 @@ from ncgear.machine.linkage import Linkages
 from ncgear.machine.resistance import Resistance
 from ncgear.machine.stroke import StrokeRequests, closed_strokes
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.ratio.transmission import Lobes
-from ncgear.recipe.law import RAD_S_PER_RPM, SAME_STROKE, lobes_of, resistance_of
+from ncgear.recipe.law import SAME_STROKE, lobes_of, resistance_of
 from ncgear.screening.harmonics import harmonic_samples
 from ncgear.screening.returns import returns_with_constant
 from ncgear.screening.samples import Sampled

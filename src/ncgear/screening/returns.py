@@ -1,4 +1,4 @@
-"""The returns of many three-segment strokes, closed to rounding; equations as in ``ratio/compensation.py``."""
+"""The returns of many three-segment strokes, closed to rounding; equations as in ``ratio/compensation/``."""
 
 from __future__ import annotations
 

@@ -13,10 +13,10 @@ from ncgear.errors import DesignError, WrongInput
 from ncgear.machine.resistance import Resistance
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.pitch.pair import STRAIGHT
 from ncgear.pitch.sizing import solved_size
 from ncgear.ratio.transmission import Lobes
-from ncgear.recipe.law import RAD_S_PER_RPM
 from ncgear.screening.batches import Kind, sampled
 from ncgear.screening.figures import LawFigures, law_figures
 from ncgear.screening.samples import Sampled

@@ -14,6 +14,7 @@ import numpy as np
 from trimesh import Trimesh
 
 from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.plane import signed_area
 from ncgear.solids.extrude import require_sound
 
 VOLUME_TOLERANCE = 1e-9
@@ -100,12 +101,6 @@ def falls(lower_mm: Array, upper_mm: Array) -> Mask:
     rising = np.roll(upper_mm, -1, axis=-2) - lower_mm
     shorter: Mask = np.sum(falling**2, axis=-1) < np.sum(rising**2, axis=-1)
     return shorter
-
-
-def signed_area(rings_mm: Array) -> Array:
-    """Areas inside rings (..., c, 2), positive where they run counter-clockwise, shape (...)."""
-    x, y = rings_mm[..., 0], rings_mm[..., 1]
-    return np.asarray(np.sum(x * np.roll(y, -1, axis=-1) - y * np.roll(x, -1, axis=-1), axis=-1) / 2.0)
 
 
 def _tube(rings: Array, heights: Array, first: int) -> _Tube:

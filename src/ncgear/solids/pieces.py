@@ -13,6 +13,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.plane import signed_area
 from ncgear.teeth.flank import FILLET
 from ncgear.teeth.gear import ToothedGear
 
@@ -58,7 +59,7 @@ def pieces_of(gear: ToothedGear) -> Pieces:
     Raises RuntimeError, a fault of ncgear, where these are not found on it in their order.
     """
     places = _places(gear)
-    outline = gear.outline_mm if _signed_area(places) > 0.0 else gear.outline_mm[::-1]
+    outline = gear.outline_mm if signed_area(places) > 0.0 else gear.outline_mm[::-1]
     distance, vertex = cKDTree(outline).query(places)
     if np.max(distance) > AGREEMENT * gear.flanks.rack.module_mm:
         raise RuntimeError(f"a tooth's corner is {np.max(distance):.3g} mm away from its outline")
@@ -83,8 +84,3 @@ def _places(gear: ToothedGear) -> Array:
     point = flanks.curve_of(sides.kind[run.ravel()], np.repeat(every, 3), parameter.ravel())[0].reshape(-1, 3, 2)
     point[0::2] = point[0::2, ::-1]
     return point.reshape(-1, 2)
-
-
-def _signed_area(points: Array) -> float:
-    x, y = points.T
-    return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) / 2.0

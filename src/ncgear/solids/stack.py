@@ -9,8 +9,9 @@ import numpy as np
 import shapely
 
 from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.plane import signed_area
 from ncgear.solids.columns import TINY, Columns, Limits, close_columns
-from ncgear.solids.loft import middle_section, signed_area
+from ncgear.solids.loft import middle_section
 from ncgear.solids.pieces import Pieces
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.plane import signed_area
 from ncgear.teeth.chords import Stretch, parted, sampled, split, straddled
 from ncgear.teeth.flank import FILLET, FLANK, Flanks
 from ncgear.teeth.sides import Sides
@@ -39,7 +40,7 @@ def outline_points(tips: Tips, sides: Sides, chords: ChordTolerance) -> Array:
     found += [sampled(_real(flanks, other), chords.elsewhere_mm) for other in others]
     points, keys = (np.concatenate(parts) for parts in zip(*found, strict=True))
     outline = points[np.argsort(keys, kind="stable")]
-    return outline[::-1] if _signed_area(outline) < 0.0 else outline
+    return outline[::-1] if signed_area(outline) < 0.0 else outline
 
 
 def _real(flanks: Flanks, stretch: Stretch) -> Stretch:
@@ -105,8 +106,3 @@ def _lands(
     last_run = np.searchsorted(sides.owner, owner, side="right") - 1
     rank, rolled = np.asarray(4.0 * last_run + 1.0, dtype=float), np.array([start, end])
     return Stretch(curve, owner, start, end, rolled, rank, np.ones(rank.size))
-
-
-def _signed_area(outline: Array) -> float:
-    x, y = outline.T
-    return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) / 2.0

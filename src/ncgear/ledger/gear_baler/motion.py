@@ -9,7 +9,6 @@ from ncgear.ledger.entry import Entry, Verdict, equations
 from ncgear.ledger.gear_baler.published import (
     A1_MM_S2,
     LINKAGE,
-    RAD_S_PER_RPM,
     SIMULATION_RPM,
     STROKE_MM,
     THETAS_RAD,
@@ -22,6 +21,7 @@ from ncgear.ledger.gear_baler.published import (
 from ncgear.ledger.printed import Computed, Printed, Relation, of
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.units import RAD_S_PER_RPM
 
 SEGMENT_DEGREES = (5, 1, 4)
 """Degrees of eqs. 2.4, 2.7 and 2.10."""

@@ -10,12 +10,12 @@ from ncgear.kinematics.slider import Machine
 from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.polynomial_resistance import PolynomialResistance
 from ncgear.machine.stroke import StrokeRequest, WorkingStroke, solved_stroke
+from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 
-RAD_S_PER_RPM = pi / 30.0
 LINKAGE = CrankSlider(380.0, 960.0)
 RESISTANCE = PolynomialResistance((-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7))
 THETAS_RAD = (0.4 * pi, 0.7 * pi, pi, 1.3 * pi)

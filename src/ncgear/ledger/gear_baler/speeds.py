@@ -8,9 +8,10 @@ import numpy as np
 
 from ncgear.ledger.entry import Entry, Verdict
 from ncgear.ledger.gear_baler.motion import displacement
-from ncgear.ledger.gear_baler.published import LINKAGE, RAD_S_PER_RPM, SIMULATION_RPM, THETAS_RAD, law_rpm
+from ncgear.ledger.gear_baler.published import LINKAGE, SIMULATION_RPM, THETAS_RAD, law_rpm
 from ncgear.ledger.printed import Computed, Printed, of
 from ncgear.numerics.extrema import extremes
+from ncgear.numerics.units import RAD_S_PER_RPM
 
 
 def working_speeds(rpm: float) -> Computed:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from math import pi
-
 from ncgear.balance.joint_masses import JointMasses
 from ncgear.balance.mechanism import Mechanism
 from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.masses import Masses
+from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 
 SPEED_RPM = 350.0
-SPEED_RAD_S = SPEED_RPM * pi / 30.0
+SPEED_RAD_S = SPEED_RPM * RAD_S_PER_RPM
 CRANK_MM, ARM_MM = 15.0, 45.0
 CRANK_KG, CRANK_CENTER_MM, ROLLER_KG = 1.0, 12.3, 0.26
 LEAST_SHARE, LARGEST_SHARE = 1.0 / 3.0, 1.0 / 2.0

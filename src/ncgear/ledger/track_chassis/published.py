@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from functools import cache
-from math import pi, radians
+from math import radians
 
 from ncgear.balance.chassis import Chassis, DynamicCounterweights, dynamic_counterweights
 from ncgear.balance.mechanism import Mechanism
 from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.masses import Masses
+from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 
 LINKAGE = CrankSlider(265.0, 560.0)
 SLIDER_KG = 65.0
-SPEED_RAD_S = 96.5 * pi / 30.0
+SPEED_RAD_S = 96.5 * RAD_S_PER_RPM
 ROD_ARM_MM, CRANK_ARM_MM = 200.0, 250.0
 CHASSIS = Chassis(support_mm=370.0, counterweight_mm=1000.0, tilt_rad=radians(8.0))
 WEIGHT_KG, WEIGHT_LEVER_MM = 500.0, 470.0

@@ -1,4 +1,4 @@
-"""The returns of thousands of three-segment strokes at once; equations as in ``ratio/compensation.py``.
+"""The returns of thousands of three-segment strokes at once; equations as in ``ratio/compensation/``.
 
 The ratio, or its inverse, is a polynomial of degree 5 in tau over the return: the Hermite cubic of the end conditions,
 a multiple of tau^2 (1 - tau)^2 that closes the cycle, and a multiple of that times 2 tau - 1, the skewness.

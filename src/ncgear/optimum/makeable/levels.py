@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from math import atan, ceil, degrees, exp, log, pi, radians, tan
+from math import atan, ceil, degrees, exp, log, radians, tan
 
+from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.certified.refusals import shown_above, shown_below
 from ncgear.optimum.makeable import quantities
 from ncgear.optimum.makeable.quantities import Place, Slider, Term
@@ -139,7 +140,7 @@ def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
         yield _greatest_ratio(wishes.limits.ratio_max, of_pairs)
     if wishes.driven_speed_rad_s is not None:
         top = log(wishes.driven_speed_rad_s / scales.speed_rad_s)
-        rpm = scales.speed_rad_s * 30.0 / pi
+        rpm = scales.speed_rad_s / RAD_S_PER_RPM
         yield Level(
             "driven_speed_rpm",
             top,

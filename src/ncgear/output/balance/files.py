@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from typing import Any
 
@@ -16,6 +15,7 @@ from ncgear.balance.track import track
 from ncgear.balancing import Balancing
 from ncgear.numerics.arrays import Array
 from ncgear.output.balance.machine import excitations_of
+from ncgear.output.json_text import json_text
 from ncgear.output.plots.balance import campbell, loops
 from ncgear.output.stl import stl_bytes
 from ncgear.recipe.balance import crank_counterweight
@@ -26,8 +26,7 @@ POINTS = 721
 
 def balance_files(balancing: Balancing, figures: dict[str, Any]) -> dict[str, bytes]:
     """File names to contents."""
-    text = json.dumps(figures, indent=2, allow_nan=False) + "\n"
-    return {"balance.json": text.encode(), **_pictures(balancing), **_solids(balancing)}
+    return {"balance.json": json_text(figures).encode(), **_pictures(balancing), **_solids(balancing)}
 
 
 def _pictures(balancing: Balancing) -> dict[str, bytes]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cmath import phase
-from math import degrees, pi, radians
+from math import degrees, radians
 from typing import Any
 
 from ncgear.balance.chain_drive import ChainUnbalance, Range, chain_unbalance, opposite_weight_g, predicted
@@ -12,6 +12,7 @@ from ncgear.balance.grades import grade_reached, permissible_unbalance_kg_mm
 from ncgear.balance.influence import balanced
 from ncgear.balancing import BalancedGear, Balancing
 from ncgear.design.balance_rotor import ChainDrive, Rotor
+from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.recipe.balance import chain_phases_of, readings_of, trial_runs_of, weight_runs_of
 
 
@@ -24,7 +25,7 @@ def gear_figures(balancing: Balancing) -> dict[str, Any]:
 
 def _gear(gear: BalancedGear, grade: float) -> dict[str, Any]:
     figures: dict[str, Any] = {
-        "peak_speed_rpm": gear.speed_rad_s * 30.0 / pi,
+        "peak_speed_rpm": gear.speed_rad_s / RAD_S_PER_RPM,
         **_body(gear.body, gear.speed_rad_s, grade),
     }
     if gear.corrected is not None:
@@ -75,7 +76,7 @@ def _permissible(asked: Rotor) -> dict[str, float]:
     """What may be left of the grade, as a weight at the corrections' radius; of all planes together."""
     if asked.mass_kg is None or asked.radius_mm is None:
         return {}
-    allowed = permissible_unbalance_kg_mm(asked.grade, asked.mass_kg, asked.speed_rpm * pi / 30.0)
+    allowed = permissible_unbalance_kg_mm(asked.grade, asked.mass_kg, asked.speed_rpm * RAD_S_PER_RPM)
     return {"permissible_kg_mm": allowed, "permissible_weight_g": 1000.0 * allowed / asked.radius_mm}
 
 

@@ -14,6 +14,7 @@ from matplotlib.patches import PathPatch, Polygon
 from matplotlib.path import Path
 
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.plane import signed_area
 
 DPI = 110
 
@@ -112,9 +113,8 @@ def ring_area(
     label: str = "",
 ) -> None:
     """The same between a circle and a closed outline within it (shape (n, 2))."""
-    x, y = hole.T
     # Agg fills by winding: a hole is one where it runs the other way round than the circle.
-    clockwise = hole if np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) < 0.0 else hole[::-1]
+    clockwise = hole if signed_area(hole) < 0.0 else hole[::-1]
     inner = Path(np.vstack([clockwise, clockwise[:1]]), closed=True)
     path = Path.make_compound_path(Path.circle(center, radius), inner)
     style = {"facecolor": to_rgba(color, FILL), "edgecolor": color, "linewidth": line_width, "label": label}

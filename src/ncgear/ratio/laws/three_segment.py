@@ -10,7 +10,10 @@ import numpy as np
 from ncgear.errors import WrongInput
 from ncgear.machine.linkage import CrankSlider
 from ncgear.machine.stroke import WorkingStroke
-from ncgear.ratio.compensation import ReturnEnds, ReturnLaw, return_of_least_acceleration, return_with_constant
+from ncgear.ratio.compensation.ends import ReturnEnds
+from ncgear.ratio.compensation.families import return_with_constant
+from ncgear.ratio.compensation.law import ReturnLaw
+from ncgear.ratio.compensation.least_acceleration import return_of_least_acceleration
 from ncgear.ratio.inversion import working_pieces
 from ncgear.ratio.transmission import Lobes, Piece, Transmission
 

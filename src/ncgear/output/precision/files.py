@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from ncgear.output.precision import PAGE, PICTURES, page, pictures
-from ncgear.output.precision_words import error_text, named, time_text, verdict_text
+from ncgear.output.precision.page import PAGE, PICTURES, page, pictures
+from ncgear.output.precision.words import error_text, named, time_text, verdict_text
 from ncgear.output.publish import publish
 from ncgear.precision.study import Measured
 

@@ -1,31 +1,17 @@
-"""What a simulation of any level hands over: a table over the driving angle, figures, pictures."""
+"""A simulation of any level: as files, and as text."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 from ncgear.drive import Drive
 from ncgear.dynamics.level import Level
-from ncgear.numerics.arrays import Array
 from ncgear.output.beside import MECHANISMS, beside_lines
+from ncgear.output.json_text import json_text
 from ncgear.output.report import summary_text
+from ncgear.output.simulation.simulated import Simulated
 from ncgear.output.tables import csv_text
-
-
-@dataclass(frozen=True, eq=False)
-class Simulated:
-    """``table`` holds columns of one length by name, ``figures`` sections of plain values, ``pictures`` PNGs by file.
-
-    Names and keys end in their unit.
-    """
-
-    table: Mapping[str, Array]
-    figures: Mapping[str, Any]
-    pictures: Mapping[str, bytes]
 
 
 def simulate(drive: Drive, level: Level) -> Simulated:
@@ -34,19 +20,19 @@ def simulate(drive: Drive, level: Level) -> Simulated:
 
 
 def _rigid(drive: Drive) -> Simulated:
-    from ncgear.output.rigid import rigid_simulation
+    from ncgear.output.simulation.rigid import rigid_simulation
 
     return rigid_simulation(drive)
 
 
 def _quasi_static(drive: Drive) -> Simulated:
-    from ncgear.output.quasi_static import quasi_static_simulation
+    from ncgear.output.simulation.quasi_static import quasi_static_simulation
 
     return quasi_static_simulation(drive)
 
 
 def _dynamic(drive: Drive) -> Simulated:
-    from ncgear.output.dynamic import dynamic_simulation
+    from ncgear.output.simulation.dynamic import dynamic_simulation
 
     return dynamic_simulation(drive)
 
@@ -64,7 +50,7 @@ def simulation_files(found: Simulated) -> dict[str, bytes]:
     return {
         "simulation.csv": csv_text(list(found.table), list(found.table.values())).encode(),
         **found.pictures,
-        "simulation.json": (json.dumps(found.figures, indent=2, allow_nan=False) + "\n").encode(),
+        "simulation.json": json_text(found.figures).encode(),
     }
 
 

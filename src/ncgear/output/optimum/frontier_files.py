@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ncgear.frontier import Frontier
 from ncgear.improvement import Improvement
-from ncgear.output.frontier import frontier_csv, frontier_json, mechanisms
+from ncgear.output.optimum.frontier import frontier_csv, frontier_json, mechanisms
 from ncgear.output.plots.frontier import frontier as frontier_plot
 from ncgear.output.plots.frontier import rows
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ncgear.improvement import Improvement
 from ncgear.optimum.judged import Figures
-from ncgear.output.optimized import UNITS
+from ncgear.output.optimum.optimized import UNITS
 
 COLUMNS = ("peak power, W", "peak accel., mm/s2", "ratio", "tangent, deg", "convex")
 

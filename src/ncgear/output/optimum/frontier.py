@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import csv
-import json
 from dataclasses import dataclass
-from io import StringIO
 from typing import Any
 
 from ncgear.design.machine import Published
 from ncgear.frontier import Frontier
 from ncgear.improvement import Improvement
-from ncgear.output.optimized import ARGUMENT, figures_summary
+from ncgear.optimum.frontier import FamilyPoint, LawPoint
+from ncgear.output.json_text import json_text
+from ncgear.output.optimum.optimized import ARGUMENT, figures_summary
+from ncgear.output.tables import rows_text
 
 COLUMNS = (
     "power_cap_w",
@@ -62,23 +62,13 @@ def _at_speed(published: Published, speed_rpm: float) -> Mechanism | None:
 def frontier_csv(found: Frontier) -> str:
     """One line for each cap on the power; empty cells where nothing was found."""
     families = {point.cap_w: point for point in found.families}
-    written = StringIO()
-    writer = csv.writer(written, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    for point in found.laws:
-        family, law = families[point.cap_w], figures_summary(point.law)
-        writer.writerow(
-            [
-                point.cap_w,
-                point.bound.value,
-                law["peak_power_w"],
-                law["peak_acceleration_mm_s2"],
-                law["tangent_deg"],
-                family.peak_power_w,
-                family.peak_acceleration_mm_s2,
-            ]
-        )
-    return written.getvalue()
+    return rows_text(COLUMNS, [_cells(point, families[point.cap_w]) for point in found.laws])
+
+
+def _cells(point: LawPoint, family: FamilyPoint) -> list[float | None]:
+    law = figures_summary(point.law)
+    figures = law["peak_power_w"], law["peak_acceleration_mm_s2"], law["tangent_deg"]
+    return [point.cap_w, point.bound.value, *figures, family.peak_power_w, family.peak_acceleration_mm_s2]
 
 
 def frontier_json(found: Frontier, improvement: Improvement) -> str:
@@ -103,4 +93,4 @@ def frontier_json(found: Frontier, improvement: Improvement) -> str:
         ],
         "mechanisms": [vars(mechanism) for mechanism in mechanisms(improvement)],
     }
-    return json.dumps(content, indent=2, allow_nan=False) + "\n"
+    return json_text(content)

@@ -13,8 +13,8 @@ from ncgear.dynamics.rigid import Rigid
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.vector import Vector
-from ncgear.output.rigid_pictures import rigid_pictures
-from ncgear.output.simulated import Simulated
+from ncgear.output.simulation.rigid_pictures import rigid_pictures
+from ncgear.output.simulation.simulated import Simulated
 
 N_M = 1e-3
 """One N mm in N m."""

@@ -10,7 +10,7 @@ from ncgear.drive import Drive
 from ncgear.dynamics.level import Level
 from ncgear.numerics.arrays import Array
 from ncgear.output.plots.time_rows import Row, time_rows
-from ncgear.output.simulated import Simulated
+from ncgear.output.simulation.simulated import Simulated
 
 N_M = 1e-3
 """One N mm in N m."""

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 
 from ncgear.output.plots.precision import speed_against_error
-from ncgear.output.precision_words import (
+from ncgear.output.precision.words import (
     choice_text,
     error_text,
     level_text,

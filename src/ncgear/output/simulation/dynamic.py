@@ -12,7 +12,7 @@ from ncgear.dynamics.level import Level
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.vector import Vector
 from ncgear.output.plots.time_rows import Row, time_rows
-from ncgear.output.simulated import Simulated
+from ncgear.output.simulation.simulated import Simulated
 
 N_M = 1e-3
 """One N mm in N m."""

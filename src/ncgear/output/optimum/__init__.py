@@ -1,0 +1,1 @@
+"""What ``ncgear optimize`` and ``ncgear frontier`` hand over."""

@@ -1,0 +1,1 @@
+"""What ``ncgear bench`` hands over."""

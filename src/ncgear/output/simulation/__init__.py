@@ -1,0 +1,1 @@
+"""What ``ncgear simulate`` hands over."""
