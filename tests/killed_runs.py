@@ -32,7 +32,7 @@ def seen(folder: Path) -> dict[str, bytes]:
 
 def build(design: Path, folder: Path) -> None:
     """What the program does once it is loaded, but for its pictures: drawing takes most of the time, and no file."""
-    build_module._pictures = lambda drive, _: {"tooth_pair.png": drive.design.name.encode()}  # type: ignore[assignment]
+    build_module.pictures = lambda drive, _: {"tooth_pair.png": drive.design.name.encode()}
     sys.argv = ["ncgear", "build", str(design), "--out", str(folder)]
     with open(os.devnull, "w") as nowhere, redirect_stdout(nowhere):
         ncgear.cli.main()

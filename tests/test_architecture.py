@@ -34,7 +34,7 @@ LAYERS = [
     {"drive", "improvement", "frontier", "balancing"},
     {"precision", "screening"},
     {"output"},
-    {"cli"},
+    {"cli", "plots"},
     {"__main__"},
 ]
 """From the bottom up; a room may import from its own layer and from those below."""

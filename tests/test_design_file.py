@@ -12,14 +12,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ncgear.design.gears import PROFILES, Rack
-from ncgear.design.load import LoadedDesign, load, with_location
+from ncgear.design.load import LoadedDesign, load
 from ncgear.design.motion import LAWS, SOLVED_KEY, Ellipse, RatioExpression, ThreeSegmentStroke
 from ncgear.design.positions import read_yaml
 from ncgear.design.scalars import plain_value
 from ncgear.design.schema import Design, json_schema
 from ncgear.design.table import MOST_POINTS, TableLaw
 from ncgear.design.template import Law, template
-from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
+from ncgear.errors import NoSuchMechanism, WrongInput
 
 HEAD = "name: a\nlinkage: {crank_mm: 100, rod_mm: 300}\noperation: {speed_rpm: 60}\n"
 
@@ -174,13 +174,14 @@ def test_locate(tmp_path: Path) -> None:
     assert design.locate("resistance.polynomial_n.1") == f"{file}:{line}:{column}"
 
 
-def test_with_location_adds_the_place_and_keeps_a_known_one(tmp_path: Path) -> None:
+def test_errors_get_their_place_and_keep_a_known_one(tmp_path: Path) -> None:
     design = loaded(tmp_path, template("baler"))
-    error: DesignError = NoSuchMechanism("does not exist", key="motion.theta1")
-    assert with_location(error, design) is error
-    assert str(error) == f"{tmp_path}/d.yaml:19:3: motion.theta1_pi: does not exist"
-    placed = with_location(WrongInput("x", key="motion", location="other:1:1"), design)
-    assert placed.location == "other:1:1"
+    with pytest.raises(NoSuchMechanism) as caught, design.locating():
+        raise NoSuchMechanism("does not exist", key="motion.theta1")
+    assert str(caught.value) == f"{tmp_path}/d.yaml:19:3: motion.theta1_pi: does not exist"
+    with pytest.raises(WrongInput) as caught_elsewhere, design.locating():
+        raise WrongInput("x", key="motion", location="other:1:1")
+    assert caught_elsewhere.value.location == "other:1:1"
 
 
 def points(folder: Path, csv: str, more: str = "") -> TableLaw:

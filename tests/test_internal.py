@@ -533,7 +533,7 @@ def test_the_ring_is_filled_outside_its_curve_and_the_driving_gear_inside(sense:
     """Whichever way the curve runs, as areas tell: a hole that is filled makes the ring nearly twice as large."""
     angle = np.linspace(0.0, 2.0 * pi, 400)[::sense]
     circle = np.column_stack([np.cos(angle), np.sin(angle)])
-    pixels = picture(plots.pitch_curves(10.0 * circle, 40.0 * circle, 30.0, ring_radius_mm=60.0))
+    pixels = picture(plots.pitch_curves(plots.Assembled(10.0 * circle, 40.0 * circle, 30.0, 60.0)))
     tinted = np.abs(pixels - 255.0).max(axis=2) > 20.0
     colored = pixels[tinted & (np.ptp(pixels, axis=2) > 10.0)]
     orange, blue = np.sum(colored[:, 0] > colored[:, 2]), np.sum(colored[:, 2] > colored[:, 0])
@@ -546,8 +546,8 @@ def test_the_ring_is_drawn_turned_with_the_driving_gear() -> None:
 
     def mesh_view(outline: Array, phi2: float) -> Array:
         shown = [plots.Position(0.0, phi2, -RADIUS / 2.0)]
-        png = plots.tooth_pair(wavy(4000) / 2.0, outline, RADIUS / 2.0, MODULE, shown, ring_radius_mm=RADIUS + 10.0)
-        pixels = picture(png)
+        pair = plots.Assembled(wavy(4000) / 2.0, outline, RADIUS / 2.0, RADIUS + 10.0)
+        pixels = picture(plots.tooth_pair(pair, MODULE, shown))
         return pixels[pixels.shape[0] // 2 :]
 
     ring = wavy(4000) * (1.0 + 0.1 * np.sin(np.linspace(0.0, 2.0 * pi, 4000, endpoint=False)))[:, None]

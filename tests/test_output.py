@@ -312,17 +312,18 @@ DRIVING, DRIVEN, HIGHLIGHT = (0x00, 0x72, 0xB2), (0xD5, 0x5E, 0x00), (0xCC, 0x79
 
 def test_pitch_curves_show_both_gears_and_concave_stretches_only_where_there_are_any() -> None:
     driving, driven = wavy(50.0, 0.0), wavy(50.0, pi)
-    plain = shades(plots.pitch_curves(driving, driven, 100.0))
+    pair = plots.Assembled(driving, driven, 100.0)
+    plain = shades(plots.pitch_curves(pair))
     assert min(near(plain, DRIVING), near(plain, DRIVEN)) > 500
     assert near(plain, HIGHLIGHT) == 0
     none, some = np.zeros(4000, dtype=bool), np.arange(4000) < 1000
-    assert near(shades(plots.pitch_curves(driving, driven, 100.0, none, none)), HIGHLIGHT) == 0
-    assert near(shades(plots.pitch_curves(driving, driven, 100.0, some, None)), HIGHLIGHT) > 500
+    assert near(shades(plots.pitch_curves(pair, (none, none))), HIGHLIGHT) == 0
+    assert near(shades(plots.pitch_curves(pair, (some, None))), HIGHLIGHT) > 500
 
 
 def test_tooth_pair_shows_every_position() -> None:
     positions = [plots.Position(angle, angle, 50.0) for angle in (0.0, 1.0, 2.0)]
-    pixels = shades(plots.tooth_pair(wavy(50.0, 0.0), wavy(50.0, pi), 100.0, 2.5, positions))
+    pixels = shades(plots.tooth_pair(plots.Assembled(wavy(50.0, 0.0), wavy(50.0, pi), 100.0), 2.5, positions))
     for column in np.array_split(pixels[:, : pixels.shape[1] // 3 * 3], 3, axis=1):
         assert min(near(column, DRIVING), near(column, DRIVEN)) > 300
 
@@ -349,7 +350,8 @@ def test_pictures_are_the_same_bytes_each_time() -> None:
     assert plots.motion(motion(), motion(), "a") == plots.motion(motion(), motion(), "a")
 
 
-def test_no_global_plotting_state_is_touched() -> None:
+def test_no_global_plotting_state_is_touched(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delitem(sys.modules, "matplotlib.pyplot", raising=False)
     plots.motion(motion(), motion(), "a")
     assert "matplotlib.pyplot" not in sys.modules
 

@@ -1,3 +1,40 @@
-"""ncgear: non-circular gears from the motion of a slider."""
+"""ncgear: non-circular gears from the motion of a slider.
+
+``ncgear.load("design.yaml")`` gives the drive of a design file, whose stages are attributes; ``ncgear.plots`` draws
+them.  Everything is imported when it is first used, so that ``import ncgear`` costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import ncgear.plots as plots
+    from ncgear.drive import Drive, load
+    from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 
 __version__ = "0.1.0"
+
+__all__ = ["DesignError", "Drive", "NoSuchMechanism", "WrongInput", "__version__", "load", "plots"]
+
+_ROOMS = {
+    "DesignError": "ncgear.errors",
+    "Drive": "ncgear.drive",
+    "NoSuchMechanism": "ncgear.errors",
+    "WrongInput": "ncgear.errors",
+    "load": "ncgear.drive",
+}
+"""Where the public names live."""
+
+
+def __getattr__(name: str) -> Any:
+    if name == "plots":
+        return import_module("ncgear.plots")
+    if name not in _ROOMS:
+        raise AttributeError(f"module 'ncgear' has no attribute {name!r}")
+    return getattr(import_module(_ROOMS[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

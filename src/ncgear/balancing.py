@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 from ncgear.balance.frame import Mounted
 from ncgear.design.balance import Balance
 from ncgear.design.balance_mechanism import Mechanism as Given
-from ncgear.design.load import with_location
 from ncgear.design.load_balance import LoadedBalance
 from ncgear.drive import Drive
 from ncgear.errors import DesignError, WrongInput
@@ -58,10 +57,8 @@ class Balancing:
     @cached_property
     def gears(self) -> dict[str, BalancedGear]:
         """Both gears of the design, driving and driven."""
-        drive = Drive(self.loaded.designs["gears.design"].design)
-        with self._within("gears.design"):
-            slope = drive.pair.transmission.slope_range[1].value
-            drive.solids  # noqa: B018 - so that its faults are told here
+        drive = self._drive("gears.design")
+        slope = drive.pair.transmission.slope_range[1].value
         speeds = {"driving": self._speed_rad_s, "driven": self._speed_rad_s * slope}
         return {gear: self._gear(drive, gear, speed) for gear, speed in speeds.items()}
 
@@ -78,11 +75,15 @@ class Balancing:
             driven_by = linkage, uniform_law(Lobes())
             masses = masses_of(given.masses, 0.0, given.masses.driven_gear_kg_mm2 or 0.0)
         else:
-            with self._within(f"mechanisms.{number}.design"):
-                drive = Drive(self.loaded.designs[f"mechanisms.{number}.design"].design)
-                driven_by = drive.linkage, drive.transmission
-                masses = drive.masses if given.masses is None else masses_of(given.masses, 0.0, 0.0)
+            drive = self._drive(f"mechanisms.{number}.design")
+            driven_by = drive.linkage, drive.transmission
+            masses = drive.masses if given.masses is None else masses_of(given.masses, 0.0, 0.0)
         return mounted_of(given, mechanism_of(given, driven_by, masses, self.balance.speed_rpm))
+
+    def _drive(self, key: str) -> Drive:
+        """The drive of a design that the file names; its faults are told with their place in that design's file."""
+        loaded = self.loaded.designs[key]
+        return Drive(loaded.design, loaded=loaded)
 
     def _gear(self, drive: Drive, gear: str, speed_rad_s: float) -> BalancedGear:
         from ncgear.balance.gear_body import mesh_body, plate_body
@@ -102,14 +103,6 @@ class Balancing:
         tolerance = drive.design.output.chord_tolerance_mm
         made = corrected(section, width, density, means_of(correction), tolerance, f"gears.{gear}")
         return BalancedGear(body, speed_rad_s, made)
-
-    @contextmanager
-    def _within(self, key: str) -> Iterator[None]:
-        """Errors raised while a design that the file names is in use get their place in that design's file."""
-        try:
-            yield
-        except DesignError as error:
-            raise with_location(error, self.loaded.designs[key]) from error
 
 
 @contextmanager

@@ -7,8 +7,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ncgear.errors import DesignError
-
 if TYPE_CHECKING:
     from ncgear.design.load import LoadedDesign
 
@@ -16,10 +14,8 @@ if TYPE_CHECKING:
 @contextmanager
 def opened(path: Path) -> Iterator[LoadedDesign]:
     """The design of a file; errors raised while it is in use get the place of their key in that file."""
-    from ncgear.design.load import load, with_location
+    from ncgear.design.load import load
 
     loaded = load(path)
-    try:
+    with loaded.locating():
         yield loaded
-    except DesignError as error:
-        raise with_location(error, loaded) from error

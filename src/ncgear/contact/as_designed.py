@@ -86,6 +86,14 @@ class AsDesigned:
     pushing: SideContact
     back: SideContact
 
+    def __repr__(self) -> str:
+        error, play = self.pushing.transmission_error_rad, float(self.backlash_rad.max())
+        overlap = float(self.overlap_mm.max())
+        return (
+            f"AsDesigned({self.placement.count} positions: transmission error {error:.3g} rad, backlash up to "
+            f"{play:.3g} rad, overlap {overlap:.3g} mm)"
+        )
+
     @property
     def backlash_rad(self) -> Array:
         """Play of the driven gear at each position, shape (n,); negative where the teeth have no room."""

@@ -40,6 +40,12 @@ class PairContact:
     as_designed: AsDesigned
     as_written: tuple[AsWritten, ...]
 
+    def __repr__(self) -> str:
+        return (
+            f"PairContact(contact ratio {self.contact_ratio:.3f}, as written: transmission error "
+            f"{self.transmission_error_rad:.3g} rad, overlap {self.penetration_mm:.3g} mm,\n  {self.as_designed!r})"
+        )
+
     @property
     def transmission_error_rad(self) -> float:
         """Peak to peak, of the worst outlines."""

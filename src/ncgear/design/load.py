@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -78,6 +79,17 @@ class LoadedDesign:
         """``FILE:LINE:COLUMN`` of a dotted key, or of its nearest parent that the file has."""
         return str(self.source.place(key))
 
+    @contextmanager
+    def locating(self) -> Iterator[None]:
+        """A context in which errors that know only their key get its place; an error that has a place keeps it."""
+        try:
+            yield
+        except DesignError as error:
+            if not error.location:
+                error.location = self.locate(error.key)
+                error.key = self.source.as_written(error.key)
+            raise
+
 
 def load(path: Path) -> LoadedDesign:
     """Read and check a design file; WrongInput says where and what is wrong, up to ten faults in the file's order."""
@@ -91,14 +103,6 @@ def load(path: Path) -> LoadedDesign:
     except ValidationError as error:
         raise wrong_input(problems(error, Design), source) from error
     return LoadedDesign(design, path, source, text)
-
-
-def with_location(error: DesignError, loaded: LoadedDesign) -> DesignError:
-    """``error``, which knows only its key, with the place of that key; an error that has a place keeps it."""
-    if not error.location:
-        error.location = loaded.locate(error.key)
-        error.key = loaded.source.as_written(error.key)
-    return error
 
 
 def _no_mapping(data: Any) -> str:

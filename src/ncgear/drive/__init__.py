@@ -1,5 +1,6 @@
 """The drive: one design, whose stages are computed when they are first asked for, and once."""
 
 from ncgear.drive.drive import Drive
+from ncgear.drive.load import load
 
-__all__ = ["Drive"]
+__all__ = ["Drive", "load"]

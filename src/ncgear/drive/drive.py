@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-
 from ncgear.drive.forces import ForceStages
 from ncgear.drive.solids import SolidStages
+from ncgear.drive.stage import stage
 
 
 class Drive(ForceStages, SolidStages):
@@ -20,11 +19,12 @@ class Drive(ForceStages, SolidStages):
 
     def __repr__(self) -> str:
         stage = "" if self.stage is None else f", stage {self.stage}"
-        return f"Drive({self.design.name!r}, law {self.design.motion.law!r}{stage})"
+        speed = self.design.operation.speed_rpm
+        return f"Drive({self.design.name!r}, law {self.design.motion.law}, {speed:g} r/min{stage})"
 
-    @cached_property
+    @stage
     def by_stage(self) -> tuple[Drive, ...]:
         """The same drive for each of its pairs of gears, from the driving shaft on; one pair has itself."""
         if self.design.stages == 1 or self.stage is not None:
             return (self,)
-        return tuple(Drive(self.design, stage) for stage in range(1, self.design.stages + 1))
+        return tuple(Drive(self.design, number, self.loaded) for number in range(1, self.design.stages + 1))

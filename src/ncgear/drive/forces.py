@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import TYPE_CHECKING
 
+from ncgear.drive.stage import stage
 from ncgear.drive.teeth import ToothStages
 from ncgear.errors import WrongInput
 from ncgear.kinematics.slider import Machine
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class ForceStages(ToothStages):
     """What the machine's masses and its teeth bear."""
 
-    @cached_property
+    @stage
     def masses(self) -> Masses:
         """The moving masses; makes teeth only where a gear's moment of inertia is left out."""
         from ncgear.recipe.masses import masses_of
@@ -36,12 +36,12 @@ class ForceStages(ToothStages):
         module, outlines = self.pitch.size.module_mm, (self.teeth.driving.outline_mm, self.teeth.driven.outline_mm)
         return masses_of(given, *body_inertias_kg_mm2(gears, *outlines, module, tolerance, given.density_kg_m3))
 
-    @cached_property
+    @stage
     def rigid(self) -> Rigid:
         """What the machine bears at constant driving speed."""
         return self._rigid(self.machine)
 
-    @cached_property
+    @stage
     def uniform_rigid(self) -> Rigid:
         """What the uniform crank bears with the same masses."""
         return self._rigid(self.uniform_machine)
@@ -57,7 +57,7 @@ class ForceStages(ToothStages):
         with self.stopwatch("forces"):
             return rigid_level(RigidMachine(machine, masses, place))
 
-    @cached_property
+    @stage
     def meshing(self) -> Meshing:
         """The straight teeth of the pair as they bear load; they must touch as designed."""
         from ncgear.recipe.simulation import meshing_of
@@ -68,7 +68,7 @@ class ForceStages(ToothStages):
         with self.stopwatch("gaps"):
             return meshing_of(self.design.simulation, pitch, teeth)
 
-    @cached_property
+    @stage
     def loaded_contact(self) -> LoadedContact:
         """The teeth under the torque of the rigid level, at the angles of ``motion``."""
         from ncgear.dynamics.quasi_static import loaded_contact
@@ -78,7 +78,7 @@ class ForceStages(ToothStages):
         with self.stopwatch("loaded contact"):
             return loaded_contact(meshing, phi1, torque, self.machine.speed_rad_s)
 
-    @cached_property
+    @stage
     def course(self) -> Course:
         """The motion of the toothed mechanism in time."""
         from ncgear.dynamics.crank_load import crank_load

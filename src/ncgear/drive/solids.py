@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 from ncgear.design.gears import GearBody, Gears
+from ncgear.drive.stage import stage
 from ncgear.drive.teeth import ToothStages
 from ncgear.errors import WrongInput
 from ncgear.recipe.gears import bore_of, rim_mm_of
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 class SolidStages(ToothStages):
     """Both gears as bodies."""
 
-    @cached_property
+    @stage
     def solids(self) -> SolidPair:
         """Both gears as closed meshes."""
         return self._straight_solids() if self.helix is None else self._helical_solids(self.helix)

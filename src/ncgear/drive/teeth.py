@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 from ncgear.drive.motion import MotionStages
+from ncgear.drive.stage import stage
 from ncgear.machine.rack import BasicRack
 from ncgear.recipe.gears import helix_of, rack_of, tooth_form
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 class ToothStages(MotionStages):
     """Pitch curves, teeth, and their contact."""
 
-    @cached_property
+    @stage
     def pitch(self) -> PitchPair:
         """Both pitch curves at their size."""
         from ncgear.pitch.pair import sized_pair
@@ -34,7 +34,7 @@ class ToothStages(MotionStages):
             size = gears.teeth, gears.module_mm, gears.center_distance_mm
             return sized_pair(transmission, *size, Mesh(gears.mesh))
 
-    @cached_property
+    @stage
     def rack(self) -> BasicRack:
         """The basic rack at the module."""
         return rack_of(self.gears, self.pitch.size.module_mm)
@@ -49,7 +49,7 @@ class ToothStages(MotionStages):
         """What the helix adds to the contact ratio: its advance in pitches."""
         return self.helix.largest_advance_mm / self.rack.pitch_mm if self.helix else 0.0
 
-    @cached_property
+    @stage
     def tooth_form(self) -> ToothForm:
         """Everything asked of the teeth, at the module; of helical ones, that their tips do not jump with height."""
         from ncgear.solids.even_tips import with_even_tips
@@ -60,7 +60,7 @@ class ToothStages(MotionStages):
         with self.stopwatch("teeth"):
             return with_even_tips(pitch, form, self.helix)
 
-    @cached_property
+    @stage
     def teeth(self) -> ToothedPair:
         """Both toothed gears."""
         from ncgear.teeth.gear import toothed_pair
@@ -69,7 +69,7 @@ class ToothStages(MotionStages):
         with self.stopwatch("teeth"):
             return toothed_pair(pitch, form, self.design.output.chord_tolerance_mm)
 
-    @cached_property
+    @stage
     def designed_contact(self) -> AsDesigned:
         """Contact of the exact teeth, which must not overlap."""
         from ncgear.contact.as_designed import as_designed
@@ -95,12 +95,12 @@ class ToothStages(MotionStages):
         from ncgear.contact.pair_contact import pair_contact, refuse_bad_outlines
 
         designed, pitch, teeth = self.designed_contact, self.pitch, self.teeth
-        with self.stopwatch("written contact"):
+        with self.locating(), self.stopwatch("written contact"):
             contact = pair_contact(pitch, teeth, designed, written)
             refuse_bad_outlines(contact, self.design.output.chord_tolerance_mm)
             return contact
 
-    @cached_property
+    @stage
     def section_contact_ratio(self) -> float:
         """Least arc of contact of any pair of flanks in the sections of helical teeth, in pitches."""
         from ncgear.solids.section_contact import least_section_contact

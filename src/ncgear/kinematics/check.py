@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from math import degrees
 
 import numpy as np
 
@@ -29,6 +30,15 @@ class KinematicCheck:
     peak_speed_mm_s: Extremum
     peak_acceleration_working_mm_s2: Extremum
     peak_acceleration_cycle_mm_s2: Extremum
+
+    def __repr__(self) -> str:
+        rows = (
+            f"power {_at(self.peak_power_w, 'W')}, on average {self.mean_power_w:.4g} W",
+            f"speed {_at(self.peak_speed_mm_s, 'mm/s')}",
+            f"acceleration {_at(self.peak_acceleration_cycle_mm_s2, 'mm/s2')}",
+            f"acceleration of the working stroke {_at(self.peak_acceleration_working_mm_s2, 'mm/s2')}",
+        )
+        return f"KinematicCheck(peaks at {self.speed_rpm:.4g} r/min:\n  " + "\n  ".join(rows) + ")"
 
 
 def kinematic_check(machine: Machine) -> KinematicCheck:
@@ -81,6 +91,10 @@ def _peak_power(machine: Machine, working: Sequence[Stretch]) -> Extremum:
 
     found = [_extremes(part, power, 2)[1] for stretch in working for part in cut(stretch, turns)]
     return max((Extremum(0.0, working[0].start_rad), *found), key=lambda extremum: extremum.value)
+
+
+def _at(peak: Extremum, unit: str) -> str:
+    return f"{peak.value:.5g} {unit} at {degrees(peak.at):.4g} deg"
 
 
 def _scaled(extremum: Extremum, factor: float) -> Extremum:

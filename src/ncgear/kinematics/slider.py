@@ -13,6 +13,7 @@ from ncgear.machine.resistance import Resistance
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.bracketed import zeros_between
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.ratio.transmission import Transmission
 
 
@@ -29,6 +30,10 @@ class SliderMotion:
     force_n: Array
     power_w: Array
 
+    def __repr__(self) -> str:
+        last = float(np.degrees(self.phi1_rad[-1]))
+        return f"SliderMotion({self.phi1_rad.size} driving angles up to {last:.4g} deg)"
+
 
 @dataclass(frozen=True, eq=False)
 class Machine:
@@ -38,6 +43,9 @@ class Machine:
     linkage: CrankSlider
     resistance: Resistance
     speed_rad_s: float
+
+    def __repr__(self) -> str:
+        return f"Machine({self.speed_rad_s / RAD_S_PER_RPM:.4g} r/min, {self.linkage!r},\n  {self.transmission!r})"
 
     def displacement(self, phi1: Array, order: int) -> Jet:
         """Slider displacement in mm, with derivatives by the driving angle."""

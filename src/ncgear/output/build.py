@@ -5,26 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from math import pi
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ncgear.contact.pair_contact import PairContact
 from ncgear.drive import Drive
-from ncgear.output import plots
-from ncgear.output.joints import joints_up_to
 from ncgear.output.json_text import json_text
+from ncgear.output.pictures import pictures
 from ncgear.output.publish import prepare, publish
 from ncgear.output.stl import stl_bytes
 from ncgear.output.summary import build_summary
 from ncgear.output.tables import contact_csv, law_csv, outline_csv
 from ncgear.output.written import written_outlines
-from ncgear.pitch.curve import CurvePoints, PitchCurve
-from ncgear.recipe.gears import rim_mm_of
+from ncgear.pitch.curve import PitchCurve
 from ncgear.solids.assembly import Placed, assembly_report
-from ncgear.solids.ring import outer_radius_mm
 
 STAGES = {
     "motion": ("motion", "uniform_motion"),
@@ -34,12 +29,6 @@ STAGES = {
     "solids": ("solids",),
 }
 """Stages in order and the attributes of the drive whose first use computes them."""
-
-CURVE_POINTS = 1500
-"""Points of a drawn pitch curve: 0.2 mm apart on a screen-wide gear of 300 mm."""
-
-POSITIONS = 3
-"""Positions of the pair in the picture of its teeth, evenly spread over a turn of the driving gear."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +77,7 @@ def _made(drive: Drive, on_stage: Callable[[str], None]) -> tuple[dict[str, byte
         contact = drive.contact(written_outlines(files, ring=ring, helical=helical))
         files["contact.csv"] = contact_csv(contact).encode()
     with _timed(drive, "plots", on_stage):
-        files.update(_pictures(drive, contact))
+        files.update(pictures(drive, contact))
     # Last: only now are the timings known, and a summary is then never newer in its folder than what it sums up.
     summary = build_summary(drive, contact)
     return {**files, "summary.json": json_text(summary).encode()}, summary
@@ -132,65 +121,3 @@ def _assembly(drive: Drive) -> dict[str, Any]:
 def _pitch_radius(curve: PitchCurve) -> float:
     """On the line of centres at phi1 = 0."""
     return float(np.linalg.norm(curve.at_angle(np.zeros(1)).position))
-
-
-def _ring_radius(drive: Drive) -> float | None:
-    """Outer radius of a driven ring; None for an external pair."""
-    if not drive.pitch.driven.is_ring:
-        return None
-    return outer_radius_mm(drive.teeth.driven.outline_mm, rim_mm_of(drive.gears, drive.pitch.size.module_mm))
-
-
-def _pictures(drive: Drive, contact: PairContact) -> dict[str, bytes]:
-    name, speed = drive.design.name, drive.design.operation.speed_rpm
-    tables = drive.motion, drive.uniform_motion
-    joints = joints_up_to(drive.transmission, float(drive.motion.phi1_rad[-1]))
-    all_joints = joints_up_to(drive.pair.transmission, contact.as_designed.placement.cycle_rad)
-    return {
-        "pitch_curves.png": _pitch_curves(drive),
-        "tooth_pair.png": _tooth_pair(drive),
-        "motion.png": plots.motion(*tables, f"{name}: motion at {speed:.4g} r/min", joints),
-        "contact.png": plots.contact(contact, f"{_title(drive)}: contact of the teeth", all_joints),
-        "power.png": plots.power(*tables, f"{name}: force and power at {speed:.4g} r/min", joints),
-    }
-
-
-def _title(drive: Drive) -> str:
-    """Of pictures that show one pair of gears."""
-    return drive.design.name if drive.stage is None else f"{drive.design.name}, stage {drive.stage} by its own angles"
-
-
-def _pitch_curves(drive: Drive) -> bytes:
-    driving, driven = (_closed_curve(curve) for curve in (drive.pitch.driving, drive.pitch.driven))
-    return plots.pitch_curves(
-        driving.position,
-        driven.position,
-        drive.pitch.center_distance_mm,
-        driving.curvature < 0.0,
-        driven.curvature > 0.0 if drive.pitch.driven.is_ring else driven.curvature < 0.0,
-        f"{_title(drive)}: pitch curves at phi1 = 0",
-        ring_radius_mm=_ring_radius(drive),
-    )
-
-
-def _tooth_pair(drive: Drive) -> bytes:
-    return plots.tooth_pair(
-        drive.teeth.driving.outline_mm,
-        drive.teeth.driven.outline_mm,
-        drive.pitch.center_distance_mm,
-        drive.pitch.size.module_mm,
-        _positions(drive),
-        f"{_title(drive)}: tooth outlines in mesh",
-        ring_radius_mm=_ring_radius(drive),
-    )
-
-
-def _positions(drive: Drive) -> list[plots.Position]:
-    phi1 = np.linspace(0.0, 2.0 * pi, POSITIONS, endpoint=False)
-    phi2 = drive.pair.transmission.driven_angle(phi1).value
-    point = drive.pitch.pitch_point_mm(phi1)
-    return [plots.Position(float(a), float(b), float(x)) for a, b, x in zip(phi1, phi2, point, strict=True)]
-
-
-def _closed_curve(curve: PitchCurve) -> CurvePoints:
-    return curve.at_angle(np.linspace(0.0, curve.turn_rad, CURVE_POINTS))

@@ -42,6 +42,11 @@ class PitchPair:
     size: Size
     mesh: Mesh
 
+    def __repr__(self) -> str:
+        size = self.size
+        teeth = f"{size.driving_teeth}:{size.driven_teeth} teeth of module {size.module_mm:.4g} mm"
+        return f"PitchPair({self.mesh.value}, a = {size.center_distance_mm:.3f} mm, {teeth})"
+
     @property
     def center_distance_mm(self) -> float:
         """Distance between the gears' axes."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -19,7 +19,7 @@ class Pair:
     """
 
     transmission: Transmission
-    speed: Callable[[Array], Array]
+    speed: Callable[[Array], Array] = field(repr=False)
 
 
 @dataclass(frozen=True, eq=False)

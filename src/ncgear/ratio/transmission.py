@@ -97,6 +97,11 @@ class Transmission:
                     key="motion",
                 )
 
+    def __repr__(self) -> str:
+        low, high = (extremum.value for extremum in self.ratio_range)
+        lobes = f"{self.lobes.driving}:{self.lobes.driven} lobes"
+        return f"Transmission(ratio {low:.4g} to {high:.4g}, {lobes}, {len(self.pieces)} pieces)"
+
     @property
     def joints_rad(self) -> Array:
         """Driving angles between which the law is analytic: ends of pieces and their knots, from 0 to the period."""

@@ -38,6 +38,10 @@ class Law:
     train: Train
     stroke_law: StrokeLaw | None = None
 
+    def __repr__(self) -> str:
+        pairs = f", {len(self.train.pairs)} pairs in series" if len(self.train.pairs) > 1 else ""
+        return f"Law({self.transmission!r} on {self.linkage!r}{pairs})"
+
     @property
     def transmission(self) -> Transmission:
         """The law of the whole, phi2(phi1)."""

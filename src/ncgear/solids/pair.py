@@ -30,6 +30,11 @@ class GearSolid:
     mesh: Trimesh
     index_hole: IndexHole | None
 
+    def __repr__(self) -> str:
+        size = " x ".join(f"{length:.4g}" for length in self.mesh.extents)
+        mark = "with" if self.index_hole else "no"
+        return f"GearSolid({size} mm, {len(self.mesh.faces)} triangles, {mark} index hole)"
+
 
 @dataclass(frozen=True, eq=False)
 class SolidPair:
@@ -37,6 +42,9 @@ class SolidPair:
 
     driving: GearSolid
     driven: GearSolid
+
+    def __repr__(self) -> str:
+        return f"SolidPair(\n  driving: {self.driving!r},\n  driven: {self.driven!r})"
 
 
 def driving_solid(

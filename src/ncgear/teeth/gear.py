@@ -38,6 +38,12 @@ class ToothedGear:
     sides: Sides
     outline_mm: Array
 
+    def __repr__(self) -> str:
+        shortened = len(self._numbers(self.tips.limit != Limit.FULL))
+        return (
+            f"ToothedGear({self.teeth} teeth, {shortened} of them shortened, outline of {len(self.outline_mm)} points)"
+        )
+
     @property
     def flanks(self) -> Flanks:
         """The curves of its teeth."""
@@ -68,6 +74,9 @@ class ToothedPair:
     driving: ToothedGear
     driven: ToothedGear
     cutter: CutterKind
+
+    def __repr__(self) -> str:
+        return f"ToothedPair(cutter {self.cutter.value},\n  driving: {self.driving!r},\n  driven: {self.driven!r})"
 
 
 def toothed_pair(

@@ -2,6 +2,6 @@
 
 from ncgear.output.plots.curves import motion, power
 from ncgear.output.plots.mesh import contact
-from ncgear.output.plots.pairs import Position, pitch_curves, tooth_pair, turned
+from ncgear.output.plots.pairs import Assembled, Position, pitch_curves, tooth_pair, turned
 
-__all__ = ["Position", "contact", "motion", "pitch_curves", "power", "tooth_pair", "turned"]
+__all__ = ["Assembled", "Position", "contact", "motion", "pitch_curves", "power", "tooth_pair", "turned"]

@@ -13,8 +13,6 @@ from ncgear.numerics.arrays import Array
 from ncgear.output.plots.angle_axis import align, angle_scale, mark_joints
 from ncgear.output.plots.canvas import DRIVING, INK, NORMAL, REFERENCE, SMALL, Margins, dress, figure, png
 
-DISPLACEMENT = "displacement in mm"
-
 NO_JOINTS = np.empty(0)
 
 OWN: dict[str, Any] = {"color": DRIVING, "linewidth": 2.0, "label": "this design"}
@@ -46,15 +44,11 @@ class Quantity:
         return self.factor * values
 
 
-MOTION = (
-    Quantity("displacement_mm", "displacement", "mm", 1.0, extreme=False),
-    Quantity("velocity_mm_s", "velocity", "m/s", 1e-3, extreme=True),
-    Quantity("acceleration_mm_s2", "acceleration", "m/s\u00b2", 1e-3, extreme=True),
-)
-POWER = (
-    Quantity("force_n", "force", "kN", 1e-3, extreme=True),
-    Quantity("power_w", "driving power", "kW", 1e-3, extreme=True),
-)
+DISPLACEMENT = Quantity("displacement_mm", "displacement", "mm", 1.0, extreme=False)
+VELOCITY = Quantity("velocity_mm_s", "velocity", "m/s", 1e-3, extreme=True)
+ACCELERATION = Quantity("acceleration_mm_s2", "acceleration", "m/s\u00b2", 1e-3, extreme=True)
+FORCE = Quantity("force_n", "force", "kN", 1e-3, extreme=True)
+POWER = Quantity("power_w", "driving power", "kW", 1e-3, extreme=True)
 
 
 def motion(table: SliderMotion, uniform: SliderMotion, title: str, joints_rad: Array = NO_JOINTS) -> bytes:
@@ -62,8 +56,8 @@ def motion(table: SliderMotion, uniform: SliderMotion, title: str, joints_rad: A
     size = 8.2, 7.2
     made = figure(*size, title)
     column = made.subplots(3, 1, sharex=True, gridspec_kw={**Margins().shares(*size), "hspace": 0.12})
-    for axes, quantity in zip(column, MOTION, strict=True):
-        _over_angle(axes, table, uniform, quantity, joints_rad)
+    for axes, quantity in zip(column, (DISPLACEMENT, VELOCITY, ACCELERATION), strict=True):
+        over_angle(axes, table, uniform, quantity, joints_rad)
     angle_scale(column, float(np.degrees(table.phi1_rad[-1])))
     align(column, size[0])
     return png(made)
@@ -75,16 +69,17 @@ def power(table: SliderMotion, uniform: SliderMotion, title: str, joints_rad: Ar
     made = figure(*size, title)
     spaces = {"hspace": 0.12, "wspace": 0.06}
     grid = made.subplots(2, 2, sharex="col", sharey="row", gridspec_kw={**Margins().shares(*size), **spaces})
-    for (left, right), quantity in zip(grid, POWER, strict=True):
-        _over_angle(left, table, uniform, quantity, joints_rad)
-        _over_displacement(right, table, uniform, quantity)
+    for (left, right), quantity in zip(grid, (FORCE, POWER), strict=True):
+        over_angle(left, table, uniform, quantity, joints_rad)
+        over_displacement(right, table, uniform, quantity)
     angle_scale(grid[:, 0], float(np.degrees(table.phi1_rad[-1])))
     align(grid[:, 0], size[0])
-    grid[1, 1].set_xlabel(DISPLACEMENT, size=NORMAL, color=INK)
+    grid[1, 1].set_xlabel("displacement in mm", size=NORMAL, color=INK)
     return png(made)
 
 
-def _over_angle(axes: Axes, table: SliderMotion, uniform: SliderMotion, quantity: Quantity, joints_rad: Array) -> None:
+def over_angle(axes: Axes, table: SliderMotion, uniform: SliderMotion, quantity: Quantity, joints_rad: Array) -> None:
+    """A quantity of both mechanisms over phi1, with its largest value and the joints of the law (shape (n,))."""
     angle, values = np.degrees(table.phi1_rad), quantity.of(table)
     axes.plot(angle, values, **OWN)
     axes.plot(np.degrees(uniform.phi1_rad), quantity.of(uniform), **UNIFORM)
@@ -94,7 +89,8 @@ def _over_angle(axes: Axes, table: SliderMotion, uniform: SliderMotion, quantity
         mark_extreme(axes, angle, values, quantity.unit)
 
 
-def _over_displacement(axes: Axes, table: SliderMotion, uniform: SliderMotion, quantity: Quantity) -> None:
+def over_displacement(axes: Axes, table: SliderMotion, uniform: SliderMotion, quantity: Quantity) -> None:
+    """A quantity of both mechanisms over the slider's displacement."""
     for source, style in ((table, OWN), (uniform, UNIFORM)):
         axes.plot(source.displacement_mm, quantity.of(source), **style)
     dress(axes, "", "")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,9 @@ WRITTEN: dict[str, Any] = {"color": DRIVEN, "linewidth": 0.8, "label": "pushing 
 MILLI_FROM_RAD = 5e-3
 """Angle from which a scale is in mrad instead of millionths of a radian."""
 
+Drawing = Callable[[Axes, AsDesigned], None]
+"""Draws a row over phi1."""
+
 NO_BACKLASH_RAD = 1e-9
 """Play below which none is drawn: some nanometres at the flanks."""
 
@@ -31,55 +34,66 @@ NO_BACKLASH_RAD = 1e-9
 def contact(result: PairContact, title: str, joints_rad: Array) -> bytes:
     """Rows over phi1; ``joints_rad`` (shape (n,)) are marked by thin lines."""
     designed = result.as_designed
-    rows = [_errors, _backlash, _contacts, _pressure_angles, _sliding]
-    if np.max(np.abs(designed.backlash_rad)) < NO_BACKLASH_RAD:
-        rows.remove(_backlash)
-    size = 8.2, ROW_IN * len(rows) + 1.3
+    rows: list[Drawing] = [flanks_in_contact, pressure_angles, sliding]
+    if np.max(np.abs(designed.backlash_rad)) >= NO_BACKLASH_RAD:
+        rows.insert(0, backlash)
+    size = 8.2, ROW_IN * (len(rows) + 1) + 1.3
     made = figure(*size, title)
-    column = made.subplots(len(rows), 1, sharex=True, gridspec_kw={**Margins(left=1.0).shares(*size), "hspace": 0.16})
-    for axes, draw in zip(column, rows, strict=True):
-        draw(axes, result, np.degrees(designed.placement.phi1_rad))
+    spaces = {**Margins(left=1.0).shares(*size), "hspace": 0.16}
+    column = made.subplots(len(rows) + 1, 1, sharex=True, gridspec_kw=spaces)
+    _errors(column[0], result)
+    for axes, draw in zip(column[1:], rows, strict=True):
+        draw(axes, designed)
+    for axes in column:
         mark_joints(axes, np.degrees(joints_rad))
     angle_scale(column, float(np.degrees(designed.placement.cycle_rad)))
     align(column, size[0])
     return png(made)
 
 
-def _errors(axes: Axes, result: PairContact, angle: Array) -> None:
+def _errors(axes: Axes, result: PairContact) -> None:
     """Driven angle beyond the law's, of the worst outlines and as designed."""
     written = max(result.as_written, key=lambda outlines: outlines.transmission_error_rad)
-    factor, unit = _scaled(written.pushing_rad)
+    angle, (factor, unit) = _angle(result.as_designed), _scaled(written.pushing_rad)
     axes.plot(angle, factor * result.as_designed.pushing.error_rad, **PUSHING)
     axes.plot([], [], **BACK)
     axes.plot(angle, factor * written.pushing_rad, **WRITTEN)
     dress(axes, "", f"error of driven\nangle in {unit}")
 
 
-def _backlash(axes: Axes, result: PairContact, angle: Array) -> None:
-    factor, unit = _scaled(result.as_designed.backlash_rad)
-    axes.plot(angle, factor * result.as_designed.backlash_rad, color=DRIVING, linewidth=1.6)
+def backlash(axes: Axes, designed: AsDesigned) -> None:
+    """Play of the driven gear over phi1."""
+    factor, unit = _scaled(designed.backlash_rad)
+    axes.plot(_angle(designed), factor * designed.backlash_rad, color=DRIVING, linewidth=1.6, label="as designed")
     dress(axes, "", f"backlash\nin {unit}")
 
 
-def _contacts(axes: Axes, result: PairContact, angle: Array) -> None:
-    for side, style in _sides(result.as_designed):
-        axes.plot(angle, side.simultaneous, drawstyle="steps-mid", **style)
-    most = int(max(result.as_designed.pushing.simultaneous.max(), result.as_designed.back.simultaneous.max()))
+def flanks_in_contact(axes: Axes, designed: AsDesigned) -> None:
+    """How many pairs of flanks touch over phi1, on either side of the teeth."""
+    for side, style in _sides(designed):
+        axes.plot(_angle(designed), side.simultaneous, drawstyle="steps-mid", **style)
+    most = int(max(designed.pushing.simultaneous.max(), designed.back.simultaneous.max()))
     axes.set_yticks(range(most + 1))
     axes.set_ylim(-0.2, most + 0.2)
     dress(axes, "", "flanks\nin contact")
 
 
-def _pressure_angles(axes: Axes, result: PairContact, angle: Array) -> None:
-    for side, style in _sides(result.as_designed):
-        axes.plot(angle, np.degrees(side.first.pressure_angle_rad), **style)
+def pressure_angles(axes: Axes, designed: AsDesigned) -> None:
+    """Pressure angle of the foremost contact over phi1, on either side of the teeth."""
+    for side, style in _sides(designed):
+        axes.plot(_angle(designed), np.degrees(side.first.pressure_angle_rad), **style)
     dress(axes, "", "pressure angle\nin deg")
 
 
-def _sliding(axes: Axes, result: PairContact, angle: Array) -> None:
-    for side, style in _sides(result.as_designed):
-        axes.plot(angle, side.first.sliding_mm(result.as_designed.placement), **style)
+def sliding(axes: Axes, designed: AsDesigned) -> None:
+    """Speed of sliding at the foremost contact per speed of the driving gear over phi1."""
+    for side, style in _sides(designed):
+        axes.plot(_angle(designed), side.first.sliding_mm(designed.placement), **style)
     dress(axes, "", "sliding\nin mm per rad")
+
+
+def _angle(designed: AsDesigned) -> Array:
+    return np.degrees(designed.placement.phi1_rad)
 
 
 def _sides(designed: AsDesigned) -> Sequence[tuple[Any, dict[str, Any]]]:

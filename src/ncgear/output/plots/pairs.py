@@ -46,78 +46,60 @@ class Position:
 
 
 @dataclass(frozen=True, eq=False)
-class _Pair:
-    """Both outlines in their own frames; a driven ring lies between its outline and a circle of ``ring_radius``."""
+class Assembled:
+    """Two closed curves in mm, each in its own frame (shape (n, 2)), and how far apart their axes are.
 
-    driving: Array
-    driven: Array
-    center_distance: float
-    ring_radius: float | None
+    A driven ring lies between its curve and a circle of ``ring_radius_mm``; None for an external pair.
+    """
+
+    driving_mm: Array
+    driven_mm: Array
+    center_distance_mm: float
+    ring_radius_mm: float | None = None
 
     @property
     def frame(self) -> tuple[float, float, float]:
         """Least and largest x and the largest y that the gears reach in any position."""
-        driving = float(np.hypot(*self.driving.T).max()) * SLACK
-        driven = (self.ring_radius or float(np.hypot(*self.driven.T).max())) * SLACK
-        left, right = min(-driving, self.center_distance - driven), max(driving, self.center_distance + driven)
+        driving = float(np.hypot(*self.driving_mm.T).max()) * SLACK
+        driven = (self.ring_radius_mm or float(np.hypot(*self.driven_mm.T).max())) * SLACK
+        left, right = min(-driving, self.center_distance_mm - driven), max(driving, self.center_distance_mm + driven)
         return left, right, max(driving, driven)
 
     def draw(self, axes: Axes, position: Position, line_width: float) -> None:
-        """Both gears in a position."""
-        area(axes, turned(self.driving, position.phi1_rad), DRIVING, line_width)
-        sense = -1.0 if self.ring_radius is None else 1.0
-        driven = turned(self.driven, sense * position.phi2_rad)
-        _driven_area(axes, driven, self.center_distance, self.ring_radius, line_width)
+        """Both gears in a position: the driving one turned by +phi1, the driven one by -phi2, or a ring by +phi2."""
+        area(axes, turned(self.driving_mm, position.phi1_rad), DRIVING, line_width)
+        sense = -1.0 if self.ring_radius_mm is None else 1.0
+        _driven_area(axes, self, turned(self.driven_mm, sense * position.phi2_rad), line_width)
 
 
 def pitch_curves(
-    driving_mm: Array,
-    driven_mm: Array,
-    center_distance_mm: float,
-    driving_concave: Mask | None = None,
-    driven_concave: Mask | None = None,
-    title: str = "Pitch curves at phi1 = 0",
-    *,
-    ring_radius_mm: float | None = None,
+    pair: Assembled, concave: tuple[Mask | None, Mask | None] = (None, None), title: str = "Pitch curves at phi1 = 0"
 ) -> bytes:
-    """Both closed pitch curves, each in its own frame (mm, shape (n, 2)), assembled at phi1 = 0.
-
-    Concave stretches are highlighted where masks (shape (n,)) are given.  ``ring_radius_mm`` is the outer radius of a
-    driven ring, None for an external pair.
-    """
-    shifted = driven_mm + np.array([center_distance_mm, 0.0])
-    both = np.vstack([driving_mm, shifted, *_box(center_distance_mm, ring_radius_mm)])
-    size = _size(both)
+    """Both pitch curves assembled at phi1 = 0; see ``draw_pitch_curves``."""
+    size = _size(_reach(pair))
     made = figure(*size, title)
-    axes = made.subplots(gridspec_kw=Margins().shares(*size))
-    area(axes, driving_mm, DRIVING, 1.8, "driving gear")
-    _driven_area(axes, driven_mm, center_distance_mm, ring_radius_mm, 1.8, "driven gear")
-    _concave(axes, [(driving_mm, driving_concave), (shifted, driven_concave)])
-    _axes_of_rotation(axes, center_distance_mm)
-    dress(axes, "x in mm", "y in mm")
-    axes.update_datalim(both)
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.autoscale_view()
-    key_above(axes)
+    draw_pitch_curves(made.subplots(gridspec_kw=Margins().shares(*size)), pair, concave)
     return png(made)
 
 
-def tooth_pair(
-    driving_mm: Array,
-    driven_mm: Array,
-    center_distance_mm: float,
-    module_mm: float,
-    positions: Sequence[Position],
-    title: str = "Tooth outlines in mesh",
-    *,
-    ring_radius_mm: float | None = None,
-) -> bytes:
-    """Tooth outlines, each in its own frame (mm, shape (n, 2)), assembled in each position: whole above, mesh below.
+def draw_pitch_curves(axes: Axes, pair: Assembled, concave: tuple[Mask | None, Mask | None] = (None, None)) -> None:
+    """Both pitch curves at phi1 = 0; concave stretches are highlighted where masks (shape (n,)) are given."""
+    area(axes, pair.driving_mm, DRIVING, 1.8, "driving gear")
+    _driven_area(axes, pair, pair.driven_mm, 1.8, "driven gear")
+    shifted = pair.driven_mm + np.array([pair.center_distance_mm, 0.0])
+    _concave(axes, [(pair.driving_mm, concave[0]), (shifted, concave[1])])
+    _axes_of_rotation(axes, pair.center_distance_mm)
+    dress(axes, "x in mm", "y in mm")
+    axes.update_datalim(_reach(pair))
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.autoscale_view()
+    key_above(axes)
 
-    The driving gear is turned by +phi1, the driven one by -phi2 about its own axis; a driven ring, which has an outer
-    radius, by +phi2.
-    """
-    pair = _Pair(driving_mm, driven_mm, center_distance_mm, ring_radius_mm)
+
+def tooth_pair(
+    pair: Assembled, module_mm: float, positions: Sequence[Position], title: str = "Tooth outlines in mesh"
+) -> bytes:
+    """Tooth outlines assembled in each position: whole above, mesh below."""
     rows_in = PANEL_IN * _whole_height(pair), PANEL_IN * 0.95
     margins = Margins(left=0.7, top=0.65)
     size = PANEL_IN * len(positions) + 0.85, sum(rows_in) + 1.5
@@ -125,8 +107,8 @@ def tooth_pair(
     spaces = {"hspace": 0.12, "wspace": 0.14, "height_ratios": rows_in}
     views = made.subplots(2, len(positions), squeeze=False, gridspec_kw={**margins.shares(*size), **spaces})
     for (whole, mesh), position in zip(views.T, positions, strict=True):
-        _whole(whole, pair, position)
-        _mesh(mesh, pair, ZOOM_IN_MODULES * module_mm, position)
+        draw_whole(whole, pair, position)
+        draw_mesh(mesh, pair, ZOOM_IN_MODULES * module_mm, position)
     _names(views[0, 0], pair)
     views[1, 0].set_ylabel("y in mm", size=SMALL, color=INK)
     return png(made)
@@ -154,22 +136,22 @@ def _concave(axes: Axes, curves: Sequence[tuple[Array, Mask | None]]) -> None:
         axes.plot(*joined.T, color=HIGHLIGHT, linewidth=4.0, label="concave", solid_capstyle="butt")
 
 
-def _driven_area(
-    axes: Axes, points: Array, center_distance: float, ring_radius: float | None, line_width: float, label: str = ""
-) -> None:
-    """The driven gear at its axis, a ring with its circle."""
-    shift = np.array([center_distance, 0.0])
-    if ring_radius is None:
-        area(axes, points + shift, DRIVEN, line_width, label)
+def _driven_area(axes: Axes, pair: Assembled, points: Array, line_width: float, label: str = "") -> None:
+    """The driven gear's curve at its axis, a ring with its circle."""
+    moved = points + np.array([pair.center_distance_mm, 0.0])
+    if pair.ring_radius_mm is None:
+        area(axes, moved, DRIVEN, line_width, label)
     else:
-        ring_area(axes, points + shift, (center_distance, 0.0), ring_radius, DRIVEN, line_width, label)
+        ring_area(axes, moved, (pair.center_distance_mm, 0.0), pair.ring_radius_mm, DRIVEN, line_width, label)
 
 
-def _box(center_distance: float, ring_radius: float | None) -> list[Array]:
-    """Corners of the square around a ring; none where there is no ring."""
-    if ring_radius is None:
-        return []
-    return [np.array([[center_distance - ring_radius, -ring_radius], [center_distance + ring_radius, ring_radius]])]
+def _reach(pair: Assembled) -> Array:
+    """Points of both curves at phi1 = 0, and corners of the square around a ring."""
+    points = [pair.driving_mm, pair.driven_mm + np.array([pair.center_distance_mm, 0.0])]
+    if pair.ring_radius_mm is not None:
+        distance, radius = pair.center_distance_mm, pair.ring_radius_mm
+        points.append(np.array([[distance - radius, -radius], [distance + radius, radius]]))
+    return np.vstack(points)
 
 
 def _axes_of_rotation(axes: Axes, center_distance: float) -> None:
@@ -187,21 +169,21 @@ def _label(axes: Axes, text: str, x: float, color: str) -> None:
     )
 
 
-def _names(axes: Axes, pair: _Pair) -> None:
+def _names(axes: Axes, pair: Assembled) -> None:
     _label(axes, "driving", 0.0, DRIVING)
-    _label(axes, "driven", pair.center_distance, DRIVEN)
+    _label(axes, "driven", pair.center_distance_mm, DRIVEN)
 
 
-def _whole_height(pair: _Pair) -> float:
+def _whole_height(pair: Assembled) -> float:
     """Height of the whole view relative to its width."""
     left, right, top = pair.frame
     return 2.0 * top / (right - left)
 
 
-def _whole(axes: Axes, pair: _Pair, position: Position) -> None:
+def draw_whole(axes: Axes, pair: Assembled, position: Position) -> None:
     """Both gears, in a frame that is the same for all positions."""
     pair.draw(axes, position, 0.5)
-    axes.plot([0.0, pair.center_distance], [0.0, 0.0], "+", color=INK, markersize=8)
+    axes.plot([0.0, pair.center_distance_mm], [0.0, 0.0], "+", color=INK, markersize=8)
     left, right, top = pair.frame
     axes.set_xlim(left, right)
     axes.set_ylim(-top, top)
@@ -212,8 +194,8 @@ def _whole(axes: Axes, pair: _Pair, position: Position) -> None:
     axes.set_title(f"phi1 = {phi1:g}\u00b0, phi2 = {phi2:g}\u00b0", size=SMALL + 1.0, color=INK)
 
 
-def _mesh(axes: Axes, pair: _Pair, half: float, position: Position) -> None:
-    """The surroundings of the pitch point."""
+def draw_mesh(axes: Axes, pair: Assembled, half: float, position: Position) -> None:
+    """The surroundings of the pitch point, ``half`` mm to each side."""
     point = position.pitch_point_mm
     pair.draw(axes, position, 1.2)
     axes.axhline(0.0, color=REFERENCE, linewidth=0.7, linestyle=(0, (8, 2, 1, 2)))
