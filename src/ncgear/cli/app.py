@@ -11,6 +11,7 @@ from ncgear.cli.balance import balance
 from ncgear.cli.bench import bench
 from ncgear.cli.build import build
 from ncgear.cli.check import check
+from ncgear.cli.explain import explain
 from ncgear.cli.frontier import frontier
 from ncgear.cli.new import new
 from ncgear.cli.optimize import optimize
@@ -24,12 +25,11 @@ app = typer.Typer(
     help="Non-circular gears from the motion of a slider. A design file says how it should move.",
     epilog="Exit status: 0 done, 2 wrong input, 3 no such mechanism exists, 1 a fault in ncgear.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
 
-COMMANDS = (build, check, simulate, optimize, frontier, sweep, bench, balance, new, reproduce, schema)
+COMMANDS = (build, check, simulate, optimize, frontier, sweep, bench, balance, new, explain, reproduce, schema)
 """In the order of the help."""
 
 for command in COMMANDS:

@@ -7,12 +7,15 @@ from typing import Annotated
 
 import typer
 
+from ncgear.cli.completion import files_to_complete
 from ncgear.cli.progress import stages_shown
 from ncgear.errors import DesignError
 
 
 def balance(
-    balance_file: Annotated[Path, typer.Argument(metavar="FILE.yaml", help="The balance file.")],
+    balance_file: Annotated[
+        Path, typer.Argument(metavar="FILE.yaml", help="The balance file.", autocompletion=files_to_complete)
+    ],
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<name>-balance")
     ] = None,

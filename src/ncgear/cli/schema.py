@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import json
 from enum import StrEnum
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from ncgear.design.base import Model
 
 
 class FileKind(StrEnum):
@@ -16,11 +19,18 @@ class FileKind(StrEnum):
     BALANCE = "balance"
 
 
+def model_of(kind: FileKind) -> type[Model]:
+    """The model of a kind of file."""
+    from ncgear.design.balance import Balance
+    from ncgear.design.schema import Design
+
+    return Balance if kind is FileKind.BALANCE else Design
+
+
 def schema(
     of: Annotated[FileKind, typer.Option(help="The kind of file.")] = FileKind.DESIGN,
 ) -> None:
     """Print the JSON Schema of a design or a balance file, for editors that complete and check while typing."""
-    from ncgear.design.balance import Balance
-    from ncgear.design.schema import Design, json_schema
+    from ncgear.design.schema import json_schema
 
-    typer.echo(json.dumps(json_schema(Balance if of is FileKind.BALANCE else Design), indent=2))
+    typer.echo(json.dumps(json_schema(model_of(of)), indent=2))

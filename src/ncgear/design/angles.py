@@ -17,6 +17,24 @@ def spellings(quantity: str) -> tuple[str, ...]:
     return tuple(f"{quantity}_{unit}" for unit in UNITS)
 
 
+def quantity(name: str) -> str:
+    """What a key is the size of, whichever unit of angles it ends in: theta1_deg -> theta1, bore_mm -> bore_mm."""
+    stem, _, unit = name.rpartition("_")
+    return stem if unit in UNITS else name
+
+
+def folded(names: Iterable[str]) -> list[str]:
+    """``names`` once each, an angle that has all units as one: theta1_rad/_deg/_pi."""
+    known = set(names := list(names))
+    return list(
+        dict.fromkeys(_all_units(name) if known.issuperset(spellings(quantity(name))) else name for name in names)
+    )
+
+
+def _all_units(name: str) -> str:
+    return f"{quantity(name)}_{'/_'.join(UNITS)}"
+
+
 def given(model: BaseModel, names: Iterable[str]) -> list[str]:
     """Those of ``names`` that have a value; a key left blank counts as left out."""
     return [name for name in names if getattr(model, name) is not None]

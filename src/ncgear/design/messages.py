@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
-from typing import Any, NamedTuple, get_args
+from typing import Any, NamedTuple
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
@@ -12,6 +12,7 @@ from pydantic_core import ErrorDetails
 
 from ncgear.design.angles import listed
 from ncgear.design.faults import FAULT_TYPE
+from ncgear.design.fields import fields_of, models_in
 from ncgear.design.motion import LAWS
 from ncgear.design.naming import NAME_RULE
 from ncgear.design.scalars import shown
@@ -124,13 +125,13 @@ def _suggestion(detail: ErrorDetails, root: type[BaseModel]) -> Location:
 
 
 def _keys_of(model: type[BaseModel]) -> list[str]:
-    return [field.alias or name for name, field in model.model_fields.items()]
+    return list(fields_of(model))
 
 
 def _field_at(location: Location, root: type[BaseModel]) -> FieldInfo | None:
     names = [part for part in location if isinstance(part, str)]
     model = _model_at(tuple(names[:-1]), root)
-    return _fields(model).get(names[-1]) if model and names else None
+    return fields_of(model).get(names[-1]) if model and names else None
 
 
 def _model_at(location: Location, root: type[BaseModel]) -> type[BaseModel] | None:
@@ -138,23 +139,13 @@ def _model_at(location: Location, root: type[BaseModel]) -> type[BaseModel] | No
     model: type[BaseModel] | None = root
     for part in location:
         if isinstance(part, str):
-            field = _fields(model).get(part) if model else None
+            field = fields_of(model).get(part) if model else None
             # No field: under motion the law's name stands here, and leads to the model of that law.
             model = _model_in(field.annotation) if field else LAWS.get(part)
     return model
 
 
-def _fields(model: type[BaseModel]) -> dict[str, FieldInfo]:
-    return {field.alias or name: field for name, field in model.model_fields.items()}
-
-
 def _model_in(annotation: Any) -> type[BaseModel] | None:
     """The only model that a field can hold; None for a number, and for motion, which can hold several."""
-    models = _models_in(annotation)
+    models = models_in(annotation)
     return models[0] if len(models) == 1 else None
-
-
-def _models_in(annotation: Any) -> list[type[BaseModel]]:
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return [annotation]
-    return [model for part in get_args(annotation) for model in _models_in(part)]

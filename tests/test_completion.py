@@ -1,0 +1,66 @@
+"""What the shell offers, asked as the shell asks: by environment variables, in a process of its own."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from ncgear.cli.app import COMMANDS
+
+ROOT = Path(__file__).parents[1]
+
+
+def offered(typed: str, folder: Path = ROOT) -> list[str]:
+    """The words that bash is offered after ``typed``, a command line that is being written."""
+    words = typed.split(" ")
+    asked = {"_NCGEAR_COMPLETE": "complete_bash", "COMP_WORDS": " ".join(words), "COMP_CWORD": str(len(words) - 1)}
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src"), **asked}
+    # The shell calls it by the name under which it is installed.
+    code = "import sys; sys.argv = ['ncgear']; from ncgear.cli import main; main()"
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, env=environment, cwd=folder, capture_output=True, text=True, timeout=60)
+    assert done.stderr == ""
+    return done.stdout.split()
+
+
+def test_all_commands() -> None:
+    assert offered("ncgear ") == [command.__name__ for command in COMMANDS]
+
+
+@pytest.mark.parametrize(
+    ("typed", "words"),
+    [
+        ("ncgear expl", ["explain"]),
+        ("ncgear explain gears.rack.prof", ["gears.rack.profile"]),
+        ("ncgear explain thet", [f"theta{number}_{unit}" for number in (1, 2, 3, 4) for unit in ("rad", "deg", "pi")]),
+        ("ncgear explain --of balance chain_drive.w", ["chain_drive.wrap_deg"]),
+        ("ncgear new x --law e", ["ellipse"]),
+        ("ncgear simulate x --level q", ["quasi_static"]),
+    ],
+)
+def test_words(typed: str, words: list[str]) -> None:
+    assert offered(typed) == words
+
+
+def test_files_are_designs_and_folders_that_may_hold_some(tmp_path: Path) -> None:
+    for name in ("one.yaml", "other.yml", "points.csv", ".hidden.yaml", "below/deep.yaml"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).touch()
+    assert offered("ncgear check ", tmp_path) == ["below/", "one.yaml", "other.yml"]
+    assert offered("ncgear build o", tmp_path) == ["one.yaml", "other.yml"]
+    assert offered("ncgear balance below/", tmp_path) == ["below/deep.yaml"]
+    assert offered("ncgear check .h", tmp_path) == [".hidden.yaml"]
+    assert offered("ncgear check nowhere/x", tmp_path) == []
+
+
+def test_a_shell_gets_its_script() -> None:
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src"), "_NCGEAR_COMPLETE": "source_bash"}
+    code = "import sys; sys.argv = ['ncgear']; from ncgear.cli import main; main()"
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=60)
+    assert "complete" in done.stdout
+    syntax = subprocess.run(["bash", "-n"], input=done.stdout, capture_output=True, text=True)
+    assert (syntax.returncode, syntax.stderr) == (0, "")

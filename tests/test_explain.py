@@ -1,0 +1,176 @@
+"""What keys mean: everything said of them is what the models hold to."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Annotated, Any
+
+import pytest
+from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
+
+from commands import Run
+from ncgear.design.angles import folded, quantity
+from ncgear.design.balance import Balance
+from ncgear.design.faults import FAULT_TYPE
+from ncgear.design.positions import read_yaml
+from ncgear.design.reference.examples import example
+from ncgear.design.reference.keys import Key, keys_of
+from ncgear.design.reference.values import allowed, unit_of
+from ncgear.design.schema import Design
+from ncgear.output.explained import explained
+
+ROOT = Path(__file__).parents[1]
+FILES = [*ROOT.glob("designs/*.yaml"), *ROOT.glob("designs/balance/*.yaml")]
+ALL = [(root, key) for root in (Design, Balance) for key in keys_of(root)]
+EACH = pytest.mark.parametrize(("root", "key"), ALL, ids=[f"{root.__name__}-{key.law}-{key.path}" for root, key in ALL])
+
+
+def test_every_key_says_what_it_means() -> None:
+    assert [key.path for _, key in ALL if not key.meaning] == []
+
+
+def written(data: Any, above: str = "") -> set[str]:
+    """Dotted keys of a file's values, without the numbers of list items."""
+    if isinstance(data, list):
+        return {path for item in data for path in written(item, above)}
+    if not isinstance(data, dict):
+        return set()
+    inner = {path for name, value in data.items() for path in written(value, f"{above}.{name}")}
+    return {f"{above}.{name}".strip(".") for name in data} | {path.strip(".") for path in inner}
+
+
+@pytest.mark.parametrize("path", FILES, ids=[path.stem for path in FILES])
+def test_every_key_of_a_worked_example_is_known(path: Path) -> None:
+    root = Balance if path.parent.name == "balance" else Design
+    found = written(read_yaml(path.read_text(encoding="utf-8"), path.name).data)
+    assert len(found) > 3
+    assert found <= {key.path for key in keys_of(root)}
+
+
+@EACH
+def test_every_example_is_right(root: type[BaseModel], key: Key) -> None:
+    """As far as a key can be by itself: a group's may want more keys, which its own rules say."""
+    name, value = next(iter(read_yaml(example(key, root), "example").data.items()))
+    assert name == key.name
+    checked = TypeAdapter(
+        Annotated[(key.field.annotation, *key.field.metadata)] if key.field.metadata else key.field.annotation,
+        config=None if key.group else ConfigDict(strict=True, allow_inf_nan=False),
+    )
+    try:
+        checked.validate_python(value)
+    except ValidationError as error:
+        assert key.group
+        # A list is short, too, of items that are refused.
+        assert {detail["type"] for detail in error.errors()} - {"too_short"} == {FAULT_TYPE}, error
+
+
+SAID = {
+    "in degrees": "degrees",
+    "in multiples of pi": "multiples of pi",
+    "in mm/s2": "mm/s2",
+    "in mm/s,": "mm/s",
+    "in r/min": "r/min",
+    "in kg mm2": "kg mm2",
+    "in mm;": "mm",
+    "in GPa": "GPa",
+}
+
+
+@EACH
+def test_the_unit_told_is_the_one_in_the_description(root: type[BaseModel], key: Key) -> None:
+    """Two ways to the same thing: the end of the key, and what a person wrote of it."""
+    for words, unit in SAID.items():
+        if words in key.meaning and not key.group:
+            assert unit_of(key.name) == unit
+
+
+def test_a_key_in_full(run: Run) -> None:
+    assert run("explain", "gears.rack.profile") == (
+        0,
+        "gears.rack.profile\n"
+        "  basic rack profile of ISO 53: A, B, C or D\n"
+        "\n"
+        "  value      A, B, C or D\n"
+        "  default    A\n"
+        "  example    profile: A\n"
+        "  beside it  pressure_angle_deg, addendum, dedendum, root_radius and tip_relief\n",
+        "",
+    )
+
+
+@pytest.mark.parametrize("asked", ["theta2", "motion.theta2"])
+def test_an_angle_is_told_once_with_its_units(run: Run, asked: str) -> None:
+    status, out, err = run("explain", asked)
+    assert (status, err) == (0, "")
+    first, second = out.splitlines()[:2]
+    assert first == "motion.theta2_rad, motion.theta2_deg or motion.theta2_pi"
+    assert second == "  driving angle from which the slider's speed is v2; over theta1"
+    assert "unit       radians, degrees or multiples of pi" in out
+    assert "laws       three_segment_stroke" in out
+
+
+def test_the_last_part_finds_every_key_of_that_name(run: Run) -> None:
+    _, out, _ = run("explain", "teeth")
+    assert [line for line in out.splitlines() if line.startswith("gears")] == ["gears.teeth", "gears.cutter.teeth"]
+    assert "a whole number, 3 or over, up to 10000" in out
+
+
+def test_many_keys_of_one_name_are_listed() -> None:
+    keys = keys_of(Balance)
+    found = [key for key in keys if key.name in ("name", "speed_rpm", "mass_kg")]
+    text = explained(keys, found, Balance)
+    assert text.splitlines()[0] == f"{len(found)} keys; one of them by its whole name:"
+    assert all(key.path in text for key in found)
+
+
+def test_a_key_as_messages_name_it(run: Run) -> None:
+    """With the number of an item of a list."""
+    _, out, _ = run("explain", "comparison.published.0.speed_rpm")
+    assert out.startswith("comparison.published.speed_rpm\n  driving speed in r/min that the figures belong to\n")
+
+
+def test_the_names_of_all_laws(run: Run) -> None:
+    _, out, _ = run("explain", "law")
+    assert "how the slider moves, or how the ratio runs" in out
+    assert "three_segment_stroke, ratio_expression, harmonic_ratio, ellipse, table or uniform_crank" in out
+
+
+@pytest.mark.parametrize(
+    ("asked", "meant"),
+    [("thta2", "motion.theta2"), ("gears.rack.profil", "gears.rack.profile"), ("modul", "gears.module_mm")],
+)
+def test_an_unknown_key_is_refused_with_what_was_meant(run: Run, asked: str, meant: str) -> None:
+    status, out, err = run("explain", asked)
+    assert (status, out) == (2, "")
+    assert re.match(rf"{re.escape(asked)}: unknown key; did you mean .*{re.escape(meant)}", err)
+
+
+def test_a_key_like_no_other(run: Run) -> None:
+    assert run("explain", "qqq") == (2, "", "qqq: unknown key; `ncgear explain` lists all keys\n")
+
+
+@pytest.mark.parametrize(("kind", "root"), [("design", Design), ("balance", Balance)])
+def test_without_a_key_all_are_listed(run: Run, kind: str, root: type[BaseModel]) -> None:
+    status, out, err = run("explain", "--of", kind)
+    assert (status, err) == (0, "")
+    words = set(re.findall(r"[\w/]+", out))
+    keys = keys_of(root)
+    shown = folded(key.name for key in keys if not key.told_apart)
+    assert [name for name in shown if name not in words and quantity(name) not in out] == []
+
+
+def test_defaults_that_follow_from_others(run: Run) -> None:
+    assert "default    0.38, where the other keys have their defaults" in run("explain", "root_radius")[1]
+    assert "default    none: it must be given" in run("explain", "rod_mm")[1]
+    assert "default    may be left out" in run("explain", "helix")[1]
+
+
+def test_ranges_in_words() -> None:
+    words = {key.path: allowed(key) for key in keys_of(Design)}
+    assert words["motion.eccentricity"] == "a number, 0 or over, under 1"
+    assert words["motion.return.e"] == "a number or least_acceleration"
+    assert words["gears.index_holes"] == "true or false"
+    assert words["name"] == "text of letters, digits, - and _, at most 64 of them"
+    assert words["comparison.published"] == "a list (1 to 100) of groups of keys"
+    assert words["resistance.table.force_n"] == "a list (2 to 1000) of: a number, -1e+15 or over, up to 1e+15"
