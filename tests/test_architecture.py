@@ -24,7 +24,7 @@ LAYERS = [
     {"kinematics"},
     {"pitch"},
     {"teeth"},
-    {"contact"},
+    {"contact", "metrology"},
     {"solids"},
     {"optimum", "dynamics"},
     {"balance"},

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from ncgear.drive import Drive
 from ncgear.kinematics.check import KinematicCheck
 from ncgear.numerics.extrema import Extremum
+from ncgear.output.advice.collected import build_advice, check_advice
 from ncgear.output.comparison_rows import comparison_rows
-from ncgear.output.warnings import build_warnings, check_warnings
 
 if TYPE_CHECKING:
     from ncgear.contact.pair_contact import PairContact
@@ -27,7 +27,7 @@ def check_summary(drive: Drive) -> dict[str, Any]:
         "ratio": _ratio(drive),
         "check": _check(drive),
         "comparison": comparison_rows(drive),
-        "warnings": check_warnings(drive),
+        "warnings": [advice.line for advice in check_advice(drive)],
     }
 
 
@@ -43,7 +43,7 @@ def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
         "teeth": _teeth(drive),
         "contact": {**contact_summary(contact, drive.pair_speed_rad_s), **_overlap(drive, contact)},
         "comparison": comparison,
-        "warnings": warnings + build_warnings(drive),
+        "warnings": warnings + [advice.line for advice in build_advice(drive)],
         "timing_s": {stage: round(seconds, 6) for stage, seconds in drive.timing_s.items()},
     }
 

@@ -1,0 +1,1 @@
+"""The data sheet of a pair of gears: what a drawing needs beside the outline."""

@@ -1,0 +1,62 @@
+"""The table of the pitch curves, from which a shop can lay them out without a file of points."""
+
+from __future__ import annotations
+
+from math import ceil, degrees
+
+import numpy as np
+
+from ncgear.drive import Drive
+from ncgear.numerics.arrays import Array
+from ncgear.output.data_sheet.values import Column, Table
+from ncgear.pitch.pair import PitchPair
+
+STEPS_DEG = (5.0, 4.0, 3.0, 2.0, 1.0, 0.5, 0.25, 0.2, 0.1)
+"""Steps of the driving angle to choose from: whole parts of a turn that read well."""
+
+COLUMNS = (
+    Column("phi1", "deg"),
+    Column("phi2", "deg"),
+    Column("ratio i12"),
+    Column("pitch radius of driving gear", "mm"),
+    Column("pitch radius of driven gear", "mm"),
+)
+
+
+def pitch_table(drive: Drive) -> Table:
+    """Angles, ratio and both pitch radii over one turn of the driving gear, at least one row for each of its teeth.
+
+    The polar angle of a pitch point in its own gear's frame is that gear's turn, against the sense in which it turns,
+    from where the gears meet at phi1 = 0.
+    """
+    pitch = drive.pitch
+    phi1_deg = turn_deg(pitch.size.driving_teeth)
+    columns = pitch_columns(pitch, np.radians(phi1_deg))
+    columns[:2] = np.degrees(columns[:2])
+    columns[0] = phi1_deg
+    rows = tuple(tuple(map(float, row)) for row in columns.T)
+    return Table("Pitch curves", COLUMNS, rows, (_interpolated(pitch, phi1_deg),))
+
+
+def turn_deg(teeth: int) -> Array:
+    """Driving angles in deg over a turn, ends included, in the coarsest step that gives each tooth a row."""
+    step = next((step for step in STEPS_DEG if 360.0 / step >= teeth), 360.0 / teeth)
+    return np.linspace(0.0, 360.0, ceil(360.0 / step - 1e-9) + 1)
+
+
+def pitch_columns(pitch: PitchPair, phi1_rad: Array) -> Array:
+    """phi1, phi2 (rad), ratio and both pitch radii (mm) at driving angles of shape (n,), shape (5, n)."""
+    driven = pitch.transmission.driven_angle(phi1_rad, 1)
+    radii = [np.linalg.norm(curve.at_angle(phi1_rad).position, axis=1) for curve in (pitch.driving, pitch.driven)]
+    return np.stack([phi1_rad, driven.value, 1.0 / driven.derivative(1), *radii])
+
+
+def _interpolated(pitch: PitchPair, phi1_deg: Array) -> str:
+    """What a straight line between two rows is off by, looked at half way between them."""
+    half = np.radians((phi1_deg[1:] + phi1_deg[:-1]) / 2.0)
+    rows, between = pitch_columns(pitch, np.radians(phi1_deg)), pitch_columns(pitch, half)
+    off = np.abs((rows[:, 1:] + rows[:, :-1]) / 2.0 - between).max(axis=1)
+    return (
+        f"half way between two rows straight interpolation is off by up to {degrees(off[1]):.2g} deg of phi2 and "
+        f"{max(off[3:]):.2g} mm of the radii; pitch.csv has more rows"
+    )
