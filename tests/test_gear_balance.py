@@ -21,10 +21,8 @@ from ncgear.balance.grades import grade_reached, permissible_unbalance_kg_mm
 from ncgear.design.load import load
 from ncgear.drive import Drive
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.recipe.gears import bore_of
 from ncgear.solids.bore import circle_points
 from ncgear.solids.extrude import extruded
-from ncgear.solids.section import cut
 from pairs import DESIGNS
 
 STEEL = 7850.0
@@ -50,9 +48,7 @@ def drive(name: str) -> Drive:
 
 @cache
 def section(name: str, gear: str) -> Polygon:
-    made = drive(name)
-    outline = getattr(made.teeth, gear).outline_mm
-    return cut(Polygon(outline), bore_of(getattr(made.gears, gear)), getattr(made.solids, gear).index_hole, TOLERANCE)
+    return getattr(drive(name).solids, gear).plan.section
 
 
 def test_an_eccentric_disc_with_holes() -> None:

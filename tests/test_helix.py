@@ -29,13 +29,14 @@ from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import ratio_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
+from ncgear.solids.blank import Blank
 from ncgear.solids.bore import Bore, Keyway
 from ncgear.solids.closeness import MOST_STEPS, close_stacks
 from ncgear.solids.columns import Limits, spread_columns
 from ncgear.solids.even_tips import heights_fitted, with_even_tips
 from ncgear.solids.helical import helical_pair
 from ncgear.solids.helix import Hand, Helix
-from ncgear.solids.pair import Blank, SolidPair
+from ncgear.solids.pair import SolidPair
 from ncgear.solids.pieces import pieces_of
 from ncgear.solids.section import full_disc, largest_bore_mm
 from ncgear.solids.sections import Sections

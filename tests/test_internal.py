@@ -35,9 +35,10 @@ from ncgear.ratio.laws.table import ratio_table_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.solids.assembly import Placed, assembly_report
+from ncgear.solids.blank import Blank
 from ncgear.solids.bore import circle_points
 from ncgear.solids.index_hole import INNER_WALL_IN_MODULES, OUTER_WALL_IN_MODULES
-from ncgear.solids.pair import Blank, driving_solid
+from ncgear.solids.pair import driving_solid
 from ncgear.solids.ring import RingBlank, outer_radius_mm, ring_section, ring_solid
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair

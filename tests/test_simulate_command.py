@@ -196,7 +196,7 @@ def test_two_stages_are_refused(run: Run) -> None:
 def test_flanks_that_cannot_push_are_refused(run: Run) -> None:
     """Where an ellipse this long slows the crank against the resistance, its flanks stand at over 90 degrees."""
     slow = HEAD.replace("0.3}", "0.96, phase_deg: 180}").replace("600", "6")
-    status, _, err = run(slow + GEARS.replace("19", "60") + MASSES)
+    status, _, err = run(slow + GEARS.replace("19", "60").replace("bore_mm: 8", "bore_mm: 3") + MASSES)
     assert status == 3
     assert "d.yaml:4:1: motion: the teeth cannot push the driven gear at phi1 = " in err
     assert "under 90 deg is needed" in err

@@ -19,12 +19,9 @@ from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.recipe.balance import means_of, mechanism_of, mounted_of
-from ncgear.recipe.gears import bore_of, rim_mm_of
 from ncgear.recipe.masses import masses_of
 
 if TYPE_CHECKING:
-    from shapely import Polygon
-
     from ncgear.balance.gear_body import GearBody
     from ncgear.balance.gear_correction import Corrected
 
@@ -96,12 +93,16 @@ class Balancing:
             if correction is not None:
                 raise WrongInput("helical gears are not corrected; leave it out", key=f"gears.{gear}")
             return BalancedGear(mesh_body(getattr(drive.solids, gear).mesh, asked.density_kg_m3), speed_rad_s, None)
-        section, width, density = _section(drive, gear), drive.gears.face_width_mm, asked.density_kg_m3
-        body = plate_body(section, width, density)
+        solid, width, density = getattr(drive.solids, gear), drive.gears.face_width_mm, asked.density_kg_m3
+        plan = solid.plan
+        body = plate_body(plan.section, width, density) if plan.is_plate else mesh_body(solid.mesh, density)
         if correction is None:
             return BalancedGear(body, speed_rad_s, None)
+        if not plan.is_plate:
+            problem = "gears with a hub, a web or a chamfer are not corrected; leave it out, or those"
+            raise WrongInput(problem, key=f"gears.{gear}")
         tolerance = drive.design.output.chord_tolerance_mm
-        made = corrected(section, width, density, means_of(correction), tolerance, f"gears.{gear}")
+        made = corrected(plan.section, width, density, means_of(correction), tolerance, f"gears.{gear}")
         return BalancedGear(body, speed_rad_s, made)
 
 
@@ -114,19 +115,3 @@ def under(group: str) -> Iterator[None]:
         if not error.location:
             error.key = f"{group}.{error.key}" if error.key else group
         raise
-
-
-def _section(drive: Drive, gear: str) -> Polygon:
-    """The section of a gear with straight teeth."""
-    from shapely import Polygon
-
-    from ncgear.solids.index_hole import hole_points
-    from ncgear.solids.ring import ring_section
-    from ncgear.solids.section import cut
-
-    outline, mark = getattr(drive.teeth, gear).outline_mm, getattr(drive.solids, gear).index_hole
-    tolerance = drive.design.output.chord_tolerance_mm
-    if gear == "driven" and drive.pitch.driven.is_ring:
-        ring = ring_section(outline, rim_mm_of(drive.gears, drive.pitch.size.module_mm), tolerance)
-        return Polygon(ring.exterior, [*ring.interiors, *([hole_points(mark, tolerance)] if mark else [])])
-    return cut(Polygon(outline), bore_of(getattr(drive.gears, gear)), mark, tolerance)

@@ -17,8 +17,7 @@ from shapely import Polygon
 
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array
-from ncgear.solids.index_hole import IndexHole as RoundHole
-from ncgear.solids.index_hole import hole_points
+from ncgear.solids.round_hole import RoundHole, hole_points
 
 MOST_PLACES = 200_000
 """Points of a lattice: some two hundred holes along a gear's radius."""

@@ -10,9 +10,9 @@ from trimesh import Trimesh
 from ncgear.balance.boss import Boss, balancing_boss
 from ncgear.balance.drilling import Drills, drilled, drilled_holes
 from ncgear.balance.gear_body import GearBody, area_moment_mm3, mesh_body
-from ncgear.solids.bossed import bossed
-from ncgear.solids.extrude import extruded
-from ncgear.solids.index_hole import IndexHole as RoundHole
+from ncgear.solids.body import Layer
+from ncgear.solids.layered import layered
+from ncgear.solids.round_hole import RoundHole
 
 BALANCED = 1e-9
 """Share of area to the power 3/2 below which a first moment is rounding error, and no boss has a direction."""
@@ -59,5 +59,6 @@ def corrected(
     moment = area_moment_mm3(section) * face_width_mm
     if means.boss is not None and abs(moment) > BALANCED * section.area**1.5 * face_width_mm:
         boss = balancing_boss(section, moment, means.boss.height_mm, means.boss.wall_mm, f"{key}.boss.height_mm")
-    mesh = bossed(section, face_width_mm, boss.section, boss.height_mm) if boss else extruded(section, face_width_mm)
+    gear = Layer(section, 0.0, face_width_mm)
+    mesh = layered((gear, *([Layer(boss.section, face_width_mm, face_width_mm + boss.height_mm)] if boss else [])))
     return Corrected(holes, boss, mesh, mesh_body(mesh, density_kg_m3))

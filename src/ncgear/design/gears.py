@@ -8,7 +8,9 @@ from pydantic import Field, model_validator
 
 from ncgear.design.angles import given, listed
 from ncgear.design.base import Length, Model
+from ncgear.design.body_faults import require_height, require_hub_wall
 from ncgear.design.faults import fault
+from ncgear.design.gear_body import DrivenBody, GearBody
 
 MOST_LOBES = 100
 MOST_TEETH = 10_000
@@ -133,40 +135,6 @@ class Helix(Model):
     )
 
 
-class Keyway(Model):
-    """A keyway in the bore."""
-
-    width_mm: Length = Field(description="width of the keyway in mm, under the bore")
-    depth_mm: Length = Field(description="depth of the keyway in mm, from the bore outwards")
-
-
-class GearBody(Model):
-    """What is cut into one gear around its axis."""
-
-    bore_mm: Length | None = Field(default=None, description="diameter of the bore in mm; left out: no bore")
-    keyway: Keyway | None = Field(default=None, description="keyway in the bore; left out: none")
-
-    @model_validator(mode="after")
-    def _keyway_fits(self) -> Self:
-        if self.keyway is None:
-            return self
-        if self.bore_mm is None:
-            raise fault("keyway", "a keyway without a bore; give bore_mm, or leave the keyway out")
-        if self.keyway.width_mm >= self.bore_mm:
-            width, bore = self.keyway.width_mm, self.bore_mm
-            raise fault("keyway.width_mm", f"{width:g} mm is no narrower than the bore; under {bore:g} mm is right")
-        return self
-
-
-class DrivenBody(GearBody):
-    """What is cut into the driven gear around its axis or, of a ring, stands around its teeth."""
-
-    rim_mm: Length | None = Field(
-        default=None,
-        description="of a ring (mesh: internal): thickness in mm outside its deepest root; left out: 3.5 modules",
-    )
-
-
 class Gears(Model):
     """The pair of gears: lobes, size, rack, backlash, bodies."""
 
@@ -220,10 +188,21 @@ class Gears(Model):
         default=False,
         description="true: a small hole in each gear, half a module wide, which face each other at phi1 = 0",
     )
-    driving: GearBody = Field(default_factory=GearBody, description="bore and keyway of the driving gear")
-    driven: DrivenBody = Field(
-        default_factory=DrivenBody, description="bore and keyway of the driven gear; rim of a driven ring"
+    first_layer_chamfer_mm: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=10.0,
+        description="bevel in mm of all edges at z = 0, at 45 degrees: what the first layers of a print spread by",
     )
+    process_clearance_mm: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=10.0,
+        description="what teeth, bores and keyways of the solids are moved into the material by, in mm along the "
+        "normal, since a print swells; outline tables and contact are those of the gears as they shall come out",
+    )
+    driving: GearBody = Field(default_factory=GearBody, description="body of the driving gear")
+    driven: DrivenBody = Field(default_factory=DrivenBody, description="body of the driven gear; of a ring, its rim")
 
     @model_validator(mode="after")
     def _two_sizes(self) -> Self:
@@ -237,8 +216,11 @@ class Gears(Model):
     @model_validator(mode="after")
     def _body_is_that_of_the_mesh(self) -> Self:
         ring, driven = self.mesh == "internal", self.driven
-        if ring and driven.bore_mm is not None:
-            raise fault("driven.bore_mm", "given, but a ring (mesh: internal) has no bore; leave bore and keyway out")
+        if ring and driven.about_axis:
+            name, *_ = driven.about_axis
+            part, all_given = name.removesuffix("_mm").replace("_", " "), listed(driven.about_axis, "and")
+            why = f"a ring (mesh: internal) has no {part}: it is open about its axis"
+            raise fault(f"driven.{name}", f"given, but {why}; leave {all_given} out")
         if not ring and driven.rim_mm is not None:
             raise fault("driven.rim_mm", "given, but only a ring has a rim; leave it out, or give mesh: internal")
         return self
@@ -247,4 +229,18 @@ class Gears(Model):
     def _helical_teeth_are_exact(self) -> Self:
         if self.helix is not None and self.method != "exact":
             raise fault("method", f"{self.method} given, but helical teeth are made of exact sections; leave it out")
+        return self
+
+    @model_validator(mode="after")
+    def _helical_teeth_are_whole(self) -> Self:
+        for name in ("first_layer_chamfer_mm", "process_clearance_mm"):
+            if self.helix is not None and getattr(self, name) > 0.0:
+                raise fault(name, "given, but helical teeth are made as designed, edges and all; leave it out")
+        return self
+
+    @model_validator(mode="after")
+    def _bodies_have_walls(self) -> Self:
+        for name, body in (("driving", self.driving), ("driven", self.driven)):
+            require_hub_wall(name, body, self.process_clearance_mm)
+            require_height(name, body, self.face_width_mm, self.first_layer_chamfer_mm)
         return self

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from ncgear.drive.forces import ForceStages
-from ncgear.drive.solids import SolidStages
 from ncgear.drive.stage import stage
 
 
-class Drive(ForceStages, SolidStages):
+class Drive(ForceStages):
     """A design and all that follows from it.
 
     Stages are attributes; each needs only the ones it is made from, so a check of power never makes a tooth.  They

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ncgear.drive.solids import SolidStages
 from ncgear.drive.stage import stage
-from ncgear.drive.teeth import ToothStages
 from ncgear.errors import WrongInput
 from ncgear.kinematics.slider import Machine
 from ncgear.machine.masses import Masses
@@ -18,23 +18,24 @@ if TYPE_CHECKING:
     from ncgear.dynamics.rigid import Rigid
 
 
-class ForceStages(ToothStages):
+class ForceStages(SolidStages):
     """What the machine's masses and its teeth bear."""
 
     @stage
     def masses(self) -> Masses:
-        """The moving masses; makes teeth only where a gear's moment of inertia is left out."""
+        """The moving masses; makes solids only where a gear's moment of inertia is left out."""
         from ncgear.recipe.masses import masses_of
 
-        given, gears, tolerance = self.design.masses, self.design.gears, self.design.output.chord_tolerance_mm
+        given, gears = self.design.masses, self.design.gears
         if given is None:
             raise WrongInput("missing; forces need slider_kg, rod and crank", key="masses")
         if gears is None or given.tells_gears:
             return masses_of(given)
-        from ncgear.recipe.gear_inertia import body_inertias_kg_mm2
+        from ncgear.solids.inertia import body_kg_mm2
 
-        module, outlines = self.pitch.size.module_mm, (self.teeth.driving.outline_mm, self.teeth.driven.outline_mm)
-        return masses_of(given, *body_inertias_kg_mm2(gears, *outlines, module, tolerance, given.density_kg_m3))
+        plans, density = (self.solids.driving.plan, self.solids.driven.plan), given.density_kg_m3
+        driving, driven = (body_kg_mm2(plan, density) for plan in plans)
+        return masses_of(given, driving, driven)
 
     @stage
     def rigid(self) -> Rigid:

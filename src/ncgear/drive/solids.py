@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ncgear.design.gears import GearBody, Gears
 from ncgear.drive.stage import stage
 from ncgear.drive.teeth import ToothStages
 from ncgear.errors import WrongInput
-from ncgear.recipe.gears import bore_of, rim_mm_of
 
 if TYPE_CHECKING:
     from ncgear.solids.helix import Helix
-    from ncgear.solids.pair import Blank, GearSolid, SolidPair
+    from ncgear.solids.pair import GearSolid, SolidPair
 
 
 class SolidStages(ToothStages):
@@ -25,12 +23,13 @@ class SolidStages(ToothStages):
 
     def _helical_solids(self, helix: Helix) -> SolidPair:
         from ncgear.pitch.shape import Gear
+        from ncgear.recipe.bodies import blank_of
         from ncgear.solids.helical import helical_pair
 
         gears, pitch, form = self.gears, self.pitch, self.tooth_form
         if pitch.driven.is_ring:
             raise WrongInput("helical teeth of internal pairs are not made; leave it out", key="gears.helix")
-        blanks = {Gear.DRIVING: _blank(gears, gears.driving), Gear.DRIVEN: _blank(gears, gears.driven)}
+        blanks = {Gear.DRIVING: blank_of(gears, gears.driving), Gear.DRIVEN: blank_of(gears, gears.driven)}
         with self.stopwatch("solids"):
             return helical_pair(pitch, form, helix, blanks, self.design.output.chord_tolerance_mm)
 
@@ -42,26 +41,21 @@ class SolidStages(ToothStages):
 
 
 def _driving_solid(drive: SolidStages) -> GearSolid:
+    from ncgear.recipe.bodies import blank_of
     from ncgear.solids.pair import driving_solid
 
-    pitch, blank = drive.pitch, _blank(drive.gears, drive.gears.driving)
+    pitch, blank = drive.pitch, blank_of(drive.gears, drive.gears.driving)
     tolerance = drive.design.output.chord_tolerance_mm
     return driving_solid(drive.teeth.driving.outline_mm, blank, pitch.size.module_mm, tolerance, pitch.mesh)
 
 
 def _driven_solid(drive: SolidStages) -> GearSolid:
+    from ncgear.recipe.bodies import blank_of, ring_blank_of
     from ncgear.solids.pair import driven_solid
-    from ncgear.solids.ring import RingBlank, ring_solid
+    from ncgear.solids.ring import ring_solid
 
     gears, outline, module = drive.gears, drive.teeth.driven.outline_mm, drive.pitch.size.module_mm
     tolerance = drive.design.output.chord_tolerance_mm
     if drive.pitch.driven.is_ring:
-        ring = RingBlank(gears.face_width_mm, rim_mm_of(gears, module), gears.index_holes)
-        return ring_solid(outline, ring, module, tolerance)
-    return driven_solid(outline, _blank(gears, gears.driven), module, tolerance)
-
-
-def _blank(gears: Gears, body: GearBody) -> Blank:
-    from ncgear.solids.pair import Blank
-
-    return Blank(gears.face_width_mm, bore_of(body), gears.index_holes)
+        return ring_solid(outline, ring_blank_of(gears, module), module, tolerance)
+    return driven_solid(outline, blank_of(gears, gears.driven), module, tolerance)

@@ -12,7 +12,7 @@ from ncgear.numerics.arrays import Array, Mask
 from ncgear.output import plots
 from ncgear.output.joints import joints_up_to
 from ncgear.pitch.curve import CurvePoints, PitchCurve
-from ncgear.recipe.gears import rim_mm_of
+from ncgear.recipe.bodies import rim_mm_of
 from ncgear.solids.ring import outer_radius_mm
 
 CURVE_POINTS = 1500

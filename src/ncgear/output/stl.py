@@ -9,7 +9,7 @@ import trimesh
 from trimesh import Trimesh
 from trimesh.exchange.stl import export_stl
 
-from ncgear.solids.extrude import require_sound
+from ncgear.solids.sound import require_sound
 
 VOLUME_TOLERANCE = 1e-5
 """Relative volume that single precision may cost; a millionth is usual, a lost facet costs more than this."""

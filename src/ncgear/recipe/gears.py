@@ -1,20 +1,15 @@
-"""The gears of a design, in mm at a module: basic rack, tooth form, helix, rim."""
+"""The gears of a design, in mm at a module: basic rack, tooth form, helix."""
 
 from __future__ import annotations
 
 from math import radians
 
-from ncgear.design.gears import GearBody, Gears, Rack
+from ncgear.design.gears import Gears, Rack
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.machine.rack import BasicRack, TipRelief
 from ncgear.pitch.shape import Mesh
-from ncgear.solids.bore import Bore, Keyway
 from ncgear.solids.helix import Hand, Helix
 from ncgear.teeth.form import Cutter, CutterKind, TipLimits, ToothForm
-
-RIM_IN_MODULES = 3.5
-"""Rim of a ring where the file says nothing: from this thickness on ISO 6336-3 counts no weakening of internal teeth
-(value from secondary sources)."""
 
 
 def rack_of(gears: Gears, module_mm: float) -> BasicRack:
@@ -52,17 +47,6 @@ def tooth_form(gears: Gears, module_mm: float) -> ToothForm:
         limits=TipLimits(gears.least_tip_land * module_mm, gears.undercut == "avoid"),
         equivalent=gears.method == "equivalent_gear",
     )
-
-
-def rim_mm_of(gears: Gears, module_mm: float) -> float:
-    """Thickness of a ring outside its deepest root."""
-    return RIM_IN_MODULES * module_mm if gears.driven.rim_mm is None else gears.driven.rim_mm
-
-
-def bore_of(body: GearBody) -> Bore | None:
-    """A gear's bore with its keyway; None where there is none."""
-    keyway = Keyway(body.keyway.width_mm, body.keyway.depth_mm) if body.keyway else None
-    return Bore(body.bore_mm, keyway) if body.bore_mm is not None else None
 
 
 def mesh_place(gears: Gears, center_distance_mm: float) -> MeshPlace:

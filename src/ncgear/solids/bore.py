@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import acos, asin, ceil, pi
 
 import numpy as np
@@ -36,6 +36,11 @@ class Bore:
     def reach_mm(self) -> float:
         """Distance from the axis to the keyway's floor, or to the bore's circle where there is no keyway."""
         return self.diameter_mm / 2.0 + (self.keyway.depth_mm if self.keyway else 0.0)
+
+    def widened(self, distance_mm: float) -> Bore:
+        """The bore with its circle and all sides of its keyway moved outwards by a distance."""
+        keyway = replace(self.keyway, width_mm=self.keyway.width_mm + 2.0 * distance_mm) if self.keyway else None
+        return Bore(self.diameter_mm + 2.0 * distance_mm, keyway)
 
 
 def bore_points(bore: Bore, chord_tolerance_mm: float) -> Array:

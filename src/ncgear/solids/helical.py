@@ -6,13 +6,16 @@ import numpy as np
 
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
+from ncgear.solids.blank import Blank
 from ncgear.solids.bore import bore_points
 from ncgear.solids.closeness import OUTLINE, close_stacks
+from ncgear.solids.finish import finished
 from ncgear.solids.helix import Helix
-from ncgear.solids.index_hole import hole_points, index_hole
 from ncgear.solids.loft import lofted
-from ncgear.solids.pair import Blank, GearSolid, SolidPair
-from ncgear.solids.section import common_disc, require_room
+from ncgear.solids.pair import GearSolid, SolidPair
+from ncgear.solids.plan import planned_within
+from ncgear.solids.round_hole import hole_points
+from ncgear.solids.section import common_disc, full_disc
 from ncgear.solids.sections import Sections
 from ncgear.solids.stack import Stack
 from ncgear.teeth.form import ToothForm
@@ -33,18 +36,16 @@ def helical_pair(
 
 
 def _solid(sections: Sections, stack: Stack, gear: Gear, blank: Blank, tolerance: float) -> GearSolid:
-    """A gear's mesh; bore and index hole keep their walls in every section."""
+    """A gear's mesh; everything cut keeps its walls in every section."""
     key, module = f"gears.{gear.value}", sections.form.rack.module_mm
-    disc = common_disc([sections.at(z).pieces[gear].points_mm[:-1] for z in stack.heights_mm], key)
-    if blank.bore is not None:
-        require_room(disc, blank.bore, tolerance, key)
-    mark = (
-        index_hole(disc, blank.bore, meeting_direction_rad(gear, Mesh.EXTERNAL), module) if blank.index_hole else None
-    )
-    holes = [bore_points(blank.bore, tolerance)] if blank.bore is not None else []
-    holes += [hole_points(mark, tolerance)] if mark is not None else []
+    outlines = [sections.at(z).pieces[gear].points_mm[:-1] for z in stack.heights_mm]
+    direction = meeting_direction_rad(gear, Mesh.EXTERNAL)
+    room = common_disc(outlines, key)
+    plan = planned_within(full_disc(outlines[0], key), room, blank, direction, module, tolerance, key)
+    holes = [bore_points(plan.bore, tolerance)] if plan.bore is not None else []
+    holes += [hole_points(hole, tolerance) for hole in plan.round_holes]
     rings, heights = stack.counter_clockwise(), stack.heights_mm
     if sections.helix.herringbone:
         rings = np.concatenate([rings, rings[-2::-1]])
         heights = np.concatenate([heights, sections.helix.face_width_mm - heights[-2::-1]])
-    return GearSolid(lofted(rings, heights, holes), mark)
+    return GearSolid(finished(lofted(rings, heights, holes), plan), plan)

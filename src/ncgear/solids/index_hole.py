@@ -6,7 +6,6 @@ its rim.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import cos, sin
 
 import numpy as np
@@ -14,8 +13,8 @@ import shapely
 from shapely import LineString, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from ncgear.numerics.arrays import Array
-from ncgear.solids.bore import Bore, bore_points, circle_points
+from ncgear.solids.bore import FEWEST_CHORDS, Bore, bore_points
+from ncgear.solids.round_hole import RoundHole
 
 DIAMETER_IN_MODULES = 0.5
 OUTER_WALL_IN_MODULES = 1.5
@@ -25,32 +24,25 @@ INNER_WALL_IN_MODULES = 1.0
 """Least material between the hole and the bore, its keyway, the axis of a gear without bore, or a ring's circle."""
 
 
-@dataclass(frozen=True)
-class IndexHole:
-    """A round through hole; centre in the gear's own frame."""
-
-    x_mm: float
-    y_mm: float
-    diameter_mm: float
-
-
-def index_hole(disc: Polygon, bore: Bore | None, direction_rad: float, module_mm: float) -> IndexHole | None:
+def index_hole(
+    disc: Polygon, bore: Bore | None, direction_rad: float, module_mm: float, hub_mm: float = 0.0
+) -> RoundHole | None:
     """The hole farthest out on the ray from the axis at polar angle ``direction_rad``; None where no wall allows one.
 
     Its diameter is half a module; the walls above are left all around it. ``disc`` is the gear's section without
-    bore, in mm.
+    bore, in mm; ``hub_mm`` the diameter of the hub on it, which it passes by.
     """
     diameter = DIAMETER_IN_MODULES * module_mm
     outline = disc.exterior.buffer(diameter / 2.0 + OUTER_WALL_IN_MODULES * module_mm)
-    inside = _axis(bore, module_mm).buffer(diameter / 2.0 + INNER_WALL_IN_MODULES * module_mm)
+    inside = _axis(bore, hub_mm, module_mm).buffer(diameter / 2.0 + INNER_WALL_IN_MODULES * module_mm)
     points = shapely.get_coordinates(_ray(disc, direction_rad).difference(outline.union(inside)))
     if not len(points):
         return None
     x, y = points[np.argmax(np.hypot(points[:, 0], points[:, 1]))]
-    return IndexHole(float(x), float(y), diameter)
+    return RoundHole(float(x), float(y), diameter)
 
 
-def rim_hole(ring: Polygon, direction_rad: float, module_mm: float) -> IndexHole | None:
+def rim_hole(ring: Polygon, direction_rad: float, module_mm: float) -> RoundHole | None:
     """The same in a ring (its section in mm): the hole nearest to the teeth; None where the rim is too thin for one."""
     diameter = DIAMETER_IN_MODULES * module_mm
     outline = ring.interiors[0].buffer(diameter / 2.0 + OUTER_WALL_IN_MODULES * module_mm)
@@ -59,13 +51,7 @@ def rim_hole(ring: Polygon, direction_rad: float, module_mm: float) -> IndexHole
     if not len(points):
         return None
     x, y = points[np.argmin(np.hypot(points[:, 0], points[:, 1]))]
-    return IndexHole(float(x), float(y), diameter)
-
-
-def hole_points(hole: IndexHole, chord_tolerance_mm: float) -> Array:
-    """The hole's polygon in mm, shape (n, 2), counter-clockwise, first point not repeated."""
-    center = np.array([hole.x_mm, hole.y_mm])
-    return center + circle_points(hole.diameter_mm / 2.0, chord_tolerance_mm)
+    return RoundHole(float(x), float(y), diameter)
 
 
 def _ray(disc: Polygon, direction: float) -> BaseGeometry:
@@ -74,6 +60,8 @@ def _ray(disc: Polygon, direction: float) -> BaseGeometry:
     return LineString([(0.0, 0.0), (reach * cos(direction), reach * sin(direction))]).intersection(disc)
 
 
-def _axis(bore: Bore | None, module: float) -> BaseGeometry:
-    """What is cut around the axis; the axis itself where nothing is."""
+def _axis(bore: Bore | None, hub: float, module: float) -> BaseGeometry:
+    """What is cut around the axis or stands there; the axis itself where nothing does."""
+    if hub > 0.0:
+        return Point(0.0, 0.0).buffer(hub / 2.0, quad_segs=FEWEST_CHORDS)
     return Polygon(bore_points(bore, 0.01 * module)) if bore else Point(0.0, 0.0)

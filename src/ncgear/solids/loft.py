@@ -15,7 +15,7 @@ from trimesh import Trimesh
 
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import signed_area
-from ncgear.solids.extrude import require_sound
+from ncgear.solids.sound import require_sound
 
 VOLUME_TOLERANCE = 1e-9
 """Relative difference allowed between the mesh's volume and the integral of its sections' areas: rounding only."""

@@ -8,27 +8,28 @@ from trimesh import Trimesh
 
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
-from ncgear.solids.bore import Bore
-from ncgear.solids.extrude import extruded
-from ncgear.solids.index_hole import IndexHole, index_hole
-from ncgear.solids.section import cut, disc_with_room
+from ncgear.solids.bevel import bevel_of
+from ncgear.solids.blank import Blank
+from ncgear.solids.body import BodyPlan
+from ncgear.solids.layered import layered
+from ncgear.solids.plan import planned
+from ncgear.solids.round_hole import RoundHole
+from ncgear.solids.set_screw import drilled_hub
 
-
-@dataclass(frozen=True)
-class Blank:
-    """What makes a tooth outline a body: face width, bore, and whether an index hole is wanted."""
-
-    face_width_mm: float
-    bore: Bore | None = None
-    index_hole: bool = False
+CHAMFER_KEY = "gears.first_layer_chamfer_mm"
 
 
 @dataclass(frozen=True, eq=False)
 class GearSolid:
-    """One gear's mesh in its own frame at phi1 = 0, and its index hole where one was wanted and had room."""
+    """One gear's mesh in its own frame at phi1 = 0, and the plan that it was made by."""
 
     mesh: Trimesh
-    index_hole: IndexHole | None
+    plan: BodyPlan
+
+    @property
+    def index_hole(self) -> RoundHole | None:
+        """Where one was wanted and had room."""
+        return self.plan.index_hole
 
     def __repr__(self) -> str:
         size = " x ".join(f"{length:.4g}" for length in self.mesh.extents)
@@ -50,18 +51,25 @@ class SolidPair:
 def driving_solid(
     outline_mm: Array, blank: Blank, module_mm: float, chord_tolerance_mm: float, mesh: Mesh = Mesh.EXTERNAL
 ) -> GearSolid:
-    """The driving gear, with its index hole if wanted; raises as ``gear_solid`` does."""
+    """The driving gear, with all that its blank asks; raises as ``planned`` and ``solid_of_plan`` do."""
     direction = meeting_direction_rad(Gear.DRIVING, mesh)
-    return _marked(outline_mm, blank, module_mm, chord_tolerance_mm, direction, "gears.driving")
+    return solid_of_plan(planned(outline_mm, blank, direction, module_mm, chord_tolerance_mm, "gears.driving"))
 
 
 def driven_solid(outline_mm: Array, blank: Blank, module_mm: float, chord_tolerance_mm: float) -> GearSolid:
-    """The driven gear of an external pair, with its index hole if wanted; raises as ``gear_solid`` does."""
+    """The driven gear of an external pair with all that its blank asks.
+
+    Raises as ``planned`` and ``solid_of_plan`` do.
+    """
     direction = meeting_direction_rad(Gear.DRIVEN, Mesh.EXTERNAL)
-    return _marked(outline_mm, blank, module_mm, chord_tolerance_mm, direction, "gears.driven")
+    return solid_of_plan(planned(outline_mm, blank, direction, module_mm, chord_tolerance_mm, "gears.driven"))
 
 
-def _marked(outline: Array, blank: Blank, module: float, tolerance: float, direction: float, key: str) -> GearSolid:
-    disc = disc_with_room(outline, blank.bore, tolerance, key)
-    mark = index_hole(disc, blank.bore, direction, module) if blank.index_hole else None
-    return GearSolid(extruded(cut(disc, blank.bore, mark, tolerance), blank.face_width_mm), mark)
+def solid_of_plan(plan: BodyPlan) -> GearSolid:
+    """The solid of a gear with straight teeth.
+
+    Raises WrongInput where the gear has a part too thin for the chamfer, RuntimeError if the mesh is not sound, a fault
+    of ncgear.
+    """
+    bevel = bevel_of(plan.section, plan.chamfer_mm, plan.chord_tolerance_mm, CHAMFER_KEY) if plan.chamfer_mm else None
+    return GearSolid(drilled_hub(layered(plan.layers, bevel), plan), plan)

@@ -9,10 +9,12 @@ from shapely import Polygon
 
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
+from ncgear.solids.body import BodyPlan
 from ncgear.solids.bore import circle_points
-from ncgear.solids.extrude import extruded
-from ncgear.solids.index_hole import hole_points, rim_hole
-from ncgear.solids.pair import GearSolid
+from ncgear.solids.index_hole import rim_hole
+from ncgear.solids.pair import GearSolid, solid_of_plan
+from ncgear.solids.parallel import moved_inwards
+from ncgear.solids.plan import CLEARANCE_KEY
 from ncgear.solids.section import full_disc
 
 KEY = "gears.driven"
@@ -21,11 +23,16 @@ KEY = "gears.driven"
 
 @dataclass(frozen=True)
 class RingBlank:
-    """What makes a tooth outline a ring: face width, rim outside the roots, and whether an index hole is wanted."""
+    """What makes a tooth outline a ring: face width, rim outside the roots, and whether an index hole is wanted.
+
+    Chamfer and clearance are those of ``Blank``; the clearance is not taken off the outer circle.
+    """
 
     face_width_mm: float
     rim_mm: float
     index_hole: bool = False
+    chamfer_mm: float = 0.0
+    clearance_mm: float = 0.0
 
 
 def outer_radius_mm(outline_mm: Array, rim_mm: float) -> float:
@@ -46,9 +53,26 @@ def ring_section(outline_mm: Array, rim_mm: float, chord_tolerance_mm: float) ->
 
 
 def ring_solid(outline_mm: Array, blank: RingBlank, module_mm: float, chord_tolerance_mm: float) -> GearSolid:
-    """The ring as a closed mesh, with its index hole in the rim if wanted; raises as ``ring_section`` does."""
-    section = ring_section(outline_mm, blank.rim_mm, chord_tolerance_mm)
+    """The ring as a closed mesh, with its index hole in the rim if wanted.
+
+    Raises as ``ring_section`` and ``solid_of_plan``, and WrongInput where the clearance takes teeth off.
+    """
+    disc = _cleared(outline_mm, blank, chord_tolerance_mm)
     direction = meeting_direction_rad(Gear.DRIVEN, Mesh.INTERNAL)
-    mark = rim_hole(section, direction, module_mm) if blank.index_hole else None
-    holes = [*section.interiors, *([hole_points(mark, chord_tolerance_mm)] if mark else [])]
-    return GearSolid(extruded(Polygon(section.exterior, holes), blank.face_width_mm), mark)
+    mark = rim_hole(disc, direction, module_mm) if blank.index_hole else None
+    plan = BodyPlan(
+        disc,
+        blank.face_width_mm,
+        chord_tolerance_mm,
+        index_hole=mark,
+        chamfer_mm=blank.chamfer_mm,
+        clearance_mm=blank.clearance_mm,
+    )
+    return solid_of_plan(plan)
+
+
+def _cleared(outline: Array, blank: RingBlank, tolerance: float) -> Polygon:
+    """The ring's section with the clearance taken off its teeth: off a ring as much thicker it leaves the circle."""
+    clearance = blank.clearance_mm
+    ring = ring_section(outline, blank.rim_mm + clearance, tolerance)
+    return moved_inwards(ring, clearance, tolerance, CLEARANCE_KEY) if clearance > 0.0 else ring

@@ -1,4 +1,4 @@
-"""A gear's section as a polygon: the disc inside its tooth outline, the room for the bore, and what is cut out."""
+"""A gear's section as a polygon: the disc inside its tooth outline, and its room for the bore."""
 
 from __future__ import annotations
 
@@ -12,11 +12,8 @@ from shapely import Polygon
 from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.solids.bore import Bore, bore_points
-from ncgear.solids.index_hole import IndexHole, hole_points
+from ncgear.solids.largest import largest_fitting, said_largest
 from ncgear.teeth.soundness import simple_polygon
-
-BISECTIONS = 50
-"""Halvings in the search for the largest bore: far below any chord tolerance."""
 
 
 def disc_with_room(outline_mm: Array, bore: Bore | None, chord_tolerance_mm: float, key: str) -> Polygon:
@@ -29,16 +26,6 @@ def disc_with_room(outline_mm: Array, bore: Bore | None, chord_tolerance_mm: flo
     if bore is not None:
         require_room(disc, bore, chord_tolerance_mm, key)
     return disc
-
-
-def cut(disc: Polygon, bore: Bore | None, mark: IndexHole | None, chord_tolerance_mm: float) -> Polygon:
-    """The disc without bore, keyway and index hole; these must lie apart from each other and from the outline."""
-    holes = []
-    if bore is not None:
-        holes.append(bore_points(bore, chord_tolerance_mm))
-    if mark is not None:
-        holes.append(hole_points(mark, chord_tolerance_mm))
-    return Polygon(disc.exterior, holes)
 
 
 def full_disc(outline_mm: Array, key: str) -> Polygon:
@@ -62,44 +49,33 @@ def _distinct(outline: Array) -> Array:
     return outline[np.hypot(gap[:, 0], gap[:, 1]) > step]
 
 
-def require_room(disc: Polygon, bore: Bore, chord_tolerance_mm: float, key: str) -> None:
+def require_room(disc: Polygon, bore: Bore, chord_tolerance_mm: float, key: str, clearance_mm: float = 0.0) -> None:
     """Raise WrongInput for ``key``.bore_mm unless bore and keyway leave a wall of one chord tolerance everywhere.
 
-    The message states the largest bore that fits.
+    They are widened by the clearance first.  The message states the largest bore that fits.
     """
-    if _has_room(disc, bore, chord_tolerance_mm):
+    if _has_room(disc, bore.widened(clearance_mm), chord_tolerance_mm):
         return
-    largest = largest_bore_mm(disc, bore, chord_tolerance_mm)
+    largest = largest_bore_mm(disc, bore, chord_tolerance_mm, clearance_mm)
     cut = "a bore" if bore.keyway is None else "a bore with this keyway"
-    right = (
-        f"the largest that fits is {_floored(largest):g} mm" if largest > 0.0 else "none fits; a larger gear is needed"
-    )
+    right = said_largest(largest, "none fits; a larger gear is needed")
     problem = f"{cut} of {bore.diameter_mm:g} mm reaches the tooth outline; {right}"
     raise WrongInput(problem, key=f"{key}.bore_mm")
 
 
-def largest_bore_mm(disc: Polygon, bore: Bore, chord_tolerance_mm: float) -> float:
+def largest_bore_mm(disc: Polygon, bore: Bore, chord_tolerance_mm: float, clearance_mm: float = 0.0) -> float:
     """Largest diameter in mm, up to ``bore``'s own, at which it fits with the same keyway; 0 when none does.
 
     A bore lies within every larger one with the same keyway, so that what fits is one interval.
     """
-    low = bore.keyway.width_mm if bore.keyway else 0.0
-    high, fitting = bore.diameter_mm, 0.0
-    for _ in range(BISECTIONS):
-        middle = (low + high) / 2.0
-        if _has_room(disc, replace(bore, diameter_mm=middle), chord_tolerance_mm):
-            low = fitting = middle
-        else:
-            high = middle
-    return fitting
+
+    def fits(diameter: float) -> bool:
+        return _has_room(disc, replace(bore, diameter_mm=diameter).widened(clearance_mm), chord_tolerance_mm)
+
+    return largest_fitting(fits, bore.keyway.width_mm if bore.keyway else 0.0, bore.diameter_mm)
 
 
 def _has_room(disc: Polygon, bore: Bore, wall: float) -> bool:
     # The true circle bulges beyond its inscribed polygon by up to one chord tolerance, hence twice the wall.
     cut = Polygon(bore_points(bore, wall))
     return bool(disc.contains(cut) and cut.distance(disc.exterior) >= 2.0 * wall)
-
-
-def _floored(diameter: float) -> float:
-    """Rounded down to 0.01 mm, so that the stated size itself fits; smaller ones as they are."""
-    return float(np.floor(diameter * 100.0) / 100.0) or diameter
