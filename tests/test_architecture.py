@@ -32,7 +32,7 @@ LAYERS = [
     {"design"},
     {"recipe"},
     {"drive", "improvement", "frontier", "balancing"},
-    {"precision", "screening"},
+    {"precision", "screening", "scene"},
     {"output"},
     {"cli", "plots"},
     {"__main__"},

@@ -20,6 +20,7 @@ from ncgear.machine.resistance import Resistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.jet import Jet
+from ncgear.ratio.laws.expression import ratio_expression_law
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
@@ -337,3 +338,20 @@ def test_a_peak_that_is_a_thousandth_of_the_cycle_wide_is_found() -> None:
     exact = kinematic_check(found).peak_acceleration_cycle_mm_s2.value
     assert sampled <= exact * (1.0 + 1e-12)
     assert exact == pytest.approx(sampled, rel=1e-5)
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("astray", [0.0, 1e-15])
+def test_a_stroke_begins_at_its_dead_centre(name: str, astray: float) -> None:
+    """Though the law's angle is a rounding error before it; the force is in the tables' first and last row."""
+    of = machine(name, 30.0, resistance=PolynomialResistance((400.0,)))
+    ends = np.array([0.0, of.linkage.working_angle_rad, 2.0 * pi])
+    assert of.working(ends - astray).tolist() == [True, False, True]
+    assert of.motion(np.array([0.0, of.transmission.cycle_rad])).force_n.tolist() == [400.0, 400.0]
+
+
+def test_a_law_that_begins_a_rounding_error_early_meets_its_force() -> None:
+    pump = ratio_expression_law("2 + 0.5*cos(phi) + 0.1*sin(2*phi)", Lobes(1, 2), scale_to_close=True)
+    assert pump.driven_angle(np.zeros(1)).value[0] < 0.0
+    of = Machine(pump, CrankSlider(30.0, 120.0), PolynomialResistance((400.0,)), 1.0)
+    assert of.motion(np.zeros(1)).force_n[0] == 400.0

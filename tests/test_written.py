@@ -13,8 +13,11 @@ from trimesh.exchange.stl import export_stl
 from ncgear.output.stl import stl_bytes
 from ncgear.output.tables import outline_csv
 from ncgear.output.written import FOOT_MM, outline_of_csv, outline_of_stl, section_rings, written_outlines
+from ncgear.solids.blank import Blank
+from ncgear.solids.body import Hub
 from ncgear.solids.bore import Bore, Keyway
 from ncgear.solids.extrude import gear_solid
+from ncgear.solids.pair import SolidPair, driven_solid, driving_solid
 
 Array = np.ndarray
 
@@ -77,15 +80,19 @@ def test_an_open_solid_is_refused() -> None:
         section_rings(np.asarray(mesh.vertices), holed, 0.0)
 
 
-def test_both_forms_of_both_gears_are_read() -> None:
+@pytest.mark.parametrize("clearance", [0.0, 0.1])
+def test_both_forms_of_both_gears_are_read(clearance: float) -> None:
+    """Below a hub that is higher than the gear, above the chamfer, and with the clearance put back on."""
     small, large = wavy(30.0), wavy(50.0)
+    blank = Blank(10.0, hub=Hub(20.0, 30.0), chamfer_mm=0.3, clearance_mm=clearance)
+    solids = SolidPair(driving_solid(small, blank, 2.0, 0.005), driven_solid(large, blank, 2.0, 0.005))
     files = {
         "driving.csv": outline_csv(small).encode(),
         "driven.csv": outline_csv(large).encode(),
-        "driving.stl": stl_bytes(gear_solid(small, 10.0, None, 0.005)),
-        "driven.stl": stl_bytes(gear_solid(large, 10.0, None, 0.005)),
+        "driving.stl": stl_bytes(solids.driving.mesh),
+        "driven.stl": stl_bytes(solids.driven.mesh),
     }
-    table, solid = written_outlines(files)
+    table, solid = written_outlines(files, solids)
     assert (table.source, solid.source) == ("csv", "stl")
     for outlines in (table, solid):
         assert np.hypot(*outlines.driving_mm.T).max() == pytest.approx(32.0, abs=1e-5)

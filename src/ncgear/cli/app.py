@@ -15,6 +15,7 @@ from ncgear.cli.explain import explain
 from ncgear.cli.frontier import frontier
 from ncgear.cli.new import new
 from ncgear.cli.optimize import optimize
+from ncgear.cli.report import report
 from ncgear.cli.reproduce import reproduce
 from ncgear.cli.schema import schema
 from ncgear.cli.simulate import simulate
@@ -29,7 +30,7 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-COMMANDS = (build, check, simulate, optimize, frontier, sweep, bench, balance, new, explain, reproduce, schema)
+COMMANDS = (build, report, check, simulate, optimize, frontier, sweep, bench, balance, new, explain, reproduce, schema)
 """In the order of the help."""
 
 for command in COMMANDS:

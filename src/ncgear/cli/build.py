@@ -11,6 +11,7 @@ from ncgear.cli.arguments import DesignFile, Timing
 from ncgear.cli.opened import opened
 from ncgear.cli.progress import stages_shown
 from ncgear.errors import WrongInput
+from ncgear.output.workshop.kinds import USUAL, Format
 
 
 def build(
@@ -18,6 +19,11 @@ def build(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>")
     ] = None,
+    kinds: Annotated[
+        list[Format] | None,
+        typer.Option("--format", help="Files for the workshop, may be given again; left out: dxf, svg, 3mf and glb."),
+    ] = None,
+    report: Annotated[bool, typer.Option("--report", help="Also write report.html, as ncgear report does.")] = False,
     timing: Timing = False,
 ) -> None:
     """Build the gears: outlines, solids, plots, motion law and summary, into a folder."""
@@ -35,7 +41,7 @@ def build(
 
         drive = Drive(loaded.design)
         with stages_shown() as on_stage:
-            built = build_files(drive, folder, on_stage)
+            built = build_files(drive, folder, on_stage, kinds or USUAL, loaded if report else None)
         typer.echo(build_text(built.summaries, built.paths))
         if timing:
             typer.echo(timing_text(drive), err=True)

@@ -114,7 +114,17 @@ gears:                     # a check does without, a build needs it
   # helix: {angle_deg: 15, kind: helical, hand: right}   # or herringbone, left; left out: straight teeth
   backlash_mm: 0           # normal backlash
   index_holes: true        # a small hole in each gear; they face each other at phi1 = 0, so that teeth pair up right
-  driving: {bore_mm: 12, keyway: {width_mm: 4, depth_mm: 1.8}}
+  # first_layer_chamfer_mm: 0.4   # bevel of all edges at z = 0, where the first layers of a print spread
+  # process_clearance_mm: 0.05    # the solids' teeth and bores are drawn back by it, since a print swells
+  driving:
+    bore_mm: 12
+    keyway: {width_mm: 4, depth_mm: 1.8}
+    # hub:                 # a cylinder on the upper face
+    #   diameter_mm: 24
+    #   height_mm: 10
+    #   set_screw: {diameter_mm: 3.3, direction_deg: 90}   # height_mm over the face left out: half the hub's
+    # web: {thickness_mm: 6, rim_mm: 6}       # pockets from above; hub_mm: diameter left about the axis
+    # lightening_holes: {count: 5, least_wall_mm: 4}   # diameter_mm left out: as large as the walls allow
   driven: {bore_mm: 12}
 """
 

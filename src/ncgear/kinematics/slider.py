@@ -14,7 +14,7 @@ from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.bracketed import zeros_between
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.ratio.transmission import Transmission
+from ncgear.ratio.transmission import CLOSED, Transmission
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,8 +63,11 @@ class Machine:
         return float(zeros_between(excess, np.array([0.0]), np.array([last]))[0])
 
     def working(self, phi2: Array) -> Mask:
-        """Whether the slider is in its working stroke, at driven angles of shape (n,)."""
-        return np.mod(phi2, 2.0 * pi) < self.linkage.working_angle_rad
+        """Whether the slider is in its working stroke, at driven angles of shape (n,); at a dead centre, in the next.
+
+        A dead centre that the law misses by no more than its own closure may is taken as reached.
+        """
+        return np.mod(phi2 + CLOSED, 2.0 * pi) < self.linkage.working_angle_rad
 
     def motion(self, phi1: Array) -> SliderMotion:
         """The motion at driving angles in rad, shape (n,)."""

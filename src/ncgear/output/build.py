@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,13 +10,18 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.contact.pair_contact import PairContact
+from ncgear.design.load import LoadedDesign
 from ncgear.drive import Drive
 from ncgear.output.json_text import json_text
+from ncgear.output.page import REPORT_FILE
 from ncgear.output.pictures import pictures
 from ncgear.output.publish import prepare, publish
 from ncgear.output.stl import stl_bytes
 from ncgear.output.summary import build_summary
 from ncgear.output.tables import contact_csv, law_csv, outline_csv
+from ncgear.output.workshop.formats import NAMES, workshop_files
+from ncgear.output.workshop.kinds import Format
 from ncgear.output.written import written_outlines
 from ncgear.pitch.curve import PitchCurve
 from ncgear.solids.assembly import Placed, assembly_report
@@ -39,19 +44,52 @@ class Built:
     summaries: list[dict[str, Any]]
 
 
-def build(drive: Drive, folder: Path, on_stage: Callable[[str], None]) -> Built:
+@dataclass(frozen=True)
+class _Pair:
+    """What is made of one pair of gears: its files, the summary among them, and the contact as written."""
+
+    files: dict[str, bytes]
+    summary: dict[str, Any]
+    contact: PairContact
+
+
+def build(
+    drive: Drive,
+    folder: Path,
+    on_stage: Callable[[str], None],
+    formats: Collection[Format] = (),
+    reported: LoadedDesign | None = None,
+) -> Built:
     """Compute everything, and write all files into ``folder``, which is created if need be.
 
-    Two stages go into folders ``stage-1`` and ``stage-2`` of it, at the same instant. ``on_stage`` is told what is done
-    before it begins. Raises WrongInput or NoSuchMechanism from the stages, and WrongInput when the folder cannot be
-    written; whatever fails, the last good build in ``folder`` stays.
+    Files of the kinds ``formats`` are written beside CSV and STL and, given the design as it was loaded, which is then
+    ``reported`` on, a report.  Two stages go into folders ``stage-1`` and ``stage-2``, at the same instant.
+    ``on_stage`` is told what is done before it begins.  Raises WrongInput or NoSuchMechanism from the stages, and
+    WrongInput when the folder cannot be written; whatever fails, the last good build in ``folder`` stays.
     """
     prepare(folder)
-    pairs = {_place(pair.stage): _made(pair, _named(pair, on_stage)) for pair in drive.by_stage}
-    files = {place + name: content for place, (own, _) in pairs.items() for name, content in own.items()}
-    # A folder may hold an earlier build of the other number of stages.
-    obsolete = [_place(stage) + name for stage in (None, 1, 2) for own, _ in pairs.values() for name in own]
-    return Built(publish(folder, files, obsolete), [summary for _, summary in pairs.values()])
+    pairs = {_place(pair.stage): _made(pair, _named(pair, on_stage), formats) for pair in drive.by_stage}
+    files = {place + name: content for place, pair in pairs.items() for name, content in pair.files.items()}
+    if reported is not None:
+        files[REPORT_FILE] = _report(drive, reported, [pair.contact for pair in pairs.values()], on_stage)
+    # A folder may hold an earlier build of the other number of stages, of other kinds of files, or with a report.
+    names = {*NAMES, *(name for pair in pairs.values() for name in pair.files)}
+    obsolete = [_place(stage) + name for stage in (None, 1, 2) for name in sorted(names)]
+    return Built(publish(folder, files, [*obsolete, REPORT_FILE]), [pair.summary for pair in pairs.values()])
+
+
+def contacts_as_written(drive: Drive, on_stage: Callable[[str], None]) -> list[PairContact]:
+    """The contact of every pair as a build finds it in its files, none of which is written; raises as ``build``."""
+    return [_written(pair, _named(pair, on_stage))[1] for pair in drive.by_stage]
+
+
+def _report(
+    drive: Drive, reported: LoadedDesign, contacts: Sequence[PairContact], on_stage: Callable[[str], None]
+) -> bytes:
+    from ncgear.output.page.report_page import report_page
+
+    with _timed(drive, "report", on_stage):
+        return report_page(drive, reported, contacts)
 
 
 def _place(stage: int | None) -> str:
@@ -64,8 +102,20 @@ def _named(pair: Drive, on_stage: Callable[[str], None]) -> Callable[[str], None
     return on_stage if pair.stage is None else lambda done: on_stage(f"stage {pair.stage}: {done}")
 
 
-def _made(drive: Drive, on_stage: Callable[[str], None]) -> tuple[dict[str, bytes], dict[str, Any]]:
-    """The files of one pair of gears, the summary among them, and the summary itself."""
+def _made(drive: Drive, on_stage: Callable[[str], None], formats: Collection[Format]) -> _Pair:
+    """All of one pair of gears."""
+    files, contact = _written(drive, on_stage)
+    with _timed(drive, "workshop files", on_stage):
+        files.update(workshop_files(drive, formats))
+    with _timed(drive, "plots", on_stage):
+        files.update(pictures(drive, contact))
+    # Last: only now are the timings known, and a summary is then never newer in its folder than what it sums up.
+    summary = build_summary(drive, contact)
+    return _Pair({**files, "summary.json": json_text(summary).encode()}, summary, contact)
+
+
+def _written(drive: Drive, on_stage: Callable[[str], None]) -> tuple[dict[str, bytes], PairContact]:
+    """Tables and solids of one pair of gears, and its contact as they have it."""
     for stage, attributes in STAGES.items():
         on_stage(stage)
         for attribute in attributes:
@@ -73,14 +123,9 @@ def _made(drive: Drive, on_stage: Callable[[str], None]) -> tuple[dict[str, byte
     with _timed(drive, "files", on_stage):
         files = {**_tables(drive), **_meshes(drive), "assembly.json": json_text(_assembly(drive)).encode()}
     with _timed(drive, "written contact", on_stage):
-        ring, helical = drive.pitch.driven.is_ring, drive.helix is not None
-        contact = drive.contact(written_outlines(files, ring=ring, helical=helical))
+        contact = drive.contact(written_outlines(files, drive.solids, helical=drive.helix is not None))
         files["contact.csv"] = contact_csv(contact).encode()
-    with _timed(drive, "plots", on_stage):
-        files.update(pictures(drive, contact))
-    # Last: only now are the timings known, and a summary is then never newer in its folder than what it sums up.
-    summary = build_summary(drive, contact)
-    return {**files, "summary.json": json_text(summary).encode()}, summary
+    return files, contact
 
 
 @contextmanager

@@ -32,7 +32,8 @@ def check_summary(drive: Drive) -> dict[str, Any]:
 
 
 def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
-    """All of the check, and pitch curves, teeth and contact."""
+    """All of the check, and pitch curves, teeth, contact and bodies."""
+    from ncgear.output.bodies import bodies_summary
     from ncgear.output.contact_summary import contact_summary
 
     summary = check_summary(drive)
@@ -42,6 +43,7 @@ def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
         "pitch": _pitch(drive),
         "teeth": _teeth(drive),
         "contact": {**contact_summary(contact, drive.pair_speed_rad_s), **_overlap(drive, contact)},
+        "bodies": bodies_summary(drive),
         "comparison": comparison,
         "warnings": warnings + [advice.line for advice in build_advice(drive)],
         "timing_s": {stage: round(seconds, 6) for stage, seconds in drive.timing_s.items()},

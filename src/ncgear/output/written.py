@@ -7,10 +7,15 @@ from io import BytesIO, StringIO
 
 import numpy as np
 import trimesh
+from shapely import Polygon
 
 from ncgear.contact.as_written import Outlines
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import signed_area
+from ncgear.solids.body import BodyPlan
+from ncgear.solids.pair import SolidPair
+from ncgear.solids.parallel import moved_outwards
+from ncgear.solids.sheets import rings
 
 STRAIGHT_MM = 1e-9
 """Distance from the line through its neighbours at which a point counts as on it: where a section crosses the diagonal
@@ -24,18 +29,30 @@ FOOT_MM = 1e-6
 """Height at which the section of helical teeth is taken: there it is the outline, farther up it has turned."""
 
 
-def written_outlines(files: Mapping[str, bytes], *, ring: bool = False, helical: bool = False) -> list[Outlines]:
-    """Both gears' outlines as a build's tables hold them, and as its solids do.
+def written_outlines(files: Mapping[str, bytes], bodies: SolidPair, *, helical: bool = False) -> list[Outlines]:
+    """Both gears' outlines as a build's tables hold them, and as its solids do once the process took its clearance.
 
-    ``files`` maps the names of a build's files to their contents; the driven gear may be a ``ring``, and the teeth may
+    ``files`` maps the names of a build's files to their contents; ``bodies`` is what they were made of; the teeth may
     be ``helical``.  Raises ValueError for a solid that is not closed.
     """
-    height = FOOT_MM if helical else None
-    solids = outline_of_stl(files["driving.stl"], height), outline_of_stl(files["driven.stl"], height, hole=ring)
+    driving, driven = (
+        _outline_of_body(files[f"{name}.stl"], gear.plan, helical)
+        for name, gear in (("driving", bodies.driving), ("driven", bodies.driven))
+    )
     return [
         Outlines("csv", outline_of_csv(files["driving.csv"]), outline_of_csv(files["driven.csv"])),
-        Outlines("stl", *solids),
+        Outlines("stl", driving, driven),
     ]
+
+
+def _outline_of_body(data: bytes, plan: BodyPlan, helical: bool) -> Array:
+    """The tooth outline of a written solid, moved back by the clearance that it was drawn in by."""
+    height = FOOT_MM if helical else (plan.chamfer_mm + plan.face_width_mm) / 2.0
+    outline = outline_of_stl(data, height, hole=plan.is_ring)
+    if plan.clearance_mm == 0.0:
+        return outline
+    back = moved_outwards(Polygon(outline), -plan.clearance_mm if plan.is_ring else plan.clearance_mm)
+    return np.asarray(max(rings(back), key=signed_area)[:-1])
 
 
 def outline_of_csv(data: bytes) -> Array:
@@ -52,8 +69,8 @@ def outline_of_stl(data: bytes, height_mm: float | None = None, *, hole: bool = 
     mesh = trimesh.load_mesh(BytesIO(data), file_type="stl")
     vertices = np.asarray(mesh.vertices)
     height = (vertices[:, 2].min() + vertices[:, 2].max()) / 2.0 if height_mm is None else height_mm
-    rings = section_rings(vertices, np.asarray(mesh.faces), height)
-    chosen = min(rings, key=signed_area)[::-1] if hole else max(rings, key=signed_area)
+    found = section_rings(vertices, np.asarray(mesh.faces), height)
+    chosen = min(found, key=signed_area)[::-1] if hole else max(found, key=signed_area)
     return _without_straight_points(chosen)
 
 

@@ -92,6 +92,11 @@ class BodyPlan:
         return (*([self.index_hole] if self.index_hole else []), *self.lightening_holes)
 
     @property
+    def is_ring(self) -> bool:
+        """Whether the teeth point inwards."""
+        return len(self.disc.interiors) > 0
+
+    @property
     def height_mm(self) -> float:
         """From z = 0 to the top of the hub, or to the upper face."""
         return self.face_width_mm + (self.hub.height_mm if self.hub else 0.0)

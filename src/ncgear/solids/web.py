@@ -20,7 +20,7 @@ from ncgear.solids.largest import largest_fitting, said_largest
 from ncgear.solids.round_hole import RoundHole, hole_points
 from ncgear.solids.sheets import polygons
 
-CORNER_IN_MODULES = 0.5
+CORNER_IN_MODULES = 1.0
 """Least radius of a pocket's corners: a round tool's, which leaves out whatever is narrower."""
 
 

@@ -43,6 +43,16 @@ def outline_points(tips: Tips, sides: Sides, chords: ChordTolerance) -> Array:
     return outline[::-1] if signed_area(outline) < 0.0 else outline
 
 
+def exact_curves(tips: Tips, sides: Sides) -> list[Stretch]:
+    """All curves of the outline in the sense of growing arc length, each smooth: whole between its corners, the joints
+    of the pitch curve and the beginning of a tip relief."""
+    flanks = tips.flanks
+    runs, relief = _side_runs(flanks, sides, FLANK), flanks.rack.relief
+    if relief is not None:
+        runs = parted(runs, np.full(runs.owner.size, relief.start_mm))
+    return [_real(flanks, stretch) for stretch in (runs, *_off_flanks(tips, sides))]
+
+
 def _real(flanks: Flanks, stretch: Stretch) -> Stretch:
     """The stretch without empty curves, cut at the joints of the pitch curve."""
     real = stretch.kept(np.abs(stretch.end - stretch.start) > 1e-12 * flanks.rack.module_mm)
@@ -51,11 +61,16 @@ def _real(flanks: Flanks, stretch: Stretch) -> Stretch:
 
 def _stretches(tips: Tips, sides: Sides) -> tuple[Stretch, list[Stretch]]:
     """What works of the flanks, and all other curves: a flank works no deeper than its mate reaches."""
-    flanks, runs = tips.flanks, _side_runs(tips.flanks, sides, FLANK)
+    runs = _side_runs(tips.flanks, sides, FLANK)
     parts = parted(runs, -tips.met_depth_mm[runs.owner])
     works = (parts.start + parts.end) / 2.0 > -tips.met_depth_mm[parts.owner]
-    elsewhere = [_side_runs(flanks, sides, FILLET), _tip_lands(flanks, sides), _root_lands(flanks, sides)]
-    return parts.kept(works), [parts.kept(~works), *elsewhere]
+    return parts.kept(works), [parts.kept(~works), *_off_flanks(tips, sides)]
+
+
+def _off_flanks(tips: Tips, sides: Sides) -> list[Stretch]:
+    """Fillets, tip lands and root lands."""
+    flanks = tips.flanks
+    return [_side_runs(flanks, sides, FILLET), _tip_lands(flanks, sides), _root_lands(flanks, sides)]
 
 
 def _side_runs(flanks: Flanks, sides: Sides, kind: int) -> Stretch:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ncgear.design.gears import GearBody
+from ncgear.design.gear_body import GearBody
 from ncgear.drive import Drive
 from ncgear.output.data_sheet.values import Group, Row, Value
-from ncgear.recipe.gears import rim_mm_of
+from ncgear.recipe.bodies import rim_mm_of
 
 
 def bodies(drive: Drive) -> Group:

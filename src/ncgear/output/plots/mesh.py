@@ -54,7 +54,7 @@ def contact(result: PairContact, title: str, joints_rad: Array) -> bytes:
 def _errors(axes: Axes, result: PairContact) -> None:
     """Driven angle beyond the law's, of the worst outlines and as designed."""
     written = max(result.as_written, key=lambda outlines: outlines.transmission_error_rad)
-    angle, (factor, unit) = _angle(result.as_designed), _scaled(written.pushing_rad)
+    angle, (factor, unit) = _angle(result.as_designed), scaled(written.pushing_rad)
     axes.plot(angle, factor * result.as_designed.pushing.error_rad, **PUSHING)
     axes.plot([], [], **BACK)
     axes.plot(angle, factor * written.pushing_rad, **WRITTEN)
@@ -63,7 +63,7 @@ def _errors(axes: Axes, result: PairContact) -> None:
 
 def backlash(axes: Axes, designed: AsDesigned) -> None:
     """Play of the driven gear over phi1."""
-    factor, unit = _scaled(designed.backlash_rad)
+    factor, unit = scaled(designed.backlash_rad)
     axes.plot(_angle(designed), factor * designed.backlash_rad, color=DRIVING, linewidth=1.6, label="as designed")
     dress(axes, "", f"backlash\nin {unit}")
 
@@ -101,7 +101,7 @@ def _sides(designed: AsDesigned) -> Sequence[tuple[Any, dict[str, Any]]]:
     return (designed.back, BACK), (designed.pushing, PUSHING)
 
 
-def _scaled(angles_rad: Array) -> tuple[float, str]:
-    """Factor and name of the unit in which angles are drawn."""
+def scaled(angles_rad: Array) -> tuple[float, str]:
+    """Factor from rad to the unit in which angles (shape (n,)) are drawn, and its name."""
     small = float(np.max(np.abs(angles_rad))) < MILLI_FROM_RAD
     return (1e6, "\u00b5rad") if small else (1e3, "mrad")

@@ -1,0 +1,43 @@
+"""``ncgear report``: one page that shows the mechanism running."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ncgear.cli.arguments import DesignFile, Timing
+from ncgear.cli.opened import opened
+from ncgear.cli.progress import stages_shown
+
+
+def report(
+    design_file: DesignFile,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>")
+    ] = None,
+    timing: Timing = False,
+) -> None:
+    """Write report.html: the machine running, its curves, comparison, warnings, data sheet and design file."""
+    from ncgear.output.publish import prepare, publish
+
+    with opened(design_file) as loaded:
+        folder = out or Path("export") / loaded.design.name
+        prepare(folder)
+
+        from ncgear.drive import Drive
+        from ncgear.output.build import contacts_as_written
+        from ncgear.output.page import REPORT_FILE
+        from ncgear.output.page.report_page import report_page
+        from ncgear.output.report import timing_text
+
+        drive = Drive(loaded.design)
+        with stages_shown() as on_stage:
+            contacts = contacts_as_written(drive, on_stage) if loaded.design.gears is not None else []
+            on_stage("report")
+            page = report_page(drive, loaded, contacts)
+        (path,) = publish(folder, {REPORT_FILE: page})
+        typer.echo(f"{path} ({len(page) / 1e6:.1f} MB): open it in a browser")
+        if timing:
+            typer.echo(timing_text(drive), err=True)

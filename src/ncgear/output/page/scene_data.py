@@ -1,0 +1,103 @@
+"""What scene.js is told of a scene: tables of the shafts' angles, the linkage, the gears' places, the views."""
+
+from __future__ import annotations
+
+from math import atan2
+from typing import Any
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array
+from ncgear.ratio.transmission import Piece, Transmission
+from ncgear.scene.gears import SceneGear, ScenePair
+from ncgear.scene.scene import Scene
+from ncgear.scene.views import views
+
+TABLE_ERROR_RAD = 1e-7
+"""How far an interpolated angle may be from the law's in the middle of any step of its table; the cubics' error is
+greatest there, but for terms of higher order that are a tenth of it at most (tests/test_scene_page.py)."""
+
+FIRST_STEPS = 16
+"""Steps on each piece of a law before they are halved where they have to be."""
+
+
+def scene_data(scene: Scene) -> dict[str, Any]:
+    """All that moves the SVG of ``scene_svg``, as JSON can hold it; angles in rad, lengths in mm."""
+    shafts = [pair.transmission for pair in scene.train.pairs[:-1]] + [scene.train.whole]
+    return {
+        "loop": scene.loop_rad,
+        "shafts": [angle_table(transmission) for transmission in shafts],
+        "gears": [_gear(gear) for pair in scene.pairs for gear in (pair.driving, pair.driven)],
+        "pairs": [_pair(pair) for pair in scene.pairs],
+        "linkage": _linkage(scene),
+        "chamber": _chamber(scene),
+        "views": {name: list(box) for name, box in views(scene).items()},
+    }
+
+
+def angle_table(transmission: Transmission) -> dict[str, Any]:
+    """A law for Hermite's cubics: driving angles over one period, driven angles, and slopes there, all ascending.
+
+    Joints of the law stand twice in it, with the slopes on both sides.
+    """
+    columns = [_piece_table(piece) for piece in transmission.pieces]
+    at, value, slope = (np.concatenate(parts).tolist() for parts in zip(*columns, strict=True))
+    lobes = transmission.lobes
+    return {
+        "period": lobes.driving_period_rad,
+        "rise": lobes.driven_period_rad,
+        "at": at,
+        "value": value,
+        "slope": slope,
+    }
+
+
+def _piece_table(piece: Piece) -> tuple[Array, Array, Array]:
+    """Steps are halved wherever their middle is off by more than the error allowed."""
+    at = np.linspace(piece.start_rad, piece.end_rad, FIRST_STEPS + 1)
+    while True:
+        driven, middle = piece.driven_angle(at, 1), (at[1:] + at[:-1]) / 2.0
+        value, slope = driven.value, driven.derivative(1)
+        hermite = (value[1:] + value[:-1]) / 2.0 - np.diff(at) * np.diff(slope) / 8.0
+        off = np.abs(hermite - piece.driven_angle(middle, 0).value) > TABLE_ERROR_RAD
+        if not off.any():
+            return at, value, slope
+        at = np.union1d(at, middle[off])
+
+
+def _gear(gear: SceneGear) -> dict[str, Any]:
+    mounting = gear.mounting
+    return {
+        "name": gear.body.name,
+        "axis": list(gear.axis_mm),
+        "start": mounting.turn_rad,
+        "sense": mounting.sense(gear.gear),
+        "shaft": gear.shaft,
+    }
+
+
+def _pair(pair: ScenePair) -> dict[str, Any]:
+    return {
+        "axes": [list(pair.mounting.driving_axis_mm), list(pair.mounting.driven_axis_mm)],
+        "sense": pair.mounting.mesh.sense,
+        "shaft": pair.shaft,
+    }
+
+
+def _linkage(scene: Scene) -> dict[str, float]:
+    linkage = scene.machine.linkage
+    (x, y) = linkage.crank_pin_mm(np.zeros(1))[0]
+    return {
+        "crank": linkage.crank_mm,
+        "rod": linkage.rod_mm,
+        "offset": linkage.offset_mm,
+        "start": atan2(y, x),
+        "nearest": linkage.nearest_mm,
+        "stroke": linkage.stroke_mm,
+        "working": linkage.working_angle_rad,
+    }
+
+
+def _chamber(scene: Scene) -> dict[str, float | None]:
+    chamber = scene.chamber
+    return {"face": chamber.face_mm, "end": chamber.end_mm, "begins": chamber.begins_mm}

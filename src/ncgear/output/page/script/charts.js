@@ -1,0 +1,46 @@
+// Cursors of the charts, which follow the angle, and the angle that a place on a chart stands for.
+
+function between(x, from, to) {
+  return to[0] + ((x - from[0]) / (from[1] - from[0])) * (to[1] - to[0]);
+}
+
+function valuesOf(chart, grids, deg) {
+  return chart.lines.map((line) => straight(grids[line.grid], line.values, deg));
+}
+
+function createChart(figure, chart) {
+  const line = figure.querySelector(".cursor line");
+  const dots = [...figure.querySelectorAll(".cursor circle")];
+
+  function show(deg, values) {
+    const x = between(deg, chart.angle_deg, chart.x);
+    line.setAttribute("x1", x);
+    line.setAttribute("x2", x);
+    for (const dot of dots) {
+      dot.setAttribute("cx", x);
+      dot.setAttribute("cy", between(values[Number(dot.dataset.line)], chart.values, chart.y));
+    }
+  }
+
+  return { show };
+}
+
+// `onPick` gets the angle, of the chart's own axis, under the pointer while it is pressed.
+function followPointer(plot, chart, onPick) {
+  const svg = plot.querySelector("svg");
+
+  function pick(event) {
+    const inside = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
+    const deg = between(inside.x, chart.x, chart.angle_deg);
+    onPick(Math.min(Math.max(deg, chart.angle_deg[0]), chart.angle_deg[1]));
+  }
+
+  plot.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0) return;
+    plot.setPointerCapture(event.pointerId);
+    pick(event);
+  });
+  plot.addEventListener("pointermove", (event) => {
+    if (plot.hasPointerCapture(event.pointerId)) pick(event);
+  });
+}

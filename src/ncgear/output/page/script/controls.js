@@ -1,0 +1,54 @@
+// Buttons, sliders and keys that run the clock, and what they show of it.
+
+const STEP_DEG = 1;
+const LEAP_DEG = 10;
+
+function createControls(clock, cycle) {
+  const [button, scrub, angle, pace] = ["play", "scrub", "angle", "pace"].map((id) => document.getElementById(id));
+
+  button.addEventListener("click", clock.toggle);
+  scrub.addEventListener("input", () => clock.set(scrub.valueAsNumber));
+  angle.addEventListener("input", () => clock.set(angle.valueAsNumber));
+  pace.addEventListener("change", () => clock.setPace(Number(pace.value)));
+  clock.setPace(Number(pace.value));
+  document.addEventListener("keydown", (event) => onKey(event, clock, cycle));
+  document.addEventListener("visibilitychange", clock.rest);
+
+  return {
+    show(deg, playing) {
+      scrub.value = deg;
+      scrub.setAttribute("aria-valuetext", `${deg.toFixed(1)} degrees`);
+      if (document.activeElement !== angle || playing) angle.value = deg.toFixed(1);
+      button.toggleAttribute("data-playing", playing);
+      button.querySelector(".word").textContent = playing ? "Pause" : "Play";
+    },
+  };
+}
+
+function keyActions(clock, cycle, step) {
+  return {
+    " ": clock.toggle,
+    ArrowRight: () => clock.set(clock.deg() + step),
+    ArrowUp: () => clock.set(clock.deg() + step),
+    ArrowLeft: () => clock.set(clock.deg() - step),
+    ArrowDown: () => clock.set(clock.deg() - step),
+    Home: () => clock.set(0),
+    End: () => clock.set(cycle),
+  };
+}
+
+// Keys that an element has a use of its own for are left to it.
+function isTaken(key, target) {
+  if (target.id === "scrub") return false;
+  if (target.closest("select, input")) return true;
+  if (key === " ") return target.closest("button, a, summary") !== null;
+  return key === "ArrowUp" || key === "ArrowDown" || target.closest("pre, .table-frame") !== null;
+}
+
+function onKey(event, clock, cycle) {
+  if (event.altKey || event.ctrlKey || event.metaKey || isTaken(event.key, event.target)) return;
+  const action = keyActions(clock, cycle, event.shiftKey ? LEAP_DEG : STEP_DEG)[event.key];
+  if (!action) return;
+  event.preventDefault();
+  action();
+}

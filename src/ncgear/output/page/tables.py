@@ -1,0 +1,114 @@
+"""The page's tables as rows of text: comparison, data sheet, contact, versions."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any
+
+from ncgear import __version__
+from ncgear.contact.pair_contact import PairContact
+from ncgear.drive import Drive
+from ncgear.output.comparison import COLUMNS, MIXED_SPEEDS, SAME_SPEED
+from ncgear.output.comparison_rows import comparison_rows
+from ncgear.output.contact_summary import contact_summary
+from ncgear.output.data_sheet.values import DataSheet, Group
+from ncgear.output.data_sheet.values import Row as SheetRow
+from ncgear.output.data_sheet.values import Table as SheetTable
+from ncgear.output.numbers import shown
+from ncgear.output.report import labelled
+
+LIBRARIES = ("numpy", "scipy", "sympy", "shapely", "trimesh", "mapbox-earcut", "matplotlib", "pydantic", "ruamel.yaml")
+"""What the figures of the page come from, beside ncgear and Python."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """Cells of text, the first of which names the row, and what is to be said about it.
+
+    The second cell is as wide as ``span`` columns.
+    """
+
+    cells: tuple[str, ...]
+    note: str = ""
+    span: int = 1
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows under a title; ``head`` has one pair of a name and a unit for each cell, or nothing.
+
+    ``notes`` belong to all of it; a ``long`` table may be broken between rows in print.
+    """
+
+    title: str
+    head: tuple[tuple[str, str], ...]
+    rows: tuple[Row, ...]
+    notes: tuple[str, ...] = ()
+    long: bool = False
+
+
+def comparison_tables(drive: Drive) -> list[Table]:
+    """The mechanisms at equal speed; those that were published at others, and headed as such."""
+    rows = comparison_rows(drive)
+    same, mixed = ([row for row in rows if row["same_speed"] is wanted] for wanted in (True, False))
+    return [_comparison(title, chosen) for title, chosen in ((SAME_SPEED, same), (MIXED_SPEEDS, mixed)) if chosen]
+
+
+def _comparison(title: str, rows: Sequence[Mapping[str, Any]]) -> Table:
+    head = (("mechanism", ""), *COLUMNS.values())
+    cells = [(str(row["name"]), *(shown(row[key]) for key in COLUMNS)) for row in rows]
+    return Table(title, head, tuple(Row(c, row["note"]) for c, row in zip(cells, rows, strict=True)))
+
+
+def contact_tables(drive: Drive, contact: PairContact) -> list[Table]:
+    """The figures of the contact: in short; and as designed beside each form in which the outlines were written."""
+    found = contact_summary(contact, drive.pair_speed_rad_s)
+    designed, written = found.pop("as_designed"), found.pop("as_written")
+    forms = {f"as written to {source.upper()}": figures for source, figures in written.items()}
+    return [
+        Table("The worst of all", (), tuple(map(Row, labelled(found)))),
+        _beside("In detail", {"as designed": designed, **forms}),
+    ]
+
+
+def _beside(title: str, sections: Mapping[str, Mapping[str, Any]]) -> Table:
+    """The same figures of several sections, side by side; what is given tooth by tooth is left to summary.json."""
+    columns = [dict(labelled(_without_lists(section))) for section in sections.values()]
+    labels = dict.fromkeys(label for column in columns for label in column)
+    head = (("", ""), *((name, "") for name in sections))
+    return Table(title, head, tuple(Row((label, *(column.get(label, "") for column in columns))) for label in labels))
+
+
+def _without_lists(section: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in section.items() if not isinstance(value, list)}
+
+
+def sheet_tables(sheet: DataSheet) -> list[Table]:
+    """The groups of a data sheet, and its tables."""
+    return [*map(_group, sheet.groups), *map(_numbers, sheet.tables)]
+
+
+def _group(group: Group) -> Table:
+    head = (("", ""), ("driving", ""), ("driven", ""), ("", ""))
+    return Table(group.title, head, tuple(map(_sheet_row, group.rows)))
+
+
+def _sheet_row(row: SheetRow) -> Row:
+    """Empty cells where there is nothing to say."""
+    values = (row.pair,) if row.of_pair else (row.driving, row.driven)
+    texts = ("" if value is None else shown(value) for value in values)
+    return Row((row.label, *texts, row.unit), span=3 - len(values))
+
+
+def _numbers(table: SheetTable) -> Table:
+    head = tuple((column.label, column.unit) for column in table.columns)
+    return Table(table.title, head, tuple(Row(tuple(map(shown, row))) for row in table.rows), table.notes, long=True)
+
+
+def versions() -> Table:
+    """What the page was made with."""
+    made = (("ncgear", __version__), ("python", platform.python_version()), *((n, version(n)) for n in LIBRARIES))
+    return Table("Made with", (), tuple(map(Row, made)))

@@ -1,0 +1,1 @@
+"""Files for the workshop: drawings and meshes that other programs read."""

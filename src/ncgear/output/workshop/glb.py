@@ -1,0 +1,45 @@
+"""GLB (binary glTF): the assembled pair at phi1 = 0, for viewers and web pages.
+
+The format's unit is the metre, and its y axis points up: millimetres are scaled, and the gears' axes stand along y.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from trimesh import Scene, Trimesh
+from trimesh.exchange.gltf import export_glb
+from trimesh.visual import TextureVisuals
+from trimesh.visual.material import PBRMaterial
+
+from ncgear.drive import Drive
+from ncgear.numerics.arrays import Array
+
+METRE_PER_MM = 0.001
+
+COLORS = {"driving": (0, 114, 178), "driven": (213, 94, 0)}
+"""As in the pictures: blue and vermilion, which everyone can tell apart."""
+
+Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+"""Turns z up into y up."""
+
+
+def glb_files(drive: Drive) -> dict[str, bytes]:
+    """``pair.glb`` with the nodes ``driving`` and ``driven``."""
+    solids, distance = drive.solids, drive.pitch.center_distance_mm
+    scene = Scene()
+    for name, mesh, x_mm in (("driving", solids.driving.mesh, 0.0), ("driven", solids.driven.mesh, distance)):
+        scene.add_geometry(_colored(mesh, name), node_name=name, geom_name=name, transform=_placed(x_mm))
+    return {"pair.glb": export_glb(scene)}
+
+
+def _colored(mesh: Trimesh, name: str) -> Trimesh:
+    material = PBRMaterial(name=name, baseColorFactor=[*COLORS[name], 255], metallicFactor=0.2, roughnessFactor=0.6)
+    return Trimesh(mesh.vertices, mesh.faces, process=False, visual=TextureVisuals(material=material))
+
+
+def _placed(x_mm: float) -> Array:
+    """From mm in the gear's frame to metres in the scene, the gear at its place on the line of centres."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = METRE_PER_MM * Y_UP
+    matrix[:3, 3] = METRE_PER_MM * Y_UP @ np.array([x_mm, 0.0, 0.0])
+    return matrix

@@ -1,0 +1,105 @@
+"""SVG files at 1:1: one user unit is one millimetre, and y goes up as in the gear's frame."""
+
+from __future__ import annotations
+
+from math import atan, pi, sin
+from xml.etree import ElementTree as Xml
+
+import numpy as np
+
+from ncgear.drive import Drive
+from ncgear.numerics.arrays import Array
+from ncgear.output.workshop.drawing import CUT_THROUGH, Circle, Contour, Cross, Drawing, Shape
+from ncgear.output.workshop.gear_drawing import gear_drawing
+from ncgear.pitch.shape import Gear
+
+NAMESPACE = "http://www.w3.org/2000/svg"
+
+DIGITS = 6
+"""Decimals of coordinates: a millionth of a millimetre, far below any chord tolerance."""
+
+MARGIN_MM = 2.0
+HAIRLINE_MM = 0.1
+"""Width of lines: what cutters that go by width take as a cut, and a screen still shows."""
+
+COLORS = {True: "#000000", False: "#cc0000"}
+"""Of what is cut through, and of all else."""
+
+
+def svg_files(drive: Drive) -> dict[str, bytes]:
+    """``driving.svg`` and ``driven.svg``, each gear in its own frame, by their names."""
+    drawings = [gear_drawing(drive, gear) for gear in Gear]
+    return {f"{drawing.name}.svg": svg_bytes(drawing) for drawing in drawings}
+
+
+def svg_bytes(drawing: Drawing) -> bytes:
+    """A drawing with a group for each layer, as large on paper as the gear is."""
+    low, high = _frame(drawing)
+    width, height = high - low
+    size = {"width": f"{width:.{DIGITS}f}mm", "height": f"{height:.{DIGITS}f}mm"}
+    box = f"{low[0]:.{DIGITS}f} {-high[1]:.{DIGITS}f} {width:.{DIGITS}f} {height:.{DIGITS}f}"
+    root = Xml.Element("svg", {"xmlns": NAMESPACE, "version": "1.1", **size, "viewBox": box})
+    Xml.SubElement(root, "title").text = drawing.notes[0]
+    Xml.SubElement(root, "desc").text = "; ".join(drawing.notes[1:])
+    upward = Xml.SubElement(root, "g", {"transform": "scale(1,-1)", "fill": "none", "stroke-width": f"{HAIRLINE_MM}"})
+    for layer, shapes in drawing.layers.items():
+        group = Xml.SubElement(upward, "g", {"id": layer.value, "stroke": COLORS[layer in CUT_THROUGH]})
+        for shape in shapes:
+            Xml.SubElement(group, "path", {"d": _path(shape)})
+    Xml.indent(root)
+    text: bytes = Xml.tostring(root, encoding="utf-8", xml_declaration=True)
+    return text + b"\n"
+
+
+def _frame(drawing: Drawing) -> tuple[Array, Array]:
+    """Least and largest coordinates of everything, with a margin."""
+    corners = np.vstack([_corners(shape) for shapes in drawing.layers.values() for shape in shapes])
+    return corners.min(axis=0) - MARGIN_MM, corners.max(axis=0) + MARGIN_MM
+
+
+def _corners(shape: Shape) -> Array:
+    """Points whose frame holds the shape; arcs of contours lie within the gear."""
+    match shape:
+        case Contour():
+            return shape.points
+        case Circle():
+            center = np.array([shape.x_mm, shape.y_mm])
+            return np.array([center - shape.radius_mm, center + shape.radius_mm])
+        case Cross():
+            return shape.lines.reshape(-1, 2)
+
+
+def _path(shape: Shape) -> str:
+    match shape:
+        case Contour():
+            return _closed(shape)
+        case Circle():
+            left, right = ((shape.x_mm + side * shape.radius_mm, shape.y_mm) for side in (-1.0, 1.0))
+            half = f"A{_number(shape.radius_mm)},{_number(shape.radius_mm)} 0 0 1 "
+            return f"M{_pair(left)}{half}{_pair(right)}{half}{_pair(left)}Z"
+        case Cross():
+            return "".join(f"M{_pair(start)}L{_pair(end)}" for start, end in shape.lines.tolist())
+
+
+def _closed(contour: Contour) -> str:
+    points = contour.points.tolist()
+    steps = zip(points, [*points[1:], points[0]], contour.bulges.tolist(), strict=True)
+    return f"M{_pair(points[0])}{''.join(_step(*step) for step in steps)}Z"
+
+
+def _step(start: list[float], end: list[float], bulge: float) -> str:
+    """A line or an arc to the end; an arc over half a turn is the large one of the two of its radius."""
+    if bulge == 0.0:
+        return f"L{_pair(end)}"
+    turned = 4.0 * atan(abs(bulge))
+    radius = _number(float(np.hypot(end[0] - start[0], end[1] - start[1])) / 2.0 / sin(turned / 2.0))
+    return f"A{radius},{radius} 0 {int(turned > pi)} {int(bulge > 0.0)} {_pair(end)}"
+
+
+def _pair(point: tuple[float, float] | list[float]) -> str:
+    return f"{_number(point[0])},{_number(point[1])}"
+
+
+def _number(value: float) -> str:
+    """Without needless zeros, and without a minus before a zero."""
+    return f"{round(value, DIGITS) + 0.0:.{DIGITS}f}".rstrip("0").rstrip(".")

@@ -1,0 +1,41 @@
+"""Reports of designs, made once for all tests of a process, and designs to report on."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+from ncgear.contact.pair_contact import PairContact
+from ncgear.design.load import LoadedDesign, load
+from ncgear.drive import Drive
+from ncgear.output.build import contacts_as_written
+from ncgear.output.page.report_page import report_page
+
+DESIGNS = Path(__file__).parents[1] / "designs"
+
+
+@cache
+def loaded(name: str) -> LoadedDesign:
+    return load(DESIGNS / f"{name}.yaml")
+
+
+@cache
+def drive(name: str) -> Drive:
+    return Drive(loaded(name).design)
+
+
+@cache
+def contacts(name: str) -> list[PairContact]:
+    made = drive(name)
+    return contacts_as_written(made, lambda stage: None) if made.design.gears is not None else []
+
+
+@cache
+def page(name: str) -> str:
+    return report_page(drive(name), loaded(name), contacts(name)).decode()
+
+
+def page_of(path: Path) -> str:
+    """The report of a file without gears."""
+    found = load(path)
+    return report_page(Drive(found.design), found, []).decode()

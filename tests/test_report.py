@@ -1,0 +1,367 @@
+"""The report: what it holds and asks for, colours that can be read, curves that are those of the motion."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+import tomllib
+from fnmatch import fnmatch
+from pathlib import Path
+from typing import Any
+
+import lxml.html
+import numpy as np
+import pytest
+import shapely
+from lxml.html import HtmlElement
+
+import reports
+from commands import Run
+from ncgear.kinematics.slider import SliderMotion
+from ncgear.output.page import REPORT_FILE
+from ncgear.output.page.chart import Chart, decimals_of
+from ncgear.output.page.gear_charts import gear_charts
+from ncgear.output.page.motion_charts import motion_charts
+from ncgear.output.page.sampling import SIDE_RAD, split_angles
+from ncgear.output.page.svg import drawn
+from ncgear.output.plots.curves import MOTION, POWER
+
+ROOT = Path(__file__).parents[1]
+PAGE = ROOT / "src" / "ncgear" / "output" / "page"
+CSS = (PAGE / "page.css").read_text(encoding="utf-8")
+
+HOSTILE = (
+    "</script></pre><script>document.title = 'taken'</script>"
+    """<img src=x onerror="alert(1)">&amp; "quoted" 'so' {{ 7 * 7 }}"""
+)
+
+DESIGN = f"""# a comment: {HOSTILE}
+name: hostile
+description: |
+  {HOSTILE}
+linkage: {{crank_mm: 40, rod_mm: 160}}
+operation: {{speed_rpm: 60}}
+motion: {{law: ellipse, eccentricity: 0.3}}
+resistance: {{polynomial_n: [100, 1]}}
+"""
+
+
+def parsed(page: str) -> HtmlElement:
+    return lxml.html.document_fromstring(page)
+
+
+@pytest.fixture(scope="module")
+def hostile(tmp_path_factory: pytest.TempPathFactory) -> str:
+    path = tmp_path_factory.mktemp("hostile") / "hostile.yaml"
+    path.write_text(DESIGN)
+    return reports.page_of(path)
+
+
+# --- nothing from outside, and no code but the page's own
+
+
+def asked_for(page: str) -> list[str]:
+    """What a page would load: addresses in attributes and in style sheets that lead out of it."""
+    tree = parsed(page)
+    names = ("src", "href", "srcset", "data", "action", "poster", "xlink:href", "background", "formaction", "ping")
+    attributes = [
+        value for name in names for value in tree.xpath(f'//@*[name()="{name}"]') if not value.startswith("#")
+    ]
+    styles = [*tree.xpath("//style/text()"), *tree.xpath("//@style")]
+    return attributes + [found for style in styles for found in re.findall(r"@import.*|url\((?!#)[^)]*\)", style)]
+
+
+def test_the_page_asks_for_nothing() -> None:
+    page = reports.page("baler")
+    assert asked_for(page) == []
+    assert re.findall(r"https?:|//[a-z]+\.", page) == []
+
+
+@pytest.mark.parametrize(
+    "added",
+    ['<img src="//example.org/a.png">', "<style>@import 'a.css'</style>", '<p style="background: url(a.png)"></p>'],
+)
+def test_what_a_page_would_ask_for_is_seen(added: str) -> None:
+    assert len(asked_for(reports.page("baler").replace("</main>", f"{added}</main>"))) == 1
+
+
+def foreign_elements(page: str) -> list[str]:
+    """Elements that can only come from the text of a design: scripts beyond the two of the page, pictures, handlers."""
+    tree = parsed(page)
+    scripts = tree.xpath("//script")
+    return [*map(str, scripts[2:]), *map(str, tree.xpath("//img")), *tree.xpath("//@*[starts-with(name(), 'on')]")]
+
+
+def test_the_text_of_a_design_is_text(hostile: str) -> None:
+    assert foreign_elements(hostile) == []
+    tree = parsed(hostile)
+    assert tree.xpath("//pre")[0].text_content() == DESIGN
+    assert tree.xpath("//p[@class='description']")[0].text_content() == HOSTILE + "\n"
+
+
+def test_text_that_is_not_escaped_is_seen(hostile: str) -> None:
+    assert len(foreign_elements(hostile.replace("</main>", f"<p>{HOSTILE}</p></main>"))) == 3
+
+
+def test_no_key_of_the_data_ends_the_script() -> None:
+    block = re.search(r'<script type="application/json" id="data">(.*?)</script>', reports.page("baler"), re.DOTALL)
+    assert block
+    assert set(json.loads(block[1])) == {"cycle_deg", "scene", "grids", "charts"}
+
+
+def test_names_within_the_page_are_its_own() -> None:
+    names = parsed(reports.page("baler")).xpath("//@id")
+    assert len(names) == len(set(names))
+
+
+# --- bytes
+
+
+def test_the_same_design_gives_the_same_bytes(hostile: str, tmp_path: Path) -> None:
+    path = tmp_path / "hostile.yaml"
+    path.write_text(DESIGN)
+    assert reports.page_of(path) == hostile
+
+
+def test_the_page_is_small() -> None:
+    assert len(reports.page("baler").encode()) < 1e6
+
+
+@pytest.mark.slow
+def test_four_hundred_teeth_stay_under_five_megabytes(run: Run, tmp_path: Path) -> None:
+    text = (ROOT / "designs" / "ellipse.yaml").read_text()
+    path = tmp_path / "many.yaml"
+    path.write_text(re.sub(r"teeth: \d+", "teeth: 400", text))
+    assert "teeth: 400" in path.read_text()
+    assert run("report", str(path), "--out", str(tmp_path / "out"))[0] == 0
+    assert (tmp_path / "out" / REPORT_FILE).stat().st_size < 5e6
+
+
+@pytest.mark.slow
+def test_both_commands_and_any_order_of_hashing_give_the_same_bytes(run: Run, tmp_path: Path) -> None:
+    design = str(ROOT / "designs" / "ellipse.yaml")
+    command = [sys.executable, "-m", "ncgear", "report", design, "--out", str(tmp_path / "alone")]
+    subprocess.run(command, check=True, capture_output=True, env={"PYTHONHASHSEED": "7", "PATH": ""}, cwd=ROOT / "src")
+    assert run("build", design, "--report", "--out", str(tmp_path / "built"))[0] == 0
+    alone, built = (tmp_path / folder / REPORT_FILE for folder in ("alone", "built"))
+    assert alone.read_bytes() == built.read_bytes()
+
+
+# --- the commands
+
+
+def test_a_build_without_a_report_leaves_none(run: Run, tmp_path: Path) -> None:
+    design, out = str(ROOT / "designs" / "uniform-crank.yaml"), tmp_path / "out"
+    assert run("build", design, "--report", "--out", str(out))[0] == 0
+    with_report = {path.name for path in out.iterdir()}
+    assert run("build", design, "--out", str(out))[0] == 0
+    assert with_report - {path.name for path in out.iterdir()} == {REPORT_FILE}
+
+
+def test_a_design_without_gears_has_a_report_of_its_motion(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "hostile.yaml").write_text(DESIGN)
+    status, out, _ = run("report", "hostile.yaml", "--out", "made")
+    assert (status, [path.name for path in (tmp_path / "made").iterdir()]) == (0, [REPORT_FILE])
+    assert f"made/{REPORT_FILE}" in out
+    tree = parsed((tmp_path / "made" / REPORT_FILE).read_text())
+    assert "no gears" in tree.text_content()
+    assert tree.xpath("//figure/@data-key")[-1] == "ratio"
+
+
+def test_a_design_that_makes_no_gears_is_refused_in_place(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "bad.yaml").write_text(DESIGN.replace("eccentricity: 0.3", "eccentricity: 1.3"))
+    status, _, err = run("report", "bad.yaml")
+    assert status == 2
+    assert err.startswith("bad.yaml:")
+    assert not (tmp_path / "export").exists()
+
+
+def test_all_that_the_page_is_made_of_is_installed_with_the_package() -> None:
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        patterns = tomllib.load(file)["tool"]["setuptools"]["package-data"]["ncgear"]
+    package = ROOT / "src" / "ncgear"
+    parts = [path.relative_to(package).as_posix() for path in PAGE.rglob("*.*") if path.suffix not in (".py", ".pyc")]
+    assert [part for part in parts if not any(fnmatch(part, pattern) for pattern in patterns)] == []
+    assert not any(fnmatch("output/page/page.ts", pattern) for pattern in patterns)
+
+
+# --- content
+
+
+def test_the_page_says_what_the_design_is() -> None:
+    tree = parsed(reports.page("baler"))
+    text = tree.text_content()
+    assert tree.xpath("//h1")[0].text == "baler"
+    assert tree.xpath("//pre")[0].text_content() == (ROOT / "designs" / "baler.yaml").read_text()
+    for words in ("Lei et al. 2012", "uniform crank", "undercut", "gears.teeth: 86", "74.885", "numpy", "python"):
+        assert words in text, words
+
+
+def test_every_quantity_has_a_chart() -> None:
+    wanted = [q.column for q in (*MOTION, *POWER)] + ["ratio", "pressure_angle", "transmission_error"]
+    assert parsed(reports.page("baler")).xpath("//figure/@data-key") == wanted
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["baler-66-two-stage", "helical-ellipse", "internal-1-2"])
+def test_pairs_of_all_kinds_have_their_charts(name: str) -> None:
+    stages = ["_1", "_2"] if "two-stage" in name else [""]
+    keys = parsed(reports.page(name)).xpath("//figure/@data-key")
+    assert {f"transmission_error{stage}" for stage in stages} <= set(keys)
+    assert len(parsed(reports.page(name)).xpath("//caption[text()='Basic rack']")) == len(stages)
+
+
+# --- curves
+
+
+def error_of_straight_lines(chart: Chart, own: np.ndarray, angles_deg: np.ndarray) -> float:
+    """How far straight lines between the samples are from the values of this design, in shown digits."""
+    line = chart.lines[0]
+    between = np.interp(np.mod(angles_deg, line.period_deg), line.angle_deg, line.values)
+    return float(np.max(np.abs(between - own))) * 10.0**chart.decimals
+
+
+def motion_at(name: str, angles_deg: np.ndarray) -> SliderMotion:
+    return reports.drive(name).machine.motion(np.radians(angles_deg))
+
+
+@pytest.mark.parametrize("name", ["baler", "pump-1-2", "ellipse"])
+def test_what_is_read_out_is_the_motion(name: str) -> None:
+    charts = motion_charts(reports.drive(name))
+    angles = np.random.default_rng(8).uniform(0.0, charts[0].end_deg, 3000)
+    found = motion_at(name, angles)
+    for chart, quantity in zip(charts[:3], MOTION, strict=True):
+        assert error_of_straight_lines(chart, quantity.of(found), angles) < 0.5, chart.key
+
+
+def test_the_force_is_read_out_on_both_sides_of_its_jump() -> None:
+    dead_centre = np.degrees(reports.drive("baler").machine.extended_rad)
+    angles = dead_centre + np.array([-1e-3, 1e-3])
+    force = motion_charts(reports.drive("baler"))[3]
+    assert error_of_straight_lines(force, POWER[0].of(motion_at("baler", angles)), angles) < 0.5
+
+
+def test_even_samples_would_miss_the_jump() -> None:
+    """So the test above can fail."""
+    machine = reports.drive("baler").machine
+    even, dead_centre = np.linspace(0.0, 2.0 * np.pi, 2001), machine.extended_rad
+    angles = dead_centre + np.array([-2e-5, 2e-5])
+    missed = np.interp(angles, even, machine.motion(even).force_n) - machine.motion(angles).force_n
+    assert np.max(np.abs(missed)) > 1000.0
+
+
+def test_samples_stand_on_both_sides_of_jumps() -> None:
+    angles = split_angles(6.0, [4.0, 0.0, 2.0, 2.0, 6.0])
+    assert np.all(np.diff(angles) > 0.0)
+    assert (angles[0], angles[-1]) == (0.0, 6.0)
+    for jump in (2.0, 4.0):
+        beside = angles[np.abs(angles - jump) < 1e-3 * SIDE_RAD + SIDE_RAD]
+        np.testing.assert_allclose(beside - jump, [-SIDE_RAD, SIDE_RAD], rtol=1e-5)
+
+
+def points_of_own_line(svg: str) -> np.ndarray:
+    """Points of the path that is drawn in this design's colour, in SVG units."""
+    path = re.search(r'<path d="([^"]*)"[^>]*stroke: var\(--driving\); stroke-width: 2', svg)
+    assert path
+    return np.array(re.findall(r"[ML] (\S+) (\S+)", path[1]), dtype=float)
+
+
+DRAWN_OFF = 0.2
+"""Distance in SVG units by which a drawn point may miss its curve: matplotlib leaves out what is within 1/9."""
+
+
+def farthest_from_curve(chart: Chart, angle_deg: tuple[float, float]) -> float:
+    """Distance of drawn points from where the page's script would put the cursor's dot, in SVG units."""
+    drawing, line = drawn(chart), chart.lines[0]
+    x = np.interp(line.angle_deg, angle_deg, drawing.x)
+    y = np.interp(line.values, drawing.values, drawing.y)
+    cursor = shapely.LineString(np.column_stack([x, y]))
+    return float(max(shapely.distance(cursor, shapely.points(points_of_own_line(drawing.svg)))))
+
+
+@pytest.mark.parametrize("number", range(8))
+def test_the_cursor_runs_on_the_drawn_curve(number: int) -> None:
+    pair = reports.drive("baler"), reports.contacts("baler")[0]
+    chart = [*motion_charts(reports.drive("baler")), *gear_charts(*pair)][number]
+    assert farthest_from_curve(chart, drawn(chart).angle_deg) < DRAWN_OFF
+
+
+def test_a_cursor_that_is_off_is_seen() -> None:
+    assert farthest_from_curve(motion_charts(reports.drive("baler"))[0], (0.0, 361.0)) > DRAWN_OFF
+
+
+@pytest.mark.parametrize(
+    ("largest", "decimals"), [(760.0, 1), (1.87, 3), (0.0187, 5), (12345.0, 0), (0.0, 0), (1000.0, 0)]
+)
+def test_four_digits_of_the_largest_value_are_shown(largest: float, decimals: int) -> None:
+    assert decimals_of(largest) == decimals
+
+
+def test_values_that_are_not_finite_are_refused() -> None:
+    chart = motion_charts(reports.drive("baler"))[0]
+    line = chart.lines[0]
+    bad = type(line)(line.role, line.name, line.angle_deg, line.values * np.nan, line.period_deg)
+    with pytest.raises(ValueError, match="displacement"):
+        Chart(chart.key, chart.name, chart.unit, (bad,), chart.end_deg, chart.joints_deg)
+
+
+# --- colours
+
+TEXT = 4.5
+LINES = 3.0
+"""Least contrasts of the Web Content Accessibility Guidelines 2.2, 1.4.3 and 1.4.11."""
+
+PAIRS: list[tuple[str, str, float]] = [
+    *((ink, ground, TEXT) for ink in ("ink", "muted", "driving") for ground in ("paper", "panel")),
+    ("warning", "warning-ground", TEXT),
+    ("ink", "warning-ground", TEXT),
+    ("panel", "driving", TEXT),
+    *((line, "panel", LINES) for line in ("driving", "driven", "uniform", "highlight", "joint")),
+]
+
+
+def colors(css: str) -> dict[str, str]:
+    return dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6});", css))
+
+
+def luminance(color: str) -> float:
+    channels = np.array([int(color[k : k + 2], 16) for k in (1, 3, 5)]) / 255.0
+    linear = np.where(channels <= 0.04045, channels / 12.92, ((channels + 0.055) / 1.055) ** 2.4)
+    return float(linear @ [0.2126, 0.7152, 0.0722])
+
+
+def contrast(one: str, other: str) -> float:
+    low, high = sorted(map(luminance, (one, other)))
+    return (high + 0.05) / (low + 0.05)
+
+
+def too_faint(css: str) -> list[tuple[str, str]]:
+    known = colors(css)
+    return [(ink, ground) for ink, ground, least in PAIRS if contrast(known[ink], known[ground]) < least]
+
+
+LIGHT, DARK = re.findall(r":root \{(.*?)\}", CSS, re.DOTALL)
+
+
+@pytest.mark.parametrize("css", [LIGHT, DARK], ids=["light", "dark"])
+def test_colours_can_be_read(css: str) -> None:
+    assert too_faint(css) == []
+    assert luminance(colors(LIGHT)["paper"]) > 0.8
+    assert luminance(colors(DARK)["paper"]) < 0.1
+
+
+def test_faint_text_is_seen() -> None:
+    assert contrast("#000000", "#ffffff") == pytest.approx(21.0)
+    assert contrast("#777777", "#ffffff") == pytest.approx(4.48, abs=0.01)
+    assert ("muted", "panel") in too_faint(re.sub("--muted: #[0-9a-f]{6}", "--muted: #a0a0a0", LIGHT))
+
+
+def test_every_colour_of_the_drawings_is_one_of_the_page() -> None:
+    known = colors(LIGHT)
+    used = set(re.findall(r"var\(--([\w-]+)[,)]", reports.page("baler")))
+    assert used - set(known) - {"own"} == set()
+    assert set(known) == set(colors(DARK))
+    svg: Any = re.findall(r"<svg.*?</svg>", reports.page("baler"), re.DOTALL)
+    assert [found for one in svg for found in re.findall(r"(?:fill|stroke): ?#\w+", one)] == []

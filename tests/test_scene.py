@@ -1,0 +1,234 @@
+"""The moving scene: bodies stay joined, teeth clear of each other, pitch curves roll, and the loop closes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import pi, radians
+from pathlib import Path
+
+import numpy as np
+import pytest
+from shapely import LinearRing, Point, Polygon
+
+from ncgear.design.load import load
+from ncgear.drive import Drive
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.plane import signed_area
+from ncgear.pitch.shape import Gear, Mesh
+from ncgear.scene.bodies import Places
+from ncgear.scene.chamber import REST, chamber_of
+from ncgear.scene.gears import SceneGear, ScenePair
+from ncgear.scene.mounting import mountings
+from ncgear.scene.scene import Poses, Scene
+from scenes import ASKEW, TWO_STAGES, drive_of, scene
+
+GEARED = ["baler", "ellipse", "internal-1-2", "pump-1-2", "uniform-crank", TWO_STAGES, "askew"]
+every_scene = pytest.mark.parametrize("name", [*GEARED, "gearless"])
+every_geared = pytest.mark.parametrize("name", GEARED)
+
+
+def angles(found: Scene, count: int = 97) -> Array:
+    """Over the whole loop, and from before to beyond it."""
+    return np.linspace(-0.3, 1.2, count) * found.loop_rad
+
+
+def pin_mm(found: Scene, poses: Poses) -> Array:
+    return poses.places["crank"].of(np.array([found.machine.linkage.crank_mm, 0.0]))
+
+
+def rounding_mm(found: Scene) -> float:
+    """Some twenty operations on lengths of the size of the linkage; angles of ten turns have rounding of their own."""
+    linkage = found.machine.linkage
+    return 1e-14 * (linkage.crank_mm + linkage.rod_mm) * 10.0
+
+
+@every_scene
+def test_the_linkage_stays_joined(name: str) -> None:
+    found = scene(name)
+    poses, linkage = found.poses(angles(found)), found.machine.linkage
+    rod, slider, pin = poses.places["rod"], poses.places["slider"], pin_mm(found, poses)
+    assert np.abs(pin - rod.origin_mm).max() < rounding_mm(found)
+    assert np.abs(rod.of(np.array([linkage.rod_mm, 0.0])) - slider.origin_mm).max() < rounding_mm(found)
+    assert np.abs(np.hypot(*(slider.origin_mm - pin).T) - linkage.rod_mm).max() < rounding_mm(found)
+    assert np.ptp(slider.origin_mm[:, 1]) == 0.0
+    assert np.ptp(slider.angle_rad) == 0.0
+
+
+@every_scene
+def test_the_slider_moves_as_the_drive_says(name: str) -> None:
+    found, motion = scene(name), drive_of(name).motion
+    poses = found.poses(motion.phi1_rad)
+    moved = poses.places["slider"].origin_mm[:, 0] - found.machine.linkage.nearest_mm
+    assert np.abs(moved - motion.displacement_mm).max() < rounding_mm(found)
+    assert np.array_equal(poses.motion.velocity_mm_s, motion.velocity_mm_s)
+
+
+@every_geared
+def test_the_crank_pin_stands_still_on_the_driven_gear(name: str) -> None:
+    found = scene(name)
+    poses, last = found.poses(angles(found)), found.pairs[-1].driven
+    pin = as_seen_by(poses.places[last.body.name], pin_mm(found, poses))
+    assert np.abs(pin - pin[0]).max() < rounding_mm(found)
+    first = as_seen_by(poses.places[found.pairs[0].driving.body.name], pin_mm(found, poses))
+    assert np.abs(first - first[0]).max() > 0.5 * found.machine.linkage.crank_mm
+
+
+def as_seen_by(places: Places, points: Array) -> Array:
+    cosine, sine = np.cos(places.angle_rad), np.sin(places.angle_rad)
+    x, y = (points - places.origin_mm).T
+    return np.stack([cosine * x + sine * y, cosine * y - sine * x], axis=-1)
+
+
+def test_the_crank_turns_clockwise_and_gears_against_each_other_but_in_a_ring() -> None:
+    def turns(name: str) -> list[float]:
+        found = scene(name)
+        bodies = ["crank", *(gear.name for gear in found.gears)]
+        poses = found.poses(np.array([0.0, 1e-3]))
+        return [float(np.sign(np.diff(poses.places[body].angle_rad)[0])) for body in bodies]
+
+    assert turns("baler") == [-1.0, 1.0, -1.0]
+    assert turns("internal-1-2") == [-1.0, -1.0, -1.0]
+    assert turns(TWO_STAGES) == [-1.0, -1.0, 1.0, 1.0, -1.0]
+
+
+def test_rings_in_series_turn_alike() -> None:
+    """No design has them: both mountings are seen from behind."""
+    first, last = mountings([Mesh.INTERNAL, Mesh.INTERNAL], [30.0, 40.0], radians(90.0))
+    assert [first.hand, last.hand] == [-1.0, -1.0]
+    assert [one.sense(gear) for one in (first, last) for gear in Gear] == [-1.0] * 4
+    assert first.driving_axis_mm == pytest.approx((0.0, 70.0))
+    assert first.driven_axis_mm == last.driving_axis_mm == pytest.approx((0.0, 40.0))
+
+
+@every_geared
+def test_axes_lie_as_the_design_says(name: str) -> None:
+    found, gears = scene(name), drive_of(name).gears
+    assert found.axes_mm[-1] == (0.0, 0.0)
+    towards = np.exp(1j * radians(gears.driving_axis_deg))
+    distances = np.cumsum([pair.pitch.center_distance_mm for pair in reversed(found.pairs)])
+    places = [x + 1j * y for x, y in found.axes_mm[-2::-1]]
+    assert places == pytest.approx(list(towards * distances), rel=1e-14)
+
+
+@every_geared
+def test_pitch_curves_roll_on_each_other(name: str) -> None:
+    """Both go through the pitch point, where both gears have one velocity."""
+    found, step = scene(name), 1e-5
+    for phi1 in angles(found, 7):
+        poses = found.poses(phi1 + step * np.array([-1.0, 0.0, 1.0]))
+        for pair, point in zip(found.pairs, poses.pitch_points_mm, strict=True):
+            sides = [(gear, poses.places[gear.body.name]) for gear in (pair.driving, pair.driven)]
+            # Chords over half a degree of a radius of curvature r miss the curve by r/100 000.
+            size = pair.pitch.center_distance_mm
+            assert max(curve_at(gear, places).distance(Point(point[1])) for gear, places in sides) < 5e-5 * size
+            velocities = [velocity(places, point[1], step) for _, places in sides]
+            # Central differences: the third derivative of the angles times the step's square.
+            assert np.abs(velocities[0] - velocities[1]).max() < 1e-6 * size
+
+
+def curve_at(gear: SceneGear, places: Places) -> LinearRing:
+    return LinearRing(places.points(gear.pitch_curve_mm, 1))
+
+
+def velocity(places: Places, point: Array, step: float) -> Array:
+    """Of a body at a fixed point, in mm per rad of phi1, by central differences."""
+    speed = (places.angle_rad[2] - places.angle_rad[0]) / (2.0 * step)
+    x, y = point - places.origin_mm[1]
+    return speed * np.array([-y, x])
+
+
+def section_at(gear: SceneGear, poses: Poses, row: int, ahead_rad: float = 0.0) -> Polygon:
+    places = poses.places[gear.body.name]
+    turned = replace(places, angle_rad=places.angle_rad + ahead_rad)
+    rings = [turned.points(contour, row) for contour in gear.body.contours_mm]
+    return Polygon(rings[0], rings[1:])
+
+
+def gap_mm(pair: ScenePair, poses: Poses, row: int, ahead_rad: float = 0.0) -> float:
+    """Distance of the two gears; where they overlap, minus a lower bound of how deep, to 1 micrometre."""
+    driving, driven = section_at(pair.driving, poses, row), section_at(pair.driven, poses, row, ahead_rad)
+    depth = 0.0
+    while driving.buffer(-depth).intersects(driven):
+        depth += 1e-3
+    return driving.distance(driven) if depth == 0.0 else -depth
+
+
+@every_geared
+def test_teeth_touch_and_do_not_overlap(name: str) -> None:
+    """As far as chords on both sides may stray; turned by half a tooth they would overlap by far."""
+    found, tolerance = scene(name), drive_of(name).design.output.chord_tolerance_mm
+    poses, backlash = found.poses(angles(found, 7)), drive_of(name).gears.backlash_mm
+    for pair in found.pairs:
+        gaps = np.array([gap_mm(pair, poses, row) for row in range(7)])
+        assert gaps.min() >= -2.0 * tolerance
+        assert gaps.max() <= 2.0 * tolerance + backlash
+        half_tooth = pi / pair.pitch.size.driven_teeth
+        assert section_at(pair.driving, poses, 0).intersects(
+            section_at(pair.driven, poses, 0, half_tooth).buffer(-10.0 * tolerance)
+        )
+
+
+@every_geared
+def test_contours_go_round_the_right_way(name: str) -> None:
+    for body in (*scene(name).gears, *scene(name).links):
+        outer, *holes = (signed_area(contour) for contour in body.contours_mm)
+        assert outer > 0.0
+        assert all(hole < 0.0 for hole in holes)
+
+
+@every_scene
+def test_after_the_loop_every_body_is_back_and_not_before(name: str) -> None:
+    found = scene(name)
+    lobes = found.machine.transmission.lobes
+    turns = np.arange(1, 7) * 2.0 * pi
+    back = [np.allclose(offsets(found, turn), 0.0, atol=1e-12) for turn in turns]
+    assert back.index(True) == round(found.loop_rad / (2.0 * pi)) - 1
+    assert found.loop_rad == pytest.approx(2.0 * pi * {(1, 1): 1, (1, 2): 2, (2, 3): 3}[lobes.driving, lobes.driven])
+
+
+def offsets(found: Scene, phi1: float) -> Array:
+    """How far bodies are from their first poses: angles up to whole turns."""
+    poses = found.poses(np.array([0.0, phi1]))
+    return np.array([np.sin(np.diff(places.angle_rad) / 2.0) for places in poses.places.values()])
+
+
+def test_each_stage_turns_by_its_own_angles() -> None:
+    found = scene(TWO_STAGES)
+    first, shaft, crank = found.shaft_angles_rad(angles(found))
+    assert np.array_equal(first, angles(found))
+    assert found.train.pairs[1].transmission.driven_angle(shaft).value == pytest.approx(crank, abs=2e-12)
+    assert np.abs(shaft - crank).max() > 0.1
+
+
+def test_material_is_pressed_left_and_renewed() -> None:
+    found, linkage = scene("baler"), drive_of("baler").linkage
+    # The only real zero of the published polynomial below half the stroke.
+    assert found.chamber.begins_mm == pytest.approx(33.7, abs=0.05)
+    extended, cycle = found.machine.extended_rad, found.machine.transmission.cycle_rad
+    working = found.poses(np.linspace(0.0, extended, 50, endpoint=False)).material_mm
+    rest, whole = REST * linkage.stroke_mm, (1.0 + REST) * linkage.stroke_mm - found.chamber.begins_mm
+    assert working[0] == pytest.approx(whole)
+    assert np.all(np.diff(working) <= 0.0)
+    returning = found.poses(np.linspace(extended + 1e-9, cycle - 1e-9, 50)).material_mm
+    assert returning == pytest.approx(np.full(50, rest))
+    assert found.poses(np.array([cycle + 1e-9])).material_mm[0] == pytest.approx(whole)
+
+
+@pytest.mark.parametrize(("name", "begins"), [("pump-1-2", 0.0), ("askew", 20.0), ("ellipse", None)])
+def test_material_begins_where_the_force_does(name: str, begins: float | None) -> None:
+    assert scene(name).chamber.begins_mm == (begins if begins is None else pytest.approx(begins, abs=1e-9))
+    assert (scene(name).poses(np.zeros(1)).material_mm[0] > 0.0) == (begins is not None)
+
+
+def test_slider_and_material_fill_the_chamber() -> None:
+    found = scene("pump-1-2")
+    poses, chamber = found.poses(np.linspace(0.0, 3.0, 9)), found.chamber
+    face = poses.places["slider"].origin_mm[:, 0] + chamber.face_mm
+    assert face + poses.material_mm == pytest.approx(np.full(9, chamber.end_mm))
+
+
+def test_a_force_that_is_zero_everywhere_gives_no_material(tmp_path: Path) -> None:
+    path = tmp_path / "askew.yaml"
+    path.write_text(ASKEW.replace('expression_n: "500*(x - 20)"', "polynomial_n: [0]"))
+    drive = Drive(load(path).design)
+    assert chamber_of(drive.linkage, drive.machine.resistance).begins_mm is None

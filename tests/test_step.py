@@ -1,0 +1,345 @@
+"""STEP files, read by a reader that knows nothing of who wrote them, and by two builds of OpenCASCADE."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections import Counter
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from shapely import Polygon
+
+pytest.importorskip("OCP", reason="python -m pip install 'ncgear[step]' installs what writes STEP")
+
+from closeness import farthest
+from ncgear.design.load import load
+from ncgear.drive import Drive
+from ncgear.errors import WrongInput
+from ncgear.numerics.plane import signed_area
+from ncgear.output.workshop.step import SHARE, step_files
+from ncgear.output.workshop.step_document import Part, part_bytes
+from ncgear.output.workshop.step_read import _read, require_same
+from ncgear.pitch.shape import Gear
+from ncgear.solids.body import BodyPlan
+from ncgear.solids.brep.gear import gear_shape
+from ncgear.solids.brep.parts import volume_mm3
+from ncgear.teeth.contour import Contour, Spline, contour_of
+from ncgear.teeth.gear import ToothedGear
+from ncgear.teeth.outline import ChordTolerance, outline_points
+from oracles.part21 import Entity, Part21
+from pairs import DESIGNS
+
+FINE = 1e-5
+"""Chord tolerance of the outlines that files are held against."""
+DENSE, VERY_DENSE = 24, 192
+"""Points on each curve of a file: between those at which it was fitted; and so many that chords stray by nothing."""
+
+Array = NDArray[np.float64]
+
+CONCAVE = """\
+name: concave
+linkage: {crank_mm: 40, rod_mm: 160}
+operation: {speed_rpm: 60}
+motion: {law: ratio_expression, ratio: "1/(1 - 0.4*cos(2*phi))", scale_to_close: true}
+gears:
+  teeth: 40
+  module_mm: 1
+  face_width_mm: 6
+  driving: {bore_mm: 5}
+  driven: {bore_mm: 5}
+"""
+
+
+@cache
+def drive(name: str) -> Drive:
+    return Drive(load(DESIGNS / f"{name}.yaml").design)
+
+
+@cache
+def files(name: str) -> dict[str, bytes]:
+    return step_files(drive(name))
+
+
+def written(folder: Path, text: str) -> Drive:
+    """The drive of a design file's text."""
+    path = folder / "own.yaml"
+    path.write_text(text)
+    return Drive(load(path).design)
+
+
+def exact_ring(gear: ToothedGear) -> Array:
+    return outline_points(gear.tips, gear.sides, ChordTolerance(FINE, FINE))
+
+
+def sections(file: Part21, solid: Entity, samples: int = DENSE) -> dict[float, list[Array]]:
+    """The loops of the faces across z by their heights, the longest first."""
+    flat = [face for face in file.faces(solid) if file.surface(face).name == "PLANE"]
+    heights = {height: face for face in flat if (height := file.height(file.surface(face))) is not None}
+    return {
+        height: sorted((loop[:, :2] for loop in file.loops(face, samples)), key=lambda loop: -abs(signed_area(loop)))
+        for height, face in heights.items()
+    }
+
+
+def solid_of(data: bytes) -> tuple[Part21, Entity]:
+    file = Part21(data)
+    (solid,) = file.of("MANIFOLD_SOLID_BREP")
+    return file, solid
+
+
+def require_agreement(data: bytes, gear: ToothedGear, tolerance: float, width: float, *, ring: bool = False) -> None:
+    """Both ends of the solid hold the exact outline, and its walls stand straight on them."""
+    file, solid = solid_of(data)
+    exact = exact_ring(gear)
+    coarse = sections(file, solid)
+    assert sorted(coarse) == [0.0, width]
+    for height in coarse:
+        assert farthest(coarse[height][int(ring)], exact) <= tolerance + FINE
+    assert farthest(exact, sections(file, solid, VERY_DENSE)[0.0][int(ring)]) <= 1.01 * tolerance
+    walls = [file.surface(face) for face in file.faces(solid)]
+    extruded = [wall.arguments for wall in walls if wall.name == "SURFACE_OF_LINEAR_EXTRUSION"]
+    ways = np.array([file.triple(file[vector].arguments[1]) for _, _, vector in extruded])
+    np.testing.assert_allclose(np.abs(ways), np.broadcast_to([0.0, 0.0, 1.0], ways.shape), rtol=0.0, atol=1e-15)
+    splines = [file.spline(file.basis(curve)) for _, curve, _ in extruded]
+    swept = np.concatenate([spline(np.linspace(spline.t[0], spline.t[-1], DENSE)) for spline in splines])
+    assert farthest(swept[:, :2], exact) <= tolerance + FINE
+
+
+def require_all(name: str, *, ring: bool = False) -> None:
+    own = drive(name)
+    tolerance, width = SHARE * own.design.output.chord_tolerance_mm, own.gears.face_width_mm
+    require_agreement(files(name)["driving.step"], own.teeth.driving, tolerance, width)
+    require_agreement(files(name)["driven.step"], own.teeth.driven, tolerance, width, ring=ring)
+
+
+@pytest.mark.slow
+def test_ellipse_sections_are_the_exact_outlines() -> None:
+    require_all("ellipse")
+
+
+@pytest.mark.slow
+def test_baler_sections_are_the_exact_outlines() -> None:
+    require_all("baler")
+
+
+@pytest.mark.slow
+def test_internal_sections_are_the_exact_outlines() -> None:
+    require_all("internal-1-2", ring=True)
+
+
+@pytest.mark.slow
+def test_concave_sections_are_the_exact_outlines(tmp_path: Path) -> None:
+    own = written(tmp_path, CONCAVE)
+    assert not own.pitch.convex(Gear.DRIVING)
+    made = step_files(own)
+    require_agreement(made["driving.step"], own.teeth.driving, 5e-4, 6.0)
+    require_agreement(made["driven.step"], own.teeth.driven, 5e-4, 6.0)
+
+
+def plate(width: float) -> BodyPlan:
+    """A gear without anything cut into it."""
+    return BodyPlan(Polygon(drive("ellipse").teeth.driving.outline_mm), width, 0.005)
+
+
+def moved(contour: Contour, off: float) -> Contour:
+    """The contour with the inner poles of its longest spline moved across it."""
+    longest = max(
+        (curve for curve in contour.curves if isinstance(curve, Spline)),
+        key=lambda curve: float(np.linalg.norm(curve.end - curve.start)),
+    )
+    step = longest.end - longest.start
+    poles = longest.poles_mm.copy()
+    poles[1:-1] += off * np.array([-step[1], step[0]]) / np.hypot(*step)
+    curves = tuple(replace(one, poles_mm=poles) if one is longest else one for one in contour.curves)
+    return replace(contour, curves=curves)
+
+
+def test_a_face_that_is_moved_by_two_tolerances_is_seen() -> None:
+    gear = drive("ellipse").teeth.driving
+    contour = contour_of(gear, 5e-4)
+    for off, seen in ((0.0, False), (1e-3, True)):
+        data = part_bytes(Part("driving", gear_shape(moved(contour, off), plate(12.0))), "")
+        if seen:
+            with pytest.raises(AssertionError):
+                require_agreement(data, gear, 5e-4, 12.0)
+        else:
+            require_agreement(data, gear, 5e-4, 12.0)
+
+
+@pytest.mark.slow
+def test_baler_has_a_face_for_every_curve_and_no_more() -> None:
+    """Two ends, bore and three sides of the keyway, index hole; and six faces a tooth, parted at joints of the law."""
+    file, solid = solid_of(files("baler")["driving.step"])
+    kinds = Counter(file.surface(face).name for face in file.faces(solid))
+    curves = len(contour_of(drive("baler").teeth.driving, 5e-4).curves)
+    assert kinds.total() == 2 + 4 + 1 + curves
+    assert curves < 7 * 25
+    assert kinds["PLANE"] == 2 + 3
+    round_ = [file.surface(face) for face in file.faces(solid) if file.surface(face).name == "CYLINDRICAL_SURFACE"]
+    radii = [surface.arguments[2] for surface in round_]
+    assert radii.count(8.0) == 1
+    assert radii.count(0.75) == 1
+
+
+@pytest.mark.slow
+def test_a_ring_stands_within_a_cylinder() -> None:
+    file, solid = solid_of(files("internal-1-2")["driven.step"])
+    outer, hole, mark = sections(file, solid, VERY_DENSE)[0.0]
+    deepest = float(np.hypot(*drive("internal-1-2").teeth.driven.outline_mm.T).max())
+    np.testing.assert_allclose(np.hypot(*outer.T), deepest + 8.0, rtol=0.0, atol=1e-9)
+    assert len(hole) > len(outer)
+    assert abs(signed_area(mark)) == pytest.approx(np.pi / 4.0, rel=1e-6)
+
+
+def test_the_pair_stands_as_it_goes_together() -> None:
+    file = Part21(files("ellipse")["pair.step"])
+    names = [product.arguments[0] for product in file.of("PRODUCT")]
+    assert names == ["ellipse", "driving", "driven"]
+    places = [file[use.arguments[3]] for use in file.of("ITEM_DEFINED_TRANSFORMATION")]
+    origins = [file.triple(place.arguments[1]) for place in places]
+    distance = drive("ellipse").pitch.center_distance_mm
+    np.testing.assert_allclose(origins, [[0.0, 0.0, 0.0], [distance, 0.0, 0.0]], rtol=1e-14, atol=0.0)
+    assert len(file.of("MANIFOLD_SOLID_BREP")) == 2
+    units = [one for entity in file.entities.values() if not entity.name for one in entity.arguments]
+    assert {tuple(unit.arguments) for unit in units if unit.name == "SI_UNIT"} >= {(".MILLI.", ".METRE.")}
+
+
+def test_the_header_says_how_close_and_nothing_of_clock_or_machine() -> None:
+    header = " ".join(files("ellipse")["driving.step"].decode().split("ENDSEC", 1)[0].split())
+    assert "'ellipse: tooth faces within 3.4e-04 mm of the exact ones'" in header
+    assert "FILE_NAME('driving','1970-01-01T00:00:00',(''),(''), 'Open CASCADE STEP processor" in header
+    assert header.endswith("'ncgear',''); FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));")
+
+
+def test_the_same_design_gives_the_same_bytes(capfd: pytest.CaptureFixture[str]) -> None:
+    assert step_files(Drive(load(DESIGNS / "ellipse.yaml").design)) == files("ellipse")
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    ("key", "line"),
+    [
+        ("helix", "helix: {angle_deg: 20, kind: helical, hand: right}"),
+        ("first_layer_chamfer_mm", "first_layer_chamfer_mm: 0.2"),
+        ("process_clearance_mm", "process_clearance_mm: 0.1"),
+    ],
+)
+def test_what_only_meshes_have_is_refused(key: str, line: str, tmp_path: Path) -> None:
+    own = written(tmp_path, f"{CONCAVE}  {line}\n")
+    with pytest.raises(WrongInput, match=rf"gears\.{key}: given, but only meshes are made so; formats stl and 3mf"):
+        step_files(own)
+
+
+def test_a_missing_library_is_named_with_its_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("ncgear.extras.find_spec", lambda library: None)
+    with pytest.raises(WrongInput, match=r"python -m pip install 'ncgear\[step\]' installs it"):
+        step_files(drive("ellipse"))
+
+
+def test_a_file_of_another_solid_is_a_fault() -> None:
+    contour = contour_of(drive("ellipse").teeth.driving, 5e-4)
+    own, wider = (gear_shape(contour, plate(width)) for width in (12.0, 12.001))
+    data = part_bytes(Part("driving", own), "")
+    require_same(data, [own])
+    with pytest.raises(RuntimeError, match="a STEP file holds 224 faces"):
+        require_same(data, [wider])
+    with pytest.raises(RuntimeError, match="cannot be read back"):
+        require_same(b"nothing", [own])
+
+
+KERNEL = 2e-5
+"""Relative error that the kernel's integrals over the ends have: 1e-5 here, against sections of very many chords."""
+
+
+def volumes(name: str) -> list[float]:
+    """Areas of the files' sections by very many chords, times the face width."""
+    solids = (solid_of(files(name)[f"{gear}.step"]) for gear in ("driving", "driven"))
+    rings = [sections(*solid, VERY_DENSE)[0.0] for solid in solids]
+    areas = [2.0 * abs(signed_area(ring[0])) - sum(abs(signed_area(one)) for one in ring) for ring in rings]
+    return [float(area) * drive(name).gears.face_width_mm for area in areas]
+
+
+BODIES = """\
+  driving:
+    bore_mm: 8
+    keyway: {width_mm: 2, depth_mm: 1.4}
+    hub: {diameter_mm: 14, height_mm: 9, set_screw: {diameter_mm: 4, direction_deg: 90}}
+    web: {thickness_mm: 2.5, rim_mm: 2}
+  driven:
+    bore_mm: 5
+    hub: {diameter_mm: 10, height_mm: 6}
+    lightening_holes: {count: 3, least_wall_mm: 1.5}
+"""
+
+
+@pytest.fixture(scope="module")
+def bodied(tmp_path_factory: pytest.TempPathFactory) -> tuple[Drive, dict[str, bytes]]:
+    """Hollow gears with all that can be made of their bodies."""
+    text = CONCAVE.split("  driving:", 1)[0] + BODIES
+    own = written(tmp_path_factory.mktemp("bodies"), text)
+    return own, step_files(own)
+
+
+def cylinders(data: bytes) -> list[tuple[float, list[float]]]:
+    """Radius and axis of every cylindrical face."""
+    file, solid = solid_of(data)
+    walls = [surface for face in file.faces(solid) if (surface := file.surface(face)).name == "CYLINDRICAL_SURFACE"]
+    axes = [file.triple(file[wall.arguments[1]].arguments[2]) for wall in walls]
+    return [(wall.arguments[2], np.abs(axis).round(12).tolist()) for wall, axis in zip(walls, axes, strict=True)]
+
+
+@pytest.mark.slow
+def test_hub_screw_and_holes_are_cylinders_of_one_face_each(bodied: tuple[Drive, dict[str, bytes]]) -> None:
+    own, made = bodied
+    driving, driven = cylinders(made["driving.step"]), cylinders(made["driven.step"])
+    assert driving.count((2.0, [0.0, 1.0, 0.0])) == 1
+    for found, radius in ((driving, 7.0), (driving, 4.0), (driven, 5.0), (driven, 2.5)):
+        assert found.count((radius, [0.0, 0.0, 1.0])) == 1
+    holes = own.solids.driven.plan.lightening_holes
+    assert len(holes) == 3
+    assert sum(abs(radius - holes[0].diameter_mm / 2.0) < 1e-9 for radius, _ in driven) == 3
+
+
+@pytest.mark.slow
+def test_bodies_stand_on_the_heights_of_their_plans(bodied: tuple[Drive, dict[str, bytes]]) -> None:
+    own, made = bodied
+    assert sorted(sections(*solid_of(made["driving.step"]))) == [0.0, 2.5, 6.0, 15.0]
+    assert sorted(sections(*solid_of(made["driven.step"]))) == [0.0, 6.0, 12.0]
+    file, solid = solid_of(made["driving.step"])
+    (pocket,) = own.solids.driving.plan.web.pockets if own.solids.driving.plan.web else ()
+    floor, hub = sections(file, solid)[2.5]
+    allowed = own.design.output.chord_tolerance_mm
+    assert farthest(np.asarray(pocket.exterior.coords), floor) <= allowed
+    assert farthest(floor, np.asarray(pocket.exterior.coords)) <= allowed
+    np.testing.assert_allclose(np.hypot(*hub.T), 7.0, rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.slow
+def test_bodies_hold_what_their_meshes_hold(bodied: tuple[Drive, dict[str, bytes]]) -> None:
+    own, made = bodied
+    for gear, mesh in (("driving", own.solids.driving.mesh), ("driven", own.solids.driven.mesh)):
+        found = volume_mm3(_read(made[f"{gear}.step"]))
+        assert abs(found - mesh.volume) <= own.design.output.chord_tolerance_mm * mesh.area
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["ellipse", "baler", "internal-1-2"])
+def test_volumes_are_those_of_the_meshes_and_of_the_kernel(name: str) -> None:
+    """Walls of a mesh stray by the chord tolerance at most, all to one side or not: its area measures them."""
+    own = drive(name)
+    meshes = own.solids.driving.mesh, own.solids.driven.mesh
+    shapes = [_read(files(name)[f"{gear}.step"]) for gear in ("driving", "driven")]
+    for volume, mesh, shape in zip(volumes(name), meshes, shapes, strict=True):
+        assert abs(volume - mesh.volume) <= own.design.output.chord_tolerance_mm * mesh.area
+        assert volume_mm3(shape) == pytest.approx(volume, rel=KERNEL)
+
+
+def test_nothing_but_steps_needs_the_library() -> None:
+    """The module that the command line imports loads it only when it is asked for files."""
+    code = "import sys, ncgear.output.workshop.step; sys.exit('OCP' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -1,0 +1,287 @@
+"""Files for the workshop, each read back by a program that did not write it and held against the solids' sections."""
+
+from __future__ import annotations
+
+from functools import cache
+from io import BytesIO, StringIO
+from pathlib import Path
+
+import ezdxf
+import numpy as np
+import pygltflib
+import pytest
+import shapely
+from lib3mf import get_wrapper
+from shapely import Polygon
+from svgelements import SVG, Arc, Group, Move
+from svgelements import Path as SvgPath
+from trimesh import Trimesh
+
+from commands import Run
+from ncgear.design.load import load
+from ncgear.drive import Drive
+from ncgear.numerics.arrays import Array
+from ncgear.output.workshop.drawing import CUT_THROUGH
+from ncgear.output.workshop.formats import NAMES, WRITERS, workshop_files
+from ncgear.output.workshop.kinds import USUAL
+from ncgear.pitch.shape import Gear
+from oracles import dxf
+
+ROOT = Path(__file__).parents[1]
+
+DESIGNS = ["baler", "ellipse", "internal-1-2"]
+"""Keyway and concave curves; a bore alone; a ring."""
+
+ROUNDING_MM = 2e-6
+"""Of coordinates with six decimals, twice; other files have all digits."""
+
+ARC_MM = 1e-5
+"""Of the readers' own chords of arcs: a radius of 40 mm in steps of a thousandth of a radian."""
+
+
+@cache
+def drive(name: str) -> Drive:
+    return Drive(load(ROOT / "designs" / f"{name}.yaml").design)
+
+
+@cache
+def files(name: str) -> dict[str, bytes]:
+    return workshop_files(drive(name), USUAL)
+
+
+def outline(name: str, gear: Gear) -> Array:
+    """Of the teeth, as the build's table has it."""
+    teeth = drive(name).teeth
+    return (teeth.driving if gear is Gear.DRIVING else teeth.driven).outline_mm
+
+
+def apart_mm(points: Array, other: Array) -> float:
+    """The greatest distance between two closed lines through points (n, 2)."""
+    both = (points, other), (other, points)
+    return float(max(shapely.distance(shapely.points(a), shapely.LinearRing(b)).max() for a, b in both))
+
+
+def section(name: str, gear: Gear) -> Polygon:
+    solids = drive(name).solids
+    return (solids.driving if gear is Gear.DRIVING else solids.driven).plan.section
+
+
+# --- DXF -------------------------------------------------------------------------------------------------------------
+
+
+def drawn(data: bytes, layer: str) -> list[dxf.Entity]:
+    return [one for one in dxf.entities(data.decode()) if one.layer == layer]
+
+
+def cut_area(data: bytes, prefix: str = "") -> Polygon:
+    """What a machine leaves that cuts all contours of the three layers: the largest less all others."""
+    rings = [Polygon(one.points()) for layer in CUT_THROUGH for one in drawn(data, f"{prefix}{layer}")]
+    largest = max(rings, key=lambda ring: ring.area)
+    return largest.difference(shapely.union_all([ring for ring in rings if ring is not largest]))
+
+
+@pytest.mark.parametrize("gear", Gear)
+@pytest.mark.parametrize("name", DESIGNS)
+def test_a_drawing_has_the_outline_to_rounding(name: str, gear: Gear) -> None:
+    data = files(name)[f"{gear.value}.dxf"]
+    (teeth,) = (one for one in drawn(data, "OUTLINE") if one.kind == "LWPOLYLINE")
+    assert teeth.closed
+    assert apart_mm(np.array(teeth.points()), outline(name, gear)) <= 1e-9
+    # Round edges are arcs there and chords in the solid.
+    assert cut_area(data).symmetric_difference(section(name, gear)).buffer(-0.003).is_empty
+
+
+def test_a_gear_a_thousandth_larger_is_seen() -> None:
+    (teeth,) = drawn(files("ellipse")["driving.dxf"], "OUTLINE")
+    assert apart_mm(1.001 * np.array(teeth.points()), outline("ellipse", Gear.DRIVING)) > 0.01
+    larger = shapely.affinity.scale(cut_area(files("ellipse")["driving.dxf"]), 1.001, 1.001, origin=(0.0, 0.0))
+    assert not larger.symmetric_difference(section("ellipse", Gear.DRIVING)).buffer(-0.003).is_empty
+
+
+def test_the_keyway_is_exact() -> None:
+    """An arc by its bulge: the reader's arc runs on the bore's circle, and its sides are the keyway's."""
+    (bore,) = drawn(files("baler")["driving.dxf"], "BORE")
+    points = np.array(bore.points())
+    radius = np.hypot(*points.T)
+    on_circle = points[:, 0] < np.sqrt(8.0**2 - 2.5**2)
+    assert np.abs(radius[on_circle] - 8.0).max() <= 1e-12
+    assert points[~on_circle][:, 0].max() == pytest.approx(8.0 + 2.3, abs=1e-12)
+    assert Polygon(points).area == pytest.approx(Polygon(section("baler", Gear.DRIVING).interiors[0]).area, abs=0.2)
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_drawings_are_in_mm_with_every_layer_declared(name: str) -> None:
+    for file, data in files(name).items():
+        if not file.endswith(".dxf"):
+            continue
+        assert dxf.header(data.decode())["$INSUNITS"] == "4"
+        document = ezdxf.read(StringIO(data.decode()))
+        audit = document.audit()
+        assert (audit.errors, audit.fixes) == ([], [])
+        layers = {one.layer for one in dxf.entities(data.decode())}
+        assert layers <= {layer.dxf.name for layer in document.layers}
+        assert all(one.closed for one in dxf.entities(data.decode()) if one.kind != "LINE")
+        assert any("no farther than 0.005 mm" in note for _, note in document.header.custom_vars)
+
+
+def test_the_axis_is_marked_across() -> None:
+    lines = drawn(files("baler")["driven.dxf"], "AXIS")
+    ends = np.array([[[one.number(10), one.number(20)], [one.number(11), one.number(21)]] for one in lines])
+    assert np.allclose(ends.mean(axis=1), 0.0)
+    assert np.allclose(np.diff(ends, axis=1)[:, 0], [[6.0, 0.0], [0.0, 6.0]])
+
+
+def test_the_pair_is_drawn_as_assembled() -> None:
+    data, distance = files("baler")["pair.dxf"], drive("baler").pitch.center_distance_mm
+    driving, driven = (cut_area(data, f"{gear.value.upper()}_") for gear in Gear)
+    assert driving.intersection(driven).buffer(-0.005).is_empty
+    (axis, _) = drawn(data, "DRIVEN_AXIS")
+    assert (axis.number(10) + axis.number(11)) / 2.0 == pytest.approx(distance, abs=1e-9)
+
+
+# --- SVG -------------------------------------------------------------------------------------------------------------
+
+
+def svg_rings(data: bytes, layer: str) -> list[Array]:
+    """Contours of a layer in mm, y up as it was, from what a browser would draw at 25.4 dots per inch."""
+    image = SVG.parse(BytesIO(data), ppi=25.4)
+    (group,) = image.select(lambda one: isinstance(one, Group) and one.id == layer)
+    box = np.array([float(word) for word in image.values["viewBox"].split()])
+    scale = np.array([float(image.width), float(image.height)]) / box[2:]
+    assert scale == pytest.approx([1.0, 1.0], rel=1e-6), "1:1, the reader's inch being 25.4 mm to six digits"
+    paths = group.select(lambda one: isinstance(one, SvgPath))
+    return [(points_of(path) / scale + box[:2]) * (1.0, -1.0) for path in paths]
+
+
+def points_of(path: SvgPath) -> Array:
+    segments = [segment for segment in path.segments() if not isinstance(segment, Move)]
+    count = {Arc: 6400}
+    rows = [segment.npoint(np.linspace(0.0, 1.0, count.get(type(segment), 1), endpoint=False)) for segment in segments]
+    return np.array([(point[0], point[1]) for row in rows for point in row])
+
+
+@pytest.mark.parametrize("gear", Gear)
+@pytest.mark.parametrize("name", DESIGNS)
+def test_an_image_has_the_outline_at_its_size(name: str, gear: Gear) -> None:
+    rings = svg_rings(files(name)[f"{gear.value}.svg"], "OUTLINE")
+    assert apart_mm(rings[0], outline(name, gear)) <= ROUNDING_MM
+
+
+def test_an_image_has_bore_and_holes() -> None:
+    data = files("baler")["driven.svg"]
+    rings = [svg_rings(data, layer)[0] for layer in ("BORE", "HOLES")]
+    drawn_rings = [np.array(drawn(files("baler")["driven.dxf"], layer)[0].points()) for layer in ("BORE", "HOLES")]
+    for ours, other in zip(rings, drawn_rings, strict=True):
+        assert apart_mm(ours, other) <= ARC_MM
+
+
+def test_an_image_with_y_down_is_seen() -> None:
+    (ring,) = svg_rings(files("baler")["driving.svg"], "OUTLINE")
+    assert apart_mm(ring * (1.0, -1.0), outline("baler", Gear.DRIVING)) > 1.0
+
+
+# --- 3MF and GLB -----------------------------------------------------------------------------------------------------
+
+
+def printed(data: bytes) -> tuple[str, dict[str, Trimesh]]:
+    """Unit and parts at their places, as the 3MF Consortium's own library reads them."""
+    model = get_wrapper().CreateModel()
+    reader = model.QueryReader("3mf")
+    reader.SetStrictModeActive(True)
+    reader.ReadFromBuffer(data)
+    assert reader.GetWarningCount() == 0
+    unit, items, parts = model.GetUnit(), model.GetBuildItems(), {}
+    while items.MoveNext():
+        item = items.GetCurrent()
+        mesh, place = item.GetObjectResource(), item.GetObjectTransform()
+        solid = model.GetMeshObjectByID(mesh.GetUniqueResourceID())
+        points = np.array([list(vertex.Coordinates) for vertex in solid.GetVertices()])
+        moved = points + np.array([place.Fields[3][axis] for axis in range(3)])
+        parts[item.GetPartNumber()] = Trimesh(
+            moved, [list(t.Indices) for t in solid.GetTriangleIndices()], process=False
+        )
+    return unit.name, parts
+
+
+@pytest.mark.parametrize("name", [*DESIGNS, "helical-ellipse"])
+def test_prints_are_the_solids_side_by_side(name: str) -> None:
+    unit, parts = printed(files(name)["gears.3mf"])
+    assert unit == "MilliMeter"
+    solids = drive(name).solids
+    for gear, solid in ((Gear.DRIVING, solids.driving), (Gear.DRIVEN, solids.driven)):
+        part = parts[gear.value]
+        assert part.is_watertight
+        assert part.volume == pytest.approx(solid.mesh.volume, rel=1e-6)
+        assert np.ptp(part.bounds, axis=0) == pytest.approx(np.ptp(solid.mesh.bounds, axis=0), abs=1e-4)
+        assert part.bounds[0][2] == pytest.approx(0.0, abs=1e-9)
+    assert parts["driven"].bounds[0][0] - parts["driving"].bounds[1][0] == pytest.approx(5.0, abs=1e-4)
+
+
+def shown(data: bytes) -> dict[str, Array]:
+    """Vertices of each node in the scene's frame, in metres, by the names of the nodes."""
+    image = pygltflib.GLTF2.load_from_bytes(data)
+    blob, found = image.binary_blob(), {}
+    for node in image.nodes:
+        if node.mesh is None:
+            continue
+        accessor = image.accessors[image.meshes[node.mesh].primitives[0].attributes.POSITION]
+        assert accessor.componentType == pygltflib.FLOAT
+        view = image.bufferViews[accessor.bufferView]
+        start = (view.byteOffset or 0) + (accessor.byteOffset or 0)
+        points = np.frombuffer(blob, "<f4", 3 * accessor.count, start).reshape(-1, 3).astype(float)
+        matrix = np.array(node.matrix or np.eye(4).ravel()).reshape(4, 4).T
+        found[node.name] = points @ matrix[:3, :3].T + matrix[:3, 3]
+    return found
+
+
+@pytest.mark.parametrize("name", [*DESIGNS, "helical-ellipse"])
+def test_the_scene_is_the_pair_in_metres_with_y_up(name: str) -> None:
+    nodes, one = shown(files(name)["pair.glb"]), drive(name)
+    for gear, solid, x_mm in (
+        ("driving", one.solids.driving, 0.0),
+        ("driven", one.solids.driven, one.pitch.center_distance_mm),
+    ):
+        x, y, z = solid.mesh.vertices.T
+        expected = np.column_stack([x + x_mm, z, -y]) / 1000.0
+        assert np.abs(nodes[gear] - expected).max() <= 1e-7
+
+
+# --- command ---------------------------------------------------------------------------------------------------------
+
+
+def test_the_same_design_gives_the_same_bytes() -> None:
+    again = workshop_files(Drive(drive("ellipse").design), USUAL)
+    assert again == files("ellipse")
+
+
+def test_every_kind_writes_what_it_is_said_to_write() -> None:
+    written = files("baler")
+    for kind in USUAL:
+        assert set(WRITERS[kind].names) <= set(written)
+    assert set(written) <= set(NAMES)
+
+
+WHEEL = """\
+name: wheel
+linkage: {crank_mm: 10, rod_mm: 40}
+operation: {speed_rpm: 60}
+motion: {law: uniform_crank}
+gears: {teeth: 12, module_mm: 2, face_width_mm: 5, driving: {bore_mm: 5}}
+"""
+
+
+def test_a_build_writes_the_kinds_asked_for_and_clears_the_others(run: Run) -> None:
+    Path("wheel.yaml").write_text(WHEEL)
+    assert run("build", "wheel.yaml")[0] == 0
+    usual = {path.name for path in Path("export/wheel").iterdir()}
+    assert usual >= {"driving.dxf", "driven.svg", "gears.3mf", "pair.glb", "driving.stl"}
+    assert run("build", "wheel.yaml", "--format", "dxf")[0] == 0
+    left = {path.name for path in Path("export/wheel").iterdir()}
+    assert usual - left == {"driving.svg", "driven.svg", "gears.3mf", "pair.glb"}
+
+
+def test_an_unknown_kind_is_a_usage_error(run: Run) -> None:
+    Path("wheel.yaml").write_text(WHEEL)
+    status, _, err = run("build", "wheel.yaml", "--format", "dwg")
+    assert status == 2
+    assert "dxf" in err
