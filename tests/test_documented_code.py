@@ -14,7 +14,10 @@ from documented.sessions import Step, differs, steps_of
 from documented.shell import WIDTH
 from ncgear.errors import WrongInput
 
-SLOW = {"docs/tutorial.md", *(f"docs/commands/{name}.md" for name in ("frontier", "simulate", "optimize", "sweep", "bench"))}
+SLOW = {
+    "docs/tutorial.md",
+    *(f"docs/commands/{name}.md" for name in ("frontier", "simulate", "optimize", "sweep", "bench")),
+}
 """Pages that take over a second and a half; all others are quick."""
 
 

@@ -13,10 +13,19 @@ from made import drawings
 DOCS = Path(__file__).parents[1]
 IMAGES = DOCS / "images"
 
+
+def _report() -> bytes:
+    # Imported here: a browser is needed for nothing else.
+    from made.screenshots import report
+
+    return report()
+
+
 DRAWN: dict[str, Callable[[], bytes]] = {
     "method-inversion.png": drawings.inversion,
     "method-rack.png": drawings.rack,
     "method-contact.png": drawings.contact,
+    "pusher-report.png": _report,
 }
 """Pictures made for a page, by their names in docs/images."""
 
