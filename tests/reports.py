@@ -9,6 +9,8 @@ from ncgear.contact.pair_contact import PairContact
 from ncgear.design.load import LoadedDesign, load
 from ncgear.drive import Drive
 from ncgear.output.build import contacts_as_written
+from ncgear.output.page.chart import Chart
+from ncgear.output.page.motion_charts import motion_charts
 from ncgear.output.page.report_page import report_page
 
 DESIGNS = Path(__file__).parents[1] / "designs"
@@ -28,6 +30,12 @@ def drive(name: str) -> Drive:
 def contacts(name: str) -> list[PairContact]:
     made = drive(name)
     return contacts_as_written(made, lambda stage: None) if made.design.gears is not None else []
+
+
+@cache
+def motion(name: str) -> tuple[Chart, ...]:
+    """Charts of the motion over one cycle of the slider."""
+    return motion_charts(drive(name), drive(name).transmission.cycle_rad)
 
 
 @cache

@@ -17,8 +17,10 @@ import trimesh
 from commands import Run
 from ncgear.balancing import Balancing
 from ncgear.design.balance import Balance
+from ncgear.design.load import load
 from ncgear.design.load_balance import load_balance
 from ncgear.design.schema import json_schema
+from ncgear.drive import Drive
 from ncgear.output.balance.figures import balance_text, figures_of
 from ncgear.output.balance.files import balance_files
 from pairs import DESIGNS
@@ -360,6 +362,19 @@ def test_helical_gears_are_weighed_and_not_corrected(run: Run) -> None:
     status, _, err = run("a.yaml")
     assert status == 2
     assert err.startswith("a.yaml:5:3: gears.driven: helical gears are not corrected")
+
+
+def test_gears_with_hubs_are_weighed_and_not_corrected(run: Run) -> None:
+    """Of steel where nothing else is said, by what their meshes hold."""
+    Path("a.yaml").write_text(HELICAL.replace("helical-ellipse", "printed-pump"))
+    status, out, _ = run("a.yaml", "--json")
+    driving = json.loads(out)["gears"]["driving"]
+    solid = Drive(load(DESIGNS / "printed-pump.yaml").design).solids.driving
+    assert (status, driving["mass_kg"]) == (0, pytest.approx(solid.mesh.volume * 7850e-9))
+    Path("a.yaml").write_text(Path("a.yaml").read_text() + "  driven: {boss: {height_mm: 5, wall_mm: 2}}\n")
+    status, _, err = run("a.yaml")
+    assert status == 2
+    assert err.startswith("a.yaml:5:3: gears.driven: gears with a hub, a web or a chamfer are not corrected")
 
 
 def test_the_schema_describes_every_key() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -23,10 +24,9 @@ from ncgear.kinematics.slider import SliderMotion
 from ncgear.output.page import REPORT_FILE
 from ncgear.output.page.chart import Chart, decimals_of
 from ncgear.output.page.gear_charts import gear_charts
-from ncgear.output.page.motion_charts import motion_charts
+from ncgear.output.page.motion_charts import LOAD, MOTION
 from ncgear.output.page.sampling import SIDE_RAD, split_angles
 from ncgear.output.page.svg import drawn
-from ncgear.output.plots.curves import MOTION, POWER
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "src" / "ncgear" / "output" / "page"
@@ -143,7 +143,9 @@ def test_four_hundred_teeth_stay_under_five_megabytes(run: Run, tmp_path: Path) 
 def test_both_commands_and_any_order_of_hashing_give_the_same_bytes(run: Run, tmp_path: Path) -> None:
     design = str(ROOT / "designs" / "ellipse.yaml")
     command = [sys.executable, "-m", "ncgear", "report", design, "--out", str(tmp_path / "alone")]
-    subprocess.run(command, check=True, capture_output=True, env={"PYTHONHASHSEED": "7", "PATH": ""}, cwd=ROOT / "src")
+    subprocess.run(
+        command, check=True, capture_output=True, env={**os.environ, "PYTHONHASHSEED": "7"}, cwd=ROOT / "src"
+    )
     assert run("build", design, "--report", "--out", str(tmp_path / "built"))[0] == 0
     alone, built = (tmp_path / folder / REPORT_FILE for folder in ("alone", "built"))
     assert alone.read_bytes() == built.read_bytes()
@@ -152,6 +154,7 @@ def test_both_commands_and_any_order_of_hashing_give_the_same_bytes(run: Run, tm
 # --- the commands
 
 
+@pytest.mark.slow
 def test_a_build_without_a_report_leaves_none(run: Run, tmp_path: Path) -> None:
     design, out = str(ROOT / "designs" / "uniform-crank.yaml"), tmp_path / "out"
     assert run("build", design, "--report", "--out", str(out))[0] == 0
@@ -200,7 +203,7 @@ def test_the_page_says_what_the_design_is() -> None:
 
 
 def test_every_quantity_has_a_chart() -> None:
-    wanted = [q.column for q in (*MOTION, *POWER)] + ["ratio", "pressure_angle", "transmission_error"]
+    wanted = [q.column for q in (*MOTION, *LOAD)] + ["ratio", "pressure_angle", "transmission_error"]
     assert parsed(reports.page("baler")).xpath("//figure/@data-key") == wanted
 
 
@@ -229,7 +232,7 @@ def motion_at(name: str, angles_deg: np.ndarray) -> SliderMotion:
 
 @pytest.mark.parametrize("name", ["baler", "pump-1-2", "ellipse"])
 def test_what_is_read_out_is_the_motion(name: str) -> None:
-    charts = motion_charts(reports.drive(name))
+    charts = reports.motion(name)
     angles = np.random.default_rng(8).uniform(0.0, charts[0].end_deg, 3000)
     found = motion_at(name, angles)
     for chart, quantity in zip(charts[:3], MOTION, strict=True):
@@ -239,8 +242,8 @@ def test_what_is_read_out_is_the_motion(name: str) -> None:
 def test_the_force_is_read_out_on_both_sides_of_its_jump() -> None:
     dead_centre = np.degrees(reports.drive("baler").machine.extended_rad)
     angles = dead_centre + np.array([-1e-3, 1e-3])
-    force = motion_charts(reports.drive("baler"))[3]
-    assert error_of_straight_lines(force, POWER[0].of(motion_at("baler", angles)), angles) < 0.5
+    force = reports.motion("baler")[3]
+    assert error_of_straight_lines(force, LOAD[0].of(motion_at("baler", angles)), angles) < 0.5
 
 
 def test_even_samples_would_miss_the_jump() -> None:
@@ -284,12 +287,12 @@ def farthest_from_curve(chart: Chart, angle_deg: tuple[float, float]) -> float:
 @pytest.mark.parametrize("number", range(8))
 def test_the_cursor_runs_on_the_drawn_curve(number: int) -> None:
     pair = reports.drive("baler"), reports.contacts("baler")[0]
-    chart = [*motion_charts(reports.drive("baler")), *gear_charts(*pair)][number]
+    chart = [*reports.motion("baler"), *gear_charts(*pair)][number]
     assert farthest_from_curve(chart, drawn(chart).angle_deg) < DRAWN_OFF
 
 
 def test_a_cursor_that_is_off_is_seen() -> None:
-    assert farthest_from_curve(motion_charts(reports.drive("baler"))[0], (0.0, 361.0)) > DRAWN_OFF
+    assert farthest_from_curve(reports.motion("baler")[0], (0.0, 361.0)) > DRAWN_OFF
 
 
 @pytest.mark.parametrize(
@@ -300,7 +303,7 @@ def test_four_digits_of_the_largest_value_are_shown(largest: float, decimals: in
 
 
 def test_values_that_are_not_finite_are_refused() -> None:
-    chart = motion_charts(reports.drive("baler"))[0]
+    chart = reports.motion("baler")[0]
     line = chart.lines[0]
     bad = type(line)(line.role, line.name, line.angle_deg, line.values * np.nan, line.period_deg)
     with pytest.raises(ValueError, match="displacement"):

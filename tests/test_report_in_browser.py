@@ -16,8 +16,7 @@ import pytest
 import reports
 from ncgear.output.page.chart import Chart
 from ncgear.output.page.gear_charts import gear_charts
-from ncgear.output.page.motion_charts import motion_charts
-from ncgear.output.plots.curves import MOTION, POWER
+from ncgear.output.page.motion_charts import LOAD, MOTION
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 
@@ -136,7 +135,7 @@ def charts(name: str) -> dict[str, Chart]:
     drive = reports.drive(name)
     pairs = zip(drive.by_stage, reports.contacts(name), strict=True)
     return {
-        chart.key: chart for chart in (*motion_charts(drive), *(one for pair in pairs for one in gear_charts(*pair)))
+        chart.key: chart for chart in (*reports.motion(name), *(one for pair in pairs for one in gear_charts(*pair)))
     }
 
 
@@ -146,7 +145,7 @@ def test_readouts_are_the_motion_at_the_angle(baler: Opened, angle_deg: float) -
     drive, known = reports.drive("baler"), charts("baler")
     for machine, line in ((drive.machine, 0), (drive.uniform_machine, 1)):
         motion = machine.motion(np.radians([angle_deg]))
-        for quantity in (*MOTION, *POWER):
+        for quantity in (*MOTION, *LOAD):
             shown = baler.text(f"figure [data-now={quantity.column}][data-line='{line}']")
             digit = 10.0 ** -known[quantity.column].decimals
             assert float(shown) == pytest.approx(float(quantity.of(motion)[0]), abs=0.51 * digit), quantity

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import ncgear.plots as plots
-    from ncgear.drive import Drive, load
+    from ncgear.drive import Drive, load, loads
     from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 
 __version__ = "0.1.0"
 
-__all__ = ["DesignError", "Drive", "NoSuchMechanism", "WrongInput", "__version__", "load", "plots"]
+__all__ = ["DesignError", "Drive", "NoSuchMechanism", "WrongInput", "__version__", "load", "loads", "plots"]
 
 _ROOMS = {
     "DesignError": "ncgear.errors",
@@ -24,6 +24,7 @@ _ROOMS = {
     "NoSuchMechanism": "ncgear.errors",
     "WrongInput": "ncgear.errors",
     "load": "ncgear.drive",
+    "loads": "ncgear.drive",
 }
 """Where the public names live."""
 

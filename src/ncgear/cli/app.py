@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from ncgear import __version__
+from ncgear.cli.animate import animate
 from ncgear.cli.balance import balance
 from ncgear.cli.bench import bench
 from ncgear.cli.build import build
@@ -30,7 +31,22 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-COMMANDS = (build, report, check, simulate, optimize, frontier, sweep, bench, balance, new, explain, reproduce, schema)
+COMMANDS = (
+    build,
+    report,
+    animate,
+    check,
+    simulate,
+    optimize,
+    frontier,
+    sweep,
+    bench,
+    balance,
+    new,
+    explain,
+    reproduce,
+    schema,
+)
 """In the order of the help."""
 
 for command in COMMANDS:

@@ -7,23 +7,124 @@ from typing import Annotated
 
 import typer
 
+from ncgear.cli.asking import asked_law, asked_name, asked_sizes, can_ask
+from ncgear.cli.progress import stages_shown
 from ncgear.design.naming import NAME_RULE, is_name
-from ncgear.design.template import Law, template
-from ncgear.errors import WrongInput
+from ncgear.design.template import Law
+from ncgear.errors import DesignError, WrongInput
+
+DEFAULT_LAW = Law.THREE_SEGMENT_STROKE
+
+
+BUILDABLE = ("check", "designed_contact", "solids")
+"""Stages of a drive that between them need all others that a build can be refused for."""
 
 
 def new(
-    name: Annotated[str, typer.Argument(metavar="NAME", help=f"Name of the design: {NAME_RULE}.")],
-    law: Annotated[Law, typer.Option(help="The motion law to begin with.")] = Law.THREE_SEGMENT_STROKE,
+    name: Annotated[str | None, typer.Argument(metavar="NAME", help=f"Name of the design: {NAME_RULE}.")] = None,
+    law: Annotated[
+        Law | None, typer.Option(help="The motion law to begin with.", show_default=DEFAULT_LAW.value)
+    ] = None,
+    stroke_mm: Annotated[float | None, typer.Option(help="Stroke of the slider; twice the crank.")] = None,
+    crank_mm: Annotated[float | None, typer.Option(help="Length of the crank.")] = None,
+    rod_mm: Annotated[float | None, typer.Option(help="Length of the connecting rod.")] = None,
+    speed_rpm: Annotated[float | None, typer.Option(help="Speed of the driving gear.")] = None,
+    teeth: Annotated[int | None, typer.Option(help="Teeth of the driving gear.")] = None,
+    module_mm: Annotated[float | None, typer.Option(help="Module.")] = None,
+    face_width_mm: Annotated[float | None, typer.Option(help="Face width of the gears.")] = None,
+    yes: Annotated[
+        bool, typer.Option("--yes", "-y", help="Ask nothing; take the template for what is left out.")
+    ] = False,
 ) -> None:
-    """Write NAME.yaml, a commented design file to begin with, into the current folder."""
+    """Write NAME.yaml, a commented design file to begin with, into the current folder.
+
+    At a terminal it asks for what is left out. A file with sizes of its own is written only once its gears can be made.
+    """
+    sizes = {
+        "stroke_mm": stroke_mm,
+        "crank_mm": crank_mm,
+        "rod_mm": rod_mm,
+        "speed_rpm": speed_rpm,
+        "teeth": teeth,
+        "module_mm": module_mm,
+        "face_width_mm": face_width_mm,
+    }
+    given = _sound({answer: value for answer, value in sizes.items() if value is not None})
+    if can_ask() and not yes:
+        _ask_and_write(name, law, given)
+    else:
+        _write(_free(name), law or DEFAULT_LAW, given)
+
+
+def _sound(given: dict[str, float]) -> dict[str, float]:
+    """Sizes that a design can have; raises WrongInput for others."""
+    if not given:
+        return {}
+    from ncgear.design.beginning import fault_of, fault_together, whole
+
+    sizes = {answer: whole(value) for answer, value in given.items()}
+    for answer, value in sizes.items():
+        if problem := fault_of(answer, value):
+            raise WrongInput(problem, key=f"--{answer.replace('_', '-')}")
+    if problem := fault_together(sizes):
+        raise WrongInput(problem)
+    return sizes
+
+
+def _ask_and_write(name: str | None, law: Law | None, given: dict[str, float]) -> None:
+    """Ask until the answers give gears."""
+    path = _free(name or asked_name())
+    law, sizes = law or asked_law(), given
+    while True:
+        sizes = asked_sizes(law, given, sizes)
+        try:
+            return _write(path, law, sizes)
+        except DesignError as error:
+            typer.echo(f"{error}; other answers are needed", err=True)
+
+
+def _free(name: str | None) -> Path:
+    """The path of a design's file, which must not be there; raises WrongInput."""
+    if name is None:
+        raise WrongInput("missing; `ncgear new NAME` is right", key="NAME")
     if not is_name(name):
         raise WrongInput(f"{name!r} cannot name a design; {NAME_RULE}, without .yaml, is right", key="NAME")
     path = Path(f"{name}.yaml")
+    if path.exists():
+        raise _taken(path)
+    return path
+
+
+def _taken(path: Path) -> WrongInput:
+    return WrongInput("exists already; choose another name, or remove it", location=str(path))
+
+
+def _write(path: Path, law: Law, sizes: dict[str, float]) -> None:
+    """Write a design that can be built; raises WrongInput or NoSuchMechanism where it cannot."""
+    text = _buildable(path.stem, law, sizes)
     try:
         # Mode x: a file that is already there is refused even if it appears at this very moment.
         with path.open("x", encoding="utf-8") as file:
-            file.write(template(name, law))
+            file.write(text)
     except FileExistsError as error:
-        raise WrongInput("exists already; choose another name, or remove it", location=str(path)) from error
+        raise _taken(path) from error
     typer.echo(path)
+
+
+def _buildable(name: str, law: Law, sizes: dict[str, float]) -> str:
+    """The text of a design; with sizes of its own, all its gears have been made once."""
+    if not sizes:
+        from ncgear.design.template import template
+
+        return template(name, law)
+    from ncgear.design.beginning import begun
+    from ncgear.design.load import parsed
+    from ncgear.drive import Drive
+
+    text = begun(name, law, sizes)
+    drive = Drive(parsed(text, Path(f"{name}.yaml")).design)
+    with stages_shown() as on_stage:
+        for stage in BUILDABLE:
+            on_stage(stage.replace("_", " "))
+            getattr(drive, stage)
+    return text

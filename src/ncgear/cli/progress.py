@@ -11,14 +11,14 @@ SILENT_SECONDS = 1.0
 
 
 @contextmanager
-def points_counted() -> Iterator[Callable[[int, int], None]]:
-    """A function to say how many of how many points are done; a terminal shows a bar."""
+def points_counted(kind: str = "points") -> Iterator[Callable[[int, int], None]]:
+    """A function to say how many of how many points, or whatever ``kind`` names, are done; a terminal shows a bar."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-    columns = TextColumn("points"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+    columns = TextColumn(kind), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
     with Progress(*columns, console=Console(stderr=True), disable=not sys.stderr.isatty(), transient=True) as bar:
-        task = bar.add_task("points", total=None)
+        task = bar.add_task(kind, total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)
 
 

@@ -11,6 +11,7 @@ from ncgear.design.base import Length, Model
 from ncgear.design.body_faults import require_height, require_hub_wall
 from ncgear.design.faults import fault
 from ncgear.design.gear_body import DrivenBody, GearBody
+from ncgear.design.tolerances import Tolerances
 
 MOST_LOBES = 100
 MOST_TEETH = 10_000
@@ -187,6 +188,13 @@ class Gears(Model):
     index_holes: bool = Field(
         default=False,
         description="true: a small hole in each gear, half a module wide, which face each other at phi1 = 0",
+    )
+    measuring_pin_mm: Length | None = Field(
+        default=None,
+        description="diameter in mm of the pins or balls in the data sheet; left out: one that is sold and fits",
+    )
+    tolerances: Tolerances | None = Field(
+        default=None, description="what the data sheet says of accuracy; left out: nothing"
     )
     first_layer_chamfer_mm: float = Field(
         default=0.0,

@@ -93,7 +93,11 @@ class LoadedDesign:
 
 def load(path: Path) -> LoadedDesign:
     """Read and check a design file; WrongInput says where and what is wrong, up to ten faults in the file's order."""
-    text = read_text(path, limit_mb=LARGEST_MB)
+    return parsed(read_text(path, limit_mb=LARGEST_MB), path)
+
+
+def parsed(text: str, path: Path) -> LoadedDesign:
+    """The same from the text of a file; files of points that it names are looked for beside ``path``."""
     document = read_yaml(text, str(path))
     if not isinstance(document.data, dict):
         raise WrongInput(_no_mapping(document.data), location=str(document.place("")))

@@ -1,11 +1,13 @@
 """A commented design file to begin with, one for each law.
 
-Plain text with no imports of its own, so that the command line can list the laws without loading the schema.
+Plain text with next to no imports, so that the command line can list the laws without loading the schema.
 """
 
 from __future__ import annotations
 
 from enum import StrEnum
+
+from ncgear.design.scalars import plain_value
 
 
 class Law(StrEnum):
@@ -21,7 +23,10 @@ class Law(StrEnum):
 
 def template(name: str, law: Law = Law.THREE_SEGMENT_STROKE) -> str:
     """A complete design file called ``name``, with a comment on every value."""
-    return "\n".join((_HEAD.format(name=name), _MOTIONS[law], _GEARS, _MACHINE))
+    # Names such as 12 or true must not be read as a number or a truth value, nor one of dashes as a list.
+    quoted = name if name[0].isalpha() and isinstance(plain_value(name), str) else f'"{name}"'
+    head = _HEAD.replace("name: {name}", f"name: {quoted}").format(name=name)
+    return "\n".join((head, _MOTIONS[law], _GEARS, _MACHINE))
 
 
 _HEAD = """\
@@ -114,6 +119,8 @@ gears:                     # a check does without, a build needs it
   # helix: {angle_deg: 15, kind: helical, hand: right}   # or herringbone, left; left out: straight teeth
   backlash_mm: 0           # normal backlash
   index_holes: true        # a small hole in each gear; they face each other at phi1 = 0, so that teeth pair up right
+  # tolerances: {standard: ISO 1328-1, grade: "8", tooth_thickness_upper_mm: -0.05, tooth_thickness_lower_mm: -0.1}
+  # measuring_pin_mm: 3.5  # of the data sheet; left out: one that fits
   # first_layer_chamfer_mm: 0.4   # bevel of all edges at z = 0, where the first layers of a print spread
   # process_clearance_mm: 0.05    # the solids' teeth and bores are drawn back by it, since a print swells
   driving:

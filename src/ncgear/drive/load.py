@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ncgear.design.load import LoadedDesign, parsed
 from ncgear.design.load import load as load_design
 from ncgear.drive.drive import Drive
 
@@ -22,5 +23,19 @@ def load(path: str | Path) -> Drive:
     >>> f"{drive.pitch.center_distance_mm:.3f} mm"
     '74.885 mm'
     """
-    loaded = load_design(Path(path))
+    return _drive(load_design(Path(path)))
+
+
+def loads(text: str, name: str = "text") -> Drive:
+    """The drive of a design file's text, which messages call ``name``; otherwise as ``load``.
+
+    >>> machine = "linkage: {crank_mm: 40, rod_mm: 90}, operation: {speed_rpm: 30}"
+    >>> drive = loads(f"{{name: even, {machine}, motion: {{law: uniform_crank}}}}")
+    >>> f"{drive.linkage.stroke_mm:g} mm"
+    '80 mm'
+    """
+    return _drive(parsed(text, Path(name)))
+
+
+def _drive(loaded: LoadedDesign) -> Drive:
     return Drive(loaded.design, loaded=loaded)

@@ -8,16 +8,11 @@ from ncgear.numerics.arrays import Array
 from ncgear.teeth.gear import ToothedGear
 
 
-def tip_middles_mm(gear: ToothedGear) -> Array:
-    """Middle of each tip land in mm, shape (z, 2), in the gear's own frame."""
-    flanks, at = gear.flanks, gear.sides.tip_mm.reshape(-1, 2)
-    points: Array = flanks.offset(at.mean(axis=1), flanks.tip_height_mm.reshape(-1, 2).mean(axis=1))[0]
-    return points
-
-
 def tip_radii_mm(gear: ToothedGear) -> Array:
     """Distance of each tooth's tip from the axis in mm, at the middle of its land, shape (z,)."""
-    radii: Array = np.linalg.norm(tip_middles_mm(gear), axis=1)
+    flanks, at = gear.flanks, gear.sides.tip_mm.reshape(-1, 2)
+    points = flanks.offset(at.mean(axis=1), flanks.tip_height_mm.reshape(-1, 2).mean(axis=1))[0]
+    radii: Array = np.linalg.norm(points, axis=1)
     return radii
 
 

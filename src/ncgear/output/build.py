@@ -13,6 +13,8 @@ import numpy as np
 from ncgear.contact.pair_contact import PairContact
 from ncgear.design.load import LoadedDesign
 from ncgear.drive import Drive
+from ncgear.output.data_sheet.sheet import data_sheet
+from ncgear.output.data_sheet.text import pitch_csv, sheet_text
 from ncgear.output.json_text import json_text
 from ncgear.output.page import REPORT_FILE
 from ncgear.output.pictures import pictures
@@ -140,6 +142,8 @@ def _tables(drive: Drive) -> dict[str, bytes]:
         "law.csv": law_csv(drive.motion).encode(),
         "driving.csv": outline_csv(drive.teeth.driving.outline_mm).encode(),
         "driven.csv": outline_csv(drive.teeth.driven.outline_mm).encode(),
+        "pitch.csv": pitch_csv(drive).encode(),
+        "data_sheet.md": sheet_text(data_sheet(drive)).encode(),
     }
 
 

@@ -18,7 +18,7 @@ from trimesh import Trimesh
 
 from ncgear.numerics.arrays import Array
 from ncgear.solids.parallel import moved_inwards, moved_outwards
-from ncgear.solids.sheets import facing
+from ncgear.solids.sheets import facing, rings
 
 SHARES = (0.25, 0.5, 0.75)
 """Of the height of a slope, where its section is held against the parallel."""
@@ -73,14 +73,18 @@ def _slope(area: BaseGeometry, foot: BaseGeometry, between: tuple[float, float])
 
 def _close(slope: Trimesh, area: BaseGeometry, height: float, top: float, tolerance: float) -> bool:
     """Whether the slope's section at a height is the parallel of the area at its top, to the tolerance."""
-    section = shapely.multilinestrings(_level_lines(np.asarray(slope.triangles), height))
-    parallel = moved_outwards(area, height - top).boundary
+    section = _level_lines(np.asarray(slope.triangles), height)
+    parallel = np.concatenate(
+        [np.stack([ring[:-1], ring[1:]], axis=1) for ring in rings(moved_outwards(area, height - top))]
+    )
     return _within(section, parallel, tolerance) and _within(parallel, section, tolerance)
 
 
-def _within(lines: BaseGeometry, of: BaseGeometry, tolerance: float) -> bool:
-    shapely.prepare(of)
-    return bool(np.all(shapely.dwithin(shapely.points(shapely.get_coordinates(lines)), of, tolerance)))
+def _within(lines: Array, of: Array, tolerance: float) -> bool:
+    """Whether the ends of all lines, shape (n, 2, 2), lie within a distance of others."""
+    points = shapely.points(lines[:, 0])
+    near, _ = shapely.STRtree(shapely.linestrings(of)).query(points, predicate="dwithin", distance=tolerance)
+    return bool(np.unique(near).size == points.size)
 
 
 def _level_lines(triangles: Array, height: float) -> Array:

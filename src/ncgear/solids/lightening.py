@@ -51,7 +51,8 @@ def _holes(places: Array, diameter: float) -> tuple[RoundHole, ...]:
 
 def _places(room: BaseGeometry, asked: HoleSet, diameter: float, tolerance: float) -> Array | None:
     """Centres of the holes, shape (count, 2), in the first turn in which they have room; None where there is none."""
-    inset = diameter / 2.0 + asked.wall_mm
+    # Chords of the parallel's arcs come nearer to the edge by a tolerance.
+    inset = diameter / 2.0 + asked.wall_mm + tolerance
     inside = room.buffer(-inset, quad_segs=quarter_chords(inset, tolerance))
     if inside.is_empty:
         return None

@@ -2,7 +2,8 @@
 
 The parallel of a polygon whose chords stray from a curve by a tolerance strays from the curve's parallel by no more:
 where one section lies within the other, so do their parallels.  Each edge keeps its direction, and neighbouring ones
-are prolonged to meet (mitred), so that moving back gives the edges again.
+are prolonged to meet (mitred), so that moving back gives the edges again.  In a hollow of radius r, by a distance d,
+the corners between prolonged edges stray by d / r of the tolerance: less than it up to the radius of the fillets.
 """
 
 from __future__ import annotations
@@ -52,5 +53,6 @@ def _comes_back(section: Polygon, inner: BaseGeometry, distance: float, toleranc
     """Whether nothing is lost: the parallel is in one piece, and its own parallel is the section."""
     if inner.is_empty or len(shapely.get_parts(inner)) != 1 or len(inner.interiors) != len(section.interiors):
         return False
-    lost = section.difference(_parallel(inner, distance))
-    return bool(lost.buffer(-tolerance / 2.0).is_empty)
+    # Where a tip's land is lost its flanks, prolonged, meet beyond it: what is gained counts as well.
+    changed = section.symmetric_difference(_parallel(inner, distance))
+    return bool(changed.buffer(-tolerance / 2.0).is_empty)

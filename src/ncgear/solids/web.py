@@ -53,13 +53,19 @@ def _kept(mark: RoundHole | None, hub: float, module: float, tolerance: float) -
 
 
 def _pockets(disc: Polygon, kept: BaseGeometry, rim: float, corner: float, tolerance: float) -> list[Polygon]:
-    """The room for pockets with rounded corners, without points that the tolerance does not need."""
-    inside = disc.buffer(-rim - corner - tolerance, quad_segs=quarter_chords(rim + corner, tolerance))
+    """The room for pockets with rounded corners, without points that the tolerance does not need.
+
+    Chords of arcs and points left out may bring it nearer to a wall, by a tolerance and by half of one: hence two.
+    """
+    inside = disc.buffer(-rim - corner - 2.0 * tolerance, quad_segs=quarter_chords(rim + corner, tolerance))
     quarter = quarter_chords(corner, tolerance)
-    room = inside.difference(kept.buffer(corner + tolerance, quad_segs=quarter)).buffer(corner, quad_segs=quarter)
+    room = inside.difference(kept.buffer(corner + 2.0 * tolerance, quad_segs=quarter)).buffer(corner, quad_segs=quarter)
     return polygons(shapely.simplify(room, tolerance / 2.0))
 
 
 def quarter_chords(radius_mm: float, tolerance_mm: float) -> int:
-    """Chords of a quarter circle that stay within a tolerance."""
-    return max(2, ceil(pi / 4.0 / acos(max(1.0 - tolerance_mm / radius_mm, 0.0))))
+    """Parts of a quarter circle, by shapely's count, with which a parallel's arcs keep within a tolerance.
+
+    It closes an arc with a chord of up to two parts, which strays four times as far.
+    """
+    return max(2, ceil(pi / 4.0 / acos(max(1.0 - tolerance_mm / 4.0 / radius_mm, 0.0))))

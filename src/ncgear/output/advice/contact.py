@@ -16,10 +16,10 @@ STEEPEST_HELIX_DEG = 30.0
 
 
 def contact_ratio(drive: Drive) -> Advice | None:
-    """Flanks that lose contact."""
+    """Flanks that lose contact, unless helical teeth overlap by more than that."""
     designed = drive.designed_contact
     sides = designed.pushing, designed.back
-    if min(int(side.simultaneous.min()) for side in sides) >= 1:
+    if designed.longest_gap_pitches <= drive.overlap_ratio:
         return None
     error = max(side.transmission_error_rad for side in sides)
     return Advice(

@@ -18,6 +18,10 @@ CLEAR = 0.995
 LEAST_ADDENDUM = 0.5
 """In modules: lower teeth, of half the height of the standard's, hardly keep contact from pitch to pitch."""
 
+FINER = Remedy("take more teeth of a smaller module")
+
+LESS_HELIX = Remedy("take a smaller helix angle or face width")
+
 MEANINGS = {
     Limit.SLOPE: "would slope too much, the other edge of the tooth being lower",
     Limit.FILLET: "would reach into the mate's fillet",
@@ -56,7 +60,7 @@ def pointed(drive: Drive) -> Advice | None:
         places,
         f"pointed teeth: tips shortened that would have a land under {least:g} modules: {_named(places)}",
         "a sharp tip chips when hardened and wears fast, so it ends lower; the contact is shorter for it",
-        _lower(drive, Limit.LAND),
+        _lower(drive),
     )
 
 
@@ -69,7 +73,7 @@ def shortened(drive: Drive) -> list[Advice]:
             places,
             f"tips shortened that {words}: {_named(places)}",
             "the contact of these teeth is shorter",
-            _lower(drive, reason),
+            (LESS_HELIX if reason is Limit.HELIX else FINER,),
         )
         for reason, words, places in found
         if places
@@ -85,20 +89,18 @@ def _places(drive: Drive, teeth_of: Callable[[ToothedGear], list[int]]) -> tuple
     return tuple(Where(name, tuple(numbers)) for name, gear in both if (numbers := teeth_of(gear)))
 
 
-def _lower(drive: Drive, reason: Limit) -> tuple[Remedy, ...]:
-    """The addendum that all teeth can have, where a tooth of that height is still one."""
-    if reason is Limit.HELIX:
-        return (Remedy("take a smaller helix angle or face width"),)
-    least = min(_least_addendum(gear, reason) for gear in (drive.teeth.driving, drive.teeth.driven))
-    finer = Remedy("take more teeth of a smaller module")
-    if least < LEAST_ADDENDUM:
-        return (finer,)
-    return (Remedy("make all teeth so low", (Change("gears.rack.addendum", least),)), finer)
+def _lower(drive: Drive) -> tuple[Remedy, ...]:
+    """The addendum at which no tooth is pointed, where a tooth of that height is still one."""
+    least = min(_least_addendum(gear) for gear in (drive.teeth.driving, drive.teeth.driven))
+    # Tips may stand higher than the addendum where the mate's are shortened: lowering it to theirs changes nothing.
+    if not LEAST_ADDENDUM <= least < drive.gears.rack.addendum:
+        return (FINER,)
+    return (Remedy("make all teeth so low", (Change("gears.rack.addendum", least),)), FINER)
 
 
-def _least_addendum(gear: ToothedGear, reason: Limit) -> float:
-    """In modules, that of the lowest of the tips that end for a reason; infinite where none does."""
-    flanks, lowered = gear.flanks, gear.tips.limit == reason
+def _least_addendum(gear: ToothedGear) -> float:
+    """In modules, that of the lowest of the tips that would be pointed; infinite where none would."""
+    flanks, lowered = gear.flanks, gear.tips.limit == Limit.LAND
     height = float(np.min(flanks.tip_height_mm[lowered], initial=np.inf))
     return CLEAR * (height - flanks.rack.shift_mm) / flanks.rack.module_mm
 

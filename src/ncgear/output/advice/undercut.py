@@ -55,18 +55,31 @@ def _steeper_rack(drive: Drive) -> tuple[Remedy, ...]:
     least = floor(degrees(drive.rack.pressure_angle_rad)) + 1
     most = floor(min(STEEPEST_RACK_DEG, STEEPEST_DEG - tangent))
     for angle in range(least, most + 1):
-        if _frees(drive, float(angle)):
-            change = Change("gears.rack.pressure_angle_deg", float(angle))
-            return (Remedy("take a rack with a greater pressure angle", (change,)),)
+        rack = _rack(drive, float(angle))
+        if rack is not None and _frees(drive, rack):
+            return (Remedy("take a rack with a greater pressure angle", _changes(drive, rack, float(angle))),)
     return ()
 
 
-def _frees(drive: Drive, angle_deg: float) -> bool:
-    """Whether the teeth are free of undercut at a pressure angle; not where no rack of it holds the root radius."""
-    form = drive.tooth_form
+def _rack(drive: Drive, angle_deg: float) -> BasicRack | None:
+    """The design's rack at another pressure angle, its root radius no more than fits; None where none does."""
+    rack, hundredth = drive.tooth_form.rack, drive.rack.module_mm / 100.0
     try:
-        rack = replace(form.rack, pressure_angle_rad=radians(angle_deg))
+        sharp = replace(rack, pressure_angle_rad=radians(angle_deg), root_radius_mm=0.0)
     except WrongInput:
-        return False
+        return None
+    fitting = floor(sharp.largest_root_radius_mm / hundredth) * hundredth
+    return replace(sharp, root_radius_mm=min(rack.root_radius_mm, fitting))
+
+
+def _frees(drive: Drive, rack: BasicRack) -> bool:
+    form = drive.tooth_form
     driving, driven = rack.shifted(form.driving_shift_mm), rack.shifted(form.driven_shift_mm)
     return _enough(drive, driving, driven) <= drive.pitch.size.driving_teeth
+
+
+def _changes(drive: Drive, rack: BasicRack, angle_deg: float) -> tuple[Change, ...]:
+    changed = [Change("gears.rack.pressure_angle_deg", angle_deg)]
+    if rack.root_radius_mm < drive.rack.root_radius_mm:
+        changed.append(Change("gears.rack.root_radius", rack.root_radius_mm / rack.module_mm))
+    return tuple(changed)

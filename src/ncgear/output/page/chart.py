@@ -49,7 +49,6 @@ class Chart:
     joints_deg: Array
     angle: str = DRIVING
     angle_name: str = "driving angle in deg"
-    stepped: bool = False
 
     def __post_init__(self) -> None:
         for line in self.lines:

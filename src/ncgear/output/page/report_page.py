@@ -50,9 +50,9 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
     The same design gives the same bytes.  Raises WrongInput or NoSuchMechanism as the drive's stages do.
     """
     pairs = list(zip(drive.by_stage, contacts, strict=True)) if contacts else []
-    charts = [*motion_charts(drive), *chain.from_iterable(gear_charts(*pair) for pair in pairs)]
-    figures = [figure(chart) for chart in charts]
     scene = scene_of(drive)
+    charts = [*motion_charts(drive, scene.loop_rad), *chain.from_iterable(gear_charts(*pair) for pair in pairs)]
+    figures = [figure(chart) for chart in charts]
     data = page_data(scene, charts, [one.drawing for one in figures])
     content = {
         "design": drive.design,

@@ -155,10 +155,15 @@ const createScene = (() => {
       const before = down.get(event.pointerId);
       if (!before) return;
       const other = [...down.values()].find((one) => one.pointerId !== event.pointerId);
-      if (other) act.zoomAt(spread(event, other) / spread(before, other), (event.clientX + other.clientX) / 2, (event.clientY + other.clientY) / 2);
+      if (other) pinch(act, before, event, other);
       act.drag((event.clientX - before.clientX) / down.size, (event.clientY - before.clientY) / down.size);
       down.set(event.pointerId, event);
     });
+  }
+
+  function pinch(act, before, now, other) {
+    const factor = spread(now, other) / spread(before, other);
+    act.zoomAt(factor, (now.clientX + other.clientX) / 2, (now.clientY + other.clientY) / 2);
   }
 
   function spread(one, other) {

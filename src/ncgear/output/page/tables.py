@@ -14,7 +14,7 @@ from ncgear.drive import Drive
 from ncgear.output.comparison import COLUMNS, MIXED_SPEEDS, SAME_SPEED
 from ncgear.output.comparison_rows import comparison_rows
 from ncgear.output.contact_summary import contact_summary
-from ncgear.output.data_sheet.values import DataSheet, Group
+from ncgear.output.data_sheet.values import DataSheet, Group, cell_text
 from ncgear.output.data_sheet.values import Row as SheetRow
 from ncgear.output.data_sheet.values import Table as SheetTable
 from ncgear.output.numbers import shown
@@ -99,13 +99,14 @@ def _group(group: Group) -> Table:
 def _sheet_row(row: SheetRow) -> Row:
     """Empty cells where there is nothing to say."""
     values = (row.pair,) if row.of_pair else (row.driving, row.driven)
-    texts = ("" if value is None else shown(value) for value in values)
-    return Row((row.label, *texts, row.unit), span=3 - len(values))
+    return Row((row.label, *map(cell_text, values), row.unit), span=3 - len(values))
 
 
 def _numbers(table: SheetTable) -> Table:
     head = tuple((column.label, column.unit) for column in table.columns)
-    return Table(table.title, head, tuple(Row(tuple(map(shown, row))) for row in table.rows), table.notes, long=True)
+    return Table(
+        table.title, head, tuple(Row(tuple(map(cell_text, row))) for row in table.rows), table.notes, long=True
+    )
 
 
 def versions() -> Table:

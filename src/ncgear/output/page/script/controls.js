@@ -18,7 +18,7 @@ function createControls(clock, cycle) {
     show(deg, playing) {
       scrub.value = deg;
       scrub.setAttribute("aria-valuetext", `${deg.toFixed(1)} degrees`);
-      if (document.activeElement !== angle || playing) angle.value = deg.toFixed(1);
+      if (document.activeElement !== angle || playing) angle.value = deg.toFixed(2);
       button.toggleAttribute("data-playing", playing);
       button.querySelector(".word").textContent = playing ? "Pause" : "Play";
     },

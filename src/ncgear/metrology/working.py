@@ -1,0 +1,73 @@
+"""The flanks as pins and plates meet them: without tip relief, in one section, thicker or thinner by an allowance.
+
+All flanks of one side are parallel curves: the rolled length c at which a flank crosses the pitch curve moves it along
+its normals by s cos(alpha) dc (flank.py).  So a tooth thicker by dE along the pitch curve has the same normals, and the
+curve at a distance r outside a flank is a flank again, of c + s r / cos(alpha).  On helical teeth the surface's normal
+leans out of the section by the base helix angle beta_b, tan(beta_b) = tan(beta) cos(alpha), everywhere alike; a ball of
+radius r therefore meets a section's flanks as a pin of r / cos(beta_b) would, and plates are cos(beta_b) times as far
+apart as in the section.  On circular gears both are the usual formulas, cos(beta_b) = cos(beta) cos(alpha_n) /
+cos(alpha).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import atan, cos, sin, tan
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.teeth.flank import Flanks
+from ncgear.teeth.gear import ToothedGear
+
+
+@dataclass(frozen=True, eq=False)
+class WorkingFlanks:
+    """Flanks in one section, and the heights over the rack's pitch line between which each is exact, shape (2 z,).
+
+    ``tips_mm`` (shape (z, 3, 2)) holds both ends and the middle of each tip land; ``base_cosine`` is the cosine of the
+    base helix angle, 1 for straight teeth.
+    """
+
+    flanks: Flanks
+    low_mm: Array
+    high_mm: Array
+    tips_mm: Array
+    base_cosine: float = 1.0
+
+    @property
+    def is_ring(self) -> bool:
+        """Whether the teeth point towards the axis."""
+        return self.flanks.curve.is_ring
+
+    def thicker(self, allowance_mm: float) -> WorkingFlanks:
+        """The same teeth, thicker by an allowance along the pitch curve (thinner where it is negative), half a side."""
+        crossing = self.flanks.crossing_mm + self.flanks.side * allowance_mm / 2.0
+        return replace(self, flanks=replace(self.flanks, crossing_mm=crossing))
+
+    def parallel(self, flank: IndexArray, height_mm: Array, distance_mm: float) -> tuple[Array, Array]:
+        """Points at a distance outside of flanks that touch at heights, and their derivatives by the height."""
+        angle, side = self.flanks.rack.pressure_angle_rad, self.flanks.side[flank][..., None]
+        at = self.flanks.at_rolled(flank, self.flanks.rolled_mm(flank, height_mm))
+        farther = height_mm / sin(angle) + distance_mm
+        along = cos(angle) * at.normal - side * sin(angle) * at.tangent
+        speed = (sin(angle) + farther * at.curvature) / self.flanks.rack.height_per_rolled
+        point = at.position + farther[..., None] * (side * cos(angle) * at.tangent + sin(angle) * at.normal)
+        return point, speed[..., None] * along
+
+
+def working_flanks(gear: ToothedGear, helix_rad: float = 0.0) -> WorkingFlanks:
+    """The flanks of a gear's section whose teeth advance by ``helix_rad`` (0 <= beta < pi/2) from height to height."""
+    high, low = gear.sides.flank_range()
+    rack = gear.flanks.rack
+    if rack.relief is not None:
+        high = np.minimum(high, rack.relief.start_mm)
+    base = cos(atan(tan(helix_rad) * cos(rack.pressure_angle_rad)))
+    return WorkingFlanks(replace(gear.flanks, rack=replace(rack, relief=None)), low, high, _tips(gear), base)
+
+
+def _tips(gear: ToothedGear) -> Array:
+    along, height = gear.sides.tip_mm.reshape(-1, 2), gear.flanks.tip_height_mm.reshape(-1, 2)
+    ends = np.stack([along[:, 0], along.mean(axis=1), along[:, 1]], axis=1)
+    heights = np.stack([height[:, 0], height.mean(axis=1), height[:, 1]], axis=1)
+    return gear.flanks.offset(ends, heights)[0]

@@ -1,0 +1,77 @@
+"""Frames as the bytes of a file: an endless GIF by Pillow, or an MP4 by ffmpeg."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from PIL import Image
+
+from ncgear.output.animation.picture import Frame
+
+COLORS = 128
+"""Of a GIF's palette: more than the drawing has, shades at edges included, and half the bytes of 256."""
+
+PAPER = 244
+"""Least red, green and blue of a colour next to white: Pillow finds a colour of a palette to 4 of 255, and a median of
+many shades of white is up to 4 off as well."""
+
+TICK_MS = 10
+"""GIF tells times in hundredths of a second."""
+
+QUALITY = "20"
+"""Constant rate factor of x264: lines stay sharp, and a loop takes less than the GIF does."""
+
+
+@dataclass(frozen=True)
+class Timing:
+    """How many frames a loop has, and how many seconds it takes."""
+
+    frames: int
+    seconds: float
+
+    @property
+    def durations_ms(self) -> list[int]:
+        """How long each frame is shown in whole ticks, which together are the whole time to a tick."""
+        ends = np.rint(np.arange(self.frames + 1) * (1000.0 * self.seconds / self.frames / TICK_MS)).astype(int)
+        return [int(ticks) * TICK_MS for ticks in np.diff(ends)]
+
+
+def gif_bytes(frames: Iterable[Frame], some: Sequence[Frame], timing: Timing) -> bytes:
+    """A GIF that shows the frames evenly, again and again, in the colours of some of them."""
+    palette, data = _palette(some), BytesIO()
+    first, *others = (Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames)
+    first.save(data, "GIF", save_all=True, append_images=others, duration=timing.durations_ms, loop=0)
+    return data.getvalue()
+
+
+def _palette(frames: Sequence[Frame]) -> Image.Image:
+    """The colours of frames, those next to white made white, so that the paper stays so."""
+    made = Image.fromarray(np.concatenate(frames)).quantize(COLORS, method=Image.Quantize.MEDIANCUT)
+    colors = np.array(made.getpalette()).reshape(-1, 3)
+    colors[colors.min(axis=1) >= PAPER] = 255
+    made.putpalette(colors.ravel().tolist())
+    return made
+
+
+def mp4_bytes(frames: Iterable[Frame], some: Sequence[Frame], timing: Timing) -> bytes:
+    """An MP4 of one loop, H.264 as every player knows it, of the size of some of its frames."""
+    # Not installed by everyone: see formats.format_of.
+    import imageio_ffmpeg
+
+    height, width, _ = some[0].shape
+    rate = {"fps": timing.frames / timing.seconds, "macro_block_size": 2, "pix_fmt_out": "yuv420p"}
+    # Without these the file tells when and by which version it was made.
+    bare = ["-crf", QUALITY, "-fflags", "+bitexact", "-flags:v", "+bitexact", "-movflags", "+faststart"]
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "loop.mp4"
+        writer = imageio_ffmpeg.write_frames(str(path), (width, height), output_params=bare, quality=None, **rate)
+        writer.send(None)
+        for frame in frames:
+            writer.send(np.ascontiguousarray(frame))
+        writer.close()
+        return path.read_bytes()

@@ -1,0 +1,243 @@
+"""Advices: every one appears where it should, says what to change by keys that exist, and following it helps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from copy import deepcopy
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ncgear.design.load import load
+from ncgear.design.schema import Design, json_schema
+from ncgear.drive import Drive
+from ncgear.improvement import Improvement
+from ncgear.output.advice.collected import build_advice, check_advice
+from ncgear.output.advice.values import Advice, Change, Kind, Remedy, Where
+
+DESIGNS = Path(__file__).parents[1] / "designs"
+
+Data = dict[str, Any]
+
+SMALL: Data = {
+    "name": "small",
+    "linkage": {"crank_mm": 40, "rod_mm": 150},
+    "operation": {"speed_rpm": 90},
+    "motion": {"law": "uniform_crank"},
+    "gears": {"teeth": 40, "module_mm": 2, "face_width_mm": 12, "least_contact_ratio": 0.0},
+}
+
+SHARP = {"dedendum": 1.6, "root_radius": 0.1, "pressure_angle_deg": 24}
+
+CASES: dict[str, Data] = {
+    "undercut": {"gears": {"teeth": 12}},
+    "undercut, size by centre distance": {"gears": {"teeth": 12, "module_mm": None, "center_distance_mm": 24}},
+    "undercut, allowed and shifted": {
+        "gears": {"teeth": 12, "undercut": "allow", "profile_shift": {"driving": 0.05}},
+    },
+    "pointed": {
+        "gears": {
+            "teeth": 20,
+            "rack": {"addendum": 1.35, "dedendum": 1.6, "root_radius": 0.1, "pressure_angle_deg": 24},
+        },
+    },
+    "steep rack": {
+        "gears": {"rack": {"pressure_angle_deg": 25, "root_radius": 0.2}},
+        "motion": {"law": "ellipse", "eccentricity": 0.6},
+    },
+    "steep harmonics": {"motion": {"law": "harmonic_ratio", "cosine": [-0.3], "sine": [0.2, 0.3]}},
+    "concave": {"motion": {"law": "ratio_expression", "driven_angle": "phi - 0.2*sin(2*phi)"}, "gears": {"teeth": 80}},
+    "wide ellipse": {"motion": {"law": "ellipse", "eccentricity": 0.72}},
+    "wide expression": {
+        "motion": {"law": "ratio_expression", "ratio": "exp(1.9*cos(phi))", "scale_to_close": True},
+    },
+    "negative resistance": {"resistance": {"expression_n": "x - 10"}},
+    "helical": {"gears": {"helix": {"angle_deg": 12, "kind": "helical", "hand": "left"}}},
+    "loses contact": {
+        "gears": {"rack": {"addendum": 0.5}, "teeth": 20},
+    },
+}
+"""Changes of the small design that ask for an advice each."""
+
+
+def merged(data: Data, changes: Data) -> Data:
+    result = deepcopy(data)
+    for key, value in changes.items():
+        if value is None:
+            result.pop(key, None)
+        elif isinstance(value, dict) and isinstance(result.get(key), dict) and "law" not in value:
+            result[key] = merged(result[key], value)
+        else:
+            result[key] = value
+    return result
+
+
+def data_of(name: str) -> Data:
+    return merged(SMALL, CASES[name]) if name in CASES else load(DESIGNS / f"{name}.yaml").data
+
+
+def drive_of(data: Data) -> Drive:
+    return Drive(Design.model_validate(data))
+
+
+@cache
+def advices(name: str) -> tuple[Advice, ...]:
+    drive = drive_of(data_of(name))
+    return check_advice(drive) + build_advice(drive)
+
+
+def followed(data: Data, remedy: Remedy) -> Data:
+    """The design with a remedy's changes, and with the law that its command finds."""
+    for change in remedy.changes:
+        data = merged(data, nested(change))
+    if remedy.command:
+        assert remedy.command == "ncgear optimize"
+        # The law alone counts here: few harmonics, and nothing that the law's own goal needs beside it.
+        wished = merged(data, {"optimize": {"harmonics": 6}})
+        law = Improvement(Design.model_validate(wished)).law
+        motion = {"law": "harmonic_ratio", "cosine": law.cosine.tolist(), "sine": law.sine.tolist()}
+        data = {**data, "motion": motion}
+    return data
+
+
+def nested(change: Change) -> Data:
+    first, _, rest = change.key.partition(".")
+    value = list(change.value) if isinstance(change.value, tuple) else change.value
+    return {first: nested(Change(rest, change.value)) if rest else value}
+
+
+def kinds(data: Data) -> set[Kind]:
+    drive = drive_of(data)
+    return {advice.kind for advice in check_advice(drive) + build_advice(drive)}
+
+
+def remedies(name: str, *, command: bool) -> Iterator[tuple[Kind, Remedy]]:
+    """Every remedy of a case that says what to change, by a command or without one."""
+    for advice in advices(name):
+        for remedy in advice.remedies:
+            if remedy.changes and bool(remedy.command) is command:
+                yield advice.kind, remedy
+
+
+NOT_REMOVED = {Kind.NEGATIVE_RESISTANCE}
+"""Kinds that a remedy answers otherwise: the load is then what the file says, and stays so in the advice."""
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "gear", "said"),
+    [
+        ("undercut", Kind.UNDERCUT, "driving", "teeth 1-12 of the driving gear"),
+        ("undercut, allowed and shifted", Kind.UNDERCUT, "driving", "flanks are cut away"),
+        ("pointed", Kind.POINTED, "driving", "land under 0.2 modules"),
+        ("steep rack", Kind.PRESSURE_ANGLE, "", "only 47 %"),
+        ("concave", Kind.CONCAVE, "driving", "no hob can cut it"),
+        ("wide ellipse", Kind.RATIO_RANGE, "", "from 0.163"),
+        ("negative resistance", Kind.NEGATIVE_RESISTANCE, "", "0..10 mm"),
+        ("helical", Kind.THRUST, "", "0.213 of the tangential force"),
+        ("loses contact", Kind.CONTACT_RATIO, "", "0.857 pitches"),
+        ("internal-1-2", Kind.RING, "driven", "no hob can cut it"),
+        ("baler", Kind.SPEEDS, "", "2.64 times slower"),
+        ("baler", Kind.SHORTENED, "driving", "would slope too much"),
+    ],
+)
+def test_an_advice_says_what_there_is_and_where(name: str, kind: Kind, gear: str, said: str) -> None:
+    advice = next(advice for advice in advices(name) if advice.kind is kind)
+    assert advice.where[0].gear == gear
+    assert said in advice.line
+
+
+def test_every_kind_is_seen_in_a_test() -> None:
+    names = [*CASES, "baler", "internal-1-2"]
+    assert {advice.kind for name in names for advice in advices(name)} == set(Kind)
+
+
+def test_a_sound_design_has_no_advice() -> None:
+    assert advices("ellipse") == ()
+
+
+def schema_at(key: str) -> list[Data]:
+    """What the schema says of a dotted key; empty where it has none."""
+    schema = json_schema()
+    found = [schema]
+    for part in key.split("."):
+        found = [
+            sub["properties"][part] for one in found for sub in plain(one, schema) if part in sub.get("properties", {})
+        ]
+    return found
+
+
+def plain(one: Data, schema: Data) -> list[Data]:
+    """The alternatives of a schema, references followed."""
+    if "$ref" in one:
+        return plain(schema["$defs"][one["$ref"].rpartition("/")[2]], schema)
+    choices = [*one.get("anyOf", []), *one.get("oneOf", [])]
+    return [found for choice in choices for found in plain(choice, schema)] if choices else [one]
+
+
+def test_every_advised_key_is_one_of_the_schema() -> None:
+    advised = {
+        change.key for name in CASES for advice in advices(name) for r in advice.remedies for change in r.changes
+    }
+    assert len(advised) > 12
+    assert [key for key in advised if not schema_at(key)] == []
+    assert not schema_at("gears.rack.height")
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_following_an_advice_removes_it(name: str) -> None:
+    for kind, remedy in remedies(name, command=False):
+        assert (kind in kinds(followed(data_of(name), remedy))) is (kind in NOT_REMOVED), remedy
+
+
+LIMITED = [name for name in CASES if name.startswith(("steep", "concave", "wide"))]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", LIMITED)
+def test_the_law_that_is_found_within_the_advised_limit_removes_the_advice(name: str) -> None:
+    found = list(remedies(name, command=True))
+    assert found
+    for kind, remedy in found:
+        assert kind not in kinds(followed(data_of(name), remedy)), remedy
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "less"),
+    [
+        ("undercut", Kind.UNDERCUT, {"gears": {"teeth": 16, "module_mm": 1.5}}),
+        ("pointed", Kind.POINTED, {"gears": {"rack": {"addendum": 1.29}}}),
+        ("steep rack", Kind.PRESSURE_ANGLE, {"motion": {"law": "ellipse", "eccentricity": 0.59}}),
+        ("concave", Kind.CONCAVE, {"motion": {**CASES["concave"]["motion"], "driven_angle": "phi - 0.155*sin(2*phi)"}}),
+        ("wide ellipse", Kind.RATIO_RANGE, {"motion": {"law": "ellipse", "eccentricity": 0.67}}),
+    ],
+)
+def test_less_than_what_is_advised_does_not_remove_the_advice(name: str, kind: Kind, less: Data) -> None:
+    assert kind in kinds(merged(data_of(name), less))
+
+
+def test_two_given_sizes_stay_two() -> None:
+    data = merged(SMALL, {"gears": {"teeth": None, "module_mm": 4, "center_distance_mm": 48}})
+    drive = drive_of(data)
+    remedy = next(a for a in build_advice(drive) if a.kind is Kind.UNDERCUT).remedies[0]
+    assert remedy.changes == (Change("gears.teeth", 18), Change("gears.module_mm", None))
+    assert "leave gears.module_mm out" in str(remedy)
+    assert drive_of(followed(data, remedy)).pitch.center_distance_mm == pytest.approx(48.0)
+
+
+def test_a_shift_is_advised_where_it_is_enough_in_place_of_the_given_one() -> None:
+    data = merged(
+        SMALL, {"gears": {"teeth": 12, "lobes": {"driving": 1, "driven": 4}, "profile_shift": {"driving": 0.1}}}
+    )
+    advice = next(a for a in build_advice(drive_of(data)) if a.kind is Kind.UNDERCUT)
+    remedy = next(r for r in advice.remedies if Change("gears.profile_shift.against_undercut", True) in r.changes)
+    assert Change("gears.profile_shift.driving", None) in remedy.changes
+    assert Kind.UNDERCUT not in kinds(followed(data, remedy))
+
+
+def test_values_read_as_text() -> None:
+    where = Where("driving", (1, 2, 3, 7), ((10.0, 10.0), (20.0, 31.0)))
+    assert str(where) == "teeth 1-3, 7 of the driving gear, phi1 = 10, 20..31 deg"
+    assert str(Change("motion.sine", (0.5, 0.25, 0.1, 0.05))) == "motion.sine: [0.5, 0.25, 0.1, and 1 more]"
+    assert str(Remedy("do it", (Change("a.b", True),), "ncgear optimize")) == "do it (a.b: true, then ncgear optimize)"

@@ -1,0 +1,230 @@
+"""The moving picture: its frames show what the law says, its files are whole, and what cannot be written is refused."""
+
+from __future__ import annotations
+
+import subprocess
+from dataclasses import replace
+from io import BytesIO
+from math import pi
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from commands import Run
+from ncgear import extras
+from ncgear.numerics.arrays import Array
+from ncgear.output.animation import animate as animating
+from ncgear.output.animation import looks
+from ncgear.output.animation.animate import Loop, animated
+from ncgear.output.animation.formats import Format
+from ncgear.output.animation.packing import Timing
+from ncgear.output.animation.picture import Frame, Picture, picture
+from ncgear.scene.bodies import Kind
+from ncgear.scene.scene import Scene
+from scenes import GEARLESS, TWO_STAGES, scene
+
+MARK = (0.0, 1.0, 0.0)
+"""A green that nothing else in the picture has."""
+
+WIDTH = 640
+
+
+def drawn(made: Picture, found: Scene, phi1: list[float]) -> list[Frame]:
+    return list(made.frames(found.poses(np.array(phi1))))
+
+
+def marked_mm(made: Picture, frame: Frame, within: tuple[float, float] = (-np.inf, np.inf)) -> Array:
+    """Centre of the marked pixels of the machine's view, in mm, of those with x within bounds."""
+    shade = frame.astype(float)
+    share = np.clip((shade[..., 1] - np.maximum(shade[..., 0], shade[..., 2])) / 255.0, 0.0, 1.0)
+    rows, columns = np.nonzero(share > 0.02)
+    height = frame.shape[0]
+    pixels = np.stack([columns + 0.5, height - (rows + 0.5)], axis=-1)
+    box = made.machine.bbox
+    inside = (pixels[:, 0] > box.x0) & (pixels[:, 0] < box.x1) & (pixels[:, 1] > box.y0)
+    places = made.machine.transData.inverted().transform(pixels)
+    kept = inside & (places[:, 0] > within[0]) & (places[:, 0] < within[1])
+    assert kept.sum() > 4
+    return np.average(places[kept], axis=0, weights=share[rows, columns][kept])
+
+
+def pixel_mm(made: Picture) -> float:
+    left, right = made.machine.get_xlim()
+    return (right - left) / made.machine.bbox.width
+
+
+@pytest.fixture
+def marked_pins(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(looks, "PIN", {"facecolor": MARK, "edgecolor": "none"})
+
+
+@pytest.mark.usefixtures("marked_pins")
+def test_the_pins_are_drawn_where_the_law_has_them() -> None:
+    """To a third of a pixel; the law tells the crank's angle, plane trigonometry the rest."""
+    found = scene("baler")
+    made = picture(found, WIDTH)
+    phi1 = [0.0, 0.7, 2.0, 3.3, 5.5]
+    angle = np.pi - found.machine.transmission.driven_angle(np.array(phi1)).value
+    pin = 380.0 * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    slider = pin[:, 0] + np.sqrt(960.0**2 - pin[:, 1] ** 2)
+    for row, frame in enumerate(drawn(made, found, phi1)):
+        assert np.abs(marked_mm(made, frame, (-np.inf, 480.0)) - pin[row]).max() < pixel_mm(made) / 3.0
+        expected = np.array([slider[row], 0.0])
+        assert np.abs(marked_mm(made, frame, (480.0, np.inf)) - expected).max() < pixel_mm(made) / 3.0
+
+
+@pytest.mark.parametrize(("name", "sense"), [("pump-1-2", 1.0), ("internal-1-2", -1.0)])
+def test_a_point_of_the_driving_gear_turns_with_it(name: str, sense: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A gear that is a square aside of its axis; as the crank turns clockwise, a ring's pinion does so, too."""
+    monkeypatch.setitem(looks.BODIES, Kind.DRIVING, {"facecolor": MARK, "edgecolor": "none"})
+    monkeypatch.setitem(looks.PITCH_CURVES, Kind.DRIVING, {"linestyle": "none"})
+    for link in (Kind.CRANK, Kind.ROD):
+        monkeypatch.setitem(looks.BODIES, link, {"facecolor": "none", "edgecolor": "none"})
+    monkeypatch.setattr(looks, "PIN", {"facecolor": "none", "edgecolor": "none"})
+    found, aside = scene(name), 12.0 + 5.0j
+    made = picture(with_square(found, aside), WIDTH)
+    phi1 = [0.0, 1.0, 3.0, 7.5]
+    x, y = found.axes_mm[0]
+    for angle, frame in zip(phi1, drawn(made, found, phi1), strict=True):
+        expected = complex(x, y) + aside * np.exp(1j * sense * angle)
+        assert np.abs(marked_mm(made, frame) - [expected.real, expected.imag]).max() < pixel_mm(made) / 3.0
+
+
+def with_square(found: Scene, center: complex) -> Scene:
+    corners = center + 2.0 * np.array([-1.0 - 1.0j, 1.0 - 1.0j, 1.0 + 1.0j, -1.0 + 1.0j])
+    square = np.stack([corners.real, corners.imag], axis=-1)
+    (pair,) = found.pairs
+    body = replace(pair.driving.body, contours_mm=(square,))
+    return replace(found, pairs=(replace(pair, driving=replace(pair.driving, body=body)),))
+
+
+def test_the_words_tell_the_pose() -> None:
+    found = scene("uniform-crank")
+    made = picture(found, WIDTH)
+    drawn(made, found, [pi / 2.0])
+    words = [moving.artists[-1].get_text() for moving in made.moving[-3:]]  # type: ignore[attr-defined]
+    # sqrt(960^2 - 380^2) - (960 - 380); at 60 r/min 2 pi 380 mm/s.
+    assert words == ["displacement 302 mm", "velocity 2.39 m/s", "phi1  90.0\u00b0  phi2  90.0\u00b0"]
+
+
+@pytest.mark.parametrize("name", ["baler", "pump-1-2"])
+def test_the_loop_closes(name: str) -> None:
+    """After the last frame comes the first: all that moves is where it was, to the pixel."""
+    found = scene(name)
+    made = picture(found, WIDTH)
+    first, last, middle = drawn(made, found, [1e-9, found.loop_rad + 1e-9, found.loop_rad / 2.0])
+    # The charts below know the turns apart.
+    rows = slice(30, round(first.shape[0] - made.machine.bbox.y0))
+    assert np.array_equal(first[rows], last[rows])
+    assert not np.array_equal(first[rows], middle[rows])
+
+
+def gif(name: str, frames: int = 5, seconds: float = 0.37, width: int = 401) -> Image.Image:
+    loop = Loop(Timing(frames, seconds), width)
+    return Image.open(BytesIO(animated(scene(name), Format.GIF, loop, lambda done, total: None)))
+
+
+@pytest.mark.parametrize("name", ["baler", "internal-1-2", TWO_STAGES, "gearless"])
+def test_a_gif_has_its_frames_its_time_and_its_size(name: str) -> None:
+    made = gif(name)
+    assert made.n_frames == 5  # type: ignore[attr-defined]
+    assert made.width == 400
+    assert made.height % 2 == 0
+    assert made.info["loop"] == 0
+    times, papers = [], []
+    for number in range(5):
+        made.seek(number)
+        times.append(made.info["duration"])
+        papers.append(made.convert("RGB").getpixel((200, 1)))
+    assert sum(times) == 370
+    assert max(times) - min(times) <= 10
+    assert papers == [(255, 255, 255)] * 5
+
+
+def test_the_same_scene_gives_the_same_bytes() -> None:
+    loop = Loop(Timing(3, 1.0), 320)
+    once, again = (animated(scene("ellipse"), Format.GIF, loop, lambda done, total: None) for _ in range(2))
+    assert once == again
+
+
+def test_an_mp4_is_read_back() -> None:
+    ffmpeg = pytest.importorskip("imageio_ffmpeg")
+    loop, told = Loop(Timing(8, 0.5), 321), []
+    found = scene("ellipse")
+    once, again = (animated(found, Format.MP4, loop, lambda *done: told.append(done)) for _ in range(2))
+    assert once == again
+    assert told == [(number, 8) for number in range(1, 9)] * 2
+    (frame, *_) = drawn(picture(found, 321), found, [0.0])
+    frames = read_back(ffmpeg.get_ffmpeg_exe(), once, frame.shape)
+    assert len(frames) == 8
+    # Half of the colours are lost and edges are blurred, but it is the same picture.
+    assert np.abs(frames[0].astype(float) - frame).mean() < 3.0
+    assert np.abs(frames[4].astype(float) - frame).mean() > 3.0
+
+
+def read_back(ffmpeg: str, content: bytes, shape: tuple[int, ...]) -> list[Frame]:
+    """The frames of a video at 16 a second, which is what it was written at."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "loop.mp4"
+        path.write_bytes(content)
+        command = [ffmpeg, "-i", str(path), "-r", "16", "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
+        raw = subprocess.run(command, capture_output=True, check=True).stdout
+    return list(np.frombuffer(raw, np.uint8).reshape(-1, *shape))
+
+
+@pytest.fixture
+def gearless(tmp_path: Path) -> str:
+    """The quickest of designs."""
+    path = tmp_path / "design.yaml"
+    path.write_text(GEARLESS, encoding="utf-8")
+    return str(path)
+
+
+QUICK = ["--frames", "2", "--width", "320"]
+
+
+def test_the_command_writes_where_it_is_told(run: Run, gearless: str) -> None:
+    status, out, _ = run("animate", gearless, *QUICK)
+    assert status == 0
+    assert out.startswith("wrote export/gearless/mechanism.gif: 2 frames in 4 s")
+    assert run("animate", gearless, *QUICK, "--out", "deep/er/one.GIF")[0] == 0
+    assert Path("export/gearless/mechanism.gif").read_bytes() == Path("deep/er/one.GIF").read_bytes()
+
+
+@pytest.mark.parametrize("name", ["one.png", "one", ".gif"])
+def test_other_suffixes_are_refused(run: Run, gearless: str, name: str) -> None:
+    status, _, err = run("animate", gearless, "--out", name)
+    assert status == 2
+    assert err.startswith(f"{name}: ")
+    assert ".gif or .mp4 is right" in err
+
+
+def test_a_missing_library_is_named_with_its_extra(run: Run, gearless: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(extras, "find_spec", lambda library: None)
+    status, _, err = run("animate", gearless, "--out", "one.mp4")
+    assert status == 2
+    assert "imageio_ffmpeg" in err
+    assert "pip install 'ncgear[video]'" in err
+
+
+def test_a_place_that_cannot_be_written_is_refused(run: Run, gearless: str) -> None:
+    Path("file").write_text("in the way")
+    status, _, err = run("animate", gearless, "--out", "file/one.gif")
+    assert status == 2
+    assert err.startswith(str(Path("file")))
+
+
+def test_an_interrupted_run_leaves_the_last_picture(run: Run, gearless: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert run("animate", gearless, *QUICK, "--out", "one.gif")[0] == 0
+    before = Path("one.gif").read_bytes()
+
+    def interrupted(*_: object) -> bytes:
+        raise KeyboardInterrupt
+
+    monkeypatch.setitem(animating.PACKERS, Format.GIF, interrupted)
+    assert run("animate", gearless, *QUICK, "--out", "one.gif")[0] == 130
+    assert Path("one.gif").read_bytes() == before
+    assert [path.name for path in Path().iterdir() if path.name.startswith(".")] == []

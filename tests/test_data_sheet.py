@@ -1,0 +1,181 @@
+"""The data sheet: its values against the design and each other, its tables, its text."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import cos, radians
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from ncgear.design.load import load
+from ncgear.design.schema import Design
+from ncgear.drive import Drive
+from ncgear.output.data_sheet.pitch_table import turn_deg
+from ncgear.output.data_sheet.sheet import data_sheet
+from ncgear.output.data_sheet.text import pitch_csv, sheet_text
+from ncgear.output.data_sheet.values import DataSheet, Row, Table
+from ncgear.output.joints import joints_up_to
+from ncgear.output.page.tables import sheet_tables
+
+DESIGNS = Path(__file__).parents[1] / "designs"
+
+LIMITS = {"standard": "ISO 1328-1", "tooth_thickness_upper_mm": -0.05, "tooth_thickness_lower_mm": -0.1}
+
+
+def drive(name: str, **gears: Any) -> Drive:
+    data = load(DESIGNS / f"{name}.yaml").data
+    return Drive(Design.model_validate({**data, "gears": {**data["gears"], **gears}}))
+
+
+@cache
+def sheet(name: str) -> DataSheet:
+    return data_sheet(drive(name).by_stage[0])
+
+
+@cache
+def toleranced() -> DataSheet:
+    return data_sheet(drive("ellipse", tolerances=LIMITS))
+
+
+def row(found: DataSheet, label: str) -> Row:
+    return next(row for group in found.groups for row in group.rows if row.label == label)
+
+
+def table(found: DataSheet, title: str) -> Table:
+    return next(table for table in found.tables if table.title.startswith(title))
+
+
+NAMES = ["ellipse", "internal-1-2", "helical-ellipse", "baler-66-two-stage", "uniform-crank"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_rows_fit_their_headings_and_every_number_is_finite(name: str) -> None:
+    found = sheet(name)
+    assert {table.title for table in found.tables} >= {"Pitch curves"}
+    for one in found.tables:
+        assert {len(cells) for cells in one.rows} == {len(one.columns)}
+        numbers = [cell for cells in one.rows for cell in cells if isinstance(cell, float)]
+        assert np.isfinite(numbers).all()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_pitch_table_has_a_row_for_each_tooth_and_radii_that_meet(name: str) -> None:
+    found = sheet(name)
+    rows = np.array(table(found, "Pitch curves").rows)
+    distance = row(found, "centre distance").pair
+    sense = -1.0 if "internal" in str(row(found, "kind of gear").driven) else 1.0
+    np.testing.assert_allclose(sense * rows[:, 3] + rows[:, 4], distance, rtol=1e-12)
+    np.testing.assert_allclose(rows[:, 4] / rows[:, 3], rows[:, 2], rtol=1e-12)
+    assert len(rows) > int(str(row(found, "number of teeth").driving))
+    assert rows[-1, 0] == 360.0
+
+
+@pytest.mark.parametrize(("teeth", "rows"), [(37, 73), (73, 91), (100, 121), (10_000, 10_001)])
+def test_the_step_of_the_pitch_table_follows_the_teeth(teeth: int, rows: int) -> None:
+    assert turn_deg(teeth).size == rows
+
+
+def test_pitch_radii_are_within_their_range() -> None:
+    found = sheet("ellipse")
+    radii = np.array(table(found, "Pitch curves").rows)[:, 3]
+    least, greatest = (row(found, f"{word} pitch radius").driving for word in ("least", "greatest"))
+    assert least == pytest.approx(radii.min(), rel=1e-3)
+    assert greatest == pytest.approx(radii.max(), rel=1e-3)
+    assert least <= radii.min()
+    assert greatest >= radii.max()
+
+
+def test_the_interpolation_of_the_pitch_table_is_as_good_as_it_says() -> None:
+    pair = drive("ellipse")
+    found = table(sheet("ellipse"), "Pitch curves")
+    rows = np.array(found.rows)
+    assert joints_up_to(pair.transmission, 6.0).size == 0
+    phi1 = np.linspace(0.0, 360.0, 3601)
+    off = np.interp(phi1, rows[:, 0], rows[:, 1]) - np.degrees(pair.transmission.driven_angle(np.radians(phi1)).value)
+    said = float(found.notes[0].split(" deg of phi2")[0].split()[-1])
+    assert np.abs(off).max() == pytest.approx(said, rel=0.05)
+
+
+def test_the_sheet_says_what_the_design_gives() -> None:
+    found = data_sheet(drive("ellipse", rack={"tip_relief": {"amount": 0.02}, "addendum": 0.9}))
+    assert row(found, "basic rack of ISO 53").pair == "profile A, coefficients as below"
+    assert row(found, "addendum coefficient").pair == pytest.approx(0.9)
+    assert row(found, "tip relief at 0.9 modules").pair == pytest.approx(0.04)
+    assert row(found, "bore").driving == 10
+    assert row(found, "normal backlash of the pair").pair == 0.06
+
+
+def test_a_ring_has_pins_and_says_that_it_has_no_span() -> None:
+    found = sheet("internal-1-2")
+    assert "not defined" in str(row(found, "places of a span").driven)
+    assert "near side" in table(found, "Pins of 4.25 mm in the driven").columns[-1].label
+    assert "between two pins" in table(found, "Measurement between").columns[-1].label
+
+
+def test_flanks_of_equivalent_gears_have_pins_and_no_span() -> None:
+    found = data_sheet(drive("ellipse", method="equivalent_gear"))
+    assert "equivalent" in str(row(found, "places of a span").driving)
+    assert row(found, "spaces in which they measure").driving == "all"
+
+
+def test_helical_gears_are_measured_with_balls_half_way_up() -> None:
+    found = sheet("helical-ellipse")
+    assert row(found, "section that is measured, z").pair == 5.0
+    assert row(found, "diameter of measuring balls").driving == 2.75
+
+
+def test_limits_of_the_tooth_thickness_are_limits_of_spans_and_pins() -> None:
+    span = np.array([cells[4:5] + cells[6:] for cells in table(toleranced(), "Span of the driving").rows], dtype=float)
+    np.testing.assert_allclose(span[:, 1:] - span[:, :1], [[-0.1 * cos(radians(20.0)), -0.05 * cos(radians(20.0))]] * 4)
+    for title in ("Pins of 4 mm in the driven", "Measurement over two pins"):
+        rows = np.array([cells[-3:] for cells in table(toleranced(), title).rows], dtype=float)
+        assert np.all(rows[:, 1] < rows[:, 2])
+        assert np.all(rows[:, 2] < rows[:, 0])
+    assert row(toleranced(), "standard").pair == "ISO 1328-1"
+
+
+def test_a_given_pin_is_taken_and_spaces_where_it_measures_nothing_are_named() -> None:
+    found = data_sheet(drive("ellipse", measuring_pin_mm=3.0))
+    assert row(found, "diameter of measuring pins").driving == 3.0
+    notes = table(found, "Pins of 3 mm in the driving").notes
+    assert any(note.startswith("not defined in the spaces after teeth") for note in notes)
+
+
+@pytest.mark.parametrize(
+    ("given", "key"),
+    [
+        ({"tooth_thickness_upper_mm": -0.1}, "tooth_thickness_lower_mm"),
+        ({"tooth_thickness_upper_mm": -0.1, "tooth_thickness_lower_mm": -0.05}, "tooth_thickness_lower_mm"),
+    ],
+)
+def test_limits_of_the_tooth_thickness_that_are_no_range_are_refused(given: dict[str, float], key: str) -> None:
+    with pytest.raises(ValidationError) as refused:
+        drive("ellipse", tolerances=given)
+    assert refused.value.errors()[0]["ctx"]["key"] == key
+
+
+def test_the_text_has_every_group_and_table() -> None:
+    found = toleranced()
+    text = sheet_text(found)
+    for title in [*(group.title for group in found.groups), *(table.title for table in found.tables)]:
+        assert f"\n## {title}\n" in text
+    assert "| module | 2 |  | mm |" in text
+    assert "None" not in text
+
+
+def test_the_report_shows_measurements_to_a_tenth_of_a_micrometre() -> None:
+    shown = next(table for table in sheet_tables(toleranced()) if table.title.startswith("Span of the driving"))
+    nominal = [cells[4] for cells in table(toleranced(), "Span of the driving").rows]
+    assert [float(cells.cells[4]) for cells in shown.rows] == pytest.approx(nominal, abs=1e-4)
+
+
+def test_the_pitch_file_is_the_law() -> None:
+    pair = drive("ellipse")
+    rows = np.array([line.split(",") for line in pitch_csv(pair).splitlines()[1:]], dtype=float)
+    assert rows.shape == (721, 5)
+    expected = np.degrees(pair.transmission.driven_angle(np.radians(rows[:, 0])).value)
+    np.testing.assert_allclose(rows[:, 1], expected, atol=1e-12)
