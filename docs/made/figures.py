@@ -30,15 +30,16 @@ DRAWN: dict[str, Callable[[], bytes]] = {
 """Pictures made for a page, by their names in docs/images."""
 
 COMMANDS: dict[str, dict[str, str]] = {
-    "build designs/baler-86.yaml": {"tooth_pair.png": "baler-86-tooth-pair.png"},
-    "build designs/pusher.yaml": {
+    "build designs/baler-86.yaml --out {folder}": {"tooth_pair.png": "baler-86-tooth-pair.png"},
+    "build designs/pusher.yaml --out {folder}": {
         "tooth_pair.png": "pusher-tooth-pair.png",
         "motion.png": "pusher-motion.png",
         "power.png": "pusher-power.png",
     },
-    "frontier designs/baler-frontier.yaml": {"frontier.png": "baler-frontier.png"},
+    "animate designs/pusher.yaml --frames 36 --width 640 --out {folder}/pusher.gif": {"pusher.gif": "pusher.gif"},
+    "frontier designs/baler-frontier.yaml --out {folder}": {"frontier.png": "baler-frontier.png"},
 }
-"""Commands, and what of their output goes into docs/images under which name."""
+"""Commands, and what of their output in a folder goes into docs/images under which name."""
 
 OWN_PAGES = ("ncgear bench --out docs", "ncgear reproduce --out docs")
 """Commands that write a page of docs/ with its pictures."""
@@ -59,7 +60,7 @@ def make_pictures() -> None:
 
 def _copy_from(command: str, found: dict[str, str]) -> None:
     with TemporaryDirectory() as folder:
-        words = [sys.executable, "-m", "ncgear", *command.split(), "--out", folder]
+        words = [sys.executable, "-m", "ncgear", *command.format(folder=folder).split()]
         subprocess.run(words, cwd=DOCS.parent, check=True)
         for written, name in found.items():
             (IMAGES / name).write_bytes((Path(folder) / written).read_bytes())

@@ -33,7 +33,8 @@ class Parameter:
             return str(self.info.metavar)
         # In an annotation typer takes the first flag for the default.
         flags = [one for one in (self.info.default, *(self.info.param_decls or ())) if isinstance(one, str)]
-        return f"{next(iter(flags), f'--{self.name}')} {self.value}".rstrip()
+        flag = next(iter(flags), f"--{self.name}").replace("_", "-")
+        return f"{flag} {self.value}".rstrip()
 
     @property
     def value(self) -> str:
