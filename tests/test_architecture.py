@@ -126,8 +126,19 @@ except SystemExit as exit_:
 """
 """A command as a user gives it, in an interpreter that has loaded nothing else."""
 
-LIBRARIES = {"trimesh", "matplotlib", "sympy", "shapely", "casadi", "clarabel", "scipy", "mapbox_earcut", "networkx"}
-"""Meshes, plots, algebra, planes, and every solver."""
+LIBRARIES = {
+    "OCP",
+    "trimesh",
+    "matplotlib",
+    "sympy",
+    "shapely",
+    "casadi",
+    "clarabel",
+    "scipy",
+    "mapbox_earcut",
+    "networkx",
+}
+"""Meshes, plots, algebra, planes, every solver, and the kernel of solids."""
 
 
 def loaded_by(*arguments: str) -> set[str]:

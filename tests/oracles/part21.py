@@ -1,6 +1,6 @@
 """A reader of STEP files that knows nothing of who wrote them: ISO 10303-21 text, and curves evaluated by scipy.
 
-It takes in only what the side walls of prisms are made of: B-splines, circles, lines; planes, cylinders, extrusions.
+It takes in only what gears are made of: B-splines, circles, lines; planes, cylinders, extrusions, B-spline surfaces.
 """
 
 from __future__ import annotations
@@ -109,6 +109,25 @@ class Part21:
         _, degree, poles, _, _, _, times, knots, _ = curve.arguments
         every = np.repeat(np.array(knots, dtype=float), np.array(times, dtype=int))
         return BSpline(every, np.array([self.triple(pole) for pole in poles]), int(degree))
+
+    def meets(self, surface: Entity, height: float) -> bool:
+        """Whether a height is among those of a B-spline surface's poles."""
+        heights = [self.triple(pole)[2] for pole in surface.arguments[3][0]]
+        return min(heights) <= height <= max(heights)
+
+    def level(self, surface: Entity, height: float, samples: int) -> Array:
+        """Points of a B_SPLINE_SURFACE_WITH_KNOTS, its second parameter rising, at a height; shape (samples + 1, 3)."""
+        assert surface.name == "B_SPLINE_SURFACE_WITH_KNOTS", surface.name
+        _, u_degree, v_degree, poles, _, _, _, _, u_times, v_times, u_knots, v_knots, _ = surface.arguments
+        grid = np.array([[self.triple(pole) for pole in row] for row in poles])
+        u, v = (
+            np.repeat(np.array(knots, dtype=float), np.array(times, dtype=int))
+            for knots, times in ((u_knots, u_times), (v_knots, v_times))
+        )
+        rising = BSpline(v, grid.swapaxes(0, 1), int(v_degree))
+        share = (height - grid[0, 0, 2]) / (grid[0, -1, 2] - grid[0, 0, 2])
+        along = BSpline(u, rising(v[0] + share * (v[-1] - v[0])), int(u_degree))
+        return np.asarray(along(np.linspace(u[0], u[-1], samples + 1)))
 
     def _arc(self, circle: Entity, start: Array, end: Array, share: Array) -> Array:
         _, place, radius = circle.arguments

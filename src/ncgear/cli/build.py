@@ -21,7 +21,10 @@ def build(
     ] = None,
     kinds: Annotated[
         list[Format] | None,
-        typer.Option("--format", help="Files for the workshop, may be given again; left out: dxf, svg, 3mf and glb."),
+        typer.Option(
+            "--format",
+            help="Files for the workshop, may be given again; left out: all but step, which needs an extra.",
+        ),
     ] = None,
     report: Annotated[bool, typer.Option("--report", help="Also write report.html, as ncgear report does.")] = False,
     timing: Timing = False,

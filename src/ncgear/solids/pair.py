@@ -44,6 +44,10 @@ class SolidPair:
     driving: GearSolid
     driven: GearSolid
 
+    def of(self, gear: Gear) -> GearSolid:
+        """One of them."""
+        return self.driving if gear is Gear.DRIVING else self.driven
+
     def __repr__(self) -> str:
         return f"SolidPair(\n  driving: {self.driving!r},\n  driven: {self.driven!r})"
 

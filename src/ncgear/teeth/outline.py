@@ -47,10 +47,15 @@ def exact_curves(tips: Tips, sides: Sides) -> list[Stretch]:
     """All curves of the outline in the sense of growing arc length, each smooth: whole between its corners, the joints
     of the pitch curve and the beginning of a tip relief."""
     flanks = tips.flanks
-    runs, relief = _side_runs(flanks, sides, FLANK), flanks.rack.relief
-    if relief is not None:
-        runs = parted(runs, np.full(runs.owner.size, relief.start_mm))
-    return [_real(flanks, stretch) for stretch in (runs, *_off_flanks(tips, sides))]
+    runs, *others = whole_curves(tips, sides)
+    if flanks.rack.relief is not None:
+        runs = parted(runs, np.full(runs.owner.size, flanks.rack.relief.start_mm))
+    return [_real(flanks, stretch) for stretch in (runs, *others)]
+
+
+def whole_curves(tips: Tips, sides: Sides) -> list[Stretch]:
+    """All curves of the outline, whole between its corners: flanks, fillets, tip lands and root lands."""
+    return [_side_runs(tips.flanks, sides, FLANK), *_off_flanks(tips, sides)]
 
 
 def _real(flanks: Flanks, stretch: Stretch) -> Stretch:

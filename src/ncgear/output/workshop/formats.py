@@ -24,6 +24,7 @@ WRITERS = {
     Format.SVG: Writer("svg", "svg_files", ("driving.svg", "driven.svg")),
     Format.THREEMF: Writer("threemf", "threemf_files", ("gears.3mf",)),
     Format.GLB: Writer("glb", "glb_files", ("pair.glb",)),
+    Format.STEP: Writer("step", "step_files", ("driving.step", "driven.step", "pair.step")),
 }
 
 NAMES = tuple(name for writer in WRITERS.values() for name in writer.names)

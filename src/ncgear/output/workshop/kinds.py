@@ -12,7 +12,8 @@ class Format(StrEnum):
     SVG = "svg"
     THREEMF = "3mf"
     GLB = "glb"
+    STEP = "step"
 
 
 USUAL = (Format.DXF, Format.SVG, Format.THREEMF, Format.GLB)
-"""Written unless others are asked for."""
+"""Written unless others are asked for: all that need no extra library."""

@@ -2,50 +2,38 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ncgear.design.gears import Gears
 from ncgear.drive import Drive
 from ncgear.errors import WrongInput
 from ncgear.extras import require
 from ncgear.pitch.shape import Gear
-from ncgear.recipe.bodies import rim_mm_of
-from ncgear.solids.ring import outer_radius_mm
-from ncgear.teeth.contour import Contour, contour_of
-
-if TYPE_CHECKING:
-    from OCP.TopoDS import TopoDS_Shape
-
-SHARE = 0.1
-"""Of the chord tolerance, which faces may stray from the exact ones: even where the working flanks of an outline get
-the least share of it, 0.15, the faces are the closer ones, so that gears made of them miss the law no more."""
 
 
 def step_files(drive: Drive) -> dict[str, bytes]:
-    """``driving.step``, ``driven.step`` and ``pair.step`` by their names.
+    """``driving.step``, ``driven.step`` and ``pair.step`` by their names, read back and found the same.
 
-    Raises WrongInput when the library is not installed, and for helical teeth, chamfer and clearance: only meshes have
-    them.
+    Raises WrongInput when the library is not installed, and for what only meshes have: a chamfer, a clearance, helical
+    teeth that do not go up smoothly.
     """
     require("OCP", "step", "--format step")
     _refuse_what_only_meshes_have(drive.gears)
     from ncgear.output.workshop.step_document import Part, assembly_bytes, part_bytes
     from ncgear.output.workshop.step_read import require_same
+    from ncgear.output.workshop.step_shapes import solids_of_drive
 
-    contours = {gear: _contour(drive, gear) for gear in Gear}
-    shapes = {gear: _shape(drive, gear, contours[gear]) for gear in Gear}
+    solids = solids_of_drive(drive)
+    title = drive.design.name if drive.stage is None else f"{drive.design.name}-stage-{drive.stage}"
+    words = _description(title, max(solid.deviation_mm for solid in solids.values()))
     place = {Gear.DRIVING: 0.0, Gear.DRIVEN: drive.pitch.center_distance_mm}
-    parts = [Part(gear.value, shapes[gear], place[gear]) for gear in Gear]
-    words = _description(drive, contours)
-    files = {f"{gear.value}.step": part_bytes(Part(gear.value, shapes[gear]), words) for gear in Gear}
-    files["pair.step"] = assembly_bytes(drive.design.name, parts, words)
-    require_same(files["pair.step"], [shapes[gear] for gear in Gear])
+    files = {f"{gear.value}.step": part_bytes(Part(gear.value, solids[gear].shape), words) for gear in Gear}
+    parts = [Part(gear.value, solids[gear].shape, place[gear]) for gear in Gear]
+    files["pair.step"] = assembly_bytes(title, parts, words)
+    require_same(files["pair.step"], [part.shape for part in parts])
     return files
 
 
 def _refuse_what_only_meshes_have(gears: Gears) -> None:
     for name, given in {
-        "helix": gears.helix is not None,
         "first_layer_chamfer_mm": gears.first_layer_chamfer_mm > 0.0,
         "process_clearance_mm": gears.process_clearance_mm > 0.0,
     }.items():
@@ -54,23 +42,6 @@ def _refuse_what_only_meshes_have(gears: Gears) -> None:
             raise WrongInput(problem, key=f"gears.{name}")
 
 
-def _contour(drive: Drive, gear: Gear) -> Contour:
-    teeth = drive.sound_teeth
-    own = teeth.driving if gear is Gear.DRIVING else teeth.driven
-    return contour_of(own, SHARE * drive.design.output.chord_tolerance_mm)
-
-
-def _shape(drive: Drive, gear: Gear, contour: Contour) -> TopoDS_Shape:
-    from ncgear.solids.brep.gear import gear_shape, ring_shape
-
-    plan = (drive.solids.driving if gear is Gear.DRIVING else drive.solids.driven).plan
-    if gear is Gear.DRIVING or not drive.pitch.driven.is_ring:
-        return gear_shape(contour, plan)
-    rim = rim_mm_of(drive.gears, drive.pitch.size.module_mm)
-    return ring_shape(contour, plan, outer_radius_mm(drive.teeth.driven.outline_mm, rim))
-
-
-def _description(drive: Drive, contours: dict[Gear, Contour]) -> str:
+def _description(title: str, deviation_mm: float) -> str:
     """What the header says of the files: how far faces were found from the exact ones."""
-    most = max(contour.deviation_mm for contour in contours.values())
-    return f"{drive.design.name}: tooth faces within {most:.1e} mm of the exact ones"
+    return f"{title}: tooth faces within {deviation_mm:.1e} mm of the exact ones"

@@ -1,4 +1,4 @@
-"""Gears with straight teeth as solids whose every flank, fillet and land is one face."""
+"""Gears as solids whose every flank, fillet and land is one face."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ from OCP.TopoDS import TopoDS_Shape, TopoDS_Wire
 
 from ncgear.solids.body import BodyPlan
 from ncgear.solids.brep.booleans import cut, fused
-from ncgear.solids.brep.cuts import bore_tool, pocket_tools, screw_drill
+from ncgear.solids.brep.cuts import BEYOND_MM, bore_tool, pocket_tools, screw_drill
+from ncgear.solids.brep.helical import helical_shape
 from ncgear.solids.brep.prism import prism
 from ncgear.solids.brep.wires import bore_wire, circle_wire, wire_of
+from ncgear.solids.patches import Patches
 from ncgear.teeth.contour import Contour
 
 
@@ -23,6 +25,12 @@ def gear_shape(contour: Contour, plan: BodyPlan) -> TopoDS_Shape:
         return _sound(_cut_and_bored(prism(outer, holes, 0.0, plan.face_width_mm), plan))
     bore = [] if plan.bore is None else [bore_wire(plan.bore)]
     return _sound(prism(outer, [*holes, *bore], 0.0, plan.face_width_mm))
+
+
+def helical_gear_shape(patches: Patches, plan: BodyPlan, *, herringbone: bool) -> TopoDS_Shape:
+    """A gear with helical teeth, as ``gear_shape``."""
+    drills = [prism(hole, [], -BEYOND_MM, plan.face_width_mm + BEYOND_MM) for hole in _round_holes(plan)]
+    return _sound(_cut_and_bored(cut(helical_shape(patches, herringbone=herringbone), drills), plan))
 
 
 def ring_shape(contour: Contour, plan: BodyPlan, radius_mm: float) -> TopoDS_Shape:

@@ -11,12 +11,12 @@ from OCP.TopoDS import TopoDS_Shape
 
 def solids_of(shape: TopoDS_Shape) -> list[TopoDS_Shape]:
     """Its solids in their order."""
-    return _parts(shape, TopAbs_SOLID)
+    return parts_of(shape, TopAbs_SOLID)
 
 
 def faces_of(shape: TopoDS_Shape) -> list[TopoDS_Shape]:
     """Its faces in their order."""
-    return _parts(shape, TopAbs_FACE)
+    return parts_of(shape, TopAbs_FACE)
 
 
 def volume_mm3(shape: TopoDS_Shape) -> float:
@@ -26,7 +26,8 @@ def volume_mm3(shape: TopoDS_Shape) -> float:
     return float(properties.Mass())
 
 
-def _parts(shape: TopoDS_Shape, kind: TopAbs_ShapeEnum) -> list[TopoDS_Shape]:
+def parts_of(shape: TopoDS_Shape, kind: TopAbs_ShapeEnum) -> list[TopoDS_Shape]:
+    """Its parts of a kind in their order."""
     explorer, found = TopExp_Explorer(shape, kind), []
     while explorer.More():
         found.append(explorer.Current())

@@ -22,15 +22,15 @@ from ncgear.teeth.splines import DEGREE
 UP = gp_Dir(0.0, 0.0, 1.0)
 
 
-def wire_of(curves: Sequence[Curve]) -> TopoDS_Wire:
+def wire_of(curves: Sequence[Curve], height_mm: float = 0.0) -> TopoDS_Wire:
     """A closed wire of curves, each of which begins where the last one ends; they share vertices there.
 
     Raises RuntimeError, a fault of ncgear, where the kernel finds them apart.
     """
-    vertices = [BRepBuilderAPI_MakeVertex(_point(curve.start)).Vertex() for curve in curves]
+    vertices = [BRepBuilderAPI_MakeVertex(_point(curve.start, height_mm)).Vertex() for curve in curves]
     maker = BRepBuilderAPI_MakeWire()
     for curve, start, end in zip(curves, vertices, [*vertices[1:], vertices[0]], strict=True):
-        maker.Add(_edge(_geometry(curve), start, end).Edge())
+        maker.Add(_edge(_geometry(curve, height_mm), start, end).Edge())
         if not maker.IsDone():
             raise RuntimeError(f"a curve that begins at {curve.start.tolist()} mm does not close an outline")
     return maker.Wire()
@@ -60,27 +60,32 @@ def _edge(curve: Geom_Curve, start: TopoDS_Vertex, end: TopoDS_Vertex) -> BRepBu
     return BRepBuilderAPI_MakeEdge(curve, start, end, curve.FirstParameter(), curve.LastParameter())
 
 
-def _geometry(curve: Curve) -> Geom_Curve:
+def _geometry(curve: Curve, height: float) -> Geom_Curve:
     match curve:
         case Line():
-            return GC_MakeSegment(_point(curve.start), _point(curve.end)).Value()
+            return GC_MakeSegment(_point(curve.start, height), _point(curve.end, height)).Value()
         case Arc():
-            return GC_MakeArcOfCircle(*(_point(at) for at in (curve.start, curve.middle, curve.end))).Value()
+            return GC_MakeArcOfCircle(*(_point(at, height) for at in (curve.start, curve.middle, curve.end))).Value()
         case Spline():
-            return _bspline(curve)
+            return _bspline(curve, height)
 
 
-def _bspline(curve: Spline) -> Geom_BSplineCurve:
-    knots, times = np.unique(curve.knots, return_counts=True)
+def _bspline(curve: Spline, height: float) -> Geom_BSplineCurve:
     poles = Array1_gp_Pnt(1, len(curve.poles_mm))
     for number, pole in enumerate(curve.poles_mm, 1):
-        poles.SetValue(number, _point(pole))
-    values, multiplicities = Array1_double(1, knots.size), Array1_int(1, knots.size)
-    for number, (knot, count) in enumerate(zip(knots, times, strict=True), 1):
+        poles.SetValue(number, _point(pole, height))
+    return Geom_BSplineCurve(poles, *knots_of(curve.knots), DEGREE)
+
+
+def knots_of(knots: Array) -> tuple[Array1_double, Array1_int]:
+    """Distinct knots and how often each stands, from knots of shape (n,)."""
+    distinct, times = np.unique(knots, return_counts=True)
+    values, multiplicities = Array1_double(1, distinct.size), Array1_int(1, distinct.size)
+    for number, (knot, count) in enumerate(zip(distinct, times, strict=True), 1):
         values.SetValue(number, float(knot))
         multiplicities.SetValue(number, int(count))
-    return Geom_BSplineCurve(poles, values, multiplicities, DEGREE)
+    return values, multiplicities
 
 
-def _point(at: Array) -> gp_Pnt:
-    return gp_Pnt(float(at[0]), float(at[1]), 0.0)
+def _point(at: Array, height: float) -> gp_Pnt:
+    return gp_Pnt(float(at[0]), float(at[1]), height)
