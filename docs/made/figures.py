@@ -61,6 +61,6 @@ def make_pictures() -> None:
 def _copy_from(command: str, found: dict[str, str]) -> None:
     with TemporaryDirectory() as folder:
         words = [sys.executable, "-m", "ncgear", *command.format(folder=folder).split()]
-        subprocess.run(words, cwd=DOCS.parent, check=True)
+        subprocess.run(words, cwd=DOCS.parent, check=True, stdout=subprocess.DEVNULL)
         for written, name in found.items():
             (IMAGES / name).write_bytes((Path(folder) / written).read_bytes())
