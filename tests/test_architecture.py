@@ -93,8 +93,9 @@ def test_every_room_has_a_layer() -> None:
 
 WRITES = {"write_bytes", "write_text", "write", "savetxt", "tofile", "export"}
 
-WRITERS = {"output/publish.py", "cli/new.py", "frontier.py"}
-"""What may write files: whole sets of files; a new design file, of which the path is free; lines of finished points."""
+WRITERS = {"output/publish.py", "cli/new.py", "frontier.py", "output/workshop/dxf.py"}
+"""What may write files: whole sets of files; a new design file, of which the path is free; lines of finished points.
+And what calls the same of a library, for a text in memory."""
 
 
 def writes_to_paths(text: str) -> bool:

@@ -15,7 +15,7 @@ from shapely import Point, Polygon
 
 from ncgear.balance.boss import balancing_boss
 from ncgear.balance.drilling import Drills, drilled_holes
-from ncgear.balance.gear_body import area_moment_mm3, mesh_body, plate_body
+from ncgear.balance.gear_body import mesh_body, plate_body
 from ncgear.balance.gear_correction import BossSize, Corrected, Means, corrected
 from ncgear.balance.grades import grade_reached, permissible_unbalance_kg_mm
 from ncgear.design.load import load
@@ -23,6 +23,7 @@ from ncgear.drive import Drive
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.solids.bore import circle_points
 from ncgear.solids.extrude import extruded
+from ncgear.solids.inertia import area_moments
 from pairs import DESIGNS
 
 STEEL = 7850.0
@@ -123,7 +124,7 @@ def test_holes_balance_the_mesh() -> None:
 
 
 def test_holes_keep_their_walls() -> None:
-    found = drilled_holes(SLIGHT, area_moment_mm3(SLIGHT), DRILLS, "gears")
+    found = drilled_holes(SLIGHT, area_moments(SLIGHT).first_mm3, DRILLS, "gears")
     discs = [Point(hole.x_mm, hole.y_mm).buffer(hole.diameter_mm / 2.0, quad_segs=64) for hole in found]
     assert all(hole.distance(SLIGHT.boundary) >= 3.0 - 1e-9 for hole in discs)
     assert all(one.distance(other) >= 3.0 - 1e-9 for k, one in enumerate(discs) for other in discs[:k])
@@ -132,7 +133,7 @@ def test_holes_keep_their_walls() -> None:
 
 def test_no_other_holes_on_the_lattice_take_less() -> None:
     """All but two are full: a corner of the linear programme."""
-    diameters = [hole.diameter_mm for hole in drilled_holes(SLIGHT, area_moment_mm3(SLIGHT), DRILLS, "gears")]
+    diameters = [hole.diameter_mm for hole in drilled_holes(SLIGHT, area_moments(SLIGHT).first_mm3, DRILLS, "gears")]
     assert sum(diameter < DRILLS.largest_mm * (1.0 - 1e-9) for diameter in diameters) <= 2
 
 
@@ -151,7 +152,7 @@ def test_a_boss_balances_the_mesh(height: float) -> None:
 
 def test_no_boss_of_the_height_is_lighter() -> None:
     """Against a linear programme over the cells of a fine grid of the room."""
-    moment = area_moment_mm3(SLIGHT) * 15.0
+    moment = area_moments(SLIGHT).first_mm3 * 15.0
     found = balancing_boss(SLIGHT, moment, 10.0, 2.0, "gears")
     x, y = np.meshgrid(np.arange(-60.0, 63.0), np.arange(-62.0, 60.0))
     inside = shapely.contains_xy(SLIGHT.buffer(-2.0), x, y)
@@ -176,7 +177,7 @@ def test_holes_and_a_boss_balance_an_elliptical_gear() -> None:
 
 
 def test_a_low_boss_is_refused_with_a_height_that_does() -> None:
-    gear, moment = section("ellipse", "driving"), area_moment_mm3(section("ellipse", "driving")) * 12.0
+    gear, moment = section("ellipse", "driving"), area_moments(section("ellipse", "driving")).first_mm3 * 12.0
     with pytest.raises(NoSuchMechanism, match=r"one of (\d+) mm would") as error:
         balancing_boss(gear, moment, 40.0, 2.0, "gears.boss.height_mm")
     height = float(str(error.value).split("one of ")[1].split(" ")[0])
@@ -212,9 +213,9 @@ def test_every_gear_balances_with_the_height_advised(offset: float, direction: f
 
 def test_no_room_for_holes() -> None:
     with pytest.raises(NoSuchMechanism, match="no hole of 200 mm"):
-        drilled_holes(SLIGHT, area_moment_mm3(SLIGHT), Drills(200.0, 3.0, 2.0), "gears.holes")
+        drilled_holes(SLIGHT, area_moments(SLIGHT).first_mm3, Drills(200.0, 3.0, 2.0), "gears.holes")
     with pytest.raises(WrongInput, match="too many to choose from"):
-        drilled_holes(SLIGHT, area_moment_mm3(SLIGHT), Drills(0.01, 0.01, 0.01), "gears.holes")
+        drilled_holes(SLIGHT, area_moments(SLIGHT).first_mm3, Drills(0.01, 0.01, 0.01), "gears.holes")
 
 
 def test_a_boss_around_the_bore_is_one_sound_mesh() -> None:

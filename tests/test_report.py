@@ -295,6 +295,14 @@ def test_a_cursor_that_is_off_is_seen() -> None:
     assert farthest_from_curve(reports.motion("baler")[0], (0.0, 361.0)) > DRAWN_OFF
 
 
+def test_small_forces_and_powers_are_in_newtons_and_watts() -> None:
+    """400 N against the pump's slider, 27 kN against the baler's."""
+    force, power = reports.motion("pump-1-2")[3:5]
+    assert (force.unit, power.unit) == ("N", "W")
+    assert float(force.lines[0].values.max()) == pytest.approx(400.0)
+    assert [chart.unit for chart in reports.motion("baler")[3:5]] == ["kN", "kW"]
+
+
 @pytest.mark.parametrize(
     ("largest", "decimals"), [(760.0, 1), (1.87, 3), (0.0187, 5), (12345.0, 0), (0.0, 0), (1000.0, 0)]
 )

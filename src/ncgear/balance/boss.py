@@ -17,9 +17,9 @@ from shapely import MultiPolygon, Polygon
 from shapely.affinity import rotate
 from shapely.geometry.base import BaseGeometry
 
-from ncgear.balance.gear_body import area_moment_mm3
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
+from ncgear.solids.inertia import area_moments
 
 SOLVED = 1e-9
 """Share of the moment that may be left: rounding of areas of some thousand corners."""
@@ -66,7 +66,7 @@ def _most(room: BaseGeometry, needed: complex) -> float:
     multiples = []
     for turn in np.linspace(-WIDEST_RAD, WIDEST_RAD, STARTS):
         direction = needed * np.exp(1j * turn)
-        farthest = area_moment_mm3(_beyond(room, float(np.angle(direction)), 0.0))
+        farthest = area_moments(_beyond(room, float(np.angle(direction)), 0.0)).first_mm3
         multiples.append((np.conj(direction) * farthest).real / (np.conj(direction) * needed).real)
     return float(min(multiples))
 
@@ -82,7 +82,7 @@ def _solved(room: BaseGeometry, needed: complex) -> MultiPolygon:
     def dual(scaled: Array) -> tuple[float, Array]:
         line = complex(scaled[0], scaled[1]) / reach
         beyond = _chord(room, line)
-        excess = (area_moment_mm3(beyond) - needed) / abs(needed)
+        excess = (area_moments(beyond).first_mm3 - needed) / abs(needed)
         value = (np.conj(line) * excess).real - float(beyond.area) / abs(needed)
         return reach * value, np.array([excess.real, excess.imag])
 

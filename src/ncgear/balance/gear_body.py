@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-import shapely
-from shapely import MultiPolygon, Polygon
+from shapely import Polygon
 from trimesh import Trimesh
 
-from ncgear.numerics.arrays import Array
-from ncgear.solids.inertia import KG_MM3
+from ncgear.solids.inertia import KG_MM3, area_moments
 
 
 @dataclass(frozen=True)
@@ -38,15 +35,9 @@ class GearBody:
 
 
 def plate_body(section: Polygon, thickness_mm: float, density_kg_m3: float) -> GearBody:
-    """Of a plate: a section in mm, about the origin, by Green's theorem on its outlines."""
-    area, first, polar = _moments(section)
-    per_area = KG_MM3 * density_kg_m3 * thickness_mm
-    return GearBody(per_area * area.real, per_area * first, per_area * polar.real)
-
-
-def area_moment_mm3(section: Polygon | MultiPolygon) -> complex:
-    """First moment of an area in mm about the origin, zero of an empty one."""
-    return complex(sum(_moments(part)[1] for part in shapely.get_parts(section)))
+    """Of a plate: a section in mm, about the origin, by its moments."""
+    moments, per_area = area_moments(section), KG_MM3 * density_kg_m3 * thickness_mm
+    return GearBody(per_area * moments.area_mm2, per_area * moments.first_mm3, per_area * moments.polar_mm4)
 
 
 def mesh_body(mesh: Trimesh, density_kg_m3: float) -> GearBody:
@@ -57,22 +48,3 @@ def mesh_body(mesh: Trimesh, density_kg_m3: float) -> GearBody:
     inertia = density * mesh.moment_inertia
     about_axis = float(inertia[2, 2]) + mass * abs(place) ** 2
     return GearBody(mass, mass * place, about_axis, -complex(inertia[0, 2], inertia[1, 2]))
-
-
-def _moments(section: Polygon) -> tuple[complex, complex, complex]:
-    """Area, first and polar moment of a section."""
-    oriented = shapely.orient_polygons(section)
-    rings = [_of_ring(shapely.get_coordinates(ring)) for ring in (oriented.exterior, *oriented.interiors)]
-    area, first, polar = np.sum(rings, axis=0)
-    return complex(area), complex(first), complex(polar)
-
-
-def _of_ring(ring: Array) -> tuple[complex, complex, complex]:
-    """Area, first and polar moment within a closed ring (shape (n, 2), first point repeated); negative clockwise.
-
-    Edge by edge, the triangle of the origin, p and q: p x q times 1/2, (p + q)/6 and (p.p + p.q + q.q)/12.
-    """
-    p, q = ring[:-1, 0] + 1j * ring[:-1, 1], ring[1:, 0] + 1j * ring[1:, 1]
-    across = (np.conj(p) * q).imag
-    polar = np.abs(p) ** 2 + (np.conj(p) * q).real + np.abs(q) ** 2
-    return complex(across.sum() / 2.0), complex((across * (p + q)).sum() / 6.0), complex((across * polar).sum() / 12.0)

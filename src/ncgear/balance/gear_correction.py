@@ -9,8 +9,9 @@ from trimesh import Trimesh
 
 from ncgear.balance.boss import Boss, balancing_boss
 from ncgear.balance.drilling import Drills, drilled, drilled_holes
-from ncgear.balance.gear_body import GearBody, area_moment_mm3, mesh_body
+from ncgear.balance.gear_body import GearBody, mesh_body
 from ncgear.solids.body import Layer
+from ncgear.solids.inertia import area_moments
 from ncgear.solids.layered import layered
 from ncgear.solids.round_hole import RoundHole
 
@@ -54,9 +55,9 @@ def corrected(
     """
     holes, boss = [], None
     if means.drills is not None:
-        holes = drilled_holes(section, area_moment_mm3(section), means.drills, f"{key}.holes")
+        holes = drilled_holes(section, area_moments(section).first_mm3, means.drills, f"{key}.holes")
         section = drilled(section, holes, tolerance_mm)
-    moment = area_moment_mm3(section) * face_width_mm
+    moment = area_moments(section).first_mm3 * face_width_mm
     if means.boss is not None and abs(moment) > BALANCED * section.area**1.5 * face_width_mm:
         boss = balancing_boss(section, moment, means.boss.height_mm, means.boss.wall_mm, f"{key}.boss.height_mm")
     gear = Layer(section, 0.0, face_width_mm)

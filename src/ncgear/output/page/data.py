@@ -21,19 +21,31 @@ MORE_DECIMALS = 3
 """Decimals of the tables beyond those that are shown."""
 
 
+Numbers = dict[tuple[bytes, float], int]
+"""Places of all sets of angles, with the period of each, in the order in which they first occur."""
+
+
 def page_data(scene: Scene, charts: Sequence[Chart], drawings: Sequence[Drawn]) -> dict[str, Any]:
-    """All that moves; raises ValueError as the charts do."""
-    grids = _Grids()
-    shown = [_chart(chart, drawing, grids) for chart, drawing in zip(charts, drawings, strict=True)]
+    """All that moves, every set of angles once; raises ValueError as the charts do."""
+    grids = {_angles(line): line for chart in charts for line in chart.lines}
+    numbers = {angles: number for number, angles in enumerate(grids)}
     return {
         "cycle_deg": degrees(scene.loop_rad),
         "scene": scene_data(scene),
-        "grids": grids.found,
-        "charts": shown,
+        "grids": [_grid(line) for line in grids.values()],
+        "charts": [_chart(chart, drawing, numbers) for chart, drawing in zip(charts, drawings, strict=True)],
     }
 
 
-def _chart(chart: Chart, drawing: Drawn, grids: _Grids) -> dict[str, Any]:
+def _angles(line: Line) -> tuple[bytes, float]:
+    return line.angle_deg.tobytes(), line.period_deg
+
+
+def _grid(line: Line) -> dict[str, Any]:
+    return {"period_deg": line.period_deg, "deg": _rounded(line.angle_deg, ANGLE_DECIMALS)}
+
+
+def _chart(chart: Chart, drawing: Drawn, numbers: Numbers) -> dict[str, Any]:
     return {
         "key": chart.key,
         "angle": chart.angle,
@@ -42,29 +54,11 @@ def _chart(chart: Chart, drawing: Drawn, grids: _Grids) -> dict[str, Any]:
         "x": drawing.x,
         "values": drawing.values,
         "y": drawing.y,
-        "lines": [_line(line, chart.decimals + MORE_DECIMALS, grids) for line in chart.lines],
+        "lines": [
+            {"grid": numbers[_angles(line)], "values": _rounded(line.values, chart.decimals + MORE_DECIMALS)}
+            for line in chart.lines
+        ],
     }
-
-
-def _line(line: Line, decimals: int, grids: _Grids) -> dict[str, Any]:
-    return {"grid": grids.number(line), "values": _rounded(line.values, decimals)}
-
-
-class _Grids:
-    """The angles of all lines, each set of them once."""
-
-    def __init__(self) -> None:
-        self.found: list[dict[str, Any]] = []
-        self._numbers: dict[bytes, int] = {}
-
-    def number(self, line: Line) -> int:
-        """Place of the line's angles among all."""
-        content = line.angle_deg.tobytes()
-        if content not in self._numbers:
-            self._numbers[content] = len(self.found)
-            deg = _rounded(line.angle_deg, ANGLE_DECIMALS)
-            self.found.append({"period_deg": line.period_deg, "deg": deg})
-        return self._numbers[content]
 
 
 def _rounded(values: Array, decimals: int) -> list[float]:

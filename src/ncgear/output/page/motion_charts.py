@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import degrees
 
 import numpy as np
@@ -23,7 +24,15 @@ def motion_charts(drive: Drive, end_rad: float) -> tuple[Chart, ...]:
     phi1 = cycle_angles_rad(drive)
     tables = drive.machine.motion(phi1), drive.uniform_machine.motion(phi1)
     quantities = (*MOTION, *(LOAD if drive.design.resistance is not None else ()), RATIO)
-    return tuple(_chart(drive, quantity, *tables, end_rad) for quantity in quantities)
+    return tuple(_chart(drive, readable(quantity, *tables), *tables, end_rad) for quantity in quantities)
+
+
+def readable(quantity: Quantity, *tables: SliderMotion) -> Quantity:
+    """In the unit without ``k`` where no value of the tables reaches a thousand of it."""
+    largest = max(float(np.max(np.abs(quantity.of(table)))) for table in tables)
+    if largest >= 1.0 or not quantity.unit.startswith("k"):
+        return quantity
+    return replace(quantity, unit=quantity.unit.removeprefix("k"), factor=1.0)
 
 
 def _chart(drive: Drive, quantity: Quantity, own: SliderMotion, uniform: SliderMotion, end_rad: float) -> Chart:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import chain
 from typing import Any
 
@@ -21,27 +20,12 @@ from ncgear.output.page.facts import facts, gear_facts
 from ncgear.output.page.figure import figure
 from ncgear.output.page.gear_charts import gear_charts
 from ncgear.output.page.motion_charts import motion_charts
+from ncgear.output.page.paces import paces
 from ncgear.output.page.render import rendered
 from ncgear.output.page.scene_svg import scene_svg
 from ncgear.output.page.tables import comparison_tables, contact_tables, sheet_tables, versions
 from ncgear.scene.made import scene_of
 from ncgear.scene.views import views
-
-READABLE_DEG_S = 30.0
-"""Pace at which the eye follows a tooth through the mesh: a turn of the driving gear in twelve seconds."""
-
-PACES = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
-"""Multiples of the operating speed to choose from."""
-
-DEG_S_PER_RPM = 6.0
-
-
-@dataclass(frozen=True)
-class Pace:
-    """How fast the picture runs, in degrees of the driving gear per second."""
-
-    name: str
-    deg_s: float
 
 
 def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairContact]) -> bytes:
@@ -81,13 +65,6 @@ def _about_design(drive: Drive, loaded: LoadedDesign) -> dict[str, Any]:
         "versions": versions(),
         "ncgear_version": __version__,
     }
-
-
-def paces(speed_rpm: float) -> list[Pace]:
-    """The paces of a machine, the readable one first."""
-    multiples = [Pace(f"{times:g}\u00d7 ({shown(times * speed_rpm)} r/min)", times * speed_rpm) for times in PACES]
-    by_speed = [Pace(pace.name, pace.deg_s * DEG_S_PER_RPM) for pace in multiples]
-    return [Pace(f"readable ({READABLE_DEG_S:g}\u00b0/s)", READABLE_DEG_S), *by_speed]
 
 
 def _pair(drive: Drive, contact: PairContact) -> dict[str, Any]:
