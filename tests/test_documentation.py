@@ -6,10 +6,12 @@ import re
 from pathlib import Path
 
 import pytest
+import shapely
 
+import ncgear
 from documented.installing import ROOT
 from documented.pages import PAGES
-from made import command_heads, figures, key_pages
+from made import command_heads, drawings, figures, key_pages
 from ncgear.precision.catalogue import STUDIES
 
 DOCS = ROOT / "docs"
@@ -94,6 +96,17 @@ def test_every_page_can_be_reached_from_the_readme() -> None:
         found = {(page.parent / link).resolve() for link in links(page.read_text(encoding="utf-8")) if link}
         left |= {path for path in found if path.suffix == ".md"} - reached
     assert {page.resolve() for page in PAGES} <= reached
+
+
+@pytest.mark.parametrize("share", [0.06, 0.39, 0.72])
+def test_the_points_of_the_racks_picture_lie_on_the_teeth(share: float) -> None:
+    """The equation of docs/method.md against the written outline, whose chords stray by their tolerance."""
+    drive = ncgear.load(ROOT / "designs" / "ellipse.yaml")
+    outline = shapely.LinearRing(drive.teeth.driving.outline_mm)
+    points = drawings.shaped_points(drive, share * drive.pitch.driving.length_mm)
+    off = shapely.distance(outline, shapely.points(points))
+    assert off.size >= 3
+    assert off.max() <= drive.design.output.chord_tolerance_mm
 
 
 class TestFaults:

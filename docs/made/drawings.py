@@ -25,6 +25,9 @@ SHOWN_RAD = 0.75 * pi
 PLACE = 0.39
 """Share of the pitch curve's length at which the picture of the rack looks closely."""
 
+WITHIN = 0.85
+"""Share of the rack's flank on which its contacts are marked: beyond it, tip or fillet may have taken the tooth's."""
+
 CHAIN = (0, (8, 2, 1, 2))
 
 DOTTED: dict[str, Any] = {"color": HIGHLIGHT, "linewidth": 1.4, "linestyle": (0, (2, 1.5))}
@@ -95,19 +98,26 @@ def _draw_gear(axes: Axes, drive: ncgear.Drive) -> None:
     axes.plot(0.0, 0.0, "+", color=INK, markersize=11)
 
 
-def _mark_contacts(axes: Axes, drive: ncgear.Drive, sigma_mm: float) -> None:
-    """The points that the rack shapes where it lies at an arc length, by the equation of docs/method.md."""
+def shaped_points(drive: ncgear.Drive, sigma_mm: float) -> Array:
+    """Points that the rack shapes where it lies at an arc length, shape (n, 2), by the equation of docs/method.md."""
     point = drive.pitch.driving.at_length(np.array(sigma_mm))
     flanks, rack = drive.teeth.driving.flanks, drive.rack
     height = (flanks.crossing_mm - sigma_mm) * rack.height_per_rolled * flanks.side
-    reached = (height > -0.8 * rack.dedendum_mm) & (height < rack.tip_height_mm)
-    for h, side in zip(height[reached], flanks.side[reached], strict=True):
-        place = point.position + h * (side / tan(rack.pressure_angle_rad) * point.tangent + point.normal)
-        axes.plot(*np.array([point.position, place]).T, **DOTTED)
+    reached = (height > -WITHIN * rack.flank_depth_mm) & (height < WITHIN * rack.tip_height_mm)
+    along = height[reached] * flanks.side[reached] / tan(rack.pressure_angle_rad)
+    places: Array = point.position + along[:, None] * point.tangent + height[reached, None] * point.normal
+    return places
+
+
+def _mark_contacts(axes: Axes, drive: ncgear.Drive, sigma_mm: float) -> None:
+    """The points that the rack shapes, and the view on them."""
+    point = drive.pitch.driving.at_length(np.array(sigma_mm)).position
+    for place in shaped_points(drive, sigma_mm):
+        axes.plot(*np.array([point, place]).T, **DOTTED)
         axes.plot(*place, "o", color=HIGHLIGHT, markersize=5.0, zorder=5)
-    half = 4.0 * rack.module_mm
-    axes.set_xlim(point.position[0] - half, point.position[0] + half)
-    axes.set_ylim(point.position[1] - half, point.position[1] + half)
+    half = 4.0 * drive.rack.module_mm
+    axes.set_xlim(point[0] - half, point[0] + half)
+    axes.set_ylim(point[1] - half, point[1] + half)
 
 
 def _lay_rack(axes: Axes, drive: ncgear.Drive, sigma_mm: float) -> None:
