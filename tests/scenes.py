@@ -6,8 +6,12 @@ from functools import cache
 from pathlib import Path
 from tempfile import mkdtemp
 
+import numpy as np
+
 from ncgear.design.load import load
 from ncgear.drive import Drive
+from ncgear.numerics.arrays import Array
+from ncgear.scene.bodies import Places
 from ncgear.scene.made import scene_of
 from ncgear.scene.scene import Scene
 from test_designs import DESIGNS
@@ -31,7 +35,23 @@ operation: {speed_rpm: 90}
 motion: {law: ellipse, eccentricity: 0.3}
 """
 
-TEXTS = {"askew": ASKEW, "gearless": GEARLESS}
+WEBBED = """
+name: webbed
+linkage: {crank_mm: 40, rod_mm: 150}
+operation: {speed_rpm: 90}
+motion: {law: uniform_crank}
+gears:
+  teeth: 30
+  module_mm: 2
+  face_width_mm: 12
+  driving:
+    bore_mm: 10
+    hub: {diameter_mm: 20, height_mm: 8}
+    web: {thickness_mm: 4, rim_mm: 4}
+    lightening_holes: {count: 4, least_wall_mm: 2}
+"""
+
+TEXTS = {"askew": ASKEW, "gearless": GEARLESS, "webbed": WEBBED}
 
 
 @cache
@@ -48,3 +68,18 @@ def drive_of(name: str) -> Drive:
 def scene(name: str) -> Scene:
     """Its scene."""
     return scene_of(drive_of(name))
+
+
+def carried(places: Places, point_mm: Array) -> Array:
+    """Where one point of a body, shape (2,), is at each of its places, shape (n, 2)."""
+    return places.origin_mm + flat((point_mm[0] + 1j * point_mm[1]) * np.exp(1j * places.angle_rad))
+
+
+def standing(places: Places, points_mm: Array, row: int) -> Array:
+    """Where points of a body, shape (m, 2), are at one of its places, shape (m, 2)."""
+    turned = (points_mm[:, 0] + 1j * points_mm[:, 1]) * np.exp(1j * places.angle_rad[row])
+    return places.origin_mm[row] + flat(turned)
+
+
+def flat(points: np.ndarray) -> Array:
+    return np.stack([points.real, points.imag], axis=-1)

@@ -127,7 +127,9 @@ def gif(name: str, frames: int = 5, seconds: float = 0.37, width: int = 401) -> 
     return Image.open(BytesIO(animated(scene(name), Format.GIF, loop, lambda done, total: None)))
 
 
-@pytest.mark.parametrize("name", ["baler", "internal-1-2", TWO_STAGES, "gearless"])
+@pytest.mark.parametrize(
+    "name", ["baler", "internal-1-2", pytest.param(TWO_STAGES, marks=pytest.mark.slow), "gearless", "webbed"]
+)
 def test_a_gif_has_its_frames_its_time_and_its_size(name: str) -> None:
     made = gif(name)
     assert made.n_frames == 5  # type: ignore[attr-defined]
@@ -150,6 +152,7 @@ def test_the_same_scene_gives_the_same_bytes() -> None:
     assert once == again
 
 
+@pytest.mark.slow
 def test_an_mp4_is_read_back() -> None:
     ffmpeg = pytest.importorskip("imageio_ffmpeg")
     loop, told = Loop(Timing(8, 0.5), 321), []

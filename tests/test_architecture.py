@@ -127,19 +127,10 @@ except SystemExit as exit_:
 """
 """A command as a user gives it, in an interpreter that has loaded nothing else."""
 
-LIBRARIES = {
-    "OCP",
-    "trimesh",
-    "matplotlib",
-    "sympy",
-    "shapely",
-    "casadi",
-    "clarabel",
-    "scipy",
-    "mapbox_earcut",
-    "networkx",
-}
-"""Meshes, plots, algebra, planes, every solver, and the kernel of solids."""
+SOLVERS = {"sympy", "scipy", "casadi", "clarabel"}
+MAKERS = {"trimesh", "matplotlib", "shapely", "mapbox_earcut", "networkx", "ezdxf", "lxml", "jinja2", "OCP"}
+LIBRARIES = SOLVERS | MAKERS
+"""Every solver and algebra; meshes, plots, planes, drawings, pages, the kernel of solids."""
 
 
 def loaded_by(*arguments: str) -> set[str]:

@@ -20,7 +20,7 @@ from ncgear.scene.chamber import REST, chamber_of
 from ncgear.scene.gears import SceneGear, ScenePair
 from ncgear.scene.mounting import mountings
 from ncgear.scene.scene import Poses, Scene
-from scenes import ASKEW, TWO_STAGES, drive_of, scene
+from scenes import ASKEW, TWO_STAGES, carried, drive_of, scene, standing
 
 GEARED = ["baler", "ellipse", "internal-1-2", "pump-1-2", "uniform-crank", TWO_STAGES, "askew"]
 every_scene = pytest.mark.parametrize("name", [*GEARED, "gearless"])
@@ -33,7 +33,7 @@ def angles(found: Scene, count: int = 97) -> Array:
 
 
 def pin_mm(found: Scene, poses: Poses) -> Array:
-    return poses.places["crank"].of(np.array([found.machine.linkage.crank_mm, 0.0]))
+    return carried(poses.places["crank"], np.array([found.machine.linkage.crank_mm, 0.0]))
 
 
 def rounding_mm(found: Scene) -> float:
@@ -48,7 +48,7 @@ def test_the_linkage_stays_joined(name: str) -> None:
     poses, linkage = found.poses(angles(found)), found.machine.linkage
     rod, slider, pin = poses.places["rod"], poses.places["slider"], pin_mm(found, poses)
     assert np.abs(pin - rod.origin_mm).max() < rounding_mm(found)
-    assert np.abs(rod.of(np.array([linkage.rod_mm, 0.0])) - slider.origin_mm).max() < rounding_mm(found)
+    assert np.abs(carried(rod, np.array([linkage.rod_mm, 0.0])) - slider.origin_mm).max() < rounding_mm(found)
     assert np.abs(np.hypot(*(slider.origin_mm - pin).T) - linkage.rod_mm).max() < rounding_mm(found)
     assert np.ptp(slider.origin_mm[:, 1]) == 0.0
     assert np.ptp(slider.angle_rad) == 0.0
@@ -127,7 +127,7 @@ def test_pitch_curves_roll_on_each_other(name: str) -> None:
 
 
 def curve_at(gear: SceneGear, places: Places) -> LinearRing:
-    return LinearRing(places.points(gear.pitch_curve_mm, 1))
+    return LinearRing(standing(places, gear.pitch_curve_mm, 1))
 
 
 def velocity(places: Places, point: Array, step: float) -> Array:
@@ -140,7 +140,7 @@ def velocity(places: Places, point: Array, step: float) -> Array:
 def section_at(gear: SceneGear, poses: Poses, row: int, ahead_rad: float = 0.0) -> Polygon:
     places = poses.places[gear.body.name]
     turned = replace(places, angle_rad=places.angle_rad + ahead_rad)
-    rings = [turned.points(contour, row) for contour in gear.body.contours_mm]
+    rings = [standing(turned, contour, row) for contour in gear.body.contours_mm]
     return Polygon(rings[0], rings[1:])
 
 
@@ -174,6 +174,19 @@ def test_contours_go_round_the_right_way(name: str) -> None:
         outer, *holes = (signed_area(contour) for contour in body.contours_mm)
         assert outer > 0.0
         assert all(hole < 0.0 for hole in holes)
+
+
+def test_pockets_hub_and_holes_are_seen() -> None:
+    body = scene("webbed").pairs[0].driving.body
+    # A bore and four holes; a hub, and a pocket around it with its own inner edge.
+    assert len(body.contours_mm) == 1 + 1 + 4
+    hub, *pocket = sorted(body.edges_mm, key=signed_size)
+    assert np.hypot(*hub.T) == pytest.approx(np.full(len(hub), 10.0))
+    assert len(pocket) == 2
+
+
+def signed_size(ring: Array) -> float:
+    return abs(float(signed_area(ring)))
 
 
 @every_scene

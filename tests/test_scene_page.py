@@ -127,6 +127,14 @@ def test_four_hundred_teeth_stay_small(tmp_path: Path, module: float) -> None:
     assert len(scene_svg(found)) + len(json.dumps(scene_data(found))) < LARGEST_BYTES
 
 
+def test_pockets_and_hubs_are_drawn() -> None:
+    made = groups(scene_svg(scene("webbed")))
+    edges = [path for path in made["scene-driving"].iter("path") if path.attrib["class"] == "edge"]
+    (path,) = edges
+    assert path.attrib["d"].count("z") == len(scene("webbed").pairs[0].driving.body.edges_mm)
+    assert not [path for path in made["scene-driven"].iter("path") if path.attrib["class"] == "edge"]
+
+
 @every_scene
 def test_svg_and_data_name_the_same_bodies(name: str) -> None:
     found = scene(name)
@@ -180,6 +188,17 @@ CALL = """{{
   }});
   scene.view("machine"); scene.zoom(4); found["{name} zoomed"] = svg.getAttribute("viewBox");
   scene.reset(); found["{name} reset"] = svg.getAttribute("viewBox");
+  const box = svg.getBoundingClientRect();
+  const at = new DOMPoint(Math.round(box.left + 0.7 * box.width), Math.round(box.top + 0.2 * box.height));
+  const under = () => {{ const p = at.matrixTransform(svg.getScreenCTM().inverse()); return [p.x, p.y]; }};
+  const width = () => Number(svg.getAttribute("viewBox").split(" ")[2]);
+  const wheel = (ctrlKey) => svg.dispatchEvent(
+    new WheelEvent("wheel", {{ ctrlKey, deltaY: -400, clientX: at.x, clientY: at.y, cancelable: true }}));
+  const key = (key) => svg.dispatchEvent(new KeyboardEvent("keydown", {{ key }}));
+  const told = {{ before: under(), widths: [width()], scrolls: wheel(false) }};
+  told.held = !wheel(true); told.after = under(); told.widths.push(width());
+  for (const one of ["+", "-", "0"]) {{ key(one); told.widths.push(width()); }}
+  found["{name} hands"] = told;
   try {{ scene.view("moon"); }} catch (error) {{ found["{name} moon"] = error.message; }}
 }}"""
 
@@ -271,6 +290,19 @@ def test_zooming_keeps_the_middle_and_is_undone() -> None:
     assert zoomed[2] == pytest.approx(whole[2] / 4.0)
     assert zoomed[0] + zoomed[2] / 2.0 == pytest.approx(whole[0] + whole[2] / 2.0)
     assert whole == pytest.approx(numbers(dict(in_browser()["baler"][0]["boxes"])["machine"]))
+
+
+@in_a_browser
+def test_wheel_and_keys_zoom_and_what_is_under_the_pointer_stays() -> None:
+    told = in_browser()["baler hands"]
+    assert told["scrolls"], "a wheel without Ctrl is the page's"
+    assert told["held"]
+    assert told["after"] == pytest.approx(told["before"], abs=1e-3)
+    whole, wheeled, nearer, back, undone = told["widths"]
+    assert wheeled < 0.7 * whole
+    assert nearer == pytest.approx(wheeled / 1.25)
+    assert back == pytest.approx(wheeled)
+    assert undone == whole
 
 
 @in_a_browser

@@ -29,6 +29,7 @@ from ncgear.optimum.wishes import TwoStages
 from ncgear.output.build import build
 from ncgear.output.report import build_text, check_text, timing_text
 from ncgear.output.summary import check_summary
+from ncgear.output.workshop.kinds import Format
 from ncgear.pitch.pair import largest_tangent_angle_rad, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.staged import staged_law
@@ -62,7 +63,7 @@ class Built:
 def built() -> Built:
     folder, said = Path(mkdtemp(prefix="ncgear-test-")) / "two", []
     drive = Drive(load(DESIGN).design)
-    done = build(drive, folder, said.append)
+    done = build(drive, folder, said.append, formats=(Format.SVG,))
     return Built(folder, done.summaries, said, build_text(done.summaries, done.paths) + timing_text(drive))
 
 
@@ -70,7 +71,8 @@ def test_both_stages_are_written_in_full() -> None:
     assert {path.name for path in built().folder.iterdir()} == {"stage-1", "stage-2"}
     for stage in STAGES:
         folder = built().folder / f"stage-{stage}"
-        assert {path.name for path in folder.iterdir()} == FILES
+        assert {path.name for path in folder.iterdir()} == FILES | {"driving.svg", "driven.svg"}
+        assert f"stage {stage}: driving gear" in (folder / "driving.svg").read_text()
         assert json.loads((folder / "summary.json").read_text()) == built().summaries[stage - 1]
         assert f"{folder}/summary.json" in built().text
         assert f"stage {stage}: teeth" in built().said

@@ -5,6 +5,8 @@ from __future__ import annotations
 from functools import cache
 from io import BytesIO, StringIO
 from pathlib import Path
+from xml.etree import ElementTree
+from zipfile import ZipFile
 
 import ezdxf
 import numpy as np
@@ -21,8 +23,10 @@ from commands import Run
 from ncgear.design.load import load
 from ncgear.drive import Drive
 from ncgear.numerics.arrays import Array
-from ncgear.output.workshop.drawing import CUT_THROUGH
+from ncgear.output.plots.canvas import DRIVEN, DRIVING
+from ncgear.output.workshop.drawing import CUT_THROUGH, Layer
 from ncgear.output.workshop.formats import NAMES, WRITERS, workshop_files
+from ncgear.output.workshop.gear_drawing import pitch_points
 from ncgear.output.workshop.kinds import USUAL
 from ncgear.pitch.shape import Gear
 from oracles import dxf
@@ -36,7 +40,7 @@ ROUNDING_MM = 2e-6
 """Of coordinates with six decimals, twice; other files have all digits."""
 
 ARC_MM = 1e-5
-"""Of the readers' own chords of arcs: a radius of 40 mm in steps of a thousandth of a radian."""
+"""Of the readers' own chords of arcs: a radius of 10 mm in 1600 steps over half a turn."""
 
 
 @cache
@@ -74,8 +78,8 @@ def drawn(data: bytes, layer: str) -> list[dxf.Entity]:
 
 
 def cut_area(data: bytes, prefix: str = "") -> Polygon:
-    """What a machine leaves that cuts all contours of the three layers: the largest less all others."""
-    rings = [Polygon(one.points()) for layer in CUT_THROUGH for one in drawn(data, f"{prefix}{layer}")]
+    """What a machine leaves that cuts all contours of the layers for it: the largest less all others."""
+    rings = [Polygon(one.points()) for layer in CUT_THROUGH for one in drawn(data, f"{prefix}{layer.name}")]
     largest = max(rings, key=lambda ring: ring.area)
     return largest.difference(shapely.union_all([ring for ring in rings if ring is not largest]))
 
@@ -84,7 +88,7 @@ def cut_area(data: bytes, prefix: str = "") -> Polygon:
 @pytest.mark.parametrize("name", DESIGNS)
 def test_a_drawing_has_the_outline_to_rounding(name: str, gear: Gear) -> None:
     data = files(name)[f"{gear.value}.dxf"]
-    (teeth,) = (one for one in drawn(data, "OUTLINE") if one.kind == "LWPOLYLINE")
+    (teeth,) = drawn(data, "OUTLINE")
     assert teeth.closed
     assert apart_mm(np.array(teeth.points()), outline(name, gear)) <= 1e-9
     # Round edges are arcs there and chords in the solid.
@@ -103,6 +107,7 @@ def test_the_keyway_is_exact() -> None:
     (bore,) = drawn(files("baler")["driving.dxf"], "BORE")
     points = np.array(bore.points())
     radius = np.hypot(*points.T)
+    assert max(abs(bulge) for _, _, bulge in bore.vertices()) < 1.0, "no arc over half a turn, of which some fall short"
     on_circle = points[:, 0] < np.sqrt(8.0**2 - 2.5**2)
     assert np.abs(radius[on_circle] - 8.0).max() <= 1e-12
     assert points[~on_circle][:, 0].max() == pytest.approx(8.0 + 2.3, abs=1e-12)
@@ -122,6 +127,8 @@ def test_drawings_are_in_mm_with_every_layer_declared(name: str) -> None:
         assert layers <= {layer.dxf.name for layer in document.layers}
         assert all(one.closed for one in dxf.entities(data.decode()) if one.kind != "LINE")
         assert any("no farther than 0.005 mm" in note for _, note in document.header.custom_vars)
+        written = [value for code, value in dxf.pairs(data.decode()) if code == 1]
+        assert sum("no farther than 0.005 mm" in text for text in written) == 2, "among the properties, and in sight"
 
 
 def test_the_axis_is_marked_across() -> None:
@@ -131,12 +138,68 @@ def test_the_axis_is_marked_across() -> None:
     assert np.allclose(np.diff(ends, axis=1)[:, 0], [[6.0, 0.0], [0.0, 6.0]])
 
 
-def test_the_pair_is_drawn_as_assembled() -> None:
-    data, distance = files("baler")["pair.dxf"], drive("baler").pitch.center_distance_mm
+@pytest.mark.parametrize("name", [*DESIGNS, "printed-pump", "helical-ellipse"])
+def test_the_pair_is_drawn_as_assembled(name: str) -> None:
+    """Clear of each other but for the chord tolerance of each; not so where one is turned by half a tooth."""
+    data, distance = files(name)["pair.dxf"], drive(name).pitch.center_distance_mm
     driving, driven = (cut_area(data, f"{gear.value.upper()}_") for gear in Gear)
     assert driving.intersection(driven).buffer(-0.005).is_empty
+    half_tooth = 180.0 / drive(name).pitch.size.driving_teeth
+    turned = shapely.affinity.rotate(driving, half_tooth, origin=(0.0, 0.0))
+    assert not turned.intersection(driven).buffer(-0.005).is_empty
     (axis, _) = drawn(data, "DRIVEN_AXIS")
     assert (axis.number(10) + axis.number(11)) / 2.0 == pytest.approx(distance, abs=1e-9)
+
+
+def cut_layers(data: bytes) -> dict[str, int]:
+    """How many shapes there are on each layer."""
+    found = dxf.entities(data.decode())
+    return {layer: sum(one.layer == layer for one in found) for layer in sorted({one.layer for one in found})}
+
+
+def test_all_of_a_body_is_drawn() -> None:
+    """Everything that printing asks for; what is not cut through is on layers of its own."""
+    driving, driven = (files("printed-pump")[f"{gear.value}.dxf"] for gear in Gear)
+    both = {"OUTLINE": 1, "BORE": 1, "INDEX_HOLE": 1, "HUB": 1, "PITCH_CURVE": 1, "AXIS": 2}
+    assert cut_layers(driving) == {**both, "POCKETS": 2}
+    assert cut_layers(driven) == {**both, "LIGHTENING_HOLES": 5}
+    for gear, data in ((Gear.DRIVING, driving), (Gear.DRIVEN, driven)):
+        assert cut_area(data).symmetric_difference(section("printed-pump", gear)).buffer(-0.003).is_empty
+    ring, *inner = sorted((Polygon(one.points()) for one in drawn(driving, "POCKETS")), key=lambda one: -one.area)
+    pocket = drive("printed-pump").solids.driving.plan.layers
+    assert ring.area - sum(hole.area for hole in inner) == pytest.approx(
+        pocket[0].section.area - pocket[1].section.area
+    )
+
+
+@pytest.mark.parametrize("gear", Gear)
+def test_a_clearance_is_taken_off_all_along_the_outline(gear: Gear) -> None:
+    """As much off as the clearance times the length, and nowhere less than the clearance."""
+    (teeth,) = drawn(files("printed-pump")[f"{gear.value}.dxf"], "OUTLINE")
+    designed, cleared = Polygon(outline("printed-pump", gear)), Polygon(teeth.points())
+    assert designed.exterior.distance(cleared.exterior) == pytest.approx(0.05, abs=1e-9)
+    assert designed.area - cleared.area == pytest.approx(0.05 * designed.length, rel=0.01)
+
+
+@pytest.mark.parametrize("gear", Gear)
+def test_a_helical_gear_is_drawn_at_its_foot(gear: Gear) -> None:
+    """Its section there and the outline in the table are two polylines of the same curves: a tolerance each."""
+    (teeth,) = drawn(files("helical-ellipse")[f"{gear.value}.dxf"], "OUTLINE")
+    assert apart_mm(np.array(teeth.points()), outline("helical-ellipse", gear)) <= 2.0 * 0.005
+    texts = [value for code, value in dxf.pairs(files("helical-ellipse")[f"{gear.value}.dxf"].decode()) if code == 1]
+    assert sum("section at z = 0" in text for text in texts) == 2
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_a_pitch_curve_keeps_the_tolerance_with_few_points(name: str) -> None:
+    """Distances of the curve from its chords at nine places each; twice the points were at a quarter of it."""
+    for curve in (drive(name).pitch.driving, drive(name).pitch.driven):
+        points = pitch_points(curve, 0.005)
+        start, end = points[:, None], np.roll(points, -1, axis=0)[:, None]
+        length = (np.arange(len(points))[:, None] + np.arange(1, 10) / 10.0) * curve.length_mm / len(points)
+        chord, arm = end - start, curve.at_length(length).position - start
+        across = np.abs(chord[..., 0] * arm[..., 1] - chord[..., 1] * arm[..., 0]) / np.hypot(*chord.T).T
+        assert 0.25 * 0.005 < across.max() <= 0.005
 
 
 # --- SVG -------------------------------------------------------------------------------------------------------------
@@ -155,7 +218,7 @@ def svg_rings(data: bytes, layer: str) -> list[Array]:
 
 def points_of(path: SvgPath) -> Array:
     segments = [segment for segment in path.segments() if not isinstance(segment, Move)]
-    count = {Arc: 6400}
+    count = {Arc: 1600}
     rows = [segment.npoint(np.linspace(0.0, 1.0, count.get(type(segment), 1), endpoint=False)) for segment in segments]
     return np.array([(point[0], point[1]) for row in rows for point in row])
 
@@ -169,10 +232,20 @@ def test_an_image_has_the_outline_at_its_size(name: str, gear: Gear) -> None:
 
 def test_an_image_has_bore_and_holes() -> None:
     data = files("baler")["driven.svg"]
-    rings = [svg_rings(data, layer)[0] for layer in ("BORE", "HOLES")]
-    drawn_rings = [np.array(drawn(files("baler")["driven.dxf"], layer)[0].points()) for layer in ("BORE", "HOLES")]
+    rings = [svg_rings(data, layer)[0] for layer in ("BORE", "INDEX_HOLE")]
+    drawn_rings = [np.array(drawn(files("baler")["driven.dxf"], layer)[0].points()) for layer in ("BORE", "INDEX_HOLE")]
     for ours, other in zip(rings, drawn_rings, strict=True):
         assert apart_mm(ours, other) <= ARC_MM
+
+
+def test_an_image_says_what_each_layer_is_for() -> None:
+    text = files("printed-pump")["driving.svg"].decode()
+    for layer in (Layer.OUTLINE, Layer.BORE, Layer.INDEX_HOLE, Layer.POCKETS, Layer.HUB, Layer.PITCH_CURVE, Layer.AXIS):
+        assert f"<title>{layer.words}</title>" in text
+    root = ElementTree.fromstring(text)
+    strokes = {group.get("id"): group.get("stroke") for group in root.iter("{http://www.w3.org/2000/svg}g")}
+    assert len({strokes["OUTLINE"], strokes["POCKETS"], strokes["AXIS"]}) == 3
+    assert strokes["OUTLINE"] == strokes["BORE"]
 
 
 def test_an_image_with_y_down_is_seen() -> None:
@@ -217,6 +290,23 @@ def test_prints_are_the_solids_side_by_side(name: str) -> None:
     assert parts["driven"].bounds[0][0] - parts["driving"].bounds[1][0] == pytest.approx(5.0, abs=1e-4)
 
 
+@pytest.mark.parametrize("name", DESIGNS)
+def test_assembled_prints_are_sections_of_the_drawings_times_the_face_width(name: str) -> None:
+    """To the tolerance along the circles, which are chords in the solid; a gear a thousandth larger is far off."""
+    _, parts = printed(files(name)["pair.3mf"])
+    distance, width = drive(name).pitch.center_distance_mm, drive(name).gears.face_width_mm
+    for gear, x_mm in ((Gear.DRIVING, 0.0), (Gear.DRIVEN, distance)):
+        data = files(name)[f"{gear.value}.dxf"]
+        part, area = parts[gear.value], cut_area(data)
+        circles = [Polygon(one.points()) for layer in CUT_THROUGH[1:] for one in drawn(data, layer.name)]
+        lost_mm2 = 0.005 * sum(circle.length for circle in circles)
+        assert part.volume == pytest.approx(area.area * width, abs=lost_mm2 * width)
+        assert part.volume != pytest.approx(1.001**3 * area.area * width, abs=3.0 * lost_mm2 * width)
+        west, south, east, north = area.bounds
+        expected = [[west + x_mm, south, 0.0], [east + x_mm, north, width]]
+        assert part.bounds == pytest.approx(np.array(expected), abs=0.005)
+
+
 def shown(data: bytes) -> dict[str, Array]:
     """Vertices of each node in the scene's frame, in metres, by the names of the nodes."""
     image = pygltflib.GLTF2.load_from_bytes(data)
@@ -246,12 +336,32 @@ def test_the_scene_is_the_pair_in_metres_with_y_up(name: str) -> None:
         assert np.abs(nodes[gear] - expected).max() <= 1e-7
 
 
+def on_screen(light: list[float]) -> Array:
+    """The colour of a material as a screen numbers it, 0 to 255, by IEC 61966-2-1."""
+    coded = [12.92 * one if one <= 0.0031308 else 1.055 * one ** (1.0 / 2.4) - 0.055 for one in light]
+    return 255.0 * np.array(coded)
+
+
+def test_the_gears_have_the_colours_of_the_pictures() -> None:
+    """To a step: the writer keeps shares of light to 1/255."""
+    image = pygltflib.GLTF2.load_from_bytes(files("ellipse")["pair.glb"])
+    for material, color in zip(image.materials, (DRIVING, DRIVEN), strict=True):
+        light = material.pbrMetallicRoughness.baseColorFactor
+        assert np.abs(on_screen(light[:3]) - list(bytes.fromhex(color[1:]))).max() <= 1.0
+        assert light[3] == 1.0
+    # With normals at corners that facets share, edges would look round.
+    assert all(mesh.primitives[0].attributes.NORMAL is None for mesh in image.meshes)
+
+
 # --- command ---------------------------------------------------------------------------------------------------------
 
 
 def test_the_same_design_gives_the_same_bytes() -> None:
     again = workshop_files(Drive(drive("ellipse").design), USUAL)
     assert again == files("ellipse")
+    # Two builds within a moment would not tell by themselves that an archive bears its time.
+    for name in ("gears.3mf", "pair.3mf"):
+        assert {entry.date_time[0] for entry in ZipFile(BytesIO(again[name])).infolist()} == {1980}
 
 
 def test_every_kind_writes_what_it_is_said_to_write() -> None:
@@ -274,10 +384,10 @@ def test_a_build_writes_the_kinds_asked_for_and_clears_the_others(run: Run) -> N
     Path("wheel.yaml").write_text(WHEEL)
     assert run("build", "wheel.yaml")[0] == 0
     usual = {path.name for path in Path("export/wheel").iterdir()}
-    assert usual >= {"driving.dxf", "driven.svg", "gears.3mf", "pair.glb", "driving.stl"}
+    assert usual >= {"driving.dxf", "driven.svg", "gears.3mf", "pair.3mf", "pair.glb", "driving.stl"}
     assert run("build", "wheel.yaml", "--format", "dxf")[0] == 0
     left = {path.name for path in Path("export/wheel").iterdir()}
-    assert usual - left == {"driving.svg", "driven.svg", "gears.3mf", "pair.glb"}
+    assert usual - left == {"driving.svg", "driven.svg", "gears.3mf", "pair.3mf", "pair.glb"}
 
 
 def test_an_unknown_kind_is_a_usage_error(run: Run) -> None:

@@ -45,15 +45,3 @@ class Places:
 
     origin_mm: Array
     angle_rad: Array
-
-    def of(self, point_mm: Array) -> Array:
-        """Where one point of the body (shape (2,)) is, shape (n, 2)."""
-        cosine, sine, (x, y) = np.cos(self.angle_rad), np.sin(self.angle_rad), point_mm
-        moved: Array = self.origin_mm + np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
-        return moved
-
-    def points(self, points_mm: Array, row: int) -> Array:
-        """Where points of the body (shape (m, 2)) are at one of the places, shape (m, 2)."""
-        cosine, sine = np.cos(self.angle_rad[row]), np.sin(self.angle_rad[row])
-        moved: Array = self.origin_mm[row] + points_mm @ np.array([[cosine, sine], [-sine, cosine]])
-        return moved

@@ -12,6 +12,7 @@ from shapely.geometry.base import BaseGeometry
 from trimesh import Trimesh
 
 from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.plane import signed_area
 
 
 def polygons(area: BaseGeometry) -> list[Polygon]:
@@ -44,11 +45,12 @@ def joined(sheets: Sequence[Trimesh]) -> Trimesh:
 
 
 def facing(vertices: Array, triangles: IndexArray, *, up: bool) -> Trimesh:
-    """The triangles turned so that all face up, or down."""
-    first, second, third = (vertices[triangles[:, corner], :2] for corner in range(3))
-    a, b = second - first, third - first
-    turned = (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] > 0.0) != up
-    return Trimesh(vertices, np.where(turned[:, None], triangles[:, ::-1], triangles), process=False)
+    """Triangles of one sense turned, all or none, so that they face up, or down.
+
+    Together: by itself a triangle of three points in line would be turned by their rounding.
+    """
+    area = float(np.sum(signed_area(vertices[triangles][..., :2])))
+    return Trimesh(vertices, triangles if (area > 0.0) == up else triangles[:, ::-1], process=False)
 
 
 def _face(polygon: Polygon, height_mm: float, up: bool) -> Trimesh:

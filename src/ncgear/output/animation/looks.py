@@ -12,6 +12,9 @@ from ncgear.scene.bodies import Kind
 
 MATERIAL = "#C9A227"
 
+PURE = (INK, DRIVING, DRIVEN, HIGHLIGHT, MATERIAL)
+"""Colours of lines and dots, which a palette by areas would leave out."""
+
 TINT = 0.24
 """Share of a gear's colour in its filling; the rest is paper."""
 
@@ -34,6 +37,11 @@ BODIES: dict[Kind, Style] = {
 
 PITCH_CURVES: dict[Kind, Style] = {
     kind: {"color": color, "linewidth": 0.6, "linestyle": (0, (7, 3, 1.5, 3))}
+    for kind, color in ((Kind.DRIVING, DRIVING), (Kind.DRIVEN, DRIVEN))
+}
+
+EDGES: dict[Kind, Style] = {
+    kind: {"color": color, "linewidth": 0.5, "alpha": 0.7}
     for kind, color in ((Kind.DRIVING, DRIVING), (Kind.DRIVEN, DRIVEN))
 }
 

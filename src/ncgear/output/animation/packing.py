@@ -9,12 +9,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from matplotlib.colors import to_rgb
 from PIL import Image
 
+from ncgear.output.animation import looks
 from ncgear.output.animation.picture import Frame
 
 COLORS = 128
-"""Of a GIF's palette: more than the drawing has, shades at edges included, and half the bytes of 256."""
+"""Of a GIF's palette beside those of lines: shades at edges, in half the bytes of 256."""
 
 PAPER = 244
 """Least red, green and blue of a colour next to white: Pillow finds a colour of a palette to 4 of 255, and a median of
@@ -50,11 +52,12 @@ def gif_bytes(frames: Iterable[Frame], some: Sequence[Frame], timing: Timing) ->
 
 
 def _palette(frames: Sequence[Frame]) -> Image.Image:
-    """The colours of frames, those next to white made white, so that the paper stays so."""
+    """The colours of frames and those of lines; what is next to white is made white, so that the paper stays so."""
     made = Image.fromarray(np.concatenate(frames)).quantize(COLORS, method=Image.Quantize.MEDIANCUT)
     colors = np.array(made.getpalette()).reshape(-1, 3)
     colors[colors.min(axis=1) >= PAPER] = 255
-    made.putpalette(colors.ravel().tolist())
+    pure = [round(255 * part) for color in looks.PURE for part in to_rgb(color)]
+    made.putpalette([*colors[:COLORS].ravel().tolist(), *pure])
     return made
 
 

@@ -15,8 +15,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from ncgear.output.animation.artists import Moving
 from ncgear.output.animation.readout import angles, charts
-from ncgear.output.animation.stage import Moving, draw_standing, gears, look_at, machine, mesh
+from ncgear.output.animation.stage import draw_standing, gears, look_at, machine, mesh
 from ncgear.output.plots.canvas import DRIVEN, DRIVING, EDGE_IN, SMALL, figure
 from ncgear.scene.scene import Poses, Scene
 from ncgear.scene.views import Box, views

@@ -13,7 +13,7 @@ from matplotlib.text import Text
 
 from ncgear.numerics.arrays import Array
 from ncgear.output.animation import looks
-from ncgear.output.animation.stage import Moving
+from ncgear.output.animation.artists import Moving
 from ncgear.output.plots.canvas import DRIVING, INK, NORMAL, SMALL, dress
 from ncgear.output.plots.curves import DISPLACEMENT, VELOCITY, Quantity
 from ncgear.scene.scene import Poses, Scene

@@ -7,12 +7,12 @@
  * svgElement is the <svg class="scene"> that ncgear.output.page.scene_svg writes, data what scene_data tells of it.
  *
  *   scene.show(phi1)          put every body where it is at the driving angle phi1, in rad, of any number of turns
- *   scene.view(name)          look at "machine", "gears" or "mesh" (which follows the pitch point); of a machine without
- *                             gears there is "machine" alone, and scene.views tells which there are
+ *   scene.view(name)          look at "machine", "gears" or "mesh" (which follows the pitch point); without gears
+ *                             there is "machine" alone, and scene.views tells which there are
  *   scene.driven_angle(phi1)  how far the crank's shaft has turned, in rad, in its own sense
  *   scene.shaft_angles(phi1)  how far each shaft has turned, in rad, the driving one first, the crank's last
  *   scene.zoom(factor)        magnify about the middle of the view; scene.reset() undoes zooming and dragging
- *   scene.place(name, phi1)   {x, y, angle} of a body in mm and rad, y upwards: "crank", "rod", "slider", "driving", ...
+ *   scene.place(name, phi1)   {x, y, angle} of a body in mm and rad, y upwards: "crank", "rod", "slider", "driving"
  *   scene.loop                driving angle in rad after which every body is back in its pose
  *
  * Angles are those of the law to 1e-6 rad; they are interpolated by Hermite's cubics from a table, all other places
@@ -243,9 +243,9 @@ const createScene = (() => {
     function zoomAt(factor, clientX, clientY) {
       const box = svg.getBoundingClientRect();
       const [right, down] = [clientX - box.left - box.width / 2, clientY - box.top - box.height / 2];
-      drag(right, down);
-      zoom(factor);
       drag(-right, -down);
+      zoom(factor);
+      drag(right, down);
     }
 
     const act = { zoom, zoomAt, drag, reset };
@@ -256,6 +256,7 @@ const createScene = (() => {
     show(0);
     const place = (name, phi1) => placesAt(data, phi1)[name];
     const shaft_angles = (phi1) => shaftsAt(data.shafts, phi1).map((shaft) => shaft.value);
-    return { show, view, driven_angle, shaft_angles, zoom, reset, place, views: Object.keys(data.views), loop: data.loop };
+    const views = Object.keys(data.views);
+    return { show, view, driven_angle, shaft_angles, zoom, reset, place, views, loop: data.loop };
   };
 })();

@@ -2,28 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from enum import StrEnum
+from enum import Enum
 
 import numpy as np
 
 from ncgear.numerics.arrays import Array
 
 
-class Layer(StrEnum):
-    """What a shape is for; those of the first three are cut through."""
+class Use(Enum):
+    """What a workshop does along the lines of a layer."""
 
-    OUTLINE = "OUTLINE"
-    BORE = "BORE"
-    HOLES = "HOLES"
-    POCKETS = "POCKETS"
-    HUB = "HUB"
-    PITCH_CURVE = "PITCH_CURVE"
-    AXIS = "AXIS"
+    THROUGH = "cut through"
+    PART_WAY = "not cut through"
+    REFERENCE = "for reference, not cut"
 
 
-CUT_THROUGH = (Layer.OUTLINE, Layer.BORE, Layer.HOLES)
+class Layer(Enum):
+    """What lines show, and what they are for; a layer's name in files is that of the member."""
+
+    OUTLINE = "tooth outline", Use.THROUGH
+    RIM = "outer circle of the ring", Use.THROUGH
+    BORE = "bore with its keyway", Use.THROUGH
+    INDEX_HOLE = "index hole; those of both gears face each other at phi1 = 0", Use.THROUGH
+    LIGHTENING_HOLES = "lightening holes", Use.THROUGH
+    POCKETS = "pockets from the upper face down to the web", Use.PART_WAY
+    HUB = "hub on the upper face", Use.PART_WAY
+    PITCH_CURVE = "pitch curve", Use.REFERENCE
+    AXIS = "axis of the gear", Use.REFERENCE
+
+    def __init__(self, content: str, use: Use) -> None:
+        self.content, self.use = content, use
+
+    @property
+    def words(self) -> str:
+        """Both, for whoever looks at the file."""
+        return f"{self.content}; {self.use.value}"
+
+
+CUT_THROUGH = tuple(layer for layer in Layer if layer.use is Use.THROUGH)
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +59,11 @@ class Contour:
         """The contour, farther along x."""
         return replace(self, points=self.points + np.array([x_mm, 0.0]))
 
+    @property
+    def corners(self) -> Array:
+        """Points whose box holds the contour, arcs left out: they lie within other contours."""
+        return self.points
+
 
 @dataclass(frozen=True)
 class Circle:
@@ -53,6 +76,12 @@ class Circle:
     def moved(self, x_mm: float) -> Circle:
         """The circle, farther along x."""
         return replace(self, x_mm=self.x_mm + x_mm)
+
+    @property
+    def corners(self) -> Array:
+        """Two opposite corners of the square around it, shape (2, 2)."""
+        center = np.array([self.x_mm, self.y_mm])
+        return np.stack([center - self.radius_mm, center + self.radius_mm])
 
 
 @dataclass(frozen=True)
@@ -73,6 +102,11 @@ class Cross:
         half = self.length_mm / 2.0
         arms = np.array([[[-half, 0.0], [half, 0.0]], [[0.0, -half], [0.0, half]]])
         return np.asarray(arms + np.array([self.x_mm, self.y_mm]))
+
+    @property
+    def corners(self) -> Array:
+        """The ends of its lines, shape (4, 2)."""
+        return self.lines.reshape(-1, 2)
 
 
 Shape = Contour | Circle | Cross
@@ -96,3 +130,10 @@ class Drawing:
 def polygon(points: Array) -> Contour:
     """A contour of lines alone, through points (n, 2)."""
     return Contour(points, np.zeros(len(points)))
+
+
+def box_around(drawings: Iterable[Drawing]) -> tuple[Array, Array]:
+    """Lower left and upper right corner of the box around all shapes."""
+    shapes = (shape for drawing in drawings for layer in drawing.layers.values() for shape in layer)
+    corners = np.vstack([shape.corners for shape in shapes])
+    return corners.min(axis=0), corners.max(axis=0)

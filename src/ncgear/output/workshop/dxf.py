@@ -2,63 +2,71 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from io import StringIO
 
 import ezdxf
+import numpy as np
 from ezdxf import units
 from ezdxf.document import Drawing as Document
 from ezdxf.layouts import Modelspace
 
 from ncgear.drive import Drive
-from ncgear.output.workshop.drawing import Circle, Contour, Cross, Drawing, Layer, Shape
-from ncgear.output.workshop.gear_drawing import gear_drawing, pair_drawings
+from ncgear.numerics.arrays import Array
+from ncgear.output.workshop.drawing import Circle, Contour, Cross, Drawing, Shape, Use, box_around
+from ncgear.output.workshop.gear_drawing import gear_drawing
+from ncgear.output.workshop.notes import pair_notes
 from ncgear.pitch.shape import Gear
 
 VERSION = "R2010"
 """Read by every program of the last fifteen years, and the first version with all that is needed here."""
 
-COLORS = {
-    Layer.OUTLINE: 7,
-    Layer.BORE: 5,
-    Layer.HOLES: 5,
-    Layer.POCKETS: 3,
-    Layer.HUB: 4,
-    Layer.PITCH_CURVE: 1,
-    Layer.AXIS: 1,
-}
-"""By the AutoCAD colour index: 7 black or white, 5 blue, 3 green, 4 cyan, 1 red."""
+COLORS = {Use.THROUGH: 7, Use.PART_WAY: 5, Use.REFERENCE: 1}
+"""By the AutoCAD colour index: black or white, blue, red."""
 
-CENTER_LINES = (Layer.PITCH_CURVE, Layer.AXIS)
-"""What no machine should cut, drawn as centre lines are."""
+CENTER_LINE = [6.0, 4.0, -0.75, 0.5, -0.75]
+"""Length in mm of the pattern, and its lines and gaps: what no machine should cut, drawn as centre lines are."""
+WHOLE_PATTERN = 128
+"""Flag of polylines along which the pattern goes on from chord to chord."""
+
+NOTES = "NOTES"
+LETTERS_ACROSS = 80.0
+"""Width of the drawing in heights of the notes' letters."""
+LINE_SPACING = 1.6
+"""In heights of letters."""
+SLACK = 1.1
+"""Height of the view that the file opens with, over that of what is drawn."""
 
 
 def dxf_files(drive: Drive) -> dict[str, bytes]:
     """``driving.dxf`` and ``driven.dxf`` in their own frames, and ``pair.dxf`` as assembled, by their names."""
-    drawings = [gear_drawing(drive, gear) for gear in Gear]
-    pair = pair_drawings(drive)
+    driving, driven = (gear_drawing(drive, gear) for gear in Gear)
+    assembled = {"DRIVING_": driving, "DRIVEN_": driven.moved(drive.pitch.center_distance_mm)}
     return {
-        **{f"{drawing.name}.dxf": dxf_bytes([drawing]) for drawing in drawings},
-        "pair.dxf": dxf_bytes(pair, prefixed=True),
+        "driving.dxf": dxf_bytes({"": driving}, driving.notes),
+        "driven.dxf": dxf_bytes({"": driven}, driven.notes),
+        "pair.dxf": dxf_bytes(assembled, pair_notes(drive)),
     }
 
 
-def dxf_bytes(drawings: Sequence[Drawing], *, prefixed: bool = False) -> bytes:
-    """Drawings in one file, whose layers bear the drawing's name too where ``prefixed``; the same give the same bytes.
+def dxf_bytes(drawings: Mapping[str, Drawing], notes: Sequence[str]) -> bytes:
+    """Drawings, by what the names of their layers begin with, in one file; the same give the same bytes.
 
-    Raises RuntimeError, a fault of ncgear, for a file in which the library's audit finds a fault.
+    The notes stand below them, and among the properties of the file.  Raises RuntimeError, a fault of ncgear, for a
+    file in which the library's audit finds a fault.
     """
     with _without_clock():
         document = ezdxf.new(VERSION, units=units.MM)
-        document.linetypes.add("CENTER", [6.0, 4.0, -0.75, 0.5, -0.75], description="Center ____ _ ____")
-        for drawing in drawings:
-            _draw(document, drawing, f"{drawing.name.upper()}_" if prefixed else "")
+        document.linetypes.add("CENTER", CENTER_LINE, description="Center ____ _ ____")
+        for prefix, drawing in drawings.items():
+            _draw(document, drawing, prefix)
+        _write(document, notes, *box_around(drawings.values()))
         if document.audit().has_issues:
-            raise RuntimeError(f"the DXF file of {drawings[0].name} has faults")
+            raise RuntimeError(f"the DXF file of {notes[0]} has faults")
         text = StringIO()
         document.write(text)
-    return text.getvalue().encode()
+    return document.encode(text.getvalue())
 
 
 @contextmanager
@@ -74,13 +82,12 @@ def _without_clock() -> Iterator[None]:
 
 
 def _draw(document: Document, drawing: Drawing, prefix: str) -> None:
-    for number, note in enumerate(drawing.notes, 1):
-        document.header.custom_vars.append(f"{drawing.name} {number}", note)
     for layer, shapes in drawing.layers.items():
-        name, line = f"{prefix}{layer}", "CENTER" if layer in CENTER_LINES else "Continuous"
-        document.layers.add(name, color=COLORS[layer], linetype=line)
+        line = "CENTER" if layer.use is Use.REFERENCE else "Continuous"
+        made = document.layers.add(f"{prefix}{layer.name}", color=COLORS[layer.use], linetype=line)
+        made.description = layer.words
         for shape in shapes:
-            _add(document.modelspace(), shape, name)
+            _add(document.modelspace(), shape, made.dxf.name)
 
 
 def _add(space: Modelspace, shape: Shape, layer: str) -> None:
@@ -88,9 +95,25 @@ def _add(space: Modelspace, shape: Shape, layer: str) -> None:
     match shape:
         case Contour():
             rows = [(*point, bulge) for point, bulge in zip(shape.points.tolist(), shape.bulges.tolist(), strict=True)]
-            space.add_lwpolyline(rows, format="xyb", close=True, dxfattribs=attributes)
+            space.add_lwpolyline(rows, format="xyb", close=True, dxfattribs={**attributes, "flags": WHOLE_PATTERN})
         case Circle():
             space.add_circle((shape.x_mm, shape.y_mm), shape.radius_mm, dxfattribs=attributes)
         case Cross():
             for start, end in shape.lines.tolist():
                 space.add_line(start, end, dxfattribs=attributes)
+
+
+def _write(document: Document, notes: Sequence[str], low: Array, high: Array) -> None:
+    """Notes below the box of the drawings, line by line; programs open the file at a view of it all."""
+    document.layers.add(NOTES, color=COLORS[Use.THROUGH])
+    letter = float(high[0] - low[0]) / LETTERS_ACROSS
+    foot = low - np.array([0.0, LINE_SPACING * letter * (len(notes) + 1)])
+    for number, note in enumerate(notes, 1):
+        document.header.custom_vars.append(f"note {number}", note)
+        place = low - np.array([0.0, LINE_SPACING * letter * (number + 0.5)])
+        document.modelspace().add_text(
+            note, height=letter, dxfattribs={"layer": NOTES, "insert": tuple(place.tolist())}
+        )
+    document.header["$EXTMIN"], document.header["$EXTMAX"] = (*foot.tolist(), 0.0), (*high.tolist(), 0.0)
+    center = tuple(((foot + high) / 2.0).tolist())
+    document.set_modelspace_vport(SLACK * float(high[1] - foot[1]), center)

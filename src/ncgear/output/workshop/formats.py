@@ -22,7 +22,7 @@ class Writer:
 WRITERS = {
     Format.DXF: Writer("dxf", "dxf_files", ("driving.dxf", "driven.dxf", "pair.dxf")),
     Format.SVG: Writer("svg", "svg_files", ("driving.svg", "driven.svg")),
-    Format.THREEMF: Writer("threemf", "threemf_files", ("gears.3mf",)),
+    Format.THREEMF: Writer("threemf", "threemf_files", ("gears.3mf", "pair.3mf")),
     Format.GLB: Writer("glb", "glb_files", ("pair.glb",)),
     Format.STEP: Writer("step", "step_files", ("driving.step", "driven.step", "pair.step")),
 }

@@ -13,11 +13,12 @@ from trimesh.visual.material import PBRMaterial
 
 from ncgear.drive import Drive
 from ncgear.numerics.arrays import Array
+from ncgear.output.plots.canvas import DRIVEN, DRIVING
 
 METRE_PER_MM = 0.001
 
-COLORS = {"driving": (0, 114, 178), "driven": (213, 94, 0)}
-"""As in the pictures: blue and vermilion, which everyone can tell apart."""
+COLORS = {"driving": DRIVING, "driven": DRIVEN}
+"""As in the pictures."""
 
 Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 """Turns z up into y up."""
@@ -29,12 +30,23 @@ def glb_files(drive: Drive) -> dict[str, bytes]:
     scene = Scene()
     for name, mesh, x_mm in (("driving", solids.driving.mesh, 0.0), ("driven", solids.driven.mesh, distance)):
         scene.add_geometry(_colored(mesh, name), node_name=name, geom_name=name, transform=_placed(x_mm))
-    return {"pair.glb": export_glb(scene)}
+    # Without normals viewers shade each triangle flat, so that edges stay edges.
+    return {"pair.glb": export_glb(scene, include_normals=False)}
 
 
 def _colored(mesh: Trimesh, name: str) -> Trimesh:
-    material = PBRMaterial(name=name, baseColorFactor=[*COLORS[name], 255], metallicFactor=0.2, roughnessFactor=0.6)
+    color = [*linear_light(COLORS[name]), 1.0]
+    material = PBRMaterial(name=name, baseColorFactor=color, metallicFactor=0.2, roughnessFactor=0.6)
     return Trimesh(mesh.vertices, mesh.faces, process=False, visual=TextureVisuals(material=material))
+
+
+def linear_light(color: str) -> Array:
+    """Shares of light, shape (3,), of a colour as screens number it (``#rrggbb``), which glTF wants of a material.
+
+    Source: IEC 61966-2-1 (sRGB).
+    """
+    coded = np.array([int(color[place : place + 2], 16) for place in (1, 3, 5)]) / 255.0
+    return np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)
 
 
 def _placed(x_mm: float) -> Array:

@@ -8,8 +8,7 @@ from xml.etree import ElementTree as Xml
 import numpy as np
 
 from ncgear.drive import Drive
-from ncgear.numerics.arrays import Array
-from ncgear.output.workshop.drawing import CUT_THROUGH, Circle, Contour, Cross, Drawing, Shape
+from ncgear.output.workshop.drawing import Circle, Contour, Cross, Drawing, Shape, Use, box_around
 from ncgear.output.workshop.gear_drawing import gear_drawing
 from ncgear.pitch.shape import Gear
 
@@ -22,8 +21,8 @@ MARGIN_MM = 2.0
 HAIRLINE_MM = 0.1
 """Width of lines: what cutters that go by width take as a cut, and a screen still shows."""
 
-COLORS = {True: "#000000", False: "#cc0000"}
-"""Of what is cut through, and of all else."""
+COLORS = {Use.THROUGH: "#000000", Use.PART_WAY: "#0000ff", Use.REFERENCE: "#cc0000"}
+"""By which cutters tell what to do along a line."""
 
 
 def svg_files(drive: Drive) -> dict[str, bytes]:
@@ -34,7 +33,8 @@ def svg_files(drive: Drive) -> dict[str, bytes]:
 
 def svg_bytes(drawing: Drawing) -> bytes:
     """A drawing with a group for each layer, as large on paper as the gear is."""
-    low, high = _frame(drawing)
+    box_low, box_high = box_around([drawing])
+    low, high = box_low - MARGIN_MM, box_high + MARGIN_MM
     width, height = high - low
     size = {"width": f"{width:.{DIGITS}f}mm", "height": f"{height:.{DIGITS}f}mm"}
     box = f"{low[0]:.{DIGITS}f} {-high[1]:.{DIGITS}f} {width:.{DIGITS}f} {height:.{DIGITS}f}"
@@ -43,30 +43,13 @@ def svg_bytes(drawing: Drawing) -> bytes:
     Xml.SubElement(root, "desc").text = "; ".join(drawing.notes[1:])
     upward = Xml.SubElement(root, "g", {"transform": "scale(1,-1)", "fill": "none", "stroke-width": f"{HAIRLINE_MM}"})
     for layer, shapes in drawing.layers.items():
-        group = Xml.SubElement(upward, "g", {"id": layer.value, "stroke": COLORS[layer in CUT_THROUGH]})
+        group = Xml.SubElement(upward, "g", {"id": layer.name, "stroke": COLORS[layer.use]})
+        Xml.SubElement(group, "title").text = layer.words
         for shape in shapes:
             Xml.SubElement(group, "path", {"d": _path(shape)})
     Xml.indent(root)
     text: bytes = Xml.tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"
-
-
-def _frame(drawing: Drawing) -> tuple[Array, Array]:
-    """Least and largest coordinates of everything, with a margin."""
-    corners = np.vstack([_corners(shape) for shapes in drawing.layers.values() for shape in shapes])
-    return corners.min(axis=0) - MARGIN_MM, corners.max(axis=0) + MARGIN_MM
-
-
-def _corners(shape: Shape) -> Array:
-    """Points whose frame holds the shape; arcs of contours lie within the gear."""
-    match shape:
-        case Contour():
-            return shape.points
-        case Circle():
-            center = np.array([shape.x_mm, shape.y_mm])
-            return np.array([center - shape.radius_mm, center + shape.radius_mm])
-        case Cross():
-            return shape.lines.reshape(-1, 2)
 
 
 def _path(shape: Shape) -> str:

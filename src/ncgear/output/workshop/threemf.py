@@ -1,4 +1,4 @@
-"""3MF: both gears side by side on one plate, with the unit in the file."""
+"""3MF with the unit in the file: both gears side by side on one plate to print, and as assembled at phi1 = 0."""
 
 from __future__ import annotations
 
@@ -27,10 +27,11 @@ IDENTITY = re.compile(rb'UUID="[0-9a-f-]{36}"')
 
 
 def threemf_files(drive: Drive) -> dict[str, bytes]:
-    """``gears.3mf``: the solids as the STL files have them, in their own directions, apart from each other."""
+    """``gears.3mf`` and ``pair.3mf``: the solids as the STL files have them, apart from each other and assembled."""
     driving, driven = drive.solids.driving.mesh, drive.solids.driven.mesh
     apart = float(driving.bounds[1][0] - driven.bounds[0][0]) + GAP_MM
-    return {"gears.3mf": threemf_bytes({"driving": (driving, 0.0), "driven": (driven, apart)})}
+    places = {"gears.3mf": apart, "pair.3mf": drive.pitch.center_distance_mm}
+    return {name: threemf_bytes({"driving": (driving, 0.0), "driven": (driven, x)}) for name, x in places.items()}
 
 
 def threemf_bytes(parts: dict[str, tuple[Trimesh, float]]) -> bytes:
@@ -40,7 +41,8 @@ def threemf_bytes(parts: dict[str, tuple[Trimesh, float]]) -> bytes:
         place = np.eye(4)
         place[0, 3] = x_mm
         scene.add_geometry(mesh, node_name=name, geom_name=name, transform=place)
-    return _reproducible(export_3MF(scene))
+    # Packed once only, when it is as it shall be.
+    return _reproducible(export_3MF(scene, compression=zipfile.ZIP_STORED))
 
 
 def _reproducible(archive: bytes) -> bytes:

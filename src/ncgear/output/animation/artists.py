@@ -1,0 +1,121 @@
+"""What moves, as artists of matplotlib: paths in a body's own frame, each under a transform of its own.
+
+A new pose changes six numbers of a transform, and no path.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, PathPatch, Rectangle
+from matplotlib.path import Path
+from matplotlib.transforms import Affine2D, Transform
+
+from ncgear.numerics.arrays import Array
+from ncgear.output.animation import looks
+from ncgear.scene.bodies import Body, Places
+from ncgear.scene.gears import SceneGear
+from ncgear.scene.links import pin_radius_mm
+from ncgear.scene.scene import Poses, Scene
+from ncgear.scene.simplified import simplified
+from ncgear.scene.standing import straws
+
+PIXEL_SHARE = 0.1
+"""How far a drawn outline may stray from the written one, in pixels: less than Agg's sixteenth levels of grey show."""
+
+Moved = Callable[[Poses, int], None]
+
+
+@dataclass(frozen=True)
+class Moving:
+    """Artists in the order in which they are drawn, and what puts them into one of the poses."""
+
+    artists: tuple[Artist, ...]
+    pose: Moved
+
+
+def body_artist(axes: Axes, body: Body, pixel_mm: float, to_screen: Transform) -> Moving:
+    """A body's section; ``to_screen`` leads from the machine's frame to pixels of ``pixel_mm``."""
+    contours = simplified(body.contours_mm, PIXEL_SHARE * pixel_mm)
+    transform = Affine2D()
+    # Not snapped to whole pixels, or what moves slowly would jump from one to the next.
+    patch = PathPatch(_path(contours), transform=transform + to_screen, snap=False, **looks.BODIES[body.kind])
+    axes.add_artist(patch)
+    return Moving((patch,), lambda poses, row: _place(transform, poses.places[body.name], row))
+
+
+def gear_artists(axes: Axes, gear: SceneGear, pixel_mm: float, to_screen: Transform) -> Moving:
+    """A gear with the edges on its face and its pitch curve."""
+    filled = body_artist(axes, gear.body, pixel_mm, to_screen)
+    (patch,) = filled.artists
+    curve = Line2D(*gear.pitch_curve_mm.T, transform=patch.get_transform(), **looks.PITCH_CURVES[gear.body.kind])
+    loops = [np.vstack([edge, edge[:1]]) for edge in gear.body.edges_mm]
+    style = looks.EDGES[gear.body.kind]
+    edges = [Line2D(*loop.T, transform=patch.get_transform(), **style) for loop in loops]
+    for line in (*edges, curve):
+        axes.add_artist(line)
+    return Moving((patch, *edges, curve), filled.pose)
+
+
+def _place(transform: Affine2D, places: Places, row: int) -> None:
+    x, y = places.origin_mm[row]
+    transform.clear().rotate(float(places.angle_rad[row])).translate(float(x), float(y))
+
+
+def _path(contours: Sequence[Array]) -> Path:
+    """A compound path; holes run the other way round, which is how Agg knows them."""
+    closed = [Path(np.vstack([contour, contour[:1]]), closed=True) for contour in contours]
+    return Path.make_compound_path(*closed)
+
+
+def material_artists(axes: Axes, scene: Scene) -> Moving:
+    """A strip of unit depth that ends at the chamber's wall, squeezed to what is left of it."""
+    chamber, squeezed = scene.chamber, Affine2D()
+    transform = squeezed + axes.transData
+    charge = Rectangle((-1.0, -0.5), 1.0, 1.0, transform=transform, **looks.CHARGE)
+    grain = LineCollection(list(straws() - [1.0, 0.0]), transform=transform, **looks.STRAW)
+    axes.add_artist(charge)
+    axes.add_collection(grain, autolim=False)
+
+    def pose(poses: Poses, row: int) -> None:
+        squeezed.clear().scale(float(poses.material_mm[row]), chamber.height_mm)
+        squeezed.translate(chamber.end_mm, chamber.linkage.offset_mm)
+
+    return Moving((charge, grain), pose)
+
+
+def pin_artists(axes: Axes, scene: Scene) -> Moving:
+    """The pins at both ends of the rod."""
+    pins = [Circle((0.0, 0.0), pin_radius_mm(scene.machine.linkage), **looks.PIN) for _ in range(2)]
+    for pin in pins:
+        axes.add_artist(pin)
+
+    def pose(poses: Poses, row: int) -> None:
+        for pin, name in zip(pins, ("rod", "slider"), strict=True):
+            pin.set_center(tuple(poses.places[name].origin_mm[row]))
+
+    return Moving(tuple(pins), pose)
+
+
+def axis_artist(axes: Axes, scene: Scene, style: looks.Style, to_screen: Transform) -> Moving:
+    """The axes of rotation in one style: they stand, but over what moves."""
+    line = Line2D(*np.array(scene.axes_mm).T, transform=to_screen, **style)
+    axes.add_artist(line)
+    return Moving((line,), lambda poses, row: None)
+
+
+def pitch_point_artist(axes: Axes, scene: Scene, to_screen: Transform) -> Moving:
+    """The pitch points of all pairs."""
+    points = Line2D([], [], transform=to_screen, **looks.PITCH_POINT)
+    axes.add_artist(points)
+
+    def pose(poses: Poses, row: int) -> None:
+        points.set_data(*np.array([point[row] for point in poses.pitch_points_mm]).T)
+
+    return Moving((points,), pose)
