@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from pathlib import Path
 
@@ -21,10 +22,14 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("NCGEAR_DEBUG", raising=False)
 
+    hook = sys.unraisablehook
+
     def run_once(*arguments: str) -> Outcome:
         monkeypatch.setattr(sys, "argv", ["ncgear", *arguments])
         with pytest.raises(SystemExit) as exit_:
             ncgear.cli.main()
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        monkeypatch.setattr(sys, "unraisablehook", hook)
         out, err = capsys.readouterr()
         return int(exit_.value.code or 0), out, err
 

@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[1]
 SOURCE = ROOT / "src" / "ncgear"
 
 LAYERS = [
-    {"errors", "extras", "stopwatch", "numerics"},
+    {"errors", "extras", "interrupts", "stopwatch", "numerics"},
     {"machine"},
     {"ratio"},
     {"kinematics"},
@@ -128,9 +128,18 @@ except SystemExit as exit_:
 """A command as a user gives it, in an interpreter that has loaded nothing else."""
 
 SOLVERS = {"sympy", "scipy", "casadi", "clarabel"}
-MAKERS = {"trimesh", "matplotlib", "shapely", "mapbox_earcut", "networkx", "ezdxf", "lxml", "jinja2", "OCP"}
-LIBRARIES = SOLVERS | MAKERS
-"""Every solver and algebra; meshes, plots, planes, drawings, pages, the kernel of solids."""
+LIBRARIES = SOLVERS | {
+    "trimesh",
+    "matplotlib",
+    "shapely",
+    "mapbox_earcut",
+    "networkx",
+    "ezdxf",
+    "lxml",
+    "jinja2",
+    "OCP",
+}
+"""Every solver and algebra; meshes, plots, planes, drawings, pages, exact solids."""
 
 
 def loaded_by(*arguments: str) -> set[str]:

@@ -25,8 +25,8 @@ from ncgear.design.schema import Design
 from ncgear.drive import Drive
 from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
-from ncgear.output.bodies import bodies_summary
 from ncgear.output.stl import read_back, stl_bytes
+from ncgear.output.summary.bodies import bodies_summary
 from ncgear.output.written import outline_of_stl, section_rings
 from ncgear.pitch.shape import Gear
 from ncgear.precision.circular_gear import CircularGear

@@ -146,6 +146,18 @@ def test_tip_relief_parts_the_flanks_where_it_begins() -> None:
     assert farthest(ring_of(contour_of(gear, TOLERANCE)), exact_ring(gear)) <= TOLERANCE + FINE
 
 
+def test_gaps_of_equivalent_gears_are_bridged_as_in_their_outlines() -> None:
+    form = ToothForm(rack(), equivalent=True)
+    gear = toothed_pair(PITCHES["ellipse"](), form, 0.005).driving
+    contour = contour_of(gear, TOLERANCE)
+    gaps = [float(np.linalg.norm(curve.end - curve.start)) for curve in contour.curves if isinstance(curve, Line)]
+    assert len(gaps) > 37
+    assert max(gaps) < TOLERANCE
+    # An outline's chord goes over the gap from some way before it, so that it misses the curve's end by less than it.
+    assert farthest(ring_of(contour), exact_ring(gear)) <= TOLERANCE + FINE + max(gaps)
+    assert farthest(exact_ring(gear), ring_of(contour, 8 * DENSE)) <= 1.01 * TOLERANCE
+
+
 # --- splines --------------------------------------------------------------------------------------------------------
 
 

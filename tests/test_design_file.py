@@ -11,13 +11,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ncgear.design.gears import PROFILES, Rack
 from ncgear.design.load import LoadedDesign, load
 from ncgear.design.motion import LAWS, SOLVED_KEY, Ellipse, RatioExpression, ThreeSegmentStroke
 from ncgear.design.positions import read_yaml
 from ncgear.design.scalars import plain_value
 from ncgear.design.schema import Design, json_schema
 from ncgear.design.table import MOST_POINTS, TableLaw
+from ncgear.design.teeth import PROFILES, Rack
 from ncgear.design.template import Law, template
 from ncgear.errors import NoSuchMechanism, WrongInput
 

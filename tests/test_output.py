@@ -385,7 +385,17 @@ def test_build_writes_a_whole_set_of_files(tmp_path: Path) -> None:
     stages: list[str] = []
     out = tmp_path / "out"
     paths = build(drive_of(DESIGN, tmp_path), out, stages.append).paths
-    assert stages == ["motion", "pitch curves", "teeth", "contact", "solids", "files", "written contact", "plots"]
+    assert stages == [
+        "motion",
+        "pitch curves",
+        "teeth",
+        "contact",
+        "solids",
+        "files",
+        "written contact",
+        "workshop files",
+        "plots",
+    ]
     assert sorted(path.name for path in out.iterdir()) == sorted(path.name for path in paths)
     assert paths[-1].name == "summary.json"
     assembly = json.loads((out / "assembly.json").read_text())

@@ -30,7 +30,7 @@ from ncgear.design.schema import Design
 from ncgear.drive import Drive
 from ncgear.errors import DesignError
 from ncgear.output import build as build_module
-from ncgear.output.summary import check_summary
+from ncgear.output.summary.check import check_summary
 from ncgear.output.tables import outline_csv
 from ncgear.output.written import outline_of_csv
 from oracles import meshing

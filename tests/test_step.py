@@ -24,7 +24,7 @@ from ncgear.errors import WrongInput
 from ncgear.numerics.plane import signed_area
 from ncgear.output.workshop.step import step_files
 from ncgear.output.workshop.step_document import Part, part_bytes
-from ncgear.output.workshop.step_read import _read, require_same
+from ncgear.output.workshop.step_read import VOLUME_TOLERANCE, _read, require_same
 from ncgear.output.workshop.step_shapes import SHARE
 from ncgear.pitch.shape import Gear
 from ncgear.solids import patches
@@ -265,10 +265,6 @@ def test_a_file_of_another_solid_is_a_fault() -> None:
         require_same(b"nothing", [own])
 
 
-KERNEL = 2e-5
-"""Relative error that the kernel's integrals over the ends have: 1e-5 here, against sections of very many chords."""
-
-
 def volumes(name: str) -> list[float]:
     """Areas of the files' sections by very many chords, times the face width."""
     solids = (solid_of(files(name)[f"{gear}.step"]) for gear in ("driving", "driven"))
@@ -298,6 +294,9 @@ def bodied(tmp_path_factory: pytest.TempPathFactory) -> tuple[Drive, dict[str, b
     return own, step_files(own)
 
 
+UP = [0.0, 0.0, 1.0]
+
+
 def cylinders(data: bytes) -> list[tuple[float, list[float]]]:
     """Radius and axis of every cylindrical face."""
     file, solid = solid_of(data)
@@ -312,10 +311,23 @@ def test_hub_screw_and_holes_are_cylinders_of_one_face_each(bodied: tuple[Drive,
     driving, driven = cylinders(made["driving.step"]), cylinders(made["driven.step"])
     assert driving.count((2.0, [0.0, 1.0, 0.0])) == 1
     for found, radius in ((driving, 7.0), (driving, 4.0), (driven, 5.0), (driven, 2.5)):
-        assert found.count((radius, [0.0, 0.0, 1.0])) == 1
+        assert found.count((radius, UP)) == 1
     holes = own.solids.driven.plan.lightening_holes
     assert len(holes) == 3
     assert sum(abs(radius - holes[0].diameter_mm / 2.0) < 1e-9 for radius, _ in driven) == 3
+
+
+@pytest.mark.slow
+def test_helical_gears_have_bodies_too(tmp_path: Path) -> None:
+    """Hub, screw and holes of straight gears, of one face each, on teeth that go round."""
+    head = (DESIGNS / "helical-ellipse.yaml").read_text(encoding="utf-8").split("  driving:", 1)[0]
+    body = "{bore_mm: 6, hub: {diameter_mm: 11, height_mm: 5, set_screw: {diameter_mm: 2}}}"
+    own = written(tmp_path, f"{head}  driving: {body}\n  driven: {{bore_mm: 6}}\n")
+    made = step_files(own)
+    found = cylinders(made["driving.step"])
+    assert found.count((1.0, [1.0, 0.0, 0.0])) == found.count((3.0, UP)) == found.count((5.5, UP)) == 1
+    mesh = own.solids.driving.mesh
+    assert abs(volume_mm3(_read(made["driving.step"])) - mesh.volume) <= 0.005 * mesh.area
 
 
 @pytest.mark.slow
@@ -379,7 +391,7 @@ def test_volumes_are_those_of_the_meshes_and_of_the_kernel(name: str) -> None:
     shapes = [_read(files(name)[f"{gear}.step"]) for gear in ("driving", "driven")]
     for volume, mesh, shape in zip(volumes(name), meshes, shapes, strict=True):
         assert abs(volume - mesh.volume) <= own.design.output.chord_tolerance_mm * mesh.area
-        assert volume_mm3(shape) == pytest.approx(volume, rel=KERNEL)
+        assert volume_mm3(shape) == pytest.approx(volume, rel=VOLUME_TOLERANCE)
 
 
 @pytest.mark.slow

@@ -28,7 +28,7 @@ from ncgear.optimum.task import Task
 from ncgear.optimum.wishes import TwoStages
 from ncgear.output.build import build
 from ncgear.output.report import build_text, check_text, timing_text
-from ncgear.output.summary import check_summary
+from ncgear.output.summary.check import check_summary
 from ncgear.output.workshop.kinds import Format
 from ncgear.pitch.pair import largest_tangent_angle_rad, sized_pair
 from ncgear.pitch.shape import Gear

@@ -17,6 +17,7 @@ from ncgear import __version__
 from ncgear.design.schema import Design
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.extras import require
+from ncgear.interrupts import deaf_processes, end_processes, uninterrupted
 from ncgear.optimum.certified.limit import Bound
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, family_point, law_point
 from ncgear.optimum.judged import Figures
@@ -63,7 +64,7 @@ class Kept:
         """Write one more line."""
         self.path.parent.mkdir(parents=True, exist_ok=True)
         entry = {"key": self.key, "kind": kind, "cap_w": cap_w, "result": result}
-        with self.path.open("a", encoding="utf-8") as file:
+        with uninterrupted(), self.path.open("a", encoding="utf-8") as file:
             # On a line of its own even after one that was cut off.
             file.write(f"\n{json.dumps(entry)}\n")
 
@@ -104,11 +105,13 @@ def _computed(design: Design, jobs: list[tuple[str, float]]) -> Iterator[tuple[s
     if not jobs:
         return
     with _one_thread_each(), ProcessPoolExecutor(os.cpu_count(), get_context("spawn")) as pool:
-        futures = {pool.submit(_point, design, *job): job for job in jobs}
         try:
+            with deaf_processes():
+                futures = {pool.submit(_point, design, *job): job for job in jobs}
             for future in as_completed(futures):
                 yield (*futures[future], future.result())
         except BaseException:
+            end_processes()
             pool.shutdown(wait=False, cancel_futures=True)
             raise
 

@@ -9,7 +9,7 @@ import typer
 
 from ncgear.cli.arguments import DesignFile
 from ncgear.cli.opened import opened
-from ncgear.cli.progress import points_counted
+from ncgear.cli.progress import counted
 
 
 def animate(
@@ -39,7 +39,7 @@ def animate(
         from ncgear.scene.made import scene_of
 
         scene = scene_of(Drive(loaded.design))
-        with points_counted("frames") as on_frame:
+        with counted("frames") as on_frame:
             content = animated(scene, kind, Loop(Timing(frames, seconds), width), on_frame)
         (written,) = publish(path.parent, {path.name: content})
         typer.echo(f"wrote {written}: {frames} frames in {seconds:g} s, {len(content) / 1e6:.1f} MB")

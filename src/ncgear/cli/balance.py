@@ -35,7 +35,7 @@ def balance(
 
     balancing = Balancing(loaded)
     try:
-        with stages_shown() as on_stage:
+        with stages_shown(2) as on_stage:
             on_stage("balance")
             figures = figures_of(balancing)
             on_stage("pictures")

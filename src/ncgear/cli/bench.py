@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from ncgear.cli.progress import stages_shown
+
 
 def bench(
     out: Annotated[Path, typer.Option(metavar="DIR", help="Output folder.")] = Path("export/bench"),
@@ -25,7 +27,8 @@ def bench(
     for reason in left_out:
         typer.echo(reason, err=True)
     found = []
-    for number, study in enumerate(studies, 1):
-        typer.echo(f"{number} of {len(studies)}: {study.key}", err=True)
-        found.append(measured(study))
+    with stages_shown(len(studies)) as on_stage:
+        for study in studies:
+            on_stage(study.key)
+            found.append(measured(study))
     typer.echo(bench_text(found, write(out, found)))

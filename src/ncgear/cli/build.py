@@ -40,10 +40,11 @@ def build(
 
         from ncgear.drive import Drive
         from ncgear.output.build import build as build_files
+        from ncgear.output.build import stage_count
         from ncgear.output.report import build_text, timing_text
 
         drive = Drive(loaded.design)
-        with stages_shown() as on_stage:
+        with stages_shown(stage_count(drive, report=report)) as on_stage:
             built = build_files(drive, folder, on_stage, kinds or USUAL, loaded if report else None)
         typer.echo(build_text(built.summaries, built.paths))
         if timing:

@@ -21,10 +21,10 @@ def check(
         from ncgear.drive import Drive
         from ncgear.output.json_text import json_text
         from ncgear.output.report import check_text, timing_text
-        from ncgear.output.summary import check_summary
+        from ncgear.output.summary.check import check_summary
 
         drive = Drive(loaded.design)
-        with stages_shown() as on_stage:
+        with stages_shown(1) as on_stage:
             on_stage("kinematics and power")
             text = json_text(check_summary(drive)).rstrip() if as_json else check_text(drive)
         typer.echo(text)

@@ -9,7 +9,7 @@ import typer
 
 from ncgear.cli.arguments import DesignFile
 from ncgear.cli.opened import opened
-from ncgear.cli.progress import points_counted
+from ncgear.cli.progress import counted
 
 
 def frontier(
@@ -32,7 +32,7 @@ def frontier(
 
         folder = out or Path("export") / f"{loaded.design.name}-frontier"
         prepare(folder)
-        with points_counted() as on_point:
+        with counted("points") as on_point:
             found = frontier_of(loaded.design, points, folder, on_point)
         improvement = Improvement(loaded.design)
         typer.echo(frontier_text(found, improvement, publish(folder, frontier_files(found, improvement))))

@@ -123,7 +123,7 @@ def _buildable(name: str, law: Law, sizes: dict[str, float]) -> str:
 
     text = begun(name, law, sizes)
     drive = Drive(parsed(text, Path(f"{name}.yaml")).design)
-    with stages_shown() as on_stage:
+    with stages_shown(len(BUILDABLE)) as on_stage:
         for stage in BUILDABLE:
             on_stage(stage.replace("_", " "))
             getattr(drive, stage)

@@ -32,7 +32,7 @@ def optimize(
         name = optimized_name(improvement)
         folder = out or Path("export") / name
         prepare(folder)
-        with stages_shown() as on_stage:
+        with stages_shown(4) as on_stage:
             on_stage("certified limit")
             improvement.bound  # noqa: B018
             on_stage("makeable law")

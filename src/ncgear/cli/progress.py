@@ -6,39 +6,61 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
 
 SILENT_SECONDS = 1.0
+"""Work that takes no longer shows nothing."""
 
 
 @contextmanager
-def points_counted(kind: str = "points") -> Iterator[Callable[[int, int], None]]:
-    """A function to say how many of how many points, or whatever ``kind`` names, are done; a terminal shows a bar."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    columns = TextColumn(kind), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
-    with Progress(*columns, console=Console(stderr=True), disable=not sys.stderr.isatty(), transient=True) as bar:
-        task = bar.add_task(kind, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
+def counted(what: str) -> Iterator[Callable[[int, int], None]]:
+    """A function to say how many of how many are done; ``what`` they are stands before the bar."""
+    with _shown(what) as bar:
+        yield lambda done, total: bar.update(bar.task_ids[0], completed=done, total=total)
 
 
 @contextmanager
-def stages_shown() -> Iterator[Callable[[str], None]]:
-    """A function to name the stage at work with; a terminal shows it once the work takes over a second."""
-    if not sys.stderr.isatty():
-        yield lambda stage: None
-        return
-    from rich.console import Console
-    from rich.markup import escape
+def stages_shown(count: int | None = None) -> Iterator[Callable[[str], None]]:
+    """A function to name the stage at work with, which is one of ``count`` where that is known."""
+    with _shown("starting", count) as bar:
+        task = bar.task_ids[0]
 
-    status = Console(stderr=True).status("starting")
-    timer = threading.Timer(SILENT_SECONDS, status.start)
+        def on_stage(stage: str) -> None:
+            done = 0 if bar.tasks[0].description == "starting" else 1
+            bar.update(task, description=stage, advance=done)
+
+        yield on_stage
+
+
+@contextmanager
+def _shown(what: str, count: int | None = None) -> Iterator[Progress]:
+    """A bar that a terminal shows once the work takes over a second, and which goes with its end."""
+    bar = _bar(what, count)
+    timer = threading.Timer(SILENT_SECONDS, bar.start)
     timer.daemon = True
-    timer.start()
+    if sys.stderr.isatty():
+        timer.start()
     try:
-        yield lambda stage: status.update(escape(stage))
+        yield bar
     finally:
         timer.cancel()
-        # A start already under way must end before the stop, or the spinner would stay.
-        timer.join()
-        status.stop()
+        # A start already under way must end before the stop, or the bar would stay.
+        if timer.ident is not None:
+            timer.join()
+        if bar.live.is_started:
+            bar.stop()
+
+
+def _bar(what: str, count: int | None) -> Progress:
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    name = TextColumn("{task.description}", markup=False)
+    columns = SpinnerColumn(), name, BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+    shown = columns if count != 1 else (SpinnerColumn(), name, TimeElapsedColumn())
+    bar = Progress(*shown, console=Console(stderr=True), transient=True)
+    bar.add_task(what, total=count)
+    return bar

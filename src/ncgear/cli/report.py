@@ -27,14 +27,15 @@ def report(
         prepare(folder)
 
         from ncgear.drive import Drive
-        from ncgear.output.build import contacts_as_written
+        from ncgear.output.build import WRITTEN_STAGES, contacts_as_written
         from ncgear.output.page import REPORT_FILE
         from ncgear.output.page.report_page import report_page
         from ncgear.output.report import timing_text
 
         drive = Drive(loaded.design)
-        with stages_shown() as on_stage:
-            contacts = contacts_as_written(drive, on_stage) if loaded.design.gears is not None else []
+        has_gears = loaded.design.gears is not None
+        with stages_shown(1 + has_gears * drive.design.stages * len(WRITTEN_STAGES)) as on_stage:
+            contacts = contacts_as_written(drive, on_stage) if has_gears else []
             on_stage("report")
             page = report_page(drive, loaded, contacts)
         (path,) = publish(folder, {REPORT_FILE: page})

@@ -17,12 +17,14 @@ def reproduce(
     from ncgear.output.publish import prepare, publish
 
     prepare(out)
-    with stages_shown() as on_stage:
-        on_stage("figures of four papers")
-        from ncgear.ledger.catalogue import PAPERS
-        from ncgear.ledger.judgement import judgement
-        from ncgear.output.ledger import PAGE, ledger_page, ledger_text
+    from ncgear.ledger.catalogue import PAPERS
+    from ncgear.ledger.judgement import judgement
+    from ncgear.output.ledger import PAGE, ledger_page, ledger_text
 
-        judgements = [judgement(paper) for paper in PAPERS]
+    judgements = []
+    with stages_shown(len(PAPERS)) as on_stage:
+        for paper in PAPERS:
+            on_stage(paper.title)
+            judgements.append(judgement(paper))
     paths = publish(out, {PAGE: ledger_page(judgements).encode()})
     typer.echo(ledger_text(judgements, paths))

@@ -37,7 +37,7 @@ def simulate(
         from ncgear.output.simulation.files import simulation_files, simulation_text
 
         drive = Drive(loaded.design)
-        with stages_shown() as on_stage:
+        with stages_shown(1) as on_stage:
             on_stage(f"simulation, level {level}")
             found = simulate_drive(drive, level)
         typer.echo(simulation_text(found, publish(folder, simulation_files(found))))

@@ -9,7 +9,7 @@ import typer
 
 from ncgear.cli.arguments import DesignFile
 from ncgear.cli.opened import opened
-from ncgear.cli.progress import stages_shown
+from ncgear.cli.progress import counted
 
 
 def sweep(
@@ -35,7 +35,6 @@ def sweep(
         from ncgear.output.sweep import sweep_csv, sweep_text
         from ncgear.screening.screen import screened
 
-        with stages_shown() as on_stage:
-            on_stage("designs")
-            found = screened(list(designs_of(loaded, varied)))
+        with counted("designs") as on_done:
+            found = screened(list(designs_of(loaded, varied)), on_done=on_done)
         typer.echo(sweep_text(varied, found, publish(folder, {"sweep.csv": sweep_csv(varied, found).encode()})))

@@ -39,7 +39,9 @@ class MotionStages:
     def pair(self) -> Pair:
         """The law that the gears follow; raises WrongInput where the stage is not told."""
         if self.stage is None and self.design.stages > 1:
-            raise WrongInput("two pairs of gears, of which one is asked for; see by_stage", key="motion.second_stage")
+            raise WrongInput(
+                "two pairs of gears, and one is asked for; Drive.by_stage has each", key="motion.second_stage"
+            )
         return self.law.train.pairs[(self.stage or 1) - 1]
 
     @property

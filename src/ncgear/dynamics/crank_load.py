@@ -110,6 +110,6 @@ def _require_inertia(least_kg_mm2: float) -> None:
     if not least_kg_mm2 > 0.0:
         raise WrongInput(
             "nothing that turns with the crank has inertia, and at the dead centres nothing else has: give "
-            "driven_inertia_kg_mm2 or crank_inertia_kg_mm2",
+            "driven_gear_kg_mm2 or the crank's inertia_kg_mm2",
             key="masses",
         )

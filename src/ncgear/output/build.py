@@ -20,7 +20,7 @@ from ncgear.output.page import REPORT_FILE
 from ncgear.output.pictures import pictures
 from ncgear.output.publish import prepare, publish
 from ncgear.output.stl import stl_bytes
-from ncgear.output.summary import build_summary
+from ncgear.output.summary.build import build_summary
 from ncgear.output.tables import contact_csv, law_csv, outline_csv
 from ncgear.output.workshop.formats import NAMES, workshop_files
 from ncgear.output.workshop.kinds import Format
@@ -36,6 +36,10 @@ STAGES = {
     "solids": ("solids",),
 }
 """Stages in order and the attributes of the drive whose first use computes them."""
+
+WRITTEN_STAGES = (*STAGES, "files", "written contact")
+PAIR_STAGES = (*WRITTEN_STAGES, "workshop files", "plots")
+"""What is told of one pair of gears until its contact as written is known, and until all its files are made."""
 
 
 @dataclass(frozen=True)
@@ -78,6 +82,11 @@ def build(
     names = {*NAMES, *(name for pair in pairs.values() for name in pair.files)}
     obsolete = [_place(stage) + name for stage in (None, 1, 2) for name in sorted(names)]
     return Built(publish(folder, files, [*obsolete, REPORT_FILE]), [pair.summary for pair in pairs.values()])
+
+
+def stage_count(drive: Drive, *, report: bool) -> int:
+    """How often a build tells what is done."""
+    return len(PAIR_STAGES) * drive.design.stages + report
 
 
 def contacts_as_written(drive: Drive, on_stage: Callable[[str], None]) -> list[PairContact]:

@@ -14,6 +14,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ncgear.errors import WrongInput
+from ncgear.interrupts import uninterrupted
 from ncgear.output.exchange import NEW, OLD, exchange, settle
 
 STAGING_PREFIX = ".ncgear-"
@@ -46,7 +47,7 @@ def publish(folder: Path, files: Mapping[str, bytes], obsolete: Collection[str] 
     prepare(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with _alone_in(folder):
+        with uninterrupted(), _alone_in(folder):
             _clear_up(folder)
             _write_and_exchange(folder, files, set(obsolete) - set(files))
     except OSError as error:

@@ -11,7 +11,7 @@ from typing import Any
 from ncgear.drive import Drive
 from ncgear.output.comparison import comparison_lines
 from ncgear.output.numbers import label_and_unit, shown
-from ncgear.output.summary import check_summary
+from ncgear.output.summary.check import check_summary
 
 WIDTH = 110
 INDENT = "  "

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from math import radians
 
-from ncgear.design.gears import Gears, Rack
+from ncgear.design.gears import Gears
+from ncgear.design.teeth import Rack
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.machine.rack import BasicRack, TipRelief
 from ncgear.pitch.shape import Mesh

@@ -5,7 +5,7 @@ A law is refused only by the way of a single design: what a batch is not sure of
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -23,10 +23,15 @@ TOGETHER = 256
 """Designs computed at once, whose arrays a core's cache holds (benchmarks/screening.md)."""
 
 
-def screened(designs: Sequence[Design | DesignError], counts: Sequence[int] = COUNTS) -> Screened:
+def screened(
+    designs: Sequence[Design | DesignError],
+    counts: Sequence[int] = COUNTS,
+    on_done: Callable[[int, int], None] = lambda done, total: None,
+) -> Screened:
     """Figures and verdicts of n designs, which must all have gears, or none; errors stand for designs refused before.
 
-    ``counts`` are the points of a piece that are tried one after the other.
+    ``counts`` are the points of a piece that are tried one after the other; ``on_done`` hears how many of how many
+    designs are done.
     """
     numbered = dict(enumerate(designs))
     rows: dict[int, Row] = {number: design for number, design in numbered.items() if isinstance(design, DesignError)}
@@ -34,8 +39,11 @@ def screened(designs: Sequence[Design | DesignError], counts: Sequence[int] = CO
     for kind, group in _groups(wanted).items():
         for first in range(0, len(group), TOGETHER):
             rows.update(_together(kind, dict(group[first : first + TOGETHER]), counts))
+            on_done(len(rows), len(numbered))
     alone = [number for number in wanted if number not in rows]
-    rows.update({number: _alone(wanted[number]) for number in alone})
+    for number in alone:
+        rows[number] = _alone(wanted[number])
+        on_done(len(rows), len(numbered))
     return _table([rows[number] for number in numbered], alone)
 
 

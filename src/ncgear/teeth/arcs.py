@@ -60,8 +60,8 @@ def _circle(arc: Arc) -> tuple[Array, float]:
 def ring_of_arcs(ring_mm: Array, within_mm: float) -> list[Line | Arc]:
     """A closed polygon (n, 2) as lines and arcs, each as long as it stays within a distance of all its corners.
 
-    Of the middles of its sides they stay within twice as much.  None takes more than a third of the corners, so that
-    none turns by half a circle or more.
+    They stay within twice as much of the middles of its sides and so, as parabolas, within 17/8 of it everywhere.  None
+    takes more than a third of the corners, so that none turns by half a circle or more.
     """
     closed, found, first = np.vstack([ring_mm, ring_mm[:1]]), [], 0
     longest = max(1, len(ring_mm) // 3)

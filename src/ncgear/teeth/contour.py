@@ -77,7 +77,9 @@ def contour_of(gear: ToothedGear, tolerance_mm: float) -> Contour:
     stretches = exact_curves(gear.tips, gear.sides)
     placed = [one for stretch in stretches for one in _placed(stretch, tolerance_mm)]
     ordered = sorted(placed, key=lambda one: one.rank)
-    return Contour(_joined([one.curve for one in ordered]), max(one.deviation_mm for one in ordered))
+    curves = [one.curve for one in ordered]
+    whole = _bridged(curves) if gear.flanks.equivalent else curves
+    return Contour(_joined(whole), max(one.deviation_mm for one in ordered))
 
 
 def _placed(stretch: Stretch, tolerance: float) -> list[_Placed]:
@@ -100,6 +102,17 @@ def _splines(stretch: Stretch, rows: IndexArray, tolerance: float) -> list[_Plac
         for group in fitted_splines(stretch, rows, tolerance)
         for row, poles, deviation in zip(group.row, group.poles_mm, group.deviation_mm, strict=True)
     ]
+
+
+def _bridged(curves: list[Curve]) -> list[Curve]:
+    """The curves with lines where they leave gaps, as outlines have chords: those of equivalent gears, whose flanks are
+    of other circles than the lands between them."""
+    pairs = zip(curves, [*curves[1:], curves[0]], strict=True)
+    return [part for one, after in pairs for part in (one, *_bridge(one.end, after.start))]
+
+
+def _bridge(end: Array, start: Array) -> list[Curve]:
+    return [Line(end, start)] if np.linalg.norm(start - end) > SHORTEST_MM else []
 
 
 def _joined(curves: list[Curve]) -> tuple[Curve, ...]:

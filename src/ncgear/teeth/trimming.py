@@ -52,7 +52,7 @@ def trimmed_sides(flanks: Flanks, sides: Sides, irregular: Mask) -> Sides:
         sides = _with_trimmed(sides, todo, trimmed)
         todo = todo[trimmed.folded]
     if todo.size:
-        raise _untangled(flanks, int(todo[0]), "a fold of it")
+        raise _untangled(flanks, int(todo[0]))
     return sides
 
 
@@ -125,10 +125,10 @@ def _exact_loops(paths: Paths, row: IndexArray, first: Array, second: Array) -> 
     return enter, leave, met & (leave - enter > 1.0 + 1e-3)
 
 
-def _untangled(flanks: Flanks, flank: int, what: str) -> NoSuchMechanism:
+def _untangled(flanks: Flanks, flank: int) -> NoSuchMechanism:
     return NoSuchMechanism(
-        f"{tooth_name(flanks, flank)} cannot be untangled ({what} is not found), so irregular is it; more teeth of a "
-        "smaller module are needed",
+        f"the flank of {tooth_name(flanks, flank)} crosses itself where no tool can cut it clean, so sharply does the "
+        "pitch curve bend there; more teeth of a smaller module are needed",
         key="gears.teeth",
     )
 

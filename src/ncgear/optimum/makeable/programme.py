@@ -18,6 +18,8 @@ from ncgear.optimum.makeable.levels import Level
 from ncgear.optimum.makeable.reached import Grid, lengths, ratios, reached
 
 SOLVED = {"Solve_Succeeded", "Solved_To_Acceptable_Level"}
+STOPPED = "User_Requested_Stop"
+"""What the solver makes of Ctrl-C."""
 
 AHEAD = 0.1
 """How far levels start above what the start reaches: an interior-point method begins inside."""
@@ -91,7 +93,10 @@ class Programme:
             "ubg": np.append(zero, np.zeros(self.rows) - kept_back),
         }
         answer = solver(p=prices, lbx=lowest, ubx=highest, **of_rows, **given)
-        if solver.stats()["return_status"] not in SOLVED:
+        ended = solver.stats()["return_status"]
+        if ended == STOPPED:
+            raise KeyboardInterrupt
+        if ended not in SOLVED:
             return None
         values, pressing = np.array(answer["x"])[:, 0], np.array(answer["lam_x"])[of_levels, 0]
         return Solution(

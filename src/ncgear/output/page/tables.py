@@ -13,12 +13,12 @@ from ncgear.contact.pair_contact import PairContact
 from ncgear.drive import Drive
 from ncgear.output.comparison import COLUMNS, MIXED_SPEEDS, SAME_SPEED
 from ncgear.output.comparison_rows import comparison_rows
-from ncgear.output.contact_summary import contact_summary
 from ncgear.output.data_sheet.values import DataSheet, Group, cell_text
 from ncgear.output.data_sheet.values import Row as SheetRow
 from ncgear.output.data_sheet.values import Table as SheetTable
 from ncgear.output.numbers import shown
 from ncgear.output.report import labelled
+from ncgear.output.summary.contact import contact_summary
 
 LIBRARIES = ("numpy", "scipy", "sympy", "shapely", "trimesh", "mapbox-earcut", "matplotlib", "pydantic", "ruamel.yaml")
 """What the figures of the page come from, beside ncgear and Python."""

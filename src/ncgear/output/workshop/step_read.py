@@ -12,8 +12,9 @@ from OCP.TopoDS import TopoDS_Shape
 
 from ncgear.solids.brep.parts import faces_of, solids_of, volume_mm3
 
-VOLUME_TOLERANCE = 1e-6
-"""Relative difference allowed between a solid and the same one read back: a file has 15 digits, a lost face is seen."""
+VOLUME_TOLERANCE = 2e-5
+"""Relative difference allowed between a solid and the same one read back: the kernel's integrals are no better, since
+it finds the edges of faces anew (tests/test_step.py holds them against sections); faces are counted."""
 
 
 def require_same(data: bytes, shapes: Sequence[TopoDS_Shape]) -> None:

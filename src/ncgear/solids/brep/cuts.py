@@ -14,6 +14,12 @@ from ncgear.solids.brep.prism import cylinder, prism
 from ncgear.solids.brep.wires import bore_wire, circle_wire, wire_of
 from ncgear.teeth.arcs import ring_of_arcs
 
+AT_CORNERS = 8.0 / 17.0
+"""Of the chord tolerance, within which walls of pockets pass the corners: they are then within it everywhere."""
+
+SHORT_OF_HUB = 4.0
+"""Chord tolerances: a pocket that goes round a hub stops three short of it, for its chords' sake."""
+
 BEYOND_MM = 1.0
 """How far tools go on beyond what they cut, so that no two faces lie in each other."""
 
@@ -46,12 +52,12 @@ def _pocket(pocket: Polygon, low: float, plan: BodyPlan) -> TopoDS_Shape:
 
 
 def _round(ring: LinearRing, plan: BodyPlan) -> TopoDS_Wire:
-    """A polygon's ring as a circle about the axis, or else as lines and arcs, within half a chord of its corners."""
-    corners, within = shapely.get_coordinates(ring)[:-1], plan.chord_tolerance_mm / 2.0
+    """A polygon's ring as a circle about the axis, or else as lines and arcs, within the chord tolerance."""
+    corners, within = shapely.get_coordinates(ring)[:-1], AT_CORNERS * plan.chord_tolerance_mm
     radii = np.hypot(corners[:, 0], corners[:, 1])
     middle = float(radii.max() + radii.min()) / 2.0
     if radii.max() - middle > within:
         return wire_of(ring_of_arcs(corners, within))
     hub = plan.hub.diameter_mm / 2.0 if plan.hub else 0.0
-    # A pocket that goes round the hub stops a chord tolerance short of it: here the hub's own side goes on.
-    return circle_wire(0.0, 0.0, hub if abs(middle - hub) <= 2.0 * plan.chord_tolerance_mm else middle)
+    # The hub's own side goes on down to the web, without a ledge of a few micrometres.
+    return circle_wire(0.0, 0.0, hub if abs(middle - hub) <= SHORT_OF_HUB * plan.chord_tolerance_mm else middle)

@@ -1,4 +1,4 @@
-"""The summary of a drive as plain values, keys ending in their unit: what summary.json holds and reports print."""
+"""What a check finds, as plain values: keys end in their unit."""
 
 from __future__ import annotations
 
@@ -7,14 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from ncgear.drive import Drive
 from ncgear.kinematics.check import KinematicCheck
-from ncgear.numerics.extrema import Extremum
-from ncgear.output.advice.collected import build_advice, check_advice
+from ncgear.output.advice.collected import check_advice
 from ncgear.output.comparison_rows import comparison_rows
 
 if TYPE_CHECKING:
-    from ncgear.contact.pair_contact import PairContact
-    from ncgear.pitch.pair import PitchPair
-    from ncgear.teeth.gear import ToothedGear
+    pass
 
 
 def check_summary(drive: Drive) -> dict[str, Any]:
@@ -28,25 +25,6 @@ def check_summary(drive: Drive) -> dict[str, Any]:
         "check": _check(drive),
         "comparison": comparison_rows(drive),
         "warnings": [advice.line for advice in check_advice(drive)],
-    }
-
-
-def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
-    """All of the check, and pitch curves, teeth, contact and bodies."""
-    from ncgear.output.bodies import bodies_summary
-    from ncgear.output.contact_summary import contact_summary
-
-    summary = check_summary(drive)
-    comparison, warnings = summary.pop("comparison"), summary.pop("warnings")
-    return {
-        **summary,
-        "pitch": _pitch(drive),
-        "teeth": _teeth(drive),
-        "contact": {**contact_summary(contact, drive.pair_speed_rad_s), **_overlap(drive, contact)},
-        "bodies": bodies_summary(drive),
-        "comparison": comparison,
-        "warnings": warnings + [advice.line for advice in build_advice(drive)],
-        "timing_s": {stage: round(seconds, 6) for stage, seconds in drive.timing_s.items()},
     }
 
 
@@ -155,93 +133,4 @@ def peaks(check: KinematicCheck) -> dict[str, Any]:
         "peak_acceleration_working_at_rad": check.peak_acceleration_working_mm_s2.at,
         "peak_acceleration_cycle_mm_s2": check.peak_acceleration_cycle_mm_s2.value,
         "peak_acceleration_cycle_at_rad": check.peak_acceleration_cycle_mm_s2.at,
-    }
-
-
-def _pitch(drive: Drive) -> dict[str, Any]:
-    from ncgear.pitch.shape import Gear
-
-    pitch = drive.pitch
-    result: dict[str, Any] = {"mesh": pitch.mesh.value, "center_distance_mm": pitch.center_distance_mm}
-    for gear in Gear:
-        name = gear.value
-        result[f"length_{name}_mm"] = pitch.length_mm(gear)
-        result[f"{name}_convex"] = pitch.convex(gear)
-        result[f"min_radius_{name}_mm"] = pitch.least_radius_mm(gear)
-        result[f"min_concave_radius_{name}_mm"] = pitch.least_concave_radius_mm(gear)
-        result[f"concave_{name}_rad"] = [list(stretch) for stretch in pitch.concave_ranges(gear)]
-    tangent: Extremum = pitch.largest_tangent_angle_rad
-    result["max_tangent_angle_deg"] = degrees(tangent.value)
-    result["max_pressure_angle_deg"] = pitch.largest_pressure_angle_deg(drive.rack.pressure_angle_rad)
-    result["max_pressure_angle_at_rad"] = tangent.at
-    result["curvature_jumps"] = _jumps(pitch)
-    return result
-
-
-def _jumps(pitch: PitchPair) -> list[dict[str, float]]:
-    return [
-        {
-            "phi1_rad": jump.phi1_rad,
-            "driving_before_1_mm": jump.driving_before,
-            "driving_after_1_mm": jump.driving_after,
-            "driven_before_1_mm": jump.driven_before,
-            "driven_after_1_mm": jump.driven_after,
-        }
-        for jump in pitch.curvature_jumps()
-    ]
-
-
-def _teeth(drive: Drive) -> dict[str, Any]:
-    from ncgear.teeth.shift import teeth_free_of_undercut
-
-    teeth, size = drive.teeth, drive.pitch.size
-    racks = teeth.driving.flanks.rack, teeth.driven.flanks.rack
-    return {
-        "driving": size.driving_teeth,
-        "driven": size.driven_teeth,
-        "module_mm": size.module_mm,
-        "backlash_mm": drive.rack.backlash_mm,
-        **_helix(drive),
-        "undercut_driving": teeth.driving.undercut,
-        "undercut_driven": teeth.driven.undercut,
-        "free_of_undercut_from_driving_teeth": teeth_free_of_undercut(drive.pitch, *racks),
-        "method": drive.gears.method,
-        "cutter": teeth.cutter.value,
-        "profile_shift_driving_mm": racks[0].shift_mm,
-        "profile_shift_driven_mm": racks[1].shift_mm,
-        "tips_driving": _tips(teeth.driving),
-        "tips_driven": _tips(teeth.driven),
-        "points_driving": len(teeth.driving.outline_mm),
-        "points_driven": len(teeth.driven.outline_mm),
-    }
-
-
-def _tips(gear: ToothedGear) -> dict[str, Any]:
-    """Least height of the tips, and numbers of the teeth whose tips are shortened, by reason."""
-    from ncgear.teeth.tips import Limit
-
-    result: dict[str, Any] = {"least_height_mm": float(gear.flanks.tip_height_mm.min())}
-    for reason in Limit:
-        if reason is not Limit.FULL and (numbers := gear.shortened(reason)):
-            result[f"shortened_for_{reason.name.lower()}"] = numbers
-    return result
-
-
-def _helix(drive: Drive) -> dict[str, Any]:
-    helix = drive.helix
-    if helix is None:
-        return {}
-    kind = "herringbone" if helix.herringbone else "helical"
-    return {"helix_angle_deg": degrees(helix.angle_rad), "helix_kind": kind, "hand_driving": helix.hand}
-
-
-def _overlap(drive: Drive, contact: PairContact) -> dict[str, float]:
-    """What the advance of helical teeth adds to the least contact ratio of their sections."""
-    if drive.helix is None:
-        return {}
-    least = min(drive.section_contact_ratio, contact.contact_ratio)
-    return {
-        "section_contact_ratio_min": least,
-        "overlap_ratio": drive.overlap_ratio,
-        "total_contact_ratio": least + drive.overlap_ratio,
     }

@@ -1,0 +1,50 @@
+"""Ctrl-C while files are exchanged, and while other processes compute."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from multiprocessing import active_children
+from threading import current_thread, main_thread
+from types import FrameType
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Ctrl-C within is heeded at the end; for what takes no time and must not be left half done."""
+    if current_thread() is not main_thread():
+        # Only the main thread hears signals.
+        yield
+        return
+    heard: list[int] = []
+
+    def remember(number: int, _: FrameType | None) -> None:
+        heard.append(number)
+
+    before = signal.signal(signal.SIGINT, remember)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if heard:
+        signal.raise_signal(signal.SIGINT)
+
+
+@contextmanager
+def deaf_processes() -> Iterator[None]:
+    """Processes begun within do not hear Ctrl-C, which a terminal sends to all: their parent ends them."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def end_processes() -> None:
+    """End the processes that this one has begun, at once and without a word."""
+    for process in active_children():
+        process.terminate()

@@ -1,0 +1,1 @@
+"""What a drive was found to be: the contents of summary.json."""

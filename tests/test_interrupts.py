@@ -1,0 +1,154 @@
+"""Ctrl-C at any moment: a last line, the status for it, and whatever was written before as it was."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import ncgear
+from killed_runs import seen
+from ncgear.design.template import Law, template
+from ncgear.interrupts import uninterrupted
+
+ROOT = Path(__file__).parents[1]
+SOURCE = str(Path(ncgear.__file__).parents[1])
+PATIENCE_S = 120.0
+
+BEGUN = "import sys; from ncgear.cli import main; print('begun', flush=True); main()"
+"""A run that says when it begins: before that, the interpreter itself is interrupted."""
+
+
+def interrupted(seconds: float, *arguments: str, whole_group: bool = False) -> tuple[int, str]:
+    """Exit status and stderr of a run that hears Ctrl-C after a time, with its processes if the group does."""
+    environment = {**os.environ, "PYTHONPATH": SOURCE, "COLUMNS": "100"}
+    process = subprocess.Popen(
+        [sys.executable, "-c", BEGUN, *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment,
+        start_new_session=True,
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "begun\n"
+    time.sleep(seconds)
+    (os.killpg if whole_group else os.kill)(process.pid, signal.SIGINT)
+    _, err = process.communicate(timeout=PATIENCE_S)
+    return process.returncode, err
+
+
+def assert_interrupted(outcome: tuple[int, str]) -> None:
+    """The solver of programmes may warn of it first, in a line of its own."""
+    status, err = outcome
+    lines = [line for line in err.splitlines() if line and "casadi" not in line.lower()]
+    assert (status, lines) == (130, ["interrupted; what earlier runs have written is untouched"])
+
+
+@pytest.fixture
+def design(tmp_path: Path) -> Path:
+    path = tmp_path / "a.yaml"
+    path.write_text(template("a", Law.ELLIPSE).replace("teeth: 90 ", "teeth: 40 "))
+    return path
+
+
+@pytest.mark.parametrize("seconds", [0.01, 0.2, 0.5])
+def test_an_interrupted_build_leaves_nothing(tmp_path: Path, design: Path, seconds: float) -> None:
+    assert_interrupted(interrupted(seconds, "build", str(design), "--out", str(tmp_path / "out")))
+    assert not (tmp_path / "out").exists() or not list((tmp_path / "out").iterdir())
+
+
+def places(folder: Path) -> list[str]:
+    return sorted(place.name for place in folder.iterdir())
+
+
+@pytest.mark.slow
+def test_builds_interrupted_at_random_moments_leave_the_last_good_one(tmp_path: Path, design: Path) -> None:
+    random, folder = np.random.default_rng(8), tmp_path / "out"
+    command = [sys.executable, "-m", "ncgear", "build", str(design), "--out", str(folder)]
+    start = time.perf_counter()
+    subprocess.run(command, check=True, capture_output=True, env={**os.environ, "PYTHONPATH": SOURCE})
+    seconds, before, names = time.perf_counter() - start, seen(folder), places(folder)
+    for _ in range(8):
+        status, err = interrupted(random.uniform(0.0, 0.8 * seconds), "build", str(design), "--out", str(folder))
+        assert "Traceback" not in err
+        if status == 130:
+            assert_interrupted((status, err))
+            assert seen(folder) == before
+        else:  # it was faster than the first
+            assert status == 0
+            before = seen(folder)
+        assert places(folder) == names
+
+
+LONG: dict[str, tuple[float, list[str]]] = {
+    "sweep": (1.0, ["sweep", "designs/baler.yaml", "--vary", "motion.v1_mm_s=1500:1700:20000"]),
+    "simulate": (2.0, ["simulate", "designs/baler-dynamics.yaml", "--level", "dynamic"]),
+    "reproduce": (1.0, ["reproduce"]),
+    "bench": (2.0, ["bench", "--only", "law"]),
+    "optimize": (3.0, ["optimize", "designs/baler-66.yaml"]),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", LONG)
+def test_long_work_can_be_interrupted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    monkeypatch.chdir(ROOT)
+    seconds, arguments = LONG[name]
+    assert_interrupted(interrupted(seconds, *arguments, "--out", str(tmp_path / "out")))
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("whole_group", [False, True], ids=["told alone", "as a terminal does"])
+def test_an_interrupted_frontier_ends_its_processes_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, whole_group: bool
+) -> None:
+    pytest.importorskip("casadi")
+    monkeypatch.chdir(ROOT)
+    arguments = "frontier", "designs/baler-frontier.yaml", "--points", "4", "--out", str(tmp_path / "out")
+    assert_interrupted(interrupted(5.0, *arguments, whole_group=whole_group))
+
+
+AWAY = """
+import signal, sys, time
+from ncgear.cli import app, run
+
+class Freed:
+    def __del__(self):
+        signal.raise_signal(signal.SIGINT)
+
+def work():
+    Freed()
+    time.sleep(30)
+
+app.app = work
+run.main()
+"""
+"""Ctrl-C while an object is freed, where the interpreter can raise nothing."""
+
+
+def test_ctrl_c_is_heard_also_where_it_cannot_be_raised() -> None:
+    environment = {**os.environ, "PYTHONPATH": SOURCE}
+    done = subprocess.run([sys.executable, "-c", AWAY], env=environment, capture_output=True, text=True, timeout=25)
+    assert_interrupted((done.returncode, done.stderr))
+
+
+def test_ctrl_c_waits_for_what_must_not_be_left_half_done() -> None:
+    done = []
+
+    def half_done() -> None:
+        with uninterrupted():
+            signal.raise_signal(signal.SIGINT)
+            done.append("the rest")
+
+    with pytest.raises(KeyboardInterrupt):
+        half_done()
+    assert done == ["the rest"]
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
