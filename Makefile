@@ -29,11 +29,8 @@ beside: .venv  ## measure beside the other program of the field and write benchm
 	.venv/bin/pip install -q -e '.[bench]'
 	$(PYTHON) benchmarks/beside_ncgears.py
 
-docs: .venv  ## make the pictures of the README, the table of hard cases and the reproduction ledger anew
-	.venv/bin/ncgear build designs/baler-86.yaml
-	cp export/baler-86/tooth_pair.png docs/images/baler-86-tooth-pair.png
-	.venv/bin/ncgear frontier designs/baler-frontier.yaml
-	cp export/baler-frontier-frontier/frontier.png docs/images/baler-frontier.png
+docs: .venv  ## make the pictures, the heads of command pages, the pages of keys, the hard cases and the reproduction ledger anew
+	PYTHONPATH=docs $(PYTHON) -m made pictures
 	PYTHONPATH=tests $(PYTHON) -m hard.table
 	.venv/bin/ncgear reproduce --out docs
 

@@ -118,6 +118,13 @@ PINNED = {
     "baler-66": [("check.peak_power_w", 6300.0, 0.05)],
     "baler-half": [("check.peak_power_w", 9375.0, 0.05), ("pitch.max_pressure_angle_deg", 59.997, 0.001)],
     "baler-smooth": [("check.peak_power_w", 18750.0, 0.2)],
+    # What docs/tutorial.md asks of it: braking at 800 mm/s^2 is the most of the working stroke; no tooth is undercut.
+    "pusher": [
+        ("check.peak_acceleration_working_mm_s2", 800.0, 1e-9),
+        ("teeth.undercut_driving", [], 0),
+        ("teeth.undercut_driven", [], 0),
+        ("warnings", [], 0),
+    ],
     "feeder-table": [("drive.working_driving_angle_deg", 210.0, 1e-9), ("pitch.center_distance_mm", 120.0, 0.0)],
 }
 

@@ -1,0 +1,27 @@
+"""Write what is made of the documentation: ``PYTHONPATH=docs python -m made``; with ``pictures`` these as well."""
+
+from __future__ import annotations
+
+import sys
+
+from made.command_heads import FOLDER, NAMES, with_head
+from made.key_pages import PAGES, key_page
+
+DOCS = FOLDER.parent
+
+
+def write_pages() -> None:
+    """Put today's head on every command's page, and write the pages of keys."""
+    for name in NAMES:
+        page = FOLDER / f"{name}.md"
+        page.write_text(with_head(page.read_text(encoding="utf-8") if page.exists() else "", name), encoding="utf-8")
+    for file in PAGES:
+        (DOCS / file).write_text(key_page(file), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    write_pages()
+    if sys.argv[1:] == ["pictures"]:
+        from made.figures import make_pictures
+
+        make_pictures()

@@ -1,0 +1,173 @@
+"""Drawings that explain the method, each of a design of this repository, as PNG."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import pi, tan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+import ncgear
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
+from ncgear.output.pictures import drawn_teeth, positions_at
+from ncgear.output.plots.canvas import DRIVEN, DRIVING, HIGHLIGHT, INK, REFERENCE, Margins, dress, figure, png
+from ncgear.output.plots.pairs import draw_mesh, turned
+
+DESIGNS = Path(__file__).parents[2] / "designs"
+
+SHOWN_RAD = 0.75 * pi
+"""The driving angle that the picture of inversion follows through."""
+
+PLACE = 0.39
+"""Share of the pitch curve's length at which the picture of the rack looks closely."""
+
+WITHIN = 0.85
+"""Share of the rack's flank on which its contacts are marked: beyond it, tip or fillet may have taken the tooth's."""
+
+CHAIN = (0, (8, 2, 1, 2))
+
+DOTTED: dict[str, Any] = {"color": HIGHLIGHT, "linewidth": 1.4, "linestyle": (0, (2, 1.5))}
+
+
+@cache
+def pusher() -> ncgear.Drive:
+    """The drive of the tutorial."""
+    return ncgear.load(DESIGNS / "pusher.yaml")
+
+
+def inversion() -> bytes:
+    """From the displacement that is wished, through the linkage, to the angle that the driven gear must have."""
+    size = 10.5, 3.9
+    made = figure(*size, "Inversion: what the gears must do")
+    shares = {**Margins(left=0.75).shares(*size), "wspace": 0.28}
+    wished, linkage, found = made.subplots(1, 3, gridspec_kw=shares)
+    motion = pusher().motion
+    phi2 = np.linspace(0.0, 2.0 * pi, 361)
+    through = pusher().linkage.displacement(Jet.variable(phi2, 0)).value
+    wished.plot(np.degrees(motion.phi1_rad), motion.displacement_mm, color=DRIVING, linewidth=1.8)
+    linkage.plot(np.degrees(phi2), through, color=REFERENCE, linewidth=1.8)
+    found.plot(np.degrees(motion.phi1_rad), np.degrees(motion.phi2_rad), color=DRIVEN, linewidth=1.8)
+    dress(wished, "driving angle phi1 in deg", "displacement wished in mm")
+    dress(linkage, "driven angle phi2 in deg", "displacement by the linkage in mm")
+    dress(found, "driving angle phi1 in deg", "driven angle phi2 in deg")
+    _follow(wished, linkage, found)
+    for axes in (wished, linkage, found):
+        axes.set_xticks(range(0, 361, 90))
+        axes.set_xlim(0.0, 360.0)
+        axes.set_ylim(bottom=0.0)
+    return png(made)
+
+
+def _follow(wished: Axes, linkage: Axes, found: Axes) -> None:
+    """One driving angle, followed through all three."""
+    motion = pusher().motion
+    phi1, phi2, way = (
+        float(np.interp(SHOWN_RAD, motion.phi1_rad, values))
+        for values in (np.degrees(motion.phi1_rad), np.degrees(motion.phi2_rad), motion.displacement_mm)
+    )
+    wished.plot([phi1, phi1, 360.0], [0.0, way, way], **DOTTED)
+    linkage.plot([0.0, phi2, phi2], [way, way, 0.0], **DOTTED)
+    found.plot([phi1, phi1, 0.0], [0.0, phi2, phi2], **DOTTED)
+
+
+def rack() -> bytes:
+    """The imaginary rack in three places on a pitch curve, and the teeth that it leaves; one place from near."""
+    size = 10.5, 5.4
+    made = figure(*size, "The rack rolls on the pitch curve and touches where normals go through the pitch point")
+    whole, near = made.subplots(1, 2, gridspec_kw={**Margins().shares(*size), "wspace": 0.2})
+    drive = ncgear.load(DESIGNS / "ellipse.yaml")
+    for axes in (whole, near):
+        _draw_gear(axes, drive)
+        for share in (0.06, PLACE, 0.72):
+            _lay_rack(axes, drive, share * drive.pitch.driving.length_mm)
+        dress(axes, "x in mm", "y in mm")
+        axes.set_aspect("equal", adjustable="datalim" if axes is whole else "box")
+    _mark_contacts(near, drive, PLACE * drive.pitch.driving.length_mm)
+    return png(made)
+
+
+def _draw_gear(axes: Axes, drive: ncgear.Drive) -> None:
+    curve = drive.pitch.driving
+    axes.plot(*_closed(drive.teeth.driving.outline_mm).T, color=DRIVING, linewidth=1.2)
+    around = curve.at_length(np.linspace(0.0, curve.length_mm, 721)).position
+    axes.plot(*around.T, color=REFERENCE, linewidth=0.9, linestyle=CHAIN)
+    axes.plot(0.0, 0.0, "+", color=INK, markersize=11)
+
+
+def shaped_points(drive: ncgear.Drive, sigma_mm: float) -> Array:
+    """Points that the rack shapes where it lies at an arc length, shape (n, 2), by the equation of docs/method.md."""
+    point = drive.pitch.driving.at_length(np.array(sigma_mm))
+    flanks, rack = drive.teeth.driving.flanks, drive.rack
+    height = (flanks.crossing_mm - sigma_mm) * rack.height_per_rolled * flanks.side
+    reached = (height > -WITHIN * rack.flank_depth_mm) & (height < WITHIN * rack.tip_height_mm)
+    along = height[reached] * flanks.side[reached] / tan(rack.pressure_angle_rad)
+    places: Array = point.position + along[:, None] * point.tangent + height[reached, None] * point.normal
+    return places
+
+
+def _mark_contacts(axes: Axes, drive: ncgear.Drive, sigma_mm: float) -> None:
+    """The points that the rack shapes, and the view on them."""
+    point = drive.pitch.driving.at_length(np.array(sigma_mm)).position
+    for place in shaped_points(drive, sigma_mm):
+        axes.plot(*np.array([point, place]).T, **DOTTED)
+        axes.plot(*place, "o", color=HIGHLIGHT, markersize=5.0, zorder=5)
+    half = 4.0 * drive.rack.module_mm
+    axes.set_xlim(point[0] - half, point[0] + half)
+    axes.set_ylim(point[1] - half, point[1] + half)
+
+
+def _lay_rack(axes: Axes, drive: ncgear.Drive, sigma_mm: float) -> None:
+    """Three teeth of the rack, rolled to an arc length: its pitch line is the tangent there."""
+    point = drive.pitch.driving.at_length(np.array(sigma_mm))
+    along, out = _rack_profile(drive, sigma_mm)
+    profile = point.position + along[:, None] * point.tangent + out[:, None] * point.normal
+    axes.plot(*profile.T, color=DRIVEN, linewidth=1.2)
+    reach = np.array([along.min(), along.max()])
+    line = point.position + reach[:, None] * point.tangent
+    axes.plot(*line.T, color=DRIVEN, linewidth=0.7, linestyle=CHAIN)
+    axes.plot(*point.position, "o", color=INK, markersize=4.0, zorder=5)
+
+
+def _rack_profile(drive: ncgear.Drive, sigma_mm: float) -> tuple[Array, Array]:
+    """Corners of the rack around the pitch point: places along the pitch line, heights over it."""
+    rack = drive.rack
+    lean, pitch = tan(rack.pressure_angle_rad), rack.pitch_mm
+    crossing = drive.teeth.driving.flanks.crossing_mm[::2]
+    nearest = crossing[np.argmin(np.abs(crossing - sigma_mm))] - sigma_mm
+    corners = [
+        (-pitch / 2.0 - rack.tip_height_mm * lean, rack.tip_height_mm),
+        (-pitch / 2.0 + rack.dedendum_mm * lean, -rack.dedendum_mm),
+        (-rack.dedendum_mm * lean, -rack.dedendum_mm),
+        (rack.tip_height_mm * lean, rack.tip_height_mm),
+    ]
+    teeth = [(nearest + k * pitch + x, y) for k in (-1, 0, 1, 2) for x, y in corners]
+    along, out = np.array(teeth).T
+    return along, out
+
+
+def contact() -> bytes:
+    """Teeth in mesh: the flanks touch where their normals go through the pitch point."""
+    size = 6.4, 6.2
+    made = figure(*size, "Contact: normals go through the pitch point")
+    axes = made.subplots(gridspec_kw=Margins().shares(*size))
+    drive = pusher()
+    touching = drive.designed_contact.pushing.touching
+    position = int(np.argmax(np.bincount(touching.position)))
+    placement = drive.designed_contact.placement
+    stands = positions_at(drive, placement.phi1_rad[position : position + 1])[0]
+    draw_mesh(axes, drawn_teeth(drive), 3.2 * drive.rack.module_mm, stands)
+    here = touching.kept((touching.position == position) & touching.flanks)
+    points = np.column_stack([here.point.real, here.point.imag])
+    points = turned(points, -stands.phi2_rad) + np.array([drive.pitch.center_distance_mm, 0.0])
+    for point in points:
+        axes.plot([stands.pitch_point_mm, point[0]], [0.0, point[1]], **DOTTED)
+        axes.plot(*point, "o", color=HIGHLIGHT, markersize=6.0, zorder=5)
+    return png(made)
+
+
+def _closed(points: Array) -> Array:
+    return np.vstack([points, points[:1]])

@@ -1,0 +1,66 @@
+"""Every picture of README.md and docs/, and what makes it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from made import drawings
+
+DOCS = Path(__file__).parents[1]
+IMAGES = DOCS / "images"
+
+
+def _report() -> bytes:
+    # Imported here: a browser is needed for nothing else.
+    from made.screenshots import report
+
+    return report()
+
+
+DRAWN: dict[str, Callable[[], bytes]] = {
+    "method-inversion.png": drawings.inversion,
+    "method-rack.png": drawings.rack,
+    "method-contact.png": drawings.contact,
+    "pusher-report.png": _report,
+}
+"""Pictures made for a page, by their names in docs/images."""
+
+COMMANDS: dict[str, dict[str, str]] = {
+    "build designs/baler-86.yaml --out {folder}": {"tooth_pair.png": "baler-86-tooth-pair.png"},
+    "build designs/pusher.yaml --out {folder}": {
+        "tooth_pair.png": "pusher-tooth-pair.png",
+        "motion.png": "pusher-motion.png",
+        "power.png": "pusher-power.png",
+    },
+    "animate designs/pusher.yaml --frames 36 --width 640 --out {folder}/pusher.gif": {"pusher.gif": "pusher.gif"},
+    "frontier designs/baler-frontier.yaml --out {folder}": {"frontier.png": "baler-frontier.png"},
+}
+"""Commands, and what of their output in a folder goes into docs/images under which name."""
+
+OWN_PAGES = ("ncgear bench --out docs", "ncgear reproduce --out docs")
+"""Commands that write a page of docs/ with its pictures."""
+
+
+def pictures() -> set[str]:
+    """Names of all pictures in docs/images."""
+    return {*DRAWN, *(name for found in COMMANDS.values() for name in found.values())}
+
+
+def make_pictures() -> None:
+    """Make every picture of docs/images anew."""
+    for name, draw in DRAWN.items():
+        (IMAGES / name).write_bytes(draw())
+    for command, found in COMMANDS.items():
+        _copy_from(command, found)
+
+
+def _copy_from(command: str, found: dict[str, str]) -> None:
+    with TemporaryDirectory() as folder:
+        words = [sys.executable, "-m", "ncgear", *command.format(folder=folder).split()]
+        subprocess.run(words, cwd=DOCS.parent, check=True, stdout=subprocess.DEVNULL)
+        for written, name in found.items():
+            (IMAGES / name).write_bytes((Path(folder) / written).read_bytes())

@@ -1,0 +1,1 @@
+"""The documentation's code, run as a reader would run it."""

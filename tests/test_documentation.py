@@ -1,0 +1,123 @@
+"""The documentation is complete and today's: a page for every command, every key, every picture, every link."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+import shapely
+
+import ncgear
+from documented.installing import ROOT
+from documented.pages import PAGES
+from made import command_heads, drawings, figures, key_pages
+from ncgear.precision.catalogue import STUDIES
+
+DOCS = ROOT / "docs"
+TEXTS = {str(page.relative_to(ROOT)): page.read_text(encoding="utf-8") for page in PAGES}
+
+LINK = re.compile(r"\]\(([^)\s]+)\)")
+FENCED = re.compile(r"^```.*?^```", flags=re.DOTALL | re.MULTILINE)
+
+
+def links(text: str) -> list[str]:
+    """Targets of a page's links and pictures that lead to a file."""
+    return [link.partition("#")[0] for link in LINK.findall(FENCED.sub("", text)) if "://" not in link]
+
+
+def anchors(text: str) -> set[str]:
+    """The anchors that headings have, as GitHub makes them."""
+    heads = re.findall(r"^#+ (.*)$", FENCED.sub("", text), flags=re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
+
+
+def test_every_command_has_a_page_and_every_page_a_command() -> None:
+    assert {page.stem for page in (DOCS / "commands").glob("*.md")} == set(command_heads.NAMES)
+
+
+@pytest.mark.parametrize("name", command_heads.NAMES)
+def test_heads_are_todays(name: str) -> None:
+    page = TEXTS[f"docs/commands/{name}.md"]
+    assert command_heads.with_head(page, name) == page, "run `make docs`"
+
+
+@pytest.mark.parametrize("name", command_heads.NAMES)
+def test_every_command_is_shown_at_work(name: str) -> None:
+    by_hand = TEXTS[f"docs/commands/{name}.md"].partition(command_heads.END)[2]
+    assert re.search(rf"^\$ ncgear {name}\b", by_hand, flags=re.MULTILINE)
+
+
+@pytest.mark.parametrize("name", key_pages.PAGES)
+def test_pages_of_keys_are_todays(name: str) -> None:
+    assert key_pages.key_page(name) == TEXTS[f"docs/{name}"], "run `make docs`"
+
+
+@pytest.mark.parametrize("page", TEXTS)
+def test_links_lead_somewhere(page: str) -> None:
+    folder = (ROOT / page).parent
+    assert [link for link in links(TEXTS[page]) if link and not (folder / link).exists()] == []
+
+
+@pytest.mark.parametrize("page", TEXTS)
+def test_anchors_exist(page: str) -> None:
+    for link in LINK.findall(FENCED.sub("", TEXTS[page])):
+        target, _, anchor = link.partition("#")
+        if anchor and "://" not in link:
+            text = ((ROOT / page).parent / target).read_text(encoding="utf-8") if target else TEXTS[page]
+            assert anchor in anchors(text), link
+
+
+def shown_pictures() -> set[Path]:
+    """All pictures that a page shows."""
+    return {
+        ((ROOT / page).parent / link).resolve()
+        for page, text in TEXTS.items()
+        for link in links(text)
+        if Path(link).suffix in {".png", ".gif", ".svg"}
+    }
+
+
+def test_every_picture_is_made_by_a_command_and_shown() -> None:
+    ours = {path.name for path in shown_pictures() if path.parent == figures.IMAGES.resolve()}
+    assert ours == figures.pictures() == {path.name for path in figures.IMAGES.iterdir()}
+
+
+def test_the_other_pictures_are_those_of_the_studies() -> None:
+    others = {path.stem for path in shown_pictures() if path.parent != figures.IMAGES.resolve()}
+    assert others <= set(STUDIES)
+
+
+def test_every_page_can_be_reached_from_the_readme() -> None:
+    reached, left = set(), {ROOT / "README.md"}
+    while left:
+        page = left.pop().resolve()
+        reached.add(page)
+        found = {(page.parent / link).resolve() for link in links(page.read_text(encoding="utf-8")) if link}
+        left |= {path for path in found if path.suffix == ".md"} - reached
+    assert {page.resolve() for page in PAGES} <= reached
+
+
+@pytest.mark.parametrize("share", [0.06, 0.39, 0.72])
+def test_the_points_of_the_racks_picture_lie_on_the_teeth(share: float) -> None:
+    """The equation of docs/method.md against the written outline, whose chords stray by their tolerance."""
+    drive = ncgear.load(ROOT / "designs" / "ellipse.yaml")
+    outline = shapely.LinearRing(drive.teeth.driving.outline_mm)
+    points = drawings.shaped_points(drive, share * drive.pitch.driving.length_mm)
+    off = shapely.distance(outline, shapely.points(points))
+    assert off.size >= 3
+    assert off.max() <= drive.design.output.chord_tolerance_mm
+
+
+class TestFaults:
+    """So that the tests above can fail."""
+
+    def test_an_old_head(self) -> None:
+        page = TEXTS["docs/commands/check.md"].replace("--json", "--jason", 1)
+        assert command_heads.with_head(page, "check") != page
+
+    def test_links_in_code_are_none(self) -> None:
+        assert links("[a](b.md)\n```sh\n[c](d.md)\n```\n[e](https://f) [g](#h)") == ["b.md", ""]
+
+    def test_anchors(self) -> None:
+        assert anchors("# What is: 3.5?\n```sh\n# no\n```\n## `motion`, law\n") == {"what-is-35", "motion-law"}
