@@ -32,6 +32,7 @@ from ncgear.errors import DesignError
 from ncgear.output import build as build_module
 from ncgear.output.summary.check import check_summary
 from ncgear.output.tables import outline_csv
+from ncgear.output.workshop.kinds import USUAL
 from ncgear.output.written import outline_of_csv
 from oracles import meshing
 from random_designs import Data, designs, spoiled_designs
@@ -188,8 +189,7 @@ def files_hold(drive: Drive, files: dict[str, bytes]) -> None:
 def build_holds(drive: Drive) -> None:
     """The files of every pair."""
     for pair in drive.by_stage:
-        files, _ = build_module._made(pair, lambda _: None)
-        files_hold(pair, files)
+        files_hold(pair, build_module._made(pair, lambda _: None, USUAL).files)
 
 
 def judge_builds(folder: Path, count: int, number: int) -> Counter[str]:
@@ -199,7 +199,7 @@ def judge_builds(folder: Path, count: int, number: int) -> Counter[str]:
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Drawing takes longer than all the rest of a small build."""
-    monkeypatch.setattr(build_module, "_pictures", lambda *_: {})
+    monkeypatch.setattr(build_module, "pictures", lambda *_: {})
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -233,7 +233,7 @@ def test_the_judge_sees_what_is_wrong_in_a_file(name: str) -> None:
     linkage, motion = {"crank_mm": 10.0, "rod_mm": 30.0}, {"law": "uniform_crank"}
     values = {"name": "a", "linkage": linkage, "operation": {"speed_rpm": 1.0}, "motion": motion, "gears": gears}
     drive = Drive(Design.model_validate(values))
-    files, _ = build_module._made(drive, lambda _: None)
+    files = build_module._made(drive, lambda _: None, ()).files
     files_hold(drive, files)
     spoiled = {**files, name: SPOILERS[name](files[name])}
     assert spoiled != files

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import io
-import os
 import shlex
 import subprocess
 import sys
 from contextlib import redirect_stderr, redirect_stdout
-from pathlib import Path
 from unittest.mock import patch
 
 import ncgear.cli
@@ -39,13 +37,11 @@ def _in_this_process(words: list[str]) -> tuple[int, str]:
 
 
 def _in_a_shell(command: str) -> tuple[int, str]:
-    tools = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
         ["bash", "-c", f"set -o pipefail\n{command}"],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
         check=False,
-        env={**os.environ, "PATH": tools},
     )
     return done.returncode, done.stdout
