@@ -141,7 +141,12 @@ def best(cap_w: float, *, inverse: bool, seed: int = 1) -> FamilyOptimum:
 
 
 @pytest.mark.parametrize(
-    ("cap_w", "inverse", "at_most"), [(18750.0, True, 15_600.0), (12000.0, False, 18_750.0), (9375.0, True, 28_000.0)]
+    ("cap_w", "inverse", "at_most"),
+    [
+        (18750.0, True, 15_600.0),
+        pytest.param(12000.0, False, 18_750.0, marks=pytest.mark.slow),
+        pytest.param(9375.0, True, 28_000.0, marks=pytest.mark.slow),
+    ],
 )
 def test_the_reach_of_the_family_on_the_baler(cap_w: float, inverse: bool, at_most: float) -> None:
     """What a thousand descents came to, and 1 % more; the uniform crank needs 20 940 mm/s^2 and 26 070 W."""
@@ -183,6 +188,7 @@ def test_without_resistance_any_cap_is_kept(linkage: CrankSlider) -> None:
     assert without.peak(Peak.ACCELERATION) == pytest.approx(optimum.peak(Peak.ACCELERATION), rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_cap_out_of_reach_is_refused_with_what_is_in_reach() -> None:
     """The work of a stroke in a whole cycle is a power no law goes below."""
     mean_w = work_per_stroke_j(RESISTANCE, 760.0)

@@ -81,7 +81,9 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name == "lobes 2:3" else pytest.mark.slow) for name in CASES]
+)
 def test_against_fifty_digits(name: str) -> None:
     cosine, sine, lobes = CASES[name]
     exact, transmission = Exact(cosine, sine, lobes), law(list(cosine), list(sine), lobes)

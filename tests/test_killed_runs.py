@@ -30,9 +30,8 @@ def filled(folder: Path, files: Files) -> Path:
     return folder
 
 
-@pytest.mark.parametrize(
-    ("before", "after"), [(ONE, OTHER), pytest.param(STAGES, OTHER_STAGES, marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("before", "after"), [(ONE, OTHER), (STAGES, OTHER_STAGES)])
 def test_killed_at_each_step_the_folder_is_whole_and_the_next_run_clears_up(
     tmp_path: Path, before: Files, after: Files
 ) -> None:

@@ -81,7 +81,9 @@ def plain_freedom(points: Array, outline: Array, *, ring: bool) -> tuple[float, 
     [("uniform", 8, 0.005, 0.0), ("sine", 25, 0.02, 0.0), ("baler", 24, 0.005, 0.1), ("baler", 86, 0.02, 0.0),
      ("long ellipse", 40, 0.02, 0.3), ("ellipse", 25, 10.0, 0.0), ("ring 1:2", 30, 0.01, 0.0), ("ring", 40, 0.01, 0.2)],
 )  # fmt: skip
-@pytest.mark.parametrize("ahead_rad", [0.0, 0.003, -0.003])
+@pytest.mark.parametrize(
+    "ahead_rad", [0.003, pytest.param(0.0, marks=pytest.mark.slow), pytest.param(-0.003, marks=pytest.mark.slow)]
+)
 def test_play_is_what_a_plain_search_finds(
     name: str, teeth: int, tolerance: float, backlash: float, ahead_rad: float
 ) -> None:

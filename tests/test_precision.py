@@ -68,7 +68,10 @@ def test_a_study_is_known_by_its_own_key(key: str) -> None:
     assert catalogue.STUDIES[key]().key == key
 
 
-@pytest.mark.parametrize("key", BOUNDS)
+@pytest.mark.parametrize(
+    "key",
+    [pytest.param(key, marks=pytest.mark.slow if key == "driven-angle-return" else ()) for key in BOUNDS],
+)
 def test_what_ncgear_does_is_exact(key: str) -> None:
     assert of(key).chosen[1].error <= BOUNDS[key]
 

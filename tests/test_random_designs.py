@@ -47,14 +47,14 @@ BUILT, BUILT_BATCHES = 8, 8 * TIMES
 
 CLOSED_RAD = 1e-12
 
-IN_CI = 4
+IN_CI = 2
 """Batches of each kind that fit into the quarter of an hour of .ci/run; all are run by make slow."""
 
 POSITIONS = 97
 
 
 def batches(count: int) -> list[Any]:
-    """Numbers of batches as parameters, from the fifth on marked as long."""
+    """Numbers of batches as parameters, from the third on marked as long."""
     return [pytest.param(number, marks=[pytest.mark.long] if number >= IN_CI else []) for number in range(count)]
 
 
@@ -249,6 +249,7 @@ def test_many_random_designs_are_built_or_refused(tmp_path: Path, batch: int) ->
     assert found["made"] >= 1, found
 
 
+@pytest.mark.slow
 def test_the_program_ends_with_the_status_of_the_verdict(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -231,7 +231,16 @@ def test_timing_is_reported_beside_the_results(run: Run, tmp_path: Path) -> None
     assert {"law", "pitch curves", "teeth", "contact", "solids", "plots"} <= set(timing)
 
 
-@pytest.mark.parametrize("law", ["three_segment_stroke", "ratio_expression", "ellipse", "table", "uniform_crank"])
+@pytest.mark.parametrize(
+    "law",
+    [
+        "ellipse",
+        *(
+            pytest.param(law, marks=pytest.mark.slow)
+            for law in ("three_segment_stroke", "ratio_expression", "harmonic_ratio", "table", "uniform_crank")
+        ),
+    ],
+)
 def test_a_new_design_builds(law: str, run: Run, tmp_path: Path) -> None:
     assert run("new", "mine", "--law", law).returncode == 0
     done = run("build", "mine.yaml")
