@@ -14,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
 
+from ncgear.design.motion import ThreeSegmentStroke
 from ncgear.errors import NoSuchMechanism
 from ncgear.machine.stroke import StrokeRequest, WorkingStroke, solved_stroke
 from oracles import stroke as oracle
@@ -151,6 +152,18 @@ def test_a_different_stroke_gives_a_different_speed() -> None:
     brake = 1500.0 / (20.0 * RPM) ** 2 * (0.3 * pi) ** 2 / 12.0
     speeds = [solved_stroke(replace(BALER, stroke_mm=stroke)).law_speed_rad_s for stroke in (760.0, 500.0)]
     assert speeds[0] / speeds[1] == pytest.approx((500.0 - brake) / (760.0 - brake), rel=1e-14)
+
+
+def test_v1_is_the_speed_at_theta1_even_where_v2_is_over_it() -> None:
+    """As its key says: solved for, v1 need not be the largest speed; at theta1 there is no acceleration."""
+    stroke = solved_stroke(replace(BALER, v1_mm_s=None, law_speed_rad_s=5.53, v2_mm_s=1300.0))
+    speed = displacements(stroke)[0].deriv() * stroke.law_speed_rad_s
+    assert stroke.v1_mm_s < stroke.v2_mm_s
+    assert speed(BALER.theta1_rad) == pytest.approx(stroke.v1_mm_s, rel=1e-12)
+    assert speed.deriv()(BALER.theta1_rad) == pytest.approx(0.0, abs=1e-9 * stroke.v1_mm_s)
+    described = ThreeSegmentStroke.model_fields["v1_mm_s"].description or ""
+    assert "slider speed v1 at theta1" in described
+    assert "largest" not in described
 
 
 # --- refusals ------------------------------------------------------------------------------------------------------

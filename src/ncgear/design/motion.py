@@ -65,20 +65,21 @@ class ReturnStroke(Model):
 
 
 class ThreeSegmentStroke(Model):
-    """The working stroke in three segments: up to v1 and down to v2, constant v2, down to rest; then the return."""
+    """The working stroke in three segments: by way of v1 to v2, constant v2, down to rest; then the return."""
 
     law: Literal["three_segment_stroke"] = Field(description="the name of this law: three_segment_stroke")
     solve_for: SolveFor = Field(
         description="the quantity found from the others, its own key left out: law_speed, v1, v2, a1 or stroke"
     )
     theta1_rad: float | None = Field(
-        default=None, description="driving angle in rad at which the slider's speed peaks at v1"
+        default=None, description="driving angle in rad at which the slider's speed is v1 and its acceleration zero"
     )
     theta1_deg: float | None = Field(
-        default=None, description="driving angle in degrees at which the slider's speed peaks at v1"
+        default=None, description="driving angle in degrees at which the slider's speed is v1 and its acceleration zero"
     )
     theta1_pi: float | None = Field(
-        default=None, description="driving angle in multiples of pi at which the slider's speed peaks at v1"
+        default=None,
+        description="driving angle in multiples of pi at which the slider's speed is v1 and its acceleration zero",
     )
     theta2_rad: float | None = Field(
         default=None, description="driving angle in rad from which the slider's speed is v2; over theta1"
@@ -109,9 +110,7 @@ class ThreeSegmentStroke(Model):
         default=None,
         description="driving angle in multiples of pi of the extended dead centre; over theta3, under a cycle",
     )
-    v1_mm_s: Positive | None = Field(
-        default=None, description="largest slider speed v1 of the working stroke in mm/s, at the law speed"
-    )
+    v1_mm_s: Positive | None = Field(default=None, description="slider speed v1 at theta1 in mm/s, at the law speed")
     v2_mm_s: Positive | None = Field(
         default=None, description="constant slider speed v2 from theta2 to theta3 in mm/s, at the law speed"
     )

@@ -51,7 +51,7 @@ _MOTIONS: dict[Law, str] = {
 motion:                    # how the slider moves
   law: three_segment_stroke
   solve_for: law_speed     # law_speed, v1, v2, a1 or stroke: its own key is left out below
-  theta1_pi: 0.4           # the slider is fastest, at v1
+  theta1_pi: 0.4           # the slider's speed is v1, its acceleration zero
   theta2_pi: 0.7           # from here it presses at constant speed v2 ...
   theta3_pi: 1.0           # ... to here, and then slows down
   theta4_pi: 1.3           # extended dead centre; the rest of the turn is the return
