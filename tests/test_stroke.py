@@ -272,6 +272,40 @@ def test_an_approach_that_goes_backwards_is_refused_for_theta1(theta1: float) ->
     assert caught.value.key == "motion.theta1_rad"
 
 
+NO_V1 = StrokeRequest(0.25 * pi, 0.5 * pi, pi, 1.3 * pi, None, 140.0, -800.0, 30.0 * RPM, 120.0)
+"""A pusher whose way at v2 and braking together are over its stroke."""
+
+NO_V2 = replace(BALER, v2_mm_s=None, law_speed_rad_s=5.0, a1_mm_s2=-30000.0)
+"""A baler whose way up to v1 and braking together are over its stroke."""
+
+
+@pytest.mark.parametrize(
+    ("request_", "remedy", "eased"),
+    [
+        (NO_V1, "lower v2", {"v2_mm_s": 130.0}),
+        (NO_V1, "shorten the stretch at v2", {"theta3_rad": 0.9 * pi, "theta4_rad": 1.2 * pi}),
+        (NO_V1, "bring a1 nearer to zero", {"a1_mm_s2": -500.0}),
+        (NO_V1, "lengthen the stroke", {"stroke_mm": 130.0}),
+        (
+            replace(NO_V1, theta1_rad=0.4 * pi, v2_mm_s=10.0),
+            "theta1 lies too near 0 or theta2",
+            {"theta1_rad": 0.2 * pi},
+        ),
+        (NO_V2, "lower v1", {"v1_mm_s": 300.0}),
+        (NO_V2, "bring a1 nearer to zero", {"a1_mm_s2": -1500.0}),
+        (NO_V2, "lengthen the stroke", {"stroke_mm": 1600.0}),
+    ],
+)
+def test_a_speed_that_would_be_negative_is_refused_with_what_helps(
+    request_: StrokeRequest, remedy: str, eased: dict[str, float]
+) -> None:
+    """Each remedy that is named makes the same request close."""
+    fault = refusal(request_)
+    assert "closing the stroke needs v" in fault.problem
+    assert remedy in fault.problem.partition(";")[2]
+    solved_stroke(replace(request_, **eased))
+
+
 def test_a1_that_accelerates_leaves_no_law_speed_in_the_other_reading() -> None:
     """The quadratic in 1/omega has no real root beyond some positive a1."""
     assert refusal(replace(AT_LAW_SPEED, a1_mm_s2=1e5)).key == "motion.solve_for"

@@ -103,7 +103,7 @@ def solved_stroke(request: StrokeRequest) -> WorkingStroke:
     assembled = _assembled(closed).items()
     fields: dict[str, Any] = {name: value if np.ndim(value) else float(value) for name, value in assembled}
     stroke = WorkingStroke(**fields)
-    _refuse_reversal(stroke, request.theta1_rad)
+    _refuse_reversal(stroke, request)
     return stroke
 
 
@@ -256,21 +256,29 @@ def _refuse_backwards(request: StrokeRequests[float]) -> None:
         raise _reversal(request.theta1_rad, reason, "motion.theta1_rad")
 
 
-def _refuse_reversal(stroke: WorkingStroke, theta1: float) -> None:
+def _refuse_reversal(stroke: WorkingStroke, request: StrokeRequest) -> None:
     """Velocity must be positive between the dead centres, and its divided-out zeros must be simple.
 
     Braking needs no look of its own: with u = delta / (theta4 - theta3), R = -a1 (1 - u)^2 + (v2 / delta34) u (3 - 2
     u) is a sum of terms that are not negative.
     """
-    for name, value in (("v1_mm_s", stroke.v1_mm_s), ("v2_mm_s", stroke.v2_mm_s)):
-        if not value > 0.0:
-            at = theta1 if name == "v1_mm_s" else stroke.theta2_rad
-            raise _reversal(at, f"closing the stroke needs {name} = {value:.4g}", f"motion.{name}")
+    if not stroke.v1_mm_s > 0.0:
+        raise _not_closing(request.theta1_rad, "v1_mm_s", stroke.v1_mm_s, _remedy_of_v1(request))
+    if not stroke.v2_mm_s > 0.0:
+        remedy = "lower v1, bring a1 nearer to zero or lengthen the stroke"
+        raise _not_closing(stroke.theta2_rad, "v2_mm_s", stroke.v2_mm_s, remedy)
     if not stroke.a1_mm_s2 < 0.0:
         raise _reversal(stroke.theta4_rad, f"a1 = {stroke.a1_mm_s2:.4g} mm/s^2 is not negative", "motion.a1_mm_s2")
     angle = _first_zero(stroke.approach_slope, stroke.theta2_rad)
     if angle is not None:
         raise _reversal(angle, "v1 and v2 are too far apart, or theta1 lies too near theta2 or 0", "motion.v1_mm_s")
+
+
+def _remedy_of_v1(request: StrokeRequest) -> str:
+    """What leaves the approach a part of the stroke, or makes it cover one."""
+    if _stroke_sensitivities(request)[0] > 0.0:
+        return "lower v2, shorten the stretch at v2 (theta2 to theta3), bring a1 nearer to zero or lengthen the stroke"
+    return "theta1 lies too near 0 or theta2"
 
 
 def _first_zero(coefficients: Array, end: float) -> float | None:
@@ -281,6 +289,10 @@ def _first_zero(coefficients: Array, end: float) -> float | None:
     real = zeros.real[(np.abs(zeros.imag) <= 1e-12 * (1.0 + np.abs(zeros.real)))]
     inside = real[(real >= 0.0) & (real <= end)]
     return float(inside.min()) if inside.size else None
+
+
+def _not_closing(angle: float, name: str, value: float, remedy: str) -> NoSuchMechanism:
+    return _reversal(angle, f"closing the stroke needs {name} = {value:.4g}; {remedy}", f"motion.{name}")
 
 
 def _reversal(angle: float, reason: str, key: str) -> NoSuchMechanism:
