@@ -8,10 +8,13 @@ from pathlib import Path
 from ncgear.contact.pair_contact import PairContact
 from ncgear.design.load import LoadedDesign, load
 from ncgear.drive import Drive
+from ncgear.kinematics.slider import SliderMotion
+from ncgear.numerics.arrays import Array
 from ncgear.output.build import contacts_as_written
 from ncgear.output.page.chart import Chart
 from ncgear.output.page.motion_charts import motion_charts
 from ncgear.output.page.report_page import report_page
+from ncgear.output.plots.curves import Quantity
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 
@@ -36,6 +39,12 @@ def contacts(name: str) -> list[PairContact]:
 def motion(name: str) -> tuple[Chart, ...]:
     """Charts of the motion over one cycle of the slider."""
     return motion_charts(drive(name), drive(name).transmission.cycle_rad)
+
+
+def in_unit_of(chart: Chart, quantity: Quantity, table: SliderMotion) -> Array:
+    """The quantity's values in the chart's unit."""
+    (drawn,) = {one for one in (quantity, quantity.in_thousands) if one.unit == chart.unit}
+    return drawn.of(table)
 
 
 @cache

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from PIL import Image
 
 import ncgear.frontier as of_design
@@ -23,6 +24,7 @@ from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, law_point, mo
 from ncgear.optimum.judged import Figures
 from ncgear.output.optimum.frontier import frontier_csv, frontier_json, mechanisms
 from ncgear.output.optimum.frontier_files import frontier_files, frontier_text
+from ncgear.output.plots import frontier as picture
 from ncgear.recipe.law import linkage_of
 from ncgear.recipe.wishes import task_of, wishes_of
 
@@ -192,12 +194,37 @@ def test_mechanisms_are_at_one_speed() -> None:
 def test_the_picture_and_the_text(tmp_path: Path) -> None:
     files = frontier_files(found(), Improvement(design()))
     assert set(files) == {"frontier.csv", "frontier.json", "frontier.png"}
-    picture = np.asarray(Image.open(BytesIO(files["frontier.png"])).convert("RGB")).reshape(-1, 3)
+    pixels = np.asarray(Image.open(BytesIO(files["frontier.png"])).convert("RGB")).reshape(-1, 3)
     for colour in ((0x00, 0x72, 0xB2), (0xD5, 0x5E, 0x00), (0xCC, 0x79, 0xA7)):
-        assert np.any(np.all(picture == colour, axis=1))
+        assert np.any(np.all(pixels == colour, axis=1))
     text = frontier_text(found(), Improvement(design()), [tmp_path / "frontier.csv"])
     assert "33.3" in text
     assert "uniform crank" in text
+
+
+def test_small_powers_keep_their_digits_in_the_text() -> None:
+    """A packaging machine's 8.7023 W is not 9 W, and its limit of 635.52 mm/s2 not 636."""
+    small = Frontier(
+        [LawPoint(8.7023, Bound(635.52, 635.6, 1600), figures(8.7, 656.51))], [FamilyPoint(8.7023, 8.69, 702.18)]
+    )
+    row = frontier_text(small, Improvement(design()), []).splitlines()[2].split()
+    assert row == ["8.7023", "635.52", "656.51", "3.3", "702.18"]
+
+
+@pytest.mark.parametrize(("times", "power", "acceleration"), [(1.0, "kW", "m/s\u00b2"), (1e-3, "W", "mm/s\u00b2")])
+def test_the_picture_has_the_units_of_its_size(
+    times: float, power: str, acceleration: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[Axes] = []
+    monkeypatch.setattr(picture, "key_above", drawn.append)
+    points = times * np.array([[6000.0, 30_000.0], [12_000.0, 14_000.0]])
+    picture.frontier(points, points, picture.rows([]), [("crank", times * 9000.0, times * 20_000.0)], "both")
+    (axes,) = drawn
+    assert axes.get_xlabel() == f"peak power in {power}"
+    assert axes.get_ylabel() == f"peak acceleration in {acceleration}"
+    low, high = axes.get_xlim()
+    assert low < 6.0 < 12.0 < high < 20.0
+    assert axes.lines[0].get_ydata() == pytest.approx([30.0, 14.0])
 
 
 @pytest.mark.slow

@@ -236,14 +236,15 @@ def test_what_is_read_out_is_the_motion(name: str) -> None:
     angles = np.random.default_rng(8).uniform(0.0, charts[0].end_deg, 3000)
     found = motion_at(name, angles)
     for chart, quantity in zip(charts[:3], MOTION, strict=True):
-        assert error_of_straight_lines(chart, quantity.of(found), angles) < 0.5, chart.key
+        assert error_of_straight_lines(chart, reports.in_unit_of(chart, quantity, found), angles) < 0.5, chart.key
 
 
 def test_the_force_is_read_out_on_both_sides_of_its_jump() -> None:
     dead_centre = np.degrees(reports.drive("baler").machine.extended_rad)
     angles = dead_centre + np.array([-1e-3, 1e-3])
     force = reports.motion("baler")[3]
-    assert error_of_straight_lines(force, LOAD[0].of(motion_at("baler", angles)), angles) < 0.5
+    wanted = reports.in_unit_of(force, LOAD[0], motion_at("baler", angles))
+    assert error_of_straight_lines(force, wanted, angles) < 0.5
 
 
 def test_even_samples_would_miss_the_jump() -> None:

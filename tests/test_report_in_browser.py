@@ -148,7 +148,8 @@ def test_readouts_are_the_motion_at_the_angle(baler: Opened, angle_deg: float) -
         for quantity in (*MOTION, *LOAD):
             shown = baler.text(f"figure [data-now={quantity.column}][data-line='{line}']")
             digit = 10.0 ** -known[quantity.column].decimals
-            assert float(shown) == pytest.approx(float(quantity.of(motion)[0]), abs=0.51 * digit), quantity
+            wanted = float(reports.in_unit_of(known[quantity.column], quantity, motion)[0])
+            assert float(shown) == pytest.approx(wanted, abs=0.51 * digit), quantity
     contact = reports.contacts("baler")[0].as_designed
     pressure = np.degrees(contact.pushing.first.pressure_angle_rad)
     at = np.interp(radians(angle_deg), contact.placement.phi1_rad, pressure)

@@ -7,6 +7,7 @@ from typing import Any
 from ncgear.design.machine import Published
 from ncgear.drive import Drive
 from ncgear.kinematics.check import KinematicCheck
+from ncgear.output.numbers import shown
 
 
 def comparison_rows(drive: Drive) -> list[dict[str, Any]]:
@@ -83,7 +84,7 @@ def _mixed(drive: Drive, published: Published) -> list[dict[str, Any]]:
     theirs = _row(published.name, published.speed_rpm, published.peak_power_w, acceleration, velocity)
     quoted = _row("set against it in the publication", published.quoted_speed_rpm, published.quoted_power_w, None, None)
     same = drive.check.peak_power_w.value * published.speed_rpm / drive.design.operation.speed_rpm
-    note = f"at {published.speed_rpm:g} r/min this design needs {same:.0f} W"
+    note = f"at {published.speed_rpm:g} r/min this design needs {shown(same)} W"
     if published.peak_power_w:
         saving = 100.0 * (1.0 - published.quoted_power_w / published.peak_power_w)
         note = f"the {saving:.1f} % between the two rows is a difference of speed; {note}"

@@ -29,7 +29,7 @@ def charts(both: Sequence[Axes], scene: Scene) -> list[Moving]:
     """Displacement and velocity over the loop on two axes, with the present value in words."""
     phi1 = np.linspace(0.0, scene.loop_rad, CURVE_POINTS)
     motion = scene.machine.motion(phi1)
-    kinds = DISPLACEMENT, VELOCITY
+    kinds = DISPLACEMENT, VELOCITY.readable(motion)
     return [_chart(axes, phi1, kind.of(motion), kind) for axes, kind in zip(both, kinds, strict=True)]
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ncgear.frontier import Frontier
 from ncgear.improvement import Improvement
+from ncgear.output.numbers import shown
 from ncgear.output.optimum.frontier import frontier_csv, frontier_json, mechanisms
 from ncgear.output.plots.frontier import frontier as frontier_plot
 from ncgear.output.plots.frontier import rows
@@ -56,17 +57,18 @@ def frontier_text(found: Frontier, improvement: Improvement, paths: Sequence[Pat
     for point in found.laws:
         family, law = families[point.cap_w], point.law.peak_acceleration_mm_s2
         cells = [
-            f"{point.cap_w:.0f}",
-            f"{point.bound.value:.0f}",
-            f"{law:.0f}",
+            shown(point.cap_w),
+            shown(point.bound.value),
+            shown(law),
             f"{100.0 * (law / point.bound.value - 1.0):.1f}",
-            "-" if family is None else f"{family:.0f}",
+            shown(family),
         ]
         lines.append("".join(f"{cell:>18}" for cell in cells))
     others = mechanisms(improvement)
     width = max(len(one.name) for one in others)
     lines += ["", "At the same speed"]
     lines += [
-        f"  {one.name:<{width}}  {one.peak_power_w:9.0f} W  {one.peak_acceleration_mm_s2:9.0f} mm/s2" for one in others
+        f"  {one.name:<{width}}  {shown(one.peak_power_w):>9} W  {shown(one.peak_acceleration_mm_s2):>9} mm/s2"
+        for one in others
     ]
     return "\n".join([*lines, "", "Written", *(f"  {path}" for path in paths)])

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ncgear.improvement import Improvement
 from ncgear.optimum.judged import Figures
+from ncgear.output.numbers import shown
 from ncgear.output.optimum.optimized import UNITS
 
 COLUMNS = ("peak power, W", "peak accel., mm/s2", "ratio", "tangent, deg", "convex")
@@ -45,8 +46,8 @@ def _table(improvement: Improvement) -> list[str]:
 
 def _row(found: Figures) -> str:
     cells = [
-        f"{found.peak_power_w:.1f}",
-        f"{found.peak_acceleration_mm_s2:.1f}",
+        shown(found.peak_power_w),
+        shown(found.peak_acceleration_mm_s2),
         f"{found.ratio_min:.3f} to {found.ratio_max:.3f}",
         f"{degrees(found.tangent_rad):.2f}",
         "yes" if found.convex else "no",

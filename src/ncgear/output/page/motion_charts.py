@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import degrees
 
 import numpy as np
@@ -16,7 +15,7 @@ from ncgear.output.plots.curves import ACCELERATION, DISPLACEMENT, FORCE, POWER,
 
 MOTION, LOAD = (DISPLACEMENT, VELOCITY, ACCELERATION), (FORCE, POWER)
 
-RATIO = Quantity("ratio", "ratio i\u2081\u2082", "", 1.0, extreme=True)
+RATIO = Quantity("ratio", "ratio i\u2081\u2082", "", extreme=True)
 
 
 def motion_charts(drive: Drive, end_rad: float) -> tuple[Chart, ...]:
@@ -24,15 +23,7 @@ def motion_charts(drive: Drive, end_rad: float) -> tuple[Chart, ...]:
     phi1 = cycle_angles_rad(drive)
     tables = drive.machine.motion(phi1), drive.uniform_machine.motion(phi1)
     quantities = (*MOTION, *(LOAD if drive.design.resistance is not None else ()), RATIO)
-    return tuple(_chart(drive, readable(quantity, *tables), *tables, end_rad) for quantity in quantities)
-
-
-def readable(quantity: Quantity, *tables: SliderMotion) -> Quantity:
-    """In the unit without ``k`` where no value of the tables reaches a thousand of it."""
-    largest = max(float(np.max(np.abs(quantity.of(table)))) for table in tables)
-    if largest >= 1.0 or not quantity.unit.startswith("k"):
-        return quantity
-    return replace(quantity, unit=quantity.unit.removeprefix("k"), factor=1.0)
+    return tuple(_chart(drive, quantity.readable(*tables), *tables, end_rad) for quantity in quantities)
 
 
 def _chart(drive: Drive, quantity: Quantity, own: SliderMotion, uniform: SliderMotion, end_rad: float) -> Chart:

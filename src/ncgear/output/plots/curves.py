@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from ncgear.kinematics.slider import SliderMotion
 from ncgear.numerics.arrays import Array
 from ncgear.output.plots.angle_axis import align, angle_scale, mark_joints
 from ncgear.output.plots.canvas import DRIVING, INK, NORMAL, REFERENCE, SMALL, Margins, dress, figure, png
+from ncgear.output.units import THOUSANDS, readable
 
 NO_JOINTS = np.empty(0)
 
@@ -30,25 +31,50 @@ EDGE = 0.15
 
 @dataclass(frozen=True)
 class Quantity:
-    """A column of the motion table as it is drawn: in ``unit``, which is ``factor`` times the column's own."""
+    """A column of the motion table as it is drawn: ``factor`` times the column's values, in ``unit``.
+
+    ``extreme`` names the largest value in the picture.
+    """
 
     column: str
     name: str
     unit: str
-    factor: float
     extreme: bool
+    factor: float = 1.0
+
+    @property
+    def label(self) -> str:
+        """Name and unit, as they stand at an axis."""
+        return f"{self.name} in {self.unit}"
+
+    @property
+    def in_thousands(self) -> Quantity:
+        """In a thousand times the unit; as it is where that has no name."""
+        if self.unit not in THOUSANDS:
+            return self
+        return replace(self, unit=THOUSANDS[self.unit], factor=1e-3 * self.factor)
 
     def of(self, table: SliderMotion) -> Array:
         """The values in the drawn unit."""
         values: Array = getattr(table, self.column)
         return self.factor * values
 
+    def readable(self, *tables: SliderMotion) -> Quantity:
+        """In the one unit in which the tables' largest value is read."""
+        factor, _ = readable(self.unit, *(self.of(table) for table in tables))
+        return self if factor == 1.0 else self.in_thousands
 
-DISPLACEMENT = Quantity("displacement_mm", "displacement", "mm", 1.0, extreme=False)
-VELOCITY = Quantity("velocity_mm_s", "velocity", "m/s", 1e-3, extreme=True)
-ACCELERATION = Quantity("acceleration_mm_s2", "acceleration", "m/s\u00b2", 1e-3, extreme=True)
-FORCE = Quantity("force_n", "force", "kN", 1e-3, extreme=True)
-POWER = Quantity("power_w", "driving power", "kW", 1e-3, extreme=True)
+    def on(self, axes: Axes, *tables: SliderMotion) -> Quantity:
+        """In the unit that the axes have, so that several machines can be drawn onto them; else as it is readable."""
+        of_axes = (drawn for drawn in (self, self.in_thousands) if drawn.label == axes.get_ylabel())
+        return next(of_axes, self.readable(*tables))
+
+
+DISPLACEMENT = Quantity("displacement_mm", "displacement", "mm", extreme=False)
+VELOCITY = Quantity("velocity_mm_s", "velocity", "mm/s", extreme=True)
+ACCELERATION = Quantity("acceleration_mm_s2", "acceleration", "mm/s\u00b2", extreme=True)
+FORCE = Quantity("force_n", "force", "N", extreme=True)
+POWER = Quantity("power_w", "driving power", "W", extreme=True)
 
 
 def motion(table: SliderMotion, uniform: SliderMotion, title: str, joints_rad: Array = NO_JOINTS) -> bytes:
@@ -80,19 +106,21 @@ def power(table: SliderMotion, uniform: SliderMotion, title: str, joints_rad: Ar
 
 def over_angle(axes: Axes, table: SliderMotion, uniform: SliderMotion, quantity: Quantity, joints_rad: Array) -> None:
     """A quantity of both mechanisms over phi1, with its largest value and the joints of the law (shape (n,))."""
-    angle, values = np.degrees(table.phi1_rad), quantity.of(table)
+    drawn = quantity.on(axes, table, uniform)
+    angle, values = np.degrees(table.phi1_rad), drawn.of(table)
     axes.plot(angle, values, **OWN)
-    axes.plot(np.degrees(uniform.phi1_rad), quantity.of(uniform), **UNIFORM)
+    axes.plot(np.degrees(uniform.phi1_rad), drawn.of(uniform), **UNIFORM)
     mark_joints(axes, np.degrees(joints_rad))
-    dress(axes, "", f"{quantity.name} in {quantity.unit}")
-    if quantity.extreme:
-        mark_extreme(axes, angle, values, quantity.unit)
+    dress(axes, "", drawn.label)
+    if drawn.extreme:
+        mark_extreme(axes, angle, values, drawn.unit)
 
 
 def over_displacement(axes: Axes, table: SliderMotion, uniform: SliderMotion, quantity: Quantity) -> None:
     """A quantity of both mechanisms over the slider's displacement."""
+    drawn = quantity.readable(table, uniform)
     for source, style in ((table, OWN), (uniform, UNIFORM)):
-        axes.plot(source.displacement_mm, quantity.of(source), **style)
+        axes.plot(source.displacement_mm, drawn.of(source), **style)
     dress(axes, "", "")
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -22,6 +23,7 @@ from ncgear.output.plots.canvas import (
     key_above,
     png,
 )
+from ncgear.output.units import readable
 
 WIDTH_IN, HEIGHT_IN = 8.2, 5.8
 ROOM = 1.6
@@ -33,39 +35,40 @@ Named = tuple[str, float, float]
 
 def frontier(limit: Array, laws: Array, family: Array, mechanisms: Sequence[Named], title: str) -> bytes:
     """PNG of the frontier; ``limit``, ``laws`` and ``family`` have rows of power in W and acceleration in mm/s2."""
+    (by_power, power_unit), (by_acceleration, acceleration_unit) = _units(limit, laws, mechanisms)
+    factors = np.array([by_power, by_acceleration])
     made = figure(WIDTH_IN, HEIGHT_IN, title)
     made.subplots_adjust(**Margins(left=0.8, right=0.25, top=0.8).shares(WIDTH_IN, HEIGHT_IN))
     axes = made.add_subplot()
-    _impossible(axes, limit)
-    axes.plot(*_scaled(limit), color=INK, linewidth=1.6, label="certified limit")
-    # A single law must show on top of the mechanism that it may be.
-    size = 3.5 if len(laws) > 1 else 8.0
-    axes.plot(
-        *_scaled(laws),
-        color=DRIVING,
-        linewidth=1.8,
-        marker="o",
-        markersize=size,
-        zorder=4,
-        label="laws that can be made",
-    )
-    if family.size:
-        axes.plot(*_scaled(family), color=DRIVEN, linewidth=1.4, marker="s", markersize=3.0, label="published family")
-    for mechanism in mechanisms:
-        _mechanism(axes, mechanism)
-    _scales(axes, limit, laws, mechanisms)
-    dress(axes, "peak power in kW", "peak acceleration in m/s²")
+    named = [(name, by_power * power, by_acceleration * peak) for name, power, peak in mechanisms]
+    _draw(axes, factors * limit, factors * laws, factors * family, named)
+    dress(axes, f"peak power in {power_unit}", f"peak acceleration in {acceleration_unit}")
     key_above(axes)
     return png(made)
 
 
-def _scaled(rows: Array) -> tuple[Array, Array]:
-    """kW and m/s2."""
-    return rows[:, 0] / 1000.0, rows[:, 1] / 1000.0
+def _draw(axes: Axes, limit: Array, laws: Array, family: Array, mechanisms: Sequence[Named]) -> None:
+    _impossible(axes, limit)
+    axes.plot(*limit.T, color=INK, linewidth=1.6, label="certified limit")
+    # A single law must show on top of the mechanism that it may be.
+    size = 3.5 if len(laws) > 1 else 8.0
+    style: dict[str, Any] = {"color": DRIVING, "linewidth": 1.8, "marker": "o", "markersize": size, "zorder": 4}
+    axes.plot(*laws.T, label="laws that can be made", **style)
+    if family.size:
+        axes.plot(*family.T, color=DRIVEN, linewidth=1.4, marker="s", markersize=3.0, label="published family")
+    for mechanism in mechanisms:
+        _mechanism(axes, mechanism)
+    _scales(axes, limit, laws, mechanisms)
+
+
+def _units(limit: Array, laws: Array, mechanisms: Sequence[Named]) -> tuple[tuple[float, str], tuple[float, str]]:
+    """Factor and name of the units of power and of acceleration in which all that must show is read."""
+    shown = np.vstack([limit, laws, rows([mechanism[1:] for mechanism in mechanisms])])
+    return readable("W", shown[:, 0]), readable("mm/s\u00b2", shown[:, 1])
 
 
 def _impossible(axes: Axes, limit: Array) -> None:
-    power, acceleration = _scaled(limit)
+    power, acceleration = limit.T
     axes.fill_between(power, acceleration, 1e-3, color=REFERENCE, alpha=0.14, linewidth=0.0)
     axes.text(
         0.03, 0.05, "impossible for any law", transform=axes.transAxes, size=SMALL, color=REFERENCE, style="italic"
@@ -74,11 +77,11 @@ def _impossible(axes: Axes, limit: Array) -> None:
 
 def _mechanism(axes: Axes, mechanism: Named) -> None:
     name, power, acceleration = mechanism
-    axes.plot([power / 1000.0], [acceleration / 1000.0], color=HIGHLIGHT, marker="D", markersize=6.0, linestyle="none")
+    axes.plot([power], [acceleration], color=HIGHLIGHT, marker="D", markersize=6.0, linestyle="none")
     # Names are free text: dollar signs are not formulas.
     axes.annotate(
         name,
-        (power / 1000.0, acceleration / 1000.0),
+        (power, acceleration),
         xytext=(6.0, 5.0),
         textcoords="offset points",
         size=SMALL,
@@ -92,8 +95,8 @@ def _scales(axes: Axes, limit: Array, laws: Array, mechanisms: Sequence[Named]) 
     accelerations = [*limit[:, 1], *laws[:, 1], *(acceleration for _, _, acceleration in mechanisms)]
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.set_xlim(min(powers) / 1050.0, max(powers) / 1000.0 * 1.35)
-    axes.set_ylim(min(accelerations) / 1250.0, max(accelerations) / 1000.0 * ROOM)
+    axes.set_xlim(min(powers) / 1.05, max(powers) * 1.35)
+    axes.set_ylim(min(accelerations) / 1.25, max(accelerations) * ROOM)
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
