@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from matplotlib.figure import Figure
 import reports
 from ncgear import plots
 from ncgear.drive import Drive
+from ncgear.output.plots import loads, time_rows
 from ncgear.output.units import THOUSANDS, readable
 
 
@@ -79,3 +81,36 @@ def test_the_report_of_a_small_machine_is_in_watts() -> None:
     velocity, acceleration, force, power = reports.motion("pusher")[1:5]
     assert [chart.unit for chart in (velocity, acceleration, force, power)] == ["mm/s", "m/s\u00b2", "N", "W"]
     assert float(power.lines[0].values.max()) == pytest.approx(8.7023, rel=1e-4)
+
+
+PHI1 = np.linspace(0.0, 2.0 * np.pi, 5)
+SIZES = pytest.mark.parametrize(("most", "unit", "drawn"), [(900.0, "N", 900.0), (2.0e4, "kN", 20.0)])
+
+
+def columns(module: ModuleType, monkeypatch: pytest.MonkeyPatch) -> list[list[Axes]]:
+    """The columns of axes that a picture will have."""
+    found: list[list[Axes]] = []
+    monkeypatch.setattr(module, "angle_scale", lambda column, end: found.append(list(column)))
+    return found
+
+
+@SIZES
+def test_simulated_forces_have_the_unit_of_their_size(
+    most: float, unit: str, drawn: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found, values = columns(time_rows, monkeypatch), most * np.sin(PHI1)
+    time_rows.time_rows(PHI1, [time_rows.Row("tooth force", "N", values, values)], "title", np.empty((0, 2)))
+    ((axes,),) = found
+    assert axes.get_ylabel() == f"tooth force\nin {unit}"
+    assert [max(line.get_ydata()) for line in axes.lines[:2]] == pytest.approx([drawn, drawn])
+
+
+@SIZES
+def test_loads_have_the_unit_of_their_size(
+    most: float, unit: str, drawn: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found, values = columns(loads, monkeypatch), most * np.sin(PHI1)
+    loads.load_curves(PHI1, [loads.Row("guide", "N", values, values, mean=most / 2.0)], "title", np.empty(0))
+    ((axes,),) = found
+    assert axes.get_ylabel() == f"guide\nin {unit}"
+    assert [max(line.get_ydata()) for line in axes.lines[:3]] == pytest.approx([drawn, drawn, drawn / 2.0])

@@ -13,6 +13,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.output.plots.angle_axis import align, angle_scale, mark_joints
 from ncgear.output.plots.canvas import INK, Margins, dress, figure, png
 from ncgear.output.plots.curves import OWN, UNIFORM, mark_extreme
+from ncgear.output.units import readable
 
 ROW_IN = 1.9
 """Height of a row of axes in inches."""
@@ -22,9 +23,10 @@ LEVEL: dict[str, Any] = {"color": INK, "linewidth": 0.9, "linestyle": (0, (1.5, 
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """A quantity in its unit at n driving angles, of the design and of the uniform crank, shape (n,) each.
+    """A quantity at n driving angles, of the design and of the uniform crank, shape (n,) each.
 
-    ``mean`` is drawn as a level line, ``extreme`` names the largest value in the picture.
+    It is given in ``unit`` and drawn in the one in which it is read; ``mean`` is drawn as a level line, ``extreme``
+    names the largest value in the picture.
     """
 
     name: str
@@ -51,10 +53,11 @@ def load_curves(phi1_rad: Array, rows: Sequence[Row], title: str, joints_rad: Ar
 
 
 def _draw(axes: Axes, angle: Array, row: Row) -> None:
-    axes.plot(angle, row.own, **OWN)
-    axes.plot(angle, row.uniform, **UNIFORM)
+    factor, unit = readable(row.unit, row.own, row.uniform)
+    axes.plot(angle, factor * row.own, **OWN)
+    axes.plot(angle, factor * row.uniform, **UNIFORM)
     if row.mean is not None:
-        axes.axhline(row.mean, label="mean", **LEVEL)
-    dress(axes, "", f"{row.name}\nin {row.unit}")
+        axes.axhline(factor * row.mean, label="mean", **LEVEL)
+    dress(axes, "", f"{row.name}\nin {unit}")
     if row.extreme:
-        mark_extreme(axes, angle, row.own, row.unit)
+        mark_extreme(axes, angle, factor * row.own, unit)

@@ -13,6 +13,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.output.plots.angle_axis import align, angle_scale
 from ncgear.output.plots.canvas import DRIVING, HIGHLIGHT, REFERENCE, Margins, dress, figure, png
 from ncgear.output.plots.curves import mark_extreme
+from ncgear.output.units import readable
 
 ROW_IN = 1.9
 """Height of a row of axes in inches."""
@@ -24,7 +25,10 @@ APART: dict[str, Any] = {"color": HIGHLIGHT, "alpha": 0.25, "linewidth": 0.0}
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """A quantity in its unit at n driving angles, simulated and as it is compared, shape (n,); None for no other."""
+    """A quantity at n driving angles, simulated and as it is compared, shape (n,); None for no other.
+
+    It is given in ``unit`` and drawn in the one in which it is read.
+    """
 
     name: str
     unit: str
@@ -49,11 +53,13 @@ def time_rows(
 
 
 def _draw(axes: Axes, angle: Array, row: Row, labels: tuple[str, str]) -> None:
-    axes.plot(angle, row.simulated, label=labels[0], **SIMULATED)
+    factor, unit = readable(row.unit, row.simulated, *(() if row.compared is None else (row.compared,)))
+    simulated = factor * row.simulated
+    axes.plot(angle, simulated, label=labels[0], **SIMULATED)
     if row.compared is not None:
-        axes.plot(angle, row.compared, label=labels[1], **IDEAL)
-    dress(axes, "", f"{row.name}\nin {row.unit}")
-    mark_extreme(axes, angle, row.simulated, row.unit)
+        axes.plot(angle, factor * row.compared, label=labels[1], **IDEAL)
+    dress(axes, "", f"{row.name}\nin {unit}")
+    mark_extreme(axes, angle, simulated, unit)
 
 
 def _shade(axes: Axes, apart_deg: Array) -> None:

@@ -99,19 +99,19 @@ def _motion(shown: History) -> list[Row]:
     own, law = shown.slide, shown.law
     return [
         Row("displacement", "mm", own.displacement_mm, law.displacement_mm),
-        Row("velocity", "m/s", 1e-3 * own.velocity_mm_s, 1e-3 * law.velocity_mm_s),
-        Row("acceleration", "m/s\u00b2", 1e-3 * own.acceleration_mm_s2, 1e-3 * law.acceleration_mm_s2),
+        Row("velocity", "mm/s", own.velocity_mm_s, law.velocity_mm_s),
+        Row("acceleration", "mm/s\u00b2", own.acceleration_mm_s2, law.acceleration_mm_s2),
     ]
 
 
 def _forces(shown: History) -> list[Row]:
     return [
-        Row("pushing force", "kN", 1e-3 * shown.pushing_n),
-        Row("back force", "kN", 1e-3 * shown.back_n),
-        Row("driving torque", "kN m", N_M * N_M * shown.torque_n_mm),
+        Row("pushing force", "N", shown.pushing_n),
+        Row("back force", "N", shown.back_n),
+        Row("driving torque", "N m", N_M * shown.torque_n_mm),
     ]
 
 
 def _bearings(shown: History) -> list[Row]:
     names = {"wrist": "wrist", "pin": "crank pin", "crank_bearing": "crank bearing", "mesh": "mesh force"}
-    return [Row(names[key], "kN", 1e-3 * _size(force)) for key, force in _joints(shown).items()]
+    return [Row(names[key], "N", _size(force)) for key, force in _joints(shown).items()]

@@ -63,8 +63,8 @@ def _peak(drive: Drive, key: str, values: Array) -> dict[str, float]:
 def _picture(drive: Drive, rigid_n_m: Array) -> bytes:
     loaded, motion = drive.loaded_contact, drive.motion
     rows = [
-        Row("driving torque", "kN m", N_M * N_M * loaded.driving_torque_n_mm, N_M * rigid_n_m),
-        Row("tooth force", "kN", 1e-3 * loaded.tooth_force_n),
+        Row("driving torque", "N m", N_M * loaded.driving_torque_n_mm, rigid_n_m),
+        Row("tooth force", "N", loaded.tooth_force_n),
         Row("ahead of the law", "mrad", 1e3 * loaded.error_rad),
     ]
     title = f"{drive.design.name}: teeth under load at {drive.design.operation.speed_rpm:.4g} r/min"

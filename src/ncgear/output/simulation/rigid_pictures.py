@@ -11,10 +11,8 @@ from ncgear.numerics.vector import Vector
 from ncgear.output.joints import joints_up_to
 from ncgear.output.plots.loads import Row, load_curves
 
-KILO = 1e-3
-
-KN_M = 1e-6
-"""One N mm in kN m."""
+N_M = 1e-3
+"""One N mm in N m."""
 
 
 def rigid_pictures(drive: Drive, own: Loads, uniform: Loads) -> dict[str, bytes]:
@@ -25,7 +23,7 @@ def rigid_pictures(drive: Drive, own: Loads, uniform: Loads) -> dict[str, bytes]
     }
     if own.mesh is None or uniform.mesh is None:
         return pictures
-    force = Row("mesh force", "kN", KILO * own.mesh.size_n.value, KILO * uniform.mesh.size_n.value)
+    force = Row("mesh force", "N", own.mesh.size_n.value, uniform.mesh.size_n.value)
     angles = [np.degrees(mesh.pressure_angle_rad.value) for mesh in (own.mesh, uniform.mesh)]
     rows = [force, Row("pressure angle", "deg", angles[0], angles[1], extreme=False)]
     return {**pictures, "mesh_force.png": _picture(drive, rows, "force between the teeth")}
@@ -38,20 +36,20 @@ def _picture(drive: Drive, rows: list[Row], what: str) -> bytes:
 
 
 def _torque(drive: Drive, own: Loads, uniform: Loads) -> Row:
-    mean = KN_M * drive.rigid.fluctuation.mean_torque_n_mm
-    curves = [KN_M * loads.driving_torque.value for loads in (own, uniform)]
-    return Row("driving torque", "kN m", curves[0], curves[1], mean=mean)
+    mean = N_M * drive.rigid.fluctuation.mean_torque_n_mm
+    curves = [N_M * loads.driving_torque.value for loads in (own, uniform)]
+    return Row("driving torque", "N m", curves[0], curves[1], mean=mean)
 
 
 def _forces(own: Loads, uniform: Loads) -> list[Row]:
     return [
-        Row("crank bearing", "kN", _size(own.crank_bearing), _size(uniform.crank_bearing)),
-        Row("crank pin", "kN", _size(own.pin), _size(uniform.pin)),
-        Row("wrist", "kN", _size(own.wrist), _size(uniform.wrist)),
-        Row("guide", "kN", KILO * own.guide.value, KILO * uniform.guide.value),
+        Row("crank bearing", "N", _size(own.crank_bearing), _size(uniform.crank_bearing)),
+        Row("crank pin", "N", _size(own.pin), _size(uniform.pin)),
+        Row("wrist", "N", _size(own.wrist), _size(uniform.wrist)),
+        Row("guide", "N", own.guide.value, uniform.guide.value),
     ]
 
 
 def _size(force: Vector) -> Array:
-    size: Array = KILO * (force.x.value**2 + force.y.value**2) ** 0.5
+    size: Array = (force.x.value**2 + force.y.value**2) ** 0.5
     return size
