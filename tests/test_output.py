@@ -275,6 +275,7 @@ def test_values_are_shown_as_a_person_reads_them(line: str) -> None:
 
 def test_numbers_and_units() -> None:
     assert label_and_unit("peak_acceleration_cycle_mm_s2") == ("peak acceleration cycle", "mm/s2")
+    assert label_and_unit("volume_mm3") == ("volume", "mm3")
     assert label_and_unit("teeth") == ("teeth", "")
     assert [shown(value) for value in (123456.7, 12345.6, 1.5e-15, 0.0, True, None)] == [
         "123457", "12346", "1.5e-15", "0", "yes", "-",
