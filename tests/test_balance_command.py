@@ -190,6 +190,7 @@ HEAVY_CRANK = """crank: {mass_kg: 9, center_mm: -90, inertia_kg_mm2: 1e6}
 WRONG: dict[str, tuple[str, str, str]] = {
     "nothing asked": ("name: a\n", "a.yaml:1:1", "nothing is asked"),
     "empty": ("", "a.yaml:1:1", "holds no balance"),
+    "a design": ("linkage: {}\nmotion: {}\n", "a.yaml:1:1", "is a design file"),
     "no speed": (changed(CRANK, "speed_rpm: 60\n", ""), "a.yaml:1:1: speed_rpm", "missing; mechanisms and gears"),
     "unknown key": (
         changed(CRANK, "rod_mm: 100", "rod_m: 100"),

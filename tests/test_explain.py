@@ -65,6 +65,16 @@ def test_every_example_is_right(root: type[BaseModel], key: Key) -> None:
         assert {detail["type"] for detail in error.errors()} - {"too_short"} == {FAULT_TYPE}, error
 
 
+WHOLE = ["linkage", "resistance.table", "comparison.published", "gears.driving.hub", "gears.driving.web"]
+
+
+@pytest.mark.parametrize("path", WHOLE)
+def test_examples_of_groups_with_rules_of_their_own_can_be_copied(path: str) -> None:
+    key = next(key for key in keys_of(Design) if key.path == path)
+    (value,) = read_yaml(example(key, Design), "example").data.values()
+    TypeAdapter(key.field.annotation).validate_python(value)
+
+
 SAID = {
     "in degrees": "degrees",
     "in multiples of pi": "multiples of pi",
@@ -138,7 +148,14 @@ def test_the_names_of_all_laws(run: Run) -> None:
 
 @pytest.mark.parametrize(
     ("asked", "meant"),
-    [("thta2", "motion.theta2"), ("gears.rack.profil", "gears.rack.profile"), ("modul", "gears.module_mm")],
+    [
+        ("thta2", "motion.theta2"),
+        ("gears.rack.profil", "gears.rack.profile"),
+        ("modul", "gears.module_mm"),
+        ("v1", "motion.v1_mm_s"),
+        ("center", "gears.center_distance_mm"),
+        ("Bore", "gears.driving.bore_mm"),
+    ],
 )
 def test_an_unknown_key_is_refused_with_what_was_meant(run: Run, asked: str, meant: str) -> None:
     status, out, err = run("explain", asked)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import math
 import subprocess
@@ -118,14 +117,25 @@ def test_output_folder_is_a_file(run: Run, tmp_path: Path) -> None:
     assert "taken: is no folder" in err
 
 
-def test_a_missing_solver_is_named_with_the_command(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    there = importlib.util.find_spec
-    monkeypatch.setattr("ncgear.extras.find_spec", lambda name: None if name == "casadi" else there(name))
-    status, out, err = run(HEAD + FEW)
-    assert (status, out) == (2, "")
-    assert "casadi" in err
-    assert "python -m pip install 'ncgear[optimize]'" in err
-    assert not Path("export").exists()
+WITHOUT_SOLVER = """
+import sys
+sys.modules["casadi"] = None  # no import of it succeeds any more, and it is not found
+import ncgear.cli
+sys.argv = ["ncgear", *{arguments}]
+ncgear.cli.main()
+"""
+
+
+@pytest.mark.parametrize("command", ["optimize", "frontier"])
+def test_a_missing_solver_is_named_with_the_command(command: str, tmp_path: Path) -> None:
+    """In a process of its own, since what this one has already imported would hide an import made too early."""
+    Path(tmp_path, "d.yaml").write_text(HEAD + FEW)
+    without = [sys.executable, "-c", WITHOUT_SOLVER.format(arguments=[command, "d.yaml"])]
+    done = subprocess.run(without, capture_output=True, text=True, cwd=tmp_path, timeout=120, check=False)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert f"ncgear {command}: needs casadi" in done.stderr
+    assert "python -m pip install 'ncgear[optimize]'" in done.stderr
+    assert not list(Path(tmp_path, "export").glob("*/*"))
 
 
 @pytest.mark.parametrize(

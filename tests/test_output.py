@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+import ncgear
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.kinematics.slider import SliderMotion
 from ncgear.output import plots
@@ -23,6 +24,7 @@ from ncgear.output.comparison import MIXED_SPEEDS, SAME_SPEED
 from ncgear.output.numbers import label_and_unit, shown
 from ncgear.output.publish import STAGING_PREFIX, prepare, publish
 from ncgear.output.report import WIDTH, summary_text, timing_text
+from ncgear.output.summary.pitch import pitch_summary
 from ncgear.output.tables import LAW_COLUMNS, law_csv, outline_csv
 
 FILES = {"a.txt": b"first", "b.txt": b"second", "summary.json": b"{}"}
@@ -275,11 +277,21 @@ def test_values_are_shown_as_a_person_reads_them(line: str) -> None:
 
 def test_numbers_and_units() -> None:
     assert label_and_unit("peak_acceleration_cycle_mm_s2") == ("peak acceleration cycle", "mm/s2")
+    assert label_and_unit("volume_mm3") == ("volume", "mm3")
     assert label_and_unit("teeth") == ("teeth", "")
     assert [shown(value) for value in (123456.7, 12345.6, 1.5e-15, 0.0, True, None)] == [
         "123457", "12346", "1.5e-15", "0", "yes", "-",
     ]  # fmt: skip
     assert shown(list(np.arange(20.0))).endswith("and 8 more")
+
+
+@pytest.mark.parametrize(
+    ("name", "angles_pi"), [("ellipse", []), ("internal-1-2", []), ("pusher", [0.0, 0.5, 1.0, 1.3])]
+)
+def test_curvature_jumps_are_counted_only_where_it_jumps(name: str, angles_pi: list[float]) -> None:
+    """A smooth law's seam is no jump; a law in segments jumps at its joints."""
+    jumps = pitch_summary(ncgear.load(Path(__file__).parents[1] / "designs" / f"{name}.yaml"))["curvature_jumps"]
+    assert [jump["phi1_rad"] / pi for jump in jumps] == pytest.approx(angles_pi)
 
 
 def test_timing_adds_up() -> None:

@@ -204,6 +204,15 @@ def test_it_does_not_run_by_itself(baler: Opened) -> None:
     assert baler.angle_deg == before
 
 
+@pytest.mark.parametrize(("typed", "shown"), [("365", "5.00"), ("-5", "355.00"), ("", "0.00")])
+def test_an_angle_beyond_the_cycle_becomes_the_one_that_is_shown(baler: Opened, typed: str, shown: str) -> None:
+    baler.page.fill("#angle", "0")
+    baler.page.fill("#angle", typed)
+    baler.page.press("#angle", "Enter")
+    assert baler.page.input_value("#angle") == shown
+    assert baler.angle_deg == pytest.approx(float(shown))
+
+
 def test_scrubbing(baler: Opened) -> None:
     baler.page.fill("#scrub", "123.4")
     assert baler.angle_deg == pytest.approx(123.4)

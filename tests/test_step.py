@@ -233,7 +233,7 @@ def test_the_same_design_gives_the_same_bytes(capfd: pytest.CaptureFixture[str])
 )
 def test_what_only_meshes_have_is_refused(key: str, line: str, tmp_path: Path) -> None:
     own = written(tmp_path, f"{CONCAVE}  {line}\n")
-    with pytest.raises(WrongInput, match=rf"gears\.{key}: given, but only meshes are made so; formats stl and 3mf"):
+    with pytest.raises(WrongInput, match=rf"gears\.{key}: given, but STEP files have no .*; leave it out"):
         step_files(own)
 
 

@@ -42,4 +42,4 @@ def animate(
         with counted("frames") as on_frame:
             content = animated(scene, kind, Loop(Timing(frames, seconds), width), on_frame)
         (written,) = publish(path.parent, {path.name: content})
-        typer.echo(f"wrote {written}: {frames} frames in {seconds:g} s, {len(content) / 1e6:.1f} MB")
+        typer.echo(f"wrote {written}: {frames} frames in {seconds:g} s, {len(content) / 1e6:.3g} MB")

@@ -15,6 +15,9 @@ from ncgear.design.positions import Document, Place, read_yaml
 from ncgear.design.text_file import read_text
 from ncgear.errors import DesignError, WrongInput
 
+OF_A_DESIGN = {"linkage", "motion"}
+"""Keys that every design file has and no balance file: said once, instead of a fault for each of its keys."""
+
 
 @dataclass(frozen=True)
 class BalanceSource:
@@ -52,6 +55,11 @@ def load_balance(path: Path) -> LoadedBalance:
     document = read_yaml(read_text(path, limit_mb=LARGEST_MB), str(path))
     if not isinstance(document.data, dict):
         problem = "holds no balance; a balance file is lines of `key: value`, and begins with `name:`"
+        raise WrongInput(problem, location=str(document.place("")))
+    if document.data.keys() >= OF_A_DESIGN:
+        problem = (
+            "is a design file; a balance file is needed, in which mechanisms.design or gears.design names this one"
+        )
         raise WrongInput(problem, location=str(document.place("")))
     found = measured(document, path, lambda error, file, key: of_key(error, file, key, document))
     source = BalanceSource(document, found)

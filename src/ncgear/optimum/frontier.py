@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import inf
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,10 +22,11 @@ from ncgear.optimum.certified.limit import (
 )
 from ncgear.optimum.family.best import Family, FamilyOptimum, Peak, best_of_family
 from ncgear.optimum.judged import Figures, figures
-from ncgear.optimum.makeable.law import MakeableLaw, makeable_law
-from ncgear.optimum.makeable.starts import rough_start
 from ncgear.optimum.task import Limits, Task
 from ncgear.optimum.wishes import Goal, Wishes
+
+if TYPE_CHECKING:
+    from ncgear.optimum.makeable.law import MakeableLaw
 
 BEYOND = 1.02
 """The frontier runs from just over the least power to just over the power at which acceleration gains nothing more."""
@@ -131,6 +132,9 @@ def figures_of(task: Task, law: MakeableLaw) -> Figures:
 
 def _law(task: Task, wishes: Wishes) -> MakeableLaw:
     """The best law from the fastest rough motion."""
+    from ncgear.optimum.makeable.law import makeable_law
+    from ncgear.optimum.makeable.starts import rough_start
+
     rough = least_acceleration(task, wishes.limits).attained
     return makeable_law(task, wishes, [rough_start(task, wishes, rough if rough < inf else 1.0)])
 

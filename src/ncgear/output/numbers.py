@@ -19,6 +19,7 @@ UNITS = {
     "_m_s2": "m/s2",
     "_kg_mm2": "kg mm2",
     "_mm2": "mm2",
+    "_mm3": "mm3",
     "_kg_m2": "kg m2",
     "_kg": "kg",
     "_hz": "Hz",

@@ -18,8 +18,36 @@ SAMPLES = {"mm": 40.0, "degrees": 30.0, "radians": 0.5, "multiples of pi": 0.5, 
 ANY = (0.1, 1.0, 10.0, -10.0)
 """Values for other units, and for where the likely one is out of range."""
 
-TEXTS = {"file": "points.csv", "design": "design.yaml", "expression_n": "200 + 3*exp(x/90)"}
-"""Texts for keys whose text is no free one."""
+KNOWN = {
+    "file": "points.csv",
+    "design": "design.yaml",
+    "expression_n": '"200 + 3*exp(x/90)"',
+    "tolerances.standard": "ISO 1328-1",
+    "comparison.published": "[{name: author and year, speed_rpm: 60, peak_power_w: 18750}]",
+    "published.name": "author and year",
+    "linkage": "{crank_mm: 380, rod_mm: 960}",
+    "motion.phi1_rad": "[0, 1.5, 3, 4.5]",
+    "motion.phi1_deg": "[0, 90, 180, 270]",
+    "motion.phi1_pi": "[0, 0.5, 1, 1.5]",
+    "motion.displacement_mm": "[0, 380, 760, 380]",
+    "resistance.table": "{displacement_mm: [0, 400, 760], force_n: [0, 2000, 30000]}",
+    "resistance.table.displacement_mm": "[0, 400, 760]",
+    "resistance.table.force_n": "[0, 2000, 30000]",
+    "keyway.width_mm": "4",
+    "keyway.depth_mm": "1.8",
+    "hub.diameter_mm": "24",
+    "hub.height_mm": "10",
+    "set_screw.diameter_mm": "3.3",
+    "set_screw.height_mm": "5",
+    "web.thickness_mm": "6",
+    "web.rim_mm": "6",
+    "web.hub_mm": "20",
+    "lightening_holes.count": "5",
+    "lightening_holes.least_wall_mm": "4",
+    "lightening_holes.diameter_mm": "12",
+}
+"""Values, as a file has them, by the ends of paths where one that is only allowed would make no sense with the keys
+beside it: a table whose points are all the same, a set screw as wide as the hub."""
 
 
 def example(key: Key, root: type[Any]) -> str:
@@ -28,6 +56,9 @@ def example(key: Key, root: type[Any]) -> str:
 
 
 def _value(key: Key, root: type[Any]) -> str:
+    known = _known(key.path)
+    if known:
+        return known
     found = _in_template(key) if root is Design else None
     if found is not None and not isinstance(found, dict):
         return plain(found)
@@ -36,6 +67,12 @@ def _value(key: Key, root: type[Any]) -> str:
     if not key.field.is_required() and key.default not in (None, (), ""):
         return plain(key.default)
     return _allowed(choices(key.rule)[0], key.name)
+
+
+def _known(path: str) -> str:
+    """The longest end of the path that is known; empty for none."""
+    ends = [end for end in KNOWN if f".{path}".endswith(f".{end}")]
+    return KNOWN[max(ends, key=len)] if ends else ""
 
 
 def _in_template(key: Key) -> Any:
@@ -71,7 +108,7 @@ def _allowed(rule: dict[str, Any], name: str) -> str:
         case "boolean":
             return "true"
         case "string":
-            return plain(TEXTS.get(name, "baler"))
+            return "baler"
         case "array":
             count = max(rule.get("minItems", 1), 1)
             return f"[{', '.join([_allowed(rule['items'], name)] * count)}]"

@@ -31,10 +31,12 @@ def _ending_in(keys: Sequence[Key], names: Sequence[str]) -> list[Key]:
 
 
 def _unknown(keys: Sequence[Key], wanted: str) -> str:
-    """Paths whose last part, or which themselves, are like the word asked for."""
+    """Paths whose last part begins with the word asked for, then those of which a part, or the whole, is like it."""
+    begun = [key.path for key in keys if key.name.startswith(f"{wanted.lower()}_")]
     by_name = {key.name: key.path for key in keys}
     by_quantity = {name.rpartition("_")[0]: path for name, path in by_name.items() if "_" in name}
     known = {**by_quantity, **by_name, **{key.path: key.path for key in keys}}
     close = [known[word] for word in get_close_matches(wanted, known, n=MOST_GUESSES)]
-    hint = f"did you mean {' or '.join(dict.fromkeys(close))}?" if close else "`ncgear explain` lists all keys"
+    meant = list(dict.fromkeys([*begun, *close]))[:MOST_GUESSES]
+    hint = f"did you mean {' or '.join(meant)}?" if meant else "`ncgear explain` lists all keys"
     return f"unknown key; {hint}"

@@ -14,6 +14,9 @@ from ncgear.pitch.pair import PitchPair
 STEPS_DEG = (5.0, 4.0, 3.0, 2.0, 1.0, 0.5, 0.25, 0.2, 0.1)
 """Steps of the driving angle to choose from: whole parts of a turn that read well."""
 
+ANGLE_DECIMALS = 9
+"""Of phi2 in deg, far more than a cell shows: a zero that is left as rounding errors would be written as 5.8e-16."""
+
 COLUMNS = (
     Column("phi1", "deg"),
     Column("phi2", "deg"),
@@ -32,8 +35,8 @@ def pitch_table(drive: Drive) -> Table:
     pitch = drive.pitch
     phi1_deg = turn_deg(pitch.size.driving_teeth)
     columns = pitch_columns(pitch, np.radians(phi1_deg))
-    columns[:2] = np.degrees(columns[:2])
     columns[0] = phi1_deg
+    columns[1] = np.round(np.degrees(columns[1]), ANGLE_DECIMALS) + 0.0  # 0.0: no -0
     rows = tuple(tuple(map(float, row)) for row in columns.T)
     return Table("Pitch curves", COLUMNS, rows, (_interpolated(pitch, phi1_deg),))
 

@@ -9,7 +9,11 @@ from ncgear.drive import Drive
 from ncgear.numerics.extrema import Extremum
 
 if TYPE_CHECKING:
-    from ncgear.pitch.pair import PitchPair
+    from ncgear.pitch.pair import CurvatureJump, PitchPair
+
+LEAST_JUMP = 1e-6
+"""Of curvature times the centre distance: joints that go on smoothly differ by rounding, 1e-8 at the most; those that
+jump, by 1e-3 and more."""
 
 
 def pitch_summary(drive: Drive) -> dict[str, Any]:
@@ -43,4 +47,10 @@ def _jumps(pitch: PitchPair) -> list[dict[str, float]]:
             "driven_after_1_mm": jump.driven_after,
         }
         for jump in pitch.curvature_jumps()
+        if _height(jump) * pitch.center_distance_mm > LEAST_JUMP
     ]
+
+
+def _height(jump: CurvatureJump) -> float:
+    """The larger of both gears' jumps, in 1/mm."""
+    return max(abs(jump.driving_after - jump.driving_before), abs(jump.driven_after - jump.driven_before))

@@ -38,7 +38,7 @@ def _refuse_what_only_meshes_have(gears: Gears) -> None:
         "process_clearance_mm": gears.process_clearance_mm > 0.0,
     }.items():
         if given:
-            problem = "given, but only meshes are made so; formats stl and 3mf have it, and without it there is STEP"
+            problem = "given, but STEP files have no bevel and no clearance for a print; leave it out for --format step"
             raise WrongInput(problem, key=f"gears.{name}")
 
 

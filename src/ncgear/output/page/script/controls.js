@@ -9,6 +9,8 @@ function createControls(clock, cycle) {
   button.addEventListener("click", clock.toggle);
   scrub.addEventListener("input", () => clock.set(scrub.valueAsNumber));
   angle.addEventListener("input", () => clock.set(angle.valueAsNumber));
+  // What was typed stays while it is typed; 725 of 720 degrees, or nothing, then becomes the angle that is shown.
+  angle.addEventListener("change", () => (angle.value = clock.deg().toFixed(2)));
   pace.addEventListener("change", () => clock.setPace(Number(pace.value)));
   clock.setPace(Number(pace.value));
   document.addEventListener("keydown", (event) => onKey(event, clock, cycle));
