@@ -79,7 +79,7 @@ def scene_pairs(drive: Drive) -> tuple[ScenePair, ...]:
 
 
 def _pair(drive: Drive, number: int, mounting: Mounting) -> ScenePair:
-    assert drive.sound_teeth
+    drive.require_sound_teeth()
     driving, driven = (_gear(drive, gear, number, mounting) for gear in Gear)
     return ScenePair(drive.pitch, drive.pitch.size.module_mm, mounting, driving, driven)
 
