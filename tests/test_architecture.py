@@ -185,6 +185,23 @@ def test_asking_twice_for_a_stage_computes_once(stage: str) -> None:
     assert drive.timing_s == counts
 
 
+def test_nothing_is_lost_where_python_leaves_assertions_out() -> None:
+    """``python -O`` skips them: they may tell a type checker what is known, and must not be what checks the teeth."""
+    stated = [
+        (path.relative_to(SOURCE), node.lineno)
+        for path in SOURCE.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Assert) and not _tells_a_type(node.test)
+    ]
+    assert stated == []
+
+
+def _tells_a_type(test: ast.expr) -> bool:
+    """``... is not None``, ``isinstance(...)``, or ``not isinstance(...)``."""
+    text = ast.unparse(test)
+    return text.endswith(" is not None") or text.removeprefix("not ").startswith("isinstance(")
+
+
 @pytest.mark.parametrize("word", ["/work", "/root", "/home"])
 def test_no_path_of_one_machine_is_in_the_tree(word: str) -> None:
     tracked = subprocess.run(["git", "ls-files"], capture_output=True, text=True, check=True, cwd=ROOT).stdout.split()

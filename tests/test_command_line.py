@@ -56,6 +56,13 @@ BAD: dict[str, tuple[str, str, str, str]] = {
     "unclosed bracket": ("a: [1, 2\n", "2:1", "", "is not YAML"),
     "NUL": ("name: a\nb: \x00\n", "2:4", "", "cannot stand in a text"),
     "half a character": (changed(STROKE, 'description: ""', r'description: "\ud800"'), "6:14", "description", "escape"),
+    "escape of a terminal": (
+        changed(STROKE, 'description: ""', r'description: "\e[31m"'),
+        "6:14",
+        "description",
+        "'\\x1b'",
+    ),
+    "null in a key": (r'"a\0": 1', "1:1", "", "cannot stand in a text"),
     "half a character as key": (r'"\ud800": 1', "1:1", "", "write the character itself"),
     "two documents": (PLAIN + "---\n" + PLAIN, "5:1", "", "a second document begins"),
     "duplicate key": (changed(STROKE, ROD, f"{ROD}\n  rod_mm: 961"), "11:3", "linkage.rod_mm", "first in line 10"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from math import cos, radians
 from pathlib import Path
@@ -181,3 +182,16 @@ def test_the_pitch_file_is_the_law() -> None:
     assert rows.shape == (721, 5)
     expected = np.degrees(pair.transmission.driven_angle(np.radians(rows[:, 0])).value)
     np.testing.assert_allclose(rows[:, 1], expected, atol=1e-12)
+
+
+HOSTILE = "</script><b>x'); DROP\nsecond line | third cell `code` *bold* \\| end"
+
+
+def test_text_of_the_design_stays_within_its_cell() -> None:
+    """A table's row is one line of as many cells as its heading, whatever the note says."""
+    text = sheet_text(data_sheet(drive("ellipse", tolerances={"note": HOSTILE})))
+    line = next(line for line in text.splitlines() if line.startswith("| note |"))
+    cells = re.split(r"(?<!\\)(?:\\\\)*\|", line)[1:-1]
+    assert len(cells) == 4
+    assert "end" in cells[1]
+    assert not re.search(r"(?<!\\)[<*`]", cells[1])

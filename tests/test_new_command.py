@@ -48,7 +48,7 @@ def at_terminal(arguments: Sequence[str], answers: Sequence[str], folder: Path) 
 
 
 def test_a_terminal_is_asked_and_told_what_is_wrong(tmp_path: Path) -> None:
-    answers = ["no name", "press", "7", "4", "-3", "40", "x", "30", "", "60", "31", "2", "8"]
+    answers = ["no name", "press", "7", "4", "-3", "40", "x", "30", "", "60", "31", "~", " ", "2", "8"]
     status, shown = at_terminal(["new"], [f"{answer}\n" for answer in answers], tmp_path)
     assert (status, shown.splitlines()[-1]) == (0, "press.yaml")
     assert "letters, digits, - and _, at most 64 of them, are right" in shown
@@ -56,6 +56,7 @@ def test_a_terminal_is_asked_and_told_what_is_wrong(tmp_path: Path) -> None:
     assert "-3 given; a number over 0 is needed" in shown
     assert "'x' given; a number is needed (length of the connecting rod in mm)" in shown
     assert "the crank cannot turn fully" in shown
+    assert shown.count("nothing given; a number is needed") == 2
     design = load(tmp_path / "press.yaml").design
     assert design.motion.law == "ellipse"
     assert (design.linkage.crank_mm, design.linkage.rod_mm, design.operation.speed_rpm) == (40, 101.1, 60)
@@ -166,6 +167,12 @@ def test_each_length_gives_the_others(answer: str) -> None:
     assert {one: found[one] / usual[one] for one in ("stroke_mm", "crank_mm", "rod_mm")} == pytest.approx(
         {"stroke_mm": 0.5, "crank_mm": 0.5, "rod_mm": 0.5}
     )
+
+
+@pytest.mark.parametrize("answer", ANSWERS)
+def test_nothing_is_no_answer(answer: str) -> None:
+    """Not even of a key that a design file may leave out."""
+    assert fault_of(answer, None) == "nothing given; a number is needed"
 
 
 def test_the_templates_own_answers_have_no_fault() -> None:

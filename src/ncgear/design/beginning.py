@@ -33,6 +33,9 @@ LONGEST_LINE = 10_000
 
 def fault_of(answer: str, value: object) -> str | None:
     """What is wrong with the value of an answer by itself, in the words of the design file; None where nothing is."""
+    if value is None:
+        # A design file may leave some of these keys out, but the answer to a question is a number.
+        return "nothing given; a number is needed"
     key = ANSWERS[answer]
     data = _with(read_yaml(template("new"), "template").data, key.split("."), value)
     try:

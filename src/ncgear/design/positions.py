@@ -41,6 +41,9 @@ MOST_ITEMS = 200_000
 LONG_TAG = re.compile(r"!\S{200}")
 """Refused before the parser sees it, which decodes a tag in a time that grows with the square of its length."""
 
+CONTROL_CHARACTER = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f]")
+"""YAML refuses them as such but takes their escapes; terminals obey them, and not all can stand in HTML or XML."""
+
 LONGEST_KEY = 100
 """Characters of a key; the longest of the schema has 23."""
 
@@ -159,6 +162,8 @@ class _Reader:
         # An escape such as "\ud800" is half a character: it can be neither written nor shown.
         if any("\ud800" <= character <= "\udfff" for character in text):
             raise self._wrong(event, ".".join(path), r"a \u escape is half a character; write the character itself")
+        if control := CONTROL_CHARACTER.search(text):
+            raise self._wrong(event, ".".join(path), _cannot_stand(control.group()))
         return text
 
     def _sequence(self, path: tuple[str, ...]) -> list[Any]:
@@ -185,7 +190,11 @@ def _syntax(error: MarkedYAMLError) -> str:
 
 
 def _unreadable(error: ReaderError) -> str:
-    return f"character {shown(chr(error.character))} cannot stand in a text; remove it"
+    return _cannot_stand(chr(error.character))
+
+
+def _cannot_stand(character: str) -> str:
+    return f"character {shown(character)} cannot stand in a text; remove it"
 
 
 def _place_of_offset(text: str, offset: int, file: str) -> str:

@@ -84,10 +84,14 @@ class ToothStages(MotionStages):
             refuse_short_contact(contact, teeth, self._asked_of_section(contact.longest_gap_pitches))
             return contact
 
+    def require_sound_teeth(self) -> None:
+        """Raise WrongInput or NoSuchMechanism where the contact of the exact teeth is not sound."""
+        _ = self.designed_contact
+
     @property
     def sound_teeth(self) -> ToothedPair:
         """Both toothed gears, once their contact is found sound."""
-        assert self.designed_contact
+        self.require_sound_teeth()
         return self.teeth
 
     def contact(self, written: Sequence[Outlines]) -> PairContact:

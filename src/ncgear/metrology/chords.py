@@ -30,6 +30,9 @@ EVEN = 1e-9
 """Share of a chord under which the offset q counts as rounding: on a circle it is 1e-15 of it, on a curve whose radius
 varies by a millionth 1e-7."""
 
+NEIGHBOURS = 1.5
+"""Steps up to which two starts are neighbours on the grid: one is, two, with a start left out between them, are not."""
+
 HAIR = 1e-6
 """Of a step, by which brackets are widened so that rounding at their ends does no harm."""
 
@@ -60,7 +63,7 @@ def measuring_chords(curve: PitchCurve, angle_rad: float) -> MeasuringChords:
     start, end, offset, length = _tried(curve, angle_rad)
     if np.all(np.abs(offset) <= EVEN * length):
         return MeasuringChords(start[:1], end[:1], np.ones(1, dtype=bool), everywhere=True)
-    neighbours = np.diff(start) < 1.5 * curve.length_mm / STEPS
+    neighbours = np.diff(start) < NEIGHBOURS * curve.length_mm / STEPS
     change = np.nonzero(((offset[:-1] < 0.0) != (offset[1:] < 0.0)) & neighbours)[0]
     found = _closed_in(curve, angle_rad, (start, end), change)
     return MeasuringChords(*found, _is_least(curve, angle_rad, *found))

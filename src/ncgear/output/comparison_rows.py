@@ -11,8 +11,11 @@ from ncgear.output.numbers import shown
 
 
 def comparison_rows(drive: Drive) -> list[dict[str, Any]]:
-    """Rows of the comparison: this design, the uniform crank, and published mechanisms scaled to the operating speed.
-    Rows of the comparison: this design, the uniform crank, and published mechanisms scaled to the operating speed."""
+    """This design, the uniform crank, and published mechanisms scaled to the operating speed; then mixed speeds.
+
+    Each row has ``name``, ``note``, ``same_speed`` (whether it holds at the operating speed) and figures in the units
+    that its keys end in, None where one is not known.
+    """
     speed = drive.design.operation.speed_rpm
     rows = [
         _checked("this design", drive.check, speed, ""),

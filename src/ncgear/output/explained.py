@@ -13,6 +13,9 @@ from ncgear.design.reference.keys import Key
 from ncgear.design.reference.values import allowed, default_words, unit_of
 
 WIDTH = 100
+PATH_WIDTH, NAME_WIDTH = 36, 13
+"""Of the column before the words: for whole names of keys, and for what is said of one."""
+
 MOST_EXPLAINED = 4
 """Different keys of one name up to which each is explained; more are listed."""
 
@@ -22,7 +25,7 @@ def explained(keys: Sequence[Key], found: Sequence[Key], root: type[Any]) -> str
     ordered = sorted(found, key=_same)
     alike = [list(group) for _, group in groupby(ordered, _same)]
     if len(alike) > MOST_EXPLAINED:
-        lines = [_entry(group[0].path, group[0].meaning, 36) for group in alike]
+        lines = [_entry(group[0].path, group[0].meaning, PATH_WIDTH) for group in alike]
         return "\n".join([f"{len(alike)} keys; one of them by its whole name:", *lines])
     return "\n\n".join(_one(keys, group, root) for group in alike)
 
@@ -50,7 +53,9 @@ def _one(keys: Sequence[Key], alike: Sequence[Key], root: type[Any]) -> str:
         "beside it": listed(folded(key.name for key in _beside(keys, alike)), "and"),
     }
     meaning = fill(_meaning(keys, alike), WIDTH, initial_indent="  ", subsequent_indent="  ")
-    return "\n".join([listed(names), meaning, "", *(_entry(name, text, 13) for name, text in rows.items() if text)])
+    return "\n".join(
+        [listed(names), meaning, "", *(_entry(name, text, NAME_WIDTH) for name, text in rows.items() if text)]
+    )
 
 
 def _meaning(keys: Sequence[Key], alike: Sequence[Key]) -> str:

@@ -79,17 +79,17 @@ def scene_pairs(drive: Drive) -> tuple[ScenePair, ...]:
 
 
 def _pair(drive: Drive, number: int, mounting: Mounting) -> ScenePair:
-    assert drive.sound_teeth
+    drive.require_sound_teeth()
     driving, driven = (_gear(drive, gear, number, mounting) for gear in Gear)
     return ScenePair(drive.pitch, drive.pitch.size.module_mm, mounting, driving, driven)
 
 
 def _gear(drive: Drive, gear: Gear, number: int, mounting: Mounting) -> SceneGear:
     name = gear.value if drive.stage is None else f"{gear.value}-{drive.stage}"
-    plan = drive.solids.driving.plan if gear is Gear.DRIVING else drive.solids.driven.plan
+    plan = drive.solids.of(gear).plan
     edges = tuple(mounting.seen(edge) for edge in _edges(plan))
     body = Body(name, Kind(gear.value), _seen(plan.section, mounting), edges)
-    curve = drive.pitch.driving if gear is Gear.DRIVING else drive.pitch.driven
+    curve = drive.pitch.of(gear)
     points = curve.at_angle(np.linspace(0.0, curve.turn_rad, CURVE_POINTS)).position
     return SceneGear(body, gear, number + (gear is Gear.DRIVEN), mounting, mounting.seen(points))
 

@@ -16,6 +16,9 @@ HATCH_LENGTH = 0.07
 """Length of a stroke of the hatching across the wall, as a share of the chamber's height."""
 
 STRAWS = 150
+HALF_STRAW = np.array([0.03, 0.065])
+"""Half a straw's length where it lies along the chamber, and across it: shares of the depth and of the height."""
+
 SPREAD = np.array([0.8191725134, 0.6710436067, 0.5497004779])
 """Powers of the inverse root of x^4 = x + 1, whose multiples, whole parts left out, fill a cube evenly without any
 random number (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018)."""
@@ -51,7 +54,7 @@ def straws() -> Array:
     """
     along, across, lean = np.mod(np.outer(np.arange(1, STRAWS + 1), SPREAD), 1.0).T
     middle = np.stack([along, across - 0.5], axis=-1)
-    half = np.stack([0.03 * np.cos(pi * lean), 0.065 * np.sin(pi * lean)], axis=-1)
+    half = HALF_STRAW * np.stack([np.cos(pi * lean), np.sin(pi * lean)], axis=-1)
     low, high = np.array([0.0, -0.5]), np.array([1.0, 0.5])
     strokes: Array = np.clip(np.stack([middle - half, middle + half], axis=1), low, high)
     return strokes

@@ -33,8 +33,8 @@ side, and so near to it a slope is wrong by a billionth."""
 class Splines:
     """Splines of the same number of spans for some rows of a stretch.
 
-    ``knots`` (n + 8,) from 0 to 1, clamped; ``poles_mm`` (r, n + 3, 2) for the rows ``row`` (r,); ``deviation_mm`` (r,)
-    is how far points of spline and curve at the same parameter were found apart at most.
+    ``knots`` (n + 7,), n being the spans, from 0 to 1, clamped; ``poles_mm`` (r, n + 3, 2) for the rows ``row`` (r,);
+    ``deviation_mm`` (r,) is how far points of spline and curve at the same parameter were found apart at most.
     """
 
     row: IndexArray

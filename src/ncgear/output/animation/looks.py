@@ -54,4 +54,3 @@ CENTRES: Style = {"color": INK, "linewidth": 0.6, "linestyle": (0, (8, 2, 1, 2))
 SHAFT: Style = {"color": INK, "marker": "o", "markersize": 3.6, "linestyle": "none"}
 PIN: Style = {"facecolor": "white", "edgecolor": INK, "linewidth": 0.9}
 PITCH_POINT: Style = {"color": HIGHLIGHT, "marker": "o", "markersize": 4.2, "linestyle": "none"}
-CURSOR: Style = {"color": HIGHLIGHT, "linewidth": 1.0}

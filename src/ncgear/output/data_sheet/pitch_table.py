@@ -17,6 +17,9 @@ STEPS_DEG = (5.0, 4.0, 3.0, 2.0, 1.0, 0.5, 0.25, 0.2, 0.1)
 ANGLE_DECIMALS = 9
 """Of phi2 in deg, far more than a cell shows: a zero that is left as rounding errors would be written as 5.8e-16."""
 
+ROUNDING = 1e-9
+"""Of the number of steps in a turn, so that one more is not counted for a rounding error."""
+
 COLUMNS = (
     Column("phi1", "deg"),
     Column("phi2", "deg"),
@@ -44,7 +47,7 @@ def pitch_table(drive: Drive) -> Table:
 def turn_deg(teeth: int) -> Array:
     """Driving angles in deg over a turn, ends included, in the coarsest step that gives each tooth a row."""
     step = next((step for step in STEPS_DEG if 360.0 / step >= teeth), 360.0 / teeth)
-    return np.linspace(0.0, 360.0, ceil(360.0 / step - 1e-9) + 1)
+    return np.linspace(0.0, 360.0, ceil(360.0 / step - ROUNDING) + 1)
 
 
 def pitch_columns(pitch: PitchPair, phi1_rad: Array) -> Array:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
 from ncgear.drive import Drive
@@ -13,6 +15,9 @@ PITCH_STEPS = 720
 """Of half a degree each over a turn of the driving gear."""
 
 PITCH_COLUMNS = ("phi1_deg", "phi2_deg", "ratio", "radius_driving_mm", "radius_driven_mm")
+
+MEANT = re.compile(r"[\\|<&`*_\[\]]")
+"""Characters that mean more than themselves in Markdown; a backslash before them takes that away."""
 
 
 def pitch_csv(drive: Drive) -> str:
@@ -52,4 +57,9 @@ def _headed(title: str, heads: tuple[str, ...], rows: list[tuple[Value, ...]]) -
 
 
 def _line(cells: tuple[Value, ...]) -> str:
-    return f"| {' | '.join(map(cell_text, cells))} |"
+    return f"| {' | '.join(map(_cell, cells))} |"
+
+
+def _cell(value: Value) -> str:
+    """A cell on one line, in which what the design file says is text: no cell ends in it, no HTML begins."""
+    return MEANT.sub(r"\\\g<0>", " ".join(cell_text(value).split())) if isinstance(value, str) else cell_text(value)

@@ -1,13 +1,16 @@
-"""The script and the style sheet of the scene, as they stand in the package."""
+"""The scripts and the style sheet of the scene, as they stand in the package."""
 
 from __future__ import annotations
 
 from importlib.resources import files
 
+SCRIPTS = ("rising", "angles", "places", "gestures", "scene")
+"""In the order in which they build on each other."""
+
 
 def scene_script() -> str:
-    """``createScene`` of scene.js; its interface is told at its top."""
-    return _text("scene.js")
+    """``createScene``, whose interface is told at the top of scene/scene.js, and what it is made of."""
+    return "\n".join(_text(f"scene/{name}.js") for name in SCRIPTS)
 
 
 def scene_style() -> str:

@@ -20,6 +20,9 @@ METRE_PER_MM = 0.001
 COLORS = {"driving": DRIVING, "driven": DRIVEN}
 """As in the pictures."""
 
+SURFACE = {"metallicFactor": 0.2, "roughnessFactor": 0.6}
+"""Shares of glTF's material: dull enough that teeth are told apart by their shading, not by what they mirror."""
+
 Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 """Turns z up into y up."""
 
@@ -36,7 +39,7 @@ def glb_files(drive: Drive) -> dict[str, bytes]:
 
 def _colored(mesh: Trimesh, name: str) -> Trimesh:
     color = [*linear_light(COLORS[name]), 1.0]
-    material = PBRMaterial(name=name, baseColorFactor=color, metallicFactor=0.2, roughnessFactor=0.6)
+    material = PBRMaterial(name=name, baseColorFactor=color, **SURFACE)
     return Trimesh(mesh.vertices, mesh.faces, process=False, visual=TextureVisuals(material=material))
 
 

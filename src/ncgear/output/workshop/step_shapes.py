@@ -30,8 +30,8 @@ class Solid:
 
 
 def solids_of_drive(drive: Drive) -> dict[Gear, Solid]:
-    """Both gears; raises WrongInput for helical teeth that do not go up smoothly."""
-    assert drive.sound_teeth
+    """Both gears; raises as the teeth's contact does, and WrongInput for helical teeth that do not go up smoothly."""
+    drive.require_sound_teeth()
     if drive.helix is None:
         return {gear: _straight(drive, gear) for gear in Gear}
     sections = Sections(drive.pitch, drive.tooth_form, drive.helix, drive.design.output.chord_tolerance_mm)
@@ -39,7 +39,7 @@ def solids_of_drive(drive: Drive) -> dict[Gear, Solid]:
 
 
 def _straight(drive: Drive, gear: Gear) -> Solid:
-    own = drive.teeth.driving if gear is Gear.DRIVING else drive.teeth.driven
+    own = drive.teeth.of(gear)
     contour = contour_of(own, SHARE * drive.design.output.chord_tolerance_mm)
     plan = drive.solids.of(gear).plan
     if gear is Gear.DRIVING or not drive.pitch.driven.is_ring:

@@ -1,0 +1,29 @@
+// Angles of the shafts from their tables, by Hermite's cubics.
+
+// Value and slope of a table of angles, which repeats but for its rise.
+function angleAt(table, x) {
+  const turns = Math.floor(x / table.period);
+  const local = x - turns * table.period;
+  const i = placeOf(table.at, local);
+  const width = table.at[i + 1] - table.at[i];
+  const t = width > 0 ? (local - table.at[i]) / width : 0;
+  const rise = table.value[i + 1] - table.value[i];
+  const [start, end] = [table.slope[i] * width, table.slope[i + 1] * width];
+  const [square, cubic] = [3 * rise - 2 * start - end, start + end - 2 * rise];
+  return {
+    value: turns * table.rise + table.value[i] + t * (start + t * (square + t * cubic)),
+    slope: width > 0 ? (start + t * (2 * square + 3 * t * cubic)) / width : table.slope[i],
+  };
+}
+
+// Angles of all shafts and their speeds by phi1: the tables before the last tell the shafts between.
+function shaftsAt(tables, phi1) {
+  const shafts = [{ value: phi1, slope: 1 }];
+  for (const table of tables.slice(0, -1)) {
+    const before = shafts[shafts.length - 1];
+    const own = angleAt(table, before.value);
+    shafts.push({ value: own.value, slope: own.slope * before.slope });
+  }
+  shafts.push(angleAt(tables[tables.length - 1], phi1));
+  return shafts;
+}
