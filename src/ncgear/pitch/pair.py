@@ -62,6 +62,10 @@ class PitchPair:
         """The driven gear's pitch curve."""
         return PitchCurve(Gear.DRIVEN, self.transmission, self.arc, self.center_distance_mm, self.mesh)
 
+    def of(self, gear: Gear) -> PitchCurve:
+        """One of them."""
+        return self.driving if gear is Gear.DRIVING else self.driven
+
     def pitch_point_mm(self, phi1: Array) -> Array:
         """Where on the line of centres the curves touch at driving angles in rad (shape (n,)): 0 is the driving axis.
 

@@ -86,10 +86,10 @@ def _pair(drive: Drive, number: int, mounting: Mounting) -> ScenePair:
 
 def _gear(drive: Drive, gear: Gear, number: int, mounting: Mounting) -> SceneGear:
     name = gear.value if drive.stage is None else f"{gear.value}-{drive.stage}"
-    plan = drive.solids.driving.plan if gear is Gear.DRIVING else drive.solids.driven.plan
+    plan = drive.solids.of(gear).plan
     edges = tuple(mounting.seen(edge) for edge in _edges(plan))
     body = Body(name, Kind(gear.value), _seen(plan.section, mounting), edges)
-    curve = drive.pitch.driving if gear is Gear.DRIVING else drive.pitch.driven
+    curve = drive.pitch.of(gear)
     points = curve.at_angle(np.linspace(0.0, curve.turn_rad, CURVE_POINTS)).position
     return SceneGear(body, gear, number + (gear is Gear.DRIVEN), mounting, mounting.seen(points))
 

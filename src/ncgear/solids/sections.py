@@ -42,7 +42,7 @@ class Section:
 
     def of(self, gear: Gear) -> ToothedGear:
         """One of them."""
-        return self.teeth.driving if gear is Gear.DRIVING else self.teeth.driven
+        return self.teeth.of(gear)
 
     @cached_property
     def pieces(self) -> dict[Gear, Pieces]:

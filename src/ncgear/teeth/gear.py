@@ -10,6 +10,7 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.pair import PitchPair
+from ncgear.pitch.shape import Gear
 from ncgear.teeth.cutter import chosen_kind, fouled, pinion_cutter, rack_cutter
 from ncgear.teeth.fitting import fitted_pair
 from ncgear.teeth.flank import Flanks, flanks_of
@@ -74,6 +75,10 @@ class ToothedPair:
     driving: ToothedGear
     driven: ToothedGear
     cutter: CutterKind
+
+    def of(self, gear: Gear) -> ToothedGear:
+        """One of them."""
+        return self.driving if gear is Gear.DRIVING else self.driven
 
     def __repr__(self) -> str:
         return f"ToothedPair(cutter {self.cutter.value},\n  driving: {self.driving!r},\n  driven: {self.driven!r})"

@@ -25,8 +25,8 @@ CROSS_IN_MODULES = 2.0
 
 def gear_drawing(drive: Drive, gear: Gear) -> Drawing:
     """A gear in its own frame; raises as the drive's stages do."""
-    plan = (drive.solids.driving if gear is Gear.DRIVING else drive.solids.driven).plan
-    curve = drive.pitch.driving if gear is Gear.DRIVING else drive.pitch.driven
+    plan = drive.solids.of(gear).plan
+    curve = drive.pitch.of(gear)
     shapes = {
         **body_shapes(plan),
         Layer.PITCH_CURVE: (polygon(pitch_points(curve, plan.chord_tolerance_mm)),),

@@ -39,7 +39,7 @@ def solids_of_drive(drive: Drive) -> dict[Gear, Solid]:
 
 
 def _straight(drive: Drive, gear: Gear) -> Solid:
-    own = drive.teeth.driving if gear is Gear.DRIVING else drive.teeth.driven
+    own = drive.teeth.of(gear)
     contour = contour_of(own, SHARE * drive.design.output.chord_tolerance_mm)
     plan = drive.solids.of(gear).plan
     if gear is Gear.DRIVING or not drive.pitch.driven.is_ring:
