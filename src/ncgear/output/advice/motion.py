@@ -29,8 +29,12 @@ def ratio_range(drive: Drive) -> Advice | None:
         f"{degrees(high.at):.4g} deg)",
         f"beyond 1:{WIDEST_RATIO:g} one gear has almost no radius where the other is large: few teeth carry there, and "
         "the shaft of the small side is thin",
-        (*_wider_return(drive), *tempered(drive, _too_wide), optimised(drive, ratio_min=0.2, ratio_max=WIDEST_RATIO)),
+        (*_wider_return(drive), *tempered(drive, _too_wide), _within_widest(drive)),
     )
+
+
+def _within_widest(drive: Drive) -> Remedy:
+    return optimised(drive, ratio_min=1.0 / WIDEST_RATIO, ratio_max=WIDEST_RATIO)
 
 
 def _too_wide(transmission: Transmission) -> bool:
