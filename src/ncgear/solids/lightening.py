@@ -39,10 +39,16 @@ def lightening_holes(room: BaseGeometry, asked: HoleSet, tolerance_mm: float, ke
         places = _places(room, asked, size, tolerance_mm)
         assert places is not None
         return _holes(places, size)
-    named = f"{asked.count} holes" if wanted is None else f"{asked.count} holes of {wanted:g} mm"
+    raise _without_room(asked, largest, f"{key}.lightening_holes")
+
+
+def _without_room(asked: HoleSet, largest: float, key: str) -> WrongInput:
+    """What is wrong with the holes asked for, and the largest diameter that would be right."""
+    given = asked.diameter_mm is not None
+    named = f"{asked.count} holes of {asked.diameter_mm:g} mm" if given else f"{asked.count} holes"
     right = said_largest(largest, "none fit; fewer holes, thinner walls, or a smaller hub are needed")
     problem = f"{named} do not keep walls of {asked.wall_mm:g} mm to every edge and to each other; {right}"
-    raise WrongInput(problem, key=f"{key}.lightening_holes" + (".diameter_mm" if wanted is not None else ""))
+    return WrongInput(problem, key=f"{key}.diameter_mm" if given else key)
 
 
 def _holes(places: Array, diameter: float) -> tuple[RoundHole, ...]:

@@ -33,12 +33,7 @@ def svg_files(drive: Drive) -> dict[str, bytes]:
 
 def svg_bytes(drawing: Drawing) -> bytes:
     """A drawing with a group for each layer, as large on paper as the gear is."""
-    box_low, box_high = box_around([drawing])
-    low, high = box_low - MARGIN_MM, box_high + MARGIN_MM
-    width, height = high - low
-    size = {"width": f"{width:.{DIGITS}f}mm", "height": f"{height:.{DIGITS}f}mm"}
-    box = f"{low[0]:.{DIGITS}f} {-high[1]:.{DIGITS}f} {width:.{DIGITS}f} {height:.{DIGITS}f}"
-    root = Xml.Element("svg", {"xmlns": NAMESPACE, "version": "1.1", **size, "viewBox": box})
+    root = Xml.Element("svg", {"xmlns": NAMESPACE, "version": "1.1", **_size(drawing)})
     Xml.SubElement(root, "title").text = drawing.notes[0]
     Xml.SubElement(root, "desc").text = "; ".join(drawing.notes[1:])
     upward = Xml.SubElement(root, "g", {"transform": "scale(1,-1)", "fill": "none", "stroke-width": f"{HAIRLINE_MM}"})
@@ -50,6 +45,15 @@ def svg_bytes(drawing: Drawing) -> bytes:
     Xml.indent(root)
     text: bytes = Xml.tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"
+
+
+def _size(drawing: Drawing) -> dict[str, str]:
+    """Attributes by which a drawing with its margin is as large on paper as it is."""
+    box_low, box_high = box_around([drawing])
+    low, high = box_low - MARGIN_MM, box_high + MARGIN_MM
+    width, height = high - low
+    box = f"{low[0]:.{DIGITS}f} {-high[1]:.{DIGITS}f} {width:.{DIGITS}f} {height:.{DIGITS}f}"
+    return {"width": f"{width:.{DIGITS}f}mm", "height": f"{height:.{DIGITS}f}mm", "viewBox": box}
 
 
 def _path(shape: Shape) -> str:
