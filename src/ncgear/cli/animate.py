@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import DesignFile
+from ncgear.cli.arguments import EXPORT, DesignFile
 from ncgear.cli.opened import opened
 from ncgear.cli.progress import counted
 
@@ -30,7 +30,7 @@ def animate(
 
     kind = format_of(out) if out else Format.GIF
     with opened(design_file) as loaded:
-        path = out or Path("export") / loaded.design.name / "mechanism.gif"
+        path = out or EXPORT / loaded.design.name / "mechanism.gif"
         prepare(path.parent)
 
         from ncgear.drive import Drive

@@ -1,4 +1,4 @@
-"""Arguments and options that several commands share."""
+"""Arguments and options that several commands share, and where these write."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ from typing import Annotated
 import typer
 
 from ncgear.cli.completion import files_to_complete
+
+EXPORT = Path("export")
+"""Where commands write, into a folder for each design, unless they are told another place."""
 
 DesignFile = Annotated[
     Path,

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from ncgear.cli.arguments import EXPORT
 from ncgear.cli.completion import files_to_complete
 from ncgear.cli.progress import stages_shown
 from ncgear.errors import DesignError
@@ -26,7 +27,7 @@ def balance(
     from ncgear.output.publish import prepare, publish
 
     loaded = load_balance(balance_file)
-    folder = out or Path("export") / f"{loaded.balance.name}-balance"
+    folder = out or EXPORT / f"{loaded.balance.name}-balance"
     prepare(folder)
 
     from ncgear.balancing import Balancing

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import DesignFile, Timing
+from ncgear.cli.arguments import EXPORT, DesignFile, Timing
 from ncgear.cli.opened import opened
 from ncgear.cli.progress import stages_shown
 from ncgear.errors import WrongInput
@@ -33,7 +33,7 @@ def build(
     from ncgear.output.publish import prepare
 
     with opened(design_file) as loaded:
-        folder = out or Path("export") / loaded.design.name
+        folder = out or EXPORT / loaded.design.name
         prepare(folder)
         if loaded.design.gears is None:
             raise WrongInput("missing; a build needs it (teeth, module_mm, face_width_mm, ...)", key="gears")

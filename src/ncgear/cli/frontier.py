@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import DesignFile
+from ncgear.cli.arguments import EXPORT, DesignFile
 from ncgear.cli.opened import opened
 from ncgear.cli.progress import counted
 
@@ -30,7 +30,7 @@ def frontier(
         from ncgear.improvement import Improvement
         from ncgear.output.optimum.frontier_files import frontier_files, frontier_text
 
-        folder = out or Path("export") / f"{loaded.design.name}-frontier"
+        folder = out or EXPORT / f"{loaded.design.name}-frontier"
         prepare(folder)
         with counted("points") as on_point:
             found = frontier_of(loaded.design, points, folder, on_point)

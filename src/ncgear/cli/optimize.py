@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import DesignFile
+from ncgear.cli.arguments import EXPORT, DesignFile
 from ncgear.cli.opened import opened
 from ncgear.cli.progress import stages_shown
 
@@ -30,7 +30,7 @@ def optimize(
 
         improvement = Improvement(loaded.design)
         name = optimized_name(improvement)
-        folder = out or Path("export") / name
+        folder = out or EXPORT / name
         prepare(folder)
         with stages_shown(4) as on_stage:
             on_stage("certified limit")

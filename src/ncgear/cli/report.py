@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import DesignFile, Timing
+from ncgear.cli.arguments import EXPORT, DesignFile, Timing
 from ncgear.cli.opened import opened
 from ncgear.cli.progress import stages_shown
 
@@ -23,7 +23,7 @@ def report(
     from ncgear.output.publish import prepare, publish
 
     with opened(design_file) as loaded:
-        folder = out or Path("export") / loaded.design.name
+        folder = out or EXPORT / loaded.design.name
         prepare(folder)
 
         from ncgear.drive import Drive

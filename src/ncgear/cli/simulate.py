@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import DesignFile, Timing
+from ncgear.cli.arguments import EXPORT, DesignFile, Timing
 from ncgear.cli.opened import opened
 from ncgear.cli.progress import stages_shown
 from ncgear.dynamics.level import Level
@@ -28,7 +28,7 @@ def simulate(
     from ncgear.output.publish import prepare, publish
 
     with opened(design_file) as loaded:
-        folder = out or Path("export") / f"{loaded.design.name}-{level}"
+        folder = out or EXPORT / f"{loaded.design.name}-{level}"
         prepare(folder)
 
         from ncgear.drive import Drive

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import DesignFile
+from ncgear.cli.arguments import EXPORT, DesignFile
 from ncgear.cli.opened import opened
 from ncgear.cli.progress import counted
 
@@ -29,7 +29,7 @@ def sweep(
     varied = [varied_of(text) for text in vary]
     with opened(design_file) as loaded:
         require_grid(loaded, varied)
-        folder = out or Path("export") / f"{loaded.design.name}-sweep"
+        folder = out or EXPORT / f"{loaded.design.name}-sweep"
         prepare(folder)
 
         from ncgear.output.sweep import sweep_csv, sweep_text
