@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 
 import ncgear
@@ -22,6 +23,7 @@ from ncgear.output import plots
 from ncgear.output.build import build
 from ncgear.output.comparison import MIXED_SPEEDS, SAME_SPEED
 from ncgear.output.numbers import label_and_unit, shown
+from ncgear.output.plots.curves import mark_extreme
 from ncgear.output.publish import STAGING_PREFIX, prepare, publish
 from ncgear.output.report import WIDTH, summary_text, timing_text
 from ncgear.output.summary.pitch import pitch_summary
@@ -283,6 +285,13 @@ def test_numbers_and_units() -> None:
         "123457", "12346", "1.5e-15", "0", "yes", "-",
     ]  # fmt: skip
     assert shown(list(np.arange(20.0))).endswith("and 8 more")
+
+
+@pytest.mark.parametrize(("force", "said"), [(0.0, "zero throughout"), (2.0, "2 kN at 0\u00b0")])
+def test_a_curve_without_values_says_so(force: float, said: str) -> None:
+    axes = Figure().subplots()
+    mark_extreme(axes, np.linspace(0.0, 360.0, 5), np.full(5, force), "kN")
+    assert [text.get_text() for text in axes.texts] == [said]
 
 
 @pytest.mark.parametrize(

@@ -125,11 +125,12 @@ def over_displacement(axes: Axes, table: SliderMotion, uniform: SliderMotion, qu
 
 
 def mark_extreme(axes: Axes, angle: Array, values: Array, unit: str) -> None:
-    """Mark and name the value that is largest in size: above a maximum, below a minimum."""
+    """Mark and name the value that is largest in size, above a maximum, below a minimum; or say that all are zero."""
     place = int(np.argmax(np.abs(values)))
     x, y = float(angle[place]), float(values[place])
     if y == 0.0:
         axes.set_ylim(0.0, 1.0)
+        axes.text(0.5, 0.5, "zero throughout", transform=axes.transAxes, size=NORMAL, color=INK, ha="center")
         return
     axes.plot(x, y, "o", color=DRIVING, markersize=4.5)
     text = f"{y:.4g} {unit} at {x:.0f}\u00b0".replace("-", "\u2212")
