@@ -57,6 +57,15 @@ def test_the_best_are_named_first(run: Run) -> None:
     assert float(first[1]) == pytest.approx(float(by_acceleration["check.peak_acceleration_cycle_mm_s2"]), rel=1e-4)
 
 
+def test_of_designs_that_need_the_same_power_the_gentlest_is_named_first(run: Run) -> None:
+    """The peak is that of the working stroke, which no choice of the return changes."""
+    _, out, _ = run("motion.return.e=0.5:-0.5:5", text=template("press").replace("e: least_acceleration", "e: 0"))
+    assert len({row["check.peak_power_w"][:8] for row in table()}) == 1
+    gentlest = min(table(), key=lambda row: float(row["check.peak_acceleration_cycle_mm_s2"]))
+    first = out.split("Best by least power\n")[1].splitlines()[1].split()
+    assert float(first[0]) == float(gentlest["motion.return.e"]) != 0.5
+
+
 def test_designs_that_cannot_be_made_have_a_verdict_and_no_figures(run: Run) -> None:
     status, out, _ = run("motion.v1_mm_s=1600:6000:2")
     assert status == 0

@@ -9,6 +9,8 @@ from itertools import product
 from pathlib import Path
 from textwrap import shorten
 
+import numpy as np
+
 from ncgear.design.varied import Varied
 from ncgear.numerics.arrays import IndexArray
 from ncgear.output.numbers import shown
@@ -51,9 +53,16 @@ def _values(varied: Sequence[Varied]) -> list[tuple[float, ...]]:
     return list(product(*(one.values for one in varied)))
 
 
+def _order(figure: str, found: Screened) -> IndexArray:
+    """The best rows by a figure; those that read the same by it, as laws of one working stroke do, by the others."""
+    others = [found.figures[name] for name in RANKED.values() if name != figure]
+    read = np.array([float(shown(float(value))) for value in found.figures[figure]])
+    return np.lexsort((*others, read))[:BEST]
+
+
 def _best(title: str, figure: str, varied: Sequence[Varied], found: Screened) -> str:
     """A table of the designs with the least of a figure."""
-    order: IndexArray = found.figures[figure].argsort(kind="stable")[:BEST]
+    order = _order(figure, found)
     values, rows = _values(varied), found.rows
     heads = [*(one.key for one in varied), *RANKED.values()]
     lines = [

@@ -71,7 +71,8 @@ class Where:
     angles_deg: tuple[tuple[float, float], ...] = ()
 
     def __str__(self) -> str:
-        teeth = f"teeth {shown(list(self.teeth))}" if self.teeth else ""
+        word = "tooth" if len(self.teeth) == 1 else "teeth"
+        teeth = f"{word} {shown(list(self.teeth))}" if self.teeth else ""
         of = f"{self.gear} gear" if self.gear else ""
         named = " of the ".join(part for part in (teeth, of) if part)
         return ", ".join(part for part in (named, _stretches(self.angles_deg)) if part)
