@@ -92,7 +92,9 @@ KEPT: dict[str, Wishes] = {
 }
 
 
-@pytest.mark.parametrize("name", KEPT)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in ("mass", "not convex") else pytest.mark.slow) for name in KEPT]
+)
 def test_every_limit_is_kept_by_exact_figures(name: str) -> None:
     wishes = KEPT[name]
     found, limits = judged(wishes), wishes.limits
@@ -263,7 +265,9 @@ MACHINES: dict[str, Task] = {
 }
 
 
-@pytest.mark.parametrize("name", MACHINES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in ("offset", "table") else pytest.mark.slow) for name in MACHINES]
+)
 def test_other_machines(name: str) -> None:
     """Under four fifths of the power that the fastest even motion takes; 1e-5 for peaks at a table's corners."""
     task = MACHINES[name]

@@ -114,7 +114,7 @@ def test_vertices_of_outlines_are_on_the_closed_form(key: str) -> None:
 
 
 @pytest.mark.parametrize("key", OUTLINES)
-@pytest.mark.parametrize("method", [outlines.CHORDS, outlines.BOTH_SIDES])
+@pytest.mark.parametrize("method", [outlines.CHORDS, pytest.param(outlines.BOTH_SIDES, marks=pytest.mark.slow)])
 def test_outlines_stray_by_their_tolerance_with_points_that_grow_by_its_square_root(key: str, method: str) -> None:
     measured = found(key, method, 0.05, TOLERANCE_MM, 5e-4, 5e-5)
     for point in measured:
