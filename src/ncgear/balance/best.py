@@ -17,10 +17,11 @@ from math import pi
 import numpy as np
 from scipy.optimize import linprog
 
+from ncgear.numerics.units import N_PER_KG_MM_S2
 from ncgear.balance.accelerations import PIN_X, PIN_Y, WRIST, Accelerations, accelerations
 from ncgear.balance.joint_masses import require_arm
 from ncgear.balance.mechanism import Carrier, Counterweight, Mechanism
-from ncgear.balance.shaking import N, shaking
+from ncgear.balance.shaking import shaking
 from ncgear.balance.waveform import gauss_points
 from ncgear.numerics.arrays import Array, ComplexArray
 
@@ -76,7 +77,7 @@ def minimax(mechanism: Mechanism, known: Accelerations | None = None) -> BestCou
     of, size = known or accelerations(mechanism), abs(mechanism.wrist_kg)
     if size <= NOTHING * mechanism.total_kg:
         return BestCounterweight(least_squares(mechanism, of).moment_kg_mm, 0.0)
-    scale = N * mechanism.speed_rad_s**2 * mechanism.linkage.crank_mm * size
+    scale = N_PER_KG_MM_S2 * mechanism.speed_rad_s**2 * mechanism.linkage.crank_mm * size
     _, pin, slider = _parts(mechanism, of)
     slider, planes = slider / size, _Planes(np.empty((0, 3)), np.empty(0))
     found = (least_squares(mechanism, of).moment_kg_mm / mechanism.linkage.crank_mm + mechanism.pin_kg) / size

@@ -13,9 +13,10 @@ from math import pi
 
 import numpy as np
 
+from ncgear.numerics.units import N_PER_KG_MM_S2
 from ncgear.balance.accelerations import PIN_X, PIN_Y, WRIST, Accelerations, functions_at
 from ncgear.balance.mechanism import Mechanism
-from ncgear.balance.shaking import N, shaking
+from ncgear.balance.shaking import shaking
 from ncgear.errors import WrongInput
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array
@@ -64,7 +65,7 @@ def failure(mechanism: Mechanism, speed: Speed = Speed.MEAN) -> Failure:
         shaking(mechanism, Accelerations(PiecewiseChebyshev(both.breaks, part))).peak.value
         for part in (exact, formula, formula - exact)
     )
-    unit = N * mechanism.total_kg * mechanism.linkage.crank_mm * mechanism.speed_rad_s**2
+    unit = N_PER_KG_MM_S2 * mechanism.total_kg * mechanism.linkage.crank_mm * mechanism.speed_rad_s**2
     return Failure(given, error / true if true > BALANCED * unit else 0.0)
 
 

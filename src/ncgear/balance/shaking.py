@@ -14,6 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ncgear.numerics.units import N_PER_KG_MM_S2
 from ncgear.balance.accelerations import (
     ASIDE,
     CRANK,
@@ -30,9 +31,6 @@ from ncgear.balance.waveform import Statistics, Waveform, magnitude_statistics, 
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
 from ncgear.numerics.extrema import Extremum
-
-N = 1e-3
-"""One kg mm/s^2 in N, one kg mm^2/s^2 in N mm."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +63,7 @@ def shaking(mechanism: Mechanism, of: Accelerations | None = None) -> Shaking:
 
 def _force_weights(mechanism: Mechanism) -> tuple[Array, Array]:
     """-(P c'' + S w'') W^2, real and imaginary part."""
-    factor = -N * mechanism.speed_rad_s**2 * mechanism.linkage.crank_mm
+    factor = -N_PER_KG_MM_S2 * mechanism.speed_rad_s**2 * mechanism.linkage.crank_mm
     pin, wrist = factor * mechanism.pin_kg, factor * mechanism.wrist_kg
     along, across = np.zeros(7), np.zeros(7)
     along[[PIN_X, PIN_Y, WRIST]] = pin.real, -pin.imag, wrist.real
@@ -87,4 +85,4 @@ def _moment_weights(mechanism: Mechanism) -> Array:
     weights[ROD] = masses.rod_inertia_kg_mm2
     weights[WRIST] = -at_wrist * offset * crank
     weights[TOGETHER], weights[ASIDE] = cross.real * crank * rod, cross.imag * crank * rod
-    return -N * mechanism.speed_rad_s**2 * weights
+    return -N_PER_KG_MM_S2 * mechanism.speed_rad_s**2 * weights

@@ -10,12 +10,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ncgear.numerics.units import N_PER_KG_MM_S2
 from ncgear.balance.accelerations import Accelerations, accelerations
 from ncgear.balance.mechanism import Counterweight, Mechanism, as_complex
 from ncgear.balance.shaking import shaking
 from ncgear.balance.track import Track, track
 from ncgear.balance.waveform import Statistics, Waveform, magnitude_statistics
-from ncgear.dynamics.joints import N, joint_forces
+from ncgear.dynamics.joints import joint_forces
 from ncgear.dynamics.pace import EvenPace
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array
@@ -52,7 +53,7 @@ def bearing_force(mechanism: Mechanism) -> tuple[Waveform, Waveform]:
         at, pace = mechanism.bodies(phi1), EvenPace(mechanism.speed_rad_s)
         rod = joint_forces(at, mechanism.masses, pace, 0.0).crank_axis
         gravity = complex(*mechanism.masses.gravity_m_s2)
-        pin = N * mechanism.speed_rad_s**2 * as_complex(at.pin, 2) / mechanism.linkage.crank_mm
+        pin = N_PER_KG_MM_S2 * mechanism.speed_rad_s**2 * as_complex(at.pin, 2) / mechanism.linkage.crank_mm
         added = sum((w.mass_kg * (w.arm * pin - gravity) for w in mechanism.counterweights), np.zeros(phi1.shape))
         return np.column_stack([rod.x.value + added.real, rod.y.value + added.imag])
 

@@ -8,13 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ncgear.numerics.units import N_PER_KG_MM_S2
 from ncgear.dynamics.pace import Pace, acceleration, place
 from ncgear.kinematics.bodies import Bodies
 from ncgear.machine.masses import Masses
 from ncgear.numerics.vector import Term, Vector
-
-N = 1e-3
-"""One kg mm/s^2 in N."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,20 +40,20 @@ def joint_forces(at: Bodies, masses: Masses, pace: Pace, resistance_n: Term) -> 
     along = slider.x + resistance_n
     # Moments about the crank pin; the wrist's force on the rod is minus the one on the slider
     arm = place(pace, at.wrist - at.pin)
-    turned = pace.second(at.rod_angle) * (N * masses.rod_inertia_kg_mm2)
+    turned = pace.second(at.rod_angle) * (N_PER_KG_MM_S2 * masses.rod_inertia_kg_mm2)
     turned = turned + place(pace, rod_center - at.pin).cross(rod)
     wrist = Vector(along, (arm.y * along - turned) / arm.x)
     pin = rod + wrist
     # Counter-clockwise moments are against the crank's turning
     weight = place(pace, crank_center).cross(_weight(masses, masses.crank_kg))
-    shaft = pace.second(at.crank_angle) * (N * masses.crank_shaft_kg_mm2)
+    shaft = pace.second(at.crank_angle) * (N_PER_KG_MM_S2 * masses.crank_shaft_kg_mm2)
     torque = shaft + weight - place(pace, at.pin).cross(pin)
     return JointForces(wrist, pin, crank + pin, slider.y - wrist.y, torque)
 
 
 def _moved(masses: Masses, pace: Pace, mass_kg: float, center: Vector) -> Vector:
     """The force in N that moves a mass so, besides its weight."""
-    return acceleration(pace, center) * (N * mass_kg) - _weight(masses, mass_kg)
+    return acceleration(pace, center) * (N_PER_KG_MM_S2 * mass_kg) - _weight(masses, mass_kg)
 
 
 def _weight(masses: Masses, mass_kg: float) -> Vector:

@@ -12,13 +12,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ncgear.numerics.units import N_PER_KG_MM_S2
 from ncgear.kinematics.bodies import Bodies
 from ncgear.machine.masses import Masses
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
-
-N_MM = 1e-3
-"""One kg mm^2/s^2 in N mm."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,11 +28,11 @@ class ReducedInertia:
 
     def torque_n_mm(self, speed_rad_s: Array, acceleration_rad_s2: Array) -> Array:
         """Torque on the crank shaft that moves the masses so."""
-        return N_MM * (self.inertia_kg_mm2 * acceleration_rad_s2 + 0.5 * self.change_kg_mm2_rad * speed_rad_s**2)
+        return N_PER_KG_MM_S2 * (self.inertia_kg_mm2 * acceleration_rad_s2 + 0.5 * self.change_kg_mm2_rad * speed_rad_s**2)
 
     def energy_n_mm(self, speed_rad_s: Array) -> Array:
         """Kinetic energy."""
-        return N_MM * 0.5 * self.inertia_kg_mm2 * speed_rad_s**2
+        return N_PER_KG_MM_S2 * 0.5 * self.inertia_kg_mm2 * speed_rad_s**2
 
 
 def reduced_inertia(at: Bodies, masses: Masses) -> ReducedInertia:

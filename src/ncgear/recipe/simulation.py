@@ -10,7 +10,7 @@ from ncgear.dynamics.gaps import gaps_of
 from ncgear.dynamics.impact import Friction, Impact, hertz_stiffness
 from ncgear.dynamics.law_table import law_table
 from ncgear.dynamics.meshing import Meshing
-from ncgear.dynamics.reduced import N_MM
+from ncgear.numerics.units import N_PER_KG_MM_S2
 from ncgear.errors import WrongInput
 from ncgear.machine.masses import Masses
 from ncgear.numerics.units import RAD_S_PER_RPM
@@ -46,5 +46,5 @@ def drive_line_of(given: Simulation, masses: Masses, speed_rad_s: float) -> Driv
             "0 given, but a motor's shaft needs inertia; give driving_gear_kg_mm2 or a flywheel",
             key="masses.driving_gear_kg_mm2",
         )
-    inertia = N_MM * masses.driving_shaft_kg_mm2
+    inertia = N_PER_KG_MM_S2 * masses.driving_shaft_kg_mm2
     return Motor(motor.no_load_speed_rpm * RAD_S_PER_RPM, N_MM_PER_N_M * motor.stall_torque_n_m, inertia)

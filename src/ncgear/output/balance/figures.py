@@ -8,7 +8,7 @@ from typing import Any
 
 from ncgear.balance.frame import Mounted
 from ncgear.balancing import Balancing, under
-from ncgear.design.balance_mechanism import Mechanism
+from ncgear.design.balance_mechanism import Mechanism as GivenMechanism
 from ncgear.output.balance.machine import chassis_figures, excitation_figures, frame_figures
 from ncgear.output.balance.mechanisms import mechanism_figures
 from ncgear.output.balance.rotors import chain_figures, gear_figures, rotor_figures
@@ -37,7 +37,7 @@ def figures_of(balancing: Balancing) -> dict[str, Any]:
     return {**figures, **{part: answer(balancing) for part, answer in asked.items()}}
 
 
-def _of_mechanism(number: int, given: Mechanism, mounted: Mounted) -> dict[str, Any]:
+def _of_mechanism(number: int, given: GivenMechanism, mounted: Mounted) -> dict[str, Any]:
     with under(f"mechanisms.{number}"):
         return mechanism_figures(given, mounted.mechanism)
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 from math import degrees
 from typing import Any
 
+from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.balance.accelerations import accelerations
 from ncgear.balance.best import BestCounterweight, least_squares, minimax
 from ncgear.balance.classical import Failure, Speed, failure
@@ -21,9 +22,6 @@ from ncgear.recipe.balance import crank_counterweight, joint_masses_of
 
 EVEN = 1e-12
 """Relative difference of the crank's speeds below which it turns evenly: rounding."""
-
-N_M = 1e-3
-"""One N mm in N m."""
 
 
 def mechanism_figures(given: given_as.Mechanism, mechanism: Mechanism) -> dict[str, Any]:
@@ -52,8 +50,8 @@ def shaking_figures(of: Shaking) -> dict[str, float]:
     return {
         **statistics_figures(of.force),
         "peak_at_deg": degrees(of.peak.at),
-        "moment_max_n_m": N_M * max(abs(extremum.value) for extremum in of.moment.extremes),
-        "moment_rms_n_m": N_M * of.moment.rms,
+        "moment_max_n_m": N_M_PER_N_MM * max(abs(extremum.value) for extremum in of.moment.extremes),
+        "moment_rms_n_m": N_M_PER_N_MM * of.moment.rms,
     }
 
 

@@ -22,7 +22,7 @@ LEVEL: dict[str, Any] = {"color": INK, "linewidth": 0.9, "linestyle": (0, (1.5, 
 
 
 @dataclass(frozen=True, eq=False)
-class Row:
+class LoadRow:
     """A quantity at n driving angles, of the design and of the uniform crank, shape (n,) each.
 
     It is given in ``unit`` and drawn in the one in which it is read; ``mean`` is drawn as a level line, ``extreme``
@@ -37,7 +37,7 @@ class Row:
     extreme: bool = True
 
 
-def load_curves(phi1_rad: Array, rows: Sequence[Row], title: str, joints_rad: Array) -> bytes:
+def load_curves(phi1_rad: Array, rows: Sequence[LoadRow], title: str, joints_rad: Array) -> bytes:
     """One row of axes for each quantity; ``joints_rad`` (shape (n,)) are marked by thin lines."""
     size = 8.2, ROW_IN * len(rows) + 1.4
     made = figure(*size, title)
@@ -52,7 +52,7 @@ def load_curves(phi1_rad: Array, rows: Sequence[Row], title: str, joints_rad: Ar
     return png(made)
 
 
-def _draw(axes: Axes, angle: Array, row: Row) -> None:
+def _draw(axes: Axes, angle: Array, row: LoadRow) -> None:
     factor, unit = readable(row.unit, row.own, row.uniform)
     axes.plot(angle, factor * row.own, **OWN)
     axes.plot(angle, factor * row.uniform, **UNIFORM)

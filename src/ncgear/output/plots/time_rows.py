@@ -24,7 +24,7 @@ APART: dict[str, Any] = {"color": HIGHLIGHT, "alpha": 0.25, "linewidth": 0.0}
 
 
 @dataclass(frozen=True, eq=False)
-class Row:
+class TimeRow:
     """A quantity at n driving angles, simulated and as it is compared, shape (n,); None for no other.
 
     It is given in ``unit`` and drawn in the one in which it is read.
@@ -37,7 +37,7 @@ class Row:
 
 
 def time_rows(
-    phi1_rad: Array, rows: Sequence[Row], title: str, apart_rad: Array, labels: tuple[str, str] = ("simulated", "law")
+    phi1_rad: Array, rows: Sequence[TimeRow], title: str, apart_rad: Array, labels: tuple[str, str] = ("simulated", "law")
 ) -> bytes:
     """One row of axes for each quantity; stretches ``apart_rad`` (shape (k, 2)), without pushing flanks, are shaded."""
     size = 8.2, ROW_IN * len(rows) + 1.4
@@ -52,7 +52,7 @@ def time_rows(
     return png(made)
 
 
-def _draw(axes: Axes, angle: Array, row: Row, labels: tuple[str, str]) -> None:
+def _draw(axes: Axes, angle: Array, row: TimeRow, labels: tuple[str, str]) -> None:
     factor, unit = readable(row.unit, row.simulated, *(() if row.compared is None else (row.compared,)))
     simulated = factor * row.simulated
     axes.plot(angle, simulated, label=labels[0], **SIMULATED)

@@ -6,16 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.drive import Drive
 from ncgear.dynamics.history import History, history, parted_s
 from ncgear.dynamics.level import Level
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.vector import Vector
-from ncgear.output.plots.time_rows import Row, time_rows
+from ncgear.output.plots.time_rows import TimeRow, time_rows
 from ncgear.output.simulation.simulated import Simulated
-
-N_M = 1e-3
-"""One N mm in N m."""
 
 
 def dynamic_simulation(drive: Drive) -> Simulated:
@@ -36,7 +34,7 @@ def _table(shown: History) -> dict[str, Array]:
         "error_rad": shown.error_rad,
         "pushing_force_n": shown.pushing_n,
         "back_force_n": shown.back_n,
-        "driving_torque_n_m": N_M * shown.torque_n_mm,
+        "driving_torque_n_m": N_M_PER_N_MM * shown.torque_n_mm,
         **{f"{name}_{axis}_n": getattr(force, axis) for name, force in _joints(shown).items() for axis in ("x", "y")},
         "guide_n": np.asarray(shown.joints.guide_n),
     }
@@ -63,10 +61,10 @@ def _figures(drive: Drive, shown: History, apart_s: Array) -> dict[str, Any]:
             "contact_stiffness_n": drive.meshing.impact.stiffness,
             "peak_pushing_force_n": _largest(shown.pushing_n),
             "peak_back_force_n": _largest(shown.back_n),
-            "peak_driving_torque_n_m": N_M * float(shown.torque_n_mm.max()),
-            "least_driving_torque_n_m": N_M * float(shown.torque_n_mm.min()),
-            "work_of_drive_j": N_M * float(work[0]),
-            "loss_of_teeth_j": N_M * float(work[1]),
+            "peak_driving_torque_n_m": N_M_PER_N_MM * float(shown.torque_n_mm.max()),
+            "least_driving_torque_n_m": N_M_PER_N_MM * float(shown.torque_n_mm.min()),
+            "work_of_drive_j": N_M_PER_N_MM * float(work[0]),
+            "loss_of_teeth_j": N_M_PER_N_MM * float(work[1]),
             "losses_of_contact": len(apart_s),
             "time_without_contact_s": float(np.sum(apart_s[:, 1] - apart_s[:, 0])),
             "energy_error": course.energy_error,
@@ -95,23 +93,23 @@ def _pictures(drive: Drive, shown: History, apart_s: Array) -> dict[str, bytes]:
     }
 
 
-def _motion(shown: History) -> list[Row]:
+def _motion(shown: History) -> list[TimeRow]:
     own, law = shown.slide, shown.law
     return [
-        Row("displacement", "mm", own.displacement_mm, law.displacement_mm),
-        Row("velocity", "mm/s", own.velocity_mm_s, law.velocity_mm_s),
-        Row("acceleration", "mm/s\u00b2", own.acceleration_mm_s2, law.acceleration_mm_s2),
+        TimeRow("displacement", "mm", own.displacement_mm, law.displacement_mm),
+        TimeRow("velocity", "mm/s", own.velocity_mm_s, law.velocity_mm_s),
+        TimeRow("acceleration", "mm/s\u00b2", own.acceleration_mm_s2, law.acceleration_mm_s2),
     ]
 
 
-def _forces(shown: History) -> list[Row]:
+def _forces(shown: History) -> list[TimeRow]:
     return [
-        Row("pushing force", "N", shown.pushing_n),
-        Row("back force", "N", shown.back_n),
-        Row("driving torque", "N m", N_M * shown.torque_n_mm),
+        TimeRow("pushing force", "N", shown.pushing_n),
+        TimeRow("back force", "N", shown.back_n),
+        TimeRow("driving torque", "N m", N_M_PER_N_MM * shown.torque_n_mm),
     ]
 
 
-def _bearings(shown: History) -> list[Row]:
+def _bearings(shown: History) -> list[TimeRow]:
     names = {"wrist": "wrist", "pin": "crank pin", "crank_bearing": "crank bearing", "mesh": "mesh force"}
-    return [Row(names[key], "N", _size(force)) for key, force in _joints(shown).items()]
+    return [TimeRow(names[key], "N", _size(force)) for key, force in _joints(shown).items()]

@@ -6,21 +6,19 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.drive import Drive
 from ncgear.dynamics.level import Level
 from ncgear.numerics.arrays import Array
-from ncgear.output.plots.time_rows import Row, time_rows
+from ncgear.output.plots.time_rows import TimeRow, time_rows
 from ncgear.output.simulation.simulated import Simulated
-
-N_M = 1e-3
-"""One N mm in N m."""
 
 NOWHERE = np.empty((0, 2))
 
 
 def quasi_static_simulation(drive: Drive) -> Simulated:
     """Loaded contact of a drive's teeth, beside the torque of the rigid level."""
-    rigid = N_M * drive.rigid.machine.at(drive.motion.phi1_rad).driving_torque.value
+    rigid = N_M_PER_N_MM * drive.rigid.machine.at(drive.motion.phi1_rad).driving_torque.value
     return Simulated(_table(drive, rigid), _figures(drive), {"loaded_contact.png": _picture(drive, rigid)})
 
 
@@ -33,7 +31,7 @@ def _table(drive: Drive, rigid_n_m: Array) -> dict[str, Array]:
         "pairs": loaded.pairs.astype(float),
         "tooth_force_n": loaded.tooth_force_n,
         "depth_mm": np.maximum(loaded.forces.depth_mm.max(axis=-1), 0.0),
-        "driving_torque_n_m": N_M * loaded.driving_torque_n_mm,
+        "driving_torque_n_m": N_M_PER_N_MM * loaded.driving_torque_n_mm,
         "rigid_driving_torque_n_m": rigid_n_m,
     }
 
@@ -48,7 +46,7 @@ def _figures(drive: Drive) -> dict[str, Any]:
             "transmission_error_rad": loaded.transmission_error_rad,
             **_peak(drive, "peak_tooth_force_n", loaded.tooth_force_n),
             **_peak(drive, "peak_depth_mm", loaded.forces.depth_mm.max(axis=-1)),
-            **_peak(drive, "peak_driving_torque_n_m", N_M * loaded.driving_torque_n_mm),
+            **_peak(drive, "peak_driving_torque_n_m", N_M_PER_N_MM * loaded.driving_torque_n_mm),
             "most_pairs": int(loaded.pairs.max()),
         },
     }
@@ -63,9 +61,9 @@ def _peak(drive: Drive, key: str, values: Array) -> dict[str, float]:
 def _picture(drive: Drive, rigid_n_m: Array) -> bytes:
     loaded, motion = drive.loaded_contact, drive.motion
     rows = [
-        Row("driving torque", "N m", N_M * loaded.driving_torque_n_mm, rigid_n_m),
-        Row("tooth force", "N", loaded.tooth_force_n),
-        Row("ahead of the law", "mrad", 1e3 * loaded.error_rad),
+        TimeRow("driving torque", "N m", N_M_PER_N_MM * loaded.driving_torque_n_mm, rigid_n_m),
+        TimeRow("tooth force", "N", loaded.tooth_force_n),
+        TimeRow("ahead of the law", "mrad", 1e3 * loaded.error_rad),
     ]
     title = f"{drive.design.name}: teeth under load at {drive.design.operation.speed_rpm:.4g} r/min"
     return time_rows(motion.phi1_rad, rows, title, NOWHERE, ("teeth give way", "rigid"))

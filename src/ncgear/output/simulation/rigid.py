@@ -6,6 +6,7 @@ from dataclasses import asdict
 from math import atan2, degrees, hypot
 from typing import Any
 
+from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.drive import Drive
 from ncgear.dynamics.inverse import Loads
 from ncgear.dynamics.level import Level
@@ -15,9 +16,6 @@ from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.vector import Vector
 from ncgear.output.simulation.rigid_pictures import rigid_pictures
 from ncgear.output.simulation.simulated import Simulated
-
-N_M = 1e-3
-"""One N mm in N m."""
 
 KG_M2 = 1e-6
 """One kg mm2 in kg m2."""
@@ -42,8 +40,8 @@ def _table(drive: Drive, own: Loads, uniform: Loads) -> dict[str, Array]:
 
 def _columns(loads: Loads) -> dict[str, Array]:
     columns = {
-        "driving_torque_n_m": N_M * loads.driving_torque.value,
-        "driven_torque_n_m": N_M * loads.driven_torque.value,
+        "driving_torque_n_m": N_M_PER_N_MM * loads.driving_torque.value,
+        "driven_torque_n_m": N_M_PER_N_MM * loads.driven_torque.value,
         **_components("wrist", loads.wrist),
         **_components("pin", loads.pin),
         **_components("crank_bearing", loads.crank_bearing),
@@ -81,12 +79,12 @@ def _masses(drive: Drive) -> dict[str, Any]:
 def _loads(rigid: Rigid, coefficient: float) -> dict[str, Any]:
     peaks, swing, speed = rigid.peaks, rigid.fluctuation, rigid.machine.machine.speed_rad_s
     return {
-        **_peak("peak_driving_torque", "n_m", peaks.most_torque_n_mm, N_M),
-        **_peak("least_driving_torque", "n_m", peaks.least_torque_n_mm, N_M),
-        "mean_driving_torque_n_m": N_M * swing.mean_torque_n_mm,
-        "mean_power_w": N_M * swing.mean_torque_n_mm * speed,
-        "peak_driving_power_w": N_M * peaks.most_torque_n_mm.value * speed,
-        "energy_swing_j": N_M * swing.swing_n_mm,
+        **_peak("peak_driving_torque", "n_m", peaks.most_torque_n_mm, N_M_PER_N_MM),
+        **_peak("least_driving_torque", "n_m", peaks.least_torque_n_mm, N_M_PER_N_MM),
+        "mean_driving_torque_n_m": N_M_PER_N_MM * swing.mean_torque_n_mm,
+        "mean_power_w": N_M_PER_N_MM * swing.mean_torque_n_mm * speed,
+        "peak_driving_power_w": N_M_PER_N_MM * peaks.most_torque_n_mm.value * speed,
+        "energy_swing_j": N_M_PER_N_MM * swing.swing_n_mm,
         "flank_changes_deg": [degrees(angle) for angle in swing.flank_changes_rad],
         "speed_fluctuation": coefficient,
         "inertia_for_speed_fluctuation_kg_m2": KG_M2 * swing.flywheel_kg_mm2(coefficient),
