@@ -15,7 +15,8 @@ from math import ceil, pi
 
 import numpy as np
 
-from ncgear.dynamics.reduced import N_MM, reduced_inertia
+from ncgear.dynamics.reduced import reduced_inertia
+from ncgear.numerics.units import N_PER_KG_MM_S2
 from ncgear.errors import WrongInput
 from ncgear.kinematics.bodies import Bodies, bodies
 from ncgear.machine.linkage import CrankSlider
@@ -70,8 +71,8 @@ def crank_load(linkage: CrankSlider, masses: Masses, resistance: Resistance) -> 
     _require_inertia(float(inertia.inertia_kg_mm2.min()))
     weight = _potential(at, masses)
     work_value, work_slope = (np.concatenate([work[0][row], work[1][row][1:]]) for row in (0, 1))
-    values = np.column_stack([N_MM * inertia.inertia_kg_mm2, work_value + weight.value])
-    slopes = np.column_stack([N_MM * inertia.change_kg_mm2_rad, work_slope + weight.derivative(1)])
+    values = np.column_stack([N_PER_KG_MM_S2 * inertia.inertia_kg_mm2, work_value + weight.value])
+    slopes = np.column_stack([N_PER_KG_MM_S2 * inertia.change_kg_mm2_rad, work_slope + weight.derivative(1)])
     table = cubics(np.diff(knots), (values[:-1], slopes[:-1]), (values[1:], slopes[1:]))
     return CrankLoad(PeriodicTable(knots, table, np.array([0.0, float(work_value[-1])])), (0.0, working))
 
