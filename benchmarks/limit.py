@@ -14,8 +14,8 @@ from math import pi, radians
 from pathlib import Path
 from time import perf_counter
 
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.polynomial_resistance import PolynomialResistance
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.optimum.certified.limit import Bound, least_acceleration, least_power
 from ncgear.optimum.certified.weighted import Weights, least_weighted_sum
 from ncgear.optimum.task import Limits, Task

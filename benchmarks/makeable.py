@@ -16,13 +16,12 @@ from math import degrees
 from pathlib import Path
 from time import perf_counter
 
-from ncgear.design.load import load
-from ncgear.improvement import Improvement
-from ncgear.optimum.judged import figures
+from ncgear.design.reading.design_file import load
+from ncgear.optimum.figures import figures
 from ncgear.optimum.makeable.law import shared_law
-from ncgear.optimum.wishes import TwoStages
-from ncgear.ratio.train import Train
-from ncgear.ratio.transmission import Lobes
+from ncgear.optimum.makeable.wishes import TwoStages
+from ncgear.project.improvement import Improvement
+from ncgear.ratio.transmission import Lobes, Train
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 PAGE = Path(__file__).parent / "makeable.md"

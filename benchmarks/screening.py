@@ -20,13 +20,13 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.design.load import load
-from ncgear.design.schema import Design
-from ncgear.drive import Drive
+from ncgear.design.keys.design import Design
+from ncgear.design.reading.design_file import load
 from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
 from ncgear.screening import screen
+from ncgear.screening.rows import single_figures
 from ncgear.screening.screen import screened
-from ncgear.screening.single import single_figures
 
 ROOT = Path(__file__).parents[1]
 COUNTS = (1, 10, 100, 1000, 10_000)

@@ -9,11 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.contact.as_designed import AsDesigned, as_designed
-from ncgear.contact.as_written import AsWritten, Outlines, as_written
+from ncgear.contact.designed.sides import AsDesigned, as_designed
 from ncgear.contact.placement import Placement, placed
-from ncgear.contact.reach import reach_mm
-from ncgear.machine.rack import TipRelief
+from ncgear.contact.written.outline_contact import AsWritten, Outlines, as_written, reach_mm
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Mesh
 from ncgear.ratio.laws.ellipse import elliptical_law
@@ -22,6 +20,7 @@ from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.form import TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
+from ncgear.teeth.rack import TipRelief
 from pairs import baler_law, rack, sine_law
 
 MODULE = 2.0

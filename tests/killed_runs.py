@@ -14,7 +14,7 @@ from typing import Any
 
 import ncgear
 import ncgear.cli
-from ncgear.output import build as build_module
+from ncgear.files import build as build_module
 
 PROCESSES = get_context("forkserver")
 MODULES = [module.name for module in walk_packages(ncgear.__path__, "ncgear.") if "__main__" not in module.name]

@@ -11,15 +11,12 @@ import numpy as np
 
 from engaged import LAWS, RINGS, made
 from ncgear.dynamics.crank_load import CrankLoad, crank_load
-from ncgear.dynamics.drive_line import DriveLine, EvenDrive
 from ncgear.dynamics.gaps import Gaps, gaps_of
-from ncgear.dynamics.impact import Friction, Impact
-from ncgear.dynamics.law_table import law_table
-from ncgear.dynamics.meshing import Meshing
-from ncgear.dynamics.motion_equation import Mechanism
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.masses import Masses
-from ncgear.machine.polynomial_resistance import PolynomialResistance
+from ncgear.dynamics.meshing import Friction, Impact, Meshing
+from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, Mechanism, law_table
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.numerics.periodic_table import PeriodicTable
 
 Array = np.ndarray

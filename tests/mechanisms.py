@@ -8,8 +8,8 @@ import mpmath
 import numpy as np
 
 from ncgear.balance.mechanism import Carrier, Counterweight, Mechanism
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.masses import Masses
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.masses import Masses
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from pairs import sine_law

@@ -6,11 +6,11 @@ from functools import cache
 from math import radians
 from pathlib import Path
 
-from ncgear.design.load import load
-from ncgear.drive import Drive
-from ncgear.machine.rack import BasicRack
+from ncgear.design.reading.design_file import load
+from ncgear.project.drive import Drive
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.transmission import Lobes, Transmission
+from ncgear.teeth.rack import BasicRack
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 

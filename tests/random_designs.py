@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 
-from ncgear.machine.linkage import CrankSlider
+from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.numerics.jet import Jet
 
 Data = dict[str, Any]

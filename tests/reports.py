@@ -5,16 +5,15 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 
-from ncgear.contact.pair_contact import PairContact
-from ncgear.design.load import LoadedDesign, load
-from ncgear.drive import Drive
-from ncgear.kinematics.slider import SliderMotion
+from ncgear.contact.pair import PairContact
+from ncgear.design.reading.design_file import LoadedDesign, load
+from ncgear.drawings.page.charts import Chart, motion_charts
+from ncgear.drawings.page.page import report_page
+from ncgear.drawings.plots.curves import Quantity
+from ncgear.files.build import contacts_as_written
+from ncgear.kinematics.motion import SliderMotion
 from ncgear.numerics.arrays import Array
-from ncgear.output.build import contacts_as_written
-from ncgear.output.page.chart import Chart
-from ncgear.output.page.motion_charts import motion_charts
-from ncgear.output.page.report_page import report_page
-from ncgear.output.plots.curves import Quantity
+from ncgear.project.drive import Drive
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 

@@ -8,12 +8,11 @@ from tempfile import mkdtemp
 
 import numpy as np
 
-from ncgear.design.load import load
-from ncgear.drive import Drive
+from ncgear.design.reading.design_file import load
+from ncgear.drawings.scene.bodies import Places
+from ncgear.drawings.scene.scene import Scene, scene_of
 from ncgear.numerics.arrays import Array
-from ncgear.scene.bodies import Places
-from ncgear.scene.made import scene_of
-from ncgear.scene.scene import Scene
+from ncgear.project.drive import Drive
 from test_designs import DESIGNS
 
 TWO_STAGES = "baler-66-two-stage"

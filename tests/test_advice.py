@@ -10,12 +10,12 @@ from typing import Any
 
 import pytest
 
-from ncgear.design.load import load
-from ncgear.design.schema import Design, json_schema
-from ncgear.drive import Drive
-from ncgear.improvement import Improvement
-from ncgear.output.advice.collected import build_advice, check_advice
-from ncgear.output.advice.values import Advice, Change, Kind, Remedy, Where
+from ncgear.design.keys.design import Design, json_schema
+from ncgear.design.reading.design_file import load
+from ncgear.figures.advice.collected import build_advice, check_advice
+from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where
+from ncgear.project.drive import Drive
+from ncgear.project.improvement import Improvement
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 

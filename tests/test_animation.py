@@ -15,15 +15,13 @@ from PIL import Image
 
 from commands import Run
 from ncgear import extras
+from ncgear.drawings.animation import animate as animating
+from ncgear.drawings.animation import artists as looks
+from ncgear.drawings.animation.animate import Format, Loop, Timing, animated
+from ncgear.drawings.animation.picture import Frame, Picture, picture
+from ncgear.drawings.scene.bodies import Kind
+from ncgear.drawings.scene.scene import Scene
 from ncgear.numerics.arrays import Array
-from ncgear.output.animation import animate as animating
-from ncgear.output.animation import looks
-from ncgear.output.animation.animate import Loop, animated
-from ncgear.output.animation.formats import Format
-from ncgear.output.animation.packing import Timing
-from ncgear.output.animation.picture import Frame, Picture, picture
-from ncgear.scene.bodies import Kind
-from ncgear.scene.scene import Scene
 from scenes import GEARLESS, TWO_STAGES, scene
 
 MARK = (0.0, 1.0, 0.0)

@@ -10,16 +10,16 @@ from pathlib import Path
 
 import pytest
 
-from ncgear.design.load import load
-from ncgear.drive import Drive
-from ncgear.output.report import check_text
+from ncgear.design.reading.design_file import load
+from ncgear.figures.terminal import check_text
+from ncgear.project.drive import Drive
 
 ROOT = Path(__file__).parents[1]
 SOURCE = ROOT / "src" / "ncgear"
 
 LAYERS = [
     {"errors", "extras", "interrupts", "stopwatch", "numerics"},
-    {"machine"},
+    {"mechanisms"},
     {"ratio"},
     {"kinematics"},
     {"pitch"},
@@ -28,12 +28,13 @@ LAYERS = [
     {"solids"},
     {"optimum", "dynamics"},
     {"balance"},
-    {"ledger"},
+    {"papers"},
     {"design"},
-    {"recipe"},
-    {"drive", "improvement", "frontier", "balancing"},
-    {"precision", "screening", "scene"},
-    {"output"},
+    {"project"},
+    {"precision", "screening"},
+    {"figures"},
+    {"drawings"},
+    {"files"},
     {"cli", "plots"},
     {"__main__"},
 ]
@@ -93,7 +94,7 @@ def test_every_room_has_a_layer() -> None:
 
 WRITES = {"write_bytes", "write_text", "write", "savetxt", "tofile", "export"}
 
-WRITERS = {"output/publish.py", "cli/new.py", "frontier.py", "output/workshop/dxf.py"}
+WRITERS = {"files/publish.py", "cli/new.py", "project/frontier.py", "files/workshop/dxf.py"}
 """What may write files: whole sets of files; a new design file, of which the path is free; lines of finished points.
 And what calls the same of a library, for a text in memory."""
 

@@ -15,14 +15,14 @@ import pytest
 import trimesh
 
 from commands import Run
-from ncgear.balancing import Balancing
-from ncgear.design.balance import Balance
-from ncgear.design.load import load
-from ncgear.design.load_balance import load_balance
-from ncgear.design.schema import json_schema
-from ncgear.drive import Drive
-from ncgear.output.balance.figures import balance_text, figures_of
-from ncgear.output.balance.files import balance_files
+from ncgear.design.keys.balance import Balance
+from ncgear.design.keys.design import json_schema
+from ncgear.design.reading.balance_file import load_balance
+from ncgear.design.reading.design_file import load
+from ncgear.figures.balance import balance_text, figures_of
+from ncgear.files.balance import balance_files
+from ncgear.project.balancing import Balancing
+from ncgear.project.drive import Drive
 from pairs import DESIGNS
 
 WORKED = sorted((DESIGNS / "balance").glob("*.yaml"))

@@ -17,32 +17,29 @@ from scipy.integrate import quad
 from shapely import Point, Polygon
 
 from engaged import read
-from ncgear.balance.gear_body import mesh_body
-from ncgear.contact.as_written import Outlines
+from ncgear.balance.gears import mesh_body
 from ncgear.contact.placement import placed
-from ncgear.design.load import load
-from ncgear.design.schema import Design
-from ncgear.drive import Drive
+from ncgear.contact.written.outline_contact import Outlines
+from ncgear.design.keys.design import Design
+from ncgear.design.reading.design_file import load
 from ncgear.errors import WrongInput
+from ncgear.figures.summary.build import bodies_summary
+from ncgear.files.meshes import outline_of_stl, read_back, section_rings, stl_bytes
 from ncgear.numerics.arrays import Array
-from ncgear.output.stl import read_back, stl_bytes
-from ncgear.output.summary.bodies import bodies_summary
-from ncgear.output.written import outline_of_stl, section_rings
 from ncgear.pitch.shape import Gear
 from ncgear.precision.circular_gear import CircularGear
 from ncgear.precision.teeth_pairs import TEETH, circular, form
-from ncgear.solids import bevel as bevels
-from ncgear.solids.bevel import bevel_of
-from ncgear.solids.blank import Blank, HoleSet, WebSize
-from ncgear.solids.body import Hub, Layer, SetScrew
-from ncgear.solids.bore import Bore, Keyway, circle_points
-from ncgear.solids.hub import require_hub_room
+from ncgear.project.drive import Drive
 from ncgear.solids.inertia import body_kg_mm2
-from ncgear.solids.layered import layered
-from ncgear.solids.pair import GearSolid, driving_solid, solid_of_plan
-from ncgear.solids.parallel import moved_inwards
-from ncgear.solids.ring import RingBlank, outer_radius_mm, ring_solid
-from ncgear.solids.set_screw import SCREW_TOLERANCE, screw_hole_mm3
+from ncgear.solids.mesh import bevel as bevels
+from ncgear.solids.mesh.bevel import bevel_of
+from ncgear.solids.mesh.finish import SCREW_TOLERANCE, screw_hole_mm3
+from ncgear.solids.mesh.layers import layered
+from ncgear.solids.mesh.pair import GearSolid, driving_solid, solid_of_plan
+from ncgear.solids.mesh.ring import RingBlank, outer_radius_mm, ring_solid
+from ncgear.solids.plan.body import Blank, Bore, HoleSet, Hub, Keyway, Layer, SetScrew, WebSize, circle_points
+from ncgear.solids.plan.parallel import moved_inwards
+from ncgear.solids.plan.room import require_hub_room
 from ncgear.teeth.gear import toothed_pair
 
 DESIGNS = Path(__file__).parents[1] / "designs"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.bracketed import zeros_between
+from ncgear.numerics.zeros import zeros_between
 
 
 def test_many_zeros_at_once() -> None:

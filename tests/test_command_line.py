@@ -373,7 +373,7 @@ def test_output_folder_is_a_file(run: Run, tmp_path: Path) -> None:
 
 
 def test_new_writes_a_design_that_loads_and_does_not_overwrite(run: Run, tmp_path: Path) -> None:
-    from ncgear.design.load import load
+    from ncgear.design.reading.design_file import load
 
     assert run("new", "mine", "--law", "ellipse") == (0, "mine.yaml\n", "")
     assert load(Path("mine.yaml")).design.motion.law == "ellipse"
@@ -430,7 +430,7 @@ def failing(error: BaseException) -> Callable[[Path], None]:
     ],
 )
 def test_exit_status(run: Run, monkeypatch: pytest.MonkeyPatch, error: BaseException, status: int, said: str) -> None:
-    monkeypatch.setattr("ncgear.design.load.load", failing(error))
+    monkeypatch.setattr("ncgear.design.reading.design_file.load", failing(error))
     got, out, err = run("check", "d.yaml")
     assert (got, out) == (status, "")
     assert err.startswith(said)
@@ -450,7 +450,7 @@ def test_later_errors_get_the_place_of_their_key(run: Run, tmp_path: Path, monke
     """A stage names a quantity; the user reads the key as it is written in the file, and where."""
     Path(tmp_path, "d.yaml").write_text(STROKE)
     monkeypatch.setattr(
-        "ncgear.drive.motion.law_of", raising(NoSuchMechanism("the slider would jump", key="motion.theta2"))
+        "ncgear.project.drive.law_of", raising(NoSuchMechanism("the slider would jump", key="motion.theta2"))
     )
     status, out, err = run("check", "d.yaml")
     place = spot(STROKE, "theta2_pi")
@@ -458,7 +458,7 @@ def test_later_errors_get_the_place_of_their_key(run: Run, tmp_path: Path, monke
 
 
 def test_traceback_of_a_fault_on_demand(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("ncgear.design.load.load", failing(ZeroDivisionError("by zero")))
+    monkeypatch.setattr("ncgear.design.reading.design_file.load", failing(ZeroDivisionError("by zero")))
     monkeypatch.setenv("NCGEAR_DEBUG", "1")
     status, out, err = run("check", "d.yaml")
     assert (status, out) == (1, "")

@@ -14,15 +14,12 @@ from numpy.polynomial import Polynomial
 from scipy.integrate import cumulative_simpson
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.stroke import StrokeRequest, solved_stroke
+from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.numerics.arrays import Array
-from ncgear.ratio.compensation.ends import ReturnEnds
-from ncgear.ratio.compensation.families import return_with_constant
-from ncgear.ratio.compensation.law import ReturnLaw
-from ncgear.ratio.compensation.least_acceleration import return_of_least_acceleration
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
+from ncgear.ratio.return_stroke import ReturnEnds, ReturnLaw, return_of_least_acceleration, return_with_constant
 from ncgear.ratio.transmission import Lobes
+from ncgear.ratio.working_stroke import StrokeRequest, solved_stroke
 from oracles import stroke as oracle
 from test_stroke import AT_LAW_SPEED, BALER
 

@@ -9,10 +9,9 @@ from math import pi, radians
 import pytest
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.optimum.makeable.law import makeable_law
-from ncgear.optimum.makeable.starts import rough_start
+from ncgear.optimum.makeable.law import makeable_law, rough_start
+from ncgear.optimum.makeable.wishes import CurvatureWish, Wishes
 from ncgear.optimum.task import Limits, Task
-from ncgear.optimum.wishes import CurvatureWish, Wishes
 from test_kinematics import PRESS
 from test_laws import BALER_LINKAGE
 

@@ -13,21 +13,34 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
 from closeness import farthest
-from ncgear.machine.rack import TipRelief
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Mesh
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import ratio_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
-from ncgear.teeth import splines
-from ncgear.teeth.arcs import Arc, Line, line_or_arc, ring_of_arcs
+from ncgear.teeth import contour as splines
 from ncgear.teeth.chords import Stretch
-from ncgear.teeth.contour import SAME_MM, SHORTEST_MM, Contour, Curve, Spline, _joined, contour_of
+from ncgear.teeth.contour import (
+    DEGREE,
+    SAME_MM,
+    SHORTEST_MM,
+    SPANS,
+    Arc,
+    Contour,
+    Curve,
+    Line,
+    Spline,
+    _joined,
+    contour_of,
+    fitted_splines,
+    line_or_arc,
+    ring_of_arcs,
+)
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 from ncgear.teeth.outline import ChordTolerance, exact_curves, outline_points
-from ncgear.teeth.splines import DEGREE, SPANS, fitted_splines
+from ncgear.teeth.rack import TipRelief
 from pairs import baler_law, rack, sine_law
 
 TOLERANCE = 5e-4

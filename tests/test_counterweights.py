@@ -13,27 +13,28 @@ from hypothesis import strategies as st
 from scipy import sparse
 
 from mechanisms import MASSES, OFFSET, RPM, even, sampled, uneven
-from ncgear.balance.best import GAP, least_squares, minimax
-from ncgear.balance.chassis import Chassis, dynamic_counterweights, static_counterweight_kg
-from ncgear.balance.classical import failure
-from ncgear.balance.frame import Mounted, best_phase, frame_shaking, frame_sweep, frame_track
-from ncgear.balance.joint_masses import JointMasses, joint_masses
-from ncgear.balance.mechanism import Carrier, Counterweight, Mechanism
-from ncgear.balance.opposed import (
+from ncgear.balance.counterweights import GAP, bearing_force, least_squares, minimax, sweep
+from ncgear.balance.frame import (
+    Chassis,
     Crank,
+    Mounted,
+    best_phase,
     best_phase_rad,
     combined_counterweight_kg,
+    dynamic_counterweights,
+    frame_shaking,
+    frame_sweep,
+    frame_track,
     reciprocating_share,
     rotating_share,
+    static_counterweight_kg,
 )
-from ncgear.balance.shaking import shaking
-from ncgear.balance.sweep import bearing_force, sweep
-from ncgear.balance.track import track
-from ncgear.dynamics.joints import joint_forces
-from ncgear.dynamics.pace import EvenPace
+from ncgear.balance.mechanism import Carrier, Counterweight, JointMasses, Mechanism, joint_masses
+from ncgear.balance.shaking import failure, shaking, track
+from ncgear.dynamics.joints import EvenPace, joint_forces
 from ncgear.errors import WrongInput
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.masses import Masses
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.masses import Masses
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.transmission import Lobes
 from pairs import baler_law, sine_law

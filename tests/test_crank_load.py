@@ -10,13 +10,12 @@ import pytest
 
 from loaded import LINKAGE, MASSES, slider_load
 from ncgear.dynamics.crank_load import crank_load
-from ncgear.dynamics.joints import joint_forces
-from ncgear.dynamics.pace import CrankPace
+from ncgear.dynamics.joints import CrankPace, joint_forces
 from ncgear.errors import WrongInput
-from ncgear.kinematics.bodies import bodies
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.masses import Masses
-from ncgear.machine.polynomial_resistance import PolynomialResistance
+from ncgear.mechanisms.bodies import bodies
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.numerics.jet import Jet
 
 WEIGHT = replace(MASSES, gravity_m_s2=(1.3, -9.81))

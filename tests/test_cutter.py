@@ -12,7 +12,6 @@ import shapely
 from shapely import Polygon
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.machine.rack import BasicRack
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.laws.ellipse import elliptical_law
@@ -21,6 +20,7 @@ from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.cutter import most_teeth
 from ncgear.teeth.form import Cutter, CutterKind, TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
+from ncgear.teeth.rack import BasicRack
 from ncgear.teeth.tool import PinionCircle
 from oracles import meshing, rack_cut
 from pairs import baler_law, rack, sine_law

@@ -12,15 +12,14 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from ncgear.design.load import load
-from ncgear.design.schema import Design
-from ncgear.drive import Drive
-from ncgear.output.data_sheet.pitch_table import turn_deg
-from ncgear.output.data_sheet.sheet import data_sheet
-from ncgear.output.data_sheet.text import pitch_csv, sheet_text
-from ncgear.output.data_sheet.values import DataSheet, Row, Table
-from ncgear.output.joints import joints_up_to
-from ncgear.output.page.tables import sheet_tables
+from ncgear.design.keys.design import Design
+from ncgear.design.reading.design_file import load
+from ncgear.drawings.page.tables import sheet_tables
+from ncgear.drawings.plots.canvas import joints_up_to
+from ncgear.figures.data_sheet.sheet import data_sheet
+from ncgear.figures.data_sheet.text import pitch_csv, sheet_text, turn_deg
+from ncgear.figures.data_sheet.values import DataSheet, Row, Table
+from ncgear.project.drive import Drive
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 

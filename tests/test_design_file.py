@@ -11,13 +11,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ncgear.design.load import LoadedDesign, load
-from ncgear.design.motion import LAWS, SOLVED_KEY, Ellipse, RatioExpression, ThreeSegmentStroke
-from ncgear.design.positions import read_yaml
-from ncgear.design.scalars import plain_value
-from ncgear.design.schema import Design, json_schema
-from ncgear.design.table import MOST_POINTS, TableLaw
-from ncgear.design.teeth import PROFILES, Rack
+from ncgear.design.keys.design import Design, json_schema
+from ncgear.design.keys.gears import PROFILES, Rack
+from ncgear.design.keys.motion import (
+    LAWS,
+    MOST_POINTS,
+    SOLVED_KEY,
+    Ellipse,
+    RatioExpression,
+    TableLaw,
+    ThreeSegmentStroke,
+)
+from ncgear.design.reading.design_file import LoadedDesign, load
+from ncgear.design.reading.text import plain_value
+from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.template import Law, template
 from ncgear.errors import NoSuchMechanism, WrongInput
 

@@ -16,10 +16,10 @@ import pytest
 from scipy.special import ellipe
 from shapely import Polygon
 
-from ncgear.design.load import load
-from ncgear.drive import Drive
+from ncgear.design.reading.design_file import load
 from ncgear.errors import NoSuchMechanism
-from ncgear.output.build import build
+from ncgear.files.build import build
+from ncgear.project.drive import Drive
 from oracles import meshing
 
 DESIGNS = Path(__file__).parents[1] / "designs"

@@ -21,20 +21,16 @@ from loaded import (
     meshing,
     slider_load,
 )
-from ncgear.dynamics.drive_line import EvenDrive, Motor
 from ncgear.dynamics.history import history, parted_s
-from ncgear.dynamics.impact import Impact
-from ncgear.dynamics.integration import Course, course
-from ncgear.dynamics.inverse import RigidMachine
 from ncgear.dynamics.mesh_force import MeshPlace, mesh_force
-from ncgear.dynamics.motion_equation import Mechanism
+from ncgear.dynamics.meshing import Impact, force_on_driven, tangent
+from ncgear.dynamics.motion_in_time import Course, EvenDrive, Mechanism, Motor, Start, course, law_torque_n_mm, started
 from ncgear.dynamics.quasi_static import loaded_contact
-from ncgear.dynamics.starts import Start, law_torque_n_mm, started
-from ncgear.dynamics.tooth_vectors import force_on_driven, tangent
+from ncgear.dynamics.rigid import RigidMachine
 from ncgear.errors import NoSuchMechanism
-from ncgear.kinematics.slider import Machine
-from ncgear.machine.masses import Masses
-from ncgear.machine.polynomial_resistance import PolynomialResistance
+from ncgear.kinematics.motion import Machine
+from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.numerics.jet import Jet
 from ncgear.pitch.shape import Mesh
 

@@ -13,8 +13,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
-from ncgear.teeth.equivalent import on_circles
-from ncgear.teeth.flank import Flanks, flanks_of
+from ncgear.teeth.flank import Flanks, flanks_of, on_circles
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import toothed_pair
 from ncgear.teeth.tool import RackLine

@@ -20,8 +20,8 @@ from ncgear.balance.excitation import (
     of_slider,
 )
 from ncgear.balance.mechanism import Mechanism
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.masses import Masses
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.masses import Masses
 from pairs import baler_law
 
 TABLE_1 = (

@@ -10,15 +10,12 @@ import pytest
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
 from commands import Run
-from ncgear.design.angles import folded, quantity
-from ncgear.design.balance import Balance
-from ncgear.design.faults import FAULT_TYPE
-from ncgear.design.positions import read_yaml
-from ncgear.design.reference.examples import example
-from ncgear.design.reference.keys import Key, keys_of
-from ncgear.design.reference.values import allowed, unit_of
-from ncgear.design.schema import Design
-from ncgear.output.explained import explained
+from ncgear.design.keys.balance import Balance
+from ncgear.design.keys.base import FAULT_TYPE, folded, quantity
+from ncgear.design.keys.design import Design
+from ncgear.design.reading.yaml import read_yaml
+from ncgear.design.reference import Key, allowed, example, keys_of, unit_of
+from ncgear.figures.explained import explained
 
 ROOT = Path(__file__).parents[1]
 FILES = [*ROOT.glob("designs/*.yaml"), *ROOT.glob("designs/balance/*.yaml")]

@@ -12,17 +12,26 @@ from scipy.optimize import brentq
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.check import work_per_stroke_j
-from ncgear.kinematics.slider import Machine
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.polynomial_resistance import PolynomialResistance
-from ncgear.machine.stroke import solved_stroke
+from ncgear.kinematics.motion import Machine
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.sampled import shares
 from ncgear.optimum.family.best import BOX, Family, FamilyOptimum, Peak, best_of_family, figures
-from ncgear.optimum.family.returns import POINTS, SKEWNESS_UNIT, return_samples
-from ncgear.optimum.family.strokes import APPROACH, BOUNDS, BRAKING, PRESSING, strokes_of, working_samples
+from ncgear.optimum.family.samples import (
+    APPROACH,
+    BOUNDS,
+    BRAKING,
+    POINTS,
+    PRESSING,
+    SKEWNESS_UNIT,
+    return_samples,
+    strokes_of,
+    working_samples,
+)
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.transmission import Lobes
+from ncgear.ratio.working_stroke import solved_stroke
 
 IN_LINE = CrankSlider(380.0, 960.0)
 LINKAGES = {

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from mpmath import mp
 
-from ncgear.machine.rack import BasicRack
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.ellipse import elliptical_law
@@ -19,7 +18,8 @@ from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.fitting import fitted_pair
 from ncgear.teeth.flank import Flanks, flanks_of
 from ncgear.teeth.form import TipLimits
-from ncgear.teeth.roots import Roots, roots_of
+from ncgear.teeth.rack import BasicRack
+from ncgear.teeth.sides import Roots, roots_of
 from ncgear.teeth.tool import PinionCircle, RackLine, Tool
 from pairs import baler_law, rack, sine_law
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ncgear.numerics.roots import first_zeros
+from ncgear.numerics.zeros import first_zeros
 
 Array = np.ndarray
 Function = Callable[[Array], Array]

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from ncgear.machine.rack import BasicRack, TipRelief
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.ellipse import elliptical_law
@@ -19,6 +18,7 @@ from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.flank import FILLET, FLANK, Flanks, flanks_of
+from ncgear.teeth.rack import BasicRack, TipRelief
 from ncgear.teeth.tool import RackLine
 from pairs import baler_law, rack
 

@@ -7,26 +7,26 @@ import json
 from io import BytesIO, StringIO
 from pathlib import Path
 
+import ncgear.frontier as of_design
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from PIL import Image
 
-import ncgear.frontier as of_design
-from ncgear.design.load import load
-from ncgear.design.schema import Design
+from ncgear.design.keys.design import Design
+from ncgear.design.reading.design_file import load
+from ncgear.drawings.plots import frontier as picture
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.frontier import KEPT, Frontier, Kept, frontier
-from ncgear.improvement import Improvement
+from ncgear.figures.frontier import frontier_csv, frontier_json, mechanisms
+from ncgear.files.frontier import frontier_files, frontier_text
 from ncgear.optimum.certified.limit import Bound
 from ncgear.optimum.family.best import Family, Peak, best_of_family
+from ncgear.optimum.figures import Figures
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, law_point, motion_of
-from ncgear.optimum.judged import Figures
-from ncgear.output.optimum.frontier import frontier_csv, frontier_json, mechanisms
-from ncgear.output.optimum.frontier_files import frontier_files, frontier_text
-from ncgear.output.plots import frontier as picture
-from ncgear.recipe.law import linkage_of
-from ncgear.recipe.wishes import task_of, wishes_of
+from ncgear.project.frontier import KEPT, Frontier, Kept, frontier
+from ncgear.project.improvement import Improvement
+from ncgear.project.law import linkage_of
+from ncgear.project.wishes import task_of, wishes_of
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 

@@ -17,7 +17,7 @@ from hypothesis import Phase, given, seed, settings
 from hypothesis import strategies as st
 
 import ncgear
-from ncgear.design.load import LARGEST_MB, load
+from ncgear.design.reading.design_file import LARGEST_MB, load
 from ncgear.errors import DesignError, WrongInput
 from ncgear.numerics.formula import FUNCTIONS, compiled
 

@@ -13,17 +13,24 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 from shapely import Point, Polygon
 
-from ncgear.balance.boss import balancing_boss
-from ncgear.balance.drilling import Drills, drilled_holes
-from ncgear.balance.gear_body import mesh_body, plate_body
-from ncgear.balance.gear_correction import BossSize, Corrected, Means, corrected
-from ncgear.balance.grades import grade_reached, permissible_unbalance_kg_mm
-from ncgear.design.load import load
-from ncgear.drive import Drive
+from ncgear.balance.gears import (
+    BossSize,
+    Corrected,
+    Drills,
+    Means,
+    balancing_boss,
+    corrected,
+    drilled_holes,
+    mesh_body,
+    plate_body,
+)
+from ncgear.balance.rotor import grade_reached, permissible_unbalance_kg_mm
+from ncgear.design.reading.design_file import load
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.solids.bore import circle_points
-from ncgear.solids.extrude import extruded
+from ncgear.project.drive import Drive
 from ncgear.solids.inertia import area_moments
+from ncgear.solids.mesh.layers import extruded
+from ncgear.solids.plan.body import circle_points
 from pairs import DESIGNS
 
 STEEL = 7850.0

@@ -12,14 +12,14 @@ from scipy.optimize import brentq
 from shapely import Polygon
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.machine.rack import BasicRack
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
+from ncgear.teeth.flank import mating_flanks
 from ncgear.teeth.form import Cutter, CutterKind, TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
-from ncgear.teeth.meeting import mating_flanks
+from ncgear.teeth.rack import BasicRack
 from oracles import meshing
 from pairs import baler_law, rack, sine_law
 

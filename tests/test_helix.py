@@ -16,31 +16,27 @@ import shapely
 from shapely import Polygon, affinity
 from trimesh import Trimesh
 
-from ncgear.contact.as_designed import as_designed
+from ncgear.contact.designed.sides import as_designed
 from ncgear.contact.placement import placed
-from ncgear.design.load import load
-from ncgear.drive import Drive
+from ncgear.design.reading.design_file import load
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
-from ncgear.output.build import build
-from ncgear.output.stl import read_back, stl_bytes
+from ncgear.files.build import build
+from ncgear.files.meshes import read_back, stl_bytes
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import ratio_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
-from ncgear.solids.blank import Blank
-from ncgear.solids.bore import Bore, Keyway
-from ncgear.solids.closeness import MOST_STEPS, close_stacks
-from ncgear.solids.columns import Limits, spread_columns
-from ncgear.solids.even_tips import heights_fitted, with_even_tips
-from ncgear.solids.helical import helical_pair
-from ncgear.solids.helix import Hand, Helix
-from ncgear.solids.pair import SolidPair
-from ncgear.solids.pieces import pieces_of
-from ncgear.solids.section import full_disc, largest_bore_mm
-from ncgear.solids.sections import Sections
-from ncgear.solids.stack import stacked
+from ncgear.solids.helical.even_tips import heights_fitted, with_even_tips
+from ncgear.solids.helical.helix import Hand, Helix
+from ncgear.solids.helical.mesh import helical_pair
+from ncgear.solids.helical.sections import Sections, pieces_of
+from ncgear.solids.helical.stack import MOST_STEPS, Limits, close_stacks, spread_columns, stacked
+from ncgear.solids.mesh.pair import SolidPair
+from ncgear.solids.plan.body import Blank, Bore, Keyway
+from ncgear.solids.plan.room import full_disc, largest_bore_mm
 from ncgear.teeth.form import TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
 from ncgear.teeth.tips import Limit

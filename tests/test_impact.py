@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from loaded import FRICTION, IMPACT
-from ncgear.dynamics.impact import Friction, Impact, hertz_stiffness
+from ncgear.dynamics.meshing import Friction, Impact, hertz_stiffness
 
 DEPTH = np.linspace(-0.05, 0.3, 351)
 

@@ -15,31 +15,29 @@ from PIL import Image
 from shapely import Point, Polygon
 
 from engaged import outlines, read
-from ncgear.contact.as_designed import as_designed
-from ncgear.contact.as_written import AsWritten
-from ncgear.contact.pair_contact import pair_contact, refuse_bad_outlines
+from ncgear.contact.designed.sides import as_designed
+from ncgear.contact.pair import pair_contact, refuse_bad_outlines
 from ncgear.contact.placement import Placement, placed
-from ncgear.contact.reach import tips_overlap_mm
-from ncgear.design.load import load
-from ncgear.drive import Drive
+from ncgear.contact.written.outline_contact import AsWritten, tips_overlap_mm
+from ncgear.design.reading.design_file import load
+from ncgear.drawings import plots
 from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.files.meshes import read_back, stl_bytes
 from ncgear.numerics.arrays import Array
-from ncgear.output import plots
-from ncgear.output.stl import read_back, stl_bytes
 from ncgear.pitch.curve import CurvePoints, PitchCurve
 from ncgear.pitch.internal import LEAST_RATIO, require_ring
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear, Mesh
+from ncgear.project.drive import Drive
 from ncgear.ratio.laws.expression import ratio_expression_law
 from ncgear.ratio.laws.table import ratio_table_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.solids.assembly import Placed, assembly_report
-from ncgear.solids.blank import Blank
-from ncgear.solids.bore import circle_points
-from ncgear.solids.index_hole import INNER_WALL_IN_MODULES, OUTER_WALL_IN_MODULES
-from ncgear.solids.pair import driving_solid
-from ncgear.solids.ring import RingBlank, outer_radius_mm, ring_section, ring_solid
+from ncgear.solids.mesh.pair import driving_solid
+from ncgear.solids.mesh.ring import RingBlank, outer_radius_mm, ring_section, ring_solid
+from ncgear.solids.plan.body import Blank, circle_points
+from ncgear.solids.plan.room import INNER_WALL_IN_MODULES, OUTER_WALL_IN_MODULES
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
 from oracles import meshing

@@ -20,8 +20,8 @@ from hard.case import FOLDER, drive_of, read
 from hard.condition import conditions
 from hard.figures import reported
 from hard.judged import EPSILON, FACTOR
-from ncgear.drive import Drive
 from ncgear.pitch.pair import largest_tangent_angle_rad
+from ncgear.project.drive import Drive
 
 SAME = 1e-11
 """Relative: a thousand rounding errors of inputs whose conditions here are below a hundred."""

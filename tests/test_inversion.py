@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from mpmath import mp
 
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.stroke import StrokeRequest, WorkingStroke, solved_stroke
+from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.numerics.arrays import Array
-from ncgear.ratio.inversion import working_pieces
+from ncgear.ratio.laws.three_segment import working_pieces
 from ncgear.ratio.transmission import Piece
+from ncgear.ratio.working_stroke import StrokeRequest, WorkingStroke, solved_stroke
 from oracles import stroke as oracle
 from test_stroke import AT_LAW_SPEED, BALER, NO_PRESSING
 

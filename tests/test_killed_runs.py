@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from killed_runs import Files, build, killed_after, killed_at_step, seen, together
-from ncgear.output.publish import publish
+from ncgear.files.publish import publish
 
 ONE = {"driving.csv": b"one, driving", "driven.csv": b"one, driven", "extra.png": b"one", "summary.json": b"one"}
 OTHER = {"driving.csv": b"other, driving", "driven.csv": b"other, driven", "fresh.csv": b"o", "summary.json": b"other"}

@@ -13,10 +13,9 @@ import pytest
 from numpy.polynomial import Polynomial, legendre
 
 from ncgear.kinematics.check import KinematicCheck, kinematic_check, work_per_stroke_j
-from ncgear.kinematics.slider import Machine, sample_angles
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.polynomial_resistance import PolynomialResistance
-from ncgear.machine.resistance import Resistance
+from ncgear.kinematics.motion import Machine, sample_angles
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.resistance import PolynomialResistance, Resistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.jet import Jet

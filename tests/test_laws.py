@@ -15,8 +15,7 @@ from mpmath import mp
 from numpy.polynomial import chebyshev, legendre
 
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.stroke import StrokeRequest, solved_stroke
+from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.ratio.laws.ellipse import elliptical_law
@@ -26,6 +25,7 @@ from ncgear.ratio.laws.table import displacement_table_law, ratio_table_law
 from ncgear.ratio.laws.three_segment import stroke_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Piece, Transmission
+from ncgear.ratio.working_stroke import StrokeRequest, solved_stroke
 from oracles import stroke as oracle
 from test_stroke import AT_LAW_SPEED, BALER
 

@@ -13,16 +13,27 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ncgear.design.load import load
-from ncgear.drive import Drive
-from ncgear.ledger.catalogue import PAPERS
-from ncgear.ledger.entry import Entry, Paper, Verdict
-from ncgear.ledger.gear_baler import published as gear_baler
-from ncgear.ledger.judgement import Contradicted, judged, judgement
-from ncgear.ledger.printed import HOLDS, Computed, Printed, Relation, from_readings, half_step, of, texts
-from ncgear.ledger.track_chassis import published as chassis
-from ncgear.ledger.track_chassis.spectra import LINE_HZ
-from ncgear.output.ledger import PAGE, ledger_page
+from ncgear.design.reading.design_file import load
+from ncgear.figures.ledger import PAGE, ledger_page
+from ncgear.papers.catalogue import PAPERS
+from ncgear.papers.entry import (
+    HOLDS,
+    Computed,
+    Entry,
+    Paper,
+    Printed,
+    Relation,
+    Verdict,
+    from_readings,
+    half_step,
+    of,
+    texts,
+)
+from ncgear.papers.gear_baler import published as gear_baler
+from ncgear.papers.judgement import Contradicted, judged, judgement
+from ncgear.papers.track_chassis import published as chassis
+from ncgear.papers.track_chassis.frequencies import LINE_HZ
+from ncgear.project.drive import Drive
 
 ROOT = Path(__file__).parents[1]
 

@@ -12,20 +12,16 @@ import pytest
 
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.kinematics.check import kinematic_check
-from ncgear.kinematics.slider import Machine
-from ncgear.machine.formula_resistance import FormulaResistance
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.polynomial_resistance import PolynomialResistance
-from ncgear.machine.resistance import Resistance
-from ncgear.machine.table_resistance import TableResistance
+from ncgear.kinematics.motion import Machine
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance, TableResistance
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
-from ncgear.optimum.certified.ceilings import Peaks
-from ncgear.optimum.certified.limit import Bound, least_acceleration, least_power
+from ncgear.optimum.certified.limit import Bound, least_acceleration, least_power, turning_point
 from ncgear.optimum.certified.problem import Problem
 from ncgear.optimum.certified.profile import fastest_motion
-from ncgear.optimum.certified.search import turning_point
+from ncgear.optimum.certified.road import Peaks
 from ncgear.optimum.certified.weighted import Weights, least_weighted_sum
 from ncgear.optimum.task import Limits, Task
 from ncgear.ratio.laws.uniform import uniform_law

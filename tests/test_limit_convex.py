@@ -7,9 +7,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from ncgear.machine.polynomial_resistance import PolynomialResistance
-from ncgear.machine.resistance import Resistance
-from ncgear.machine.table_resistance import TableResistance
+from ncgear.mechanisms.resistance import PolynomialResistance, Resistance, TableResistance
 from ncgear.optimum.certified.limit import least_acceleration
 from ncgear.optimum.task import Limits, Task
 from oracles import convex_limit

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 
 from ncgear.errors import WrongInput
-from ncgear.machine.linkage import CrankSlider, crank_of_stroke_mm
+from ncgear.mechanisms.crank_slider import CrankSlider, crank_of_stroke_mm
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet

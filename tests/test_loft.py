@@ -12,19 +12,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely import Polygon
 
+from ncgear.files.meshes import read_back, stl_bytes
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import signed_area
-from ncgear.output.stl import read_back, stl_bytes
 from ncgear.pitch.pair import sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
-from ncgear.solids import columns as columns_module
-from ncgear.solids import loft
-from ncgear.solids.columns import Columns, Limits, close_columns, sagittas, spread_columns, twists
-from ncgear.solids.loft import falls, lofted, middle_section
-from ncgear.solids.pieces import PER_TOOTH, Pieces, pieces_of
-from ncgear.solids.stack import Stack
+from ncgear.solids.helical import loft
+from ncgear.solids.helical import stack as columns_module
+from ncgear.solids.helical.loft import falls, lofted, middle_section
+from ncgear.solids.helical.sections import PER_TOOTH, Pieces, pieces_of
+from ncgear.solids.helical.stack import Columns, Limits, Stack, close_columns, sagittas, spread_columns, twists
 from ncgear.teeth.form import TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedGear, toothed_pair
 from ncgear.teeth.tips import Limit

@@ -10,24 +10,19 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from ncgear.kinematics.slider import Machine
-from ncgear.machine.formula_resistance import FormulaResistance
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.polynomial_resistance import PolynomialResistance
-from ncgear.machine.resistance import Resistance
-from ncgear.machine.table_resistance import TableResistance
+from ncgear.kinematics.motion import Machine
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance, TableResistance
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.limit import least_acceleration, least_power
 from ncgear.optimum.certified.weighted import Weights, least_weighted_sum
-from ncgear.optimum.judged import Figures, figures
+from ncgear.optimum.figures import Figures, figures
 from ncgear.optimum.makeable.kept import scales
-from ncgear.optimum.makeable.law import MakeableLaw, makeable_law
+from ncgear.optimum.makeable.law import MakeableLaw, makeable_law, random_starts, rough_start
 from ncgear.optimum.makeable.levels import levels
-from ncgear.optimum.makeable.reached import grid, lengths, ratios
-from ncgear.optimum.makeable.starts import random_starts, rough_start
-from ncgear.optimum.makeable.stations import stations
+from ncgear.optimum.makeable.reached import grid, lengths, ratios, stations
+from ncgear.optimum.makeable.wishes import Goal, Wishes
 from ncgear.optimum.task import Limits, Task
-from ncgear.optimum.wishes import Goal, Wishes
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.transmission import Lobes
 from test_kinematics import FIT, PRESS

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from loaded import frictionless, meshing
-from ncgear.dynamics.impact import Impact
-from ncgear.dynamics.meshing import Meshing, TwoShafts
+from ncgear.dynamics.meshing import Impact, Meshing, TwoShafts
 
 Array = np.ndarray
 PAIRS = [("uniform", 24), ("sine", 31), ("baler", 25)]

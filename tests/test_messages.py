@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 import ncgear
-from ncgear.design.angles import quantity
-from ncgear.design.balance import Balance
-from ncgear.design.reference.keys import keys_of
-from ncgear.design.schema import Design
+from ncgear.design.keys.balance import Balance
+from ncgear.design.keys.base import quantity
+from ncgear.design.keys.design import Design
+from ncgear.design.reference import keys_of
 
 SOURCE = Path(ncgear.__file__).parent
 RAISING = {"WrongInput", "NoSuchMechanism", "fault"}

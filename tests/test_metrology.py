@@ -12,19 +12,24 @@ import pytest
 import shapely
 
 from engaged import MODULE, TOLERANCE, made
-from ncgear.machine.rack import TipRelief
-from ncgear.metrology.chords import measuring_chords
-from ncgear.metrology.diameters import NEAR, SOLD_MM, nominal_pin_mm, pins_to_try
-from ncgear.metrology.pins import Misfit, Pins, pins_in_spaces
-from ncgear.metrology.radii import root_radii_mm, tip_radii_mm
-from ncgear.metrology.span import spans
-from ncgear.metrology.two_pins import over_two_pins
-from ncgear.metrology.working import WorkingFlanks, working_flanks
+from ncgear.metrology.pins import (
+    NEAR,
+    SOLD_MM,
+    Misfit,
+    Pins,
+    nominal_pin_mm,
+    over_two_pins,
+    pins_in_spaces,
+    pins_to_try,
+)
+from ncgear.metrology.span import measuring_chords, spans
+from ncgear.metrology.working import WorkingFlanks, root_radii_mm, tip_radii_mm, working_flanks
 from ncgear.pitch.pair import sized_pair
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import ToothedGear, toothed_pair
+from ncgear.teeth.rack import TipRelief
 from pairs import rack
 
 ANGLE = radians(20.0)

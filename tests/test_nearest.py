@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
-from ncgear.pitch.curve import PitchCurve
-from ncgear.pitch.nearest import nearest
+from ncgear.pitch.curve import PitchCurve, nearest
 from ncgear.pitch.pair import sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law

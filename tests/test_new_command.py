@@ -18,7 +18,8 @@ import ncgear
 from commands import Run
 from ncgear.design.beginning import ANSWERS, begun, fault_of, filled, proportioned, template_answers
 from ncgear.design.template import Law, template
-from ncgear.drive import load, loads
+from ncgear.project import drive as load
+from ncgear.project.drive import loads
 
 SOURCE = str(Path(ncgear.__file__).parents[1])
 PATIENCE_S = 60.0

@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 from commands import Outcome, Run
-from ncgear.design.load import load
-from ncgear.drive import Drive
-from ncgear.improvement import Improvement
+from ncgear.design.reading.design_file import load
+from ncgear.project.drive import Drive
+from ncgear.project.improvement import Improvement
 
 HEAD = """\
 # the press of hall 2

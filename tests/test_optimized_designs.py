@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ncgear.design.load import load
-from ncgear.improvement import Improvement
+from ncgear.design.reading.design_file import load
+from ncgear.project.improvement import Improvement
 from test_designs import DESIGNS, built
 
 TARGETS = {

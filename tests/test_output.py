@@ -17,17 +17,16 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import ncgear
+from ncgear.drawings import plots
+from ncgear.drawings.plots.curves import mark_extreme
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.kinematics.slider import SliderMotion
-from ncgear.output import plots
-from ncgear.output.build import build
-from ncgear.output.comparison import MIXED_SPEEDS, SAME_SPEED
-from ncgear.output.numbers import label_and_unit, shown
-from ncgear.output.plots.curves import mark_extreme
-from ncgear.output.publish import STAGING_PREFIX, prepare, publish
-from ncgear.output.report import WIDTH, summary_text, timing_text
-from ncgear.output.summary.pitch import pitch_summary
-from ncgear.output.tables import LAW_COLUMNS, law_csv, outline_csv
+from ncgear.figures.numbers import label_and_unit, shown
+from ncgear.figures.summary.build import pitch_summary
+from ncgear.figures.tables import LAW_COLUMNS, law_csv, outline_csv
+from ncgear.figures.terminal import MIXED_SPEEDS, SAME_SPEED, WIDTH, summary_text, timing_text
+from ncgear.files.build import build
+from ncgear.files.publish import STAGING_PREFIX, prepare, publish
+from ncgear.kinematics.motion import SliderMotion
 
 FILES = {"a.txt": b"first", "b.txt": b"second", "summary.json": b"{}"}
 
@@ -394,8 +393,8 @@ gears:
 
 
 def drive_of(text: str, folder: Path) -> Any:
-    from ncgear.design.load import load
-    from ncgear.drive import Drive
+    from ncgear.design.reading.design_file import load
+    from ncgear.project.drive import Drive
 
     path = folder / "small.yaml"
     path.write_text(text)
@@ -448,9 +447,9 @@ def test_gears_that_are_written_wrong_never_replace_good_ones(tmp_path: Path, mo
     """What is judged is what is written: here a solid whose teeth are a little too thick, beside a true table."""
     from shapely import Polygon
 
-    from ncgear.output import build as build_module
-    from ncgear.output.stl import stl_bytes
-    from ncgear.solids.extrude import extruded
+    from ncgear.files import build as build_module
+    from ncgear.files.meshes import stl_bytes
+    from ncgear.solids.mesh.layers import extruded
 
     out = tmp_path / "out"
     build(drive_of(DESIGN, tmp_path), out, lambda _: None)

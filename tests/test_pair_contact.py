@@ -10,9 +10,9 @@ import pytest
 from shapely import Polygon
 
 from engaged import MODULE, TOLERANCE, designed, least_driven_radius, made, outlines, read, written
-from ncgear.contact.as_written import Outlines
-from ncgear.contact.pair_contact import PairContact, pair_contact, refuse_bad_outlines
+from ncgear.contact.pair import PairContact, pair_contact, refuse_bad_outlines
 from ncgear.contact.placement import placed
+from ncgear.contact.written.outline_contact import Outlines
 from ncgear.errors import NoSuchMechanism
 
 ALPHA = radians(20.0)

@@ -13,10 +13,9 @@ from shapely import Polygon
 
 from engaged import MODULE, TOLERANCE, least_driven_radius, made
 from ncgear.contact.placement import Placement, placed
-from ncgear.contact.play import Play, outline_play
-from ncgear.contact.polar import polar_outline
-from ncgear.contact.radial_runs import NO_RUN, radial_runs
-from ncgear.contact.reach import BEYOND, reach_mm
+from ncgear.contact.written.outline_contact import BEYOND, reach_mm
+from ncgear.contact.written.outlines import NO_RUN, polar_outline, radial_runs
+from ncgear.contact.written.play import Play, outline_play
 from ncgear.pitch.shape import Mesh
 from oracles import meshing
 

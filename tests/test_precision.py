@@ -11,8 +11,6 @@ import numpy as np
 import pytest
 
 from commands import Run
-from ncgear.output.precision.page import page
-from ncgear.output.precision.words import level_text
 from ncgear.precision import (
     bases,
     catalogue,
@@ -29,6 +27,8 @@ from ncgear.precision.knee import knee
 from ncgear.precision.measure import measured, order
 from ncgear.precision.rates import rates
 from ncgear.precision.study import Measured, Method, Point, Size, Study
+from ncgear.precision.told.page import page
+from ncgear.precision.told.words import level_text
 
 PAGE = Path(__file__).parents[1] / "docs" / "speed-against-error.md"
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from ncgear.cli import progress
-from ncgear.design.load import load
-from ncgear.drive import loads
-from ncgear.output.build import WRITTEN_STAGES, build, contacts_as_written, stage_count
+from ncgear.design.reading.design_file import load
+from ncgear.files.build import WRITTEN_STAGES, build, contacts_as_written, stage_count
+from ncgear.project.drive import loads
 from ncgear.screening.screen import screened
 
 GEARS = """

@@ -18,14 +18,15 @@ from matplotlib.figure import Figure
 import ncgear
 import ncgear.plots
 from ncgear.design.template import template
-from ncgear.output.plots import Assembled
+from ncgear.drawings.plots.gears import Assembled
 
 ROOT = Path(__file__).parents[1]
 BALER = ROOT / "designs" / "baler.yaml"
 
 EXAMPLES = """
 import doctest, importlib, sys
-sys.exit(sum(doctest.testmod(importlib.import_module(name)).failed for name in ("ncgear.drive.load", "ncgear.plots")))
+modules = map(importlib.import_module, ("ncgear.project.drive", "ncgear.plots"))
+sys.exit(sum(doctest.testmod(module).failed for module in modules))
 """
 """In a process of its own, as the examples open figures of pyplot's."""
 

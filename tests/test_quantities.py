@@ -8,22 +8,20 @@ import mpmath
 import numpy as np
 import pytest
 
-from ncgear.kinematics.slider import Machine
-from ncgear.machine.linkage import CrankSlider
+from ncgear.kinematics.motion import Machine
+from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.judged import figures
+from ncgear.optimum.figures import figures
 from ncgear.optimum.makeable import quantities
 from ncgear.optimum.makeable.levels import Level
 from ncgear.optimum.makeable.quantities import Place
-from ncgear.optimum.makeable.reached import Grid, grid, lengths, ratios, reached
-from ncgear.optimum.makeable.stations import stations
+from ncgear.optimum.makeable.reached import Grid, grid, lengths, ratios, reached, stations
 from ncgear.optimum.task import Task
 from ncgear.pitch import shape
-from ncgear.pitch.arc import arc_length
+from ncgear.pitch.curve import arc_length
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.laws.harmonic import harmonic_law
-from ncgear.ratio.train import single
-from ncgear.ratio.transmission import Lobes, Transmission
+from ncgear.ratio.transmission import Lobes, Transmission, single
 from test_kinematics import PRESS
 from test_laws import BALER_LINKAGE, OFFSET
 

@@ -10,7 +10,7 @@ import pytest
 
 from engaged import MODULE
 from loaded import SMOOTH, frictionless, meshing
-from ncgear.dynamics.impact import Friction
+from ncgear.dynamics.meshing import Friction
 from ncgear.dynamics.quasi_static import loaded_contact
 from ncgear.errors import NoSuchMechanism
 

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ncgear.errors import WrongInput
-from ncgear.machine.rack import BasicRack
+from ncgear.teeth.rack import BasicRack
 from oracles import rack_cut
 from pairs import rack
 

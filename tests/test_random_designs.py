@@ -25,15 +25,15 @@ from hypothesis import strategies as st
 from shapely import Polygon
 
 import ncgear.cli
-from ncgear.cli.opened import opened
-from ncgear.design.schema import Design
-from ncgear.drive import Drive
+from ncgear.cli.arguments import opened
+from ncgear.design.keys.design import Design
 from ncgear.errors import DesignError
-from ncgear.output import build as build_module
-from ncgear.output.summary.check import check_summary
-from ncgear.output.tables import outline_csv
-from ncgear.output.workshop.kinds import USUAL
-from ncgear.output.written import outline_of_csv
+from ncgear.figures.summary.check import check_summary
+from ncgear.figures.tables import outline_csv
+from ncgear.files import build as build_module
+from ncgear.files.meshes import outline_of_csv
+from ncgear.files.workshop.kinds import USUAL
+from ncgear.project.drive import Drive
 from oracles import meshing
 from random_designs import Data, designs, spoiled_designs
 

@@ -20,13 +20,10 @@ from lxml.html import HtmlElement
 
 import reports
 from commands import Run
-from ncgear.kinematics.slider import SliderMotion
-from ncgear.output.page import REPORT_FILE
-from ncgear.output.page.chart import Chart, decimals_of
-from ncgear.output.page.gear_charts import gear_charts
-from ncgear.output.page.motion_charts import LOAD, MOTION
-from ncgear.output.page.sampling import SIDE_RAD, split_angles
-from ncgear.output.page.svg import drawn
+from ncgear.drawings.page import REPORT_FILE
+from ncgear.drawings.page.chart_svg import drawn
+from ncgear.drawings.page.charts import LOAD, MOTION, SIDE_RAD, Chart, decimals_of, gear_charts, split_angles
+from ncgear.kinematics.motion import SliderMotion
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "src" / "ncgear" / "output" / "page"

@@ -14,9 +14,7 @@ import numpy as np
 import pytest
 
 import reports
-from ncgear.output.page.chart import Chart
-from ncgear.output.page.gear_charts import gear_charts
-from ncgear.output.page.motion_charts import LOAD, MOTION
+from ncgear.drawings.page.charts import LOAD, MOTION, Chart, gear_charts
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 

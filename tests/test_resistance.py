@@ -9,16 +9,13 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from ncgear.design.load import load
-from ncgear.drive import Drive
+from ncgear.design.reading.design_file import load
 from ncgear.errors import WrongInput
 from ncgear.kinematics.check import kinematic_check, work_per_stroke_j
-from ncgear.kinematics.slider import Machine
-from ncgear.machine.formula_resistance import FormulaResistance
-from ncgear.machine.polynomial_resistance import PolynomialResistance
-from ncgear.machine.resistance import Resistance
-from ncgear.machine.table_resistance import TableResistance
+from ncgear.kinematics.motion import Machine
+from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance, TableResistance
 from ncgear.numerics.jet import Jet
+from ncgear.project.drive import Drive
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from test_design_file import HEAD, loaded, refusal

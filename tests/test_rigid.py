@@ -13,22 +13,16 @@ from hypothesis import strategies as st
 from mpmath import mp
 from scipy.optimize import brentq
 
-from ncgear.dynamics.fluctuation import Fluctuation, fluctuation
-from ncgear.dynamics.inverse import Loads, RigidMachine
-from ncgear.dynamics.joints import joint_forces
+from ncgear.dynamics.crank_load import reduced_inertia
+from ncgear.dynamics.joints import CrankPace, joint_forces
 from ncgear.dynamics.mesh_force import MeshPlace
-from ncgear.dynamics.pace import CrankPace
-from ncgear.dynamics.peaks import load_peaks
-from ncgear.dynamics.reduced import reduced_inertia
-from ncgear.dynamics.rigid import rigid_level
+from ncgear.dynamics.rigid import Fluctuation, Loads, RigidMachine, fluctuation, load_peaks, rigid_level
 from ncgear.errors import NoSuchMechanism
-from ncgear.kinematics.bodies import bodies
-from ncgear.kinematics.slider import Machine
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.masses import Masses
-from ncgear.machine.polynomial_resistance import PolynomialResistance
-from ncgear.machine.resistance import Resistance
-from ncgear.machine.table_resistance import TableResistance
+from ncgear.kinematics.motion import Machine
+from ncgear.mechanisms.bodies import bodies
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.resistance import PolynomialResistance, Resistance, TableResistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.pitch.shape import Mesh

@@ -8,16 +8,17 @@ from math import degrees, pi, radians
 import numpy as np
 import pytest
 
-from ncgear.balance.chain_drive import (
+from ncgear.balance.rotor import (
     ChainPhases,
     ChainUnbalance,
     Range,
+    TrialRun,
     WeightRun,
+    balanced,
     chain_unbalance,
     opposite_weight_g,
     predicted,
 )
-from ncgear.balance.influence import TrialRun, balanced
 from ncgear.errors import WrongInput
 
 

@@ -10,16 +10,14 @@ import numpy as np
 import pytest
 from shapely import LinearRing, Point, Polygon
 
-from ncgear.design.load import load
-from ncgear.drive import Drive
+from ncgear.design.reading.design_file import load
+from ncgear.drawings.scene.bodies import REST, Places, chamber_of
+from ncgear.drawings.scene.gears import SceneGear, ScenePair, mountings
+from ncgear.drawings.scene.scene import Poses, Scene
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.shape import Gear, Mesh
-from ncgear.scene.bodies import Places
-from ncgear.scene.chamber import REST, chamber_of
-from ncgear.scene.gears import SceneGear, ScenePair
-from ncgear.scene.mounting import mountings
-from ncgear.scene.scene import Poses, Scene
+from ncgear.project.drive import Drive
 from scenes import ASKEW, TWO_STAGES, carried, drive_of, scene, standing
 
 GEARED = ["baler", "ellipse", "internal-1-2", "pump-1-2", "uniform-crank", TWO_STAGES, "askew"]

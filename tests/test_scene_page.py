@@ -19,14 +19,13 @@ import shapely
 from shapely import LinearRing
 from svgelements import Path as SvgPath
 
-from ncgear.design.load import load
-from ncgear.drive import Drive
+from ncgear.design.reading.design_file import load
+from ncgear.drawings.page.data import TABLE_ERROR_RAD, angle_table, scene_data
+from ncgear.drawings.page.page import scene_script, scene_style
+from ncgear.drawings.page.scene_svg import closed_path, gear_tolerance_mm, grid_mm, scene_svg
+from ncgear.drawings.scene.scene import scene_of
 from ncgear.numerics.arrays import Array
-from ncgear.output.page.scene_data import TABLE_ERROR_RAD, angle_table, scene_data
-from ncgear.output.page.scene_files import scene_script, scene_style
-from ncgear.output.page.scene_svg import gear_tolerance_mm, scene_svg
-from ncgear.output.page.svg_path import closed_path, grid_mm
-from ncgear.scene.made import scene_of
+from ncgear.project.drive import Drive
 from scenes import TWO_STAGES, scene
 
 SCENES = ["baler", "ellipse", "internal-1-2", "pump-1-2", TWO_STAGES, "askew", "gearless"]

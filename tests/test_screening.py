@@ -9,14 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ncgear.design.load import load
-from ncgear.design.schema import Design
+from ncgear.design.keys.design import Design
+from ncgear.design.reading.design_file import load
 from ncgear.errors import DesignError
 from ncgear.numerics.arrays import Array
-from ncgear.screening import figures as figures_module
-from ncgear.screening.screen import screened
-from ncgear.screening.single import single_figures
-from ncgear.screening.table import CHECK_FIGURES, MADE, PITCH_FIGURES, Screened
+from ncgear.screening import rows as figures_module
+from ncgear.screening.rows import single_figures
+from ncgear.screening.screen import CHECK_FIGURES, MADE, PITCH_FIGURES, Screened, screened
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 

@@ -9,15 +9,20 @@ import numpy as np
 import pytest
 
 from mechanisms import AMPLITUDE, ASIDE, LINKAGE, MASSES, OFFSET, RPM, even, oracle, sampled, uneven
-from ncgear.balance.classical import Speed, classical_accelerations, failure
-from ncgear.balance.joint_masses import JointMasses, complete_balance, joint_masses, partial_counterweight_kg
-from ncgear.balance.mechanism import Carrier, Counterweight, Mechanism
-from ncgear.balance.shaking import Shaking, shaking
-from ncgear.dynamics.joints import joint_forces
-from ncgear.dynamics.pace import EvenPace
+from ncgear.balance.mechanism import (
+    Carrier,
+    Counterweight,
+    JointMasses,
+    Mechanism,
+    complete_balance,
+    joint_masses,
+    partial_counterweight_kg,
+)
+from ncgear.balance.shaking import Shaking, Speed, classical_accelerations, failure, shaking
+from ncgear.dynamics.joints import EvenPace, joint_forces
 from ncgear.errors import WrongInput
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.masses import Masses
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.masses import Masses
 from pairs import baler_law
 
 SLIDER = Masses(slider_kg=65.0)

@@ -7,7 +7,7 @@ import pytest
 from shapely import Polygon
 
 from engaged import designed, made
-from ncgear.contact.shortness import refuse_short_contact
+from ncgear.contact.pair import refuse_short_contact
 from ncgear.errors import NoSuchMechanism
 from oracles import meshing
 

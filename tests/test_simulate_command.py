@@ -15,9 +15,9 @@ import trimesh
 from ruamel.yaml import YAML
 
 from commands import Outcome, Run
-from ncgear.design.load import load
+from ncgear.design.reading.design_file import load
 from ncgear.design.template import template
-from ncgear.drive import Drive
+from ncgear.project.drive import Drive
 
 ROOT = Path(__file__).parents[1]
 DESIGN = ROOT / "designs" / "baler-dynamics.yaml"
@@ -214,9 +214,9 @@ def after_simulating(check: str) -> set[str]:
 import json, sys
 from ncgear.design.load import load
 from pathlib import Path
-from ncgear.drive import Drive
+from ncgear.project.drive import Drive
 from ncgear.dynamics.level import Level
-from ncgear.output.simulation.files import simulate
+from ncgear.files.simulation import simulate
 drive = Drive(load(Path({str(DESIGN)!r})).design)
 simulate(drive, Level.RIGID)
 {check}

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from commands import Outcome, Run
-from ncgear.design.load import load
-from ncgear.drive import Drive
-from ncgear.recipe.simulation import impact_of
+from ncgear.design.reading.design_file import load
+from ncgear.project.drive import Drive
+from ncgear.project.forces import impact_of
 
 DESIGN = Path(__file__).parents[1] / "designs" / "baler-dynamics.yaml"
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ncgear.errors import WrongInput
-from ncgear.pitch.sizing import Size, solved_size
+from ncgear.pitch.pair import Size, solved_size
 from ncgear.ratio.transmission import Lobes
 
 CIRCLES = pi

@@ -10,15 +10,13 @@ import trimesh.creation
 from shapely import Point, Polygon
 
 from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.files.meshes import read_back, stl_bytes
 from ncgear.numerics.arrays import Array
-from ncgear.output.stl import read_back, stl_bytes
 from ncgear.solids.assembly import Placed, assembly_report, met_at, outline_radius_mm
-from ncgear.solids.blank import Blank
-from ncgear.solids.bore import Bore, Keyway, bore_points, circle_points
-from ncgear.solids.extrude import extruded, gear_solid
-from ncgear.solids.index_hole import INNER_WALL_IN_MODULES, OUTER_WALL_IN_MODULES, index_hole
-from ncgear.solids.pair import driven_solid, driving_solid
-from ncgear.solids.section import full_disc, largest_bore_mm
+from ncgear.solids.mesh.layers import extruded, gear_solid
+from ncgear.solids.mesh.pair import driven_solid, driving_solid
+from ncgear.solids.plan.body import Blank, Bore, Keyway, bore_points, circle_points
+from ncgear.solids.plan.room import INNER_WALL_IN_MODULES, OUTER_WALL_IN_MODULES, full_disc, index_hole, largest_bore_mm
 
 TOLERANCE = 0.005
 MODULE = 2.5
@@ -157,7 +155,7 @@ def test_outline_that_crosses_itself_is_refused_where_it_does() -> None:
 
 
 def test_a_section_whose_mesh_is_wrong_is_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("ncgear.solids.layered.joined", lambda _: trimesh.creation.box((1.0, 1.0, 1.0)))
+    monkeypatch.setattr("ncgear.solids.mesh.layers.joined", lambda _: trimesh.creation.box((1.0, 1.0, 1.0)))
     with pytest.raises(RuntimeError, match="mm3"):
         extruded(Polygon(wavy(100)), 20.0)
 

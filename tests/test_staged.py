@@ -9,8 +9,7 @@ import pytest
 from mpmath import mp, mpf
 
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.ratio.laws.harmonic import harmonic_law
-from ncgear.ratio.laws.staged import StagedLaw, staged_law
+from ncgear.ratio.laws.harmonic import StagedLaw, harmonic_law, staged_law
 from ncgear.ratio.transmission import Lobes
 
 DIGITS = 30

@@ -18,20 +18,17 @@ pytest.importorskip("OCP", reason="python -m pip install 'ncgear[step]' installs
 
 from closeness import farthest, farthest_from_pieces
 from commands import Run
-from ncgear.design.load import load
-from ncgear.drive import Drive
+from ncgear.design.reading.design_file import load
 from ncgear.errors import WrongInput
+from ncgear.files.workshop.step import SHARE, VOLUME_TOLERANCE, Part, _read, part_bytes, require_same, step_files
 from ncgear.numerics.plane import signed_area
-from ncgear.output.workshop.step import step_files
-from ncgear.output.workshop.step_document import Part, part_bytes
-from ncgear.output.workshop.step_read import VOLUME_TOLERANCE, _read, require_same
-from ncgear.output.workshop.step_shapes import SHARE
 from ncgear.pitch.shape import Gear
-from ncgear.solids import patches
-from ncgear.solids.body import BodyPlan
+from ncgear.project.drive import Drive
 from ncgear.solids.brep.gear import gear_shape
-from ncgear.solids.brep.parts import volume_mm3
-from ncgear.solids.sections import Sections
+from ncgear.solids.brep.shapes import volume_mm3
+from ncgear.solids.helical import patches
+from ncgear.solids.helical.sections import Sections
+from ncgear.solids.plan.body import BodyPlan
 from ncgear.teeth.contour import Contour, Spline, contour_of
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.outline import ChordTolerance, outline_points
@@ -406,5 +403,5 @@ def test_a_build_writes_the_kind_that_is_asked_for(run: Run, tmp_path: Path) -> 
 
 def test_nothing_but_steps_needs_the_library() -> None:
     """The module that others import loads it only when it is asked for files."""
-    code = "import sys, ncgear.output.build, ncgear.output.workshop.step; sys.exit('OCP' in sys.modules)"
+    code = "import sys, ncgear.files.build, ncgear.files.workshop.step; sys.exit('OCP' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -14,9 +14,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
 
-from ncgear.design.motion import ThreeSegmentStroke
+from ncgear.design.keys.motion import ThreeSegmentStroke
 from ncgear.errors import NoSuchMechanism
-from ncgear.machine.stroke import StrokeRequest, WorkingStroke, solved_stroke
+from ncgear.ratio.working_stroke import StrokeRequest, WorkingStroke, solved_stroke
 from oracles import stroke as oracle
 
 RPM = pi / 30.0

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from commands import Outcome, Run
-from ncgear.design.load import load
+from ncgear.design.reading.design_file import load
 from ncgear.design.template import Law, template
 from ncgear.design.varied import MOST_DESIGNS
-from ncgear.screening.single import single_figures
+from ncgear.screening.rows import single_figures
 
 SPEEDS = "motion.v1_mm_s=1500:1700:3"
 

@@ -12,7 +12,6 @@ from scipy.optimize import brentq
 from shapely import Polygon
 
 from ncgear.errors import WrongInput
-from ncgear.machine.rack import BasicRack, TipRelief
 from ncgear.numerics.crossing import refined_crossings
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
@@ -20,10 +19,10 @@ from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.teeth import fitting
-from ncgear.teeth.flank import flanks_of
+from ncgear.teeth.flank import flanks_of, mating_flanks
 from ncgear.teeth.form import Cutter, CutterKind, TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
-from ncgear.teeth.meeting import mating_flanks
+from ncgear.teeth.rack import BasicRack, TipRelief
 from ncgear.teeth.regular import regular_depth, regular_height
 from ncgear.teeth.tips import Limit, Tips, tip_crossing
 from ncgear.teeth.tool import RackLine

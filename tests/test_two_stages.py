@@ -14,25 +14,24 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from ncgear.design.load import load
-from ncgear.drive import Drive
+from ncgear.design.reading.design_file import load
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.improvement import Improvement
-from ncgear.optimum.judged import figures as figures_of
+from ncgear.figures.summary.check import check_summary
+from ncgear.figures.terminal import build_text, check_text, timing_text
+from ncgear.files.build import build
+from ncgear.files.workshop.kinds import Format
+from ncgear.optimum.figures import figures as figures_of
 from ncgear.optimum.makeable import quantities
 from ncgear.optimum.makeable.levels import Scales, levels
-from ncgear.optimum.makeable.reached import grid, lengths, ratios, reached
-from ncgear.optimum.makeable.stages import pairs
-from ncgear.optimum.makeable.stations import stations
+from ncgear.optimum.makeable.quantities import pairs
+from ncgear.optimum.makeable.reached import grid, lengths, ratios, reached, stations
+from ncgear.optimum.makeable.wishes import TwoStages
 from ncgear.optimum.task import Task
-from ncgear.optimum.wishes import TwoStages
-from ncgear.output.build import build
-from ncgear.output.report import build_text, check_text, timing_text
-from ncgear.output.summary.check import check_summary
-from ncgear.output.workshop.kinds import Format
 from ncgear.pitch.pair import largest_tangent_angle_rad, sized_pair
 from ncgear.pitch.shape import Gear
-from ncgear.ratio.laws.staged import staged_law
+from ncgear.project.drive import Drive
+from ncgear.project.improvement import Improvement
+from ncgear.ratio.laws.harmonic import staged_law
 from ncgear.ratio.transmission import Lobes
 from oracles import meshing
 from test_designs import DESIGNS, FILES

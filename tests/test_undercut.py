@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy.special import ellipe
 
-from ncgear.machine.rack import BasicRack
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
@@ -17,9 +16,9 @@ from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.flank import FLANK, Flanks, flanks_of
 from ncgear.teeth.form import TipLimits, ToothForm
-from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
+from ncgear.teeth.gear import ToothedGear, ToothedPair, shift_against_undercut, teeth_free_of_undercut, toothed_pair
+from ncgear.teeth.rack import BasicRack
 from ncgear.teeth.regular import regular_depth, regular_height
-from ncgear.teeth.shift import shift_against_undercut, teeth_free_of_undercut
 from ncgear.teeth.tips import Limit
 from ncgear.teeth.tool import RackLine
 from pairs import baler_law, rack, sine_law

@@ -12,9 +12,10 @@ from matplotlib.figure import Figure
 
 import reports
 from ncgear import plots
-from ncgear.drive import Drive
-from ncgear.output.plots import loads, time_rows
-from ncgear.output.units import THOUSANDS, readable
+from ncgear.drawings.plots import curves as loads
+from ncgear.drawings.plots import curves as time_rows
+from ncgear.figures.numbers import THOUSANDS, readable
+from ncgear.project.drive import Drive
 
 
 @pytest.mark.parametrize(

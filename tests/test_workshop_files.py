@@ -20,15 +20,14 @@ from svgelements import Path as SvgPath
 from trimesh import Trimesh
 
 from commands import Run
-from ncgear.design.load import load
-from ncgear.drive import Drive
+from ncgear.design.reading.design_file import load
+from ncgear.drawings.plots.canvas import DRIVEN, DRIVING
+from ncgear.files.workshop.drawing import CUT_THROUGH, Layer, pitch_points
+from ncgear.files.workshop.formats import NAMES, WRITERS, workshop_files
+from ncgear.files.workshop.kinds import USUAL
 from ncgear.numerics.arrays import Array
-from ncgear.output.plots.canvas import DRIVEN, DRIVING
-from ncgear.output.workshop.drawing import CUT_THROUGH, Layer
-from ncgear.output.workshop.formats import NAMES, WRITERS, workshop_files
-from ncgear.output.workshop.gear_drawing import pitch_points
-from ncgear.output.workshop.kinds import USUAL
 from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
 from oracles import dxf
 
 ROOT = Path(__file__).parents[1]

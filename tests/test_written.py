@@ -10,14 +10,11 @@ import trimesh.creation
 from shapely import Polygon
 from trimesh.exchange.stl import export_stl
 
-from ncgear.output.stl import stl_bytes
-from ncgear.output.tables import outline_csv
-from ncgear.output.written import FOOT_MM, outline_of_csv, outline_of_stl, section_rings, written_outlines
-from ncgear.solids.blank import Blank
-from ncgear.solids.body import Hub
-from ncgear.solids.bore import Bore, Keyway
-from ncgear.solids.extrude import gear_solid
-from ncgear.solids.pair import SolidPair, driven_solid, driving_solid
+from ncgear.figures.tables import outline_csv
+from ncgear.files.meshes import FOOT_MM, outline_of_csv, outline_of_stl, section_rings, stl_bytes, written_outlines
+from ncgear.solids.mesh.layers import gear_solid
+from ncgear.solids.mesh.pair import SolidPair, driven_solid, driving_solid
+from ncgear.solids.plan.body import Blank, Bore, Hub, Keyway
 
 Array = np.ndarray
 

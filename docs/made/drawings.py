@@ -11,11 +11,11 @@ import numpy as np
 from matplotlib.axes import Axes
 
 import ncgear
+from ncgear.drawings.pictures import drawn_teeth, positions_at
+from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, HIGHLIGHT, INK, REFERENCE, Margins, dress, figure, png
+from ncgear.drawings.plots.gears import draw_mesh, turned
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
-from ncgear.output.pictures import drawn_teeth, positions_at
-from ncgear.output.plots.canvas import DRIVEN, DRIVING, HIGHLIGHT, INK, REFERENCE, Margins, dress, figure, png
-from ncgear.output.plots.pairs import draw_mesh, turned
 
 DESIGNS = Path(__file__).parents[2] / "designs"
 

@@ -6,10 +6,9 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import Any
 
-from ncgear.design.balance import Balance
-from ncgear.design.reference.keys import Key, keys_of
-from ncgear.design.reference.values import allowed, default_words, unit_of
-from ncgear.design.schema import Design
+from ncgear.design.keys.balance import Balance
+from ncgear.design.keys.design import Design
+from ncgear.design.reference import Key, allowed, default_words, keys_of, unit_of
 
 MADE = "<!-- Made by `make docs` from the models that check such files. -->"
 

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import ncgear.plots as plots
-    from ncgear.drive import Drive, load, loads
     from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
+    from ncgear.project.drive import Drive, load, loads
 
 __version__ = "0.1.0"
 
@@ -20,11 +20,11 @@ __all__ = ["DesignError", "Drive", "NoSuchMechanism", "WrongInput", "__version__
 
 _ROOMS = {
     "DesignError": "ncgear.errors",
-    "Drive": "ncgear.drive",
+    "Drive": "ncgear.project.drive",
     "NoSuchMechanism": "ncgear.errors",
     "WrongInput": "ncgear.errors",
-    "load": "ncgear.drive",
-    "loads": "ncgear.drive",
+    "load": "ncgear.project.drive",
+    "loads": "ncgear.project.drive",
 }
 """Where the public names live."""
 

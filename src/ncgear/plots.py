@@ -18,10 +18,12 @@ from math import degrees
 import numpy as np
 from matplotlib.axes import Axes
 
-from ncgear.drive import Drive
-from ncgear.output.pictures import drawn_pitch_curves, drawn_teeth, motion_joints_rad, positions_at
-from ncgear.output.plots import curves, mesh, pairs
-from ncgear.output.plots.angle_axis import angle_scale
+from ncgear.drawings.pictures import drawn_pitch_curves, drawn_teeth, motion_joints_rad, positions_at
+from ncgear.drawings.plots import contact as mesh
+from ncgear.drawings.plots import curves
+from ncgear.drawings.plots import gears as pairs
+from ncgear.drawings.plots.canvas import angle_scale
+from ncgear.project.drive import Drive
 
 __all__ = [
     "acceleration",

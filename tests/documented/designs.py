@@ -16,11 +16,11 @@ from typing import Any
 
 from ruamel.yaml import YAML
 
-from ncgear.balancing import Balancing
-from ncgear.design.load import load
-from ncgear.design.load_balance import load_balance
-from ncgear.drive import Drive
-from ncgear.output.balance.figures import figures_of
+from ncgear.design.reading.balance_file import load_balance
+from ncgear.design.reading.design_file import load
+from ncgear.figures.balance import figures_of
+from ncgear.project.balancing import Balancing
+from ncgear.project.drive import Drive
 
 HEAD = re.compile(r"\A# (in |part of |)([\w./-]+\.yaml)\n")
 

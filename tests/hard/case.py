@@ -12,11 +12,11 @@ from typing import Any
 from pydantic import ValidationError
 from ruamel.yaml import YAML
 
-from ncgear.design.load import load
-from ncgear.design.messages import problems
-from ncgear.design.schema import Design
-from ncgear.drive import Drive
+from ncgear.design.keys.design import Design
+from ncgear.design.reading.design_file import load
+from ncgear.design.reading.messages import problems
 from ncgear.errors import WrongInput
+from ncgear.project.drive import Drive
 
 FOLDER = Path(__file__).parents[1] / "cases"
 

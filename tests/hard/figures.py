@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from mpmath import mp
 
-from ncgear.drive import Drive
 from ncgear.numerics.extrema import Extremum
+from ncgear.project.drive import Drive
 from oracles import laws
 
 SHARES = (0.013, 0.171, 0.322, 0.489, 0.631, 0.787, 0.938)

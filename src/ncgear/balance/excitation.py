@@ -12,8 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncgear.balance.accelerations import WRIST, accelerations
-from ncgear.balance.mechanism import Mechanism
+from ncgear.balance.mechanism import WRIST, Mechanism, accelerations
 from ncgear.balance.waveform import Waveform
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
 

@@ -2,6 +2,17 @@
 
 Turned by the direction of its slider's line, mirrored where its crank turns the other way, and ahead by its phase, the
 force of each is exact; so is the sum.
+
+How much of the inertia forces of two cranks on one frame is left when they work against each other.
+
+Forces of crank-sliders of equal speed, crank radius (else give masses times radius) and with long rods: the
+reciprocating mass m_C gives m_C cos, the rotating one a vector that turns.  C. Wei, L. Xu, J. Wang, Y. Li, Int. J.
+Agric. & Biol. Eng. 11 (2018) 129-137, eqs. 9 to 16; that paper's second share depends on the phase where the integral
+it states does not.
+
+Counterweight at the tail of a chassis on two supports, against a slider's inertia and against dead weight.
+
+Moments about the supports: Z. Tang, Y. Li, Y. Zhou, H. Zhang, Shock and Vibration 2019, eqs. 16 to 20.
 """
 
 from __future__ import annotations
@@ -9,15 +20,17 @@ from __future__ import annotations
 from cmath import exp
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import pi
+from math import pi, sin
 
 import numpy as np
+from scipy.special import ellipe
 
-from ncgear.balance.mechanism import Counterweight, Mechanism
-from ncgear.balance.shaking import Shaking, shaking
-from ncgear.balance.track import TRACK_POINTS, Track
+from ncgear.balance.mechanism import Counterweight, JointMasses, Mechanism
+from ncgear.balance.shaking import TRACK_POINTS, Shaking, Track, shaking
 from ncgear.balance.waveform import Waveform
 from ncgear.errors import WrongInput
+from ncgear.kinematics.motion import Machine
+from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
@@ -151,3 +164,105 @@ def _breaks(one: Mounted, of: Shaking, cycle: float) -> Array:
     times = round(cycle / of.along.cycle_rad)
     starts = np.arange(times)[:, None] * of.along.cycle_rad
     return np.mod((starts + one.mechanism.breaks_rad - one.phase_rad).ravel(), cycle)
+
+
+@dataclass(frozen=True)
+class Crank:
+    """One crank: masses at its joints, the angle of its crank at time zero in rad, and its sense of turning.
+
+    Angles count from the direction of the slider's line, positive in the positive sense.
+    """
+
+    masses: JointMasses
+    phase_rad: float
+    sense: int = 1
+
+
+def reciprocating_share(one: Crank, other: Crank) -> float:
+    """eta1: mean size of the sum of both reciprocating forces, by the sum of their mean sizes.
+
+    cos(s w t + phase) is the real part of exp(i (w t + s phase)): both swing at one frequency, so their sum does.
+    """
+    first, second = _reciprocating(one), _reciprocating(other)
+    return abs(first + second) / (abs(first) + abs(second))
+
+
+def rotating_share(one: Crank, other: Crank) -> float:
+    """eta2: mean size of the sum of both rotating forces, by the sum of their sizes.
+
+    Turning alike, they keep their angle.  Turning against each other, the sum runs on an ellipse with half axes of the
+    masses' sum and difference; its mean size is a complete elliptic integral, whatever the phases.
+    """
+    first, second = one.masses.rotating_kg, other.masses.rotating_kg
+    if one.sense == other.sense:
+        turned = exp(1j * (other.phase_rad - one.phase_rad))
+        return abs(first + second * turned) / (abs(first) + abs(second))
+    # 2/pi E(k^2) of an ellipse with half axes a = 1 and b = sqrt(1 - k^2)
+    return 2.0 / pi * float(ellipe(4.0 * abs(first * second) / (abs(first) + abs(second)) ** 2))
+
+
+def best_phase_rad(one: Crank, other: Crank) -> float:
+    """Phase of ``one`` in [0, 2 pi) at which its reciprocating force is opposed to that of ``other``: least eta1."""
+    opposed = pi + other.sense * other.phase_rad
+    return one.sense * opposed % (2.0 * pi)
+
+
+def combined_counterweight_kg(one: JointMasses, shares: tuple[float, float], arm_ratio: float, share: float) -> float:
+    """Counterweight of one of two cranks that help each other: (r/r') (eta2 m_B + k eta1 m_C), shares (eta1, eta2)."""
+    reciprocating, rotating = shares
+    return arm_ratio * (rotating * one.rotating_kg + share * reciprocating * one.reciprocating_kg)
+
+
+def _reciprocating(crank: Crank) -> complex:
+    return crank.masses.reciprocating_kg * exp(1j * crank.sense * crank.phase_rad)
+
+
+GRAVITY_M_S2 = 9.81
+"""As the paper has it; it cancels out of the dead weight."""
+
+
+@dataclass(frozen=True)
+class Chassis:
+    """Levers in mm from the centre of gravity: of the supports (both alike) and of the counterweight.
+
+    ``tilt_rad`` is the slope of the slider's line against the ground.
+    """
+
+    support_mm: float
+    counterweight_mm: float
+    tilt_rad: float
+
+
+def dynamic_counterweight_kg(chassis: Chassis, force_n: float) -> float:
+    """M1 = F a sin(tilt) / (c g): weight that holds the vertical part of an inertia force along the slider's line."""
+    return abs(force_n) * sin(chassis.tilt_rad) * chassis.support_mm / (chassis.counterweight_mm * GRAVITY_M_S2)
+
+
+def static_counterweight_kg(chassis: Chassis, slider_kg: float, weight_kg: float, weight_lever_mm: float) -> float:
+    """M2 = (a m1 + d m2) / c: weight that brings the centre of gravity back between the supports."""
+    moment = chassis.support_mm * slider_kg + weight_lever_mm * weight_kg
+    return moment / chassis.counterweight_mm
+
+
+@dataclass(frozen=True)
+class DynamicCounterweights:
+    """M1 in kg: at both dead centres, and the largest over the driving angle, which it takes to be safe."""
+
+    extended_kg: float
+    retracted_kg: float
+    worst_kg: Extremum
+
+
+def dynamic_counterweights(chassis: Chassis, mechanism: Mechanism) -> DynamicCounterweights:
+    """What the shaking force along the slider's line asks for, from the exact motion.
+
+    The paper's weight is that of the retracted dead centre; evenly driven, the force is larger at the extended one.
+    """
+    along = shaking(mechanism).along
+    machine = Machine(mechanism.transmission, mechanism.linkage, PolynomialResistance(), mechanism.speed_rad_s)
+    at_ends = along(np.array([machine.extended_rad, 0.0]))
+    largest = max(along.extremes, key=lambda extremum: abs(extremum.value))
+    extended, retracted, worst = (
+        dynamic_counterweight_kg(chassis, float(force)) for force in (*at_ends, largest.value)
+    )
+    return DynamicCounterweights(extended, retracted, Extremum(worst, largest.at))

@@ -1,6 +1,25 @@
-"""A crank-slider with masses and counterweights, driven at constant speed through any law, and how its places change.
+"""Masses brought to the joints, and the counterweights that statics finds from them.
+
+Every mass on the crank or the rod moves its centre as if parts of it were at the crank pin and at the slider.  With the
+pin at c and the wrist at w, a mass m on the rod at the share d of the way from pin to wrist has its place at
+(1 - d) c + d w; so all first moments together are P c + S w, whatever the drive.  P is the rotating mass (m_B), S the
+reciprocating one (m_C).  C. Wei, L. Xu, J. Wang, Y. Li, "Inertial force balance and ADAMS simulation of the oscillating
+sieve and return pan of a rice combine harvester", Int. J. Agric. & Biol. Eng. 11 (2018) 129-137, eqs. 1 and 6 to 8.
+
+A crank-slider with masses and counterweights, driven at constant speed through any law, and how its places change.
 
 Frame and pose as in ``machine.linkage``.  Points of the plane are complex numbers x + i y.
+
+The few functions of the driving angle of which all shaking forces and moments of a crank-slider are sums.
+
+By the driving angle, with the pin c = r exp(-i q), the wrist w = x + i e, the rod's angle b and the share d of a mass
+on the rod, the place (1 - d) c + d w has the second derivative (1 - d) c'' + d x'', and its moment of acceleration
+about the axis is
+
+    Im(conj(p) p'') = |1 - d|^2 Im(conj(c) c'') + |d|^2 Im(conj(w) w'') + Im(K conj(c) w'' + conj(K) conj(w) c''),
+    K = conj(1 - d) d,  Im(conj(c) c'') = -r^2 q'',  Im(conj(w) w'') = -e x''
+
+So counterweights change coefficients only, and one resolved form serves them all.
 """
 
 from __future__ import annotations
@@ -12,12 +31,84 @@ from math import pi
 
 import numpy as np
 
-from ncgear.kinematics.bodies import Bodies, bodies
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.masses import Masses
+from ncgear.errors import WrongInput
+from ncgear.mechanisms.bodies import Bodies, bodies
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.masses import Masses
+from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, ComplexArray
-from ncgear.numerics.vector import Vector
+from ncgear.numerics.chebyshev import PiecewiseChebyshev
+from ncgear.numerics.plane import Vector
 from ncgear.ratio.transmission import Transmission
+
+
+@dataclass(frozen=True)
+class JointMasses:
+    """Masses in kg at the crank pin and at the slider that move the common centre of mass as the parts do."""
+
+    rotating_kg: float
+    reciprocating_kg: float
+
+
+@dataclass(frozen=True)
+class CompleteBalance:
+    """Counterweights in kg beyond the crank pin on the rod and beyond the axis on the crank, and the mass at the
+    pin."""
+
+    rod_kg: float
+    pin_kg: float
+    crank_kg: float
+
+
+def joint_masses(linkage: CrankSlider, masses: Masses) -> JointMasses:
+    """m_B = m_crank c/r + m_rod (1 - d/l), m_C = m_rod d/l + m_slider."""
+    share = masses.rod_center_mm / linkage.rod_mm
+    crank = masses.crank_kg * masses.crank_center_mm / linkage.crank_mm
+    return JointMasses(crank + masses.rod_kg * (1.0 - share), masses.rod_kg * share + masses.slider_kg)
+
+
+def complete_balance(linkage: CrankSlider, masses: Masses, rod_arm_mm: float, crank_arm_mm: float) -> CompleteBalance:
+    """The two counterweights that keep the common centre of mass on the crank axis, at arms in mm beyond pin and axis.
+
+    The one on the rod brings slider and rod to the pin, the one on the crank brings that to the axis.  They hold for
+    every drive, circular or not; the shaking moment stays.  Z. Tang, Y. Li, Y. Zhou, H. Zhang, "Inertial Vibration
+    Characteristics of Track Chassis Caused by Reciprocating Motion of Crank Slider", Shock and Vibration 2019,
+    section 3.1.  Raises WrongInput for arms that are not positive, and where a part is too heavy on that side already.
+    """
+    require_arm(rod_arm_mm, "rod_arm_mm")
+    require_arm(crank_arm_mm, "crank_arm_mm")
+    about_pin = masses.slider_kg * linkage.rod_mm + masses.rod_kg * masses.rod_center_mm
+    rod = _required(about_pin, rod_arm_mm, "rod_arm_mm")
+    pin = rod + masses.slider_kg + masses.rod_kg
+    about_axis = pin * linkage.crank_mm + masses.crank_kg * masses.crank_center_mm
+    return CompleteBalance(rod, pin, _required(about_axis, crank_arm_mm, "crank_arm_mm"))
+
+
+def partial_counterweight_kg(linkage: CrankSlider, at_joints: JointMasses, arm_mm: float, share: float) -> float:
+    """m_D = (r/r') (m_B + k m_C) opposite the pin at an arm r' in mm, k being the share of the reciprocating mass.
+
+    The rotating mass is balanced wholly; k = 1 would move all of the reciprocating mass's first harmonic across the
+    slider's line, 1/2 halves it in both directions, and 1/3 to 1/2 is usual.  Raises WrongInput for an arm that is not
+    positive.
+    """
+    require_arm(arm_mm, "arm_mm")
+    return linkage.crank_mm / arm_mm * (at_joints.rotating_kg + share * at_joints.reciprocating_kg)
+
+
+def require_arm(arm_mm: float, key: str) -> None:
+    """Refuse an arm that is not positive; raises WrongInput for ``key``."""
+    if not arm_mm > 0.0:
+        raise WrongInput(f"{arm_mm:g} mm is no arm of a counterweight; a positive one is needed", key=key)
+
+
+def _required(moment_kg_mm: float, arm_mm: float, key: str) -> float:
+    if moment_kg_mm < 0.0:
+        raise WrongInput(
+            f"the part is too heavy by {-moment_kg_mm:.6g} kg mm on the counterweight's side already; "
+            "move its centre of mass towards the slider or the pin",
+            key=key,
+        )
+    return moment_kg_mm / arm_mm
 
 
 class Carrier(StrEnum):
@@ -106,3 +197,40 @@ class Mechanism:
 def as_complex(place: Vector, derivative: int) -> ComplexArray:
     """A derivative of a place whose coordinates are jets, shape (n,)."""
     return np.asarray(place.x.derivative(derivative) + 1j * place.y.derivative(derivative))
+
+
+PIN_X, PIN_Y, WRIST, CRANK, ROD, TOGETHER, ASIDE = range(7)
+"""Rows of the functions: c''/r, x''/r, q'', b'', Im(conj(c) w'' + conj(w) c'')/(r l), Re(conj(c) w'' - conj(w) c'')/(r
+l).
+
+All are near one, so that each is resolved as well as the others."""
+
+
+@dataclass(frozen=True, eq=False)
+class Accelerations:
+    """The functions on one cycle; ``form`` has values of shape (7,)."""
+
+    form: PiecewiseChebyshev
+
+    def combined(self, weights: Array) -> PiecewiseChebyshev:
+        """Sums of the functions, ``weights`` of shape (7,) or (7, k)."""
+        return PiecewiseChebyshev(self.form.breaks, self.form.coefficients @ weights)
+
+
+def accelerations(mechanism: Mechanism) -> Accelerations:
+    """The functions of a mechanism, resolved to rounding error; its masses do not matter.
+
+    Raises NotSmooth where the law's second derivative is not finite.
+    """
+    return Accelerations(chebyshev.fitted(lambda phi1: functions_at(mechanism, phi1), mechanism.breaks_rad))
+
+
+def functions_at(mechanism: Mechanism, phi1_rad: Array) -> Array:
+    """The functions at driving angles of shape (n,), shape (n, 7)."""
+    crank, rod, at = mechanism.linkage.crank_mm, mechanism.linkage.rod_mm, mechanism.bodies(phi1_rad)
+    pin, wrist = (as_complex(place, 0) for place in (at.pin, at.wrist))
+    pin_2, wrist_2 = (as_complex(place, 2) for place in (at.pin, at.wrist))
+    one, other = np.conj(pin) * wrist_2, np.conj(wrist) * pin_2
+    both = (one + other).imag / (crank * rod), (one - other).real / (crank * rod)
+    alone = at.crank_angle.derivative(2), at.rod_angle.derivative(2)
+    return np.column_stack([pin_2.real / crank, pin_2.imag / crank, wrist_2.real / crank, *alone, *both])

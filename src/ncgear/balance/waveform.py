@@ -20,7 +20,7 @@ from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
 from ncgear.numerics.extrema import Extremum
-from ncgear.numerics.roots import all_zeros
+from ncgear.numerics.zeros import all_zeros
 
 NODES = 40
 """Gauss points of a panel: exact to degree 79, so for the square of a panel of degree 24, and for its product with half

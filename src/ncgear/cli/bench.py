@@ -17,10 +17,10 @@ def bench(
     ] = None,
 ) -> None:
     """Measure speed against error of every number ncgear reports; write a page of tables, and plots."""
-    from ncgear.output.precision.files import bench_text, write
-    from ncgear.output.publish import prepare
+    from ncgear.files.publish import prepare
     from ncgear.precision.catalogue import made
     from ncgear.precision.measure import measured
+    from ncgear.precision.told.files import bench_text, write
 
     studies, left_out = made(only or [])
     prepare(out)

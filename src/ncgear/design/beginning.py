@@ -9,12 +9,12 @@ from typing import Any
 from pydantic import ValidationError
 from ruamel.yaml import YAML
 
-from ncgear.design.messages import problems
-from ncgear.design.positions import read_yaml
-from ncgear.design.schema import Design
+from ncgear.design.keys.design import Design
+from ncgear.design.reading.messages import problems
+from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.template import Law, template
 from ncgear.errors import WrongInput
-from ncgear.machine.linkage import CrankSlider
+from ncgear.mechanisms.crank_slider import CrankSlider
 
 ANSWERS = {
     "stroke_mm": "motion.stroke_mm",

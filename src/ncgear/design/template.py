@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-from ncgear.design.scalars import plain_value
+from ncgear.design.reading.text import plain_value
 
 
 class Law(StrEnum):

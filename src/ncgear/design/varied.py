@@ -11,10 +11,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ncgear.design.load import LoadedDesign
-from ncgear.design.messages import problems
-from ncgear.design.scalars import plain_number, shown
-from ncgear.design.schema import Design
+from ncgear.design.keys.design import Design
+from ncgear.design.reading.design_file import LoadedDesign
+from ncgear.design.reading.messages import problems
+from ncgear.design.reading.text import plain_number, shown
 from ncgear.errors import WrongInput
 
 OPTION = "--vary"

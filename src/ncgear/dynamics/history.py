@@ -6,15 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncgear.dynamics.integration import Course
-from ncgear.dynamics.inverse import RigidMachine
-from ncgear.dynamics.joints import JointForces
+from ncgear.dynamics.joints import CrankPace, JointForces
 from ncgear.dynamics.mesh_force import MeshPlace
-from ncgear.dynamics.pace import CrankPace
-from ncgear.dynamics.tooth_vectors import force_on_driven
+from ncgear.dynamics.meshing import force_on_driven
+from ncgear.dynamics.motion_in_time import Course
+from ncgear.dynamics.rigid import RigidMachine
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.vector import Vector
+from ncgear.numerics.plane import Vector
 
 PER_TURN = 2000
 """Samples in a turn of the driving gear."""

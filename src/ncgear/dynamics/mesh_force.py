@@ -16,7 +16,7 @@ import numpy as np
 
 from ncgear.numerics import jet
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.vector import Vector
+from ncgear.numerics.plane import Vector
 from ncgear.pitch import shape
 from ncgear.pitch.shape import Gear, Mesh
 

@@ -14,7 +14,7 @@ import numpy as np
 from ncgear.dynamics.meshing import Meshing, ToothForces, TwoShafts
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.numerics.bracketed import zeros_between
+from ncgear.numerics.zeros import zeros_between
 
 FIRST_STEP_RAD = 1e-7
 DOUBLINGS = 24

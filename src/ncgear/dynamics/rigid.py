@@ -1,13 +1,282 @@
-"""The rigid level: all that inverse dynamics tells of a machine at constant driving speed."""
+"""Inverse dynamics: the forces and the driving torque that a motion at constant driving speed needs.
+
+Closed forms throughout: the law gives the crank's angle with its derivatives, Newton and Euler the forces in the
+joints, the pitch curves the force between the teeth.
+
+Mean driving torque, what the torque swings about it, and the flywheel that keeps the speed even.
+
+The driving shaft takes in the mean torque M evenly; what it stores over the cycle is E(phi1), the integral of M - T.  A
+flywheel of inertia J keeps the coefficient of speed fluctuation C = (largest - smallest speed) / mean speed where
+J C w^2 = E_max - E_min (e.g. R. L. Norton, "Design of Machinery", 5th edition, 2012, section 11.11).  That takes the
+torque at constant speed, so it holds for small C.
+
+Refusal of gears whose carrying flanks cannot hold the torque: their pressure angle reaches 90 degrees.
+
+The largest loads of a cycle, located exactly: stationary points of the closed forms, both sides of every joint.
+
+The rigid level: all that inverse dynamics tells of a machine at constant driving speed.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property, partial
+from math import degrees, pi, sqrt
 
-from ncgear.dynamics.fluctuation import Fluctuation, fluctuation
-from ncgear.dynamics.inverse import RigidMachine
-from ncgear.dynamics.locking import refuse_locked
-from ncgear.dynamics.peaks import LoadPeaks, load_peaks
+import numpy as np
+
+from ncgear.dynamics.joints import CrankPace, EvenPace, JointForces, joint_forces
+from ncgear.dynamics.mesh_force import MeshForce, MeshPlace, mesh_force
+from ncgear.errors import NoSuchMechanism
+from ncgear.kinematics.motion import Machine, Stretch, angles_at, stretches
+from ncgear.mechanisms.bodies import bodies
+from ncgear.mechanisms.masses import Masses
+from ncgear.numerics.arrays import Array, Mask
+from ncgear.numerics.chebyshev import PiecewiseChebyshev, fitted
+from ncgear.numerics.extrema import Extremum, extremes, grid_between
+from ncgear.numerics.jet import Jet
+from ncgear.numerics.plane import Vector
+from ncgear.numerics.units import in_words
+from ncgear.numerics.zeros import all_zeros
+
+
+@dataclass(frozen=True, eq=False)
+class Loads:
+    """What a motion needs, as jets by the driving angle; forces in N, torques in N mm.
+
+    ``driving_torque`` is asked of the driving shaft, ``driven_torque`` of the driven gear.  ``wrist`` acts on the
+    slider, ``pin`` on the rod, ``crank_bearing`` on the crank shaft, ``guide`` on the slider across its line, the mesh
+    force on the driven gear.  The driving shaft's bearings bear the mesh force as it is: ``mesh`` too is what they
+    exert.  Without gears (``mesh`` None) the crank's bearing holds the linkage alone.
+    """
+
+    driving_torque: Jet
+    driven_torque: Jet
+    wrist: Vector
+    pin: Vector
+    crank_bearing: Vector
+    guide: Jet
+    mesh: MeshForce | None
+
+    @property
+    def gripped(self) -> MeshForce:
+        """The mesh force of a machine that has gears."""
+        assert self.mesh is not None
+        return self.mesh
+
+
+@dataclass(frozen=True, eq=False)
+class RigidMachine:
+    """A machine at constant driving speed with its moving masses, and how its gears lie; None where it has none."""
+
+    machine: Machine
+    masses: Masses
+    place: MeshPlace | None = None
+
+    def loads(self, driven_angle: Jet, resistance_n: Jet) -> Loads:
+        """The loads where the crank's angle is a jet by the driving angle; of two orders less, as the resistance is."""
+        at = bodies(self.machine.linkage, driven_angle)
+        joints = joint_forces(at, self.masses, EvenPace(self.machine.speed_rad_s), resistance_n)
+        slope, torque = driven_angle.differentiated(), joints.torque_n_mm
+        mesh = None if self.place is None else mesh_force(self.place, slope, torque)
+        return Loads(
+            driving_torque=slope.truncated(torque.order) * torque,
+            driven_torque=torque,
+            wrist=joints.wrist,
+            pin=joints.pin,
+            crank_bearing=joints.crank_axis if mesh is None else joints.crank_axis - mesh.force,
+            guide=joints.guide_n,
+            mesh=mesh,
+        )
+
+    def at(self, phi1: Array) -> Loads:
+        """The loads at driving angles in rad, shape (n,); right-hand limits at joints of the law."""
+        driven = self.machine.transmission.driven_angle(phi1, 2)
+        return self.loads(driven, self._resistance_n(driven.truncated(0), self.machine.working(driven.value)))
+
+    def joints(self, crank_angle_rad: Array, pace: CrankPace) -> JointForces:
+        """Forces in the joints as the crank happens to turn, at crank angles in rad, shape (n,)."""
+        angle = Jet.variable(crank_angle_rad, 2)
+        resistance = self._resistance_n(angle.truncated(0), self.machine.working(crank_angle_rad))
+        return joint_forces(bodies(self.machine.linkage, angle), self.masses, pace, resistance.value)
+
+    def on(self, stretch: Stretch, phi1: Array) -> Loads:
+        """The loads with their slopes at driving angles on a stretch, shape (n,); one-sided at its ends."""
+        driven = stretch.driven_angle(phi1, 3)
+        return self.loads(driven, self._resistance_n(driven.truncated(1), np.full(phi1.shape, stretch.working)))
+
+    def breaks(self, stretch: Stretch) -> Array:
+        """Driving angles of a stretch, both ends included, between which the loads are smooth, and the resistance
+        monotone besides."""
+        resistance, stroke = self.machine.resistance, self.machine.linkage.stroke_mm
+        places = np.union1d(resistance.turns_mm(stroke), resistance.zeros_mm(stroke))
+        passed = angles_at(stretch, places) if stretch.working else np.empty(0)
+        return np.unique([stretch.start_rad, *stretch.knots_rad, *passed, stretch.end_rad])
+
+    def _resistance_n(self, driven_angle: Jet, working: Mask) -> Jet:
+        resistance = self.machine.resistance
+        force = resistance.fitted_n(self.machine.linkage.displacement(driven_angle))
+        pressing = working & (resistance.keep_negative | (force.value > 0.0))
+        return Jet(np.where(pressing, force.coefficients, 0.0))
+
+
+IDLE = 1e-9
+"""Share of the largest torque below which nothing is carried: far over rounding errors, far below what is felt."""
+
+KG_MM2 = 1e3
+"""One N mm s^2 in kg mm^2."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fluctuation:
+    """The driving torque in N mm over the driving angle, as piecewise Chebyshev forms of one cycle."""
+
+    torque: PiecewiseChebyshev
+    speed_rad_s: float
+
+    @cached_property
+    def work(self) -> PiecewiseChebyshev:
+        """Work of the driving torque from phi1 = 0 on, in N mm."""
+        return self.torque.integrated()
+
+    @property
+    def work_n_mm(self) -> float:
+        """Work of one cycle."""
+        return self.work.final
+
+    @property
+    def mean_torque_n_mm(self) -> float:
+        """Mean over the cycle."""
+        return self.work_n_mm / float(np.ptp(self.torque.breaks))
+
+    @cached_property
+    def stored_range_n_mm(self) -> tuple[Extremum, Extremum]:
+        """Smallest and largest energy stored in the driving shaft, from that at phi1 = 0 on, in N mm."""
+        breaks = self.torque.breaks
+        return extremes(self._stored, float(breaks[0]), float(breaks[-1]), breaks)
+
+    @property
+    def swing_n_mm(self) -> float:
+        """Largest less smallest energy stored."""
+        low, high = self.stored_range_n_mm
+        return high.value - low.value
+
+    @cached_property
+    def flank_changes_rad(self) -> Array:
+        """Driving angles in the cycle at which the torque changes its sign, and the other flanks carry, shape (m,)."""
+        places = np.union1d(all_zeros(self.torque), self.torque.breaks)
+        middles = self.torque((places[1:] + places[:-1]) / 2.0)
+        carried = np.abs(middles) > IDLE * np.abs(middles).max()
+        starts, signs = places[:-1][carried], np.sign(middles[carried])
+        changes: Array = starts[signs != np.roll(signs, 1)]
+        return changes
+
+    def flywheel_kg_mm2(self, coefficient: float) -> float:
+        """Inertia on the driving shaft, its gear included, for a coefficient of speed fluctuation (0 to about 0.2)."""
+        return KG_MM2 * self.swing_n_mm / (coefficient * self.speed_rad_s**2)
+
+    def _stored(self, phi1: Array) -> Jet:
+        mean = self.mean_torque_n_mm
+        return Jet(np.stack([mean * (phi1 - self.torque.breaks[0]) - self.work(phi1), mean - self.torque(phi1)]))
+
+
+def fluctuation(rigid: RigidMachine) -> Fluctuation:
+    """The driving torque of one cycle."""
+    breaks = [rigid.breaks(stretch) for stretch in stretches(rigid.machine)]
+    edges = np.concatenate([*(part[:-1] for part in breaks), breaks[-1][-1:]])
+    torque = fitted(lambda phi1: rigid.at(phi1).driving_torque.value, edges)
+    return Fluctuation(torque, rigid.machine.speed_rad_s)
+
+
+def refuse_locked(rigid: RigidMachine) -> None:
+    """Raises NoSuchMechanism with the driving angle at which flanks carry under 90 degrees or more."""
+    for stretch in stretches(rigid.machine) if rigid.place else ():
+        phi1 = grid_between(stretch.start_rad, stretch.end_rad, np.array(stretch.knots_rad))
+        loads = rigid.on(stretch, phi1)
+        torque, angle = loads.driven_torque.value, loads.gripped.pressure_angle_rad.value
+        locked = (np.abs(torque) > IDLE * np.abs(torque).max()) & (angle >= pi / 2.0)
+        if locked.any():
+            worst = int(np.argmax(np.where(locked, angle, 0.0)))
+            flanks = "push the driven gear" if torque[worst] > 0.0 else "hold the driven gear back"
+            raise NoSuchMechanism(
+                f"the teeth cannot {flanks} at phi1 = {in_words(float(phi1[worst]))}, where their pressure angle is "
+                f"{degrees(angle[worst]):.4g} deg; under 90 deg is needed: a law whose ratio changes more slowly there",
+                key="motion",
+            )
+
+
+Broken = tuple[Stretch, Array]
+"""A stretch with the driving angles between which its loads are smooth."""
+
+
+@dataclass(frozen=True)
+class MeshPeak:
+    """Largest mesh force in N and the pressure angle in rad there."""
+
+    force_n: Extremum
+    pressure_angle_rad: float
+
+
+@dataclass(frozen=True)
+class LoadPeaks:
+    """Extreme driving torques in N mm and largest sizes of forces in N, with the driving angles of each."""
+
+    most_torque_n_mm: Extremum
+    least_torque_n_mm: Extremum
+    wrist_n: Extremum
+    pin_n: Extremum
+    crank_bearing_n: Extremum
+    guide_n: Extremum
+    mesh: MeshPeak | None
+
+
+def load_peaks(rigid: RigidMachine) -> LoadPeaks:
+    """Peaks over one cycle."""
+    cycle = [(stretch, rigid.breaks(stretch)) for stretch in stretches(rigid.machine)]
+    least, most = _range(rigid, cycle, lambda loads: loads.driving_torque)
+    return LoadPeaks(
+        most_torque_n_mm=most,
+        least_torque_n_mm=least,
+        wrist_n=_largest(rigid, cycle, lambda loads: loads.wrist),
+        pin_n=_largest(rigid, cycle, lambda loads: loads.pin),
+        crank_bearing_n=_largest(rigid, cycle, lambda loads: loads.crank_bearing),
+        guide_n=_largest(rigid, cycle, lambda loads: Vector(loads.guide, loads.guide * 0.0)),
+        mesh=None if rigid.place is None else _mesh_peak(rigid, cycle),
+    )
+
+
+def _mesh_peak(rigid: RigidMachine, cycle: Sequence[Broken]) -> MeshPeak:
+    found = [(part, _range(rigid, [part], lambda loads: loads.gripped.size_n)[1]) for part in cycle]
+    (stretch, _), highest = max(found, key=lambda item: item[1].value)
+    angle = rigid.on(stretch, np.array([highest.at])).gripped.pressure_angle_rad
+    return MeshPeak(highest, float(angle.value[0]))
+
+
+def _largest(rigid: RigidMachine, cycle: Sequence[Broken], vector: Callable[[Loads], Vector]) -> Extremum:
+    """Largest length of a vector."""
+    highest = _range(rigid, cycle, lambda loads: vector(loads).dot(vector(loads)))[1]
+    return Extremum(sqrt(highest.value), highest.at)
+
+
+def _range(rigid: RigidMachine, cycle: Sequence[Broken], quantity: Callable[[Loads], Jet]) -> tuple[Extremum, Extremum]:
+    """Smallest and largest value over the stretches."""
+    ranges = [_extremes(rigid, stretch, breaks, quantity) for stretch, breaks in cycle]
+    return min((low for low, _ in ranges), key=_value), max((high for _, high in ranges), key=_value)
+
+
+def _extremes(
+    rigid: RigidMachine, stretch: Stretch, breaks: Array, quantity: Callable[[Loads], Jet]
+) -> tuple[Extremum, Extremum]:
+    return extremes(partial(_along, rigid, stretch, quantity), stretch.start_rad, stretch.end_rad, breaks)
+
+
+def _along(rigid: RigidMachine, stretch: Stretch, quantity: Callable[[Loads], Jet], phi1: Array) -> Jet:
+    return quantity(rigid.on(stretch, phi1))
+
+
+def _value(extremum: Extremum) -> float:
+    return extremum.value
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,8 @@ from math import degrees
 
 import numpy as np
 
-from ncgear.kinematics.slider import Machine
-from ncgear.kinematics.stretches import Stretch, cut, stretches
-from ncgear.machine.resistance import Resistance
+from ncgear.kinematics.motion import Machine, Stretch, cut, stretches
+from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum, extremes
 from ncgear.numerics.jet import Jet

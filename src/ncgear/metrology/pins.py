@@ -1,15 +1,19 @@
-"""Pins (or balls) in the spaces of a gear: where each touches both flanks, and how far it stands out.
+"""Diameters of measuring pins and balls.
+
+Pins (or balls) in the spaces of a gear: where each touches both flanks, and how far it stands out.
 
 The centre of a pin of radius r lies on the curves at distance r outside both flanks of its space; Newton's method finds
 where they cross, from the height at which the pin would touch a rack.  On a circular gear this is inv(alpha_M) =
 inv(alpha) + d / (m z cos(alpha)) - (space width along the pitch circle) / (m z).
+
+Measurement over two pins (between them, in a ring) in spaces that lie nearly opposite each other.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from math import cos, tan
+from math import ceil, cos, tan
 
 import numpy as np
 import shapely
@@ -18,6 +22,38 @@ from ncgear.metrology.working import WorkingFlanks
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import refined_crossings
 from ncgear.teeth.tips import AGREEMENT
+
+EXTERNAL, INTERNAL = 1.728, 1.68
+"""Diameter in normal modules that touches flanks of 20 degrees near the pitch curve and stands out of the space
+(Van Keuren's rule, values from secondary sources)."""
+
+SOLD_MM = (
+    *(0.17, 0.195, 0.22, 0.25, 0.29, 0.335, 0.39, 0.455, 0.53, 0.62, 0.725, 0.895, 1.1, 1.35, 1.5, 1.65, 1.75, 2.0),
+    *(2.25, 2.5, 2.75, 3.0, 3.25, 3.5, 3.75, 4.0, 4.25, 4.5, 5.0, 5.25, 5.5, 6.0, 6.5, 7.0, 7.5, 8.0, 9.0, 10.0, 10.5),
+    *(11.0, 12.0, 14.0, 15.0, 16.0, 18.0, 20.0, 22.0, 25.0, 28.0, 30.0, 35.0, 40.0, 45.0, 50.0),
+)
+"""Diameters in mm that such pins are commonly sold in, after DIN 3977 and, below 1.5 mm, the wires of DIN 2269 (values
+from secondary sources, not held against the standards)."""
+
+NEAR = 1.3
+"""Times the nominal diameter up to which larger pins are tried; beyond they touch near the tips."""
+
+
+def nominal_pin_mm(normal_module_mm: float, *, internal: bool) -> float:
+    """The diameter in mm that is aimed at."""
+    return (INTERNAL if internal else EXTERNAL) * normal_module_mm
+
+
+def pins_to_try(nominal_mm: float) -> tuple[float, ...]:
+    """Sold diameters from the nominal one to ``NEAR`` times it, rising; whole mm where larger than any sold.
+
+    Sizes stand so far apart below 1.5 mm that there may be none; then the next larger one.
+    """
+    if nominal_mm > SOLD_MM[-1]:
+        return (float(ceil(nominal_mm)),)
+    larger = [diameter for diameter in SOLD_MM if diameter >= nominal_mm]
+    near = [diameter for diameter in larger if diameter <= NEAR * nominal_mm]
+    return tuple(near or larger[:1])
 
 
 class Misfit(Enum):
@@ -110,3 +146,39 @@ def stands_out(working: WorkingFlanks, space: IndexArray, center: Array, radius:
     highest = np.einsum("ntpk,nk->ntp", beside, outwards).max(axis=(1, 2))
     reached: Mask = np.einsum("nk,nk->n", center, outwards) + radius > highest
     return reached
+
+
+@dataclass(frozen=True, eq=False)
+class TwoPins:
+    """Pairs of spaces (numbers from 1) and the distance over, or in a ring between, their pins in mm; shape (n,)."""
+
+    first: IndexArray
+    second: IndexArray
+    distance_mm: Array
+
+
+def over_two_pins(working: WorkingFlanks, pins: Pins) -> TwoPins:
+    """The greatest distance over the pins (the least between them) of spaces half the teeth apart.
+
+    With z even there are z / 2 pairs, with z odd z of them, (z - 1) / 2 spaces apart; those are left out whose pins
+    measure nothing or do not stand out of the tips towards each other's far side.
+    """
+    teeth = working.flanks.count // 2
+    row = np.full(teeth + 1, -1)
+    row[pins.space] = np.arange(pins.space.size)
+    first = np.arange(1, teeth // 2 + 1 if teeth % 2 == 0 else teeth + 1)
+    second = (first + teeth // 2 - 1) % teeth + 1
+    both = np.nonzero((row[first] >= 0) & (row[second] >= 0))[0]
+    return _apart(working, pins, row[first[both]], row[second[both]])
+
+
+def _apart(working: WorkingFlanks, pins: Pins, one: IndexArray, other: IndexArray) -> TwoPins:
+    """The distances of pins by their rows."""
+    sense, radius = (-1.0 if working.is_ring else 1.0), pins.diameter_mm / 2.0
+    way = pins.center_mm[one] - pins.center_mm[other]
+    length = np.linalg.norm(way, axis=1)
+    outwards = sense * way / length[:, None]
+    free = stands_out(working, pins.space[one] - 1, pins.center_mm[one], radius, outwards)
+    free &= stands_out(working, pins.space[other] - 1, pins.center_mm[other], radius, -outwards)
+    distance = length + sense * pins.diameter_mm
+    return TwoPins(pins.space[one[free]], pins.space[other[free]], distance[free])

@@ -1,4 +1,15 @@
-"""Span (base tangent length) over some teeth of a gear, in the places where two plates have a common normal.
+"""Chords of a pitch curve that make the rack's pressure angle with it at both ends: where a span can be measured.
+
+The normal of a flank goes through its pitch point P at the pressure angle alpha to the tangent (flank.py).  Two plates
+touch the back flank of one tooth and the front flank of another along one common normal only where that line is a chord
+from P1 to P2 which leaves the curve inwards at alpha and comes out at alpha.  Flanks do not enter: these chords belong
+to the curve.  On a circle every chord of the central angle 2 alpha is one, on other curves a few are.
+
+With d the direction inwards at P1, the curve turns by 2 alpha from P1 to P2, and q = (P2 - P1) x d vanishes.  Plates
+that are turned a little from the common normal are apart by more where both flanks' radii of curvature together exceed
+their distance, that is where sin(alpha) (1/k1 + 1/k2) exceeds the chord; else by less.
+
+Span (base tangent length) over some teeth of a gear, in the places where two plates have a common normal.
 
 With the chord from P1 to P2 (chords.py), sigma1 and sigma2 the arc lengths of its ends, and c1, c2 those at which the
 back flank of the first tooth and the front flank of the last one cross the pitch curve,
@@ -11,12 +22,143 @@ On a circle of z teeth that is the usual W = m cos(alpha) (pi (k - 1/2) + z inv(
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import cos, sin
 
 import numpy as np
 
-from ncgear.metrology.chords import NO_CHORDS, MeasuringChords, measuring_chords
 from ncgear.metrology.working import WorkingFlanks
 from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.zeros import zeros_between
+from ncgear.pitch.curve import CurvePoints, PitchCurve
+from ncgear.pitch.shape import Gear
+
+STEPS = 1024
+"""Of the arc length in which chords are looked for: two of them nearer than a thousandth of the curve, whose signs
+cancel, are as good as none, since the reading hardly changes between them."""
+
+EVEN = 1e-9
+"""Share of a chord under which the offset q counts as rounding: on a circle it is 1e-15 of it, on a curve whose radius
+varies by a millionth 1e-7."""
+
+NEIGHBOURS = 1.5
+"""Steps up to which two starts are neighbours on the grid: one is, two, with a start left out between them, are not."""
+
+HAIR = 1e-6
+"""Of a step, by which brackets are widened so that rounding at their ends does no harm."""
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuringChords:
+    """Arc lengths in mm of both ends, shape (n,), and whether plates turned from the common normal are farther apart.
+
+    ``everywhere`` says that the curve is a circle, for which one chord stands for all.
+    """
+
+    start_mm: Array
+    end_mm: Array
+    least: Mask
+    everywhere: bool = False
+
+
+NO_CHORDS = MeasuringChords(np.empty(0), np.empty(0), np.zeros(0, dtype=bool))
+
+
+def measuring_chords(curve: PitchCurve, angle_rad: float) -> MeasuringChords:
+    """All such chords of one turn between stretches on which the curve is convex; none on a ring.
+
+    Of a dented curve, those that begin where it has turned farther than anywhere before.
+    """
+    if curve.is_ring:
+        return NO_CHORDS
+    start, end, offset, length = _tried(curve, angle_rad)
+    if np.all(np.abs(offset) <= EVEN * length):
+        return MeasuringChords(start[:1], end[:1], np.ones(1, dtype=bool), everywhere=True)
+    neighbours = np.diff(start) < NEIGHBOURS * curve.length_mm / STEPS
+    change = np.nonzero(((offset[:-1] < 0.0) != (offset[1:] < 0.0)) & neighbours)[0]
+    found = _closed_in(curve, angle_rad, (start, end), change)
+    return MeasuringChords(*found, _is_least(curve, angle_rad, *found))
+
+
+def _tried(curve: PitchCurve, angle: float) -> tuple[Array, Array, Array, Array]:
+    """Starts over one turn, the ends after a turning of 2 alpha, their offsets and lengths; shape (n,) each."""
+    step = curve.length_mm / STEPS
+    grid = np.linspace(-curve.length_mm, 2.0 * curve.length_mm, 3 * STEPS + 1)
+    turned = _turned(curve, grid)
+    farthest = np.maximum.accumulate(turned)
+    first = np.nonzero(turned[STEPS : 2 * STEPS + 1] >= farthest[STEPS : 2 * STEPS + 1])[0] + STEPS
+    goal = turned[first] + 2.0 * angle
+    after = np.searchsorted(farthest, goal)
+    kept = (after < grid.size) & (turned[np.minimum(first + 1, grid.size - 1)] > turned[first])
+    first, after = first[kept], after[kept]
+    end = _end_of(curve, angle, grid[first], grid[after] - (1.0 + HAIR) * step, grid[after] + HAIR * step)
+    return grid[first], end, *_offset(curve, angle, grid[first], end)
+
+
+def _turned(curve: PitchCurve, sigma: Array) -> Array:
+    """How far the curve has turned in rad, growing where it is convex, up to a constant; shape (n,)."""
+    tangent = curve.at_length(sigma).tangent
+    turned: Array = -_sense(curve) * np.unwrap(np.arctan2(tangent[:, 1], tangent[:, 0]))
+    return turned
+
+
+def _sense(curve: PitchCurve) -> float:
+    """+1 where the normal is to the left of the tangent, -1 to the right."""
+    return 1.0 if curve.gear is Gear.DRIVING else -1.0
+
+
+def _inwards(at: CurvePoints, angle: float) -> Array:
+    """Directions of chords that begin at points."""
+    directions: Array = cos(angle) * at.tangent - sin(angle) * at.normal
+    return directions
+
+
+def _outwards(at: CurvePoints, angle: float) -> Array:
+    """Directions of chords that end at points."""
+    directions: Array = cos(angle) * at.tangent + sin(angle) * at.normal
+    return directions
+
+
+def _end_of(curve: PitchCurve, angle: float, start: Array, low: Array, high: Array) -> Array:
+    """Arc lengths between bounds at which the curve has turned by 2 alpha since the starts; shape (n,) each."""
+    wanted, sense = _inwards(curve.at_length(start), angle), _sense(curve)
+
+    def short(sigma: Array) -> Array:
+        lacking: Array = sense * _cross(wanted, _outwards(curve.at_length(sigma), angle))
+        return lacking
+
+    return zeros_between(short, low, high)
+
+
+def _offset(curve: PitchCurve, angle: float, start: Array, end: Array) -> tuple[Array, Array]:
+    """q, and the length of the chord."""
+    first, last = curve.at_length(start), curve.at_length(end)
+    way = last.position - first.position
+    return _cross(way, _inwards(first, angle)), np.linalg.norm(way, axis=1)
+
+
+def _closed_in(curve: PitchCurve, angle: float, tried: tuple[Array, Array], change: IndexArray) -> tuple[Array, Array]:
+    """Both ends of the chords between neighbours whose offsets differ in sign."""
+    start, end = tried
+    margin = HAIR * curve.length_mm / STEPS
+    low, high = end[change] - margin, end[change + 1] + margin
+
+    def offset(sigma: Array) -> Array:
+        return _offset(curve, angle, sigma, _end_of(curve, angle, sigma, low, high))[0]
+
+    found = zeros_between(offset, start[change], start[change + 1])
+    return found, _end_of(curve, angle, found, low, high)
+
+
+def _is_least(curve: PitchCurve, angle: float, start: Array, end: Array) -> Mask:
+    first, last = curve.at_length(start), curve.at_length(end)
+    radii = 1.0 / first.curvature + 1.0 / last.curvature
+    least: Mask = sin(angle) * radii > np.linalg.norm(last.position - first.position, axis=1)
+    return least
+
+
+def _cross(a: Array, b: Array) -> Array:
+    product: Array = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    return product
 
 
 @dataclass(frozen=True, eq=False)

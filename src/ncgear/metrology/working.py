@@ -1,4 +1,6 @@
-"""The flanks as pins and plates meet them: without tip relief, in one section, thicker or thinner by an allowance.
+"""Distances of the lands from the gear's axis.
+
+The flanks as pins and plates meet them: without tip relief, in one section, thicker or thinner by an allowance.
 
 All flanks of one side are parallel curves: the rolled length c at which a flank crosses the pitch curve moves it along
 its normals by s cos(alpha) dc (flank.py).  So a tooth thicker by dE along the pitch curve has the same normals, and the
@@ -19,6 +21,22 @@ import numpy as np
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.teeth.flank import Flanks
 from ncgear.teeth.gear import ToothedGear
+
+
+def tip_radii_mm(gear: ToothedGear) -> Array:
+    """Distance of each tooth's tip from the axis in mm, at the middle of its land, shape (z,)."""
+    flanks, at = gear.flanks, gear.sides.tip_mm.reshape(-1, 2)
+    points = flanks.offset(at.mean(axis=1), flanks.tip_height_mm.reshape(-1, 2).mean(axis=1))[0]
+    radii: Array = np.linalg.norm(points, axis=1)
+    return radii
+
+
+def root_radii_mm(gear: ToothedGear) -> Array:
+    """Distance from the axis of the bottom of the space after each tooth, at the middle of its land, shape (z,)."""
+    start, end = gear.sides.roots.lands()
+    points = gear.sides.roots.land(np.arange(gear.teeth), (start + end) / 2.0)[0]
+    radii: Array = np.linalg.norm(points, axis=1)
+    return radii
 
 
 @dataclass(frozen=True, eq=False)

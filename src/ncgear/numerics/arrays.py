@@ -1,4 +1,7 @@
-"""Names for the arrays that travel between functions."""
+"""Names for the arrays that travel between functions.
+
+Rows of different lengths in flat arrays.
+"""
 
 from __future__ import annotations
 
@@ -21,3 +24,13 @@ IndexArray = NDArray[np.intp]
 
 Number = TypeVar("Number", float, Array)
 """One number, or one for each of many points or designs: formulas that hold for both are written once."""
+
+
+def counted_up(first: IndexArray, count: IndexArray) -> tuple[IndexArray, IndexArray]:
+    """For each row the numbers ``first``, ``first + 1``, ... (``count`` of them), one row after the other.
+
+    Both of shape (n,).  Returns the row of each number and the numbers, shape (sum of counts,) each.
+    """
+    row = np.repeat(np.arange(count.size), count)
+    before = np.cumsum(count) - count
+    return row, np.arange(row.size) + (first - before)[row]

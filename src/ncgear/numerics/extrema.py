@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.numerics.bracketed import zeros_between
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.zeros import zeros_between
 
 SAMPLES = 129
 """Points per piece, and four more for each of its knots, on which sign changes of the derivative are looked for; two

@@ -1,6 +1,12 @@
-"""Points of a plane as complex numbers: the few products of vectors that geometry needs."""
+"""Points of a plane as complex numbers: the few products of vectors that geometry needs.
+
+Vectors of the plane in arithmetic that numbers, arrays and jets share, so that a formula is written once for all.
+"""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -45,3 +51,35 @@ def signed_area(ring: Array) -> Array:
     """Area within closed polygons, shape (..., n, 2), first point not repeated; positive counter-clockwise, (...)."""
     x, y = ring[..., 0], ring[..., 1]
     return np.asarray(np.sum(x * np.roll(y, -1, axis=-1) - y * np.roll(x, -1, axis=-1), axis=-1) / 2.0)
+
+
+Term = Any
+"""A number, an array of shape (n,), or a jet at n points; in one formula all are of one kind, or numbers."""
+
+
+@dataclass(frozen=True, eq=False)
+class Vector:
+    """A vector by its coordinates.  A factor stands to the right of the vector."""
+
+    x: Term
+    y: Term
+
+    def __add__(self, other: Vector) -> Vector:
+        return Vector(self.x + other.x, self.y + other.y)
+
+    def __sub__(self, other: Vector) -> Vector:
+        return Vector(self.x - other.x, self.y - other.y)
+
+    def __neg__(self) -> Vector:
+        return Vector(-self.x, -self.y)
+
+    def __mul__(self, factor: Term) -> Vector:
+        return Vector(self.x * factor, self.y * factor)
+
+    def dot(self, other: Vector) -> Term:
+        """Scalar product."""
+        return self.x * other.x + self.y * other.y
+
+    def cross(self, other: Vector) -> Term:
+        """Vector product: the counter-clockwise moment of a force ``other`` at this place."""
+        return self.x * other.y - self.y * other.x

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.numerics.bracketed import zeros_between
+from ncgear.numerics.zeros import zeros_between
 
 LAST = 3
 """Coefficients that tell whether a function is resolved: even and odd ones, and one by chance zero."""

@@ -10,7 +10,6 @@ import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.optimum.certified.ceilings import Peaks
 from ncgear.optimum.certified.limit import (
     CELLS,
     Bound,
@@ -20,10 +19,11 @@ from ncgear.optimum.certified.limit import (
     prepared,
     resting_acceleration,
 )
+from ncgear.optimum.certified.road import Peaks
 from ncgear.optimum.family.best import Family, FamilyOptimum, Peak, best_of_family
-from ncgear.optimum.judged import Figures, figures
+from ncgear.optimum.figures import Figures, figures
+from ncgear.optimum.makeable.wishes import Goal, Wishes
 from ncgear.optimum.task import Limits, Task
-from ncgear.optimum.wishes import Goal, Wishes
 
 if TYPE_CHECKING:
     from ncgear.optimum.makeable.law import MakeableLaw
@@ -132,8 +132,7 @@ def figures_of(task: Task, law: MakeableLaw) -> Figures:
 
 def _law(task: Task, wishes: Wishes) -> MakeableLaw:
     """The best law from the fastest rough motion."""
-    from ncgear.optimum.makeable.law import makeable_law
-    from ncgear.optimum.makeable.starts import rough_start
+    from ncgear.optimum.makeable.law import makeable_law, rough_start
 
     rough = least_acceleration(task, wishes.limits).attained
     return makeable_law(task, wishes, [rough_start(task, wishes, rough if rough < inf else 1.0)])

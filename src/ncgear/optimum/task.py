@@ -8,8 +8,8 @@ from math import degrees, inf, isfinite, pi, tan
 import numpy as np
 
 from ncgear.errors import WrongInput
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.resistance import Resistance
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.resistance import Resistance
 from ncgear.ratio.transmission import Lobes
 
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.numerics.angles import in_words
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.units import in_words
 from ncgear.pitch.curve import PitchCurve
 from ncgear.ratio.transmission import Lobes, Transmission
 

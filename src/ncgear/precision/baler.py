@@ -9,10 +9,10 @@ from __future__ import annotations
 from functools import cache
 from math import pi
 
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.stroke import StrokeRequest, WorkingStroke, solved_stroke
+from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.transmission import Lobes
+from ncgear.ratio.working_stroke import StrokeRequest, WorkingStroke, solved_stroke
 
 CONSTANT = 0.0
 """The return's e."""

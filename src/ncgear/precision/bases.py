@@ -12,8 +12,7 @@ from numpy.polynomial import chebyshev, polynomial
 from ncgear.numerics.arrays import Array
 from ncgear.precision import baler, exact
 from ncgear.precision.study import Method, Study
-from ncgear.ratio.compensation.ends import ReturnEnds
-from ncgear.ratio.compensation.families import published_family
+from ncgear.ratio.return_stroke import ReturnEnds, published_family
 
 POINTS = 201
 

@@ -14,8 +14,8 @@ from math import acos, cos, hypot, pi, sin, sqrt, tan
 
 import numpy as np
 
-from ncgear.machine.rack import BasicRack
 from ncgear.numerics.arrays import Array, ComplexArray
+from ncgear.teeth.rack import BasicRack
 
 STARTS = 33
 """Places along a fillet from the nearest of which its foot is looked for."""

@@ -13,9 +13,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.precision import baler, exact
 from ncgear.precision.gauss import gauss_rule
 from ncgear.precision.study import Level, Method, Study
-from ncgear.ratio.compensation.ends import ReturnEnds
-from ncgear.ratio.compensation.families import published_family, return_with_constant
-from ncgear.ratio.compensation.law import ReturnLaw
+from ncgear.ratio.return_stroke import ReturnEnds, ReturnLaw, published_family, return_with_constant
 from ncgear.ratio.transmission import CLOSED
 
 START = -5.0

@@ -8,10 +8,10 @@ from math import pi, sin, sqrt
 
 import numpy as np
 
-from ncgear.contact.as_designed import AsDesigned, as_designed
+from ncgear.contact.designed.sides import AsDesigned, as_designed
 from ncgear.contact.placement import PER_TOOTH, placed
-from ncgear.contact.play import outline_play
-from ncgear.contact.reach import reach_mm
+from ncgear.contact.written.outline_contact import reach_mm
+from ncgear.contact.written.play import outline_play
 from ncgear.numerics.arrays import Array
 from ncgear.precision import teeth_pairs
 from ncgear.precision.circular_gear import CircularGear

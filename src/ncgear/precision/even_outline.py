@@ -9,8 +9,8 @@ from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.flank import FILLET, FLANK
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import pair_tips
+from ncgear.teeth.outline import simple_polygon
 from ncgear.teeth.sides import Sides, refuse_folded_lands, regular_sides
-from ncgear.teeth.soundness import simple_polygon
 from ncgear.teeth.tips import Tips
 
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.stroke import WorkingStroke
-from ncgear.ratio.compensation.law import ReturnLaw
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.ratio.return_stroke import ReturnLaw
+from ncgear.ratio.working_stroke import WorkingStroke
 
 DIGITS = 50
 

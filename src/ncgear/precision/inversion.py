@@ -12,7 +12,7 @@ from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
 from ncgear.precision import baler, exact
 from ncgear.precision.study import Method, Study
-from ncgear.ratio.inversion import working_pieces
+from ncgear.ratio.laws.three_segment import working_pieces
 from ncgear.ratio.transmission import Piece
 
 NEAR_RAD = np.array([1e-9, 1e-7, 1e-5, 1e-3])

@@ -7,12 +7,11 @@ from math import pi
 
 import numpy as np
 
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.polynomial_resistance import PolynomialResistance
-from ncgear.optimum.certified.ceilings import Peaks
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.optimum.certified.limit import CELLS, Bound, enclosed, least_acceleration, resting_acceleration
 from ncgear.optimum.certified.problem import Problem
-from ncgear.optimum.certified.road import Road, road_at
+from ncgear.optimum.certified.road import Peaks, Road, road_at
 from ncgear.optimum.task import Limits, Task
 from ncgear.precision.limit_reference import least_acceleration_mm_s2
 from ncgear.precision.study import Method, Study

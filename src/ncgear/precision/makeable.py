@@ -10,14 +10,13 @@ from math import log2, pi
 import numpy as np
 
 from ncgear.extras import require
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.polynomial_resistance import PolynomialResistance
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.makeable.levels import levels
-from ncgear.optimum.makeable.reached import Grid, grid, lengths, ratios, reached
-from ncgear.optimum.makeable.stations import Stations, stations
+from ncgear.optimum.makeable.reached import Grid, Stations, grid, lengths, ratios, reached, stations
+from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.task import Limits, Task
-from ncgear.optimum.wishes import Wishes
 from ncgear.precision.limit import COEFFICIENTS_N
 from ncgear.precision.periodic_spline import periodic_spline
 from ncgear.precision.study import Method, Study
@@ -112,8 +111,8 @@ def at_places(form: Form, count: int, places_per_count: int) -> AtPlaces:
 
     Raises ArithmeticError where the optimiser finds none.
     """
-    from ncgear.optimum.makeable.equations import programme
     from ncgear.optimum.makeable.kept import scales
+    from ncgear.optimum.makeable.programme import programme
 
     at = stations(BALER.linkage, BALER.resistance, places_per_count * count)
     on, units = form(at, count), scales(BALER, at)

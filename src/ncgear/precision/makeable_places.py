@@ -7,12 +7,12 @@ at one of them: what is left falls with the square, but not evenly, and no rate 
 from __future__ import annotations
 
 from ncgear.extras import require
-from ncgear.optimum.judged import figures
+from ncgear.optimum.figures import figures
 from ncgear.optimum.makeable.reached import grid
 from ncgear.precision.makeable import BALER, HARMONICS, POWER_W, AtPlaces, at_places
 from ncgear.precision.study import Method, Study
 from ncgear.ratio.laws.harmonic import harmonic_law
-from ncgear.ratio.train import single
+from ncgear.ratio.transmission import single
 
 PLACES = (4, 6, 10, 16)
 ENOUGH = 5e-4

@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from ncgear.contact.placement import Placement, placed
-from ncgear.contact.play import outline_play
-from ncgear.contact.reach import reach_mm
+from ncgear.contact.written.outline_contact import reach_mm
+from ncgear.contact.written.play import outline_play
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair
 from ncgear.precision import teeth_pairs

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.makeable.series import Basis
+from ncgear.optimum.makeable.reached import Basis
 
 DEGREE = 5
 """Its second derivative, which curvature needs, is smooth."""

@@ -14,7 +14,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.precision.study import Method, Study
 
 if TYPE_CHECKING:
-    from ncgear.drive import Drive
+    from ncgear.project.drive import Drive
 
 DESIGNS = Path(__file__).parents[3] / "designs"
 """Worked examples of the source tree; an installed package has none."""
@@ -38,8 +38,8 @@ class Simulated:
     @cached_property
     def drive(self) -> Drive:
         """The design's stages."""
-        from ncgear.design.load import load
-        from ncgear.drive import Drive
+        from ncgear.design.reading.design_file import load
+        from ncgear.project.drive import Drive
 
         return Drive(load(DESIGNS / f"{self.name}.yaml").design)
 
@@ -74,7 +74,7 @@ class Simulated:
 
     def dynamic(self, method: str, accuracy: float) -> Array:
         """Driven angles of the motion in time, from the same start."""
-        from ncgear.dynamics.integration import course
+        from ncgear.dynamics.motion_in_time import course
 
         own = self.drive.course
         found: Array = course(own.mechanism, own.states[:, 0], 1.0, accuracy, method).at(self.time_s)[2]
@@ -96,7 +96,7 @@ def of_half() -> Study:
 
 
 def _study(key: str, title: str, name: str) -> Study:
-    from ncgear.dynamics.integration import ACCURACY, METHOD
+    from ncgear.dynamics.motion_in_time import ACCURACY, METHOD
 
     if not (DESIGNS / f"{name}.yaml").exists():
         raise WrongInput(f"needs designs/{name}.yaml of the source tree, which is not here", key=key)

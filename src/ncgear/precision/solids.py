@@ -17,10 +17,10 @@ from ncgear.precision.circular_gear import CircularGear
 from ncgear.precision.even_outline import even_outlines
 from ncgear.precision.study import Method, Size, Study
 from ncgear.precision.teeth_pairs import TEETH, TOLERANCE_MM
-from ncgear.solids.blank import Blank
-from ncgear.solids.extrude import gear_solid
-from ncgear.solids.helical import helical_pair
-from ncgear.solids.helix import Hand, Helix
+from ncgear.solids.helical.helix import Hand, Helix
+from ncgear.solids.helical.mesh import helical_pair
+from ncgear.solids.mesh.layers import gear_solid
+from ncgear.solids.plan.body import Blank
 from ncgear.teeth.gear import toothed_pair
 
 FACE_WIDTH_MM = 20.0

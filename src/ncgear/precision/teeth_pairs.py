@@ -5,13 +5,13 @@ from __future__ import annotations
 from functools import cache
 from math import radians
 
-from ncgear.design.machine import Output
-from ncgear.machine.rack import BasicRack
+from ncgear.design.keys.machine import Output
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.teeth.form import Cutter, CutterKind, ToothForm
+from ncgear.teeth.rack import BasicRack
 
 TEETH = 25
 MODULE_MM = 3.0

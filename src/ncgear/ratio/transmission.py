@@ -2,12 +2,14 @@
 
 With lobes n1:n2 the driving gear repeats its curve n1 times a turn and the driven gear n2 times; one period takes
 2 pi / n1 of the driving angle and 2 pi / n2 of the driven angle.
+
+The pairs of gears between the driving shaft and the crank: one, or two in series.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import pi
 
@@ -15,10 +17,10 @@ import numpy as np
 
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics import jet
-from ncgear.numerics.angles import in_words
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum, extremes
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.units import in_words
 
 JetFunction = Callable[[Array, int], Jet]
 """Points (shape (n,)) and an order to a jet; the driven angle in rad at driving angles in rad."""
@@ -154,3 +156,27 @@ def _constant(values: Array, order: int) -> Array:
     coefficients = np.zeros((order + 1, values.size))
     coefficients[0] = values
     return coefficients
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """The law of one pair by its own driving angle, and how fast its driving gear turns.
+
+    ``speed`` is that gear's speed over the driving shaft's, at its own angles in rad; shape (n,) to shape (n,).
+    """
+
+    transmission: Transmission
+    speed: Callable[[Array], Array] = field(repr=False)
+
+
+@dataclass(frozen=True, eq=False)
+class Train:
+    """The law phi2(phi1) of the whole, and its pairs from the driving shaft on; a single pair has the whole law."""
+
+    whole: Transmission
+    pairs: tuple[Pair, ...]
+
+
+def single(transmission: Transmission) -> Train:
+    """One pair between the driving shaft and the crank."""
+    return Train(transmission, (Pair(transmission, np.ones_like),))

@@ -9,19 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.design.motion import HarmonicRatio, ThreeSegmentStroke
-from ncgear.design.schema import Design
-from ncgear.machine.linkage import Linkages
-from ncgear.machine.resistance import Resistance
-from ncgear.machine.stroke import StrokeRequests, closed_strokes
+from ncgear.design.keys.design import Design
+from ncgear.design.keys.motion import HarmonicRatio, ThreeSegmentStroke
+from ncgear.mechanisms.crank_slider import Linkages
+from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import RAD_S_PER_RPM
+from ncgear.project.law import SAME_STROKE, lobes_of, resistance_of
 from ncgear.ratio.transmission import Lobes
-from ncgear.recipe.law import SAME_STROKE, lobes_of, resistance_of
-from ncgear.screening.harmonics import harmonic_samples
-from ncgear.screening.returns import returns_with_constant
-from ncgear.screening.samples import Sampled
-from ncgear.screening.strokes import stroke_samples
+from ncgear.ratio.working_stroke import StrokeRequests, closed_strokes
+from ncgear.screening.samples import Sampled, harmonic_samples, returns_with_constant, stroke_samples
 
 STROKE, HARMONIC = "three_segment_stroke", "harmonic_ratio"
 

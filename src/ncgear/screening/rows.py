@@ -1,25 +1,164 @@
-"""From the figures of many laws to those of designs, as ``single.py`` has those of one."""
+"""The figures of many sampled laws: peaks of the motion, range of the ratio, and the pitch curves of external pairs.
+
+The figures of one design, by the stages that a check and a build use.
+
+From the figures of many laws to those of designs, as ``single.py`` has those of one.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import degrees
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import degrees, radians
 
 import numpy as np
 
-from ncgear.design.gears import Gears
-from ncgear.design.schema import Design
+from ncgear.design.keys.design import Design
+from ncgear.design.keys.gears import Gears
 from ncgear.errors import DesignError, WrongInput
-from ncgear.machine.resistance import Resistance
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.mechanisms.resistance import Resistance
+from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.sampled import extremes, integration, tails
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.pitch.pair import STRAIGHT
-from ncgear.pitch.sizing import solved_size
-from ncgear.ratio.transmission import Lobes
+from ncgear.optimum.makeable.quantities import driven_curvature, driving_curvature, length_rate, tangent
+from ncgear.pitch.pair import STRAIGHT, solved_size
+from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
+from ncgear.ratio.transmission import CLOSED, STANDSTILL, Lobes
 from ncgear.screening.batches import Kind, sampled
-from ncgear.screening.figures import LawFigures, law_figures
-from ncgear.screening.samples import Sampled
+from ncgear.screening.samples import Sampled, Samples
+
+RESOLVED = 1e-12
+"""Last coefficients, relative to a quantity's largest value, up to which a law counts as resolved: its least value, a
+hundredth of that where the ratio varies by 1:100, still has ten digits (tests/test_screening.py)."""
+
+Ranges = dict[str, tuple[Array, Array]]
+
+
+@dataclass(frozen=True, eq=False)
+class LawFigures:
+    """Of n laws, shape (n,) each; per radian of the driving angle and at unit centre distance.
+
+    ``ranges`` has the smallest and largest value of the ratio, the tangent of the pitch curves' inclination, their
+    curvatures, the slider's velocity and acceleration over the cycle and over the working stroke, and the power.
+    ``length`` is that of the pitch curves over one turn of the driven gear, ``resolved`` says whose figures hold.
+    """
+
+    ranges: Ranges
+    length: Array
+    closing_error_rad: Array
+    resolved: Mask
+
+    def largest(self, name: str) -> Array:
+        """Largest magnitude of a quantity."""
+        low, high = self.ranges[name]
+        magnitude: Array = np.maximum(-low, high)
+        return magnitude
+
+
+def law_figures(samples: Samples, force_n: Callable[[Array], Array]) -> LawFigures:
+    """The figures of laws against a resistance, as a function of displacements in mm (any shape)."""
+    working = samples.displacement_mm.shape[1]
+    quantities = _quantities(samples, force_n)
+    resolved = _resolved(samples, quantities)
+    quantities["working_acceleration"] = samples.acceleration[:, :working]
+    length, turned = (_integral(values) for values in (samples.turning * length_rate(samples.at), samples.turning))
+    return LawFigures(_ranges(quantities, samples.there, resolved), length, turned - 2.0 * np.pi, resolved)
+
+
+def _quantities(samples: Samples, force_n: Callable[[Array], Array]) -> dict[str, Array]:
+    at, working = samples.at, samples.displacement_mm.shape[1]
+    return {
+        "ratio": at.ratio,
+        "tangent": tangent(at),
+        "driving_curvature": driving_curvature(at),
+        "driven_curvature": driven_curvature(at),
+        "velocity": samples.velocity,
+        "acceleration": samples.acceleration,
+        "power": force_n(samples.displacement_mm) * samples.velocity[:, :working],
+    }
+
+
+def _resolved(samples: Samples, quantities: dict[str, Array]) -> Mask:
+    """Laws that are sound, all of whose quantities and lengths have died away, and which close."""
+    rates = samples.turning * length_rate(samples.at)
+    resolved = samples.sound.copy()
+    for values in (*quantities.values(), rates, samples.turning):
+        there = samples.there[:, : values.shape[1]]
+        size = np.where(there, np.abs(values).max(axis=2), 0.0)
+        small = tails(values) * size <= RESOLVED * size.max(axis=1, keepdims=True)
+        resolved &= (small | ~there).all(axis=1)
+    ratio = np.where(samples.there[..., None], samples.at.ratio, samples.at.ratio[:, :1])
+    lowest, highest = ratio.min(axis=(1, 2)), ratio.max(axis=(1, 2))
+    closed = np.abs(_integral(samples.turning) - 2.0 * np.pi) <= CLOSED
+    answer: Mask = resolved & closed & (lowest > 2.0 * STANDSTILL * highest)
+    return answer
+
+
+def _ranges(quantities: dict[str, Array], there: Mask, resolved: Mask) -> Ranges:
+    """Smallest and largest value of every quantity over the pieces that are there; zeros for laws not resolved."""
+    laws = np.where(resolved[:, None], there, np.arange(there.shape[1]) == 0)
+    rows, owners = [], []
+    for number, values in enumerate(quantities.values()):
+        law, piece = np.nonzero(laws[:, : values.shape[1]])
+        rows.append(np.where(resolved[law][:, None], values[law, piece], 0.0))
+        owners.append(law + number * len(laws))
+    low, high = extremes(np.vstack(rows), np.concatenate(owners))
+    lows, highs = (side.reshape(len(quantities), -1) for side in (low, high))
+    return {name: (lows[number], highs[number]) for number, name in enumerate(quantities)}
+
+
+def _integral(values: Array) -> Array:
+    """Of values per share of each piece, over all pieces; shape (n,)."""
+    total: Array = (values @ integration(values.shape[-1])[-1]).sum(axis=1)
+    return total
+
+
+def single_figures(design: Design) -> dict[str, float]:
+    """Every figure of a design; raises WrongInput or NoSuchMechanism where it cannot be made."""
+    drive = Drive(design)
+    figures = {**_law(drive), **_check(drive)}
+    # Of two stages the curves are those of each pair, and a build alone tells them apart.
+    return figures if design.gears is None or design.stages > 1 else {**figures, **_pitch(drive)}
+
+
+def _law(drive: Drive) -> dict[str, float]:
+    stroke, (low, high) = drive.law.stroke_law, drive.transmission.ratio_range
+    return {
+        "drive.law_speed_rpm": drive.law_speed_rpm,
+        "closure.residual_rad": abs(drive.transmission.closure_error_rad),
+        "closure.stroke_residual_mm": abs(stroke.stroke.closing_error_mm) if stroke else 0.0,
+        "ratio.min": low.value,
+        "ratio.max": high.value,
+    }
+
+
+def _check(drive: Drive) -> dict[str, float]:
+    check = drive.check
+    return {
+        "check.peak_power_w": check.peak_power_w.value,
+        "check.mean_power_w": check.mean_power_w,
+        "check.peak_speed_mm_s": check.peak_speed_mm_s.value,
+        "check.peak_acceleration_working_mm_s2": check.peak_acceleration_working_mm_s2.value,
+        "check.peak_acceleration_cycle_mm_s2": check.peak_acceleration_cycle_mm_s2.value,
+    }
+
+
+def _pitch(drive: Drive) -> dict[str, float]:
+    pitch = drive.pitch
+    return {
+        "pitch.center_distance_mm": pitch.center_distance_mm,
+        "pitch.length_driving_mm": pitch.length_mm(Gear.DRIVING),
+        "pitch.length_driven_mm": pitch.length_mm(Gear.DRIVEN),
+        "pitch.driving_convex": float(pitch.convex(Gear.DRIVING)),
+        "pitch.driven_convex": float(pitch.convex(Gear.DRIVEN)),
+        "pitch.min_radius_driving_mm": pitch.least_radius_mm(Gear.DRIVING),
+        "pitch.min_radius_driven_mm": pitch.least_radius_mm(Gear.DRIVEN),
+        "pitch.max_tangent_angle_deg": degrees(pitch.largest_tangent_angle_rad.value),
+        "pitch.max_pressure_angle_deg": pitch.largest_pressure_angle_deg(radians(drive.gears.rack.pressure_angle_deg)),
+    }
+
 
 Row = dict[str, float] | DesignError
 """Figures of a design, or why it cannot be made."""
@@ -35,7 +174,7 @@ def rows_of(kind: Kind, designs: Sequence[Design], count: int) -> list[Row | Non
     rows: list[Row | None] = [None] * len(designs)
     if sure.size:
         speed = np.array([designs[number].operation.speed_rpm for number in sure.tolist()]) * RAD_S_PER_RPM
-        columns = {**_law(found, figures, sure), **_check(kind, found, figures, sure, speed)}
+        columns = {**_law_of_rows(found, figures, sure), **_check_of_rows(kind, found, figures, sure, speed)}
         shapes = _shapes(figures, sure)
         for place, number in enumerate(sure.tolist()):
             row = {name: float(column[place]) for name, column in columns.items()}
@@ -49,7 +188,7 @@ def _fitted_n(resistance: Resistance, displacement_mm: Array) -> Array:
     return resistance.fitted_n(Jet(displacement_mm.reshape(1, -1))).value.reshape(displacement_mm.shape)
 
 
-def _law(found: Sampled, figures: LawFigures, sure: IndexArray) -> dict[str, Array]:
+def _law_of_rows(found: Sampled, figures: LawFigures, sure: IndexArray) -> dict[str, Array]:
     low, high = figures.ranges["ratio"]
     return {
         "drive.law_speed_rpm": found.law_speed_rpm[sure],
@@ -60,7 +199,9 @@ def _law(found: Sampled, figures: LawFigures, sure: IndexArray) -> dict[str, Arr
     }
 
 
-def _check(kind: Kind, found: Sampled, figures: LawFigures, sure: IndexArray, speed_rad_s: Array) -> dict[str, Array]:
+def _check_of_rows(
+    kind: Kind, found: Sampled, figures: LawFigures, sure: IndexArray, speed_rad_s: Array
+) -> dict[str, Array]:
     stroke, cycle = found.stroke_mm[sure], kind.lobes.driven * kind.lobes.driving_period_rad
     work = kind.resistance.work_n_mm(stroke, float(stroke.max())) / 1000.0
     return {

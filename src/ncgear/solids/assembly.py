@@ -10,7 +10,7 @@ import numpy as np
 
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
-from ncgear.solids.round_hole import RoundHole
+from ncgear.solids.plan.body import RoundHole
 
 FLANK_BAND_IN_MODULES = 0.1
 """Within this distance of the pitch curve the line of centres is said to meet a flank, not a tooth or a space."""

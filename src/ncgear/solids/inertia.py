@@ -8,8 +8,8 @@ import numpy as np
 from shapely.geometry.base import BaseGeometry
 
 from ncgear.numerics.arrays import Array
-from ncgear.solids.body import BodyPlan
-from ncgear.solids.sheets import rings
+from ncgear.solids.mesh.sheets import rings
+from ncgear.solids.plan.body import BodyPlan
 
 KG_MM3 = 1e-9
 """One kg/m3 in kg/mm3."""

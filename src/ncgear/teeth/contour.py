@@ -1,4 +1,12 @@
-"""The closed outline of a gear as few smooth curves: lines, arcs of circles, and B-splines.
+"""Lines and arcs of circles, and points that lie on one.
+
+Cubic B-splines through exact points of many curves at once, with as few spans as a tolerance allows.
+
+Each curve is interpolated in its own parameter, in which it is analytic, with its exact slopes at both ends: the error
+falls with the fourth power of the span, at a cusp's side too, where the curve's speed is nearly zero.
+Source: C. de Boor, "A Practical Guide to Splines", revised edition, Springer 2001, chapter V (complete splines).
+
+The closed outline of a gear as few smooth curves: lines, arcs of circles, and B-splines.
 
 Programs for solids make one face of each curve, so that a flank stays one flank, where a polygon would give a facet for
 every chord.
@@ -9,13 +17,146 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.teeth.arcs import Arc, Line, line_or_arc
 from ncgear.teeth.chords import Stretch
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.outline import exact_curves
-from ncgear.teeth.splines import fitted_splines
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A straight line; points of shape (2,) in mm."""
+
+    start: Array
+    end: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Arc:
+    """The arc of a circle through three points of shape (2,) in mm."""
+
+    start: Array
+    middle: Array
+    end: Array
+
+
+def line_or_arc(points_mm: Array, within_mm: float) -> tuple[Line | Arc, float] | None:
+    """The line or arc from the first to the last of points (n, 2), n >= 2, and how far the others are from it.
+
+    None where neither passes all of them within a distance.
+    """
+    start, middle, end = points_mm[0], points_mm[len(points_mm) // 2], points_mm[-1]
+    for curve in (Line(start, end), Arc(start, middle, end)):
+        if (off := float(distances_mm(curve, points_mm).max())) <= within_mm:
+            return curve, off
+    return None
+
+
+def distances_mm(curve: Line | Arc, points_mm: Array) -> Array:
+    """Distances of points (n, 2) from the whole line or circle, shape (n,); infinite where an arc has no circle."""
+    if isinstance(curve, Line):
+        chord = (curve.end - curve.start) / np.linalg.norm(curve.end - curve.start)
+        arm = points_mm - curve.start
+        return np.asarray(np.abs(chord[0] * arm[:, 1] - chord[1] * arm[:, 0]))
+    center, radius = _circle(curve)
+    return np.asarray(np.abs(np.linalg.norm(points_mm - center, axis=1) - radius))
+
+
+def _circle(arc: Arc) -> tuple[Array, float]:
+    """Centre and radius of an arc's circle; a point infinitely far away where its points are in line."""
+    rows = np.array([arc.middle - arc.start, arc.end - arc.start])
+    if np.linalg.det(rows) == 0.0:
+        return np.full(2, np.inf), 0.0
+    arm = np.linalg.solve(rows, np.sum(rows**2, axis=1) / 2.0)
+    return arc.start + arm, float(np.linalg.norm(arm))
+
+
+def ring_of_arcs(ring_mm: Array, within_mm: float) -> list[Line | Arc]:
+    """A closed polygon (n, 2) as lines and arcs, each as long as it stays within a distance of all its corners.
+
+    They stay within twice as much of the middles of its sides and so, as parabolas, within 17/8 of it everywhere.  None
+    takes more than a third of the corners, so that none turns by half a circle or more.
+    """
+    closed, found, first = np.vstack([ring_mm, ring_mm[:1]]), [], 0
+    longest = max(1, len(ring_mm) // 3)
+    while first < len(ring_mm):
+        last, curve = first + 1, _through(closed[first : first + 2], within_mm)
+        while last < min(first + longest, len(ring_mm)):
+            farther = _through(closed[first : last + 2], within_mm)
+            if farther is None:
+                break
+            last, curve = last + 1, farther
+        assert curve is not None
+        found.append(curve)
+        first = last
+    return found
+
+
+def _through(corners: Array, within: float) -> Line | Arc | None:
+    """The line or arc along the sides between corners (n, 2), if there is one."""
+    found = line_or_arc(corners, within)
+    if found is None or distances_mm(found[0], (corners[:-1] + corners[1:]) / 2.0).max() > 2.0 * within:
+        return None
+    return found[0]
+
+
+DEGREE = 3
+"""Twice continuously differentiable, and what every program for solids works with."""
+
+SPANS = tuple(count for power in range(1, 10) for count in (2**power, 3 * 2 ** (power - 1)))
+"""Numbers of spans that are tried in turn, up to 768: a curve that takes more is no smooth curve."""
+
+PROBES = np.array([0.25, 0.5, 0.75])
+"""Shares of each span at which the spline is held against the curve: its error is largest near the middle."""
+
+INSIDE = np.array([1e-9, 1.0 - 1e-9])
+"""Shares at which slopes at the ends are taken: at a joint of the pitch curve itself the slope may be that of its other
+side, and so near to it a slope is wrong by a billionth."""
+
+
+@dataclass(frozen=True, eq=False)
+class Splines:
+    """Splines of the same number of spans for some rows of a stretch.
+
+    ``knots`` (n + 7,), n being the spans, from 0 to 1, clamped; ``poles_mm`` (r, n + 3, 2) for the rows ``row`` (r,);
+    ``deviation_mm`` (r,) is how far points of spline and curve at the same parameter were found apart at most.
+    """
+
+    row: IndexArray
+    knots: Array
+    poles_mm: Array
+    deviation_mm: Array
+
+
+def fitted_splines(stretch: Stretch, rows: IndexArray, tolerance_mm: float) -> list[Splines]:
+    """Splines for the chosen rows of a stretch, each closer to its curve than ``tolerance_mm``.
+
+    Raises RuntimeError, a fault of ncgear, for a curve that the most spans do not follow.
+    """
+    found: list[Splines] = []
+    for spans in SPANS:
+        if not rows.size:
+            return found
+        made = _interpolated(stretch, rows, spans)
+        close = made.deviation_mm <= tolerance_mm
+        if close.any():
+            found.append(Splines(rows[close], made.knots, made.poles_mm[close], made.deviation_mm[close]))
+        rows = rows[~close]
+    if rows.size:
+        raise RuntimeError(f"a curve of flank {stretch.owner[rows[0]] + 1} is not followed by {SPANS[-1]} spans")
+    return found
+
+
+def _interpolated(stretch: Stretch, rows: IndexArray, spans: int) -> Splines:
+    share = np.linspace(0.0, 1.0, spans + 1)
+    point, (start, end) = stretch.at(rows[:, None], share)[0], stretch.at(rows[:, None], INSIDE)[1].swapaxes(0, 1)
+    spline = make_interp_spline(share, point.swapaxes(0, 1), k=DEGREE, bc_type=([(1, start)], [(1, end)]))
+    between = (np.arange(spans)[:, None] + PROBES).ravel() / spans
+    apart = spline(between).swapaxes(0, 1) - stretch.at(rows[:, None], between)[0]
+    return Splines(rows, spline.t, spline.c.swapaxes(0, 1), np.linalg.norm(apart, axis=2).max(axis=1))
+
 
 SAME_MM = 1e-7
 """Distance at which programs for solids take two points as one: a curve this close to a line or a circle is one."""

@@ -7,13 +7,13 @@ from math import ceil, pi, sqrt
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.machine.rack import BasicRack
-from ncgear.numerics.angles import in_words
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.crossing import chord_crossings
+from ncgear.numerics.units import in_words
 from ncgear.pitch.pair import STRAIGHT, PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.teeth.form import CutterKind
+from ncgear.teeth.rack import BasicRack
 from ncgear.teeth.tips import Tips
 from ncgear.teeth.tool import PinionCircle, RackLine
 

@@ -1,4 +1,10 @@
-"""The curves that bound a tooth, each an exact envelope of one part of a tool that rolls on the pitch curve.
+"""The equivalent-gear method: each flank from the circular gear of the local radius of curvature.
+
+Where a flank crosses the pitch curve the curve is replaced by its circle of curvature, and the flank is the involute of
+that circular gear.  Exact where the curvature is constant; else the flank strays with the curvature's change over the
+distance rolled.  J. Wang, C. Wang and L. Miao call it the conversion tooth profile method and used it for their baler.
+
+The curves that bound a tooth, each an exact envelope of one part of a tool that rolls on the pitch curve.
 
 Everything is written in the gear's own moving frame: P the pitch point at arc length sigma, T the unit tangent, N the
 unit normal away from the gear.  A flank is named by the arc length c at which it crosses the pitch curve and by its
@@ -16,22 +22,45 @@ runs along itself with K (D + rho) - rho v / D^2, D being the distance from P to
 that is positive.
 Source of the principle: F. L. Litvin and A. Fuentes, "Gear Geometry and Applied Theory", 2nd edition, Cambridge 2004,
 chapters 6 (envelopes, singularities) and 12 (noncircular gears).
+
+Flanks and teeth in the words of messages.
+
+Which flanks meet: mating flanks cross the pitch curves at the same rolled length.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import cos, remainder, sin, tan
+from math import cos, lcm, remainder, sin, tan
 
 import numpy as np
 
-from ncgear.machine.rack import BasicRack
 from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.units import in_words
 from ncgear.pitch.curve import CurvePoints, PitchCurve
-from ncgear.teeth.equivalent import on_circles
-from ncgear.teeth.rounding import Rounding, rounding_of
-from ncgear.teeth.tool import Tool
+from ncgear.teeth.rack import BasicRack
+from ncgear.teeth.tool import Rounding, Tool, rounding_of
+
+
+def on_circles(touched: CurvePoints, rolled_mm: Array) -> CurvePoints:
+    """Points at arc lengths ``rolled_mm`` along the circles of curvature that touch a curve at ``touched``.
+
+    The touched points' shape broadcasts against that of ``rolled_mm``.
+    """
+    tangent, normal = touched.tangent, touched.normal
+    curvature = np.broadcast_to(touched.curvature, rolled_mm.shape)
+    turned = (rolled_mm * curvature)[..., None]
+    # Along and across without dividing by the curvature, which may vanish: sin(x) / x and (1 - cos x) / x.
+    along = rolled_mm[..., None] * np.sinc(turned / np.pi)
+    across = rolled_mm[..., None] * np.sin(turned / 2.0) * np.sinc(turned / (2.0 * np.pi))
+    return CurvePoints(
+        touched.position + along * tangent - across * normal,
+        np.cos(turned) * tangent - np.sin(turned) * normal,
+        np.sin(turned) * tangent + np.cos(turned) * normal,
+        curvature,
+    )
+
 
 FLANK, FILLET = 0, 1
 """The curves along a tooth's side from the tip inwards."""
@@ -187,3 +216,22 @@ def flanks_of(
         tool,
         equivalent,
     )
+
+
+def tooth_name(flanks: Flanks, flank: int) -> str:
+    """A flank in words, with the driving angle at which it crosses the pitch point."""
+    facing = "front" if flanks.side[flank] > 0 else "back"
+    phi1 = float(flanks.curve.driving_angle(flanks.crossing_mm[flank : flank + 1])[0])
+    gear = flanks.curve.gear.value
+    return f"the {facing} flank of tooth {flanks.tooth[flank]} of the {gear} gear (phi1 = {in_words(phi1)})"
+
+
+def mating_flanks(driving_teeth: int, driven_teeth: int) -> tuple[IndexArray, IndexArray]:
+    """Numbers of the driving and of the driven flank of every pair that ever meets, shape (2 lcm,) each.
+
+    A driving tooth's front flank crosses a quarter pitch after its middle, where the back flank of the driven tooth
+    half a pitch on stands; its back flank meets the front flank of the driven tooth half a pitch before.
+    """
+    meeting = np.arange(lcm(driving_teeth, driven_teeth))
+    own, ahead, behind = meeting % driving_teeth, meeting % driven_teeth, (meeting - 1) % driven_teeth
+    return np.concatenate([2 * own + 1, 2 * own]), np.concatenate([2 * ahead, 2 * behind + 1])

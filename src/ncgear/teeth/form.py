@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import NamedTuple
 
-from ncgear.machine.rack import BasicRack
 from ncgear.teeth.ceilings import Ceilings
+from ncgear.teeth.rack import BasicRack
 
 
 class CutterKind(Enum):

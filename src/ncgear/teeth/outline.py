@@ -1,18 +1,49 @@
-"""The closed outline of a gear, sampled from its exact curves to a chord tolerance."""
+"""Whether an outline is a simple polygon: the last look at what no single tooth's side can see.
+
+The closed outline of a gear, sampled from its exact curves to a chord tolerance.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import atan2, degrees
 
 import numpy as np
+import shapely
+from shapely import Polygon
 
+from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.plane import signed_area
 from ncgear.teeth.chords import Stretch, parted, sampled, split, straddled
 from ncgear.teeth.flank import FILLET, FLANK, Flanks
 from ncgear.teeth.sides import Sides
 from ncgear.teeth.tips import Tips
+
+REMEDY = "more teeth, a smaller addendum or dedendum, or a less uneven ratio avoids that"
+
+
+def simple_polygon(outline_mm: Array, key: str) -> Polygon:
+    """The polygon of an outline in mm, shape (n, 2).
+
+    Raises NoSuchMechanism for ``key``, naming the place, where the outline crosses itself: both sides of one space may
+    meet where the pitch curve is deeply concave.
+    """
+    polygon = Polygon(outline_mm)
+    if not polygon.is_valid:
+        raise NoSuchMechanism(f"the tooth outline crosses itself{_place(polygon)}; {REMEDY}", key=key)
+    return polygon
+
+
+def _place(polygon: Polygon) -> str:
+    """Where a polygon is invalid, as far as GEOS says: its reason reads ``Self-intersection[x y]``."""
+    numbers = re.findall(r"-?\d[\d.e+-]*", shapely.is_valid_reason(polygon))
+    if len(numbers) < 2:
+        return ""
+    x, y = float(numbers[0]), float(numbers[1])
+    return f" at x = {x:.5g} mm, y = {y:.5g} mm (polar angle {degrees(atan2(y, x)):.4g} deg in the gear's frame)"
 
 
 @dataclass(frozen=True)

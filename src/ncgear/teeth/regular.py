@@ -11,7 +11,7 @@ from math import sin
 import numpy as np
 
 from ncgear.numerics.arrays import Array, IndexArray, Mask
-from ncgear.numerics.roots import first_zeros
+from ncgear.numerics.zeros import first_zeros
 from ncgear.pitch.curve import PitchCurve
 from ncgear.teeth.flank import Flanks
 from ncgear.teeth.tool import RackLine

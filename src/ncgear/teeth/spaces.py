@@ -15,11 +15,9 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.pitch.curve import PitchCurve
-from ncgear.teeth.flank import Flanks
-from ncgear.teeth.naming import tooth_name
+from ncgear.teeth.flank import Flanks, tooth_name
 from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_depth
-from ncgear.teeth.rounding import LEAST_FLAT, Rounding, fitting_radii, rounding_of
-from ncgear.teeth.tool import PinionCircle, RackLine
+from ncgear.teeth.tool import LEAST_FLAT, PinionCircle, RackLine, Rounding, fitting_radii, rounding_of
 
 Depth = Callable[[Array, IndexArray], Array]
 """Radii and flank numbers to flank depths, shape (n,) each."""

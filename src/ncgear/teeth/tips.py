@@ -17,9 +17,8 @@ from scipy.optimize import elementwise
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import refined_crossings
-from ncgear.pitch.nearest import nearest
-from ncgear.teeth.flank import Flanks
-from ncgear.teeth.naming import tooth_name
+from ncgear.pitch.curve import nearest
+from ncgear.teeth.flank import Flanks, tooth_name
 from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_height
 
 AGREEMENT = 1e-11

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.certified.limit import prepared
+from ncgear.optimum.certified.limit import prepared, refuse
 from ncgear.optimum.certified.passes import Ceilings
-from ncgear.optimum.certified.refusals import refuse
 from ncgear.optimum.certified.road import Road
 from ncgear.optimum.task import Limits, Task
 

@@ -1,16 +1,21 @@
-"""The slider's way over one cycle, cut into cells: out and back laid one after the other."""
+"""The slider's way over one cycle, cut into cells: out and back laid one after the other.
+
+How fast the slider may be at each place, seen alone: half its speed squared, u, from above and from below.
+
+Points inside the cells at which a motion that is to be had is held against its limits.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi
+from math import inf, isinf, pi
 
 import numpy as np
 
-from ncgear.machine.linkage import CrankSlider
+from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
-from ncgear.optimum.task import Task
+from ncgear.optimum.task import Limits, Task
 
 APART = 1e-7
 """Crank angle in rad below which two places count as one: the displacement, exact to 1e-16 of the stroke, grows with
@@ -95,3 +100,92 @@ def _turns_rad(linkage: CrankSlider, turns_mm: Array) -> Array:
     if not turns_mm.size:
         return turns_mm
     return linkage.crank_angle(turns_mm, np.zeros(turns_mm.size, dtype=bool))
+
+
+@dataclass(frozen=True)
+class Peaks:
+    """A wished pair of peaks: magnitude of the slider's acceleration in mm/s^2, power in W; infinite for free ones."""
+
+    acceleration_mm_s2: float = inf
+    power_w: float = inf
+
+
+def energy(speed_mm_s: Array) -> Array:
+    """u = v^2 / 2 in mm^2/s^2; its derivative by the way is the acceleration."""
+    return speed_mm_s * speed_mm_s / 2.0
+
+
+def ceiling(road: Road, task: Task, limits: Limits, peaks: Peaks) -> Array:
+    """Largest u at each place, shape (n + 1,), in mm^2/s^2.
+
+    From the least ratio, v = omega x'(phi2) / i12; from power, F v <= P, where F presses; with a mass, (F + m a) v <= P
+    and a >= -A leave (F - m A) v <= P; from a limited pressure angle, see ``_steerable``.
+    """
+    turning, mass = turning_ceiling(road, task, limits, peaks), limits.mass_kg
+    # In kg, mm and s: 1 N is 1000 kg mm/s^2, 1 W is 1e6 kg mm^2/s^3.
+    pressing = 1000.0 * road.force_n - (mass * peaks.acceleration_mm_s2 if mass else 0.0)
+    by_power = np.full(pressing.shape, inf)
+    np.divide(1e6 * peaks.power_w, pressing, out=by_power, where=pressing > 0.0)
+    return energy(np.minimum(task.speed_rad_s * road.slope_mm_rad * turning, by_power))
+
+
+def floor(road: Road, task: Task, limits: Limits) -> Array:
+    """Least u at each place, shape (n + 1,), in mm^2/s^2: from the largest ratio."""
+    return energy(task.speed_rad_s * road.slope_mm_rad / limits.ratio_max)
+
+
+def turning_ceiling(road: Road, task: Task, limits: Limits, peaks: Peaks) -> Array:
+    """Largest s = dphi2/dphi1 at each place, shape (n + 1,), where the ratio is continuous."""
+    return np.minimum(1.0 / limits.ratio_min, _steerable(road, task, limits, peaks))
+
+
+def _steerable(road: Road, task: Task, limits: Limits, peaks: Peaks) -> Array:
+    """Largest s at which some allowed change of s keeps the acceleration within its limit.
+
+    The acceleration is omega^2 (x'' s^2 + x' s ds/dphi2), and |ds/dphi2| <= t (1 + s) from the pressure angle.  The
+    least magnitude it can have is omega^2 ((|x''| - t |x'|) s^2 - t |x'| s); at a dead centre, omega^2 |x''| s^2.
+    """
+    if isinf(limits.steepness) or isinf(peaks.acceleration_mm_s2):
+        return np.full(road.way_mm.shape, inf)
+    rest = peaks.acceleration_mm_s2 / task.speed_rad_s**2
+    linear = limits.steepness * road.slope_mm_rad
+    square = road.bend_mm_rad2 - linear
+    found = np.full(square.shape, inf)
+    root = np.sqrt(linear**2 + 4.0 * np.maximum(square, 0.0) * rest)
+    np.divide(linear + root, 2.0 * square, out=found, where=square > 0.0)
+    return found
+
+
+SHARES = np.linspace(0.0, 1.0, 9)
+"""Shares of each cell's crank angle."""
+
+
+@dataclass(frozen=True, eq=False)
+class Probes:
+    """The linkage at points of the cells, all of shape (n, 9): ``share`` of the cell's length gone, slope and bend.
+
+    ``bend_mm_rad2`` is the second derivative of the way by the crank angle, with its sign; ``force_n`` the resistance.
+    """
+
+    share: Array
+    slope_mm_rad: Array
+    bend_mm_rad2: Array
+    force_n: Array
+
+
+def probes(road: Road, task: Task) -> Probes:
+    """The points of all cells of a road."""
+    angles = road.crank_angle_rad[:-1, None] + road.turn_rad[:, None] * SHARES
+    position = task.linkage.displacement(Jet.variable(angles.ravel(), 2))
+    displacement = np.clip(position.value, 0.0, task.linkage.stroke_mm).reshape(angles.shape)
+    out = (np.arange(road.turn_rad.size) < road.extended)[:, None]
+    sense = np.where(out, 1.0, -1.0)
+    slope = sense * position.derivative(1).reshape(angles.shape)
+    slope[[0, road.extended], 0] = slope[[road.extended - 1, -1], -1] = 0.0
+    gone = np.abs(displacement - displacement[:, :1])
+    return Probes(
+        share=gone / gone[:, -1:],
+        slope_mm_rad=np.maximum(slope, 0.0),
+        bend_mm_rad2=sense * position.derivative(2).reshape(angles.shape),
+        force_n=np.where(out, task.resistance.force_n(displacement), 0.0),
+    )

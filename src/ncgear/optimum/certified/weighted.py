@@ -7,9 +7,9 @@ from heapq import heappop, heappush
 from math import inf, sqrt
 
 from ncgear.errors import WrongInput
-from ncgear.optimum.certified.ceilings import Peaks
 from ncgear.optimum.certified.limit import CELLS, Bound, enclosed, mean_power, prepared, resting_acceleration
 from ncgear.optimum.certified.problem import Problem
+from ncgear.optimum.certified.road import Peaks
 from ncgear.optimum.task import Limits, Task
 
 TOLERANCE = 5e-3

@@ -21,15 +21,14 @@ from scipy.stats import qmc
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.check import KinematicCheck, kinematic_check
-from ncgear.kinematics.slider import Machine
-from ncgear.machine.linkage import CrankSlider
-from ncgear.machine.resistance import Resistance
-from ncgear.machine.stroke import StrokeRequest, solved_stroke
+from ncgear.kinematics.motion import Machine
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.family.returns import return_samples
-from ncgear.optimum.family.strokes import BOUNDS, Strokes, strokes_of, working_samples
+from ncgear.optimum.family.samples import BOUNDS, Strokes, return_samples, strokes_of, working_samples
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.transmission import Lobes
+from ncgear.ratio.working_stroke import StrokeRequest, solved_stroke
 
 SKEWNESS = 6.0
 """Largest skewness of the return that is looked at, in units of ``returns``."""

@@ -10,11 +10,10 @@ from dataclasses import dataclass
 from math import atan, ceil, degrees, exp, log, radians, tan
 
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.optimum.certified.refusals import shown_above, shown_below
+from ncgear.optimum.certified.limit import shown_above, shown_below
 from ncgear.optimum.makeable import quantities
-from ncgear.optimum.makeable.quantities import Place, Slider, Term
-from ncgear.optimum.makeable.stages import pairs
-from ncgear.optimum.wishes import CurvatureWish, Goal, Wishes
+from ncgear.optimum.makeable.quantities import Place, Slider, Term, pairs
+from ncgear.optimum.makeable.wishes import CurvatureWish, Goal, Wishes
 
 CONVEX = "convex"
 """The wish that is kept or not: how deep a dent is means nothing to a user."""

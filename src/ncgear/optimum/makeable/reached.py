@@ -1,4 +1,9 @@
-"""The levels that a series reaches at given places: the judge of the optimiser, in plain arrays."""
+"""A trigonometric series and its derivatives at even places of a turn, as matrices on its coefficients.
+
+The machine at driven angles: how the slider moves with the crank, and what resists it there.
+
+The levels that a series reaches at given places: the judge of the optimiser, in plain arrays.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +13,61 @@ from math import log, pi
 
 import numpy as np
 
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
 from ncgear.optimum.makeable.levels import Level
-from ncgear.optimum.makeable.quantities import Place, Slider
-from ncgear.optimum.makeable.series import Basis, basis
-from ncgear.optimum.makeable.stages import length_rates
-from ncgear.optimum.makeable.stations import Stations
+from ncgear.optimum.makeable.quantities import Place, Slider, length_rates
+
+
+@dataclass(frozen=True, eq=False)
+class Basis:
+    """Rows of values, first and second derivatives at n angles; columns cos 1.., sin 1.., shape (n, 2 harmonics)."""
+
+    value: Array
+    first: Array
+    second: Array
+
+
+def basis(angle_rad: Array, harmonics: int) -> Basis:
+    """The matrices at angles in rad, shape (n,)."""
+    waves = np.arange(1, harmonics + 1)
+    cosine, sine = np.cos(np.outer(angle_rad, waves)), np.sin(np.outer(angle_rad, waves))
+    value = np.hstack([cosine, sine])
+    return Basis(value, np.hstack([-waves * sine, waves * cosine]), -value * np.tile(waves**2, 2))
+
+
+ORDER = 3
+"""Derivatives of the slider's displacement by the crank angle: jerk needs the third."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stations:
+    """n places of the crank: phi2, derivatives of the displacement by it (mm per rad and powers), force in N."""
+
+    phi2_rad: Array
+    first: Array
+    second: Array
+    third: Array
+    force_n: Array
+
+    @property
+    def count(self) -> int:
+        """Number of places."""
+        return self.phi2_rad.size
+
+
+def stations(linkage: CrankSlider, resistance: Resistance, count: int) -> Stations:
+    """``count`` places evenly around one turn of the crank, from its retracted dead centre on."""
+    phi2 = np.linspace(0.0, 2.0 * pi, count, endpoint=False)
+    variable = np.zeros((ORDER + 1, count))
+    variable[0], variable[1] = phi2, 1.0
+    displacement = linkage.displacement(Jet(variable))
+    working = phi2 < linkage.working_angle_rad
+    force = np.where(working, resistance.force_n(displacement.value), 0.0)
+    first, second, third = (displacement.derivative(order) for order in range(1, ORDER + 1))
+    return Stations(phi2, first, second, third, force)
 
 
 @dataclass(frozen=True, eq=False)

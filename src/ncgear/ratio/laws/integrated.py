@@ -8,10 +8,10 @@ import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics import chebyshev
-from ncgear.numerics.angles import in_words
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import NotSmooth
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.units import in_words
 from ncgear.ratio.transmission import JetFunction, Lobes, Piece, Transmission
 
 NEARLY_CLOSED = 1e-9

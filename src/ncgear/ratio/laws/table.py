@@ -13,7 +13,7 @@ import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from ncgear.errors import WrongInput
-from ncgear.machine.linkage import CrankSlider
+from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
 from ncgear.ratio.laws.integrated import integrated_law

@@ -1,18 +1,130 @@
-"""Gears as solids whose every flank, fillet and land is one face."""
+"""What is cut off a gear's body: pockets, bore, set-screw hole, as the solids that tools sweep.
+
+Helical and herringbone gears as solids between B-spline surfaces and two plane ends.
+
+Gears as solids whose every flank, fillet and land is one face.
+"""
 
 from __future__ import annotations
 
-from OCP.BRepCheck import BRepCheck_Analyzer
-from OCP.TopoDS import TopoDS_Shape, TopoDS_Wire
+from math import cos, sin
 
-from ncgear.solids.body import BodyPlan
-from ncgear.solids.brep.booleans import cut, fused
-from ncgear.solids.brep.cuts import BEYOND_MM, bore_tool, pocket_tools, screw_drill
-from ncgear.solids.brep.helical import helical_shape
-from ncgear.solids.brep.prism import prism
-from ncgear.solids.brep.wires import bore_wire, circle_wire, wire_of
-from ncgear.solids.patches import Patches
-from ncgear.teeth.contour import Contour
+import numpy as np
+import shapely
+from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeSolid, BRepBuilderAPI_Sewing
+from OCP.BRepCheck import BRepCheck_Analyzer
+from OCP.BRepLib import BRepLib
+from OCP.collections import Array2_gp_Pnt
+from OCP.Geom import Geom_BSplineSurface
+from OCP.gp import gp_Dir, gp_Pln, gp_Pnt
+from OCP.TopAbs import TopAbs_SHELL
+from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Shape, TopoDS_Wire
+from shapely import LinearRing, Polygon
+
+from ncgear.numerics.arrays import Array
+from ncgear.solids.brep.shapes import bore_wire, circle_wire, cut, cylinder, fused, knots_of, parts_of, prism, wire_of
+from ncgear.solids.helical.patches import Patches
+from ncgear.solids.plan.body import BodyPlan
+from ncgear.teeth.contour import DEGREE, SAME_MM, Contour, Spline, ring_of_arcs
+
+AT_CORNERS = 8.0 / 17.0
+"""Of the chord tolerance, within which walls of pockets pass the corners: they are then within it everywhere."""
+
+SHORT_OF_HUB = 4.0
+"""Chord tolerances: a pocket that goes round a hub stops three short of it, for its chords' sake."""
+
+BEYOND_MM = 1.0
+"""How far tools go on beyond what they cut, so that no two faces lie in each other."""
+
+
+def pocket_tools(plan: BodyPlan) -> list[TopoDS_Shape]:
+    """The pockets of a web, with walls of lines and arcs; none where there is no web."""
+    return [] if plan.web is None else [_pocket(pocket, plan.web.thickness_mm, plan) for pocket in plan.web.pockets]
+
+
+def bore_tool(plan: BodyPlan) -> list[TopoDS_Shape]:
+    """The bore with its keyway, if there is one."""
+    if plan.bore is None:
+        return []
+    return [prism(bore_wire(plan.bore), [], -BEYOND_MM, plan.height_mm + BEYOND_MM)]
+
+
+def screw_drill(plan: BodyPlan) -> list[TopoDS_Shape]:
+    """The drill of a hub's set screw, from the axis to beyond the hub, if there is one."""
+    if plan.hub is None or plan.hub.set_screw is None:
+        return []
+    screw = plan.hub.set_screw
+    start = np.array([0.0, 0.0, screw.height_mm])
+    direction = np.array([cos(screw.direction_rad), sin(screw.direction_rad), 0.0])
+    return [cylinder(start, direction, screw.diameter_mm / 2.0, plan.hub.diameter_mm / 2.0 + BEYOND_MM)]
+
+
+def _pocket(pocket: Polygon, low: float, plan: BodyPlan) -> TopoDS_Shape:
+    outer, *inner = (_round(ring, plan) for ring in (pocket.exterior, *pocket.interiors))
+    return prism(outer, inner, low, plan.face_width_mm + BEYOND_MM)
+
+
+def _round(ring: LinearRing, plan: BodyPlan) -> TopoDS_Wire:
+    """A polygon's ring as a circle about the axis, or else as lines and arcs, within the chord tolerance."""
+    corners, within = shapely.get_coordinates(ring)[:-1], AT_CORNERS * plan.chord_tolerance_mm
+    radii = np.hypot(corners[:, 0], corners[:, 1])
+    middle = float(radii.max() + radii.min()) / 2.0
+    if radii.max() - middle > within:
+        return wire_of(ring_of_arcs(corners, within))
+    hub = plan.hub.diameter_mm / 2.0 if plan.hub else 0.0
+    # The hub's own side goes on down to the web, without a ledge of a few micrometres.
+    return circle_wire(0.0, 0.0, hub if abs(middle - hub) <= SHORT_OF_HUB * plan.chord_tolerance_mm else middle)
+
+
+SEWN_MM = 10.0 * SAME_MM
+"""Distance at which edges are sewn: theirs are the same poles, and the kernel's own points stray by 1e-7 mm."""
+
+
+def helical_shape(patches: Patches, *, herringbone: bool) -> TopoDS_Shape:
+    """The toothed solid without anything cut into it, from z = 0 up.
+
+    Raises RuntimeError, a fault of ncgear, where the surfaces do not close.
+    """
+    halves = [patches.poles_mm]
+    if herringbone:
+        halves.append(patches.poles_mm[:, :, ::-1] * [1.0, 1.0, -1.0] + [0.0, 0.0, 2.0 * _top(patches.poles_mm)])
+    ends = _end(patches, halves[0][:, :, 0]), _end(patches, halves[-1][:, :, -1])
+    sides = [_side(patches, poles) for half in halves for poles in half]
+    return _sewn([*sides, *ends])
+
+
+def _top(poles: Array) -> float:
+    return float(poles[..., 2].max())
+
+
+def _side(patches: Patches, poles: Array) -> TopoDS_Face:
+    """The face through poles (n along, n up, 3)."""
+    grid = Array2_gp_Pnt(1, poles.shape[0], 1, poles.shape[1])
+    for (row, column), _ in np.ndenumerate(poles[..., 0]):
+        grid.SetValue(row + 1, column + 1, gp_Pnt(*poles[row, column].tolist()))
+    (along, along_times), (up, up_times) = knots_of(patches.along), knots_of(patches.up)
+    surface = Geom_BSplineSurface(grid, along, up, along_times, up_times, DEGREE, DEGREE)
+    return BRepBuilderAPI_MakeFace(surface, SAME_MM).Face()
+
+
+def _end(patches: Patches, poles: Array) -> TopoDS_Face:
+    """The plane face within curves whose poles (patches, n along, 3) are all at one height."""
+    height = float(poles[0, 0, 2])
+    wire = wire_of([Spline(patches.along, one[:, :2]) for one in poles], height)
+    return BRepBuilderAPI_MakeFace(gp_Pln(gp_Pnt(0.0, 0.0, height), gp_Dir(0.0, 0.0, 1.0)), wire, True).Face()
+
+
+def _sewn(faces: list[TopoDS_Face]) -> TopoDS_Shape:
+    sewing = BRepBuilderAPI_Sewing(SEWN_MM)
+    for face in faces:
+        sewing.Add(face)
+    sewing.Perform()
+    shells = parts_of(sewing.SewedShape(), TopAbs_SHELL)
+    if len(shells) != 1 or sewing.NbFreeEdges():
+        raise RuntimeError(f"the surfaces of helical teeth do not close: {sewing.NbFreeEdges()} free edges")
+    solid = BRepBuilderAPI_MakeSolid(TopoDS.Shell(shells[0])).Solid()
+    BRepLib.OrientClosedSolid_s(solid)
+    return solid
 
 
 def gear_shape(contour: Contour, plan: BodyPlan) -> TopoDS_Shape:

@@ -1,0 +1,104 @@
+"""``ncgear optimize``: the best law under limits.
+
+``ncgear frontier``: power against acceleration.
+
+``ncgear sweep``: many designs at once.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ncgear.cli.arguments import EXPORT, DesignFile, opened
+from ncgear.cli.progress import counted, stages_shown
+
+
+def optimize(
+    design_file: DesignFile,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-optimized")
+    ] = None,
+) -> None:
+    """Find the best law for a design's machine, with a certificate of how close to the limit it is."""
+    from ncgear.files.publish import prepare, publish
+
+    with opened(design_file) as loaded:
+        from ncgear.figures.numbers import json_text
+        from ncgear.figures.optimized import certificate, optimized_design, optimized_name, optimized_text
+        from ncgear.files.frontier import LIMIT_PICTURE, limit_picture
+        from ncgear.project.improvement import Improvement
+
+        improvement = Improvement(loaded.design)
+        name = optimized_name(improvement)
+        folder = out or EXPORT / name
+        prepare(folder)
+        with stages_shown(4) as on_stage:
+            on_stage("certified limit")
+            improvement.bound  # noqa: B018
+            on_stage("makeable law")
+            written = optimized_design(loaded.text, improvement)
+            on_stage("figures")
+            certified = json_text(certificate(improvement)).encode()
+            files = {f"{name}.yaml": written.encode(), "certificate.json": certified}
+            if improvement.limit_points:
+                on_stage("picture")
+                files[LIMIT_PICTURE] = limit_picture(improvement)
+        paths = publish(folder, files, obsolete=[LIMIT_PICTURE])
+        typer.echo(optimized_text(improvement, paths))
+
+
+def frontier(
+    design_file: DesignFile,
+    points: Annotated[int, typer.Option(min=2, max=200, help="Points from least power to least acceleration.")] = 20,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-frontier")
+    ] = None,
+) -> None:
+    """Set power against acceleration: certified limit, best laws, published family, mechanisms, all at one speed.
+
+    Uses all cores; finished points are kept in the folder, so that a run that was interrupted goes on from there.
+    """
+    from ncgear.files.publish import prepare, publish
+
+    with opened(design_file) as loaded:
+        from ncgear.files.frontier import frontier_files, frontier_text
+        from ncgear.project.frontier import frontier as frontier_of
+        from ncgear.project.improvement import Improvement
+
+        folder = out or EXPORT / f"{loaded.design.name}-frontier"
+        prepare(folder)
+        with counted("points") as on_point:
+            found = frontier_of(loaded.design, points, folder, on_point)
+        improvement = Improvement(loaded.design)
+        typer.echo(frontier_text(found, improvement, publish(folder, frontier_files(found, improvement))))
+
+
+def sweep(
+    design_file: DesignFile,
+    vary: Annotated[
+        list[str],
+        typer.Option(metavar="KEY=FROM:TO:COUNT", help="A key of the file and its values; again for another key."),
+    ],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-sweep")
+    ] = None,
+) -> None:
+    """Screen many designs: check and pitch curves, without teeth, for all combinations of some keys' values."""
+    from ncgear.design.varied import designs_of, require_grid, varied_of
+    from ncgear.files.publish import prepare, publish
+
+    varied = [varied_of(text) for text in vary]
+    with opened(design_file) as loaded:
+        require_grid(loaded, varied)
+        folder = out or EXPORT / f"{loaded.design.name}-sweep"
+        prepare(folder)
+
+        from ncgear.figures.sweep import sweep_csv, sweep_text
+        from ncgear.screening.screen import screened
+
+        with counted("designs") as on_done:
+            found = screened(list(designs_of(loaded, varied)), on_done=on_done)
+        typer.echo(sweep_text(varied, found, publish(folder, {"sweep.csv": sweep_csv(varied, found).encode()})))

@@ -1,0 +1,177 @@
+"""``ncgear check``: kinematics and power.
+
+``ncgear build``: everything into a folder.
+
+``ncgear report``: one page that shows the mechanism running.
+
+``ncgear animate``: the mechanism as a moving picture.
+
+``ncgear simulate``: torques and forces.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ncgear.cli.arguments import EXPORT, DesignFile, Timing, opened
+from ncgear.cli.progress import counted, stages_shown
+from ncgear.dynamics.level import Level
+from ncgear.errors import WrongInput
+from ncgear.files.workshop.kinds import USUAL, Format
+
+
+def check(
+    design_file: DesignFile,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
+    timing: Timing = False,
+) -> None:
+    """Check a design: kinematics and power only, no teeth, no files."""
+    with opened(design_file) as loaded:
+        from ncgear.figures.numbers import json_text
+        from ncgear.figures.summary.check import check_summary
+        from ncgear.figures.terminal import check_text, timing_text
+        from ncgear.project.drive import Drive
+
+        drive = Drive(loaded.design)
+        with stages_shown(1) as on_stage:
+            on_stage("kinematics and power")
+            text = json_text(check_summary(drive)).rstrip() if as_json else check_text(drive)
+        typer.echo(text)
+        if timing:
+            typer.echo(timing_text(drive), err=True)
+
+
+def build(
+    design_file: DesignFile,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>")
+    ] = None,
+    kinds: Annotated[
+        list[Format] | None,
+        typer.Option(
+            "--format",
+            help="Files for the workshop, may be given again; left out: all but step, which needs an extra.",
+        ),
+    ] = None,
+    report: Annotated[bool, typer.Option("--report", help="Also write report.html, as ncgear report does.")] = False,
+    timing: Timing = False,
+) -> None:
+    """Build the gears: outlines, solids, plots, motion law and summary, into a folder."""
+    from ncgear.files.publish import prepare
+
+    with opened(design_file) as loaded:
+        folder = out or EXPORT / loaded.design.name
+        prepare(folder)
+        if loaded.design.gears is None:
+            raise WrongInput("missing; a build needs it (teeth, module_mm, face_width_mm, ...)", key="gears")
+
+        from ncgear.figures.terminal import build_text, timing_text
+        from ncgear.files.build import build as build_files
+        from ncgear.files.build import stage_count
+        from ncgear.project.drive import Drive
+
+        drive = Drive(loaded.design)
+        with stages_shown(stage_count(drive, report=report)) as on_stage:
+            built = build_files(drive, folder, on_stage, kinds or USUAL, loaded if report else None)
+        typer.echo(build_text(built.summaries, built.paths))
+        if timing:
+            typer.echo(timing_text(drive), err=True)
+
+
+def report(
+    design_file: DesignFile,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>")
+    ] = None,
+    timing: Timing = False,
+) -> None:
+    """Write report.html: the machine running, its curves, comparison, warnings, data sheet and design file."""
+    from ncgear.files.publish import prepare, publish
+
+    with opened(design_file) as loaded:
+        folder = out or EXPORT / loaded.design.name
+        prepare(folder)
+
+        from ncgear.drawings.page import REPORT_FILE
+        from ncgear.drawings.page.page import report_page
+        from ncgear.figures.terminal import timing_text
+        from ncgear.files.build import WRITTEN_STAGES, contacts_as_written
+        from ncgear.project.drive import Drive
+
+        drive = Drive(loaded.design)
+        has_gears = loaded.design.gears is not None
+        with stages_shown(1 + has_gears * drive.design.stages * len(WRITTEN_STAGES)) as on_stage:
+            contacts = contacts_as_written(drive, on_stage) if has_gears else []
+            on_stage("report")
+            page = report_page(drive, loaded, contacts)
+        (path,) = publish(folder, {REPORT_FILE: page})
+        typer.echo(f"{path} ({len(page) / 1e6:.1f} MB): open it in a browser")
+        if timing:
+            typer.echo(timing_text(drive), err=True)
+
+
+def animate(
+    design_file: DesignFile,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="File to write, .gif or .mp4.", show_default="export/<design name>/mechanism.gif"
+        ),
+    ] = None,
+    frames: Annotated[int, typer.Option(min=2, max=600, help="Pictures in the loop.")] = 72,
+    seconds: Annotated[float, typer.Option(min=0.1, max=600.0, help="Time that the loop takes.")] = 4.0,
+    width: Annotated[int, typer.Option(min=320, max=1920, help="Width in pixels, rounded to an even number.")] = 960,
+) -> None:
+    """Show the mechanism moving: gears, crank, rod and slider over a whole cycle, as a GIF or MP4."""
+    from ncgear.drawings.animation.animate import Format, format_of
+    from ncgear.files.publish import prepare, publish
+
+    kind = format_of(out) if out else Format.GIF
+    with opened(design_file) as loaded:
+        path = out or EXPORT / loaded.design.name / "mechanism.gif"
+        prepare(path.parent)
+
+        from ncgear.drawings.animation.animate import Loop, Timing, animated
+        from ncgear.drawings.scene.scene import scene_of
+        from ncgear.project.drive import Drive
+
+        scene = scene_of(Drive(loaded.design))
+        with counted("frames") as on_frame:
+            content = animated(scene, kind, Loop(Timing(frames, seconds), width), on_frame)
+        (written,) = publish(path.parent, {path.name: content})
+        typer.echo(f"wrote {written}: {frames} frames in {seconds:g} s, {len(content) / 1e6:.3g} MB")
+
+
+def simulate(
+    design_file: DesignFile,
+    level: Annotated[
+        Level,
+        typer.Option(help="rigid: inverse dynamics in closed form; quasi_static: teeth under load; dynamic: in time."),
+    ] = Level.RIGID,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-<level>")
+    ] = None,
+    timing: Timing = False,
+) -> None:
+    """Find the torques and forces in a design's machine, beside the uniform crank with the same masses."""
+    from ncgear.files.publish import prepare, publish
+
+    with opened(design_file) as loaded:
+        folder = out or EXPORT / f"{loaded.design.name}-{level}"
+        prepare(folder)
+
+        from ncgear.figures.terminal import timing_text
+        from ncgear.files.simulation import simulate as simulate_drive
+        from ncgear.files.simulation import simulation_files, simulation_text
+        from ncgear.project.drive import Drive
+
+        drive = Drive(loaded.design)
+        with stages_shown(1) as on_stage:
+            on_stage(f"simulation, level {level}")
+            found = simulate_drive(drive, level)
+        typer.echo(simulation_text(found, publish(folder, simulation_files(found))))
+        if timing:
+            typer.echo(timing_text(drive), err=True)

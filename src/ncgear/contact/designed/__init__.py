@@ -1,0 +1,1 @@
+"""Contact of the exact curves, before anything is written."""

@@ -1,0 +1,168 @@
+"""Tip and root lands: where they end at each flank, how wide they are, and how far from the pitch curve.
+
+All is read off the ends of the teeth's sides, so it holds whatever height or depth a tooth or space has got.
+
+Clearance as designed: how far a gear's tips stay from the other's roots as they stand over the pitch point.
+
+Tip and root lands are parallel to pitch curves that roll on each other: over the pitch point they have the normal in
+common.  The corners of a tip are nearest to fillets there; farther on they go over into contact with flanks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncgear.contact.designed.curves import LAND, SidePaths
+from ncgear.contact.placement import Meetings
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
+from ncgear.numerics.plane import across, along, as_complex, square
+
+FOOT_STEPS = 12
+"""Steps of Newton's method to a foot on the pitch curve; two do where a tooth has a tip land."""
+
+FOOT_IN_MODULES = 1e-9
+"""Distance along the pitch curve at which a foot counts as found; the height is off by its square."""
+
+
+@dataclass(frozen=True, eq=False)
+class Lands:
+    """The tip or root land at each of a gear's f flanks, shape (f,) each.
+
+    ``from_crossing_mm`` is the arc length from the flank's crossing of the pitch curve to the land's end there,
+    ``width_mm`` how far the land goes on from there, ``height_mm`` its height over the pitch curve, negative for roots.
+    """
+
+    from_crossing_mm: Array
+    width_mm: Array
+    height_mm: Array
+
+
+def tip_lands(paths: SidePaths) -> Lands:
+    """The tips of all teeth; a pointed one has no width.
+
+    Raises ArithmeticError where the point of the pitch curve that a pointed tooth's tip stands over is not found.
+    """
+    foot = paths.sides.tip_mm
+    for _ in range(FOOT_STEPS):
+        at = paths.flanks.curve.at_length(foot)
+        arm = paths.corner[:, 0] - as_complex(at.position)
+        height = along(as_complex(at.normal), arm)
+        step = along(as_complex(at.tangent), arm) / (1.0 + height * at.curvature)
+        if np.all(np.abs(step) <= FOOT_IN_MODULES * paths.flanks.rack.module_mm):
+            return Lands(foot - paths.flanks.crossing_mm, np.repeat(foot[1::2] - foot[0::2], 2), height)
+        foot = foot + step
+    raise ArithmeticError("the foot of a tooth's tip on the pitch curve was not found")
+
+
+def root_lands(paths: SidePaths) -> Lands:
+    """The roots of all spaces, which begin where the fillets end, right under the pitch curve's points."""
+    land = np.nonzero(paths.runs.kind == LAND)[0]
+    foot = paths.sides.roots.end_mm
+    at = paths.flanks.curve.at_length(foot)
+    height = along(as_complex(at.normal), as_complex(paths.curve(land, paths.runs.start[land])[0] - at.position))
+    width = np.append(foot[2::2], foot[0] + paths.flanks.curve.length_mm) - foot[1::2]
+    return Lands(foot - paths.flanks.crossing_mm, np.roll(np.repeat(width, 2), 1), height)
+
+
+ZOOM = np.linspace(-1.0, 1.0, 9)
+ZOOMS = 3
+"""Where the nearest point of a fillet is looked for, and how often again between its neighbours, a quarter as wide.  A
+thousandth of a module is then left of a chord, and the distance is off by some millionths of a module."""
+
+
+@dataclass(frozen=True)
+class TipClearance:
+    """Least distances in mm of a gear's tips from the other's roots, each with the number of the tooth, from 1.
+
+    ``over_root_mm`` is that of tips over root lands, infinite where none comes over one, ``from_fillet_mm`` that of
+    their corners from fillets.  Negative where a tip is inside the other gear.
+    """
+
+    over_root_mm: float
+    over_root_tooth: int
+    from_fillet_mm: float
+    from_fillet_tooth: int
+
+
+@dataclass(frozen=True, eq=False)
+class _Facing:
+    """Flanks of one gear over flanks of the other, shape (m,) each: the first cross the pitch point earlier by a lead.
+
+    ``side`` is the sense, +1 or -1 of the arc length, in which the first face.
+    """
+
+    tips: SidePaths
+    roots: SidePaths
+    flank: IndexArray
+    other: IndexArray
+    lead_mm: Array
+    side: float
+
+
+def tip_clearances(driving: SidePaths, driven: SidePaths, met: Meetings) -> tuple[TipClearance, TipClearance]:
+    """Clearance of the driving gear's tips and of the driven gear's, at the flanks of one side of the teeth."""
+    lead = met.driven_ahead_mm[:, 0] - met.driving_ahead_mm[:, 0]
+    return (
+        _tip_clearance(_Facing(driving, driven, met.driving, met.driven, lead, met.side)),
+        _tip_clearance(_Facing(driven, driving, met.driven, met.driving, -lead, -met.side)),
+    )
+
+
+def _tip_clearance(facing: _Facing) -> TipClearance:
+    tips = tip_lands(facing.tips)
+    over_root, from_fillet = _over_lands(facing, tips), _over_fillets(facing, tips)
+    places = int(np.argmin(over_root)), int(np.argmin(from_fillet))
+    teeth = [int(facing.flank[place]) // 2 + 1 for place in places]
+    return TipClearance(float(over_root[places[0]]), teeth[0], float(from_fillet[places[1]]), teeth[1])
+
+
+def _over_lands(facing: _Facing, tips: Lands) -> Array:
+    """Distances of tip lands from root lands, infinite where none of the one comes over the other."""
+    roots, back = root_lands(facing.roots), -facing.side
+    tip_end = back * tips.from_crossing_mm[facing.flank]
+    root_end = back * (roots.from_crossing_mm[facing.other] + facing.lead_mm)
+    above = tip_end <= root_end + roots.width_mm[facing.other]
+    above &= root_end <= tip_end + tips.width_mm[facing.flank]
+    distance = -roots.height_mm[facing.other] - tips.height_mm[facing.flank]
+    return np.where(above, distance, np.inf)
+
+
+def _over_fillets(facing: _Facing, tips: Lands) -> Array:
+    """Distances of tip corners from fillets, infinite where there is none."""
+    flanks = facing.roots.flanks
+    below = flanks.crossing_mm[facing.other] + tips.from_crossing_mm[facing.flank] - facing.lead_mm
+    at = flanks.curve.at_length(below)
+    corner = as_complex(at.position) - tips.height_mm[facing.flank] * as_complex(at.normal)
+    return _from_fillets(facing.roots, facing.other, corner, as_complex(at.position))
+
+
+def _from_fillets(paths: SidePaths, flank: IndexArray, point: ComplexArray, free: ComplexArray) -> Array:
+    """Distances of points from the fillets of flanks, shape (n,), infinite where a flank has none.
+
+    Negative for points on the other side of the fillet than those of ``free``.
+    """
+    chosen = np.where(paths.own_fillet[flank], square(paths.start[flank] - point[:, None]), np.nan)
+    there = np.isfinite(chosen).any(axis=1)
+    distance = np.full(flank.size, np.inf)
+    flank, point, free = flank[there], point[there], free[there]
+    found, heading = _nearest(paths, (flank, np.nanargmin(chosen[there], axis=1)), point)
+    same = across(heading, point - found) * across(heading, free - found) >= 0.0
+    distance[there] = np.where(same, 1.0, -1.0) * np.abs(point - found)
+    return distance
+
+
+def _nearest(
+    paths: SidePaths, chord: tuple[IndexArray, IndexArray], point: ComplexArray
+) -> tuple[ComplexArray, ComplexArray]:
+    """Points of the curves about the starts of chords that are nearest to given points, and the curves' directions."""
+    run, middle = paths.run[chord], paths.first[chord]
+    every, reach = np.arange(run.size), np.abs(paths.last[chord] - middle)
+    ends = np.sort([paths.runs.start[run], paths.runs.end[run]], axis=0)
+    for _ in range(ZOOMS):
+        parameter = np.clip(middle[:, None] + reach[:, None] * ZOOM, *ends[..., None])
+        found, slope = (as_complex(array) for array in paths.curve(run, parameter))
+        nearest = every, np.argmin(square(found - point[:, None]), axis=1)
+        middle, reach = parameter[nearest], reach * (ZOOM[1] - ZOOM[0])
+    return found[nearest], slope[nearest]

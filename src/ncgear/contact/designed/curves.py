@@ -1,0 +1,251 @@
+"""Places where two teeth touch, whatever of them it is that touches.
+
+The sides of teeth as chords of their exact curves, to find out on which curve a contact is, and their corners.
+
+A side goes on past its root land to the fillet of the side that it faces: a corner in a space can touch both.
+
+Both gears as the driven gear sees them: itself at rest, the driving gear placed anew in each position.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+
+import numpy as np
+
+from ncgear.contact.placement import Meetings, Placement
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
+from ncgear.numerics.plane import along, angle_between, as_complex
+from ncgear.teeth.flank import FILLET, Flanks
+from ncgear.teeth.sides import Sides
+
+
+@dataclass(frozen=True, eq=False)
+class Contacts:
+    """n places of contact on one side of the teeth, all of shape (n,).
+
+    ``driving`` and ``driven`` number the flanks that meet in ``position``; ``error_rad`` is the driven angle beyond the
+    law's at which they touch; ``point`` and ``tangent`` (of any length) are in the driven gear's frame as it then
+    stands; ``flanks`` tells the contact of two flanks from that of an edge.
+    """
+
+    driving: IndexArray
+    driven: IndexArray
+    position: IndexArray
+    error_rad: Array
+    point: ComplexArray
+    tangent: ComplexArray
+    flanks: Mask
+
+    @staticmethod
+    def joined(parts: Sequence[Contacts]) -> Contacts:
+        """All contacts of several parts."""
+        return Contacts(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Contacts)))
+
+    def kept(self, rows: Mask | IndexArray) -> Contacts:
+        """The chosen contacts."""
+        return Contacts(*(getattr(self, field.name)[rows] for field in fields(self)))
+
+    @property
+    def driving_tooth(self) -> IndexArray:
+        """Number of each contact's driving tooth, from 1."""
+        return self.driving // 2 + 1
+
+    @property
+    def driven_tooth(self) -> IndexArray:
+        """Number of each contact's driven tooth, from 1."""
+        return self.driven // 2 + 1
+
+    @property
+    def lever_mm(self) -> Array:
+        """Arm about the driven axis of a force across the tangent."""
+        return np.asarray(np.abs(along(self.tangent, self.point)) / np.abs(self.tangent))
+
+    @property
+    def pressure_angle_rad(self) -> Array:
+        """Angle between the common normal and the velocity of the driven gear's point."""
+        return np.arccos(np.minimum(self.lever_mm / np.abs(self.point), 1.0))
+
+    def fixed_points(self, placement: Placement) -> ComplexArray:
+        """The places of contact in the fixed frame, as x + i y in mm."""
+        return placement.fixed_points(self.point, self.position, self.error_rad)
+
+    def sliding_mm(self, placement: Placement) -> Array:
+        """Speed at which the driving tooth slides over the driven one, in mm per rad of phi1; outwards is positive."""
+        place = self.fixed_points(placement)
+        tangent = placement.fixed_directions(self.tangent, self.position, self.error_rad) / np.abs(self.tangent)
+        outwards = np.sign(along(tangent, place))
+        return outwards * along(tangent, placement.relative_velocity(place, self.position))
+
+
+LAND = 2
+"""The root land, numbered after the kinds FLANK and FILLET of curves."""
+
+CHORDS = 8
+"""Chords per run of a curve; the exact curve strays from them by less than a hundredth of a module."""
+
+KINK_RAD = 1e-6
+"""Angle between two runs from which their joint is a corner; tangential joints are found to 1e-9."""
+
+NOWHERE = complex(np.nan, np.nan)
+
+
+@dataclass(frozen=True, eq=False)
+class _Runs:
+    """Runs of curves, in the order of the paths they belong to and along these from the tip inwards; shape (r,) each.
+
+    ``path`` numbers the flank that a path begins with, ``owner`` the flank that a curve belongs to, or the tooth that
+    its space comes after.
+    """
+
+    path: IndexArray
+    kind: IndexArray
+    owner: IndexArray
+    start: Array
+    end: Array
+
+    @property
+    def number(self) -> IndexArray:
+        """Running number of each run in its path."""
+        return np.arange(self.path.size) - np.searchsorted(self.path, self.path)
+
+
+@dataclass(frozen=True, eq=False)
+class SidePaths:
+    """The paths from all f flanks of a gear with c chords each, in the gear's frame, padded with NaN.
+
+    ``start`` and ``step`` are the chords, ``run`` numbers the run of ``runs`` that each belongs to, ``first`` and
+    ``last`` are the run's parameters at the chord's ends, shape (f, c) each.  ``corner`` has the places at which a side
+    has an edge, its tip first, then where two of its curves meet at an angle, shape (f, any number).
+    """
+
+    flanks: Flanks
+    sides: Sides
+    runs: _Runs
+    start: ComplexArray
+    step: ComplexArray
+    run: IndexArray
+    first: Array
+    last: Array
+    corner: ComplexArray
+
+    def curve(self, run: IndexArray, parameter: Array) -> tuple[Array, Array]:
+        """Points of the exact curves of runs (shape (n,)) and derivatives; parameters of shape (n, ...)."""
+        return _curve(self.flanks, self.sides, self.runs.kind[run], self.runs.owner[run], parameter)
+
+    @cached_property
+    def own_fillet(self) -> Mask:
+        """Whether each chord belongs to the fillet of the flank itself, shape (f, c)."""
+        there: Mask = np.isfinite(self.first) & (self.runs.kind[self.run] == FILLET)
+        there &= self.runs.owner[self.run] == np.arange(len(self.run))[:, None]
+        return there
+
+
+def side_paths(flanks: Flanks, sides: Sides) -> SidePaths:
+    """The paths of all flanks of a gear."""
+    runs = _runs(flanks, sides)
+    parameter = runs.start[:, None] + (runs.end - runs.start)[:, None] * np.linspace(0.0, 1.0, CHORDS + 1)
+    points, slopes = (as_complex(array) for array in _curve(flanks, sides, runs.kind, runs.owner, parameter))
+    place = runs.path[:, None], runs.number[:, None] * CHORDS + np.arange(CHORDS)
+    shape = flanks.count, (int(runs.number.max()) + 1) * CHORDS
+    run = np.zeros(shape, dtype=int)
+    run[place] = np.arange(runs.path.size)[:, None]
+    return SidePaths(
+        flanks,
+        sides,
+        runs,
+        _table(shape, place, points[:, :-1]),
+        _table(shape, place, np.diff(points, axis=1)),
+        run,
+        _table(shape, place, parameter[:, :-1]).real,
+        _table(shape, place, parameter[:, 1:]).real,
+        _corners(runs, points, slopes),
+    )
+
+
+def _curve(flanks: Flanks, sides: Sides, kind: IndexArray, owner: IndexArray, parameter: Array) -> tuple[Array, Array]:
+    point, slope = flanks.curve_of(kind, owner, parameter)
+    land = np.nonzero(kind == LAND)[0]
+    if land.size:
+        tooth = owner[land].reshape(-1, *[1] * (parameter.ndim - 1))
+        point[land], slope[land] = sides.roots.land(tooth, parameter[land])
+    return point, slope
+
+
+def _runs(flanks: Flanks, sides: Sides) -> _Runs:
+    """The runs of all paths: those of the side, the root land, and back up the fillets of the side across the space."""
+    own = _Runs(sides.owner, sides.kind, sides.owner, sides.start, sides.end)
+    every, front = np.arange(flanks.count), flanks.side > 0.0
+    space = np.where(front, every // 2, every // 2 - 1) % (flanks.count // 2)
+    first, last = (ends[space] for ends in sides.roots.lands())
+    land = np.full(every.size, LAND)
+    lands = _Runs(every, land, space, np.where(front, first, last), np.where(front, last, first))
+    fillet = np.nonzero(sides.kind == FILLET)[0][::-1]
+    facing = (sides.owner[fillet] + flanks.side[sides.owner[fillet]].astype(int)) % flanks.count
+    across = _Runs(facing, sides.kind[fillet], sides.owner[fillet], sides.end[fillet], sides.start[fillet])
+    return _in_order([own, lands, across])
+
+
+def _in_order(parts: Sequence[_Runs]) -> _Runs:
+    """Runs of several parts, path by path and within a path part by part."""
+    columns = [np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(_Runs)]
+    order = np.argsort(columns[0], kind="stable")
+    return _Runs(*(column[order] for column in columns))
+
+
+def _table(shape: tuple[int, int], place: tuple[IndexArray, IndexArray], values: Array | ComplexArray) -> ComplexArray:
+    table = np.full(shape, NOWHERE)
+    table[place] = values
+    return table
+
+
+def _corners(runs: _Runs, points: ComplexArray, slopes: ComplexArray) -> ComplexArray:
+    """The start of each side, and of each run of it that does not go on in the direction of the one before."""
+    heading = slopes * np.sign(runs.end - runs.start)[:, None]
+    tip = runs.number == 0
+    bend = np.append(np.inf, np.abs(angle_between(heading[:-1, -1], heading[1:, 0])))
+    own = (runs.owner == runs.path) & (runs.kind != LAND)
+    sharp = np.nonzero(own & (tip | (bend > KINK_RAD)))[0]
+    path = runs.path[sharp]
+    number = np.arange(path.size) - np.searchsorted(path, path)
+    return _table((int(runs.path[-1]) + 1, int(number.max()) + 1), (path, number), points[sharp, 0])
+
+
+@dataclass(frozen=True, eq=False)
+class SeenGear:
+    """One gear's sides and the flank of each meeting; ``moving`` is true of the driving gear."""
+
+    paths: SidePaths
+    flank: IndexArray
+    placement: Placement
+    moving: bool
+
+    @property
+    def rootwards_out(self) -> bool:
+        """Whether the way from a tooth's tip to its root leads away from the driven axis."""
+        return self.moving is not self.placement.driven_inside
+
+    def points(self, points: ComplexArray, position: IndexArray) -> ComplexArray:
+        """Points of the gear's own frame as seen at positions; shapes broadcast."""
+        return self.placement.driving_points(points, position) if self.moving else points
+
+    def directions(self, vectors: ComplexArray, position: IndexArray) -> ComplexArray:
+        """Directions of the gear's own frame as seen at positions; shapes broadcast."""
+        return self.placement.driving_directions(vectors, position) if self.moving else vectors
+
+    def curve(self, run: IndexArray, parameter: Array, position: IndexArray) -> tuple[ComplexArray, ComplexArray]:
+        """Points of exact curves as seen, and derivatives; ``run`` has shape (n,), the others (n, ...)."""
+        point, slope = (as_complex(array) for array in self.paths.curve(run, parameter))
+        return self.points(point, position), self.directions(slope, position)
+
+
+def seen_pair(
+    driving: SidePaths, driven: SidePaths, placement: Placement, meetings: Meetings
+) -> tuple[SeenGear, SeenGear]:
+    """The driving and the driven gear in given meetings."""
+    return (
+        SeenGear(driving, meetings.driving, placement, moving=True),
+        SeenGear(driven, meetings.driven, placement, moving=False),
+    )

@@ -1,0 +1,258 @@
+"""Edge contact: corners of one gear's teeth against the curves of the other, exact along circles about the driven axis.
+
+Chords of the curves tell which corners come near enough to matter; only for those are the curves themselves solved.
+
+What may touch on one side of the teeth: pairs of flanks, and corners before curves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+from scipy.optimize import elementwise
+
+from ncgear.contact.designed.curves import Contacts, SeenGear, SidePaths, seen_pair, side_paths
+from ncgear.contact.designed.flanks import flank_contacts
+from ncgear.contact.placement import BACK, PUSHING, Meetings, Placement, meetings
+from ncgear.contact.written.outlines import crossing
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
+from ncgear.numerics.crossing import refined_crossings
+from ncgear.numerics.plane import angle_between, as_points, square
+from ncgear.teeth.gear import ToothedPair
+from ncgear.teeth.tips import AGREEMENT
+
+REACH_IN_PITCHES = 0.6
+"""How far along its circle a corner is followed: what is farther off is another tooth or another side of this one."""
+
+NEAR_IN_MODULES = 0.02
+"""How much nearer than by its chords a corner may be by its curve: several times what those chords stray."""
+
+ON_CIRCLE = 1e-12
+"""Relative error of the radius at which a point counts as on its corner's circle: rounding errors."""
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeHits:
+    """Corners of one gear whose circles cross chords of the other's ``curves``, all of shape (n,).
+
+    ``driving`` and ``driven`` number the flanks that meet in ``position``.  ``corner`` is in the driven gear's frame;
+    ``chord`` is the chord's place in its flank's row of the paths' tables, ``share`` how far along it the crossing
+    lies, ``lever_mm`` the arm of a force across it.  ``turn_rad`` turns the corner onto it, the driven gear being then
+    ``error_rad`` ahead of the law.  ``facing`` is false where the curve holds the corner in the other sense than flanks
+    of its side do, as in the notch of an undercut tooth or at the far side of a space.
+    """
+
+    curves: SeenGear
+    driving: IndexArray
+    driven: IndexArray
+    position: IndexArray
+    corner: ComplexArray
+    chord: IndexArray
+    share: Array
+    lever_mm: Array
+    turn_rad: Array
+    error_rad: Array
+    facing: Mask
+
+    @property
+    def run(self) -> IndexArray:
+        """Number of the run that each chord belongs to."""
+        return self.curves.paths.run[self._place]
+
+    @property
+    def ends(self) -> tuple[Array, Array]:
+        """Parameters of the curves at both ends of each chord."""
+        return self.curves.paths.first[self._place], self.curves.paths.last[self._place]
+
+    @property
+    def _place(self) -> tuple[IndexArray, IndexArray]:
+        return (self.driving if self.curves.moving else self.driven), self.chord
+
+    def kept(self, rows: Mask | IndexArray) -> EdgeHits:
+        """The chosen hits."""
+        columns = [getattr(self, field.name)[rows] for field in fields(self)[1:]]
+        return EdgeHits(self.curves, *columns)
+
+
+def edge_hits(driving: SeenGear, driven: SeenGear, meetings: Meetings) -> list[EdgeHits]:
+    """Corners of the driving gear on the driven gear's curves, and the other way round, of the flanks that meet."""
+    return [_hits(driving, driven, meetings), _hits(driven, driving, meetings)]
+
+
+def edge_contacts(found: Sequence[EdgeHits], urge: float, first_rad: Array, within_mm: float = 0.0) -> Contacts:
+    """Corners that may touch before anything else does, or so far behind it.
+
+    ``urge`` is that of ``Meetings``, ``first_rad`` the first contact of flanks at each position, times the urge; -inf
+    where there is none.  Raises ArithmeticError if a corner that comes near is not found on its curve.
+    """
+    first = first_rad.copy()
+    for hits in found:
+        np.maximum.at(first, hits.position, urge * hits.error_rad)
+    near = [hits.kept(_behind_mm(hits, urge, first) <= within_mm + _near_mm(hits)) for hits in found]
+    return Contacts.joined([_touching(hits) for hits in near])
+
+
+def _behind_mm(hits: EdgeHits, urge: float, first_rad: Array) -> Array:
+    """How far each corner is from its curve when the first of its position touches."""
+    return (first_rad[hits.position] - urge * hits.error_rad) * hits.lever_mm
+
+
+def _near_mm(hits: EdgeHits) -> float:
+    return NEAR_IN_MODULES * hits.curves.paths.flanks.rack.module_mm
+
+
+def _hits(corners: SeenGear, curves: SeenGear, meetings: Meetings) -> EdgeHits:
+    """Crossings of the corners' circles with the chords of the flanks they meet."""
+    position = meetings.position[..., None]
+    corner = corners.points(corners.paths.corner[corners.flank][:, None], position)
+    start = curves.points(curves.paths.start[curves.flank][:, None], position)
+    step = curves.directions(curves.paths.step[curves.flank][:, None], position)
+    row, column, number, chord = np.nonzero(_crossed(square(corner), square(start), square(start + step)))
+    at = _picked(corner, row, column, number)
+    begin, whole = _picked(start, row, column, chord), _picked(step, row, column, chord)
+    outwards = square(begin) < square(begin + whole)
+    place, lever = crossing(np.where(outwards, begin, begin + whole), np.where(outwards, whole, -whole), square(at))
+    turn, share = angle_between(at, place), np.abs(place - begin) / np.abs(whole)
+    flanks = meetings.driving[row], meetings.driven[row], meetings.position[row, column]
+    facing = outwards == curves.rootwards_out
+    hits = EdgeHits(curves, *flanks, at, chord, share, lever, turn, _ahead(curves, turn), facing)
+    near = np.abs(turn) * np.abs(at) <= REACH_IN_PITCHES * curves.paths.flanks.rack.pitch_mm
+    group = np.ravel_multi_index((row, column, number), (*meetings.position.shape, corner.shape[2]))
+    return hits.kept(near).kept(_met_first(hits.kept(near), group[near], meetings.urge))
+
+
+def _met_first(hits: EdgeHits, corner: IndexArray, urge: float) -> Mask:
+    """Which hits of each corner hold it, the law's position being what it is.
+
+    A corner is inside the other gear where it would come out through the nearest curve; then that one holds it.  Else
+    those do through which it would go in.
+    """
+    out = (urge * hits.error_rad > 0.0) == hits.facing
+    order = np.lexsort((np.abs(hits.turn_rad), corner))
+    nearest = np.zeros(out.size, dtype=bool)
+    nearest[order[np.append(True, np.diff(corner[order]) != 0)[: out.size]]] = True
+    inside = np.zeros(int(corner.max(initial=-1)) + 1, dtype=bool)
+    inside[corner[nearest]] = out[nearest]
+    return np.where(inside[corner], nearest, ~out)
+
+
+def _crossed(radius: Array, before: Array, after: Array) -> Mask:
+    """Whether circles cross chords, shape (m, k, corners, chords).
+
+    Squared radii of the corners, shape (m, k or 1, corners), and of the chords' ends, shape (m, k or 1, chords).
+    """
+    crossed: Mask = (before[:, :, None] <= radius[..., None]) != (after[:, :, None] <= radius[..., None])
+    return crossed
+
+
+def _picked(table: ComplexArray, row: IndexArray, column: IndexArray, place: IndexArray) -> ComplexArray:
+    """Entries of a table whose second axis has the length 1 where nothing moves."""
+    picked: ComplexArray = table[row, column if table.shape[1] > 1 else 0, place]
+    return picked
+
+
+def _touching(hits: EdgeHits) -> Contacts:
+    """The exact places of hits on the curves themselves."""
+    gear, run = hits.curves, hits.run
+    parameter, turn = _solved(hits)
+    point, slope = gear.curve(run, parameter, hits.position)
+    turned = np.exp(-1j * turn) if gear.moving else np.ones(1)
+    columns = _ahead(gear, turn), point * turned, slope * turned, np.zeros(run.size, dtype=bool)
+    return Contacts(hits.driving, hits.driven, hits.position, *columns)
+
+
+def _solved(hits: EdgeHits) -> tuple[Array, Array]:
+    """Parameters of the curves at which they meet the corners' circles, and the angles that turn the corners there.
+
+    By Newton's method, which ends beyond its chord where the curve turns close by; there by bracketing on the chord.
+    """
+
+    def curve(parameter: Array) -> tuple[Array, Array]:
+        point, slope = hits.curves.curve(hits.run, parameter, hits.position)
+        return as_points(point), as_points(slope)
+
+    def circle(turn: Array) -> tuple[Array, Array]:
+        turned = hits.corner * np.exp(1j * turn)
+        return as_points(turned), as_points(1j * turned)
+
+    first, last = hits.ends
+    agreement = AGREEMENT * hits.curves.paths.flanks.rack.module_mm
+    parameter, turn, met = refined_crossings(
+        curve, circle, first + (last - first) * hits.share, hits.turn_rad, agreement
+    )
+    astray = np.nonzero(~met | ((parameter - first) * (parameter - last) > 0.0))[0]
+    if astray.size:
+        parameter[astray], turn[astray] = _bracketed(hits.kept(astray))
+    return parameter, turn
+
+
+def _bracketed(hits: EdgeHits) -> tuple[Array, Array]:
+    """The same by bracketing the radius between the ends of the chords."""
+
+    def missing(parameter: Array, row: IndexArray) -> Array:
+        chosen = hits.kept(row)
+        return square(chosen.curves.curve(chosen.run, parameter, chosen.position)[0]) - square(chosen.corner)
+
+    # Rows that are found drop out on the way, so each brings its number along.
+    parameter = elementwise.find_root(missing, hits.ends, args=(np.arange(hits.position.size),)).x
+    point, _ = hits.curves.curve(hits.run, parameter, hits.position)
+    if not np.all(np.abs(np.abs(point) - np.abs(hits.corner)) <= ON_CIRCLE * np.abs(hits.corner)):
+        raise ArithmeticError("a tooth's corner was not found on the curve that it touches")
+    return parameter, angle_between(hits.corner, point)
+
+
+def _ahead(curves: SeenGear, turn_rad: Array) -> Array:
+    """How far ahead the driven gear is when corners that are turned by angles lie on a gear's curves.
+
+    Corners of the driven gear rest: instead of them the driving gear's curves are turned back.
+    """
+    return curves.placement.ahead * (-turn_rad if curves.moving else turn_rad)
+
+
+@dataclass(frozen=True, eq=False)
+class Candidates:
+    """Contacts of flanks on one side of the teeth, how long each meeting's last in pitches, and corners near curves."""
+
+    meetings: Meetings
+    flanks: Contacts
+    arcs: Array
+    hits: list[EdgeHits]
+
+
+def paths_of(teeth: ToothedPair) -> tuple[SidePaths, SidePaths]:
+    """The paths of the driving gear's flanks and of the driven gear's."""
+    driving, driven = (side_paths(gear.flanks, gear.sides) for gear in (teeth.driving, teeth.driven))
+    return driving, driven
+
+
+def candidates(teeth: ToothedPair, paths: tuple[SidePaths, SidePaths], placement: Placement, side: float) -> Candidates:
+    """The candidates on the driving gear's flanks of ``side`` (PUSHING or BACK)."""
+    met = meetings(teeth, placement, side)
+    return Candidates(met, *flank_contacts(teeth, placement, met), edge_hits(*seen_pair(*paths, placement, met), met))
+
+
+def contacts_among(own: Candidates, other: Candidates, placement: Placement, within_mm: float = 0.0) -> Contacts:
+    """All contacts of flanks on one side of the teeth, and those corners that come within a distance of the first.
+
+    A corner in a notch or at the far side of its space is held by curves that are gathered on the other side of the
+    teeth.
+    """
+    urge = own.meetings.urge
+    hits = [found.kept(found.facing) for found in own.hits] + [found.kept(~found.facing) for found in other.hits]
+    return Contacts.joined([own.flanks, edge_contacts(hits, urge, first_of(own.flanks, urge, placement), within_mm)])
+
+
+def first_of(contacts: Contacts, urge: float, placement: Placement) -> Array:
+    """First driven angle of contacts at each position, times the urge, -inf where there is none, shape (n,)."""
+    first = np.full(placement.count, -np.inf)
+    np.maximum.at(first, contacts.position, urge * contacts.error_rad)
+    return first
+
+
+def contacts_within(teeth: ToothedPair, placement: Placement, within_mm: float) -> tuple[Contacts, Contacts]:
+    """What touches on pushing flanks and on their backs once first contacts are pressed in by a depth in mm."""
+    paths = paths_of(teeth)
+    pushing, back = (candidates(teeth, paths, placement, side) for side in (PUSHING, BACK))
+    return contacts_among(pushing, back, placement, within_mm), contacts_among(back, pushing, placement, within_mm)

@@ -1,0 +1,162 @@
+"""The pair as designed: where its exact curves touch, over a whole cycle of meetings, on both sides of the teeth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ncgear.contact.designed.clearance import TipClearance, tip_clearances
+from ncgear.contact.designed.curves import Contacts
+from ncgear.contact.designed.edges import Candidates, candidates, contacts_among, first_of, paths_of
+from ncgear.contact.placement import BACK, PUSHING, Meetings, Placement
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.units import in_words
+from ncgear.teeth.gear import ToothedPair
+
+TOUCHING_MM = 1e-3
+"""Distance at which teeth count as touching beside the first ones: a micrometre, which the lightest load takes up."""
+
+ALIKE_RAD = 1e-12
+"""Difference of driven angles at which contacts count as equally first: a hundred rounding errors."""
+
+
+@dataclass(frozen=True, eq=False)
+class SideContact:
+    """Contact on one side of the teeth.
+
+    ``first`` has the first contact at each of the n positions, in order, of equal ones the nearest to the pitch point;
+    ``touching`` has all that touch along with it; ``arcs`` is how long each meeting's flanks touch, in pitches, shape
+    (m,); ``driving_tips`` and ``driven_tips`` are the clearances of these gears' tips.
+    """
+
+    meetings: Meetings
+    first: Contacts
+    touching: Contacts
+    arcs: Array
+    driving_tips: TipClearance
+    driven_tips: TipClearance
+
+    @property
+    def error_rad(self) -> Array:
+        """Driven angle beyond the law's at which the teeth touch at each position, shape (n,)."""
+        return self.first.error_rad
+
+    @property
+    def transmission_error_rad(self) -> float:
+        """Peak to peak variation of that angle."""
+        return float(np.ptp(self.error_rad))
+
+    @cached_property
+    def simultaneous(self) -> IndexArray:
+        """Number of pairs of flanks that touch at each position, shape (n,)."""
+        return np.bincount(self.touching.position[self.touching.flanks], minlength=self.error_rad.size)
+
+    @property
+    def longest_gap(self) -> int:
+        """Most positions in a row at which no pair of flanks touches."""
+        touched = np.flatnonzero(self.simultaneous)
+        if not touched.size:
+            return self.simultaneous.size
+        return int(np.max(np.diff(touched, append=touched[0] + self.simultaneous.size))) - 1
+
+    @property
+    def overlap_mm(self) -> Array:
+        """Depth by which the teeth run into each other at the law's driven angle, 0 where they do not, shape (n,)."""
+        ahead = self.meetings.urge * self.error_rad
+        return np.where(ahead > ALIKE_RAD, ahead, 0.0) * self.first.lever_mm
+
+    def variation_by_tooth(self, error_rad: Array) -> dict[int, float]:
+        """Peak to peak variation of errors in rad (shape (n,)) where each driving tooth carries."""
+        tooth, error = self.touching.driving_tooth, error_rad[self.touching.position]
+        high, low = np.full(tooth.max() + 1, -np.inf), np.full(tooth.max() + 1, np.inf)
+        np.maximum.at(high, tooth, error)
+        np.minimum.at(low, tooth, error)
+        return {int(number): float(high[number] - low[number]) for number in np.unique(tooth)}
+
+
+@dataclass(frozen=True, eq=False)
+class AsDesigned:
+    """Contact of the exact curves at n positions, on pushing flanks and on their backs."""
+
+    placement: Placement
+    pushing: SideContact
+    back: SideContact
+
+    def __repr__(self) -> str:
+        error, play = self.pushing.transmission_error_rad, float(self.backlash_rad.max())
+        overlap = float(self.overlap_mm.max())
+        return (
+            f"AsDesigned({self.placement.count} positions: transmission error {error:.3g} rad, backlash up to "
+            f"{play:.3g} rad, overlap {overlap:.3g} mm)"
+        )
+
+    @property
+    def backlash_rad(self) -> Array:
+        """Play of the driven gear at each position, shape (n,); negative where the teeth have no room."""
+        return self.back.error_rad - self.pushing.error_rad
+
+    @property
+    def overlap_mm(self) -> Array:
+        """Depth by which the teeth run into each other at the law's driven angle, 0 where they do not, shape (n,)."""
+        return np.maximum(self.pushing.overlap_mm, self.back.overlap_mm)
+
+    @property
+    def longest_gap_pitches(self) -> float:
+        """Longest way without contact of flanks, on either side of the teeth, in pitches."""
+        return max(self.pushing.longest_gap, self.back.longest_gap) / self.placement.per_tooth
+
+    @property
+    def largest_sliding_mm(self) -> Array:
+        """Largest speed of sliding of any touching teeth, in mm per rad of phi1, at each position, shape (n,)."""
+        largest = np.zeros(self.placement.count)
+        for side in (self.pushing, self.back):
+            np.maximum.at(largest, side.touching.position, np.abs(side.touching.sliding_mm(self.placement)))
+        return largest
+
+
+def as_designed(teeth: ToothedPair, placement: Placement) -> AsDesigned:
+    """Contact of the exact curves of a pair over a whole cycle of meetings.
+
+    Raises NoSuchMechanism, with the angle, where no tooth touches another at all.
+    """
+    paths = paths_of(teeth)
+    pushing, back = (candidates(teeth, paths, placement, side) for side in (PUSHING, BACK))
+    return AsDesigned(
+        placement,
+        _side_contact(pushing, back, placement, tip_clearances(*paths, pushing.meetings)),
+        _side_contact(back, pushing, placement, tip_clearances(*paths, back.meetings)),
+    )
+
+
+def _side_contact(
+    own: Candidates, other: Candidates, placement: Placement, tips: tuple[TipClearance, TipClearance]
+) -> SideContact:
+    """The first contacts among all candidates."""
+    urge = own.meetings.urge
+    contacts = contacts_among(own, other, placement)
+    later = first_of(contacts, urge, placement)[contacts.position] - urge * contacts.error_rad
+    alike, touching = later <= ALIKE_RAD, later * contacts.lever_mm <= TOUCHING_MM
+    return SideContact(
+        own.meetings, _foremost(contacts.kept(alike), placement), contacts.kept(touching), own.arcs, *tips
+    )
+
+
+def _foremost(alike: Contacts, placement: Placement) -> Contacts:
+    """One of the first contacts at each position: flanks before edges, then the nearest to the pitch point."""
+    distance = np.abs(alike.point - placement.pitch_point[alike.position])
+    order = np.lexsort((distance, ~alike.flanks, alike.position))
+    position, first = np.unique(alike.position[order], return_index=True)
+    if position.size < placement.count:
+        raise _nothing_carries(float(placement.phi1_rad[np.setdiff1d(np.arange(placement.count), position)[0]]))
+    return alike.kept(order[first])
+
+
+def _nothing_carries(phi1_rad: float) -> NoSuchMechanism:
+    return NoSuchMechanism(
+        f"no tooth touches another at phi1 = {in_words(phi1_rad)}: the teeth are too short or too far apart there; "
+        "more teeth of a smaller module, less backlash or a larger addendum are needed",
+        key="gears.teeth",
+    )

@@ -1,0 +1,322 @@
+"""Pairs of flanks that are to touch in given positions: their exact curves as the driven gear sees them.
+
+Where two exact flanks touch: heights on both and the driven angle, by Newton's method on the curves themselves.
+
+Two flanks touch where their points coincide and their tangents are parallel.  For exact flanks the heights follow in
+closed form and the driven angle is the law's; that is where the search starts, and the two conditions are what is
+checked.  Flanks that are not conjugate (with backlash on curves that are no circles, with relief, by an approximate
+method) touch at another angle, which is their transmission error.
+
+The first touch of two flanks found by search: for flanks that are not conjugate where the curvature jumps.
+
+There their distance may have two least values, or none with tangents in common.  Points of the driving flank are
+followed along their circles about the driven axis to the driven flank; the point that gets there first is closed in on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from math import cos, sin
+
+import numpy as np
+
+from ncgear.contact.placement import Placement
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
+from ncgear.numerics.plane import across, along, angle_between, as_complex, square
+from ncgear.teeth.gear import ToothedPair
+from ncgear.teeth.tips import AGREEMENT
+
+
+@dataclass(frozen=True, eq=False)
+class FacingFlanks:
+    """n pairs of a driving and a driven flank, each in one position, shape (n,) each.
+
+    ``driving_mm`` and ``driven_mm`` are the heights at which they touch by the closed form.  ``urge`` is +1 where that
+    contact comes first for which the driving gear is seen turned the farthest up, -1 where it is the farthest down.
+    """
+
+    teeth: ToothedPair
+    placement: Placement
+    urge: float
+    driving: IndexArray
+    driven: IndexArray
+    position: IndexArray
+    driving_mm: Array
+    driven_mm: Array
+
+    @property
+    def module_mm(self) -> float:
+        """Module of the pair."""
+        return self.teeth.driving.flanks.rack.module_mm
+
+    def kept(self, rows: IndexArray | Mask) -> FacingFlanks:
+        """The chosen pairs."""
+        columns = [getattr(self, field.name)[rows] for field in fields(self)[3:]]
+        return FacingFlanks(self.teeth, self.placement, self.urge, *columns)
+
+    def driving_curve(self, height_mm: Array) -> tuple[ComplexArray, ComplexArray]:
+        """Points of the driving flanks at heights (shape (n, ...)) and derivatives, at the law's driven angle."""
+        flank, position = (_rows(numbers, height_mm) for numbers in (self.driving, self.position))
+        point, slope = (as_complex(array) for array in self.teeth.driving.flanks.flank(flank, height_mm))
+        return self.placement.driving_points(point, position), self.placement.driving_directions(slope, position)
+
+    def driven_curve(self, height_mm: Array) -> tuple[ComplexArray, ComplexArray]:
+        """Points of the driven flanks at heights (shape (n, ...)) and derivatives."""
+        point, slope = self.teeth.driven.flanks.flank(_rows(self.driven, height_mm), height_mm)
+        return as_complex(point), as_complex(slope)
+
+
+@dataclass(frozen=True, eq=False)
+class Touches:
+    """Where n pairs of flanks touch: heights in mm, and the angle by which the driving gear is then seen turned.
+
+    ``point`` and ``tangent`` (up the driving flank, of any length) are in the driven gear's frame as it then stands;
+    where ``found`` is false the other figures mean nothing.  Shape (n,) each.
+    """
+
+    driving_mm: Array
+    driven_mm: Array
+    turn_rad: Array
+    point: ComplexArray
+    tangent: ComplexArray
+    found: Mask
+
+    def merged(self, rows: IndexArray, newer: Touches) -> Touches:
+        """These with the chosen rows replaced."""
+        columns = [getattr(self, field.name).copy() for field in fields(self)]
+        for column, field in zip(columns, fields(self), strict=True):
+            column[rows] = getattr(newer, field.name)
+        return Touches(*columns)
+
+
+def _rows(numbers: IndexArray, values: Array) -> IndexArray:
+    """Numbers of shape (n,) in a shape that broadcasts with values of shape (n, ...)."""
+    return np.reshape(numbers, (-1, *[1] * (values.ndim - 1)))
+
+
+PARALLEL_RAD = 1e-9
+"""Angle at which tangents count as parallel: the driven angle is off by less than its square."""
+
+NEWTON_STEPS = 8
+"""Convergence is quadratic: from a tenth of a module four steps reach rounding errors."""
+
+TURNING_STEP = 1e-5
+"""Step, in modules, over which a tangent's turning is taken: it steers the search and is no part of its conditions."""
+
+LONGEST_STEP = 0.25
+"""Change of a height, in modules, that one step of the search may make."""
+
+ABOUT_JOINTS = 3.0
+"""Distance from a joint of the law, in lengths by which two flanks are rolled unequally, within which the flanks beyond
+the joint may touch first."""
+
+
+@dataclass(frozen=True, eq=False)
+class _State:
+    """Where a search stands, shape (n,) each: heights in mm and the angle by which the driving gear is seen turned.
+
+    ``point`` and ``slope`` (by the height) are the driving flank's, ``other_slope`` is the driven one's; ``gap`` leads
+    from the driving point to the driven one, ``bend_rad`` is the angle from the driving tangent to the driven one.
+    """
+
+    driving_mm: Array
+    driven_mm: Array
+    turn_rad: Array
+    point: ComplexArray
+    slope: ComplexArray
+    other_slope: ComplexArray
+    gap: ComplexArray
+    bend_rad: Array
+
+    def kept(self, rows: IndexArray) -> _State:
+        return _State(*(getattr(self, field.name)[rows] for field in fields(self)))
+
+    def merged(self, rows: IndexArray, newer: _State) -> _State:
+        columns = [getattr(self, field.name).copy() for field in fields(self)]
+        for column, field in zip(columns, fields(self), strict=True):
+            column[rows] = getattr(newer, field.name)
+        return _State(*columns)
+
+
+@dataclass(frozen=True, eq=False)
+class _Rates:
+    """How the conditions change, in the directions along and across the driven tangent; shape (n,) each.
+
+    ``own`` and ``other`` are the points' speeds along it by their heights, ``slip`` is the driving point's across it;
+    ``spin_along`` and ``spin_across`` are the driving point's by the angle; ``own_bend`` and ``other_bend`` are how the
+    tangents turn by the heights.
+    """
+
+    own: Array
+    other: Array
+    slip: Array
+    spin_along: Array
+    spin_across: Array
+    own_bend: Array
+    other_bend: Array
+
+    @property
+    def relative_bend(self) -> Array:
+        """How the driving tangent turns against the driven one as both points run along together."""
+        return self.own_bend - self.other_bend * self.own / self.other
+
+
+def tangencies(facing: FacingFlanks, limits_mm: Array) -> Touches:
+    """Where flanks touch near the heights that the closed form gives.
+
+    ``limits_mm`` (shape (2, 2, n)) are the least and the greatest height of the driving flanks and of the driven ones,
+    between which the first touch is searched where it is not the one tangency: about jumps of the curvature.
+    """
+    state = _state(facing, facing.driving_mm, facing.driven_mm, np.zeros(facing.position.size))
+    for _ in range(NEWTON_STEPS):
+        todo = np.nonzero(~_met(state, facing.module_mm))[0]
+        if not todo.size:
+            break
+        state = state.merged(todo, _stepped(facing.kept(todo), state.kept(todo)))
+    doubtful = np.nonzero(_doubtful(facing, state))[0]
+    touches = _touches(state)
+    if not doubtful.size:
+        return touches
+    return touches.merged(doubtful, first_touches(facing.kept(doubtful), limits_mm[..., doubtful]))
+
+
+def _state(facing: FacingFlanks, driving_mm: Array, driven_mm: Array, turn_rad: Array) -> _State:
+    (point, slope), (other, other_slope) = facing.driving_curve(driving_mm), facing.driven_curve(driven_mm)
+    turned = np.exp(1j * turn_rad)
+    point, slope = point * turned, slope * turned
+    bend = angle_between(slope, other_slope)
+    # Parallel tangents may point either way: up the one flank is down the other, and beyond a cusp up again.
+    bend = bend - np.pi * np.round(bend / np.pi)
+    return _State(driving_mm, driven_mm, turn_rad, point, slope, other_slope, other - point, bend)
+
+
+def _met(state: _State, module_mm: float) -> Mask:
+    met: Mask = (square(state.gap) <= (AGREEMENT * module_mm) ** 2) & (np.abs(state.bend_rad) <= PARALLEL_RAD)
+    return met
+
+
+def _stepped(facing: FacingFlanks, at: _State) -> _State:
+    """One step of Newton's method, no longer than is safe."""
+    rise, fall, turn = _correction(at, _rates(facing, at))
+    longest = LONGEST_STEP * facing.module_mm
+    share = longest / np.maximum(longest, np.maximum(np.abs(rise), np.abs(fall)))
+    return _state(facing, at.driving_mm + share * rise, at.driven_mm + share * fall, at.turn_rad + share * turn)
+
+
+def _correction(at: _State, by: _Rates) -> tuple[Array, Array, Array]:
+    """Changes of both heights and of the angle that meet both conditions to first order.
+
+    The gap along the driven tangent is closed by the driven height; across it, and in the angle between the tangents,
+    by the driving height and the angle together.
+    """
+    unit = at.other_slope / by.other
+    gap_along, gap_across = along(unit, at.gap), across(unit, at.gap)
+    spin_bend = 1.0 - by.other_bend * by.spin_along / by.other
+    bend = at.bend_rad - by.other_bend * gap_along / by.other
+    determinant = by.slip * spin_bend - by.spin_across * by.relative_bend
+    determinant = np.where(determinant == 0.0, np.inf, determinant)
+    rise = (gap_across * spin_bend - by.spin_across * bend) / determinant
+    turn = (by.slip * bend - by.relative_bend * gap_across) / determinant
+    return rise, (by.own * rise + by.spin_along * turn - gap_along) / by.other, turn
+
+
+def _rates(facing: FacingFlanks, at: _State) -> _Rates:
+    step = TURNING_STEP * facing.module_mm
+    speed = np.abs(at.other_slope)
+    unit = at.other_slope / speed
+    own_ahead = facing.driving_curve(at.driving_mm + step)[1] * np.exp(1j * at.turn_rad)
+    other_ahead = facing.driven_curve(at.driven_mm + step)[1]
+    return _Rates(
+        own=along(unit, at.slope),
+        other=speed,
+        slip=across(unit, at.slope),
+        spin_along=along(unit, 1j * at.point),
+        spin_across=across(unit, 1j * at.point),
+        own_bend=angle_between(at.slope, own_ahead) / step,
+        other_bend=angle_between(at.other_slope, other_ahead) / step,
+    )
+
+
+def _doubtful(facing: FacingFlanks, state: _State) -> Mask:
+    """Whether a tangency is not found, is no first touch, or is near a joint that the flanks pass unequally.
+
+    Points beside a first touch have farther to go: the tangents turn apart on both sides of it.
+    """
+    doubtful = ~_met(state, facing.module_mm)
+    moved = np.nonzero(~doubtful & (np.abs(state.turn_rad) > PARALLEL_RAD))[0]
+    if moved.size:
+        near, there = facing.kept(moved), state.kept(moved)
+        by = _rates(near, there)
+        behind = facing.urge * by.own * by.relative_bend * by.spin_across <= 0.0
+        doubtful[moved] = behind | _about_joints(near, there)
+    return doubtful
+
+
+def _about_joints(facing: FacingFlanks, state: _State) -> Mask:
+    flanks = facing.teeth.driving.flanks
+    angle, joints = flanks.rack.pressure_angle_rad, flanks.curve.joints_around_mm
+    unequal = np.maximum(np.abs(state.driving_mm - facing.driving_mm), np.abs(state.driven_mm - facing.driven_mm))
+    reach = ABOUT_JOINTS * unequal / (sin(angle) * cos(angle))
+    rolled = flanks.rolled_mm(facing.driving, state.driving_mm)
+    about: Mask = np.searchsorted(joints, rolled + reach) > np.searchsorted(joints, rolled - reach)
+    return about
+
+
+def _touches(state: _State) -> Touches:
+    """The angle corrected by what is left of the gap across the tangent: never just taken from the start."""
+    lever = along(state.slope, state.point)
+    found = lever != 0.0
+    turn = state.turn_rad + across(state.slope, state.gap) / np.where(found, lever, 1.0)
+    return Touches(state.driving_mm, state.driven_mm, turn, state.point, state.slope, found)
+
+
+REACH_IN_PITCHES = 0.15
+"""Rolled length to either side of the closed form's contact within which the first touch is looked for."""
+
+SHARES = np.linspace(-1.0, 1.0, 33)
+ROUNDS = 4
+"""Points per round and rounds, each a sixteenth as wide as the one before: the height comes out to some millionths of a
+module, and the driven angle, which is stationary there, to rounding errors."""
+
+CIRCLE_STEPS = 8
+"""Steps of Newton's method to a circle; four do on flanks, which cross circles about their axis steeply."""
+
+ON_CIRCLE = 1e-11
+"""Relative error of the squared radius at which a point counts as on its circle."""
+
+
+def first_touches(facing: FacingFlanks, limits_mm: Array) -> Touches:
+    """The first touch of each pair of flanks, between the least and the greatest height that each has.
+
+    ``limits_mm`` has shape (2, 2, n): driving and driven flank, least and greatest height.
+    """
+    rack = facing.teeth.driving.flanks.rack
+    angle = rack.pressure_angle_rad
+    middle, reach = facing.driving_mm, REACH_IN_PITCHES * rack.pitch_mm * sin(angle) * cos(angle)
+    first = np.arange(middle.size), np.zeros(middle.size, dtype=int)
+    for _ in range(ROUNDS):
+        height = np.clip(middle[:, None] + reach * SHARES, *limits_mm[0, ..., None])
+        point, slope = facing.driving_curve(height)
+        other_height, other = _on_circles(
+            facing, square(point), (facing.driving_mm + facing.driven_mm)[:, None] - height
+        )
+        least, greatest = limits_mm[1, ..., None]
+        there = np.isfinite(other_height) & (other_height >= least) & (other_height <= greatest)
+        turn = np.where(there, angle_between(point, other), -facing.urge * np.inf)
+        first = first[0], np.argmax(facing.urge * turn, axis=1)
+        middle, reach = height[first], reach * (SHARES[1] - SHARES[0])
+    found = there[first]
+    turn = np.where(found, turn[first], 0.0)
+    turned = np.exp(1j * turn)
+    return Touches(middle, other_height[first], turn, point[first] * turned, slope[first] * turned, found)
+
+
+def _on_circles(facing: FacingFlanks, squared: Array, start_mm: Array) -> tuple[Array, ComplexArray]:
+    """Heights (NaN where there is none) and points at which the driven flanks have squared radii, shape (n, m) each."""
+    height = start_mm
+    for _ in range(CIRCLE_STEPS):
+        point, slope = facing.driven_curve(height)
+        rate = 2.0 * along(point, slope)
+        height = height + (squared - square(point)) / np.where(rate == 0.0, np.inf, rate)
+    point, _ = facing.driven_curve(height)
+    return np.where(np.abs(square(point) - squared) <= ON_CIRCLE * squared, height, np.nan), point

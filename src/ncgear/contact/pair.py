@@ -1,0 +1,179 @@
+"""Contact of a pair over the whole cycle, as designed and as written, and the refusal of teeth that overlap.
+
+The refusal of flanks that do not touch long enough: why, between which teeth, and what their tips are limited by.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncgear.contact.designed.sides import AsDesigned, SideContact
+from ncgear.contact.written.outline_contact import AsWritten, Outlines, as_written, reach_mm
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.units import in_words
+from ncgear.pitch.pair import PitchPair
+from ncgear.pitch.shape import Mesh
+from ncgear.teeth.gear import ToothedGear, ToothedPair
+from ncgear.teeth.tips import Limit
+
+CHORDS_OVERLAP = 1.1
+"""Overlap in chord tolerances that outlines may show: chords stand out of a flank only where it is hollow, and of two
+flanks that touch one is not.  A tenth is for rounding in the files."""
+
+CHORDS_ASTRAY = 4.0
+"""Distance in chord tolerances by which outlines may touch elsewhere than designed: twice what both chords can cost."""
+
+CAUSES = {
+    Mesh.EXTERNAL: "tips of a concave stretch foul the mating gear there; more teeth of a smaller module are needed, "
+    "or a smaller range of the ratio",
+    Mesh.INTERNAL: "tips foul the mating gear or, where a ring has too few teeth more than its driving gear, each "
+    "other; a smaller addendum, more teeth of a smaller module, or more lobes of the driven gear are needed",
+}
+"""Why teeth overlap, and what helps."""
+
+
+@dataclass(frozen=True, eq=False)
+class PairContact:
+    """Contact of the exact curves, and of the outlines in each of the forms in which they were written."""
+
+    as_designed: AsDesigned
+    as_written: tuple[AsWritten, ...]
+
+    def __repr__(self) -> str:
+        return (
+            f"PairContact(contact ratio {self.contact_ratio:.3f}, as written: transmission error "
+            f"{self.transmission_error_rad:.3g} rad, overlap {self.penetration_mm:.3g} mm,\n  {self.as_designed!r})"
+        )
+
+    @property
+    def transmission_error_rad(self) -> float:
+        """Peak to peak, of the worst outlines."""
+        return max(written.transmission_error_rad for written in self.as_written)
+
+    @property
+    def contact_ratio(self) -> float:
+        """Least arc of contact of any pair of flanks, in pitches."""
+        return float(min(self.as_designed.pushing.arcs.min(), self.as_designed.back.arcs.min()))
+
+    @property
+    def penetration_mm(self) -> float:
+        """Deepest overlap at the law's angle, of the worst outlines."""
+        return max(float(written.overlap_mm.max()) for written in self.as_written)
+
+
+def pair_contact(
+    pitch: PitchPair, teeth: ToothedPair, designed: AsDesigned, written: Sequence[Outlines]
+) -> PairContact:
+    """Contact of a pair that was designed so and has been written in each of these forms; raises as ``as_written``."""
+    reach = reach_mm(pitch, teeth)
+    return PairContact(designed, tuple(as_written(one, teeth, designed.placement, reach) for one in written))
+
+
+def refuse_overlap(designed: AsDesigned, tolerance_mm: float) -> None:
+    """Refuse a pair whose exact curves overlap by more than the chord tolerance, below which nothing is written.
+
+    Raises NoSuchMechanism with the worst angle and the tooth that meets another there.
+    """
+    _refuse(designed.overlap_mm, tolerance_mm, designed)
+
+
+def refuse_bad_outlines(contact: PairContact, tolerance_mm: float) -> None:
+    """Refuse outlines that overlap by more than their chords explain.
+
+    Raises NoSuchMechanism as above, and RuntimeError where they touch elsewhere than designed, a fault of ncgear.
+    """
+    for written in contact.as_written:
+        _refuse(written.overlap_mm, CHORDS_OVERLAP * tolerance_mm, contact.as_designed)
+        _require_as_designed(written, contact.as_designed, CHORDS_ASTRAY * tolerance_mm)
+
+
+def _refuse(overlap_mm: Array, allowed_mm: float, designed: AsDesigned) -> None:
+    worst = int(np.argmax(overlap_mm))
+    if overlap_mm[worst] <= allowed_mm:
+        return
+    phi1 = float(designed.placement.phi1_rad[worst])
+    tooth, _ = designed.placement.teeth_at(worst)
+    raise NoSuchMechanism(
+        f"the teeth run into each other by {overlap_mm[worst]:.3g} mm near tooth {tooth} of the driving gear at phi1 = "
+        f"{in_words(phi1)}: {CAUSES[designed.placement.mesh]}",
+        key="gears.teeth",
+    )
+
+
+def _require_as_designed(written: AsWritten, designed: AsDesigned, allowed_mm: float) -> None:
+    sides = (written.pushing_rad, designed.pushing.first), (written.back_rad, designed.back.first)
+    for error, first in sides:
+        astray = np.abs(error - first.error_rad) * first.lever_mm
+        worst = int(np.argmax(astray))
+        if astray[worst] > allowed_mm:
+            phi1 = in_words(float(designed.placement.phi1_rad[worst]))
+            raise RuntimeError(
+                f"the outlines written as {written.source} touch {astray[worst]:.3g} mm off the design at phi1 = {phi1}"
+            )
+
+
+ROUNDING = 1e-9
+"""Share of a pitch that rounding may cost a contact."""
+
+REASONS = {
+    Limit.FULL: "its full height",
+    Limit.SLOPE: "higher its land would slope too much, the tooth's other edge being lower",
+    Limit.FILLET: "higher it would reach into the mate's fillet",
+    Limit.UNDERCUT: "higher it would undercut the mate",
+    Limit.CUSP: "its flank ends in a cusp there",
+    Limit.LAND: "higher its land would be too narrow",
+    Limit.FOULING: "higher it would foul the mate's tips",
+    Limit.HELIX: "higher it would jump between sections of the helical teeth",
+}
+
+REMEDY = (
+    "more teeth of a smaller module, a smaller range of the ratio or a smaller least_tip_land help, or a smaller "
+    "least_contact_ratio to have the gears all the same"
+)
+
+
+def refuse_short_contact(designed: AsDesigned, teeth: ToothedPair, least: float) -> None:
+    """Refuse a pair that loses contact, for a ``least`` of 1 or more, or has flanks that touch over fewer pitches.
+
+    A pair of flanks may touch over less than one pitch while its neighbours bridge the rest: a ``least`` of exactly 1
+    asks only that contact never ceases, one below 1 asks for nothing.  What limits each tip is a condition that no
+    other tool can lift.  Raises NoSuchMechanism with both teeth.
+    """
+    for side in (designed.pushing, designed.back):
+        shortest = int(np.argmin(side.arcs))
+        if least > 1.0 and side.arcs[shortest] < least - ROUNDING:
+            raise NoSuchMechanism(
+                f"the flanks of {_pair(side, teeth, shortest)} touch over {side.arcs[shortest]:.3g} pitches only, less "
+                f"than {least:.3g}: {_limits(side, teeth, shortest)}; {REMEDY}",
+                key="gears.least_contact_ratio",
+            )
+        parted = int(np.argmin(side.simultaneous))
+        if least >= 1.0 and side.simultaneous[parted] == 0:
+            raise NoSuchMechanism(
+                f"no flanks touch at phi1 = {in_words(float(designed.placement.phi1_rad[parted]))}: one pair parts "
+                f"before the next one meets; the shortest contact is that of {_pair(side, teeth, shortest)}, "
+                f"{side.arcs[shortest]:.3g} pitches: {_limits(side, teeth, shortest)}; {REMEDY}",
+                key="gears.least_contact_ratio",
+            )
+
+
+def _pair(side: SideContact, teeth: ToothedPair, meeting: int) -> str:
+    driving, driven = int(side.meetings.driving[meeting]), int(side.meetings.driven[meeting])
+    flanks = teeth.driving.flanks
+    phi1 = float(flanks.curve.driving_angle(flanks.crossing_mm[driving : driving + 1])[0])
+    return f"driving tooth {driving // 2 + 1} and driven tooth {driven // 2 + 1} (phi1 = {in_words(phi1)})"
+
+
+def _limits(side: SideContact, teeth: ToothedPair, meeting: int) -> str:
+    driving = _limit(teeth.driving, int(side.meetings.driving[meeting]))
+    driven = _limit(teeth.driven, int(side.meetings.driven[meeting]))
+    return f"the driving tip ends {driving}, the driven one {driven}"
+
+
+def _limit(gear: ToothedGear, flank: int) -> str:
+    height = float(gear.flanks.tip_height_mm[flank])
+    return f"{height:.3g} mm above the pitch curve ({REASONS[Limit(int(gear.tips.limit[flank]))]})"

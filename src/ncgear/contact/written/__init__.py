@@ -1,0 +1,1 @@
+"""Contact of the outlines as files hold them."""

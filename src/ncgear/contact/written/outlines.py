@@ -1,0 +1,192 @@
+"""An outline seen from its gear's own axis: which of its vertices lie in a given direction.
+
+An outline cut into runs along which the distance from its gear's axis grows or falls all the way.
+
+On such a run a circle about the axis is crossed once, and where is found by bisection.
+
+Where circles about the origin cross chords: the driven gear turns about its axis, so its points run along such.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import ceil, pi, sqrt
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, counted_up
+from ncgear.numerics.plane import along, angle_between, square
+
+TURN = 2.0 * np.pi
+
+
+@dataclass(frozen=True, eq=False)
+class PolarOutline:
+    """An outline around the origin, with bounds by which vertices are found by their polar angle.
+
+    Over three turns, ``reached`` is the largest angle up to each vertex and ``left`` the smallest from it on; both grow
+    all along even where the outline turns back.
+    """
+
+    outline: ComplexArray
+    reached: Array
+    left: Array
+
+    def windows(self, direction: Array, half_width: Array) -> tuple[IndexArray, IndexArray]:
+        """Stretches of vertices, as first number and count, that hold all in sectors, and one more at either end.
+
+        Polar angles and half widths in rad, shape (n,).  Numbers may be negative: they count round the outline.
+        """
+        count = self.outline.size
+        base = self.reached[count]
+        middle = base + np.mod(direction - base, TURN)
+        first = np.searchsorted(self.reached, middle - half_width) - 1
+        after = np.searchsorted(self.left, middle + half_width) + 1
+        return first - count, np.minimum(after - first, count)
+
+
+def polar_outline(outline: ComplexArray) -> PolarOutline:
+    """The bounds of an outline, shape (n,), that goes round the origin once, counter-clockwise."""
+    angle = np.unwrap(np.angle(outline))
+    turns = np.concatenate([angle - TURN, angle, angle + TURN])
+    return PolarOutline(outline, np.maximum.accumulate(turns), np.minimum.accumulate(turns[::-1])[::-1])
+
+
+SECTORS_PER_PITCH = 8
+"""Sectors by which runs are found from a direction; finer ones leave out few runs more."""
+
+NO_RUN = -1
+
+
+@dataclass(frozen=True, eq=False)
+class RadialRuns:
+    """The runs of an outline, each from its end nearest the axis outwards, one after the other.
+
+    ``point`` and ``square`` (squared distance from the axis) have shape (entries,), ``first`` and ``last`` number each
+    run's entries and ``rising`` tells whether the outline runs outwards there, shape (runs,).  ``near`` lists the runs
+    within reach of each sector, shape (sectors, any number), padded with NO_RUN.
+    """
+
+    point: ComplexArray
+    square: Array
+    first: IndexArray
+    last: IndexArray
+    rising: Mask
+    near: IndexArray
+
+    @cached_property
+    def step(self) -> ComplexArray:
+        """From each entry to the next; meaningless at the last entry of a run."""
+        return np.append(np.diff(self.point), 0.0)
+
+    @cached_property
+    def inner(self) -> Array:
+        """Squared radius at which each run begins; infinite for NO_RUN."""
+        return np.append(self.square[self.first], np.inf)
+
+    @cached_property
+    def outer(self) -> Array:
+        """Squared radius at which each run ends; -1 for NO_RUN."""
+        return np.append(self.square[self.last], -1.0)
+
+    @cached_property
+    def reach(self) -> tuple[Array, Array]:
+        """Least and largest squared radius of the runs near each sector, shape (sectors,) each."""
+        return self.inner[self.near].min(axis=1), self.outer[self.near].max(axis=1)
+
+    @cached_property
+    def _keys(self) -> Array:
+        """Numbers that grow over all entries: a run's number, and below one half its squared radius."""
+        run, _ = counted_up(self.first, self.last - self.first + 1)
+        return run + self.square * self._scale
+
+    @cached_property
+    def _scale(self) -> float:
+        return 0.5 / float(self.square.max())
+
+    def sector(self, point: ComplexArray) -> IndexArray:
+        """Number of the sector that each point lies in."""
+        sectors = len(self.near)
+        return np.floor(np.angle(point) * (sectors / (2.0 * pi))).astype(int) % sectors
+
+    def entry_beyond(self, run: IndexArray, squared: Array) -> IndexArray:
+        """First entry of runs at or beyond squared radii; one after the last where there is none."""
+        first, last = self.first[run], self.last[run]
+        found = np.clip(np.searchsorted(self._keys, run + np.minimum(squared * self._scale, 0.75)), first, last + 1)
+        # Keys are rounded more coarsely than radii; ends that touch to the last digit must fall to one side only.
+        found -= (found > first) & (self.square[found - 1] >= squared)
+        found += (found <= last) & (self.square[np.minimum(found, last)] < squared)
+        return found
+
+
+def radial_runs(outline: ComplexArray, reach_mm: float, pitch_mm: float) -> RadialRuns:
+    """The runs of an outline about the origin, shape (n,).
+
+    A run counts as near a sector from which it is no farther than ``reach_mm``, as an arc about the axis.
+    """
+    ring, rising = _from_a_turn(_with_feet(outline))
+    start = np.nonzero(rising != np.roll(rising, 1))[0]
+    count = np.diff(np.append(start, ring.size)) + 1
+    first = np.cumsum(count) - count
+    run, step = counted_up(np.zeros_like(count), count)
+    outwards = rising[start]
+    point = ring[(start[run] + np.where(outwards[run], step, count[run] - 1 - step)) % ring.size]
+    near = _near_sectors(point, run, first, reach_mm, pitch_mm)
+    return RadialRuns(point, square(point), first, first + count - 1, outwards, near)
+
+
+def with_feet(start: ComplexArray, end: ComplexArray) -> tuple[IndexArray, ComplexArray]:
+    """Which chords are nearest to the origin between their ends, and where: there the radius turns."""
+    step = end - start
+    share = -along(step, start) / np.maximum(square(step), np.finfo(float).tiny)
+    inside = np.nonzero((share > 0.0) & (share < 1.0))[0]
+    return inside, start[inside] + share[inside] * step[inside]
+
+
+def _with_feet(outline: ComplexArray) -> ComplexArray:
+    chord, foot = with_feet(outline, np.roll(outline, -1))
+    return np.insert(outline, chord + 1, foot)
+
+
+def _from_a_turn(ring: ComplexArray) -> tuple[ComplexArray, Mask]:
+    """The same ring from where a run begins, and whether it runs outwards after each point."""
+    rising = square(np.roll(ring, -1)) > square(ring)
+    turn = int(np.argmax(rising != np.roll(rising, 1)))
+    return np.roll(ring, -turn), np.roll(rising, -turn)
+
+
+def _near_sectors(
+    point: ComplexArray, run: IndexArray, first: IndexArray, reach_mm: float, pitch_mm: float
+) -> IndexArray:
+    """The runs near each sector; sectors start at the polar angle 0."""
+    begin = point[first]
+    swept, margin = angle_between(begin[run], point), reach_mm / np.abs(begin)
+    sectors = ceil(2.0 * pi * sqrt(float(square(point).max())) / pitch_mm * SECTORS_PER_PITCH)
+    low = np.angle(begin) + np.minimum.reduceat(swept, first) - margin
+    high = np.angle(begin) + np.maximum.reduceat(swept, first) + margin
+    low_sector, high_sector = (np.floor(angle * (sectors / (2.0 * pi))).astype(int) for angle in (low, high))
+    owner, sector = counted_up(low_sector, np.minimum(high_sector - low_sector + 1, sectors))
+    order = np.argsort(sector % sectors, kind="stable")
+    owner, sector = owner[order], (sector % sectors)[order]
+    width = np.bincount(sector, minlength=sectors)
+    near = np.full((sectors, int(width.max())), NO_RUN)
+    near[sector, np.arange(owner.size) - (np.cumsum(width) - width)[sector]] = owner
+    return near
+
+
+TINY = 1e-300
+"""Keeps a division of zero by zero, on chords of no length, from being one."""
+
+
+def crossing(start: ComplexArray, step: ComplexArray, squared_radius: Array) -> tuple[ComplexArray, Array]:
+    """Points at which chords from ``start`` to ``start + step``, along which the radius grows, have a squared radius.
+
+    Also the chord's unit vector's part along the radius times the radius: the arm at which the normal force on the
+    chord turns the gear.  All shapes are the same.
+    """
+    outwards, length = along(start, step), square(step)
+    missing = squared_radius - square(start)
+    root = np.sqrt(np.maximum(outwards * outwards + length * missing, 0.0))
+    share = missing / np.maximum(outwards + root, TINY)
+    return start + share * step, root / np.sqrt(np.maximum(length, TINY))

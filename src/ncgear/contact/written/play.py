@@ -1,0 +1,268 @@
+"""Play of two outlines as written: how far the one can be turned against the other each way before they touch.
+
+Every vertex of one outline near the mesh is followed along its circle about the driven axis to the chords of the other,
+and the other way round, which gives the exact play of two polygons.  The driven outline is cut into runs along which
+its radius grows; where a chord of the driving outline begins and ends on such a run is found by bisection, and tells
+both which chord its vertex meets and which of the run's vertices meet the chord.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncgear.contact.placement import Placement
+from ncgear.contact.written.outlines import RadialRuns, crossing, polar_outline, radial_runs, with_feet
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, counted_up
+from ncgear.numerics.plane import angle_between, as_complex, square
+
+REACH_IN_PITCHES = 0.6
+"""How far along its circle a vertex is followed: a tooth that it may be inside of is half a pitch thick."""
+
+BLOCK = 256
+"""Positions treated at once, so that what belongs to them stays in the processor's cache."""
+
+
+@dataclass(frozen=True, eq=False)
+class Play:
+    """Play at n positions, in rad, negative where the outlines overlap; shape (n,) each.
+
+    ``up_rad`` and ``down_rad`` are how far the driving gear, as the driven gear sees it, can be turned up and down
+    about the driven axis from the law's position, infinite where nothing is in reach; ``overlap_mm`` is how deep the
+    deepest vertex is inside the other gear in the law's position.
+    """
+
+    up_rad: Array
+    down_rad: Array
+    overlap_mm: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Setting:
+    """What is the same at all positions: the driven outline's runs, the driving outline's vertices and longest chord.
+
+    ``reach_mm`` is how far vertices are followed; at each position the driving vertices are looked at that ``windows``
+    hold, and the ``core`` of them has everything within twice that reach around it (each first numbers and counts).
+    """
+
+    placement: Placement
+    runs: RadialRuns
+    driving: ComplexArray
+    longest_mm: float
+    reach_mm: float
+    windows: tuple[IndexArray, IndexArray]
+    core: tuple[IndexArray, IndexArray]
+
+
+@dataclass(frozen=True, eq=False)
+class _Chords:
+    """Chords of the driving outline near the mesh in the driven gear's frame, shape (n,) each.
+
+    Along each its distance from the driven axis grows or falls all the way; ``position`` counts within the block,
+    ``core`` tells whether all chords within twice the reach around it are there as well.
+    """
+
+    position: IndexArray
+    start: ComplexArray
+    end: ComplexArray
+    sector: IndexArray
+    core: Mask
+
+
+@dataclass(frozen=True, eq=False)
+class _Meets:
+    """Pairs of a driving chord and a driven run that share a range of radii, shape (n,) each."""
+
+    chords: _Chords
+    runs: RadialRuns
+    chord: IndexArray
+    run: IndexArray
+
+
+@dataclass(frozen=True, eq=False)
+class _Crossings:
+    """Where circles of vertices cross chords of the other outline, shape (n,) each.
+
+    ``vertex`` numbers the vertices, of which ``position`` (shape (vertices,)) tells the position in the block;
+    ``turn_rad`` turns a vertex onto the chord, ``entering`` tells whether a growing angle leads through it into the
+    other gear, ``depth_mm`` is the distance across the chord.
+    """
+
+    position: IndexArray
+    vertex: IndexArray
+    turn_rad: Array
+    entering: Mask
+    depth_mm: Array
+
+    def kept(self, rows: Mask) -> _Crossings:
+        columns = self.vertex[rows], self.turn_rad[rows], self.entering[rows], self.depth_mm[rows]
+        return _Crossings(self.position, *columns)
+
+    @property
+    def leading_out(self) -> Mask:
+        """Whether the vertex would come out of the other gear there."""
+        out: Mask = np.signbit(self.turn_rad) == self.entering
+        return out
+
+
+def outline_play(driving_mm: Array, driven_mm: Array, placement: Placement, reach_mm: float) -> Play:
+    """Play of two outlines in their own frames, counter-clockwise, shape (n, 2) each, each around its axis once.
+
+    Outlines are compared within the sector of the driving gear that ``reach_mm`` from the pitch point spans, which must
+    cover the line of action.
+    """
+    setting = _setting(driving_mm, driven_mm, placement, reach_mm)
+    starts = range(0, placement.count, BLOCK)
+    blocks = [_block_play(setting, np.arange(start, min(start + BLOCK, placement.count))) for start in starts]
+    return Play(*(np.concatenate(columns) for columns in zip(*blocks, strict=True)))
+
+
+def _setting(driving_mm: Array, driven_mm: Array, placement: Placement, reach_mm: float) -> _Setting:
+    # Outlines are followed with the material on their left: a ring's goes round the hole the other way.
+    driving, driven = as_complex(driving_mm), as_complex(driven_mm[::-1] if placement.driven_inside else driven_mm)
+    longest = float(np.abs(np.diff(driving, append=driving[:1])).max())
+    followed = REACH_IN_PITCHES * placement.pitch_mm
+    runs = radial_runs(driven, followed + longest, placement.pitch_mm)
+    outline = polar_outline(driving)
+    core, windows = (
+        outline.windows(placement.mesh_direction_rad, _half_width(placement, reach))
+        for reach in (reach_mm, reach_mm + longest + 2.0 * followed)
+    )
+    return _Setting(placement, runs, driving, longest, followed, windows, core)
+
+
+def _half_width(placement: Placement, reach_mm: float) -> Array:
+    """Half the angle that a circle about the pitch point spans from the driving axis; half a turn around it."""
+    share = reach_mm / placement.driving_radius_mm
+    return np.where(share < 1.0, np.arcsin(np.minimum(share, 1.0)), np.pi)
+
+
+def _block_play(setting: _Setting, position: IndexArray) -> tuple[Array, Array, Array]:
+    """Play up and down and the deepest overlap at each of the given positions."""
+    chords = _near_chords(setting, position)
+    meets = _meets(chords, setting.runs)
+    own_up, own_down, own_depth = _free(_of_driving_vertices(meets, setting.reach_mm), position.size)
+    up, down, depth = _free(_of_driven_vertices(meets, setting.reach_mm, position.size), position.size)
+    # To turn the driving gear up is to turn the driven one's vertices down.
+    return np.minimum(own_up, down), np.minimum(own_down, up), np.maximum(own_depth, depth)
+
+
+def _near_chords(setting: _Setting, position: IndexArray) -> _Chords:
+    """The driving chords that may come within the driven outline's reach."""
+    runs, (first, count) = setting.runs, (numbers[position] for numbers in setting.windows)
+    row, vertex = counted_up(first, count + 1)
+    points = setting.placement.driving_points(setting.driving[vertex % setting.driving.size], position[row])
+    squared = square(points)
+    # A chord's foot may be nearer to the axis than both its ends, by no more than its half length squared.
+    least = np.minimum(squared[:-1], squared[1:]) - setting.longest_mm**2 / 4.0
+    greatest = np.maximum(squared[:-1], squared[1:])
+    low, high = runs.reach
+    chord = np.nonzero((least < high.max()) & (greatest > low.min()) & (row[1:] == row[:-1]))[0]
+    sector = runs.sector(points[chord])
+    within = (least[chord] < high[sector]) & (greatest[chord] > low[sector])
+    chord, sector = chord[within], sector[within]
+    core_first, core_count = (numbers[position[row[chord]]] for numbers in setting.core)
+    core = (vertex[chord] >= core_first) & (vertex[chord] < core_first + core_count)
+    return _split_at_feet(_Chords(row[chord], points[chord], points[chord + 1], sector, core))
+
+
+def _split_at_feet(chords: _Chords) -> _Chords:
+    """The chords, with those cut in two along which the radius falls and then grows."""
+    split, foot = with_feet(chords.start, chords.end)
+    end = chords.end.copy()
+    end[split] = foot
+    return _Chords(
+        np.concatenate([chords.position, chords.position[split]]),
+        np.concatenate([chords.start, foot]),
+        np.concatenate([end, chords.end[split]]),
+        np.concatenate([chords.sector, chords.sector[split]]),
+        np.concatenate([chords.core, chords.core[split]]),
+    )
+
+
+def _meets(chords: _Chords, runs: RadialRuns) -> _Meets:
+    near = runs.near[chords.sector]
+    start, end = square(chords.start)[:, None], square(chords.end)[:, None]
+    shared = (runs.inner[near] <= np.maximum(start, end)) & (runs.outer[near] >= np.minimum(start, end))
+    chord, column = np.nonzero(shared)
+    return _Meets(chords, runs, chord, near[chord, column])
+
+
+def _of_driving_vertices(meets: _Meets, reach_mm: float) -> _Crossings:
+    """Circles of the chords' starts across the driven outline, as far as within reach."""
+    runs, squared = meets.runs, square(meets.chords.start)[meets.chord]
+    crossed = np.nonzero((runs.inner[meets.run] <= squared) & (squared < runs.outer[meets.run]))[0]
+    vertex, run, squared = meets.chord[crossed], meets.run[crossed], squared[crossed]
+    before = np.maximum(runs.entry_beyond(run, squared) - 1, runs.first[run])
+    place, lever = crossing(runs.point[before], runs.step[before], squared)
+    turn = angle_between(meets.chords.start[vertex], place)
+    found = _Crossings(meets.chords.position, vertex, turn, runs.rising[run], np.abs(turn) * lever)
+    return found.kept(np.square(turn) * squared <= reach_mm**2)
+
+
+def _of_driven_vertices(meets: _Meets, reach_mm: float, positions: int) -> _Crossings:
+    """Circles of the driven outline's vertices across the chords, as far as within reach.
+
+    Vertices that only meet chords at the edge of what is looked at may be inside for all that is known there, but
+    nearer chords may be missing: they count as outside.
+    """
+    runs, chords = meets.runs, meets.chords
+    start, end = square(chords.start), square(chords.end)
+    low, high = np.minimum(start, end)[meets.chord], np.maximum(start, end)[meets.chord]
+    first = runs.entry_beyond(meets.run, low)
+    pair, entry = counted_up(first, runs.entry_beyond(meets.run, high) - first)
+    chord, rising = meets.chord[pair], end > start
+    inner = np.where(rising, chords.start, chords.end)
+    outwards = np.where(rising, chords.end - chords.start, chords.start - chords.end)
+    place, lever = crossing(inner[chord], outwards[chord], runs.square[entry])
+    turn = angle_between(runs.point[entry], place)
+    position, vertex = _numbered(chords.position[chord], entry, runs.point.size, positions)
+    found = _Crossings(position, vertex, turn, rising[chord], np.abs(turn) * lever)
+    within = np.square(turn) * runs.square[entry] <= reach_mm**2
+    surrounded = np.zeros(position.size, dtype=bool)
+    surrounded[vertex[within & chords.core[chord]]] = True
+    return found.kept(within & (surrounded[vertex] | ~found.leading_out))
+
+
+def _numbered(position: IndexArray, entry: IndexArray, entries: int, positions: int) -> tuple[IndexArray, IndexArray]:
+    """Numbers for pairs of a position and an entry: the position of each number, and the number of each pair.
+
+    Entries that are met in one position are neighbours around the outline, so they are counted from one of them.
+    """
+    some = np.zeros(positions, dtype=int)
+    some[position] = entry
+    beside = (entry - some[position] + entries // 2) % entries
+    least = int(beside.min(initial=entries))
+    span = int(beside.max(initial=least)) - least + 1
+    return np.repeat(np.arange(positions), span), position * span + beside - least
+
+
+def _free(crossings: _Crossings, positions: int) -> tuple[Array, Array, Array]:
+    """Least angles by which the vertices of each position can move up and down, and the deepest one's depth.
+
+    A vertex is inside the other gear where it would come out of it before going in, either way; the other side of a
+    thick tooth may be out of reach.  It then counts as past the nearer side.
+    """
+    least = np.full(4 * crossings.position.size, np.inf)
+    kind = 2 * np.signbit(crossings.turn_rad) + crossings.entering
+    np.minimum.at(least, 4 * crossings.vertex + kind, np.abs(crossings.turn_rad))
+    left_above, entered_above, left_below, entered_below = least.reshape(-1, 4).T
+    inside = (left_above < entered_above) | (entered_below < left_below)
+    past_upper = inside & (left_above <= entered_below)
+    up = np.where(inside, np.where(past_upper, np.inf, -entered_below), np.minimum(entered_above, left_above))
+    down = np.where(inside, np.where(past_upper, -left_above, np.inf), np.minimum(entered_below, left_below))
+    bounds = np.full((2, positions), np.inf)
+    np.minimum.at(bounds[0], crossings.position, up)
+    np.minimum.at(bounds[1], crossings.position, down)
+    return bounds[0], bounds[1], _deepest(crossings, inside, positions)
+
+
+def _deepest(crossings: _Crossings, inside: Mask, positions: int) -> Array:
+    """Largest depth, at each position, of vertices inside the other gear: the distance to the nearest chord."""
+    deep = np.nonzero(inside[crossings.vertex])[0]
+    depth = np.where(inside, np.inf, 0.0)
+    np.minimum.at(depth, crossings.vertex[deep], crossings.depth_mm[deep])
+    deepest = np.zeros(positions)
+    np.maximum.at(deepest, crossings.position, depth)
+    return deepest

@@ -1,0 +1,1 @@
+"""The keys of both files, as models that check what a person wrote."""

@@ -1,0 +1,356 @@
+"""What a balance file says of shafts and engines, and of natural frequencies.
+
+The mechanisms of a balance file: what drives them, what moves, and what is asked about them.
+
+What a balance file says of gears and rotors.
+
+The balance file: what shakes, and what is asked about it.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, Strict, model_validator
+
+from ncgear.design.keys.base import LONGEST_MM, Length, Model, Positive, Speed, fault, given, listed, require_one
+from ncgear.design.keys.machine import Linkage
+from ncgear.design.keys.masses import Mass, Masses, Place
+from ncgear.design.naming import NAME_PATTERN
+
+MOST_COUNT = 10_000
+
+
+class Shaft(Model):
+    """A shaft that may shake the machine."""
+
+    name: str = Field(min_length=1, max_length=100, description="what it is called")
+    speed_rpm: Speed = Field(description="its speed in r/min")
+    rollers: int | None = Field(default=None, ge=1, le=MOST_COUNT, description="rolling elements of its bearing")
+    roller_ratio: float | None = Field(
+        default=None,
+        gt=0.0,
+        lt=1.0,
+        description="diameter of a rolling element by that of the pitch circle, times the cosine of the contact angle; "
+        "left out: as many passes as rolling elements in each turn",
+    )
+    teeth: int | None = Field(default=None, ge=1, le=MOST_COUNT, description="teeth of its sprocket or gear")
+
+
+class Engine(Model):
+    """A reciprocating engine."""
+
+    name: str = Field(default="engine", min_length=1, max_length=100, description="what it is called")
+    speed_rpm: Speed = Field(description="its speed in r/min")
+    cylinders: int = Field(ge=1, le=100, description="number of cylinders")
+    strokes: int = Field(default=4, ge=2, le=4, description="strokes of a cycle, 2 or 4")
+    inertia_order: Positive = Field(default=2.0, description="order of its strongest free inertia force")
+
+
+class Excitations(Model):
+    """Frequencies that shake the machine, beside its natural ones."""
+
+    natural_hz: Annotated[tuple[Positive, ...], Strict(False), Field(min_length=1, max_length=MOST_ITEMS)] = Field(
+        description="natural frequencies in Hz"
+    )
+    band: float = Field(
+        default=0.2, gt=0.0, lt=1.0, description="share of a natural frequency within which an excitation is near it"
+    )
+    shafts: Annotated[tuple[Shaft, ...], Strict(False), Field(max_length=MOST_ITEMS)] = Field(
+        default=(), description="shafts, a list"
+    )
+    engines: Annotated[tuple[Engine, ...], Strict(False), Field(max_length=MOST_ITEMS)] = Field(
+        default=(), description="engines, a list"
+    )
+    harmonics: int = Field(
+        default=0, ge=0, le=1000, description="harmonics of the slider's acceleration of each mechanism"
+    )
+
+    @model_validator(mode="after")
+    def _something_shakes(self) -> Self:
+        if not self.shafts and not self.engines and not self.harmonics:
+            raise fault("", "nothing shakes; give shafts, engines or harmonics")
+        return self
+
+
+MOST_ITEMS = 200
+
+Angle = Annotated[float, Field(ge=-3600.0, le=3600.0)]
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+
+
+class Fixed(Model):
+    """A counterweight that is there."""
+
+    on: Literal["crank", "rod"] = Field(description="crank or rod")
+    mass_kg: Mass = Field(description="its mass in kg")
+    arm_mm: Length = Field(description="distance from the crank axis, or on the rod from the crank pin, in mm")
+    angle_deg: Angle = Field(
+        default=180.0,
+        description="direction in degrees counter-clockwise from that to the pin, or on the rod to the slider; left "
+        "out: opposite",
+    )
+
+
+class Complete(Model):
+    """Complete balance by two counterweights."""
+
+    rod_arm_mm: Length = Field(description="arm of the rod's counterweight beyond the crank pin in mm")
+    crank_arm_mm: Length = Field(description="arm of the crank's counterweight beyond the axis in mm")
+
+
+class Partial(Model):
+    """Partial balance by a counterweight on the crank."""
+
+    arm_mm: Length = Field(description="arm of the counterweight in mm")
+    shares: Annotated[tuple[Share, ...], Strict(False), Field(min_length=1, max_length=MOST_ITEMS)] = Field(
+        default=(1.0 / 3.0, 0.5), description="shares k of the reciprocating mass that are balanced, 0 to 1"
+    )
+    rotating_kg: Mass | None = Field(
+        default=None, description="mass at the crank pin in kg; left out: that of the parts"
+    )
+    reciprocating_kg: Mass | None = Field(
+        default=None, description="mass at the slider in kg; left out: that of the parts"
+    )
+
+
+class Best(Model):
+    """The best counterweight on the crank for the actual motion."""
+
+    arm_mm: Length = Field(description="arm of the counterweight in mm")
+
+
+class Sweep(Model):
+    """Counterweights tried one after the other."""
+
+    arm_mm: Length = Field(description="arm of the counterweight in mm")
+    angle_deg: Angle = Field(default=180.0, description="its direction in degrees as above; left out: opposite the pin")
+    masses_kg: Annotated[tuple[Mass, ...], Strict(False), Field(min_length=1, max_length=MOST_ITEMS)] = Field(
+        description="masses in kg"
+    )
+
+
+class Mechanism(Model):
+    """A crank-slider in the frame."""
+
+    name: str = Field(min_length=1, max_length=100, description="what it is called")
+    linkage: Linkage | None = Field(default=None, description="its linkage, with a crank that turns evenly")
+    design: str | None = Field(
+        default=None,
+        min_length=1,
+        description="a design file instead, whose linkage and law are taken; its path counts from this file",
+    )
+    masses: Masses | None = Field(default=None, description="its masses; left out: those of the design file")
+    counterweights: Annotated[tuple[Fixed, ...], Strict(False), Field(max_length=MOST_ITEMS)] = Field(
+        default=(), description="counterweights that are there, a list"
+    )
+    direction_deg: Angle = Field(default=0.0, description="direction of the slider's way out in the frame in degrees")
+    phase_deg: Angle = Field(default=0.0, description="driving angle in degrees by which it is ahead of the shaft")
+    mirrored: bool = Field(default=False, description="true: its crank turns counter-clockwise")
+    x_mm: Place = Field(default=0.0, description="place of its crank axis in the frame in mm")
+    y_mm: Place = Field(default=0.0, description="place of its crank axis in the frame in mm")
+    complete: Complete | None = Field(default=None, description="what would balance its forces completely")
+    partial: Partial | None = Field(default=None, description="what would balance them in part")
+    best: Best | None = Field(default=None, description="the counterweight that leaves least")
+    sweep: Sweep | None = Field(default=None, description="counterweights to try")
+
+    @model_validator(mode="after")
+    def _driven_and_massive(self) -> Self:
+        require_one(self, ("linkage", "design"))
+        if self.linkage is not None and self.linkage.crank_mm is None:
+            raise fault("linkage.crank_mm", "missing; give the length of the crank in mm")
+        if self.linkage is not None and self.masses is None:
+            raise fault("masses", "missing; a linkage given here needs slider_kg, rod and crank")
+        if self.masses and not self.masses.slider_kg + self.masses.rod.mass_kg + self.masses.crank.mass_kg > 0.0:
+            raise fault("masses", "nothing has a mass; give that of the slider, the rod or the crank")
+        return self
+
+
+class Chassis(Model):
+    """Counterweight at the tail of a chassis on two supports."""
+
+    mechanism: str = Field(description="name of the mechanism whose inertia force it is to hold")
+    support_mm: Length = Field(description="distance of either support from the centre of gravity in mm")
+    counterweight_mm: Length = Field(description="distance of the counterweight from the centre of gravity in mm")
+    tilt_deg: float = Field(gt=0.0, le=90.0, description="slope of the slider's line against the ground in degrees")
+    slider_kg: Mass = Field(default=0.0, description="weight of the slider on the support in kg")
+    weight_kg: Mass = Field(default=0.0, description="dead weight in front of the supports in kg")
+    weight_lever_mm: float = Field(default=0.0, ge=0.0, le=LONGEST_MM, description="its lever in mm")
+
+
+Amplitude = Annotated[float, Field(ge=0.0, le=1e9)]
+
+
+class Holes(Model):
+    """Through holes that may be drilled."""
+
+    largest_mm: Length = Field(description="diameter of the largest in mm")
+    smallest_mm: Length = Field(description="diameter of the smallest in mm")
+    wall_mm: Length = Field(description="least wall between holes and to every edge in mm")
+
+    @model_validator(mode="after")
+    def _smallest_is_smaller(self) -> Self:
+        if self.smallest_mm > self.largest_mm:
+            problem = f"{self.smallest_mm:g} mm is over largest_mm; {self.largest_mm:g} or less is right"
+            raise fault("smallest_mm", problem)
+        return self
+
+
+class Boss(Model):
+    """A boss on the upper face."""
+
+    height_mm: Length = Field(description="its height over the face in mm")
+    wall_mm: Length = Field(description="its distance from every edge in mm")
+
+
+class Correction(Model):
+    """What may be done to a gear: holes first, a boss for what they leave."""
+
+    holes: Holes | None = Field(default=None, description="through holes; left out: none")
+    boss: Boss | None = Field(default=None, description="a boss; left out: none")
+
+
+class GearBalance(Model):
+    """Balance of the gears of a design."""
+
+    design: str = Field(min_length=1, description="the design file; its path counts from this file")
+    density_kg_m3: float = Field(default=7850.0, gt=0.0, le=30000.0, description="density of both gears in kg/m3")
+    grade: float = Field(
+        default=6.3, gt=0.0, le=4000.0, description="grade of balance quality of ISO 21940-11 in mm/s: 6.3 for G 6.3"
+    )
+    driving: Correction | None = Field(default=None, description="correction of the driving gear; left out: none")
+    driven: Correction | None = Field(default=None, description="correction of the driven gear; left out: none")
+
+
+class Reading(Model):
+    """What an instrument shows."""
+
+    amplitude: Amplitude = Field(description="amplitude, in the same unit for all")
+    phase_deg: Angle = Field(description="phase in degrees, as the instrument counts it")
+
+
+Readings = Annotated[tuple[Reading, ...], Strict(False), Field(min_length=1, max_length=MOST_ITEMS)]
+
+
+class Trial(Model):
+    """A run with a trial weight in one plane, taken off again after it."""
+
+    mass_g: float = Field(ge=0.0, le=1e9, description="mass of the trial weight in g")
+    angle_deg: Angle = Field(description="its angle in degrees, counted as the instrument counts phases")
+    readings: Readings = Field(description="what every sensor shows, a list")
+
+
+class Rotor(Model):
+    """Field balancing from trial weights."""
+
+    speed_rpm: Speed = Field(description="speed of the runs in r/min")
+    first: Readings | None = Field(default=None, description="readings of every sensor without trial weights, a list")
+    trials: Annotated[tuple[Trial, ...], Strict(False), Field(min_length=1, max_length=20)] | None = Field(
+        default=None, description="one run for each plane, a list"
+    )
+    file: str | None = Field(
+        default=None,
+        min_length=1,
+        description="CSV file of both instead, one reading in each row, with columns plane (0: without trial weight), "
+        "mass_g, angle_deg, sensor, amplitude, phase_deg; its path counts from this file",
+    )
+    mass_kg: Positive | None = Field(default=None, description="mass of the rotor in kg; left out: no grade is told")
+    radius_mm: Length | None = Field(default=None, description="radius of the weights in mm, with mass_kg")
+    grade: float = Field(
+        default=16.0, gt=0.0, le=4000.0, description="grade of balance quality of ISO 21940-11 in mm/s: 16 for G 16"
+    )
+
+    @model_validator(mode="after")
+    def _has_readings(self) -> Self:
+        for key in ("first", "trials"):
+            if getattr(self, key) is None:
+                raise fault(key, "missing; give first and trials, or a file of them")
+        if (self.mass_kg is None) != (self.radius_mm is None):
+            raise fault("mass_kg" if self.radius_mm is None else "radius_mm", "needs mass_kg and radius_mm both")
+        return self
+
+
+class ChainRun(Model):
+    """A run with the weight at one phase."""
+
+    weight_deg: Angle = Field(description="phase of the weight in degrees")
+    amplitude: Amplitude = Field(description="amplitude of the reading")
+    phase_deg: Angle = Field(description="phase of the reading in degrees")
+
+
+class ChainDrive(Model):
+    """Equivalent unbalance of a chain drive from runs with one weight at several phases."""
+
+    wrap_deg: Angle = Field(description="phase of the middle of the chain's wrap in degrees")
+    tight_deg: Angle = Field(description="phase of the tight side's equivalent unbalance in degrees")
+    slack_deg: Angle = Field(description="phase of the slack side's in degrees")
+    runs: Annotated[tuple[ChainRun, ...], Strict(False), Field(min_length=3, max_length=1000)] | None = Field(
+        default=None, description="runs, a list"
+    )
+    file: str | None = Field(
+        default=None,
+        min_length=1,
+        description="CSV file of runs instead, with columns weight_deg, amplitude, phase_deg; its path counts from "
+        "this file",
+    )
+    predict_deg: Annotated[tuple[Angle, ...], Strict(False), Field(max_length=MOST_ITEMS)] = Field(
+        default=(), description="phases of the weight in degrees for which readings are predicted"
+    )
+    effect_per_g: Positive | None = Field(
+        default=None, description="amplitude per g of a weight, for corrections; left out: none"
+    )
+
+    @model_validator(mode="after")
+    def _has_runs(self) -> Self:
+        if self.runs is None:
+            raise fault("runs", "missing; give runs, or a file of them")
+        return self
+
+
+QUESTIONS = ("excitations", "gears", "rotor", "chain_drive")
+
+
+class Balance(Model):
+    """A balance file: what a person wrote, and nothing computed."""
+
+    name: str = Field(pattern=NAME_PATTERN, description="name of the file's subject and of its output folder")
+    description: str = Field(default="", max_length=10_000, description="free text")
+    speed_rpm: Speed | None = Field(
+        default=None, description="speed in r/min of the shaft that drives the mechanisms and the gears"
+    )
+    mechanisms: Annotated[tuple[Mechanism, ...], Strict(False), Field(max_length=50)] = Field(
+        default=(), description="crank-sliders on one frame, a list"
+    )
+    move_phase_of: str | None = Field(
+        default=None, description="name of the mechanism whose best phase is looked for; left out: none"
+    )
+    chassis: Chassis | None = Field(default=None, description="counterweight at the tail of a chassis")
+    excitations: Excitations | None = Field(default=None, description="frequencies beside natural ones")
+    gears: GearBalance | None = Field(default=None, description="balance of a design's gears")
+    rotor: Rotor | None = Field(default=None, description="field balancing from trial weights")
+    chain_drive: ChainDrive | None = Field(default=None, description="equivalent unbalance of a chain drive")
+
+    @model_validator(mode="after")
+    def _asks_something(self) -> Self:
+        if not self.mechanisms and not given(self, QUESTIONS):
+            raise fault("", f"nothing is asked; give mechanisms, {listed(QUESTIONS)}")
+        if self.excitations and self.excitations.harmonics and not self.mechanisms:
+            raise fault("excitations.harmonics", "there is no mechanism whose slider has any; give mechanisms")
+        if self.speed_rpm is None and (self.mechanisms or self.gears):
+            raise fault("speed_rpm", "missing; mechanisms and gears need the speed of their shaft in r/min")
+        return self
+
+    @model_validator(mode="after")
+    def _names_are_known_and_differ(self) -> Self:
+        names = [mechanism.name for mechanism in self.mechanisms]
+        for number, name in enumerate(names):
+            if name in names[:number]:
+                raise fault(f"mechanisms.{number}.name", f"{name!r} is the name of an earlier one; choose another")
+        asked = {"move_phase_of": self.move_phase_of}
+        asked["chassis.mechanism"] = self.chassis.mechanism if self.chassis else None
+        for key, asked_name in asked.items():
+            if asked_name is not None and asked_name not in names:
+                raise fault(key, f"{asked_name!r} is no mechanism of this file; {listed(names) or 'none'} is right")
+        if self.move_phase_of is not None and len(names) < 2:
+            raise fault("move_phase_of", "a single mechanism has no best phase; give a second one, or leave it out")
+        return self

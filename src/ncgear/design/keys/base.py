@@ -1,0 +1,113 @@
+"""What all models of the design file share: strict types, no unknown keys, no changes, no nan or infinity.
+
+A fault that a model finds between its own fields, carrying the key it belongs to.
+
+Angles that a design file may give in radians, in degrees or in multiples of pi, the unit being part of the key.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import pi, radians
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field, Strict
+from pydantic_core import PydanticCustomError
+
+LONGEST_MM = 1e7
+"""Ten kilometres: beyond any machine, and far below where the squares of lengths overflow."""
+
+FASTEST_RPM = 1e7
+
+Length = Annotated[float, Field(gt=0.0, le=LONGEST_MM)]
+Speed = Annotated[float, Field(gt=0.0, le=FASTEST_RPM)]
+Positive = Annotated[float, Field(gt=0.0)]
+
+# YAML has lists only; strictness would ask for a tuple, so it is off for the container and on for its numbers.
+Numbers = Annotated[tuple[float, ...], Strict(False)]
+
+
+class Model(BaseModel):
+    """Base of every model: what a person wrote, checked and unchangeable."""
+
+    model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+FAULT_TYPE = "ncgear"
+
+
+def fault(key: str, problem: str) -> PydanticCustomError:
+    """The error a validator raises for ``key`` (dotted, relative to its model; empty for the model as a whole).
+
+    pydantic knows only which model a validator belongs to; the key in the context leads to the line of the file.
+    """
+    # The text goes in as a value: as a template its braces would be read as placeholders.
+    return PydanticCustomError(FAULT_TYPE, "{problem}", {"problem": problem, "key": key})
+
+
+UNITS = ("rad", "deg", "pi")
+
+
+def spellings(quantity: str) -> tuple[str, ...]:
+    """The keys that can hold ``quantity``: theta1 -> theta1_rad, theta1_deg, theta1_pi."""
+    return tuple(f"{quantity}_{unit}" for unit in UNITS)
+
+
+def quantity(name: str) -> str:
+    """What a key is the size of, whichever unit of angles it ends in: theta1_deg -> theta1, bore_mm -> bore_mm."""
+    stem, _, unit = name.rpartition("_")
+    return stem if unit in UNITS else name
+
+
+def folded(names: Iterable[str]) -> list[str]:
+    """``names`` once each, an angle that has all units as one: theta1_rad/_deg/_pi."""
+    known = set(names := list(names))
+    return list(
+        dict.fromkeys(_all_units(name) if known.issuperset(spellings(quantity(name))) else name for name in names)
+    )
+
+
+def _all_units(name: str) -> str:
+    return f"{quantity(name)}_{'/_'.join(UNITS)}"
+
+
+def given(model: BaseModel, names: Iterable[str]) -> list[str]:
+    """Those of ``names`` that have a value; a key left blank counts as left out."""
+    return [name for name in names if getattr(model, name) is not None]
+
+
+def require_one(model: BaseModel, names: Iterable[str]) -> None:
+    """Refuse none and more than one of ``names``."""
+    names = list(names)
+    if not given(model, names):
+        raise fault("", f"one of {listed(names)} is missing; give exactly one of them")
+    allow_one(model, names)
+
+
+def allow_one(model: BaseModel, names: Iterable[str]) -> None:
+    """Refuse more than one of ``names``."""
+    found = given(model, names)
+    if len(found) > 1:
+        raise fault(found[1], f"{listed(found, 'and')} are given, in each other's place; keep one")
+
+
+def listed(names: Iterable[str], word: str = "or") -> str:
+    """``a, b or c``."""
+    *most, last = list(names) or [""]
+    return f"{', '.join(most)} {word} {last}" if most else last
+
+
+def in_rad(value: float, unit: str) -> float:
+    """``value`` in radians; ``unit`` is rad, deg or pi."""
+    if unit == "deg":
+        return radians(value)
+    return value * pi if unit == "pi" else value
+
+
+def angle_rad(model: BaseModel, quantity: str, default: float = 0.0) -> float:
+    """The angle ``quantity`` of ``model`` in radians, by whichever key it was given."""
+    for unit in UNITS:
+        value = getattr(model, f"{quantity}_{unit}")
+        if value is not None:
+            return in_rad(float(value), unit)
+    return default

@@ -1,0 +1,174 @@
+"""What a design file asks of one gear's body: bore, keyway, hub, web, holes, and the rim of a ring.
+
+Faults of a gear's body that the gears' other sizes tell.
+"""
+
+from __future__ import annotations
+
+from math import hypot
+from typing import Self
+
+from pydantic import Field, model_validator
+
+from ncgear.design.keys.base import Length, Model, fault
+
+MOST_HOLES = 100
+
+
+class Keyway(Model):
+    """A keyway in the bore."""
+
+    width_mm: Length = Field(description="width of the keyway in mm, under the bore")
+    depth_mm: Length = Field(description="depth of the keyway in mm, from the bore outwards")
+
+
+class SetScrew(Model):
+    """A radial hole through one side of the hub, down to the bore."""
+
+    diameter_mm: Length = Field(description="diameter of the hole in mm: the tap drill's, or with clearance")
+    height_mm: Length | None = Field(
+        default=None, description="height of its axis over the face in mm; left out: half the hub's height"
+    )
+    direction_deg: float = Field(
+        default=0.0,
+        ge=-360.0,
+        le=360.0,
+        description="direction in degrees, counter-clockwise from the keyway's side; left out: through to the keyway",
+    )
+
+
+class Hub(Model):
+    """A cylinder about the axis on the upper face."""
+
+    diameter_mm: Length = Field(description="diameter of the hub in mm, over the bore and under the tooth roots")
+    height_mm: Length = Field(description="height of the hub over the face in mm")
+    set_screw: SetScrew | None = Field(default=None, description="hole for a set screw in the hub; left out: none")
+
+    @model_validator(mode="after")
+    def _screw_in_hub(self) -> Self:
+        screw, height = self.set_screw, self.height_mm
+        if screw is None:
+            return self
+        if screw.diameter_mm >= height:
+            problem = f"{screw.diameter_mm:g} mm is not less than the hub's height; under {height:g} mm is right"
+            raise fault("set_screw.diameter_mm", problem)
+        low, high = screw.diameter_mm / 2.0, height - screw.diameter_mm / 2.0
+        if screw.height_mm is not None and not low < screw.height_mm < high:
+            problem = f"at {screw.height_mm:g} mm the hole leaves the hub; between {low:g} and {high:g} mm is right"
+            raise fault("set_screw.height_mm", problem)
+        return self
+
+
+class Web(Model):
+    """Pockets in the upper face between rim and hub, down to a web."""
+
+    thickness_mm: Length = Field(description="thickness of the web in mm, from z = 0 up; under the face width")
+    rim_mm: Length = Field(description="least wall in mm between the pockets and the tooth roots")
+    hub_mm: Length | None = Field(
+        default=None, description="diameter in mm that is left about the axis; left out: that of the hub"
+    )
+
+
+class LighteningHoles(Model):
+    """Round through holes about the axis: in the pockets of a web, or in the full gear."""
+
+    count: int = Field(ge=1, le=MOST_HOLES, description="number of holes, in evenly spread directions, a whole number")
+    least_wall_mm: Length = Field(
+        description="least wall in mm to tooth outline, bore, hub, pocket sides, index hole and between the holes"
+    )
+    diameter_mm: Length | None = Field(
+        default=None, description="diameter of the holes in mm; left out: the largest that keeps the walls"
+    )
+
+
+class GearBody(Model):
+    """What is cut into one gear around its axis, and what stands on it."""
+
+    bore_mm: Length | None = Field(default=None, description="diameter of the bore in mm; left out: no bore")
+    keyway: Keyway | None = Field(default=None, description="keyway in the bore; left out: none")
+    hub: Hub | None = Field(default=None, description="hub on the upper face; left out: none")
+    web: Web | None = Field(default=None, description="web under pockets in the upper face; left out: none")
+    lightening_holes: LighteningHoles | None = Field(
+        default=None, description="round holes that save weight; left out: none"
+    )
+
+    @model_validator(mode="after")
+    def _keyway_fits(self) -> Self:
+        if self.keyway is None:
+            return self
+        if self.bore_mm is None:
+            raise fault("keyway", "a keyway without a bore; give bore_mm, or leave the keyway out")
+        if self.keyway.width_mm >= self.bore_mm:
+            width, bore = self.keyway.width_mm, self.bore_mm
+            raise fault("keyway.width_mm", f"{width:g} mm is no narrower than the bore; under {bore:g} mm is right")
+        return self
+
+    @model_validator(mode="after")
+    def _screw_meets_the_bore(self) -> Self:
+        screw = self.hub.set_screw if self.hub else None
+        if screw is None:
+            return self
+        if self.bore_mm is None:
+            raise fault("hub.set_screw", "a set screw without a bore; give bore_mm, or leave the set screw out")
+        if screw.diameter_mm >= self.bore_mm:
+            problem = f"{screw.diameter_mm:g} mm is no narrower than the bore; under {self.bore_mm:g} mm is right"
+            raise fault("hub.set_screw.diameter_mm", problem)
+        return self
+
+    @model_validator(mode="after")
+    def _web_around_hub(self) -> Self:
+        if self.web is None:
+            return self
+        left, hub = self.web.hub_mm, self.hub
+        if left is None and hub is None:
+            raise fault("web", "neither hub_mm nor a hub is given; hub_mm says what is left about the axis")
+        if left is not None and hub is not None and left < hub.diameter_mm:
+            problem = f"{left:g} mm is less than the hub that stands on it; {hub.diameter_mm:g} mm or over is right"
+            raise fault("web.hub_mm", problem)
+        return self
+
+    def reach_mm(self, clearance_mm: float) -> float:
+        """Distance from the axis to the farthest corner of bore and keyway, moved outwards by a clearance."""
+        if self.bore_mm is None:
+            return 0.0
+        radius = self.bore_mm / 2.0 + clearance_mm
+        if self.keyway is None:
+            return radius
+        return hypot(radius + self.keyway.depth_mm, self.keyway.width_mm / 2.0 + clearance_mm)
+
+
+class DrivenBody(GearBody):
+    """What is cut into the driven gear around its axis or, of a ring, stands around its teeth."""
+
+    rim_mm: Length | None = Field(
+        default=None,
+        description="of a ring (mesh: internal): thickness in mm outside its deepest root; left out: 3.5 modules",
+    )
+
+    @property
+    def about_axis(self) -> list[str]:
+        """Keys given that a ring has no room for: it is open about its axis."""
+        return [name for name in ("bore_mm", "hub", "web", "lightening_holes") if getattr(self, name) is not None]
+
+
+def require_hub_wall(name: str, body: GearBody, clearance: float) -> None:
+    """Raise the fault of a hub, or of what a web leaves about the axis, that bore and keyway break through."""
+    least = 2.0 * body.reach_mm(clearance)
+    if body.hub is not None and body.hub.diameter_mm <= least:
+        problem = f"{body.hub.diameter_mm:g} mm leaves no wall around bore and keyway; over {least:.4g} mm is right"
+        raise fault(f"{name}.hub.diameter_mm", problem)
+    if body.web is not None and body.web.hub_mm is not None and body.web.hub_mm <= least:
+        problem = f"{body.web.hub_mm:g} mm leaves no wall around bore and keyway; over {least:.4g} mm is right"
+        raise fault(f"{name}.web.hub_mm", problem)
+
+
+def require_height(name: str, body: GearBody, face_width: float, chamfer: float) -> None:
+    """Raise the fault of a web as thick as the gear, or of a chamfer as high as the web or the gear."""
+    web = body.web
+    if web is not None and web.thickness_mm >= face_width:
+        problem = f"{web.thickness_mm:g} mm is no thinner than the gear; under {face_width:g} mm is right"
+        raise fault(f"{name}.web.thickness_mm", problem)
+    lowest = face_width if web is None else web.thickness_mm
+    if chamfer >= lowest:
+        part = "gear" if web is None else f"{name} gear's web"
+        raise fault("first_layer_chamfer_mm", f"{chamfer:g} mm is as high as the {part}; under {lowest:g} mm is right")

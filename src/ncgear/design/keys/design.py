@@ -1,0 +1,83 @@
+"""The whole design file as one model, and the JSON Schema of it."""
+
+from __future__ import annotations
+
+from typing import Any, Self
+
+from pydantic import Field, model_validator
+
+from ncgear.design.keys.base import Model, fault
+from ncgear.design.keys.gears import Gears
+from ncgear.design.keys.machine import Comparison, Linkage, Operation, Output, Resistance
+from ncgear.design.keys.masses import Masses, Simulation
+from ncgear.design.keys.motion import HarmonicRatio, Motion, TableLaw, ThreeSegmentStroke
+from ncgear.design.keys.optimize import Optimize
+from ncgear.design.naming import NAME_PATTERN
+
+JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
+
+
+class Design(Model):
+    """A design file: what a person wrote, and nothing computed."""
+
+    name: str = Field(pattern=NAME_PATTERN, description="name of the design and of its output folder")
+    description: str = Field(default="", max_length=10_000, description="free text")
+    linkage: Linkage = Field(description="the crank-slider that the driven gear turns")
+    operation: Operation = Field(description="how the machine is run")
+    motion: Motion
+    gears: Gears | None = Field(default=None, description="the pair of gears; a check does without, a build needs it")
+    resistance: Resistance | None = Field(default=None, description="the force against the slider; left out: none")
+    masses: Masses | None = Field(
+        default=None, description="what moves, as masses; ncgear simulate needs it, check and build take no notice"
+    )
+    simulation: Simulation = Field(
+        default_factory=Simulation,
+        description="how the teeth bear load in ncgear simulate; left out: as in the published baler's simulation",
+    )
+    comparison: Comparison | None = Field(default=None, description="published mechanisms to compare with")
+    optimize: Optimize | None = Field(
+        default=None, description="what ncgear optimize looks for; check and build take no notice"
+    )
+    output: Output = Field(default_factory=Output, description="how finely the results are written")
+
+    @property
+    def law_gives_slider(self) -> bool:
+        """Whether the motion law prescribes the slider's motion itself, not the ratio of the gears."""
+        if isinstance(self.motion, TableLaw):
+            return self.motion.displacement_mm is not None
+        return isinstance(self.motion, ThreeSegmentStroke)
+
+    @property
+    def stages(self) -> int:
+        """Pairs of gears in series that make the ratio."""
+        return 2 if isinstance(self.motion, HarmonicRatio) and self.motion.second_stage is not None else 1
+
+    @model_validator(mode="after")
+    def _crank_is_known(self) -> Self:
+        solved = isinstance(self.motion, ThreeSegmentStroke) and self.motion.solve_for == "stroke"
+        if self.linkage.crank_mm is None and not solved:
+            raise fault("linkage.crank_mm", "missing; only motion.solve_for: stroke can do without the crank's length")
+        return self
+
+    @model_validator(mode="after")
+    def _slider_law_has_one_driven_lobe(self) -> Self:
+        if self.gears and self.law_gives_slider and self.gears.lobes.driven != 1:
+            raise fault(
+                "gears.lobes.driven",
+                f"{self.gears.lobes.driven} given, but a law of the slider's motion drives one crank; 1 is right",
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _stages_have_one_lobe(self) -> Self:
+        wished = self.optimize.limits.stages if self.optimize else 1
+        lobes = (self.gears.lobes.driving, self.gears.lobes.driven) if self.gears else (1, 1)
+        if max(self.stages, wished) > 1 and lobes != (1, 1):
+            raise fault("gears.lobes", f"{lobes[0]}:{lobes[1]} given, but two stages have one lobe each; leave it out")
+        return self
+
+
+def json_schema(of: type[Model] = Design) -> dict[str, Any]:
+    """The JSON Schema of a design file or another one, for editors that complete and check while typing."""
+    title = f"ncgear {of.__name__.lower()} file"
+    return {"$schema": JSON_SCHEMA_DIALECT, **of.model_json_schema(), "title": title}

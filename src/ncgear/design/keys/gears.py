@@ -1,0 +1,287 @@
+"""The teeth a design file asks for: basic rack, shift, cutter, helix.
+
+What a design file says of accuracy.
+
+The gears a design file asks for: lobes, sizes, teeth, bodies.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal, NamedTuple, Self
+
+from pydantic import Field, model_validator
+
+from ncgear.design.keys.base import Length, Model, fault, given, listed
+from ncgear.design.keys.bodies import DrivenBody, GearBody, require_height, require_hub_wall
+
+
+class Profile(NamedTuple):
+    """Coefficients of a basic rack, in modules."""
+
+    addendum: float
+    dedendum: float
+    root_radius: float
+
+
+PROFILES: dict[str, Profile] = {
+    "A": Profile(1.0, 1.25, 0.38),
+    "B": Profile(1.0, 1.25, 0.30),
+    "C": Profile(1.0, 1.25, 0.25),
+    "D": Profile(1.0, 1.40, 0.39),
+}
+"""The basic rack tooth profiles of ISO 53 (values from secondary sources)."""
+
+
+def _of_profile(data: dict[str, Any]) -> Profile:
+    return PROFILES[data["profile"]]
+
+
+class TipRelief(Model):
+    """Material taken off the flanks near their tips, so that teeth that bend under load come together gently."""
+
+    amount: float = Field(gt=0.0, le=0.1, description="what is taken off at the tip, along the normal, in modules")
+    start: float = Field(
+        default=0.5, ge=0.0, le=10.0, description="height over the pitch line at which it begins, in modules"
+    )
+
+
+class ProfileShift(Model):
+    """Profile shift in modules, positive outwards; equal and opposite unless both are given."""
+
+    driving: float | None = Field(default=None, ge=-1.0, le=1.0, description="of the driving gear, in modules")
+    driven: float | None = Field(default=None, ge=-1.0, le=1.0, description="of the driven gear, in modules")
+    against_undercut: bool = Field(
+        default=False, description="true: chosen, equal and opposite, so that least is undercut"
+    )
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if self.against_undercut and (self.driving is not None or self.driven is not None):
+            raise fault("against_undercut", "the shifts are given; leave them out, or this")
+        return self
+
+
+class Cutter(Model):
+    """The tool that leaves the fillets."""
+
+    kind: Literal["auto", "rack", "pinion", "mate"] = Field(
+        default="auto",
+        description="rack (hob), pinion (shaper), mate (wire, mill or print: each gear cleared for the other's tips), "
+        "or auto: rack where both pitch curves are convex, else mate",
+    )
+    teeth: int | None = Field(
+        default=None, ge=3, le=1000, description="teeth of the pinion cutter; left out: the most that go in"
+    )
+
+    @model_validator(mode="after")
+    def _teeth_of_a_pinion(self) -> Self:
+        if self.teeth is not None and self.kind != "pinion":
+            raise fault("teeth", f"a cutter of kind {self.kind} has no teeth to count; leave it out, or kind: pinion")
+        return self
+
+
+class Rack(Model):
+    """The basic rack: a profile of ISO 53, any of whose coefficients can be given by itself."""
+
+    profile: Literal["A", "B", "C", "D"] = Field(default="A", description="basic rack profile of ISO 53: A, B, C or D")
+    pressure_angle_deg: float = Field(default=20.0, gt=5.0, lt=40.0, description="pressure angle in degrees")
+    addendum: float = Field(
+        default_factory=lambda data: _of_profile(data).addendum, gt=0.0, le=10.0, description="addendum in modules"
+    )
+    dedendum: float = Field(
+        default_factory=lambda data: _of_profile(data).dedendum, gt=0.0, le=10.0, description="dedendum in modules"
+    )
+    root_radius: float = Field(
+        default_factory=lambda data: _of_profile(data).root_radius,
+        ge=0.0,
+        le=10.0,
+        description="radius of the root fillet in modules",
+    )
+    tip_relief: TipRelief | None = Field(default=None, description="tip relief; left out: none")
+
+    @model_validator(mode="after")
+    def _relief_below_tip(self) -> Self:
+        if self.tip_relief is not None and self.tip_relief.start >= self.addendum:
+            raise fault(
+                "tip_relief.start",
+                f"{self.tip_relief.start:g} modules is not below the tip; under {self.addendum:g} is right",
+            )
+        return self
+
+
+class Helix(Model):
+    """Teeth that advance along the pitch curves from section to section."""
+
+    angle_deg: float = Field(
+        gt=0.0,
+        le=45.0,
+        description="helix angle at the pitch curve in degrees: its tangent is the advance along the pitch curve per "
+        "unit of height. Module and pressure angle stay those of the sections (transverse)",
+    )
+    kind: Literal["helical", "herringbone"] = Field(
+        description="helical: one sense all the way up; herringbone: up to half the face width, and back from there"
+    )
+    hand: Literal["right", "left"] = Field(
+        description="hand of the driving gear (of herringbone teeth: of the half next to z = 0); the driven gear has "
+        "the other by itself"
+    )
+
+
+class Tolerances(Model):
+    """What the data sheet says of accuracy, as given; only the limits of the measurements follow from it."""
+
+    standard: str = Field(default="", max_length=200, description="standard that the grade belongs to, as text")
+    grade: str = Field(default="", max_length=200, description="accuracy grade, as text")
+    tooth_thickness_upper_mm: float | None = Field(
+        default=None,
+        ge=-10.0,
+        le=10.0,
+        description="greatest deviation of the tooth thickness along the pitch curve in mm, of both gears; thinner "
+        "teeth have a negative one",
+    )
+    tooth_thickness_lower_mm: float | None = Field(
+        default=None,
+        ge=-10.0,
+        le=10.0,
+        description="least deviation of the tooth thickness along the pitch curve in mm, of both gears",
+    )
+    note: str = Field(default="", max_length=2000, description="more for the data sheet, as text: runout, hardness")
+
+    @model_validator(mode="after")
+    def _two_limits(self) -> Self:
+        upper, lower = self.tooth_thickness_upper_mm, self.tooth_thickness_lower_mm
+        if (upper is None) != (lower is None):
+            absent = "tooth_thickness_upper_mm" if upper is None else "tooth_thickness_lower_mm"
+            raise fault(absent, "missing; the deviation of the tooth thickness has two limits")
+        if upper is not None and lower is not None and lower > upper:
+            raise fault("tooth_thickness_lower_mm", f"{lower:g} mm is over the upper limit; {upper:g} or less is right")
+        return self
+
+
+MOST_LOBES = 100
+MOST_TEETH = 10_000
+
+
+class Lobes(Model):
+    """How often the law repeats in one turn of each gear."""
+
+    driving: int = Field(default=1, ge=1, le=MOST_LOBES, description="lobes of the driving gear, a whole number")
+    driven: int = Field(default=1, ge=1, le=MOST_LOBES, description="lobes of the driven gear, a whole number")
+
+
+class Gears(Model):
+    """The pair of gears: lobes, size, rack, backlash, bodies."""
+
+    mesh: Literal["external", "internal"] = Field(
+        default="external",
+        description="external: gears side by side; internal: the driven gear is a ring around the driving one, which "
+        "needs a ratio over 1 everywhere",
+    )
+    lobes: Lobes = Field(default_factory=Lobes, description="lobes of each gear; left out: one each")
+    teeth: int | None = Field(
+        default=None, ge=3, le=MOST_TEETH, description="teeth of the driving gear, a whole number"
+    )
+    module_mm: Length | None = Field(default=None, description="module in mm")
+    center_distance_mm: Length | None = Field(default=None, description="distance of the two axes in mm")
+    face_width_mm: Length = Field(description="width of both gears along their axes in mm")
+    driving_axis_deg: float = Field(
+        default=180.0,
+        ge=-360.0,
+        le=360.0,
+        description="where the driving gear's axis lies from the crank's axis: direction in degrees counter-clockwise "
+        "from the slider's way out; left out: straight behind the crank",
+    )
+    rack: Rack = Field(default_factory=Rack, description="basic rack; left out: ISO 53 profile A at 20 degrees")
+    helix: Helix | None = Field(
+        default=None, description="helical or herringbone teeth; left out: straight ones. Sections differ from z = 0 on"
+    )
+    backlash_mm: float = Field(
+        default=0.0, ge=0.0, le=1000.0, description="normal backlash of the pair in mm, taken off the idle flanks"
+    )
+    profile_shift: ProfileShift = Field(default_factory=ProfileShift, description="profile shift; left out: none")
+    cutter: Cutter = Field(default_factory=Cutter, description="tool that leaves the fillets; left out: kind auto")
+    undercut: Literal["avoid", "allow"] = Field(
+        default="avoid",
+        description="avoid: tips are shortened where they would undercut the mate; allow: full height, flanks cut away",
+    )
+    least_tip_land: float = Field(
+        default=0.2, ge=0.01, le=1.0, description="least width of tip lands in modules; sharper tips are shortened"
+    )
+    least_contact_ratio: float = Field(
+        default=1.0,
+        ge=0.0,
+        le=3.0,
+        description="1: flanks must touch all the time; above 1: each pair of flanks over so many pitches; below 1: "
+        "gears that lose contact are made all the same",
+    )
+    method: Literal["exact", "equivalent_gear"] = Field(
+        default="exact",
+        description="exact flanks, or for comparison those of the circular gear of the local radius of curvature",
+    )
+    index_holes: bool = Field(
+        default=False,
+        description="true: a small hole in each gear, half a module wide, which face each other at phi1 = 0",
+    )
+    measuring_pin_mm: Length | None = Field(
+        default=None,
+        description="diameter in mm of the pins or balls in the data sheet; left out: one that is sold and fits",
+    )
+    tolerances: Tolerances | None = Field(
+        default=None, description="what the data sheet says of accuracy; left out: nothing"
+    )
+    first_layer_chamfer_mm: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=10.0,
+        description="bevel in mm of all edges at z = 0, at 45 degrees: what the first layers of a print spread by",
+    )
+    process_clearance_mm: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=10.0,
+        description="what teeth, bores and keyways of the solids are moved into the material by, in mm along the "
+        "normal, since a print swells; outline tables and contact are those of the gears as they shall come out",
+    )
+    driving: GearBody = Field(default_factory=GearBody, description="body of the driving gear")
+    driven: DrivenBody = Field(default_factory=DrivenBody, description="body of the driven gear; of a ring, its rim")
+
+    @model_validator(mode="after")
+    def _two_sizes(self) -> Self:
+        names = ("teeth", "module_mm", "center_distance_mm")
+        found = given(self, names)
+        if len(found) < 2:
+            said = f"only {found[0]} is given" if found else "no size is given"
+            raise fault("", f"{said}; two of {listed(names, 'and')} are needed")
+        return self
+
+    @model_validator(mode="after")
+    def _body_is_that_of_the_mesh(self) -> Self:
+        ring, driven = self.mesh == "internal", self.driven
+        if ring and driven.about_axis:
+            name, *_ = driven.about_axis
+            part, all_given = name.removesuffix("_mm").replace("_", " "), listed(driven.about_axis, "and")
+            why = f"a ring (mesh: internal) has no {part}: it is open about its axis"
+            raise fault(f"driven.{name}", f"given, but {why}; leave {all_given} out")
+        if not ring and driven.rim_mm is not None:
+            raise fault("driven.rim_mm", "given, but only a ring has a rim; leave it out, or give mesh: internal")
+        return self
+
+    @model_validator(mode="after")
+    def _helical_teeth_are_exact(self) -> Self:
+        if self.helix is not None and self.method != "exact":
+            raise fault("method", f"{self.method} given, but helical teeth are made of exact sections; leave it out")
+        return self
+
+    @model_validator(mode="after")
+    def _helical_teeth_are_whole(self) -> Self:
+        for name in ("first_layer_chamfer_mm", "process_clearance_mm"):
+            if self.helix is not None and getattr(self, name) > 0.0:
+                raise fault(name, "given, but helical teeth are made as designed, edges and all; leave it out")
+        return self
+
+    @model_validator(mode="after")
+    def _bodies_have_walls(self) -> Self:
+        for name, body in (("driving", self.driving), ("driven", self.driven)):
+            require_hub_wall(name, body, self.process_clearance_mm)
+            require_height(name, body, self.face_width_mm, self.first_layer_chamfer_mm)
+        return self

@@ -1,0 +1,172 @@
+"""The moving masses of the machine, and which way is down.
+
+How the teeth bear load and what turns them; the defaults are those of the published baler's simulation.
+
+The publication gives elastic constants, exponent, damping with its depth, and both coefficients of friction.  It does
+not give a stiffness: Hertz's for two spheres as large as circular gears of the same length is taken, as users of
+multi-body programs do.  Nor does it give the speeds at which friction changes over.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from ncgear.design.keys.base import LONGEST_MM, Model, Positive, Speed, fault
+
+HEAVIEST_KG = 1e7
+"""Ten thousand tonnes: beyond any machine."""
+
+LARGEST_INERTIA_KG_MM2 = 1e16
+
+Mass = Annotated[float, Field(ge=0.0, le=HEAVIEST_KG)]
+Inertia = Annotated[float, Field(ge=0.0, le=LARGEST_INERTIA_KG_MM2)]
+Place = Annotated[float, Field(ge=-LONGEST_MM, le=LONGEST_MM)]
+
+
+class Rod(Model):
+    """The connecting rod as a rigid body."""
+
+    mass_kg: Mass = Field(description="mass of the rod in kg")
+    center_mm: Place = Field(description="distance of its centre of mass from the crank pin towards the slider in mm")
+    inertia_kg_mm2: Inertia = Field(description="moment of inertia about its centre of mass in kg mm2")
+
+    @model_validator(mode="after")
+    def _inertia_has_mass(self) -> Self:
+        if self.inertia_kg_mm2 > 0.0 and self.mass_kg == 0.0:
+            raise fault("mass_kg", "0 given, but a body without mass has no moment of inertia; give both or neither")
+        return self
+
+
+class Crank(Model):
+    """The crank with all that turns with it, the driven gear apart."""
+
+    mass_kg: Mass = Field(description="mass of the crank in kg")
+    center_mm: Place = Field(
+        description="distance of its centre of mass from its axis towards the crank pin in mm; negative beyond the axis"
+    )
+    inertia_kg_mm2: Inertia = Field(description="moment of inertia about its axis in kg mm2")
+
+    @model_validator(mode="after")
+    def _inertia_is_about_the_axis(self) -> Self:
+        least = self.mass_kg * self.center_mm**2
+        if self.inertia_kg_mm2 < least:
+            raise fault(
+                "inertia_kg_mm2",
+                f"{self.inertia_kg_mm2:g} kg mm2 is less than the mass at its centre alone has about the axis; "
+                f"{least:.6g} or over is right",
+            )
+        return self
+
+
+class Flywheel(Model):
+    """A flywheel on the driving shaft: the one that is there, and how evenly the shaft shall turn."""
+
+    inertia_kg_mm2: Inertia = Field(default=0.0, description="moment of inertia in kg mm2; left out: no flywheel")
+    speed_fluctuation: float = Field(
+        default=0.05,
+        gt=0.0,
+        le=0.2,
+        description="coefficient of speed fluctuation, largest less smallest speed over the mean, for which the "
+        "inertia that is needed is told",
+    )
+
+
+class Gravity(Model):
+    """Which way is down."""
+
+    acceleration_m_s2: float = Field(default=9.80665, ge=0.0, le=1000.0, description="acceleration of gravity in m/s2")
+    direction_deg: float = Field(
+        default=-90.0,
+        ge=-360.0,
+        le=360.0,
+        description="direction of gravity in degrees from the slider's way out, counter-clockwise; left out: across it",
+    )
+
+
+class Masses(Model):
+    """What moves, as masses and moments of inertia."""
+
+    slider_kg: Mass = Field(description="mass of the slider in kg, with all that moves with it")
+    rod: Rod = Field(description="the connecting rod")
+    crank: Crank = Field(description="the crank with all that turns with it, the driven gear apart")
+    driving_gear_kg_mm2: Inertia | None = Field(
+        default=None,
+        description="moment of inertia of the driving shaft with its gear in kg mm2, its flywheel apart; left out: "
+        "that of the gear's own body",
+    )
+    driven_gear_kg_mm2: Inertia | None = Field(
+        default=None,
+        description="moment of inertia of the driven gear in kg mm2; left out: that of its own body",
+    )
+    density_kg_m3: float = Field(default=7850.0, gt=0.0, le=30000.0, description="density of both gears in kg/m3")
+    flywheel: Flywheel = Field(default_factory=Flywheel, description="flywheel on the driving shaft; left out: none")
+    gravity: Gravity | None = Field(default=None, description="gravity; left out: none")
+
+    @property
+    def tells_gears(self) -> bool:
+        """Whether the moments of inertia of both gears are given."""
+        return self.driving_gear_kg_mm2 is not None and self.driven_gear_kg_mm2 is not None
+
+
+STEEPEST = 10.0
+"""Exponent beyond which a contact is a gap with a wall behind it, which the rigid level has already."""
+
+MOST_TURNS = 100.0
+
+
+class Friction(Model):
+    """Coulomb's friction, whose coefficient depends on the speed of sliding."""
+
+    static: float = Field(default=0.08, ge=0.0, le=2.0, description="coefficient at rest")
+    dynamic: float = Field(default=0.05, ge=0.0, le=2.0, description="coefficient in motion")
+    static_speed_mm_s: Positive = Field(default=1.0, description="speed of sliding at which the one at rest is reached")
+    dynamic_speed_mm_s: Positive = Field(
+        default=10.0, description="speed of sliding from which on the one in motion holds"
+    )
+
+    @model_validator(mode="after")
+    def _rest_comes_first(self) -> Self:
+        if self.static < self.dynamic:
+            raise fault(
+                "static", f"{self.static:g} is less than the dynamic {self.dynamic:g}; as much or more is right"
+            )
+        if not self.static_speed_mm_s < self.dynamic_speed_mm_s:
+            raise fault(
+                "dynamic_speed_mm_s",
+                f"{self.dynamic_speed_mm_s:g} mm/s is not beyond static_speed_mm_s; over {self.static_speed_mm_s:g} "
+                "is right",
+            )
+        return self
+
+
+class Motor(Model):
+    """A motor whose torque falls in a line with its speed; the flywheel is that of the masses."""
+
+    no_load_speed_rpm: Speed = Field(description="speed at which it has no torque left, in r/min at the driving gear")
+    stall_torque_n_m: Positive = Field(description="torque at rest in N m at the driving gear")
+
+
+class Simulation(Model):
+    """How the levels quasi_static and dynamic are computed."""
+
+    youngs_modulus_gpa: Positive = Field(default=201.0, description="Young's modulus of both gears in GPa")
+    poisson: float = Field(default=0.29, gt=-1.0, le=0.5, description="Poisson's ratio of both gears")
+    stiffness_n_mm: Positive | None = Field(
+        default=None,
+        description="force in N of a contact 1 mm deep, k of k d^exponent; left out: Hertz's for two spheres as large "
+        "as circular gears of the same length",
+    )
+    exponent: float = Field(default=2.2, ge=1.0, le=STEEPEST, description="exponent of the depth in the contact force")
+    damping_n_s_mm: float = Field(default=100.0, ge=0.0, description="damping of a contact in N s/mm, where it is full")
+    full_damping_depth_mm: Positive = Field(default=0.1, description="depth in mm from which on damping is full")
+    friction: Friction = Field(default_factory=Friction, description="friction between the teeth")
+    motor: Motor | None = Field(
+        default=None,
+        description="what drives the level dynamic; left out: operation.speed_rpm, whatever torque it takes",
+    )
+    start: Literal["on_law", "rest"] = Field(
+        default="on_law", description="on_law: both gears run as the law says; rest: the driven gear stands still"
+    )
+    turns: float = Field(default=1.0, gt=0.0, le=MOST_TURNS, description="turns of the driving gear in level dynamic")

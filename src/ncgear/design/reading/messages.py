@@ -1,0 +1,165 @@
+"""The fields of the models by the keys that stand for them in a file.
+
+pydantic's errors in the words of the design file: the user's key, what was given, what would be right.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from difflib import get_close_matches
+from typing import Any, NamedTuple, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+from ncgear.design.keys.base import FAULT_TYPE, listed
+from ncgear.design.keys.motion import LAWS
+from ncgear.design.naming import NAME_RULE
+from ncgear.design.reading.text import shown
+
+
+def fields_of(model: type[BaseModel]) -> dict[str, FieldInfo]:
+    """A model's fields by their keys in the file's spelling."""
+    return {field.alias or name: field for name, field in model.model_fields.items()}
+
+
+def models_in(annotation: Any) -> list[type[BaseModel]]:
+    """Every model that a field of this annotation can hold, by itself or in a list."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for part in get_args(annotation) for model in models_in(part)]
+
+
+Location = tuple[int | str, ...]
+
+
+class Problem(NamedTuple):
+    """What is wrong with the value at a dotted key."""
+
+    key: str
+    text: str
+
+
+def problems(error: ValidationError, root: type[BaseModel]) -> list[Problem]:
+    """All faults of a file whose model is ``root``, without those that only follow from another."""
+    details = [detail for detail in error.errors() if detail["type"] != "default_factory_not_called"]
+    misspelt = {_suggestion(detail, root) for detail in details if detail["type"] == "extra_forbidden"}
+    parents = {detail["loc"][:i] for detail in details for i in range(len(detail["loc"]))}
+    # A key that is there but misspelt is not missing, and a list is not short because its items are wrong.
+    follows = {"missing": misspelt, "too_short": parents}
+    return [_problem(detail, root) for detail in details if detail["loc"] not in follows.get(detail["type"], ())]
+
+
+def _problem(detail: ErrorDetails, root: type[BaseModel]) -> Problem:
+    kind = detail["type"]
+    context: Mapping[str, Any] = detail.get("ctx") or {}
+    if kind == FAULT_TYPE:
+        parts = [_key(detail["loc"]), context["key"]]
+        return Problem(".".join(part for part in parts if part), context["problem"])
+    if kind == "extra_forbidden":
+        return Problem(_key(detail["loc"]), _unknown_key(detail, root))
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        return Problem(_key((*detail["loc"], "law")), _wrong_law(detail["input"]))
+    return Problem(_key(detail["loc"]), _wrong_value(detail, context, root))
+
+
+def _key(location: Location) -> str:
+    """The dotted key; pydantic puts the law in the location of what belongs to a law, the file does not."""
+    if len(location) > 1 and location[0] == "motion" and location[1] in LAWS:
+        location = (location[0], *location[2:])
+    return ".".join(str(part) for part in location)
+
+
+def _wrong_value(detail: ErrorDetails, context: Mapping[str, Any], root: type[BaseModel]) -> str:
+    meaning = _meaning(detail["loc"], root)
+    if detail["type"] == "missing":
+        return f"missing; give it{meaning}"
+    model = _model_at(detail["loc"], root)
+    if detail["type"] in ("model_type", "model_attributes_type") and model:
+        return f"{shown(detail['input'])} given; a group of keys is needed: {listed(_keys_of(model))}"
+    needed = _NEEDED.get(detail["type"])
+    if needed is None:
+        # A kind of error that no field of today can have: pydantic's own words are better than none.
+        return f"{shown(detail['input'])} is wrong: {detail['msg']}{meaning}"
+    return f"{shown(detail['input'])} given; {needed(context)} is needed{meaning}"
+
+
+_NEEDED: dict[str, Callable[[Mapping[str, Any]], str]] = {
+    "float_type": lambda _: "a number",
+    "finite_number": lambda _: "a finite number",
+    "int_type": lambda _: "a whole number",
+    "bool_type": lambda _: "true or false",
+    "string_type": lambda _: "text (in quotes, if it looks like a number)",
+    "tuple_type": lambda _: "a list in [ ]",
+    "model_type": lambda _: "a group of keys",
+    "model_attributes_type": lambda _: f"a group of keys with law, one of {listed(LAWS)},",
+    "greater_than": lambda context: f"a number over {context['gt']:g}",
+    "greater_than_equal": lambda context: f"a number of {context['ge']:g} or over",
+    "less_than": lambda context: f"a number under {context['lt']:g}",
+    "less_than_equal": lambda context: f"a number of {context['le']:g} or under",
+    "literal_error": lambda context: context["expected"].replace("'", ""),
+    "string_pattern_mismatch": lambda _: f"a name of {NAME_RULE},",
+    "string_too_short": lambda context: f"text of at least {context['min_length']} characters",
+    "string_too_long": lambda context: f"text of at most {context['max_length']} characters",
+    "too_short": lambda context: f"a list of at least {context['min_length']}, not {context['actual_length']}, items",
+    "too_long": lambda context: f"a list of at most {context['max_length']} items",
+}
+
+
+def _meaning(location: Location, root: type[BaseModel]) -> str:
+    field = _field_at(location, root)
+    return f" ({field.description})" if field and field.description else ""
+
+
+def _wrong_law(motion: Mapping[str, Any]) -> str:
+    law = motion.get("law")
+    if law is None:
+        return f"missing; give one of {listed(LAWS)}"
+    return f"{shown(law)} is no known law; one of {listed(LAWS)} is right{_did_you_mean(str(law), LAWS)}"
+
+
+def _unknown_key(detail: ErrorDetails, root: type[BaseModel]) -> str:
+    model = _model_at(detail["loc"][:-1], root)
+    allowed = _keys_of(model) if model else []
+    hint = _did_you_mean(str(detail["loc"][-1]), allowed)
+    return f"unknown key{hint}" if hint else f"unknown key; known are {listed(allowed, 'and')}"
+
+
+def _did_you_mean(word: str, known: Sequence[str] | Mapping[str, Any]) -> str:
+    close = get_close_matches(word, list(known), n=1)
+    return f"; did you mean {close[0]}?" if close else ""
+
+
+def _suggestion(detail: ErrorDetails, root: type[BaseModel]) -> Location:
+    """The location of the key that an unknown one was probably meant to be."""
+    *parent, word = detail["loc"]
+    model = _model_at(tuple(parent), root)
+    return (*parent, *get_close_matches(str(word), _keys_of(model) if model else [], n=1))
+
+
+def _keys_of(model: type[BaseModel]) -> list[str]:
+    return list(fields_of(model))
+
+
+def _field_at(location: Location, root: type[BaseModel]) -> FieldInfo | None:
+    names = [part for part in location if isinstance(part, str)]
+    model = _model_at(tuple(names[:-1]), root)
+    return fields_of(model).get(names[-1]) if model and names else None
+
+
+def _model_at(location: Location, root: type[BaseModel]) -> type[BaseModel] | None:
+    """The model that holds the keys at ``location``, which names the law under motion as pydantic does."""
+    model: type[BaseModel] | None = root
+    for part in location:
+        if isinstance(part, str):
+            field = fields_of(model).get(part) if model else None
+            # No field: under motion the law's name stands here, and leads to the model of that law.
+            model = _model_in(field.annotation) if field else LAWS.get(part)
+    return model
+
+
+def _model_in(annotation: Any) -> type[BaseModel] | None:
+    """The only model that a field can hold; None for a number, and for motion, which can hold several."""
+    models = models_in(annotation)
+    return models[0] if len(models) == 1 else None

@@ -1,0 +1,108 @@
+"""Reading a text file that may be missing, a folder, huge, or no text at all.
+
+What a plain scalar of YAML means, by the core schema of YAML 1.2, and how a value is named in a message.
+
+In particular ``1e-3`` is a number, and ``no``, ``on`` and dates are text.
+"""
+
+from __future__ import annotations
+
+import re
+from math import inf, isinf, isnan, nan
+from pathlib import Path
+
+from ncgear.errors import WrongInput
+
+BYTES_PER_MB = 1_000_000
+
+
+def read_text(path: Path, *, limit_mb: int) -> str:
+    """The text of ``path``; WrongInput when there is none to be had. The size is looked at before anything is read."""
+    try:
+        _refuse_unfit(path, limit_mb)
+        content = path.read_bytes()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise WrongInput(f"cannot be read: {reason}; give an existing, readable file", location=str(path)) from error
+    return _decoded(content, path)
+
+
+def _refuse_unfit(path: Path, limit_mb: int) -> None:
+    status = path.stat()
+    if path.is_dir():
+        raise WrongInput("is a folder; give a file", location=str(path))
+    # Pipes and devices have no size that could be checked before reading.
+    if not path.is_file():
+        raise WrongInput("is no regular file; give one on disk", location=str(path))
+    size_mb = status.st_size / BYTES_PER_MB
+    if size_mb > limit_mb:
+        raise WrongInput(f"holds {size_mb:.1f} MB; at most {limit_mb} MB is right", location=str(path))
+
+
+def _decoded(content: bytes, path: Path) -> str:
+    try:
+        # utf-8-sig: some editors begin a file with a byte order mark.
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        before = content[: error.start]
+        line = before.count(b"\n") + 1
+        column = error.start - (before.rfind(b"\n") + 1) + 1
+        problem = f"byte 0x{content[error.start]:02x} is not UTF-8 text; save the file as UTF-8"
+        raise WrongInput(problem, location=f"{path}:{line}:{column}") from error
+
+
+_INTEGER = re.compile(r"[-+]?[0-9]+")
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_WORDS: dict[str, bool | float | None] = {
+    **dict.fromkeys(("", "~", "null", "Null", "NULL")),
+    **dict.fromkeys(("true", "True", "TRUE"), True),
+    **dict.fromkeys(("false", "False", "FALSE"), False),
+    **dict.fromkeys((".nan", ".NaN", ".NAN"), nan),
+    **{sign + word: inf for word in (".inf", ".Inf", ".INF") for sign in ("", "+")},
+    **{"-" + word: -inf for word in (".inf", ".Inf", ".INF")},
+}
+
+# Python refuses to read integers of thousands of digits; as numbers they are infinite long before.
+_LONGEST_INTEGER = 400
+_LONGEST_SHOWN = 40
+
+
+def plain_value(text: str) -> object:
+    """The value of a scalar without quotes: nothing, a truth value, a number, or text."""
+    if text in _WORDS:
+        return _WORDS[text]
+    number = plain_number(text)
+    return text if number is None else number
+
+
+def plain_number(text: str) -> int | float | None:
+    """The decimal number that ``text`` is, None where it is not one."""
+    if _INTEGER.fullmatch(text) and len(text) <= _LONGEST_INTEGER:
+        return int(text)
+    return float(text) if _FLOAT.fullmatch(text) else None
+
+
+def shown(value: object) -> str:
+    """``value`` as a message names it: short, and as the file would write it."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, dict):
+        return "a group of keys"
+    if isinstance(value, list | tuple):
+        return "a list"
+    if isinstance(value, str):
+        return repr(shortened(value))
+    return shortened(_number_or_truth(value))
+
+
+def _number_or_truth(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float) and (isnan(value) or isinf(value)):
+        return f"{value}".replace("nan", ".nan").replace("inf", ".inf")
+    return f"{value!r}"
+
+
+def shortened(text: str, longest: int = _LONGEST_SHOWN) -> str:
+    """The beginning of a text that is long."""
+    return text if len(text) <= longest else text[:longest] + "..."

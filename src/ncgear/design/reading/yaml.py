@@ -1,0 +1,202 @@
+"""YAML to plain values, remembering where each stands.
+
+The parser's events are followed directly: so anchors, aliases, tags, repeated keys and deep nesting are refused where
+they begin, before anything is built from them, and a value means the same whatever the loader's habits.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ruamel.yaml import YAML
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.events import (
+    AliasEvent,
+    MappingEndEvent,
+    MappingStartEvent,
+    ScalarEvent,
+    SequenceEndEvent,
+    SequenceStartEvent,
+)
+from ruamel.yaml.reader import ReaderError
+
+from ncgear.design.reading.text import plain_value, shortened, shown
+from ncgear.errors import WrongInput
+
+LONGEST_FAULT = 200
+"""Characters of what the parser has to say, which may quote megabytes of the file."""
+
+DEEPEST = 12
+"""Levels of nesting; the schema needs four."""
+
+MOST_KEYS = 200
+"""Keys in one group; a law needs two dozen. Hundreds of thousands would each be compared with the known ones."""
+
+MOST_ITEMS = 200_000
+"""Items in one list, the most points that a table takes; millions of them would take a minute to read."""
+
+LONG_TAG = re.compile(r"!\S{200}")
+"""Refused before the parser sees it, which decodes a tag in a time that grows with the square of its length."""
+
+CONTROL_CHARACTER = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f]")
+"""YAML refuses them as such but takes their escapes; terminals obey them, and not all can stand in HTML or XML."""
+
+LONGEST_KEY = 100
+"""Characters of a key; the longest of the schema has 23."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """A line and a column of a file, both counted from 1."""
+
+    file: str
+    line: int
+    column: int
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}:{self.column}"
+
+
+@dataclass(frozen=True)
+class Document:
+    """Plain values of a YAML file, with the place of every key and list item by its dotted path."""
+
+    data: Any
+    places: Mapping[str, Place]
+
+    def place(self, key: str) -> Place:
+        """Where ``key`` stands, or its nearest parent that does."""
+        while key and key not in self.places:
+            key = key.rpartition(".")[0]
+        return self.places[key]
+
+
+def read_yaml(text: str, file: str) -> Document:
+    """Parse one YAML document; WrongInput names the place of whatever is not right in it."""
+    if long_tag := LONG_TAG.search(text):
+        location = _place_of_offset(text, long_tag.start(), file)
+        raise WrongInput(f"{shortened(long_tag.group())} is a tag; write the value without it", location=location)
+    try:
+        return _Reader(text, file).document()
+    except ReaderError as error:
+        raise WrongInput(_unreadable(error), location=_place_of_offset(text, error.position, file)) from error
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        place = Place(file, mark.line + 1, mark.column + 1) if mark else Place(file, 1, 1)
+        raise WrongInput(_syntax(error), location=str(place)) from error
+    except YAMLError as error:
+        raise WrongInput(f"is not YAML: {error}", location=f"{file}:1:1") from error
+
+
+class _Reader:
+    """One pass over the events of one file."""
+
+    def __init__(self, text: str, file: str) -> None:
+        self._file = file
+        self._places: dict[str, Place] = {}
+        # The pure Python parser on every machine: the C one words its errors differently.
+        self._events: Iterator[Any] = iter(YAML(typ="safe", pure=True).parse(text))
+
+    def document(self) -> Document:
+        """The only document of the stream; an empty file gives None."""
+        self._places[""] = Place(self._file, 1, 1)
+        data, begun = None, False
+        for event in self._events:
+            if isinstance(event, ScalarEvent | SequenceStartEvent | MappingStartEvent | AliasEvent):
+                if begun:
+                    raise self._wrong(event, "", "a second document begins; one design per file is right")
+                self._places[""] = self._place(event)
+                data, begun = self._value(event, ()), True
+        return Document(data, self._places)
+
+    def _value(self, event: Any, path: tuple[str, ...]) -> Any:
+        self._refuse_indirect(event, path)
+        if isinstance(event, ScalarEvent):
+            text = self._text(event, path)
+            return plain_value(text) if event.implicit[0] else text
+        if len(path) >= DEEPEST:
+            raise self._wrong(event, "", f"nested over {DEEPEST} levels deep; a design needs four")
+        return self._mapping(path) if isinstance(event, MappingStartEvent) else self._sequence(path)
+
+    def _refuse_indirect(self, event: Any, path: tuple[str, ...]) -> None:
+        key = ".".join(path)
+        if event.anchor is not None:
+            sign = "*" if isinstance(event, AliasEvent) else "&"
+            name = shortened(f"{sign}{event.anchor}")
+            raise self._wrong(event, key, f"{name} is an anchor or alias; write the value itself")
+        tag = event.ctag
+        if tag is not None:
+            written = shortened(f"{tag.handle or ''}{tag.suffix or ''}")
+            raise self._wrong(event, key, f"{written} is a tag; write the value without it")
+
+    def _mapping(self, path: tuple[str, ...]) -> dict[str, Any]:
+        values: dict[str, Any] = {}
+        while not isinstance(event := next(self._events), MappingEndEvent):
+            key = self._key(event, path)
+            inner = (*path, key)
+            if key in values:
+                first = self._places[".".join(inner)].line
+                raise self._wrong(event, ".".join(inner), f"given twice, first in line {first}; keep one")
+            if len(values) == MOST_KEYS:
+                raise self._wrong(
+                    event, ".".join(path), f"over {MOST_KEYS} keys in one group; a design needs two dozen"
+                )
+            self._places[".".join(inner)] = self._place(event)
+            values[key] = self._value(next(self._events), inner)
+        return values
+
+    def _key(self, event: Any, path: tuple[str, ...]) -> str:
+        self._refuse_indirect(event, path)
+        if not isinstance(event, ScalarEvent):
+            raise self._wrong(event, ".".join(path), "a list or a group stands as a key; a key is a word")
+        text = self._text(event, path)
+        if len(text) > LONGEST_KEY:
+            raise self._wrong(event, ".".join(path), f"a key of {len(text)} characters; none has over {LONGEST_KEY}")
+        return text
+
+    def _text(self, event: Any, path: tuple[str, ...]) -> str:
+        text = str(event.value)
+        # An escape such as "\ud800" is half a character: it can be neither written nor shown.
+        if any("\ud800" <= character <= "\udfff" for character in text):
+            raise self._wrong(event, ".".join(path), r"a \u escape is half a character; write the character itself")
+        if control := CONTROL_CHARACTER.search(text):
+            raise self._wrong(event, ".".join(path), _cannot_stand(control.group()))
+        return text
+
+    def _sequence(self, path: tuple[str, ...]) -> list[Any]:
+        values: list[Any] = []
+        while not isinstance(event := next(self._events), SequenceEndEvent):
+            if len(values) == MOST_ITEMS:
+                raise self._wrong(event, ".".join(path), f"over {MOST_ITEMS} items in one list; fewer are right")
+            inner = (*path, str(len(values)))
+            self._places[".".join(inner)] = self._place(event)
+            values.append(self._value(event, inner))
+        return values
+
+    def _place(self, event: Any) -> Place:
+        return Place(self._file, event.start_mark.line + 1, event.start_mark.column + 1)
+
+    def _wrong(self, event: Any, key: str, problem: str) -> WrongInput:
+        return WrongInput(problem, key=key, location=str(self._place(event)))
+
+
+def _syntax(error: MarkedYAMLError) -> str:
+    context = f" {error.context}" if error.context else ""
+    problem = shortened(str(error.problem), LONGEST_FAULT)
+    return f"is not YAML: {problem}{context}; `key: value` lines with equal indentation by spaces are right"
+
+
+def _unreadable(error: ReaderError) -> str:
+    return _cannot_stand(chr(error.character))
+
+
+def _cannot_stand(character: str) -> str:
+    return f"character {shown(character)} cannot stand in a text; remove it"
+
+
+def _place_of_offset(text: str, offset: int, file: str) -> str:
+    before = text[:offset]
+    return f"{file}:{before.count(chr(10)) + 1}:{offset - before.rfind(chr(10))}"

@@ -1,0 +1,355 @@
+"""Every key of a file: where it stands, what it means, which laws have it.
+
+The keys that a person may mean: a dotted key, its last parts, or a quantity without its unit.
+
+What may stand at a key, its unit, and what holds where it is left out, in words.
+
+An example for every key: the template's value, or else one that is allowed there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from functools import cache
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from ncgear.design.keys.base import listed, spellings
+from ncgear.design.keys.design import Design
+from ncgear.design.naming import NAME_PATTERN, NAME_RULE
+from ncgear.design.reading.messages import fields_of, models_in
+from ncgear.design.reading.yaml import read_yaml
+from ncgear.design.template import Law, template
+from ncgear.errors import WrongInput
+
+
+@dataclass(frozen=True, eq=False)
+class Key:
+    """A key of a model; ``law`` is the motion law that has it, empty for a key that is not of one law.
+
+    ``path`` is dotted, without the numbers of list items.
+    """
+
+    path: str
+    law: str
+    model: type[BaseModel]
+    field: FieldInfo
+
+    @property
+    def name(self) -> str:
+        """The last part of the path."""
+        return self.path.rpartition(".")[2]
+
+    @property
+    def meaning(self) -> str:
+        """What it is, in the words of the schema."""
+        return self.field.description or ""
+
+    @property
+    def rule(self) -> dict[str, Any]:
+        """What JSON Schema says of its value."""
+        rule: dict[str, Any] = _schema(self.model)["properties"][self.name]
+        return rule
+
+    @property
+    def group(self) -> list[type[BaseModel]]:
+        """The models of its value: none of a plain value, several of motion."""
+        return models_in(self.field.annotation)
+
+    @property
+    def told_apart(self) -> bool:
+        """Whether the value is the name by which laws are told apart."""
+        return "const" in self.rule
+
+    @property
+    def default(self) -> Any:
+        """The value of a key that is left out; factories that look at other keys see their defaults."""
+        if self.field.default_factory is None:
+            return self.field.default
+        return self.field.get_default(call_default_factory=True, validated_data=_defaults(self.model))
+
+
+def keys_of(root: type[BaseModel]) -> list[Key]:
+    """All keys of a file whose model is ``root``, groups before what is in them."""
+    return list(_keys(root, "", ""))
+
+
+def _keys(model: type[BaseModel], above: str, law: str) -> Iterator[Key]:
+    for name, field in fields_of(model).items():
+        path = f"{above}.{name}" if above else name
+        yield Key(path, law, model, field)
+        inner = models_in(field.annotation)
+        for one in inner:
+            yield from _keys(one, path, law_of(one) if len(inner) > 1 else law)
+
+
+def law_of(model: type[BaseModel]) -> str:
+    """The law that a model of motion is told by."""
+    name: str = _schema(model)["properties"]["law"]["const"]
+    return name
+
+
+@cache
+def _schema(model: type[BaseModel]) -> dict[str, Any]:
+    return model.model_json_schema()
+
+
+def _defaults(model: type[BaseModel]) -> dict[str, Any]:
+    """Plain defaults of a model, which a factory may look at."""
+    return {name: field.default for name, field in model.model_fields.items() if field.default_factory is None}
+
+
+MOST_GUESSES = 3
+
+
+def looked_up(keys: Sequence[Key], asked: str) -> list[Key]:
+    """The keys of the most exact match: the whole path, else its last parts, else an angle in any of its units.
+
+    ``asked`` may have the numbers of list items, as messages name them.  Raises WrongInput for an unknown key, with
+    those that it may have been meant to be.
+    """
+    wanted = ".".join(part for part in asked.split(".") if not part.isdigit())
+    whole = [key for key in keys if key.path == wanted]
+    found = whole or _ending_in(keys, (wanted,)) or _ending_in(keys, spellings(wanted))
+    if not found:
+        raise WrongInput(_unknown(keys, wanted), key=asked)
+    return found
+
+
+def _ending_in(keys: Sequence[Key], names: Sequence[str]) -> list[Key]:
+    return [key for key in keys if any(f".{key.path}".endswith(f".{name}") for name in names)]
+
+
+def _unknown(keys: Sequence[Key], wanted: str) -> str:
+    """Paths whose last part begins with the word asked for, then those of which a part, or the whole, is like it."""
+    begun = [key.path for key in keys if key.name.startswith(f"{wanted.lower()}_")]
+    by_name = {key.name: key.path for key in keys}
+    by_quantity = {name.rpartition("_")[0]: path for name, path in by_name.items() if "_" in name}
+    known = {**by_quantity, **by_name, **{key.path: key.path for key in keys}}
+    close = [known[word] for word in get_close_matches(wanted, known, n=MOST_GUESSES)]
+    meant = list(dict.fromkeys([*begun, *close]))[:MOST_GUESSES]
+    hint = f"did you mean {' or '.join(meant)}?" if meant else "`ncgear explain` lists all keys"
+    return f"unknown key; {hint}"
+
+
+UNITS = {
+    "mm_s3": "mm/s3",
+    "mm_s2": "mm/s2",
+    "m_s2": "m/s2",
+    "n_s_mm": "N s/mm",
+    "kg_mm2": "kg mm2",
+    "kg_m3": "kg/m3",
+    "stiffness_n_mm": "N at a depth of 1 mm",
+    "n_m": "N m",
+    "mm_s": "mm/s",
+    "rpm": "r/min",
+    "gpa": "GPa",
+    "deg": "degrees",
+    "rad": "radians",
+    "pi": "multiples of pi",
+    "per_g": "the readings' unit per g",
+    "hz": "Hz",
+    "kg": "kg",
+    "mm": "mm",
+    "g": "g",
+    "n": "N",
+    "w": "W",
+}
+"""Units by the end of a key, the longer ones first."""
+
+
+def unit_of(name: str) -> str:
+    """The unit that a key ends in, empty where it names none."""
+    return next((unit for end, unit in UNITS.items() if f"_{name}".endswith(f"_{end}")), "")
+
+
+def allowed(key: Key) -> str:
+    """What may stand there."""
+    rule = key.rule
+    if key.group:
+        return f"a list{_count(choices(rule)[0])} of groups of keys" if is_list(rule) else "a group of keys"
+    return listed(_words(one) for one in choices(rule))
+
+
+def choices(rule: dict[str, Any]) -> list[dict[str, Any]]:
+    """The rules of a value that may be of several kinds; nothing at all is no choice of its own."""
+    return [one for one in rule.get("anyOf", [rule]) if one.get("type") != "null"]
+
+
+def is_list(rule: dict[str, Any]) -> bool:
+    """Whether a list stands there."""
+    return choices(rule)[0].get("type") == "array"
+
+
+def _words(rule: dict[str, Any]) -> str:
+    if "const" in rule or "enum" in rule:
+        return listed(str(value) for value in rule.get("enum", [rule.get("const")]))
+    match rule["type"]:
+        case "array":
+            return f"a list{_count(rule)} of: {_words(rule['items'])}" if "items" in rule else f"a list{_count(rule)}"
+        case "boolean":
+            return "true or false"
+        case "string":
+            return f"text of {NAME_RULE}" if rule.get("pattern") == NAME_PATTERN else "text"
+        case kind:
+            return f"a {'whole ' if kind == 'integer' else ''}number{_range(rule)}"
+
+
+def _count(rule: dict[str, Any]) -> str:
+    low, high = rule.get("minItems", 0), rule.get("maxItems")
+    if high is None:
+        return f" ({low} or more)" if low else ""
+    return f" ({low} to {high})"
+
+
+def _range(rule: dict[str, Any]) -> str:
+    bounds = ("minimum", "{:g} or over"), ("exclusiveMinimum", "over {:g}")
+    ends = ("maximum", "up to {:g}"), ("exclusiveMaximum", "under {:g}")
+    said = [words.format(rule[name]) for name, words in (*bounds, *ends) if name in rule]
+    return f", {', '.join(said)}" if said else ""
+
+
+def default_words(key: Key) -> str:
+    """What holds where the key is left out."""
+    if key.field.is_required():
+        return "none: it must be given"
+    value = key.default
+    if value is None or value == ():
+        return "may be left out"
+    if isinstance(value, BaseModel):
+        return "may be left out; its keys have their own defaults"
+    follows = key.field.default_factory_takes_validated_data
+    return f"{plain(value)}{', where the other keys have their defaults' if follows else ''}"
+
+
+def plain(value: Any) -> str:
+    """A value as the file would write it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, int | float):
+        return f"{value:.6g}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(plain(item) for item in value)}]"
+    return f'"{value}"' if not value or set(value) & set(" *+(){}[]:,#") else str(value)
+
+
+SAMPLES = {"mm": 40.0, "degrees": 30.0, "radians": 0.5, "multiples of pi": 0.5, "r/min": 60.0, "W": 5000.0, "kg": 12.0}
+"""Values that are likely for a unit."""
+
+ANY = (0.1, 1.0, 10.0, -10.0)
+"""Values for other units, and for where the likely one is out of range."""
+
+KNOWN = {
+    "file": "points.csv",
+    "design": "design.yaml",
+    "expression_n": '"200 + 3*exp(x/90)"',
+    "tolerances.standard": "ISO 1328-1",
+    "comparison.published": "[{name: author and year, speed_rpm: 60, peak_power_w: 18750}]",
+    "published.name": "author and year",
+    "linkage": "{crank_mm: 380, rod_mm: 960}",
+    "motion.phi1_rad": "[0, 1.5, 3, 4.5]",
+    "motion.phi1_deg": "[0, 90, 180, 270]",
+    "motion.phi1_pi": "[0, 0.5, 1, 1.5]",
+    "motion.displacement_mm": "[0, 380, 760, 380]",
+    "resistance.table": "{displacement_mm: [0, 400, 760], force_n: [0, 2000, 30000]}",
+    "resistance.table.displacement_mm": "[0, 400, 760]",
+    "resistance.table.force_n": "[0, 2000, 30000]",
+    "keyway.width_mm": "4",
+    "keyway.depth_mm": "1.8",
+    "hub.diameter_mm": "24",
+    "hub.height_mm": "10",
+    "set_screw.diameter_mm": "3.3",
+    "set_screw.height_mm": "5",
+    "web.thickness_mm": "6",
+    "web.rim_mm": "6",
+    "web.hub_mm": "20",
+    "lightening_holes.count": "5",
+    "lightening_holes.least_wall_mm": "4",
+    "lightening_holes.diameter_mm": "12",
+}
+"""Values, as a file has them, by the ends of paths where one that is only allowed would make no sense with the keys
+beside it: a table whose points are all the same, a set screw as wide as the hub."""
+
+
+def example(key: Key, root: type[Any]) -> str:
+    """A line of a file with this key; ``root`` is the file's model."""
+    return f"{key.name}: {_value(key, root)}"
+
+
+def _value(key: Key, root: type[Any]) -> str:
+    known = _known(key.path)
+    if known:
+        return known
+    found = _in_template(key) if root is Design else None
+    if found is not None and not isinstance(found, dict):
+        return plain(found)
+    if key.group:
+        return _group(key, root)
+    if not key.field.is_required() and key.default not in (None, (), ""):
+        return plain(key.default)
+    return _allowed(choices(key.rule)[0], key.name)
+
+
+def _known(path: str) -> str:
+    """The longest end of the path that is known; empty for none."""
+    ends = [end for end in KNOWN if f".{path}".endswith(f".{end}")]
+    return KNOWN[max(ends, key=len)] if ends else ""
+
+
+def _in_template(key: Key) -> Any:
+    """What the template has at a key, None where it has nothing."""
+    data = _template_data(Law(key.law) if key.law else Law.THREE_SEGMENT_STROKE)
+    for part in key.path.split("."):
+        data = data.get(part) if isinstance(data, dict) else None
+    return data
+
+
+@cache
+def _template_data(law: Law) -> Any:
+    return read_yaml(template("example", law), "template").data
+
+
+def _group(key: Key, root: type[Any]) -> str:
+    """A group of the keys that it must have, or of the first one; of several kinds, the one of fewest keys."""
+    model = min(key.group, key=lambda one: len(fields_of(one)))
+    law = law_of(model) if len(key.group) > 1 else key.law
+    keys = [Key(f"{key.path}.{name}", law, model, field) for name, field in fields_of(model).items()]
+    needed = [one for one in keys if one.field.is_required()] or keys[:1]
+    text = "{" + ", ".join(example(one, root) for one in needed) + "}"
+    if not is_list(key.rule):
+        return text
+    return f"[{', '.join([text] * max(choices(key.rule)[0].get('minItems', 1), 1))}]"
+
+
+def _allowed(rule: dict[str, Any], name: str) -> str:
+    """A value that a rule allows."""
+    if "const" in rule or "enum" in rule:
+        return plain(rule.get("enum", [rule.get("const")])[0])
+    match rule["type"]:
+        case "boolean":
+            return "true"
+        case "string":
+            return "baler"
+        case "array":
+            count = max(rule.get("minItems", 1), 1)
+            return f"[{', '.join([_allowed(rule['items'], name)] * count)}]"
+    return _number(rule, name)
+
+
+def _number(rule: dict[str, Any], name: str) -> str:
+    likely = SAMPLES.get(unit_of(name))
+    fitting = [value for value in ((likely,) if likely else ()) + ANY if _within(rule, value)]
+    return plain(fitting[0])
+
+
+def _within(rule: dict[str, Any], value: float) -> bool:
+    return (
+        rule.get("minimum", value) <= value <= rule.get("maximum", value)
+        and value > rule.get("exclusiveMinimum", value - 1.0)
+        and value < rule.get("exclusiveMaximum", value + 1.0)
+        and (rule["type"] != "integer" or value.is_integer())
+    )

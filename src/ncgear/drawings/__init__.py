@@ -1,0 +1,1 @@
+"""What is drawn: plots, the scene, the animation, the page."""

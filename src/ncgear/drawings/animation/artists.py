@@ -1,0 +1,169 @@
+"""Colours and lines of the moving picture, after those of all pictures.
+
+What moves, as artists of matplotlib: paths in a body's own frame, each under a transform of its own.
+
+A new pose changes six numbers of a transform, and no path.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgb
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, PathPatch, Rectangle
+from matplotlib.path import Path
+from matplotlib.transforms import Affine2D, Transform
+
+from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, HIGHLIGHT, INK
+from ncgear.drawings.scene.bodies import Body, Kind, Places, pin_radius_mm
+from ncgear.drawings.scene.gears import SceneGear
+from ncgear.drawings.scene.scene import Poses, Scene
+from ncgear.drawings.scene.standing import simplified, straws
+from ncgear.numerics.arrays import Array
+
+MATERIAL = "#C9A227"
+
+PURE = (INK, DRIVING, DRIVEN, HIGHLIGHT, MATERIAL)
+"""Colours of lines and dots, which a palette by areas would leave out."""
+
+TINT = 0.24
+"""Share of a gear's colour in its filling; the rest is paper."""
+
+Style = dict[str, Any]
+
+
+def tinted(color: str, share: float = TINT) -> tuple[float, float, float]:
+    """A colour thinned with white."""
+    red, green, blue = 1.0 - share * (1.0 - np.array(to_rgb(color)))
+    return float(red), float(green), float(blue)
+
+
+BODIES: dict[Kind, Style] = {
+    Kind.DRIVING: {"facecolor": (*tinted(DRIVING), 0.88), "edgecolor": DRIVING, "linewidth": 0.7},
+    Kind.DRIVEN: {"facecolor": (*tinted(DRIVEN), 0.88), "edgecolor": DRIVEN, "linewidth": 0.7},
+    Kind.CRANK: {"facecolor": "#C3C9CF", "edgecolor": INK, "linewidth": 0.8},
+    Kind.ROD: {"facecolor": "#C3C9CF", "edgecolor": INK, "linewidth": 0.8},
+    Kind.SLIDER: {"facecolor": "#DDE1E5", "edgecolor": INK, "linewidth": 0.8},
+}
+
+PITCH_CURVES: dict[Kind, Style] = {
+    kind: {"color": color, "linewidth": 0.6, "linestyle": (0, (7, 3, 1.5, 3))}
+    for kind, color in ((Kind.DRIVING, DRIVING), (Kind.DRIVEN, DRIVEN))
+}
+
+EDGES: dict[Kind, Style] = {
+    kind: {"color": color, "linewidth": 0.5, "alpha": 0.7}
+    for kind, color in ((Kind.DRIVING, DRIVING), (Kind.DRIVEN, DRIVEN))
+}
+
+CHARGE: Style = {"facecolor": tinted(MATERIAL, 0.3), "edgecolor": "none"}
+STRAW: Style = {"color": MATERIAL, "linewidth": 0.7}
+WALL: Style = {"color": INK, "linewidth": 1.3}
+HATCHING: Style = {"color": INK, "linewidth": 0.45, "alpha": 0.6}
+ORBIT: Style = {"color": INK, "linewidth": 0.5, "linestyle": (0, (1.5, 4)), "alpha": 0.6}
+CENTRES: Style = {"color": INK, "linewidth": 0.6, "linestyle": (0, (8, 2, 1, 2)), "alpha": 0.7}
+SHAFT: Style = {"color": INK, "marker": "o", "markersize": 3.6, "linestyle": "none"}
+PIN: Style = {"facecolor": "white", "edgecolor": INK, "linewidth": 0.9}
+PITCH_POINT: Style = {"color": HIGHLIGHT, "marker": "o", "markersize": 4.2, "linestyle": "none"}
+
+
+PIXEL_SHARE = 0.1
+"""How far a drawn outline may stray from the written one, in pixels: less than Agg's sixteenth levels of grey show."""
+
+Moved = Callable[[Poses, int], None]
+
+
+@dataclass(frozen=True)
+class Moving:
+    """Artists in the order in which they are drawn, and what puts them into one of the poses."""
+
+    artists: tuple[Artist, ...]
+    pose: Moved
+
+
+def body_artist(axes: Axes, body: Body, pixel_mm: float, to_screen: Transform) -> Moving:
+    """A body's section; ``to_screen`` leads from the machine's frame to pixels of ``pixel_mm``."""
+    contours = simplified(body.contours_mm, PIXEL_SHARE * pixel_mm)
+    transform = Affine2D()
+    # Not snapped to whole pixels, or what moves slowly would jump from one to the next.
+    patch = PathPatch(_path(contours), transform=transform + to_screen, snap=False, **BODIES[body.kind])
+    axes.add_artist(patch)
+    return Moving((patch,), lambda poses, row: _place(transform, poses.places[body.name], row))
+
+
+def gear_artists(axes: Axes, gear: SceneGear, pixel_mm: float, to_screen: Transform) -> Moving:
+    """A gear with the edges on its face and its pitch curve."""
+    filled = body_artist(axes, gear.body, pixel_mm, to_screen)
+    (patch,) = filled.artists
+    curve = Line2D(*gear.pitch_curve_mm.T, transform=patch.get_transform(), **PITCH_CURVES[gear.body.kind])
+    loops = [np.vstack([edge, edge[:1]]) for edge in gear.body.edges_mm]
+    style = EDGES[gear.body.kind]
+    edges = [Line2D(*loop.T, transform=patch.get_transform(), **style) for loop in loops]
+    for line in (*edges, curve):
+        axes.add_artist(line)
+    return Moving((patch, *edges, curve), filled.pose)
+
+
+def _place(transform: Affine2D, places: Places, row: int) -> None:
+    x, y = places.origin_mm[row]
+    transform.clear().rotate(float(places.angle_rad[row])).translate(float(x), float(y))
+
+
+def _path(contours: Sequence[Array]) -> Path:
+    """A compound path; holes run the other way round, which is how Agg knows them."""
+    closed = [Path(np.vstack([contour, contour[:1]]), closed=True) for contour in contours]
+    return Path.make_compound_path(*closed)
+
+
+def material_artists(axes: Axes, scene: Scene) -> Moving:
+    """A strip of unit depth that ends at the chamber's wall, squeezed to what is left of it."""
+    chamber, squeezed = scene.chamber, Affine2D()
+    transform = squeezed + axes.transData
+    charge = Rectangle((-1.0, -0.5), 1.0, 1.0, transform=transform, **CHARGE)
+    grain = LineCollection(list(straws() - [1.0, 0.0]), transform=transform, **STRAW)
+    axes.add_artist(charge)
+    axes.add_collection(grain, autolim=False)
+
+    def pose(poses: Poses, row: int) -> None:
+        squeezed.clear().scale(float(poses.material_mm[row]), chamber.height_mm)
+        squeezed.translate(chamber.end_mm, chamber.linkage.offset_mm)
+
+    return Moving((charge, grain), pose)
+
+
+def pin_artists(axes: Axes, scene: Scene) -> Moving:
+    """The pins at both ends of the rod."""
+    pins = [Circle((0.0, 0.0), pin_radius_mm(scene.machine.linkage), **PIN) for _ in range(2)]
+    for pin in pins:
+        axes.add_artist(pin)
+
+    def pose(poses: Poses, row: int) -> None:
+        for pin, name in zip(pins, ("rod", "slider"), strict=True):
+            pin.set_center(tuple(poses.places[name].origin_mm[row]))
+
+    return Moving(tuple(pins), pose)
+
+
+def axis_artist(axes: Axes, scene: Scene, style: Style, to_screen: Transform) -> Moving:
+    """The axes of rotation in one style: they stand, but over what moves."""
+    line = Line2D(*np.array(scene.axes_mm).T, transform=to_screen, **style)
+    axes.add_artist(line)
+    return Moving((line,), lambda poses, row: None)
+
+
+def pitch_point_artist(axes: Axes, scene: Scene, to_screen: Transform) -> Moving:
+    """The pitch points of all pairs."""
+    points = Line2D([], [], transform=to_screen, **PITCH_POINT)
+    axes.add_artist(points)
+
+    def pose(poses: Poses, row: int) -> None:
+        points.set_data(*np.array([point[row] for point in poses.pitch_points_mm]).T)
+
+    return Moving((points,), pose)

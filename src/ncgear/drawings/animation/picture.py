@@ -1,0 +1,277 @@
+"""A view of the scene on axes: what stands, and what moves from the back to the front.
+
+What the moving picture tells in figures: displacement and velocity over the angle, each with a dot that follows.
+
+The moving picture: the machine beside its gears, two charts below; frames as arrays of pixels.
+
+What stands is drawn once.  A frame is that background with what moves drawn over it: a tenth of the time of a figure
+drawn anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import degrees, floor, log10
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle
+from matplotlib.text import Text
+from matplotlib.transforms import Affine2D, Transform
+from numpy.typing import NDArray
+
+from ncgear.drawings.animation import artists as looks
+from ncgear.drawings.animation.artists import (
+    Moving,
+    axis_artist,
+    body_artist,
+    gear_artists,
+    material_artists,
+    pin_artists,
+    pitch_point_artist,
+)
+from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, EDGE_IN, INK, NORMAL, SMALL, dress, figure
+from ncgear.drawings.plots.curves import DISPLACEMENT, VELOCITY, Quantity
+from ncgear.drawings.scene.scene import Poses, Scene
+from ncgear.drawings.scene.standing import Box, hatches_mm, views, wall_mm
+from ncgear.numerics.arrays import Array
+
+
+def look_at(axes: Axes, box: Box) -> float:
+    """Set the limits to a box, at equal scales; returns the size of a pixel in mm."""
+    left, bottom, width, height = box
+    axes.set_xlim(left, left + width)
+    axes.set_ylim(bottom, bottom + height)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    axes.apply_aspect()
+    return width / axes.bbox.width
+
+
+def draw_standing(axes: Axes, scene: Scene) -> None:
+    """Walls, the mark of the ground, and the circle of the crank pin."""
+    wall = wall_mm(scene.chamber)
+    sides = [wall] if scene.chamber.begins_mm is not None else [wall[:2], wall[2:]]
+    axes.add_collection(LineCollection(list(hatches_mm(scene.chamber)), **looks.HATCHING), autolim=False)
+    axes.add_collection(LineCollection(sides, **looks.WALL), autolim=False)
+    axes.add_artist(Circle((0.0, 0.0), scene.machine.linkage.crank_mm, fill=False, **looks.ORBIT))
+
+
+def machine(axes: Axes, scene: Scene, pixel_mm: float) -> Iterator[Moving]:
+    """All that moves in the whole machine, from the back to the front."""
+    slider, crank, rod = (body_artist(axes, body, pixel_mm, axes.transData) for body in scene.links)
+    if scene.chamber.begins_mm is not None:
+        yield material_artists(axes, scene)
+    yield slider
+    others = tuple(_gears(axes, scene, pixel_mm, axes.transData))
+    yield from (crank, rod, *others) if scene.crank_is_behind else (*others, crank, rod)
+    yield pin_artists(axes, scene)
+    yield axis_artist(axes, scene, looks.SHAFT, axes.transData)
+
+
+def gears(axes: Axes, scene: Scene, pixel_mm: float) -> Iterator[Moving]:
+    """The gears with their pitch curves, line of centres, pitch points and shafts."""
+    yield from _gears(axes, scene, pixel_mm, axes.transData)
+    yield axis_artist(axes, scene, looks.SHAFT, axes.transData)
+
+
+def mesh(axes: Axes, scene: Scene, pixel_mm: float) -> Iterator[Moving]:
+    """The gears about the pitch point of the last pair, which stays at the origin of the axes."""
+    camera = Affine2D()
+
+    def pose(poses: Poses, row: int) -> None:
+        x, y = poses.pitch_points_mm[-1][row]
+        camera.clear().translate(-float(x), -float(y))
+
+    yield Moving((), pose)
+    yield from _gears(axes, scene, pixel_mm, camera + axes.transData)
+
+
+def _gears(axes: Axes, scene: Scene, pixel_mm: float, to_screen: Transform) -> Iterator[Moving]:
+    for pair in scene.pairs:
+        yield gear_artists(axes, pair.driving, pixel_mm, to_screen)
+        yield gear_artists(axes, pair.driven, pixel_mm, to_screen)
+    yield axis_artist(axes, scene, looks.CENTRES, to_screen)
+    if scene.pairs:
+        yield pitch_point_artist(axes, scene, to_screen)
+
+
+CURVE_POINTS = 721
+"""One every half degree of a turn."""
+
+TICKS = 4
+"""Steps of the scale of angles over the loop."""
+
+
+def charts(both: Sequence[Axes], scene: Scene) -> list[Moving]:
+    """Displacement and velocity over the loop on two axes, with the present value in words."""
+    phi1 = np.linspace(0.0, scene.loop_rad, CURVE_POINTS)
+    motion = scene.machine.motion(phi1)
+    kinds = DISPLACEMENT, VELOCITY.readable(motion)
+    return [_chart(axes, phi1, kind.of(motion), kind) for axes, kind in zip(both, kinds, strict=True)]
+
+
+def _chart(axes: Axes, phi1: Array, values: Array, quantity: Quantity) -> Moving:
+    axes.plot(np.degrees(phi1), values, color=DRIVING, linewidth=1.2)
+    axes.axhline(0.0, color=INK, linewidth=0.5)
+    dress(axes, "", "")
+    axes.set_xlim(0.0, degrees(phi1[-1]))
+    axes.set_xticks(np.linspace(0.0, degrees(phi1[-1]), TICKS + 1))
+    axes.locator_params(axis="y", nbins=4)
+    axes.xaxis.set_major_formatter("{x:.0f}\u00b0")
+    digits = _digits(values)
+    dot = Line2D([], [], zorder=4, **looks.PITCH_POINT)
+    words = axes.text(0.0, 1.06, "", transform=axes.transAxes, size=SMALL, color=INK, va="bottom")
+    axes.add_artist(dot)
+
+    def pose(poses: Poses, row: int) -> None:
+        # Adding zero turns a rounded -0 into 0.
+        value = round(float(quantity.of(poses.motion)[row]), digits) + 0.0
+        dot.set_data([degrees(poses.motion.phi1_rad[row])], [value])
+        words.set_text(f"{quantity.name} {value:.{digits}f} {quantity.unit}")
+
+    return Moving((dot, words), pose)
+
+
+def angles(figure: Figure, x: float, y: float) -> Moving:
+    """Both angles in words, right-aligned to a point given in shares of the figure."""
+    words: Text = figure.text(x, y, "", size=NORMAL, color=INK, ha="right", va="top", family="DejaVu Sans Mono")
+
+    def pose(poses: Poses, row: int) -> None:
+        turned = poses.motion.phi1_rad[row], poses.motion.phi2_rad[row]
+        phi1, phi2 = (round(degrees(angle), 1) + 0.0 for angle in turned)
+        words.set_text(f"phi1 {phi1:5.1f}\u00b0  phi2 {phi2:5.1f}\u00b0")
+
+    return Moving((words,), pose)
+
+
+def _digits(values: Array) -> int:
+    """Decimals that tell the greatest of the values to three digits, which is as much as the eye follows."""
+    largest = float(np.abs(values).max())
+    return max(0, 2 - floor(log10(largest))) if largest > 0.0 else 0
+
+
+Frame = NDArray[np.uint8]
+"""Pixels, shape (height, width, 3)."""
+
+WIDTH_IN = 9.6
+"""Width in inches for which lines and letters are sized; pixels are what the resolution makes of it."""
+
+HEADING_IN = 0.52
+CHART_IN = 0.72
+FOOT_IN = 0.34
+GAP_IN = 0.12
+"""Heights of the heading and of the charts, room below the charts, space between views."""
+
+NAME_PT = 42.0
+"""Width of the name of a gear in points, with the space before it."""
+
+LOWEST_IN, HIGHEST_IN = 2.2, 4.6
+"""Bounds of the height of the views."""
+
+LARGE = 0.4
+"""Share of the machine's width from which on gears are large in its view."""
+
+BELOW_IN = 0.42
+"""Between views and charts, where the charts' words are."""
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A figure whose moving artists are drawn frame by frame."""
+
+    figure: Figure
+    machine: Axes
+    moving: tuple[Moving, ...]
+
+    def frames(self, poses: Poses) -> Iterator[Frame]:
+        """A frame for each pose."""
+        # Of what it draws on, matplotlib tells no types.
+        canvas: Any = self.figure.canvas
+        canvas.draw()
+        background = canvas.copy_from_bbox(self.figure.bbox)
+        for row in range(poses.motion.phi1_rad.size):
+            canvas.restore_region(background)
+            for moving in self.moving:
+                moving.pose(poses, row)
+                for artist in moving.artists:
+                    artist.draw(canvas.get_renderer())
+            yield np.asarray(canvas.buffer_rgba())[..., :3].copy()
+
+
+def picture(scene: Scene, width_px: int) -> Picture:
+    """The picture of a scene, so many pixels wide; both its sides are even numbers of pixels, as videos want them."""
+    boxes = _shown(scene)
+    shapes = [width / height for _, _, width, height in boxes.values()]
+    views_in = float(np.clip((WIDTH_IN - (len(boxes) + 1) * GAP_IN) / sum(shapes), LOWEST_IN, HIGHEST_IN))
+    made = _figure(views_in, width_px, scene.name)
+    panels = dict(zip(boxes, _panels(made, shapes, views_in), strict=True))
+    pixel_mm = {name: look_at(axes, boxes[name]) for name, axes in panels.items()}
+    draw_standing(panels["machine"], scene)
+    moving = [*machine(panels["machine"], scene, pixel_mm["machine"])]
+    for name, draw in (("gears", gears), ("mesh", mesh)):
+        if name in panels:
+            moving += draw(panels[name], scene, pixel_mm[name])
+            _names(panels[name])
+    moving += charts(_charts(made), scene)
+    moving.append(angles(made, 1.0 - EDGE_IN / WIDTH_IN, 1.0 - EDGE_IN / made.get_figheight()))
+    return Picture(made, panels["machine"], tuple(_animated(moving)))
+
+
+def _shown(scene: Scene) -> dict[str, Box]:
+    """The machine, and beside it the gears or, where these are large in it already, their mesh."""
+    found = views(scene)
+    if not scene.pairs:
+        return found
+    large = found["gears"][2] > LARGE * found["machine"][2]
+    beside = "mesh" if large else "gears"
+    return {name: found[name] for name in ("machine", beside)}
+
+
+def _animated(moving: list[Moving]) -> Iterator[Moving]:
+    """The same, left out of the background."""
+    for one in moving:
+        for artist in one.artists:
+            artist.set_animated(True)
+        yield one
+
+
+def _figure(views_in: float, width_px: int, title: str) -> Figure:
+    height_in = HEADING_IN + views_in + BELOW_IN + CHART_IN + FOOT_IN
+    dpi = even(width_px) / WIDTH_IN
+    made = figure(WIDTH_IN, even(height_in * dpi) / dpi, title)
+    made.set_dpi(dpi)
+    return made
+
+
+def even(pixels: float) -> int:
+    """The even number next to it."""
+    return 2 * round(pixels / 2.0)
+
+
+def _panels(made: Figure, shapes: list[float], views_in: float) -> list[Axes]:
+    """Axes side by side, as wide as what they show is for its height."""
+    height = made.get_figheight()
+    bottom, room = (height - HEADING_IN - views_in) / height, WIDTH_IN - (len(shapes) + 1) * GAP_IN
+    widths = [room * shape / sum(shapes) for shape in shapes]
+    starts = np.cumsum([GAP_IN, *(width + GAP_IN for width in widths[:-1])])
+    places = zip(starts, widths, strict=True)
+    return [made.add_axes((start / WIDTH_IN, bottom, width / WIDTH_IN, views_in / height)) for start, width in places]
+
+
+def _charts(made: Figure) -> tuple[Axes, Axes]:
+    height, left, middle = made.get_figheight(), 0.06, 0.555
+    bottom, share, width = FOOT_IN / height, CHART_IN / height, 0.425
+    return made.add_axes((left, bottom, width, share)), made.add_axes((middle, bottom, width, share))
+
+
+def _names(axes: Axes) -> None:
+    """Which colour is which gear, above the view's right end."""
+    for name, color, left_pt in (("driven", DRIVEN, 0.0), ("driving", DRIVING, NAME_PT)):
+        words = axes.annotate(name, (1.0, 1.0), (-left_pt, 2.0), xycoords="axes fraction", textcoords="offset points")
+        words.set(color=color, size=SMALL, weight="bold", ha="right", va="bottom")

@@ -1,0 +1,200 @@
+"""How fast the picture may run: at a pace that the eye follows, or by the machine's own speed.
+
+What scene.js is told of a scene: tables of the shafts' angles, the linkage, the gears' places, the views.
+
+What the page's script gets to know, as plain values for JSON: the scene, and the lines of the charts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import atan2, degrees
+from typing import Any
+
+import numpy as np
+
+from ncgear.drawings.page.chart_svg import Drawn
+from ncgear.drawings.page.charts import Chart, Line
+from ncgear.drawings.scene.gears import SceneGear, ScenePair
+from ncgear.drawings.scene.scene import Scene
+from ncgear.drawings.scene.standing import views
+from ncgear.figures.numbers import shown
+from ncgear.numerics.arrays import Array
+from ncgear.ratio.transmission import Piece, Transmission
+
+READABLE_DEG_S = 30.0
+"""Pace at which the eye follows a tooth through the mesh: a turn of the driving gear in twelve seconds."""
+
+PACES = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
+"""Multiples of the operating speed to choose from."""
+
+DEG_S_PER_RPM = 6.0
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How fast the picture runs, in degrees of the driving gear per second."""
+
+    name: str
+    deg_s: float
+
+
+def paces(speed_rpm: float) -> list[Pace]:
+    """The paces of a machine, the readable one first."""
+    multiples = [Pace(f"{times:g}\u00d7 ({shown(times * speed_rpm)} r/min)", times * speed_rpm) for times in PACES]
+    by_speed = [Pace(pace.name, pace.deg_s * DEG_S_PER_RPM) for pace in multiples]
+    return [Pace(f"readable ({READABLE_DEG_S:g}\u00b0/s)", READABLE_DEG_S), *by_speed]
+
+
+TABLE_ERROR_RAD = 1e-7
+"""How far an interpolated angle may be from the law's at the places looked at; nowhere is it twice that
+(tests/test_scene_page.py)."""
+
+LOOKED_AT = (0.25, 0.5, 0.75)
+"""Shares of every step: the cubics' error is greatest in the middle, or beside it where the law changes fast."""
+
+FIRST_STEPS = 16
+"""Steps on each piece of a law before they are halved where they have to be."""
+
+
+def scene_data(scene: Scene) -> dict[str, Any]:
+    """All that moves the SVG of ``scene_svg``, as JSON can hold it; angles in rad, lengths in mm."""
+    shafts = [pair.transmission for pair in scene.train.pairs[:-1]] + [scene.train.whole]
+    return {
+        "loop": scene.loop_rad,
+        "shafts": [angle_table(transmission) for transmission in shafts],
+        "gears": [_gear(gear) for pair in scene.pairs for gear in (pair.driving, pair.driven)],
+        "pairs": [_pair(pair) for pair in scene.pairs],
+        "linkage": _linkage(scene),
+        "chamber": _chamber(scene),
+        "views": {name: list(box) for name, box in views(scene).items()},
+    }
+
+
+def angle_table(transmission: Transmission) -> dict[str, Any]:
+    """A law for Hermite's cubics: driving angles over one period, driven angles, and slopes there, all ascending.
+
+    Joints of the law stand twice in it, with the slopes on both sides.
+    """
+    columns = [_piece_table(piece) for piece in transmission.pieces]
+    at, value, slope = (np.concatenate(parts).tolist() for parts in zip(*columns, strict=True))
+    lobes = transmission.lobes
+    return {
+        "period": lobes.driving_period_rad,
+        "rise": lobes.driven_period_rad,
+        "at": at,
+        "value": value,
+        "slope": slope,
+    }
+
+
+def _piece_table(piece: Piece) -> tuple[Array, Array, Array]:
+    """Steps are halved wherever they are off by more than the error allowed, at any of the places looked at."""
+    at = np.linspace(piece.start_rad, piece.end_rad, FIRST_STEPS + 1)
+    while True:
+        driven = piece.driven_angle(at, 1)
+        value, slope = driven.value, driven.derivative(1)
+        off = np.any([_error(piece, at, value, slope, share) > TABLE_ERROR_RAD for share in LOOKED_AT], axis=0)
+        if not off.any():
+            return at, value, slope
+        at = np.union1d(at, (at[1:] + at[:-1])[off] / 2.0)
+
+
+def _error(piece: Piece, at: Array, value: Array, slope: Array, share: float) -> Array:
+    """How far Hermite's cubics are from the law at a share of each step."""
+    width, rise, rest = np.diff(at), np.diff(value), 1.0 - share
+    straight = value[:-1] + rise * share**2 * (3.0 - 2.0 * share)
+    bent = width * share * rest * (slope[:-1] * rest - slope[1:] * share)
+    error: Array = np.abs(straight + bent - piece.driven_angle(at[:-1] + share * width, 0).value)
+    return error
+
+
+def _gear(gear: SceneGear) -> dict[str, Any]:
+    mounting = gear.mounting
+    return {
+        "name": gear.body.name,
+        "axis": list(gear.axis_mm),
+        "start": mounting.turn_rad,
+        "sense": mounting.sense(gear.gear),
+        "shaft": gear.shaft,
+    }
+
+
+def _pair(pair: ScenePair) -> dict[str, Any]:
+    return {
+        "axes": [list(pair.mounting.driving_axis_mm), list(pair.mounting.driven_axis_mm)],
+        "sense": pair.mounting.mesh.sense,
+        "shaft": pair.shaft,
+    }
+
+
+def _linkage(scene: Scene) -> dict[str, float]:
+    linkage = scene.machine.linkage
+    (x, y) = linkage.crank_pin_mm(np.zeros(1))[0]
+    return {
+        "crank": linkage.crank_mm,
+        "rod": linkage.rod_mm,
+        "offset": linkage.offset_mm,
+        "start": atan2(y, x),
+        "nearest": linkage.nearest_mm,
+        "stroke": linkage.stroke_mm,
+        "working": linkage.working_angle_rad,
+    }
+
+
+def _chamber(scene: Scene) -> dict[str, float | None]:
+    chamber = scene.chamber
+    return {"face": chamber.face_mm, "end": chamber.end_mm, "begins": chamber.begins_mm}
+
+
+ANGLE_DECIMALS = 9
+"""Of angles in degrees: a sixtieth of the distance by which samples stand aside of a jump."""
+
+MORE_DECIMALS = 3
+"""Decimals of the tables beyond those that are shown."""
+
+
+Numbers = dict[tuple[bytes, float], int]
+"""Places of all sets of angles, with the period of each, in the order in which they first occur."""
+
+
+def page_data(scene: Scene, charts: Sequence[Chart], drawings: Sequence[Drawn]) -> dict[str, Any]:
+    """All that moves, every set of angles once; raises ValueError as the charts do."""
+    grids = {_angles(line): line for chart in charts for line in chart.lines}
+    numbers = {angles: number for number, angles in enumerate(grids)}
+    return {
+        "cycle_deg": degrees(scene.loop_rad),
+        "scene": scene_data(scene),
+        "grids": [_grid(line) for line in grids.values()],
+        "charts": [_chart(chart, drawing, numbers) for chart, drawing in zip(charts, drawings, strict=True)],
+    }
+
+
+def _angles(line: Line) -> tuple[bytes, float]:
+    return line.angle_deg.tobytes(), line.period_deg
+
+
+def _grid(line: Line) -> dict[str, Any]:
+    return {"period_deg": line.period_deg, "deg": _rounded(line.angle_deg, ANGLE_DECIMALS)}
+
+
+def _chart(chart: Chart, drawing: Drawn, numbers: Numbers) -> dict[str, Any]:
+    return {
+        "key": chart.key,
+        "angle": chart.angle,
+        "decimals": chart.decimals,
+        "angle_deg": drawing.angle_deg,
+        "x": drawing.x,
+        "values": drawing.values,
+        "y": drawing.y,
+        "lines": [
+            {"grid": numbers[_angles(line)], "values": _rounded(line.values, chart.decimals + MORE_DECIMALS)}
+            for line in chart.lines
+        ],
+    }
+
+
+def _rounded(values: Array, decimals: int) -> list[float]:
+    rounded: list[float] = np.round(values, decimals).tolist()
+    return rounded

@@ -1,0 +1,146 @@
+"""Contours as path data of an SVG, in as few characters as their places need.
+
+The scene as an SVG element, to stand in a page; ``scene.js`` moves it, ``scene.css`` colours it.
+
+All of it is in mm of the frame of the scene, y upwards within the group of class ``world``.  What moves is
+a group of id ``scene-NAME``, NAME being the body's; its paths are in steps of a grid, which an inner group scales.
+Outlines stray from the written ones by ``tolerance_mm`` and half a grid step at most.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import floor, log10
+
+import numpy as np
+
+from ncgear.drawings.scene.bodies import Body, pin_radius_mm
+from ncgear.drawings.scene.gears import SceneGear, ScenePair
+from ncgear.drawings.scene.scene import Scene
+from ncgear.drawings.scene.standing import hatches_mm, simplified, straws, views, wall_mm
+from ncgear.numerics.arrays import Array
+
+PLACES_PER_TOLERANCE = 5.0
+"""Grid lines to the tolerance, at least: rounding to the grid moves a point by a seventh of the tolerance."""
+
+
+def grid_mm(tolerance_mm: float) -> float:
+    """The power of ten that coordinates are whole multiples of."""
+    return float(10.0 ** floor(log10(tolerance_mm / PLACES_PER_TOLERANCE)))
+
+
+def closed_path(contours: Sequence[Array], grid: float) -> str:
+    """Path data of closed contours in whole steps of the grid.
+
+    Steps are told from point to point: browsers hold them in single precision, which whole numbers bear exactly.
+    """
+    return "".join(_contour(np.rint(contour / grid).astype(int)) + "z" for contour in contours)
+
+
+def strokes_path(strokes: Array, grid: float) -> str:
+    """Path data of separate strokes, shape (n, 2, 2)."""
+    return "".join(_contour(stroke) for stroke in np.rint(strokes / grid).astype(int))
+
+
+def _contour(points: np.ndarray) -> str:
+    steps = np.diff(points, axis=0)
+    moved = steps[np.any(steps != 0, axis=1)]
+    text = " ".join(map(str, moved.ravel().tolist()))
+    return f"M{points[0, 0]} {points[0, 1]}l{text}".replace(" -", "-")
+
+
+GEAR_TOLERANCE = 0.0025
+"""Of a gear's outline, in modules: a third of a pixel where 9 modules fill 1200 pixels."""
+
+LINK_TOLERANCE = 2e-4
+"""Of all that is as large as the machine, as a share of the crank's length."""
+
+
+def gear_tolerance_mm(pair: ScenePair) -> float:
+    """How far a drawn gear's outline may stray from the written one."""
+    return GEAR_TOLERANCE * pair.module_mm
+
+
+def scene_svg(scene: Scene) -> str:
+    """The SVG element, in the pose in which no body is turned yet; ``show`` of scene.js gives it the first pose."""
+    left, bottom, width, height = views(scene)["machine"]
+    box = f"{left:.6g} {-bottom - height:.6g} {width:.6g} {height:.6g}"
+    parts = (*_standing(scene), *_bodies(scene), *_marks(scene))
+    return (
+        f'<svg class="scene" viewBox="{box}" tabindex="0" role="img" aria-label="the mechanism">'
+        f'<g class="world" transform="scale(1 -1)">{"".join(parts)}</g></svg>'
+    )
+
+
+def _standing(scene: Scene) -> Iterator[str]:
+    chamber, grid = scene.chamber, grid_mm(_link_tolerance_mm(scene))
+    wall = wall_mm(chamber)
+    yield _group("", "material", _material(chamber.height_mm)) if chamber.begins_mm is not None else ""
+    yield _scaled(grid, f'<path class="hatching" d="{strokes_path(hatches_mm(chamber), grid)}"/>')
+    yield f'<circle class="orbit" r="{scene.machine.linkage.crank_mm:.6g}"/>'
+    sides = wall if chamber.begins_mm is not None else wall[[[0, 1], [3, 2]]]
+    yield _scaled(grid, f'<path class="wall" d="{strokes_path(sides.reshape(-1, *sides.shape[-2:]), grid)}"/>')
+
+
+def _material(height_mm: float) -> str:
+    """A strip of unit depth: scene.js stretches it to what is left of it."""
+    strokes = straws() * [1.0, height_mm]
+    grain = "".join(f"M{a:.4f} {b:.3f}L{c:.4f} {d:.3f}" for (a, b), (c, d) in strokes.tolist())
+    half = height_mm / 2.0
+    return (
+        f'<rect class="charge" x="0" y="{-half:.6g}" width="1" height="{height_mm:.6g}"/>'
+        f'<path class="straw" d="{grain}"/>'
+    )
+
+
+def _bodies(scene: Scene) -> Iterator[str]:
+    slider, crank, rod = scene.links
+    tolerance = _link_tolerance_mm(scene)
+    links = [_body(crank, tolerance), _body(rod, tolerance)]
+    gears = [_gear(pair, gear) for pair in scene.pairs for gear in (pair.driving, pair.driven)]
+    yield _body(slider, tolerance)
+    yield from (*links, *gears) if scene.crank_is_behind else (*gears, *links)
+
+
+def _gear(pair: ScenePair, gear: SceneGear) -> str:
+    tolerance = gear_tolerance_mm(pair)
+    grid = grid_mm(tolerance)
+    curve = simplified([gear.pitch_curve_mm], tolerance)
+    extra = f'<path class="pitch-curve" d="{closed_path(curve, grid)}"/>'
+    return _body(gear.body, tolerance, extra)
+
+
+def _body(body: Body, tolerance_mm: float, extra: str = "") -> str:
+    grid = grid_mm(tolerance_mm)
+    outline = closed_path(simplified(body.contours_mm, tolerance_mm), grid)
+    if body.edges_mm:
+        extra = f'<path class="edge" d="{closed_path(body.edges_mm, grid)}"/>{extra}'
+    return _group(f"body {body.kind.value}", body.name, _scaled(grid, f'<path class="outline" d="{outline}"/>{extra}'))
+
+
+def _marks(scene: Scene) -> Iterator[str]:
+    """Shafts, pins, lines of centres and pitch points."""
+    for pair in scene.pairs:
+        yield _line(pair.mounting.driving_axis_mm, pair.mounting.driven_axis_mm)
+    for x, y in scene.axes_mm:
+        yield f'<path class="shaft" d="M{x:.6g} {y:.6g}h0"/>'
+    for name in ("crank-pin", "slider-pin"):
+        yield _group("", name, f'<circle class="pin" r="{pin_radius_mm(scene.machine.linkage):.6g}"/>')
+    for number, _ in enumerate(scene.pairs, start=1):
+        yield _group("", f"pitch-point-{number}", '<path class="pitch-point" d="M0 0h0"/>')
+
+
+def _line(start: tuple[float, float], end: tuple[float, float]) -> str:
+    return f'<path class="centres" d="M{start[0]:.6g} {start[1]:.6g}L{end[0]:.6g} {end[1]:.6g}"/>'
+
+
+def _group(kinds: str, name: str, content: str) -> str:
+    return f'<g id="scene-{name}" class="{kinds or name}">{content}</g>'
+
+
+def _scaled(grid: float, content: str) -> str:
+    return f'<g transform="scale({grid:.6g})">{content}</g>'
+
+
+def _link_tolerance_mm(scene: Scene) -> float:
+    return LINK_TOLERANCE * scene.machine.linkage.crank_mm

@@ -1,0 +1,149 @@
+"""The page's tables as rows of text: comparison, data sheet, contact, versions.
+
+What a designer wants to know first, in a few words under the page's title.
+"""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any
+
+from ncgear import __version__
+from ncgear.contact.pair import PairContact
+from ncgear.figures.data_sheet.values import DataSheet, Group, cell_text
+from ncgear.figures.data_sheet.values import Row as SheetRow
+from ncgear.figures.data_sheet.values import Table as SheetTable
+from ncgear.figures.numbers import shown
+from ncgear.figures.summary.build import contact_summary
+from ncgear.figures.summary.check import comparison_rows
+from ncgear.figures.terminal import COLUMNS, MIXED_SPEEDS, SAME_SPEED, labelled
+from ncgear.project.drive import Drive
+
+LIBRARIES = ("numpy", "scipy", "sympy", "shapely", "trimesh", "mapbox-earcut", "matplotlib", "pydantic", "ruamel.yaml")
+"""What the figures of the page come from, beside ncgear and Python."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """Cells of text, the first of which names the row, and what is to be said about it.
+
+    The second cell is as wide as ``span`` columns.
+    """
+
+    cells: tuple[str, ...]
+    note: str = ""
+    span: int = 1
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows under a title; ``head`` has one pair of a name and a unit for each cell, or nothing.
+
+    ``notes`` belong to all of it; a ``long`` table may be broken between rows in print.
+    """
+
+    title: str
+    head: tuple[tuple[str, str], ...]
+    rows: tuple[Row, ...]
+    notes: tuple[str, ...] = ()
+    long: bool = False
+
+
+def comparison_tables(drive: Drive) -> list[Table]:
+    """The mechanisms at equal speed; those that were published at others, and headed as such."""
+    rows = comparison_rows(drive)
+    same, mixed = ([row for row in rows if row["same_speed"] is wanted] for wanted in (True, False))
+    return [_comparison(title, chosen) for title, chosen in ((SAME_SPEED, same), (MIXED_SPEEDS, mixed)) if chosen]
+
+
+def _comparison(title: str, rows: Sequence[Mapping[str, Any]]) -> Table:
+    head = (("mechanism", ""), *COLUMNS.values())
+    cells = [(str(row["name"]), *(shown(row[key]) for key in COLUMNS)) for row in rows]
+    return Table(title, head, tuple(Row(c, row["note"]) for c, row in zip(cells, rows, strict=True)))
+
+
+def contact_tables(drive: Drive, contact: PairContact) -> list[Table]:
+    """The figures of the contact: in short; and as designed beside each form in which the outlines were written."""
+    found = contact_summary(contact, drive.pair_speed_rad_s)
+    designed, written = found.pop("as_designed"), found.pop("as_written")
+    forms = {f"as written to {source.upper()}": figures for source, figures in written.items()}
+    return [
+        Table("The worst of all", (), tuple(map(Row, labelled(found)))),
+        _beside("In detail", {"as designed": designed, **forms}),
+    ]
+
+
+def _beside(title: str, sections: Mapping[str, Mapping[str, Any]]) -> Table:
+    """The same figures of several sections, side by side; what is given tooth by tooth is left to summary.json."""
+    columns = [dict(labelled(_without_lists(section))) for section in sections.values()]
+    labels = dict.fromkeys(label for column in columns for label in column)
+    head = (("", ""), *((name, "") for name in sections))
+    return Table(title, head, tuple(Row((label, *(column.get(label, "") for column in columns))) for label in labels))
+
+
+def _without_lists(section: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in section.items() if not isinstance(value, list)}
+
+
+def sheet_tables(sheet: DataSheet) -> list[Table]:
+    """The groups of a data sheet, and its tables."""
+    return [*map(_group, sheet.groups), *map(_numbers, sheet.tables)]
+
+
+def _group(group: Group) -> Table:
+    head = (("", ""), ("driving", ""), ("driven", ""), ("", ""))
+    return Table(group.title, head, tuple(map(_sheet_row, group.rows)))
+
+
+def _sheet_row(row: SheetRow) -> Row:
+    """Empty cells where there is nothing to say."""
+    values = (row.pair,) if row.of_pair else (row.driving, row.driven)
+    return Row((row.label, *map(cell_text, values), row.unit), span=3 - len(values))
+
+
+def _numbers(table: SheetTable) -> Table:
+    head = tuple((column.label, column.unit) for column in table.columns)
+    return Table(
+        table.title, head, tuple(Row(tuple(map(cell_text, row))) for row in table.rows), table.notes, long=True
+    )
+
+
+def versions() -> Table:
+    """What the page was made with."""
+    made = (("ncgear", __version__), ("python", platform.python_version()), *((n, version(n)) for n in LIBRARIES))
+    return Table("Made with", (), tuple(map(Row, made)))
+
+
+def facts(drive: Drive) -> list[tuple[str, str]]:
+    """Of the machine."""
+    low, high = drive.transmission.ratio_range
+    return [
+        ("law", drive.design.motion.law.replace("_", " ")),
+        ("speed", f"{shown(drive.design.operation.speed_rpm)} r/min"),
+        ("stroke", f"{shown(drive.linkage.stroke_mm)} mm"),
+        ("ratio", f"{low.value:.3g} to {high.value:.3g}"),
+        *_power(drive),
+        ("peak acceleration", f"{shown(drive.check.peak_acceleration_cycle_mm_s2.value)} mm/s\u00b2"),
+    ]
+
+
+def _power(drive: Drive) -> list[tuple[str, str]]:
+    if drive.design.resistance is None:
+        return []
+    return [("peak power", f"{shown(drive.check.peak_power_w.value)} W")]
+
+
+def gear_facts(drive: Drive, contact: PairContact) -> list[tuple[str, str]]:
+    """Of a pair of gears, named after its stage where there are two."""
+    size, stage = drive.pitch.size, f"stage {drive.stage}: " if drive.stage else ""
+    steepest = drive.pitch.largest_pressure_angle_deg(drive.rack.pressure_angle_rad)
+    return [
+        (f"{stage}teeth", f"{size.driving_teeth} : {size.driven_teeth}"),
+        (f"{stage}module", f"{shown(size.module_mm)} mm"),
+        (f"{stage}centre distance", f"{shown(size.center_distance_mm)} mm"),
+        (f"{stage}pressure angle", f"up to {steepest:.3g}\u00b0"),
+        (f"{stage}contact ratio", f"from {contact.contact_ratio:.3g}"),
+    ]

@@ -1,0 +1,1 @@
+"""Pictures as PNG bytes: motion, loads, gears, contact, balance, frontier."""

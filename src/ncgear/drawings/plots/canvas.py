@@ -1,0 +1,173 @@
+"""Driving angles at which pictures mark the joints of a law.
+
+What all pictures share: figures without global state, colours, axes, PNG.
+
+Rows of axes over the driving angle: their scale, the joints of the law, and labels in one line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgba
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch, Polygon
+from matplotlib.path import Path
+
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.plane import signed_area
+from ncgear.ratio.transmission import Transmission
+
+
+def joints_up_to(transmission: Transmission, end_rad: float) -> Array:
+    """Where the law's pieces meet up to a driving angle, the seam between periods too; none if it is of one piece."""
+    starts = [piece.start_rad for piece in transmission.pieces]
+    if len(starts) == 1:
+        return np.empty(0)
+    period = transmission.lobes.driving_period_rad
+    cycles = np.arange(round(end_rad / period)) * period
+    repeated: Array = (cycles[:, None] + np.array(starts)).ravel()
+    return repeated[1:]
+
+
+DPI = 110
+
+DRIVING = "#0072B2"
+DRIVEN = "#D55E00"
+HIGHLIGHT = "#CC79A7"
+REFERENCE = "#6E6E6E"
+INK = "#222222"
+GRID = "#E2E2E2"
+"""Colours after M. Okabe and K. Ito, told apart with any colour vision; also by lightness in print."""
+
+FILL = 0.16
+"""Opacity of areas: an overlap of two shows."""
+
+SMALL = 8.0
+NORMAL = 9.5
+LARGE = 12.0
+"""Font sizes in points."""
+
+EDGE_IN = 0.12
+"""Distance in inches of a heading from the figure's edges."""
+
+
+@dataclass(frozen=True)
+class Margins:
+    """Space around the axes in inches, so that it looks the same in figures of every size."""
+
+    left: float = 0.85
+    right: float = 0.15
+    bottom: float = 0.6
+    top: float = 0.68
+
+    def shares(self, width_in: float, height_in: float) -> dict[str, float]:
+        """The same as shares of a figure, as matplotlib wants them."""
+        return {
+            "left": self.left / width_in,
+            "right": 1.0 - self.right / width_in,
+            "bottom": self.bottom / height_in,
+            "top": 1.0 - self.top / height_in,
+        }
+
+
+def figure(width_in: float, height_in: float, title: str) -> Figure:
+    """An empty figure of a size in inches, drawn by Agg, with a heading at its left."""
+    made = Figure(figsize=(width_in, height_in), dpi=DPI, facecolor="white")
+    FigureCanvasAgg(made)
+    x, y = EDGE_IN / width_in, 1.0 - EDGE_IN / height_in
+    # A design's name is free text: its dollar signs are not formulas.
+    made.text(x, y, title, size=LARGE, weight="bold", color=INK, ha="left", va="top", parse_math=False)
+    return made
+
+
+def png(made: Figure) -> bytes:
+    """The figure as PNG."""
+    data = BytesIO()
+    # Without the library's name and version the bytes depend on the picture alone.
+    made.savefig(data, format="png", metadata={"Software": None})
+    return data.getvalue()
+
+
+def dress(axes: Axes, x_label: str, y_label: str) -> None:
+    """Labels, a faint grid, and no frame where no scale is."""
+    axes.set_xlabel(x_label, size=NORMAL, color=INK)
+    axes.set_ylabel(y_label, size=NORMAL, color=INK)
+    axes.tick_params(labelsize=SMALL, colors=INK, length=3.0)
+    axes.grid(True, color=GRID, linewidth=0.7)
+    axes.set_axisbelow(True)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    for side in ("left", "bottom"):
+        axes.spines[side].set_color("#9A9A9A")
+
+
+def key_above(axes: Axes) -> None:
+    """The key in one line above the axes, at their right end."""
+    entries = len(axes.get_legend_handles_labels()[1])
+    axes.legend(
+        loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=entries, frameon=False, fontsize=SMALL, borderaxespad=0.1
+    )
+
+
+def area(axes: Axes, points: Array, color: str, line_width: float, label: str = "") -> None:
+    """A closed outline (shape (n, 2)) with a faint filling; does not set the limits of the axes."""
+    patch = Polygon(points, facecolor=to_rgba(color, FILL), edgecolor=color, linewidth=line_width, label=label)
+    # Not add_patch: it looks for the limits of every edge as if it were a curve, half a second for two gears.
+    axes.add_artist(patch)
+
+
+def ring_area(
+    axes: Axes,
+    hole: Array,
+    center: tuple[float, float],
+    radius: float,
+    color: str,
+    line_width: float,
+    label: str = "",
+) -> None:
+    """The same between a circle and a closed outline within it (shape (n, 2))."""
+    # Agg fills by winding: a hole is one where it runs the other way round than the circle.
+    clockwise = hole if signed_area(hole) < 0.0 else hole[::-1]
+    inner = Path(np.vstack([clockwise, clockwise[:1]]), closed=True)
+    path = Path.make_compound_path(Path.circle(center, radius), inner)
+    style = {"facecolor": to_rgba(color, FILL), "edgecolor": color, "linewidth": line_width, "label": label}
+    axes.add_artist(PathPatch(path, **style))
+
+
+ANGLE = "driving angle phi1 in deg"
+
+JOINT: dict[str, Any] = {"color": "#8A8A8A", "linewidth": 0.8, "linestyle": (0, (1.5, 2.5)), "zorder": 0.8}
+
+MOST_JOINTS = 12
+"""More joints than these, as of a table, are not marked: they would say no more than a grid."""
+
+
+def mark_joints(axes: Axes, joints_deg: Array) -> None:
+    """Thin lines at the joints of the law, shape (n,)."""
+    if joints_deg.size > MOST_JOINTS:
+        return
+    for number, joint in enumerate(joints_deg):
+        axes.axvline(joint, label=None if number else "joints of the law", **JOINT)
+
+
+def angle_scale(column: Sequence[Axes], end_deg: float) -> None:
+    """Scale in degrees below the lowest axes, key above the highest."""
+    # A cycle that takes several turns of the driving gear is marked as much more widely.
+    step = 45 * max(round(end_deg / 360.0), 1)
+    column[-1].set_xlim(0.0, end_deg)
+    column[-1].set_xticks(np.arange(0.0, end_deg + 1.0, step))
+    column[-1].set_xlabel(ANGLE, size=NORMAL, color=INK)
+    key_above(column[0])
+
+
+def align(column: Sequence[Axes], width_in: float) -> None:
+    """Labels of the vertical scales, of one line or two, end at the same place in all rows."""
+    for axes in column:
+        axes.yaxis.set_label_coords(-0.55 / (width_in * axes.get_position().width), 0.5)

@@ -1,0 +1,166 @@
+"""What moves as a rigid body, and the places it takes.
+
+Shapes of crank, rod and slider in their own frames: drawn parts, of which a design file tells the lengths only.
+
+Crank and rod lie along +x from the origin, the crank from its axis and the rod from the crank pin; the slider has its
+pin at the origin and its face ahead in +x.
+
+The slider's way: its guide and, where it presses against something, the chamber with the material in it.
+
+A design file tells the force, not the chamber: width, length of the slider and what the fullest stroke leaves in front
+of it are chosen in proportion to the stroke.  The material lies where the force acts: from where it first does to the
+chamber's end.  On its way back the slider leaves it behind, pressed; the next stroke begins with another charge.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+import shapely
+from shapely import Point, Polygon
+from shapely.geometry.polygon import orient
+
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.resistance import Resistance
+from ncgear.numerics.arrays import Array, Mask
+
+
+class Kind(Enum):
+    """What a body is, for its colour and its name."""
+
+    DRIVING = "driving"
+    DRIVEN = "driven"
+    CRANK = "crank"
+    ROD = "rod"
+    SLIDER = "slider"
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A flat body in its own frame: contours in mm, shape (n, 2) each, first point not repeated.
+
+    The first contour is the outer one, counter-clockwise; the others are holes.  ``edges_mm`` are closed lines on its
+    face: pockets, a hub.
+    """
+
+    name: str
+    kind: Kind
+    contours_mm: tuple[Array, ...]
+    edges_mm: tuple[Array, ...] = ()
+
+    @property
+    def reach_mm(self) -> float:
+        """Greatest distance of the body from its frame's origin."""
+        return float(np.hypot(*self.contours_mm[0].T).max())
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Where a body's frame is: origin in mm, shape (n, 2), and angle in rad counter-clockwise, shape (n,)."""
+
+    origin_mm: Array
+    angle_rad: Array
+
+
+CRANK_EYE = 0.11
+PIN_EYE = 0.075
+ROD_WIDTH = 0.08
+"""Radius of the crank at its axis, of all eyes about pins, and width of the rod, as shares of the crank's length."""
+
+PIN = 0.036
+"""Radius of the pins, likewise."""
+
+QUARTER = 16
+"""Chords of a quarter of a circle: no chord is farther from it than 1/800 of its radius."""
+
+
+def pin_radius_mm(linkage: CrankSlider) -> float:
+    """Of the pins that are drawn."""
+    return PIN * linkage.crank_mm
+
+
+def crank_shape(linkage: CrankSlider) -> Array:
+    """The crank's outline in mm, shape (n, 2), counter-clockwise."""
+    length = linkage.crank_mm
+    eyes = _disc(0.0, CRANK_EYE * length), _disc(length, PIN_EYE * length)
+    return _outline(shapely.union_all(eyes).convex_hull)
+
+
+def rod_shape(linkage: CrankSlider) -> Array:
+    """The rod's outline in mm, shape (n, 2), counter-clockwise."""
+    eye, half = PIN_EYE * linkage.crank_mm, ROD_WIDTH / 2.0 * linkage.crank_mm
+    bar = shapely.box(0.0, -half, linkage.rod_mm, half)
+    return _outline(shapely.union_all([bar, _disc(0.0, eye), _disc(linkage.rod_mm, eye)]))
+
+
+def slider_shape(chamber: Chamber) -> Array:
+    """The slider's outline in mm, shape (4, 2), counter-clockwise."""
+    face, half = chamber.face_mm, chamber.height_mm / 2.0
+    return np.array([[-face, -half], [face, -half], [face, half], [-face, half]])
+
+
+def _disc(x: float, radius: float) -> Polygon:
+    return Point(x, 0.0).buffer(radius, quad_segs=QUARTER)
+
+
+def _outline(polygon: Polygon) -> Array:
+    points: Array = shapely.get_coordinates(orient(polygon).exterior)[:-1]
+    return points
+
+
+SLIDER_LENGTH = 0.30
+HEIGHT = 0.42
+REST = 0.14
+"""Length of the slider, height of the chamber and least depth of the material, as shares of the stroke."""
+
+
+@dataclass(frozen=True)
+class Chamber:
+    """A rectangle about the slider's line y = ``offset_mm``; places along it count from the crank's axis.
+
+    ``begins_mm`` is the slider's displacement at which it meets the material, None where there is none.
+    """
+
+    linkage: CrankSlider
+    begins_mm: float | None
+
+    @property
+    def face_mm(self) -> float:
+        """From the pin of the slider to its face."""
+        return SLIDER_LENGTH / 2.0 * self.linkage.stroke_mm
+
+    @property
+    def height_mm(self) -> float:
+        """Across the slider's line; the slider fills it."""
+        return HEIGHT * self.linkage.stroke_mm
+
+    @property
+    def start_mm(self) -> float:
+        """Where the retracted slider's back is."""
+        return self.linkage.nearest_mm - self.face_mm
+
+    @property
+    def end_mm(self) -> float:
+        """The wall against which the material is pressed."""
+        return self.linkage.farthest_mm + self.face_mm + REST * self.linkage.stroke_mm
+
+    def material_mm(self, displacement_mm: Array, working: Mask) -> Array:
+        """Depth of the material before the chamber's end, shape (n,); nan nowhere, 0 where there is none."""
+        if self.begins_mm is None:
+            return np.zeros_like(displacement_mm)
+        pressed = np.where(working, np.maximum(displacement_mm, self.begins_mm), self.linkage.stroke_mm)
+        depth: Array = self.end_mm - self.face_mm - self.linkage.nearest_mm - pressed
+        return depth
+
+
+def chamber_of(linkage: CrankSlider, resistance: Resistance | None) -> Chamber:
+    """The chamber of a linkage that works against a resistance; an empty guide where that is None or nowhere acts."""
+    return Chamber(linkage, None if resistance is None else _begins_mm(resistance, linkage.stroke_mm))
+
+
+def _begins_mm(resistance: Resistance, stroke_mm: float) -> float | None:
+    edges = np.concatenate([[0.0], resistance.zeros_mm(stroke_mm), [stroke_mm]])
+    acting = np.nonzero(resistance.force_n((edges[:-1] + edges[1:]) / 2.0) > 0.0)[0]
+    return float(edges[acting[0]]) if acting.size else None

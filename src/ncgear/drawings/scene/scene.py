@@ -1,0 +1,124 @@
+"""The scene: all that moves in a machine and all that stands, and where it is at any driving angle.
+
+The frame is that of ``machine.linkage``: the crank's axis at the origin, the slider moving along +x, the crank turning
+clockwise.
+
+The scene of a drive.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from math import gcd, pi
+
+import numpy as np
+
+from ncgear.drawings.scene.bodies import Body, Chamber, Kind, Places, chamber_of, crank_shape, rod_shape, slider_shape
+from ncgear.drawings.scene.gears import ScenePair, scene_pairs
+from ncgear.kinematics.motion import Machine, SliderMotion
+from ncgear.mechanisms.bodies import bodies
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
+from ncgear.project.drive import Drive
+from ncgear.ratio.transmission import Train
+
+
+@dataclass(frozen=True, eq=False)
+class Poses:
+    """The scene at n driving angles.
+
+    ``shaft_angles_rad`` (shape (shafts, n)) tells how far each shaft has turned, the driving one first, the crank's
+    last; ``places`` those of each body by its name; ``pitch_points_mm`` (shape (n, 2) each) that of every pair;
+    ``material_mm`` (shape (n,)) how deep the material before the chamber's end is.
+    """
+
+    motion: SliderMotion
+    shaft_angles_rad: Array
+    places: Mapping[str, Places]
+    pitch_points_mm: tuple[Array, ...]
+    material_mm: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What there is to see of one machine; ``pairs`` from the driving shaft on, none where no gears are told."""
+
+    name: str
+    machine: Machine
+    train: Train
+    pairs: tuple[ScenePair, ...]
+    chamber: Chamber
+
+    @property
+    def loop_rad(self) -> float:
+        """Least driving angle after which every body is back in its pose: whole turns of both gears."""
+        lobes = self.machine.transmission.lobes
+        return 2.0 * pi * lobes.driven / gcd(lobes.driving, lobes.driven)
+
+    @cached_property
+    def links(self) -> tuple[Body, ...]:
+        """Slider, crank and rod."""
+        linkage = self.machine.linkage
+        return (
+            Body("slider", Kind.SLIDER, (slider_shape(self.chamber),)),
+            Body("crank", Kind.CRANK, (crank_shape(linkage),)),
+            Body("rod", Kind.ROD, (rod_shape(linkage),)),
+        )
+
+    @property
+    def gears(self) -> tuple[Body, ...]:
+        """All gears, from the driving shaft on."""
+        return tuple(gear.body for pair in self.pairs for gear in (pair.driving, pair.driven))
+
+    @property
+    def crank_is_behind(self) -> bool:
+        """Whether gears are drawn over the crank and not the other way round: what is smaller stays in sight."""
+        return bool(self.pairs) and self.pairs[-1].driven.body.reach_mm < self.machine.linkage.crank_mm
+
+    @property
+    def axes_mm(self) -> tuple[tuple[float, float], ...]:
+        """Where shafts are borne, the driving one first and the crank's last."""
+        return (*(pair.mounting.driving_axis_mm for pair in self.pairs), (0.0, 0.0))
+
+    def shaft_angles_rad(self, phi1_rad: Array) -> Array:
+        """How far each shaft has turned at driving angles in rad, each in its own sense; (n,) to (shafts, n)."""
+        angles = [phi1_rad]
+        for pair in self.train.pairs[:-1]:
+            angles.append(pair.transmission.driven_angle(angles[-1]).value)
+        return np.stack([*angles, self.train.whole.driven_angle(phi1_rad).value])
+
+    def poses(self, phi1_rad: Array) -> Poses:
+        """The scene at any driving angles in rad, shape (n,), of any number of turns."""
+        angles, motion = self.shaft_angles_rad(phi1_rad), self.machine.motion(phi1_rad)
+        gears = {gear.body.name: gear.places(angles) for pair in self.pairs for gear in (pair.driving, pair.driven)}
+        return Poses(
+            motion,
+            angles,
+            {**gears, **self._link_places(angles[-1])},
+            tuple(pair.pitch_point_mm(angles) for pair in self.pairs),
+            self.chamber.material_mm(motion.displacement_mm, self.machine.working(motion.phi2_rad)),
+        )
+
+    def _link_places(self, phi2_rad: Array) -> dict[str, Places]:
+        found = bodies(self.machine.linkage, Jet(phi2_rad[None, :]))
+        pin = np.stack([found.pin.x.value, found.pin.y.value], axis=-1)
+        wrist = np.stack([found.wrist.x.value, found.wrist.y.value], axis=-1)
+        still, shaft = np.zeros_like(phi2_rad), np.zeros_like(pin)
+        return {
+            "slider": Places(wrist, still),
+            "crank": Places(shaft, np.arctan2(pin[:, 1], pin[:, 0])),
+            "rod": Places(pin, found.rod_angle.value),
+        }
+
+
+def scene_of(drive: Drive) -> Scene:
+    """The machine of a design, with its gears where the design tells them; of two stages, both pairs.
+
+    Raises WrongInput or NoSuchMechanism where law, pitch curves or teeth cannot be made, or teeth do not mesh.
+    """
+    machine = drive.machine
+    resistance = None if drive.design.resistance is None else machine.resistance
+    chamber = chamber_of(drive.linkage, resistance)
+    return Scene(drive.design.name, machine, drive.law.train, scene_pairs(drive), chamber)

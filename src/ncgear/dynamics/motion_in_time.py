@@ -1,0 +1,351 @@
+"""The law phi2(phi1) as a table for integrators.
+
+What turns the driving gear: a speed that nothing changes, or a motor with a flywheel.
+
+The toothed mechanism as a system of first order in time: two shafts that only their teeth join.
+
+The state is (phi1, phi1', phi2, phi2', work of the drive, losses of the teeth); the last two are what an energy balance
+needs, integrated along with the motion.
+
+How a motion starts: on the law under its load, or from rest.
+
+What the solver of the motion in time looks out for: the end, dead centres, flanks that meet and part.
+
+The motion of the toothed mechanism in time, by a solver for stiff equations.
+
+The solver starts anew at each dead centre, where the resistance goes on or off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+from math import ceil, pi
+from typing import Any, Protocol
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from ncgear.dynamics.crank_load import CrankLoad
+from ncgear.dynamics.meshing import Meshing, ToothForces, TwoShafts
+from ncgear.dynamics.quasi_static import loaded_contact
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.periodic_table import PeriodicTable, quintics
+from ncgear.numerics.units import in_words
+from ncgear.numerics.zeros import zeros_between
+from ncgear.ratio.transmission import Piece, Transmission
+
+INTERVALS = 2048
+"""In a period: quintics then miss the shipped laws by 1e-13 rad or less (tests/test_periodic_table.py)."""
+
+
+def law_table(transmission: Transmission, intervals: int = INTERVALS) -> PeriodicTable:
+    """The driven angle in rad over a period of the driving angle, exact with two derivatives at all joints."""
+    lobes = transmission.lobes
+    parts = [_piece(piece, lobes.driving_period_rad / intervals) for piece in transmission.pieces]
+    breaks = np.append(np.concatenate([knots[:-1] for knots, _ in parts]), lobes.driving_period_rad)
+    return PeriodicTable(breaks, np.concatenate([table for _, table in parts], axis=1), lobes.driven_period_rad)
+
+
+def _piece(piece: Piece, step_rad: float) -> tuple[Array, Array]:
+    count = ceil((piece.end_rad - piece.start_rad) / step_rad) + 1
+    knots = np.union1d(np.linspace(piece.start_rad, piece.end_rad, count), piece.knots_rad)
+    angle = piece.driven_angle(knots, 2)
+    values = [angle.value, angle.derivative(1), angle.derivative(2)]
+    return knots, quintics(np.diff(knots), [value[:-1] for value in values], [value[1:] for value in values])
+
+
+class DriveLine(Protocol):
+    """Answers a moment of the teeth in N mm at a driving speed in rad/s."""
+
+    @property
+    def speed_rad_s(self) -> float:
+        """Speed without load."""
+        ...
+
+    @property
+    def inertia_n_mm_s2(self) -> float:
+        """Inertia of the driving shaft; 0 where nothing changes its speed."""
+        ...
+
+    @property
+    def starting_rad_s(self) -> float:
+        """Speed that the drive has where it is started from rest."""
+        ...
+
+    def answer(self, speed_rad_s: Array, moment_n_mm: Array) -> tuple[Array, Array]:
+        """Acceleration of the driving shaft in rad/s^2, and torque of the drive in N mm."""
+        ...
+
+
+@dataclass(frozen=True)
+class EvenDrive:
+    """Turns at one speed, whatever torque that takes."""
+
+    speed_rad_s: float
+    inertia_n_mm_s2: float = 0.0
+
+    @property
+    def starting_rad_s(self) -> float:
+        """Its one speed, from the first moment on."""
+        return self.speed_rad_s
+
+    def answer(self, speed_rad_s: Array, moment_n_mm: Array) -> tuple[Array, Array]:
+        """No acceleration; the torque against the teeth's moment."""
+        return 0.0 * moment_n_mm, -moment_n_mm
+
+
+@dataclass(frozen=True)
+class Motor:
+    """Torque falls in a line from the stall torque at rest to nothing at ``speed_rad_s``, and brakes beyond it.
+
+    ``inertia_n_mm_s2`` is that of the whole driving shaft, flywheel and driving gear included.
+    """
+
+    speed_rad_s: float
+    stall_torque_n_mm: float
+    inertia_n_mm_s2: float
+
+    @property
+    def starting_rad_s(self) -> float:
+        """None."""
+        return 0.0
+
+    def answer(self, speed_rad_s: Array, moment_n_mm: Array) -> tuple[Array, Array]:
+        """Acceleration by what the motor gives beyond the teeth's moment; the motor's torque."""
+        torque = self.stall_torque_n_mm * (1.0 - speed_rad_s / self.speed_rad_s)
+        return (torque + moment_n_mm) / self.inertia_n_mm_s2, torque
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """Forces of the teeth, torque of the drive, and the accelerations of both shafts, in n states or in one."""
+
+    teeth: ToothForces
+    torque_n_mm: Array
+    acceleration1_rad_s2: Array
+    acceleration2_rad_s2: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Mechanism:
+    """What turns the driving gear, the teeth, and what the driven gear turns."""
+
+    drive: DriveLine
+    meshing: Meshing
+    load: CrankLoad
+
+    def change(self, _time_s: float, state: Array) -> Array:
+        """Derivatives of a state by time, shape (6,)."""
+        answer = self.answer(state)
+        power, loss = answer.torque_n_mm * state[1], answer.teeth.loss_n_mm_s.sum(axis=-1)
+        return np.array([state[1], answer.acceleration1_rad_s2, state[3], answer.acceleration2_rad_s2, power, loss])
+
+    def answer(self, states: Array) -> Answer:
+        """What moves and holds the shafts in states of shape (6,) or (6, n)."""
+        teeth = self.meshing.forces(TwoShafts(*states[:4]))
+        acceleration1, torque = self.drive.answer(states[1], teeth.driving_n_mm.sum(axis=-1))
+        acceleration2 = self.load.acceleration_rad_s2(states[2], states[3], teeth.driven_n_mm.sum(axis=-1))
+        return Answer(teeth, torque, acceleration1, acceleration2)
+
+    def stored_n_mm(self, states: Array) -> Array:
+        """Kinetic and elastic energy, and what resistance and weights have taken, in states of shape (6, n); (n,)."""
+        depth = self.meshing.forces(TwoShafts(*states[:4])).depth_mm
+        elastic = self.meshing.impact.energy_n_mm(depth).sum(axis=-1)
+        driving = 0.5 * self.drive.inertia_n_mm_s2 * states[1] ** 2
+        stored: Array = driving + self.load.energy_n_mm(states[2], states[3]) + elastic
+        return stored
+
+
+class Start(StrEnum):
+    """On the law, or at rest."""
+
+    ON_LAW = "on_law"
+    REST = "rest"
+
+
+def law_torque_n_mm(mechanism: Mechanism, transmission: Transmission, phi1_rad: Array) -> Array:
+    """Torque in N mm that the driven shaft takes where it keeps the law at the drive's speed, shape (n,)."""
+    angle, speed = transmission.driven_angle(phi1_rad, 2), mechanism.drive.speed_rad_s
+    return mechanism.load.torque_n_mm(angle.value, angle.derivative(1) * speed, angle.derivative(2) * speed**2)
+
+
+def started(mechanism: Mechanism, transmission: Transmission, start: Start) -> Array:
+    """The state at phi1 = 0, shape (6,).
+
+    On the law both shafts have its speeds, and the teeth are pressed as deep as the load at that speed asks.  At rest
+    the driven gear stands on pushing flanks, and so does the driving gear if a motor starts it; a drive of one speed
+    has that speed from the start.
+    """
+    here = np.zeros(1)
+    speed = mechanism.drive.speed_rad_s
+    if start is Start.REST:
+        pushing = float(mechanism.meshing.gaps.play_rad(here)[0][0])
+        return np.array([0.0, mechanism.drive.starting_rad_s, pushing, 0.0, 0.0, 0.0])
+    torque = law_torque_n_mm(mechanism, transmission, here)
+    ahead = loaded_contact(mechanism.meshing, here, torque, speed).error_rad[0]
+    ratio = float(transmission.driven_angle(here, 1).derivative(1)[0])
+    return np.array([0.0, speed, float(ahead), ratio * speed, 0.0, 0.0])
+
+
+CLEAR_RAD = 1e-9
+"""Angle within which a leg counts as starting at a dead centre: rounding errors of the event that ended the last."""
+
+
+def passing(row: int, angle_rad: float) -> Callable[[float, Array], float]:
+    """An event that ends a leg as the solver wants it: an angle of the state rises through a value."""
+
+    def beyond(_time_s: float, state: Array) -> float:
+        return float(state[row]) - angle_rad
+
+    beyond.terminal, beyond.direction = True, 1.0  # type: ignore[attr-defined]
+    return beyond
+
+
+def pressed_rad(mechanism: Mechanism, states: Array, urge: float) -> Array:
+    """How far the driven gear is pressed beyond the first contact of one side in states (shape (6, n)), shape (n,)."""
+    angle, _ = mechanism.meshing.law.at(states[0])
+    pushing, back = mechanism.meshing.gaps.play_rad(states[0])
+    ahead = states[2] - angle
+    pressed: Array = pushing - ahead if urge > 0.0 else ahead - back
+    return pressed
+
+
+def meetings_s(mechanism: Mechanism, time_s: Array, at: Callable[[Array], Array], urge: float) -> Array:
+    """Times at which flanks of one side meet or part between the steps at ``time_s``; states are ``at`` times.
+
+    Not left to the solver's own search for events: that compares the states of its steps with the interpolation between
+    them, which LSODA does not join to them exactly.
+    """
+
+    def pressed(times: Array) -> Array:
+        return pressed_rad(mechanism, at(times), urge)
+
+    sign = np.sign(pressed(time_s))
+    change = np.nonzero(sign[:-1] * sign[1:] < 0.0)[0]
+    # The interpolation takes no empty times
+    return zeros_between(pressed, time_s[change], time_s[change + 1]) if change.size else np.empty(0)
+
+
+def next_dead_centre_rad(mechanism: Mechanism, phi2_rad: float) -> float:
+    """The first dead centre beyond a crank angle."""
+    turn, local = divmod(phi2_rad + CLEAR_RAD, 2.0 * pi)
+    beyond = [angle for angle in mechanism.load.dead_centres_rad if angle > local]
+    return turn * 2.0 * pi + min([*beyond, 2.0 * pi])
+
+
+METHOD = "LSODA"
+"""Of scipy's stiff solvers the one with the least error in the same time (docs/speed-against-error.md)."""
+
+ACCURACY = 1e-7
+"""Relative error of a step: the published baler's slider is then at the right place to a micrometre after a turn."""
+
+ENERGY = 1e-4
+"""Share of the work done that the balance of energy may miss."""
+
+SLOWEST = 20.0
+"""Times the time without load, in which the drive has to get round."""
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """A motion from time 0 on: solver steps at ``time_s`` (shape (n,)) in ``states`` (shape (6, n)).
+
+    ``pushing_s`` and ``back_s`` are the times at which pushing flanks and their backs meet or part.
+    """
+
+    mechanism: Mechanism
+    time_s: Array
+    states: Array
+    pushing_s: Array
+    back_s: Array
+    legs: tuple[tuple[float, Callable[[Array], Array]], ...]
+
+    def at(self, time_s: Array) -> Array:
+        """States at times within the course, shape (m,), as (6, m)."""
+        number = np.searchsorted([start for start, _ in self.legs], time_s, side="right") - 1
+        states = np.empty((self.states.shape[0], time_s.size))
+        for leg in np.unique(number):
+            states[:, number == leg] = self.legs[leg][1](time_s[number == leg])
+        return states
+
+    @cached_property
+    def energy_error(self) -> float:
+        """Largest imbalance of energy at any step, as a share of the most that was worked, lost or stored."""
+        stored = self.mechanism.stored_n_mm(self.states)
+        work, loss = self.states[4], self.states[5]
+        most = max(float(np.abs(work).max()), float(loss.max()), float(np.ptp(stored)))
+        return float(np.abs(work - loss - (stored - stored[0])).max()) / most if most else 0.0
+
+
+def course(
+    mechanism: Mechanism, state: Array, turns: float, accuracy: float = ACCURACY, method: str = METHOD
+) -> Course:
+    """The motion from a state (shape (6,)) over so many turns of the driving gear, by one of scipy's solvers.
+
+    Raises NoSuchMechanism where the drive does not get round or teeth are pressed too deep into each other, and
+    ArithmeticError where the solver fails or energy does not balance.
+    """
+    target = float(state[0]) + 2.0 * pi * turns
+    limit_s = SLOWEST * 2.0 * pi * turns / mechanism.drive.speed_rad_s
+    legs: list[Any] = []
+    time_s = 0.0
+    while True:
+        leg = _leg(mechanism, (time_s, limit_s), state, target, (accuracy, method))
+        legs.append(leg)
+        time_s, state = float(leg.t[-1]), leg.y[:, -1]
+        if leg.status == 0:
+            raise _stalled(mechanism, state)
+        if leg.t_events[0].size:
+            return _checked(_joined(mechanism, legs))
+
+
+def _leg(
+    mechanism: Mechanism, span_s: tuple[float, float], state: Array, target_rad: float, how: tuple[float, str]
+) -> Any:
+    """From one dead centre to the next, or to the end of the course."""
+    events = passing(0, target_rad), passing(2, next_dead_centre_rad(mechanism, float(state[2])))
+    accuracy, method = how
+    tolerance = {"rtol": accuracy, "atol": accuracy * _scales(mechanism)}
+    leg = solve_ivp(mechanism.change, span_s, state, method, dense_output=True, events=events, **tolerance)
+    if leg.status < 0:
+        raise ArithmeticError(f"the motion could not be integrated: {leg.message}")
+    return leg
+
+
+def _scales(mechanism: Mechanism) -> Array:
+    """What counts as small in each row of the state: a hundredth of a radian, of the speed, and of a turn's work."""
+    speed = mechanism.drive.speed_rad_s
+    moving = float(mechanism.load.energy_n_mm(np.array(0.0), np.array(speed)))
+    work = max(moving, float(mechanism.load.table.at(2.0 * pi)[0][1]))
+    return 1e-2 * np.array([1.0, speed, 1.0, speed, work, work])
+
+
+def _joined(mechanism: Mechanism, legs: list[Any]) -> Course:
+    """Legs end to end; a leg's first state is the last one of the leg before."""
+    time_s = np.concatenate([legs[0].t[:1], *(leg.t[1:] for leg in legs)])
+    states = np.concatenate([legs[0].y[:, :1], *(leg.y[:, 1:] for leg in legs)], axis=1)
+    pushing, back = (
+        np.concatenate([meetings_s(mechanism, leg.t, leg.sol, urge) for leg in legs]) for urge in (1.0, -1.0)
+    )
+    return Course(mechanism, time_s, states, pushing, back, tuple((float(leg.t[0]), leg.sol) for leg in legs))
+
+
+def _checked(found: Course) -> Course:
+    """The course itself, if its energy balances and its teeth are no deeper in each other than they are followed."""
+    meshing, states = found.mechanism.meshing, found.states
+    meshing.gaps.require_reach(states[0], states[2] - meshing.law.at(states[0])[0])
+    if not found.energy_error <= ENERGY:
+        raise ArithmeticError(f"the energy of the motion misses its balance by {found.energy_error:.3g} of the work")
+    return found
+
+
+def _stalled(mechanism: Mechanism, state: Array) -> NoSuchMechanism:
+    return NoSuchMechanism(
+        f"the drive does not get round in {SLOWEST:g} times the time that it takes without load: it is at phi1 = "
+        f"{in_words(float(state[0]))}; more torque or a heavier flywheel is needed",
+        key="simulation.motor",
+    )

@@ -1,0 +1,1 @@
+"""What is told: summary, data sheet, comparison, advice, as values and text."""

@@ -1,0 +1,1 @@
+"""What is special about a design, and what would change it."""

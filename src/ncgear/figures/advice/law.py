@@ -1,0 +1,252 @@
+"""How much gentler a law must be: its ratio drawn towards the mean until a condition holds, or a law that is sought.
+
+Advices about the law, the speeds and the resistance.
+
+Advices about the pitch curves: how steeply they drive each other, and where they are hollow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import cos, degrees, radians
+from typing import Any
+
+from ncgear.design.keys.design import Design
+from ncgear.design.keys.motion import Ellipse, HarmonicRatio, RatioExpression, ThreeSegmentStroke
+from ncgear.errors import DesignError
+from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where
+from ncgear.pitch import shape
+from ncgear.pitch.pair import STRAIGHT, largest_tangent_angle_rad
+from ncgear.pitch.shape import Gear, Mesh
+from ncgear.project.drive import Drive
+from ncgear.ratio.transmission import Transmission
+
+STEPS = 100
+"""Hundredths of the law's swing in which a gentler one is sought: finer ones nobody would choose."""
+
+OPTIMIZE = "ncgear optimize"
+
+
+def optimised(drive: Drive, **limits: float | bool) -> Remedy:
+    """A law that is sought within limits, by their keys under optimize.limits."""
+    changes = tuple(Change(f"optimize.limits.{key}", value) for key, value in limits.items())
+    return Remedy("let the best law within this limit be found", changes, OPTIMIZE)
+
+
+def tempered(drive: Drive, harmful: Callable[[Transmission], bool]) -> tuple[Remedy, ...]:
+    """The design's own law, its swing reduced until it is no longer ``harmful``; none where the law has no such way.
+
+    A lesser swing is taken to be no more harmful, so that halving finds the largest one of whole hundredths.
+    """
+    low, high = 0, STEPS
+    while high - low > 1:
+        middle = (low + high) // 2
+        if _is_sound(drive.design, middle / STEPS, harmful):
+            low = middle
+        else:
+            high = middle
+    if low == 0:
+        return ()
+    changes = gentler(drive.design, low / STEPS)
+    return (Remedy(f"keep {low} % of the law's swing, which moves the slider more evenly", changes),)
+
+
+def _is_sound(design: Design, share: float, harmful: Callable[[Transmission], bool]) -> bool:
+    changes = gentler(design, share)
+    if not changes:
+        return False
+    try:
+        return not harmful(Drive(_with_motion(design, changes)).pair.transmission)
+    except DesignError:
+        return False
+
+
+def _with_motion(design: Design, changes: tuple[Change, ...]) -> Design:
+    values = {change.key.removeprefix("motion."): change.value for change in changes}
+    return design.model_copy(update={"motion": design.motion.model_copy(update=values)})
+
+
+def gentler(design: Design, share: float) -> tuple[Change, ...]:
+    """The changes that leave ``share`` (0 to 1) of the swing of a law's ratio; none where it has no such measure.
+
+    The logarithm of the ratio keeps that share, or the driven angle's deviation from an even turn, or the ellipse's
+    eccentricity.
+    """
+    if design.stages > 1:
+        return ()
+    match design.motion:
+        case Ellipse(eccentricity=eccentricity):
+            values: dict[str, Any] = {"eccentricity": share * eccentricity}
+        case HarmonicRatio(cosine=cosine, sine=sine):
+            values = {"cosine": tuple(share * c for c in cosine), "sine": tuple(share * s for s in sine)}
+        case RatioExpression(ratio=str(formula)):
+            values = {"ratio": f"({formula})**{share:g}", "scale_to_close": True}
+        case RatioExpression(driven_angle=str(formula)):
+            values = {"driven_angle": f"{1.0 - share:g}*{_even_turn(design)}*phi + {share:g}*({formula})"}
+        case _:
+            values = {}
+    return tuple(Change(f"motion.{key}", value) for key, value in values.items() if value != ())
+
+
+def _even_turn(design: Design) -> str:
+    """Driven angle per driving angle of gears that turn evenly, as a formula."""
+    lobes = design.gears.lobes if design.gears else None
+    return f"{lobes.driving}/{lobes.driven}" if lobes else "1"
+
+
+WIDEST_RATIO = 5.0
+"""Ratio, or its inverse, beyond which the smaller gear's pitch radius is under a sixth of the centre distance."""
+
+SAME_SPEED = 1e-3
+"""Relative difference of two speeds that no slider's reader notices: 1 mm/s in a metre per second."""
+
+
+def ratio_range(drive: Drive) -> Advice | None:
+    """A ratio beyond what gears can follow well; of two stages, of the one that the drive is."""
+    low, high = drive.pair.transmission.ratio_range
+    if not _too_wide(drive.pair.transmission):
+        return None
+    return Advice(
+        Kind.RATIO_RANGE,
+        (Where(angles_deg=tuple((degrees(end.at),) * 2 for end in (low, high))),),
+        f"the ratio runs from {low.value:.3g} (at {degrees(low.at):.4g} deg) to {high.value:.3g} (at "
+        f"{degrees(high.at):.4g} deg)",
+        f"beyond 1:{WIDEST_RATIO:g} one gear has almost no radius where the other is large: few teeth carry there, and "
+        "the shaft of the small side is thin",
+        (*_wider_return(drive), *tempered(drive, _too_wide), _within_widest(drive)),
+    )
+
+
+def _within_widest(drive: Drive) -> Remedy:
+    return optimised(drive, ratio_min=1.0 / WIDEST_RATIO, ratio_max=WIDEST_RATIO)
+
+
+def _too_wide(transmission: Transmission) -> bool:
+    low, high = transmission.ratio_range
+    return low.value < 1.0 / WIDEST_RATIO or high.value > WIDEST_RATIO
+
+
+def _wider_return(drive: Drive) -> tuple[Remedy, ...]:
+    if not isinstance(drive.design.motion, ThreeSegmentStroke):
+        return ()
+    return (Remedy("move theta4, or change a1 or the speed at which a1 is stated (a1_speed_rpm), in small steps"),)
+
+
+def speeds(drive: Drive) -> Advice | None:
+    """A machine that runs at another speed than its law holds at."""
+    operating, law = drive.design.operation.speed_rpm, drive.law_speed_rpm
+    if abs(operating / law - 1.0) < SAME_SPEED:
+        return None
+    factor, sense = (law / operating, "slower") if law > operating else (operating / law, "faster")
+    return Advice(
+        Kind.SPEEDS,
+        (Where(),),
+        f"the law's velocities hold at {law:.5g} r/min, but the machine runs at {operating:g} r/min",
+        f"there the slider is {factor:.3g} times {sense} than v1 and v2 say",
+        (Remedy("run the machine at the law's speed", (Change("operation.speed_rpm", law),)),),
+    )
+
+
+def negative_resistance(drive: Drive) -> Advice | None:
+    """A resistance that would drive the slider somewhere."""
+    resistance = drive.machine.resistance
+    stretches = resistance.negative_stretches_mm(drive.linkage.stroke_mm)
+    if not stretches:
+        return None
+    named = ", ".join(f"{low:.3g}..{high:.3g}" for low, high in stretches)
+    kept = resistance.keep_negative
+    other = "take it as zero there" if kept else "count it, where the load really pulls the slider"
+    return Advice(
+        Kind.NEGATIVE_RESISTANCE,
+        (Where(),),
+        f"the resistance is negative for displacements of {named} mm",
+        "it is kept, so that it drives the slider" if kept else "it is taken as zero there",
+        (
+            Remedy("give a resistance that is nowhere under zero, as a table or a formula"),
+            Remedy(other, (Change("resistance.where_negative", "zero" if kept else "keep"),)),
+        ),
+    )
+
+
+STEEPEST_DEG = 60.0
+"""Pressure angle beyond which half of the force on a tooth bears on the shafts twice over (cos 60 deg = 0.5)."""
+
+LEAST_RACK_DEG = 14.5
+"""The least pressure angle that racks are commonly made with: below it teeth are undercut and weak at the root."""
+
+
+def pressure_angle(drive: Drive) -> Advice | None:
+    """Flanks that press on the shafts more than they turn the driven gear."""
+    angle = drive.pitch.largest_pressure_angle_deg(drive.rack.pressure_angle_rad)
+    if angle <= STEEPEST_DEG:
+        return None
+    at = degrees(drive.pitch.largest_tangent_angle_rad.at)
+    return Advice(
+        Kind.PRESSURE_ANGLE,
+        (Where(angles_deg=((at, at),)),),
+        f"the pressure angle reaches {angle:.3g} deg at phi1 = {at:.4g} deg",
+        f"only {100.0 * cos(radians(angle)):.0f} % of the force between the teeth turns the driven gear there; the "
+        "rest bears on the shafts, and friction may lock the pair",
+        _less_steep(drive, angle),
+    )
+
+
+def _less_steep(drive: Drive, angle: float) -> tuple[Remedy, ...]:
+    rack, mesh = drive.rack.pressure_angle_rad, drive.pitch.mesh
+
+    def steep(transmission: Transmission) -> bool:
+        return degrees(largest_tangent_angle_rad(transmission, mesh).value + rack) > STEEPEST_DEG
+
+    sought = (optimised(drive, pressure_angle_deg=STEEPEST_DEG),) if mesh is Mesh.EXTERNAL else ()
+    return (*_flatter_rack(drive, angle), *tempered(drive, steep), *sought)
+
+
+def _flatter_rack(drive: Drive, angle: float) -> tuple[Remedy, ...]:
+    """A rack of so much less pressure angle, where such racks are made."""
+    flatter = degrees(drive.rack.pressure_angle_rad) - (angle - STEEPEST_DEG)
+    if flatter < LEAST_RACK_DEG:
+        return ()
+    tenths = int(flatter * 10.0) / 10.0
+    change = Change("gears.rack.pressure_angle_deg", tenths)
+    return (Remedy("take a rack with a smaller pressure angle, of which more teeth may be undercut", (change,)),)
+
+
+def ring(drive: Drive) -> Advice | None:
+    """What an internal gear asks of the workshop."""
+    if not drive.pitch.driven.is_ring:
+        return None
+    return Advice(
+        Kind.RING,
+        (Where(Gear.DRIVEN.value),),
+        "the driven gear is internal: no hob can cut it",
+        "wire, mill, print, or a shaper with a smaller cutter can; it is carried on its rim, or by a plate behind the "
+        "driving gear",
+    )
+
+
+def concave(drive: Drive, gear: Gear) -> Advice | None:
+    """A pitch curve that is dented."""
+    radius = drive.pitch.least_concave_radius_mm(gear)
+    if radius is None:
+        return None
+    stretches = tuple((degrees(a), degrees(b)) for a, b in drive.pitch.concave_ranges(gear))
+    named = ", ".join(f"{a:.0f}..{b:.0f}" for a, b in stretches)
+    return Advice(
+        Kind.CONCAVE,
+        (Where(gear.value, angles_deg=stretches),),
+        f"the {gear.value} pitch curve is concave for phi1 in {named} deg (radius {radius:.4g} mm): no hob can cut it",
+        "wire, mill, print, or a shaper with a smaller cutter can; the mate's teeth stand close together there and "
+        "their tips may have to be shortened",
+        _convex(drive, gear),
+    )
+
+
+def _convex(drive: Drive, gear: Gear) -> tuple[Remedy, ...]:
+    mesh = drive.pitch.mesh
+
+    def dented(transmission: Transmission) -> bool:
+        low, high = transmission.extremes(lambda piece: lambda phi1: shape.curvature(piece.slope(phi1, 3), gear, mesh))
+        return (-high.value if shape.is_ring(gear, mesh) else low.value) < -STRAIGHT
+
+    sought = (optimised(drive, convex=True),) if mesh is Mesh.EXTERNAL else ()
+    return (*tempered(drive, dented), *sought)

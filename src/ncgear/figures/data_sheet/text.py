@@ -1,0 +1,127 @@
+"""The table of the pitch curves, from which a shop can lay them out without a file of points.
+
+The data sheet as text (Markdown), and the table of its pitch curves as numbers.
+"""
+
+from __future__ import annotations
+
+import re
+from math import ceil, degrees
+
+import numpy as np
+
+from ncgear.figures.data_sheet.values import Column, DataSheet, Group, Row, Table, Value, cell_text
+from ncgear.figures.tables import csv_text
+from ncgear.numerics.arrays import Array
+from ncgear.pitch.pair import PitchPair
+from ncgear.project.drive import Drive
+
+STEPS_DEG = (5.0, 4.0, 3.0, 2.0, 1.0, 0.5, 0.25, 0.2, 0.1)
+"""Steps of the driving angle to choose from: whole parts of a turn that read well."""
+
+ANGLE_DECIMALS = 9
+"""Of phi2 in deg, far more than a cell shows: a zero that is left as rounding errors would be written as 5.8e-16."""
+
+ROUNDING = 1e-9
+"""Of the number of steps in a turn, so that one more is not counted for a rounding error."""
+
+COLUMNS = (
+    Column("phi1", "deg"),
+    Column("phi2", "deg"),
+    Column("ratio i12"),
+    Column("pitch radius of driving gear", "mm"),
+    Column("pitch radius of driven gear", "mm"),
+)
+
+
+def pitch_table(drive: Drive) -> Table:
+    """Angles, ratio and both pitch radii over one turn of the driving gear, at least one row for each of its teeth.
+
+    The polar angle of a pitch point in its own gear's frame is that gear's turn, against the sense in which it turns,
+    from where the gears meet at phi1 = 0.
+    """
+    pitch = drive.pitch
+    phi1_deg = turn_deg(pitch.size.driving_teeth)
+    columns = pitch_columns(pitch, np.radians(phi1_deg))
+    columns[0] = phi1_deg
+    columns[1] = np.round(np.degrees(columns[1]), ANGLE_DECIMALS) + 0.0  # 0.0: no -0
+    rows = tuple(tuple(map(float, row)) for row in columns.T)
+    return Table("Pitch curves", COLUMNS, rows, (_interpolated(pitch, phi1_deg),))
+
+
+def turn_deg(teeth: int) -> Array:
+    """Driving angles in deg over a turn, ends included, in the coarsest step that gives each tooth a row."""
+    step = next((step for step in STEPS_DEG if 360.0 / step >= teeth), 360.0 / teeth)
+    return np.linspace(0.0, 360.0, ceil(360.0 / step - ROUNDING) + 1)
+
+
+def pitch_columns(pitch: PitchPair, phi1_rad: Array) -> Array:
+    """phi1, phi2 (rad), ratio and both pitch radii (mm) at driving angles of shape (n,), shape (5, n)."""
+    driven = pitch.transmission.driven_angle(phi1_rad, 1)
+    radii = [np.linalg.norm(curve.at_angle(phi1_rad).position, axis=1) for curve in (pitch.driving, pitch.driven)]
+    return np.stack([phi1_rad, driven.value, 1.0 / driven.derivative(1), *radii])
+
+
+def _interpolated(pitch: PitchPair, phi1_deg: Array) -> str:
+    """What a straight line between two rows is off by, looked at half way between them."""
+    half = np.radians((phi1_deg[1:] + phi1_deg[:-1]) / 2.0)
+    rows, between = pitch_columns(pitch, np.radians(phi1_deg)), pitch_columns(pitch, half)
+    off = np.abs((rows[:, 1:] + rows[:, :-1]) / 2.0 - between).max(axis=1)
+    return (
+        f"half way between two rows straight interpolation is off by up to {degrees(off[1]):.2g} deg of phi2 and "
+        f"{max(off[3:]):.2g} mm of the radii; pitch.csv has more rows"
+    )
+
+
+PITCH_STEPS = 720
+"""Of half a degree each over a turn of the driving gear."""
+
+PITCH_COLUMNS = ("phi1_deg", "phi2_deg", "ratio", "radius_driving_mm", "radius_driven_mm")
+
+MEANT = re.compile(r"[\\|<&`*_\[\]]")
+"""Characters that mean more than themselves in Markdown; a backslash before them takes that away."""
+
+
+def pitch_csv(drive: Drive) -> str:
+    """Angles, ratio and pitch radii over one turn of the driving gear, every half degree."""
+    degrees = np.linspace(0.0, 360.0, PITCH_STEPS + 1)
+    _, driven, *others = pitch_columns(drive.pitch, np.radians(degrees))
+    return csv_text(PITCH_COLUMNS, [degrees, np.degrees(driven), *others])
+
+
+def sheet_text(sheet: DataSheet) -> str:
+    """The sheet as Markdown."""
+    blocks = [f"# Gear data: {sheet.name}", *map(_group, sheet.groups), *map(_table, sheet.tables)]
+    return "\n\n".join(blocks) + "\n"
+
+
+def _group(group: Group) -> str:
+    rows = [_cells(row) for row in group.rows]
+    return _headed(group.title, ("", "driving, or both", "driven", "unit"), rows)
+
+
+def _cells(row: Row) -> tuple[Value, ...]:
+    return row.label, row.pair if row.of_pair else row.driving, row.driven, row.unit
+
+
+def _table(table: Table) -> str:
+    notes = "".join(f"\n\n{note[0].upper()}{note[1:]}." for note in table.notes)
+    return _headed(table.title, tuple(map(_heading, table.columns)), list(table.rows)) + notes
+
+
+def _heading(column: Column) -> str:
+    return f"{column.label} in {column.unit}" if column.unit else column.label
+
+
+def _headed(title: str, heads: tuple[str, ...], rows: list[tuple[Value, ...]]) -> str:
+    lines = [_line(heads), _line(("---",) * len(heads)), *map(_line, rows)]
+    return "\n".join([f"## {title}", "", *lines])
+
+
+def _line(cells: tuple[Value, ...]) -> str:
+    return f"| {' | '.join(map(_cell, cells))} |"
+
+
+def _cell(value: Value) -> str:
+    """A cell on one line, in which what the design file says is text: no cell ends in it, no HTML begins."""
+    return MEANT.sub(r"\\\g<0>", " ".join(cell_text(value).split())) if isinstance(value, str) else cell_text(value)

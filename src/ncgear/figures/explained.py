@@ -1,0 +1,104 @@
+"""What keys mean, as text for people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+from textwrap import fill, wrap
+from typing import Any
+
+from ncgear.design.keys.base import folded, listed, quantity
+from ncgear.design.reference import Key, allowed, default_words, example, unit_of
+
+WIDTH = 100
+PATH_WIDTH, NAME_WIDTH = 36, 13
+"""Of the column before the words: for whole names of keys, and for what is said of one."""
+
+MOST_EXPLAINED = 4
+"""Different keys of one name up to which each is explained; more are listed."""
+
+
+def explained(keys: Sequence[Key], found: Sequence[Key], root: type[Any]) -> str:
+    """The keys ``found``, of all the ``keys`` of a file whose model is ``root``: in full, or many in a list."""
+    ordered = sorted(found, key=_same)
+    alike = [list(group) for _, group in groupby(ordered, _same)]
+    if len(alike) > MOST_EXPLAINED:
+        lines = [_entry(group[0].path, group[0].meaning, PATH_WIDTH) for group in alike]
+        return "\n".join([f"{len(alike)} keys; one of them by its whole name:", *lines])
+    return "\n\n".join(_one(keys, group, root) for group in alike)
+
+
+def tree(keys: Sequence[Key]) -> str:
+    """All groups with what they mean, and the keys in each."""
+    return "\n".join(_level(keys, "", 0))
+
+
+def _same(key: Key) -> tuple[str, str, str]:
+    """What is told once: a key that means the same in several laws, an angle in its units, the names of laws."""
+    path = key.path.removesuffix(key.name)
+    return path, quantity(key.name), "" if key.told_apart or quantity(key.name) != key.name else key.meaning
+
+
+def _one(keys: Sequence[Key], alike: Sequence[Key], root: type[Any]) -> str:
+    first, names = alike[0], list(dict.fromkeys(key.path for key in alike))
+    rows = {
+        "unit": "" if first.group else listed(dict.fromkeys(unit_of(key.name) for key in alike)),
+        "value": listed(dict.fromkeys(allowed(key) for key in alike)),
+        "default": "one of them is given, in each other's place" if _is_angle(alike) else default_words(first),
+        "laws": listed(dict.fromkeys(key.law for key in alike if key.law), "and"),
+        "keys": listed(folded(key.name for key in _inside(keys, first)), "and"),
+        "example": example(alike[-1], root),
+        "beside it": listed(folded(key.name for key in _beside(keys, alike)), "and"),
+    }
+    meaning = fill(_meaning(keys, alike), WIDTH, initial_indent="  ", subsequent_indent="  ")
+    return "\n".join(
+        [listed(names), meaning, "", *(_entry(name, text, NAME_WIDTH) for name, text in rows.items() if text)]
+    )
+
+
+def _meaning(keys: Sequence[Key], alike: Sequence[Key]) -> str:
+    """Of what tells laws apart, the meaning of the group whose laws they are; of an angle, without the unit."""
+    first = alike[0]
+    if not first.told_apart:
+        return first.meaning.replace(", in rad", "").replace(" in rad", "") if _is_angle(alike) else first.meaning
+    return next(key.meaning for key in keys if key.path == first.path.rpartition(".")[0])
+
+
+def _is_angle(alike: Sequence[Key]) -> bool:
+    return len({key.name for key in alike}) > 1
+
+
+def _inside(keys: Sequence[Key], group: Key) -> list[Key]:
+    return [key for key in keys if key.path.rpartition(".")[0] == group.path]
+
+
+def _beside(keys: Sequence[Key], alike: Sequence[Key]) -> list[Key]:
+    """The other keys of their group and their law."""
+    above, law, names = alike[0].path.rpartition(".")[0], alike[0].law, {key.name for key in alike}
+    within = [key for key in keys if key.path.rpartition(".")[0] == above and key.law == law]
+    return [] if alike[0].told_apart else [key for key in within if key.name not in names]
+
+
+def _entry(name: str, text: str, column: int) -> str:
+    """A name and its text in a column."""
+    first, *more = wrap(text, WIDTH - column, break_on_hyphens=False) or [""]
+    return "\n".join([f"  {name:<{column - 3}} {first}".rstrip(), *(" " * column + line for line in more)])
+
+
+def _level(keys: Sequence[Key], above: str, depth: int) -> Iterator[str]:
+    """The keys of a group, law by law where they belong to laws, and the groups in it."""
+    own = [key for key in keys if key.path.rpartition(".")[0] == above]
+    for law, of_law in groupby(own, lambda key: key.law):
+        members = list(of_law)
+        plain = ", ".join(folded(key.name for key in members if not key.group and not key.told_apart))
+        title = law if any(key.told_apart for key in members) else ""
+        if plain or title:
+            yield _indented(": ".join(part for part in (title, plain) if part), depth)
+    for key in {key.path: key for key in own if key.group}.values():
+        yield _indented(f"{key.name}: {key.meaning}", depth)
+        yield from _level(keys, key.path, depth + 1)
+
+
+def _indented(text: str, depth: int) -> str:
+    space = "  " * depth
+    return fill(text, WIDTH, initial_indent=space, subsequent_indent=space + "    ", break_on_hyphens=False)

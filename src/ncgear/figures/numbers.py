@@ -1,0 +1,118 @@
+"""The unit in which a quantity is read, by its size.
+
+Numbers and keys of a summary as a person reads them.
+
+Results as JSON.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array
+
+THOUSANDS = {"W": "kW", "N": "kN", "N m": "kN m", "mm/s": "m/s", "mm/s\u00b2": "m/s\u00b2"}
+"""Units, and what a thousand of each is."""
+
+
+def readable(unit: str, *values: Array | float) -> tuple[float, str]:
+    """Factor from a unit to the one in which values (of any shapes, not empty) are read, and its name.
+
+    It is a thousand of the unit where one of them reaches that, so that peaks from 1 to 9 999 999 of the unit read as 1
+    to 9999.
+    """
+    largest = max(float(np.max(np.abs(value))) for value in values)
+    return (1e-3, THOUSANDS[unit]) if unit in THOUSANDS and largest >= 1000.0 else (1.0, unit)
+
+
+UNITS = {
+    "_kg_mm": "kg mm",
+    "_n_mm": "N mm",
+    "_mm_s2": "mm/s2",
+    "_mm_s": "mm/s",
+    "_mm": "mm",
+    "_rad_s": "rad/s",
+    "_rad": "rad",
+    "_deg": "deg",
+    "_rpm": "r/min",
+    "_mpa": "MPa",
+    "_m_s2": "m/s2",
+    "_kg_mm2": "kg mm2",
+    "_mm2": "mm2",
+    "_mm3": "mm3",
+    "_kg_m2": "kg m2",
+    "_kg": "kg",
+    "_hz": "Hz",
+    "_j": "J",
+    "_n_m": "N m",
+    "_n": "N",
+    "_w": "W",
+    "_percent": "%",
+    "_g": "g",
+    "_s": "s",
+}
+"""Units by key suffix; longer suffixes stand before those that end them."""
+
+LONG_LIST = 12
+"""Items up to which a list is written out."""
+
+
+def label_and_unit(key: str) -> tuple[str, str]:
+    """``peak_power_w`` -> (``peak power``, ``W``); a key without unit has an empty one."""
+    for suffix, unit in UNITS.items():
+        if key.endswith(suffix):
+            return key.removesuffix(suffix).replace("_", " "), unit
+    return key.replace("_", " "), ""
+
+
+def shown(value: Any) -> str:
+    """A summary's value for reading: five digits, yes or no, ``-`` for None, runs of whole numbers as ``3-7``,
+    pairs of numbers as ``0.1..0.2``."""
+    if value is None:
+        return "-"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return _rounded(value)
+    if isinstance(value, list | tuple):
+        return _listed(list(value))
+    return str(value)
+
+
+def _rounded(value: float) -> str:
+    """Five significant digits, but never fewer than the digits before the point."""
+    return f"{value:.0f}" if 1e5 <= abs(value) < 1e12 else f"{value:.5g}"
+
+
+def _listed(items: list[Any]) -> str:
+    if not items:
+        return "none"
+    if all(isinstance(item, int) and not isinstance(item, bool) for item in items):
+        return ", ".join(_runs(sorted(items)))
+    if any(isinstance(item, Mapping) for item in items):
+        # A table in the summary's file; a report has no room for it.
+        return str(len(items))
+    texts = ["..".join(map(shown, item)) if _is_range(item) else shown(item) for item in items[:LONG_LIST]]
+    left = len(items) - len(texts)
+    return ", ".join([*texts, f"and {left} more"] if left else texts)
+
+
+def _is_range(item: Any) -> bool:
+    return isinstance(item, list | tuple) and len(item) == 2
+
+
+def _runs(numbers: list[int]) -> list[str]:
+    """Consecutive numbers joined: 1, 2, 3, 5 -> ``1-3``, ``5``."""
+    starts = [i for i, number in enumerate(numbers) if i == 0 or number > numbers[i - 1] + 1]
+    ends = [*(start - 1 for start in starts[1:]), len(numbers) - 1]
+    pairs = [(numbers[start], numbers[end]) for start, end in zip(starts, ends, strict=True)]
+    return [f"{low}" if low == high else f"{low}-{high}" for low, high in pairs]
+
+
+def json_text(content: Any) -> str:
+    """Indented, with a last line break; NaN and infinities, which JSON does not have, raise ValueError."""
+    return json.dumps(content, indent=2, allow_nan=False) + "\n"

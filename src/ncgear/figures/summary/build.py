@@ -1,0 +1,300 @@
+"""The pitch curves in a summary.
+
+The teeth in a summary.
+
+The contact analysis as plain values, keys ending in their unit: the section ``contact`` of a summary.
+
+The bodies of both gears in the summary: what was found room for, and what the process is left.
+
+All that a build finds, as plain values: what summary.json holds and reports print.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict
+from math import degrees, isfinite
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ncgear.contact.designed.sides import AsDesigned, SideContact
+from ncgear.contact.pair import PairContact
+from ncgear.contact.placement import Placement
+from ncgear.contact.written.outline_contact import AsWritten
+from ncgear.figures.advice.collected import build_advice
+from ncgear.figures.summary.check import check_summary
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.extrema import Extremum
+from ncgear.project.drive import Drive
+
+if TYPE_CHECKING:
+    from ncgear.pitch.pair import CurvatureJump, PitchPair
+    from ncgear.solids.mesh.pair import GearSolid
+    from ncgear.solids.plan.body import BodyPlan, Hub
+    from ncgear.teeth.gear import ToothedGear
+
+LEAST_JUMP = 1e-6
+"""Of curvature times the centre distance: joints that go on smoothly differ by rounding, 1e-8 at the most; those that
+jump, by 1e-3 and more."""
+
+
+def pitch_summary(drive: Drive) -> dict[str, Any]:
+    """Sizes, convexity, pressure angle, and where curvature jumps."""
+    from ncgear.pitch.shape import Gear
+
+    pitch = drive.pitch
+    result: dict[str, Any] = {"mesh": pitch.mesh.value, "center_distance_mm": pitch.center_distance_mm}
+    for gear in Gear:
+        name = gear.value
+        result[f"length_{name}_mm"] = pitch.length_mm(gear)
+        result[f"{name}_convex"] = pitch.convex(gear)
+        result[f"min_radius_{name}_mm"] = pitch.least_radius_mm(gear)
+        result[f"min_concave_radius_{name}_mm"] = pitch.least_concave_radius_mm(gear)
+        result[f"concave_{name}_rad"] = [list(stretch) for stretch in pitch.concave_ranges(gear)]
+    tangent: Extremum = pitch.largest_tangent_angle_rad
+    result["max_tangent_angle_deg"] = degrees(tangent.value)
+    result["max_pressure_angle_deg"] = pitch.largest_pressure_angle_deg(drive.rack.pressure_angle_rad)
+    result["max_pressure_angle_at_rad"] = tangent.at
+    result["curvature_jumps"] = _jumps(pitch)
+    return result
+
+
+def _jumps(pitch: PitchPair) -> list[dict[str, float]]:
+    return [
+        {
+            "phi1_rad": jump.phi1_rad,
+            "driving_before_1_mm": jump.driving_before,
+            "driving_after_1_mm": jump.driving_after,
+            "driven_before_1_mm": jump.driven_before,
+            "driven_after_1_mm": jump.driven_after,
+        }
+        for jump in pitch.curvature_jumps()
+        if _height(jump) * pitch.center_distance_mm > LEAST_JUMP
+    ]
+
+
+def _height(jump: CurvatureJump) -> float:
+    """The larger of both gears' jumps, in 1/mm."""
+    return max(abs(jump.driving_after - jump.driving_before), abs(jump.driven_after - jump.driven_before))
+
+
+def teeth_summary(drive: Drive) -> dict[str, Any]:
+    """Numbers, sizes, undercut, shortened tips."""
+    from ncgear.teeth.gear import teeth_free_of_undercut
+
+    teeth, size = drive.teeth, drive.pitch.size
+    racks = teeth.driving.flanks.rack, teeth.driven.flanks.rack
+    return {
+        "driving": size.driving_teeth,
+        "driven": size.driven_teeth,
+        "module_mm": size.module_mm,
+        "backlash_mm": drive.rack.backlash_mm,
+        **_helix(drive),
+        "undercut_driving": teeth.driving.undercut,
+        "undercut_driven": teeth.driven.undercut,
+        "free_of_undercut_from_driving_teeth": teeth_free_of_undercut(drive.pitch, *racks),
+        "method": drive.gears.method,
+        "cutter": teeth.cutter.value,
+        "profile_shift_driving_mm": racks[0].shift_mm,
+        "profile_shift_driven_mm": racks[1].shift_mm,
+        "tips_driving": _tips(teeth.driving),
+        "tips_driven": _tips(teeth.driven),
+        "points_driving": len(teeth.driving.outline_mm),
+        "points_driven": len(teeth.driven.outline_mm),
+    }
+
+
+def _tips(gear: ToothedGear) -> dict[str, Any]:
+    """Least height of the tips, and numbers of the teeth whose tips are shortened, by reason."""
+    from ncgear.teeth.tips import Limit
+
+    result: dict[str, Any] = {"least_height_mm": float(gear.flanks.tip_height_mm.min())}
+    for reason in Limit:
+        if reason is not Limit.FULL and (numbers := gear.shortened(reason)):
+            result[f"shortened_for_{reason.name.lower()}"] = numbers
+    return result
+
+
+def _helix(drive: Drive) -> dict[str, Any]:
+    helix = drive.helix
+    if helix is None:
+        return {}
+    kind = "herringbone" if helix.herringbone else "helical"
+    return {"helix_angle_deg": degrees(helix.angle_rad), "helix_kind": kind, "hand_driving": helix.hand}
+
+
+def contact_summary(contact: PairContact, speed: Callable[[Array], Array]) -> dict[str, Any]:
+    """Figures of a pair as designed and as written; its driving gear's ``speed`` in rad/s, of its angle in rad."""
+    designed = contact.as_designed
+    speed_rad_s = speed(designed.placement.phi1_rad)
+    return {
+        "positions": designed.placement.count,
+        "transmission_error_rad": contact.transmission_error_rad,
+        "contact_ratio_min": contact.contact_ratio,
+        "penetration_max_mm": contact.penetration_mm,
+        "as_designed": _as_designed(designed, speed_rad_s),
+        "as_written": {written.source: _as_written(written, designed) for written in contact.as_written},
+    }
+
+
+def _as_designed(designed: AsDesigned, speed_rad_s: Array) -> dict[str, Any]:
+    pushing, back = designed.pushing, designed.back
+    return {
+        "transmission_error_rad": pushing.transmission_error_rad,
+        "transmission_error_back_rad": back.transmission_error_rad,
+        **_by_tooth(pushing, pushing.error_rad),
+        **_range("backlash", "rad", designed.backlash_rad, designed.placement),
+        **_ratios(pushing, ""),
+        **_ratios(back, "_back"),
+        **_greatest("sliding_velocity_max", "mm_s", designed.largest_sliding_mm * speed_rad_s, designed.placement),
+        **_range("pressure_angle", "deg", np.degrees(pushing.first.pressure_angle_rad), designed.placement),
+        **_range("pressure_angle_back", "deg", np.degrees(back.first.pressure_angle_rad), designed.placement),
+        **_penetration(designed.overlap_mm, designed.placement),
+        **_clearances(designed),
+    }
+
+
+def _by_tooth(side: SideContact, error_rad: Array) -> dict[str, Any]:
+    by_tooth = side.variation_by_tooth(error_rad)
+    return {"transmission_error_by_tooth_rad": [by_tooth[tooth] for tooth in sorted(by_tooth)]}
+
+
+def _ratios(side: SideContact, suffix: str) -> dict[str, Any]:
+    return {
+        f"contact_ratio{suffix}_min": float(side.arcs.min()),
+        f"contact_ratio{suffix}_mean": float(side.arcs.mean()),
+        f"simultaneous_contacts{suffix}_min": int(side.simultaneous.min()),
+    }
+
+
+def _clearances(designed: AsDesigned) -> dict[str, Any]:
+    """None where no tip of a gear stands over a root of the other."""
+    least = {}
+    for gear in ("driving", "driven"):
+        both = [getattr(side, f"{gear}_tips") for side in (designed.pushing, designed.back)]
+        over_root = min(tips.over_root_mm for tips in both)
+        least[f"clearance_{gear}_tips_mm"] = over_root if isfinite(over_root) else None
+        least[f"clearance_{gear}_tips_from_fillets_mm"] = min(tips.from_fillet_mm for tips in both)
+    return least
+
+
+def _as_written(written: AsWritten, designed: AsDesigned) -> dict[str, Any]:
+    astray = np.maximum(
+        np.abs(written.pushing_rad - designed.pushing.error_rad), np.abs(written.back_rad - designed.back.error_rad)
+    )
+    return {
+        "transmission_error_rad": written.transmission_error_rad,
+        "transmission_error_back_rad": float(np.ptp(written.back_rad)),
+        **_by_tooth(designed.pushing, written.pushing_rad),
+        **_greatest("from_design_max", "rad", astray, designed.placement),
+        **_range("backlash", "rad", written.backlash_rad, designed.placement),
+        **_penetration(written.overlap_mm, designed.placement),
+        "clearance_driving_tips_mm": written.driving_tips_mm,
+        "clearance_driven_tips_mm": written.driven_tips_mm,
+    }
+
+
+def _penetration(overlap_mm: Array, placement: Placement) -> dict[str, Any]:
+    """The deepest overlap, its driving angle, and the teeth that then stand at the pitch point; None without any."""
+    deepest = _greatest("penetration_max", "mm", overlap_mm, placement)
+    driving, driven = placement.teeth_at(int(np.argmax(overlap_mm)))
+    where = {"penetration_tooth_driving": driving, "penetration_tooth_driven": driven}
+    if deepest["penetration_max_mm"] == 0.0:
+        return {**deepest, "penetration_max_at_rad": None, **dict.fromkeys(where)}
+    return {**deepest, **where}
+
+
+def _range(name: str, unit: str, values: Array, placement: Placement) -> dict[str, Any]:
+    return {
+        **_at(f"{name}_min", unit, values, int(np.argmin(values)), placement),
+        **_greatest(f"{name}_max", unit, values, placement),
+    }
+
+
+def _greatest(name: str, unit: str, values: Array, placement: Placement) -> dict[str, Any]:
+    return _at(name, unit, values, int(np.argmax(values)), placement)
+
+
+def _at(name: str, unit: str, values: Array, place: int, placement: Placement) -> dict[str, Any]:
+    """A value over the positions, and the driving angle at which it is taken."""
+    return {f"{name}_{unit}": float(values[place]), f"{name}_at_rad": float(placement.phi1_rad[place])}
+
+
+def bodies_summary(drive: Drive) -> dict[str, Any]:
+    """Both bodies as they are written, and the lag of parts that come out just so.
+
+    A process that takes its clearance leaves the gears as designed.  One that takes nothing leaves a gap of two
+    clearances along the normal, which the driven gear falls back by: over the lever of the force, the largest angle.
+    """
+    clearance, solids = drive.gears.process_clearance_mm, drive.solids
+    lever_mm = drive.designed_contact.pushing.first.lever_mm
+    return {
+        "process_clearance_mm": clearance,
+        "lag_max_without_process_rad": float((2.0 * clearance / lever_mm).max()),
+        "first_layer_chamfer_mm": drive.gears.first_layer_chamfer_mm,
+        "driving": _body(solids.driving),
+        "driven": _body(solids.driven),
+    }
+
+
+def _body(solid: GearSolid) -> dict[str, Any]:
+    plan = solid.plan
+    return {
+        "volume_mm3": float(solid.mesh.volume),
+        "height_mm": plan.height_mm,
+        **({"bore_mm": plan.bore.diameter_mm} if plan.bore else {}),
+        **(_hub(plan.hub) if plan.hub else {}),
+        **_cuts(plan),
+    }
+
+
+def _hub(hub: Hub) -> dict[str, Any]:
+    found: dict[str, Any] = {"hub_diameter_mm": hub.diameter_mm, "hub_height_mm": hub.height_mm}
+    if hub.set_screw is not None:
+        screw = hub.set_screw
+        found["set_screw"] = {
+            "diameter_mm": screw.diameter_mm,
+            "height_mm": screw.height_mm,
+            "direction_deg": degrees(screw.direction_rad),
+        }
+    return found
+
+
+def _cuts(plan: BodyPlan) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    if plan.web is not None:
+        found["web_mm"] = plan.web.thickness_mm
+        found["pocket_areas_mm2"] = [float(pocket.area) for pocket in plan.web.pockets]
+    if plan.lightening_holes:
+        found["lightening_holes"] = [asdict(hole) for hole in plan.lightening_holes]
+    return found
+
+
+def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
+    """All of the check, and pitch curves, teeth, contact and bodies."""
+
+    summary = check_summary(drive)
+    comparison, warnings = summary.pop("comparison"), summary.pop("warnings")
+    return {
+        **summary,
+        "pitch": pitch_summary(drive),
+        "teeth": teeth_summary(drive),
+        "contact": {**contact_summary(contact, drive.pair_speed_rad_s), **_overlap(drive, contact)},
+        "bodies": bodies_summary(drive),
+        "comparison": comparison,
+        "warnings": warnings + [advice.line for advice in build_advice(drive)],
+        "timing_s": {stage: round(seconds, 6) for stage, seconds in drive.timing_s.items()},
+    }
+
+
+def _overlap(drive: Drive, contact: PairContact) -> dict[str, float]:
+    """What the advance of helical teeth adds to the least contact ratio of their sections."""
+    if drive.helix is None:
+        return {}
+    least = min(drive.section_contact_ratio, contact.contact_ratio)
+    return {
+        "section_contact_ratio_min": least,
+        "overlap_ratio": drive.overlap_ratio,
+        "total_contact_ratio": least + drive.overlap_ratio,
+    }

@@ -1,0 +1,79 @@
+"""A sweep as CSV, and the best of it as text."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from itertools import product
+from pathlib import Path
+from textwrap import shorten
+
+import numpy as np
+
+from ncgear.design.varied import Varied
+from ncgear.figures.numbers import shown
+from ncgear.figures.tables import rows_text
+from ncgear.numerics.arrays import IndexArray
+from ncgear.screening.screen import MADE, Screened
+
+BEST = 5
+"""Designs that the text names, by each figure."""
+
+RANKED = {
+    "least acceleration": "check.peak_acceleration_cycle_mm_s2",
+    "least power": "check.peak_power_w",
+}
+
+WIDTH = 110
+
+
+def sweep_csv(varied: Sequence[Varied], found: Screened) -> str:
+    """One row for each design: its values, its figures where it can be made, and the verdict."""
+    names = [*(one.key for one in varied), *found.figures, "verdict"]
+    figures = iter(zip(*(values.tolist() for values in found.figures.values()), strict=True))
+    none = ("",) * len(found.figures)
+    rows = zip(_values(varied), found.verdicts, strict=True)
+    return rows_text(names, [[*values, *(next(figures) if made == MADE else none), made] for values, made in rows])
+
+
+def sweep_text(varied: Sequence[Varied], found: Screened, paths: Sequence[Path]) -> str:
+    """How many can be made, the best of them, why the others cannot, and the files written."""
+    made = int(found.made.sum())
+    blocks = [f"{len(found.made)} designs, of which {made} can be made"]
+    if made:
+        blocks += [_best(title, figure, varied, found) for title, figure in RANKED.items()]
+    refused = Counter(_problem(verdict) for verdict in found.verdicts if verdict != MADE)
+    if refused:
+        blocks.append("\n".join(["Refused", *(f"{count:>7}  {text}" for text, count in refused.most_common(BEST))]))
+    return "\n\n".join([*blocks, "\n".join(["Written", *(f"  {path}" for path in paths)])])
+
+
+def _values(varied: Sequence[Varied]) -> list[tuple[float, ...]]:
+    return list(product(*(one.values for one in varied)))
+
+
+def _order(figure: str, found: Screened) -> IndexArray:
+    """The best rows by a figure; those that read the same by it, as laws of one working stroke do, by the others."""
+    others = [found.figures[name] for name in RANKED.values() if name != figure]
+    read = np.array([float(shown(float(value))) for value in found.figures[figure]])
+    return np.lexsort((*others, read))[:BEST]
+
+
+def _best(title: str, figure: str, varied: Sequence[Varied], found: Screened) -> str:
+    """A table of the designs with the least of a figure."""
+    order = _order(figure, found)
+    values, rows = _values(varied), found.rows
+    heads = [*(one.key for one in varied), *RANKED.values()]
+    lines = [
+        [*map(shown, values[rows[number]]), *(shown(float(found.figures[name][number])) for name in RANKED.values())]
+        for number in order.tolist()
+    ]
+    widths = [max(map(len, column)) for column in zip(heads, *lines, strict=True)]
+    texts = ("  ".join(f"{cell:>{width}}" for cell, width in zip(row, widths, strict=True)) for row in (heads, *lines))
+    return "\n".join([f"Best by {title}", *(f"  {text}" for text in texts)])
+
+
+def _problem(verdict: str) -> str:
+    """A verdict up to its first figure: what many designs have in common."""
+    return shorten(re.split(r"( at phi1)?( =)? -?\d", verdict, maxsplit=1)[0], WIDTH, placeholder=" ...")

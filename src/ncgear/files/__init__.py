@@ -1,0 +1,1 @@
+"""What is written: tables, meshes, workshop formats, and how they reach a folder."""

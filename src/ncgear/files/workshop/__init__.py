@@ -1,0 +1,1 @@
+"""Formats for workshops, printers and CAD."""

@@ -1,0 +1,279 @@
+"""A gear as a flat drawing in mm: closed contours and marks on named layers. DXF and SVG files are written from it.
+
+What is written beside a drawing, so that it needs no other paper.
+
+The drawings of a pair of gears, from the plans of their bodies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from enum import Enum
+from math import asin, ceil, pi, sqrt, tan
+
+import numpy as np
+import shapely
+from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
+
+from ncgear.numerics.arrays import Array
+from ncgear.pitch.curve import PitchCurve
+from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
+from ncgear.solids.plan.body import BodyPlan, Bore, RoundHole
+
+
+class Use(Enum):
+    """What a workshop does along the lines of a layer."""
+
+    THROUGH = "cut through"
+    PART_WAY = "not cut through"
+    REFERENCE = "for reference, not cut"
+
+
+class Layer(Enum):
+    """What lines show, and what they are for; a layer's name in files is that of the member."""
+
+    OUTLINE = "tooth outline", Use.THROUGH
+    RIM = "outer circle of the ring", Use.THROUGH
+    BORE = "bore with its keyway", Use.THROUGH
+    INDEX_HOLE = "index hole; those of both gears face each other at phi1 = 0", Use.THROUGH
+    LIGHTENING_HOLES = "lightening holes", Use.THROUGH
+    POCKETS = "pockets from the upper face down to the web", Use.PART_WAY
+    HUB = "hub on the upper face", Use.PART_WAY
+    PITCH_CURVE = "pitch curve", Use.REFERENCE
+    AXIS = "axis of the gear", Use.REFERENCE
+
+    def __init__(self, content: str, use: Use) -> None:
+        self.content, self.use = content, use
+
+    @property
+    def words(self) -> str:
+        """Both, for whoever looks at the file."""
+        return f"{self.content}; {self.use.value}"
+
+
+CUT_THROUGH = tuple(layer for layer in Layer if layer.use is Use.THROUGH)
+
+
+@dataclass(frozen=True, eq=False)
+class Contour:
+    """A closed chain of lines and arcs through points (n, 2), first point not repeated.
+
+    ``bulges`` (n,) tells how the contour goes on from each point: 0 a line, else an arc, by the tangent of a quarter of
+    the angle that it turns by, positive counter-clockwise (the DXF reference's bulge).
+    """
+
+    points: Array
+    bulges: Array
+
+    def moved(self, x_mm: float) -> Contour:
+        """The contour, farther along x."""
+        return replace(self, points=self.points + np.array([x_mm, 0.0]))
+
+    @property
+    def corners(self) -> Array:
+        """Points whose box holds the contour, arcs left out: they lie within other contours."""
+        return self.points
+
+
+@dataclass(frozen=True)
+class Circle:
+    """A whole circle."""
+
+    x_mm: float
+    y_mm: float
+    radius_mm: float
+
+    def moved(self, x_mm: float) -> Circle:
+        """The circle, farther along x."""
+        return replace(self, x_mm=self.x_mm + x_mm)
+
+    @property
+    def corners(self) -> Array:
+        """Two opposite corners of the square around it, shape (2, 2)."""
+        center = np.array([self.x_mm, self.y_mm])
+        return np.stack([center - self.radius_mm, center + self.radius_mm])
+
+
+@dataclass(frozen=True)
+class Cross:
+    """The mark of an axis: two lines of a length, across each other."""
+
+    x_mm: float
+    y_mm: float
+    length_mm: float
+
+    def moved(self, x_mm: float) -> Cross:
+        """The mark, farther along x."""
+        return replace(self, x_mm=self.x_mm + x_mm)
+
+    @property
+    def lines(self) -> Array:
+        """Both lines, shape (2, 2, 2): line, end, coordinate."""
+        half = self.length_mm / 2.0
+        arms = np.array([[[-half, 0.0], [half, 0.0]], [[0.0, -half], [0.0, half]]])
+        return np.asarray(arms + np.array([self.x_mm, self.y_mm]))
+
+    @property
+    def corners(self) -> Array:
+        """The ends of its lines, shape (4, 2)."""
+        return self.lines.reshape(-1, 2)
+
+
+Shape = Contour | Circle | Cross
+Layers = Mapping[Layer, tuple[Shape, ...]]
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """A gear in its own frame, in the pose of phi1 = 0; ``notes`` are what to know of it."""
+
+    name: str
+    layers: Layers
+    notes: tuple[str, ...]
+
+    def moved(self, x_mm: float) -> Drawing:
+        """The drawing, farther along x."""
+        layers = {name: tuple(shape.moved(x_mm) for shape in shapes) for name, shapes in self.layers.items()}
+        return replace(self, layers=layers)
+
+
+def polygon(points: Array) -> Contour:
+    """A contour of lines alone, through points (n, 2)."""
+    return Contour(points, np.zeros(len(points)))
+
+
+def box_around(drawings: Iterable[Drawing]) -> tuple[Array, Array]:
+    """Lower left and upper right corner of the box around all shapes."""
+    shapes = (shape for drawing in drawings for layer in drawing.layers.values() for shape in layer)
+    corners = np.vstack([shape.corners for shape in shapes])
+    return corners.min(axis=0), corners.max(axis=0)
+
+
+def gear_notes(drive: Drive, gear: Gear, plan: BodyPlan) -> tuple[str, ...]:
+    """What the gear is, its scale and frame, and what lines cannot show."""
+    return (
+        f"{_title(drive)}: {gear.value} gear",
+        _scale(drive),
+        "axis at the origin, upper face towards you, pose of phi1 = 0",
+        f"module {drive.pitch.size.module_mm:.10g} mm, face width {plan.face_width_mm:g} mm",
+        *_depths(plan),
+        *_changes(drive, plan),
+    )
+
+
+def pair_notes(drive: Drive) -> tuple[str, ...]:
+    """The same of both gears as they go together."""
+    return (
+        f"{_title(drive)}: both gears assembled at phi1 = 0",
+        _scale(drive),
+        f"driving axis at the origin, driven axis at x = {drive.pitch.center_distance_mm:.6f} mm",
+    )
+
+
+def _title(drive: Drive) -> str:
+    return drive.design.name if drive.stage is None else f"{drive.design.name}, stage {drive.stage}"
+
+
+def _scale(drive: Drive) -> str:
+    tolerance = drive.design.output.chord_tolerance_mm
+    return f"1:1 in mm; chords no farther than {tolerance:g} mm from the exact curve, round holes exact"
+
+
+def _depths(plan: BodyPlan) -> list[str]:
+    """How far up and down the lines go that are not cut through."""
+    found = []
+    if plan.web:
+        found.append(f"POCKETS from the upper face down to {plan.web.thickness_mm:g} mm over the lower one")
+    if plan.hub:
+        found.append(f"HUB {plan.hub.height_mm:g} mm over the upper face")
+    return found
+
+
+def _changes(drive: Drive, plan: BodyPlan) -> list[str]:
+    """How lines differ from the gear as designed, and the body from the lines."""
+    found = []
+    if drive.helix is not None:
+        found.append("helical teeth: section at z = 0, not to be cut upright")
+    if plan.clearance_mm > 0.0:
+        found.append(f"{plan.clearance_mm:g} mm taken off outline and bore for the process")
+    if plan.chamfer_mm > 0.0:
+        found.append(f"lower edges bevelled by {plan.chamfer_mm:g} mm")
+    return found
+
+
+CROSS_IN_MODULES = 2.0
+"""Length of an axis' mark: it stays within the smallest bore that a shaft goes through."""
+
+
+def gear_drawing(drive: Drive, gear: Gear) -> Drawing:
+    """A gear in its own frame; raises as the drive's stages do."""
+    plan = drive.solids.of(gear).plan
+    curve = drive.pitch.of(gear)
+    shapes = {
+        **body_shapes(plan),
+        Layer.PITCH_CURVE: (polygon(pitch_points(curve, plan.chord_tolerance_mm)),),
+        Layer.AXIS: (Cross(0.0, 0.0, CROSS_IN_MODULES * drive.pitch.size.module_mm),),
+    }
+    layers = {layer: shapes[layer] for layer in Layer if shapes[layer]}
+    return Drawing(gear.value, layers, gear_notes(drive, gear, plan))
+
+
+def body_shapes(plan: BodyPlan) -> dict[Layer, tuple[Shape, ...]]:
+    """All edges of a body that are seen from above, by their layers; none on some."""
+    return {
+        **_toothed(plan),
+        Layer.BORE: () if plan.bore is None else (_bore(plan.bore),),
+        Layer.INDEX_HOLE: () if plan.index_hole is None else (_circle(plan.index_hole),),
+        Layer.LIGHTENING_HOLES: tuple(_circle(hole) for hole in plan.lightening_holes),
+        Layer.POCKETS: () if plan.web is None else _contours(shapely.union_all(plan.web.pockets)),
+        Layer.HUB: () if plan.hub is None else (Circle(0.0, 0.0, plan.hub.diameter_mm / 2.0),),
+    }
+
+
+def _toothed(plan: BodyPlan) -> dict[Layer, tuple[Shape, ...]]:
+    """The teeth; of a ring, the circle too on which the corners of its polygon lie."""
+    outer = _points(plan.disc.exterior)
+    if not plan.is_ring:
+        return {Layer.OUTLINE: (polygon(outer),), Layer.RIM: ()}
+    circle = Circle(0.0, 0.0, float(np.hypot(*outer.T).max()))
+    return {Layer.OUTLINE: (polygon(_points(plan.disc.interiors[0])),), Layer.RIM: (circle,)}
+
+
+def _bore(bore: Bore) -> Shape:
+    """The circle or, with a keyway, the three sides of the keyway and two arcs, neither over half a turn."""
+    radius = bore.diameter_mm / 2.0
+    if bore.keyway is None:
+        return Circle(0.0, 0.0, radius)
+    half = bore.keyway.width_mm / 2.0
+    side, turned = sqrt(radius**2 - half**2), pi - asin(half / radius)
+    points = np.array([[side, half], [-radius, 0.0], [side, -half], [bore.reach_mm, -half], [bore.reach_mm, half]])
+    return Contour(points, np.array([tan(turned / 4.0), tan(turned / 4.0), 0.0, 0.0, 0.0]))
+
+
+def _circle(hole: RoundHole) -> Circle:
+    return Circle(hole.x_mm, hole.y_mm, hole.diameter_mm / 2.0)
+
+
+def _contours(area: BaseGeometry) -> tuple[Shape, ...]:
+    """All boundaries of an area."""
+    parts = [part for part in shapely.get_parts(area) if isinstance(part, Polygon)]
+    return tuple(polygon(_points(ring)) for part in parts for ring in (part.exterior, *part.interiors))
+
+
+def _points(ring: BaseGeometry) -> Array:
+    """A ring's points, first point not repeated."""
+    points: Array = shapely.get_coordinates(ring)[:-1]
+    return points
+
+
+def pitch_points(curve: PitchCurve, tolerance_mm: float) -> Array:
+    """Points of a pitch curve, shape (n, 2), evenly spread, so that no chord strays from it by more than a tolerance.
+
+    Over an arc of length s, a chord strays by k s^2 / 8 at most, k being the largest curvature.
+    """
+    sharpest = max(abs(bound) for bound in curve.curvature_bounds)
+    count = ceil(curve.length_mm * sqrt(sharpest / (8.0 * tolerance_mm)))
+    return curve.at_length(np.linspace(0.0, curve.length_mm, count, endpoint=False)).position

@@ -1,0 +1,127 @@
+"""DXF files (AutoCAD 2010 and later) in mm: closed contours on named layers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from io import StringIO
+
+import ezdxf
+import numpy as np
+from ezdxf import units
+from ezdxf.document import Drawing as Document
+from ezdxf.layouts import Modelspace
+
+from ncgear.files.workshop.drawing import (
+    Circle,
+    Contour,
+    Cross,
+    Drawing,
+    Shape,
+    Use,
+    box_around,
+    gear_drawing,
+    pair_notes,
+)
+from ncgear.numerics.arrays import Array
+from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
+
+VERSION = "R2010"
+"""Read by every program of the last fifteen years, and the first version with all that is needed here."""
+
+COLORS = {Use.THROUGH: 7, Use.PART_WAY: 5, Use.REFERENCE: 1}
+"""By the AutoCAD colour index: black or white, blue, red."""
+
+CENTER_LINE = [6.0, 4.0, -0.75, 0.5, -0.75]
+"""Length in mm of the pattern, and its lines and gaps: what no machine should cut, drawn as centre lines are."""
+WHOLE_PATTERN = 128
+"""Flag of polylines along which the pattern goes on from chord to chord."""
+
+NOTES = "NOTES"
+LETTERS_ACROSS = 80.0
+"""Width of the drawing in heights of the notes' letters."""
+LINE_SPACING = 1.6
+"""In heights of letters."""
+SLACK = 1.1
+"""Height of the view that the file opens with, over that of what is drawn."""
+
+
+def dxf_files(drive: Drive) -> dict[str, bytes]:
+    """``driving.dxf`` and ``driven.dxf`` in their own frames, and ``pair.dxf`` as assembled, by their names."""
+    driving, driven = (gear_drawing(drive, gear) for gear in Gear)
+    assembled = {"DRIVING_": driving, "DRIVEN_": driven.moved(drive.pitch.center_distance_mm)}
+    return {
+        "driving.dxf": dxf_bytes({"": driving}, driving.notes),
+        "driven.dxf": dxf_bytes({"": driven}, driven.notes),
+        "pair.dxf": dxf_bytes(assembled, pair_notes(drive)),
+    }
+
+
+def dxf_bytes(drawings: Mapping[str, Drawing], notes: Sequence[str]) -> bytes:
+    """Drawings, by what the names of their layers begin with, in one file; the same give the same bytes.
+
+    The notes stand below them, and among the properties of the file.  Raises RuntimeError, a fault of ncgear, for a
+    file in which the library's audit finds a fault.
+    """
+    with _without_clock():
+        document = ezdxf.new(VERSION, units=units.MM)
+        document.linetypes.add("CENTER", CENTER_LINE, description="Center ____ _ ____")
+        for prefix, drawing in drawings.items():
+            _draw(document, drawing, prefix)
+        _write(document, notes, *box_around(drawings.values()))
+        if document.audit().has_issues:
+            raise RuntimeError(f"the DXF file of {notes[0]} has faults")
+        text = StringIO()
+        document.write(text)
+    return document.encode(text.getvalue())
+
+
+@contextmanager
+def _without_clock() -> Iterator[None]:
+    """Files without the time of writing and random identities."""
+    options = ezdxf.options
+    before = options.write_fixed_meta_data_for_testing
+    options.write_fixed_meta_data_for_testing = True
+    try:
+        yield
+    finally:
+        options.write_fixed_meta_data_for_testing = before
+
+
+def _draw(document: Document, drawing: Drawing, prefix: str) -> None:
+    for layer, shapes in drawing.layers.items():
+        line = "CENTER" if layer.use is Use.REFERENCE else "Continuous"
+        made = document.layers.add(f"{prefix}{layer.name}", color=COLORS[layer.use], linetype=line)
+        made.description = layer.words
+        for shape in shapes:
+            _add(document.modelspace(), shape, made.dxf.name)
+
+
+def _add(space: Modelspace, shape: Shape, layer: str) -> None:
+    attributes = {"layer": layer}
+    match shape:
+        case Contour():
+            rows = [(*point, bulge) for point, bulge in zip(shape.points.tolist(), shape.bulges.tolist(), strict=True)]
+            space.add_lwpolyline(rows, format="xyb", close=True, dxfattribs={**attributes, "flags": WHOLE_PATTERN})
+        case Circle():
+            space.add_circle((shape.x_mm, shape.y_mm), shape.radius_mm, dxfattribs=attributes)
+        case Cross():
+            for start, end in shape.lines.tolist():
+                space.add_line(start, end, dxfattribs=attributes)
+
+
+def _write(document: Document, notes: Sequence[str], low: Array, high: Array) -> None:
+    """Notes below the box of the drawings, line by line; programs open the file at a view of it all."""
+    document.layers.add(NOTES, color=COLORS[Use.THROUGH])
+    letter = float(high[0] - low[0]) / LETTERS_ACROSS
+    foot = low - np.array([0.0, LINE_SPACING * letter * (len(notes) + 1)])
+    for number, note in enumerate(notes, 1):
+        document.header.custom_vars.append(f"note {number}", note)
+        place = low - np.array([0.0, LINE_SPACING * letter * (number + 0.5)])
+        document.modelspace().add_text(
+            note, height=letter, dxfattribs={"layer": NOTES, "insert": tuple(place.tolist())}
+        )
+    document.header["$EXTMIN"], document.header["$EXTMAX"] = (*foot.tolist(), 0.0), (*high.tolist(), 0.0)
+    center = tuple(((foot + high) / 2.0).tolist())
+    document.set_modelspace_vport(SLACK * float(high[1] - foot[1]), center)

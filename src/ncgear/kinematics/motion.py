@@ -1,0 +1,221 @@
+"""The slider's motion at the operating speed: samples for tables and plots, and exact derivatives for peaks.
+
+Where the slider turns off sharply because the rod is hardly longer than crank and offset.
+
+With rod/crank = 1.0001 the slider stands still for half a turn of the crank, and its acceleration there is a peak
+0.014 rad of the crank wide, which samples over the whole stroke pass by.
+
+One cycle of the slider in stretches on which its motion is smooth: between joints of the law, dead
+centres, and cuts about sharp corners of the linkage.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from math import pi
+
+import numpy as np
+
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.resistance import Resistance
+from ncgear.numerics.arrays import Array, Mask
+from ncgear.numerics.jet import Jet
+from ncgear.numerics.units import RAD_S_PER_RPM
+from ncgear.numerics.zeros import zeros_between
+from ncgear.ratio.transmission import CLOSED, Piece, Transmission
+
+
+@dataclass(frozen=True, eq=False)
+class SliderMotion:
+    """Samples over the driving angle, all of shape (n,); force and power act in the working stroke only."""
+
+    phi1_rad: Array
+    phi2_rad: Array
+    ratio: Array
+    displacement_mm: Array
+    velocity_mm_s: Array
+    acceleration_mm_s2: Array
+    force_n: Array
+    power_w: Array
+
+    def __repr__(self) -> str:
+        last = float(np.degrees(self.phi1_rad[-1]))
+        return f"SliderMotion({self.phi1_rad.size} driving angles up to {last:.4g} deg)"
+
+
+@dataclass(frozen=True, eq=False)
+class Machine:
+    """A transmission that drives a crank-slider against a resistance at constant driving speed."""
+
+    transmission: Transmission
+    linkage: CrankSlider
+    resistance: Resistance
+    speed_rad_s: float
+
+    def __repr__(self) -> str:
+        return f"Machine({self.speed_rad_s / RAD_S_PER_RPM:.4g} r/min, {self.linkage!r},\n  {self.transmission!r})"
+
+    def displacement(self, phi1: Array, order: int) -> Jet:
+        """Slider displacement in mm, with derivatives by the driving angle."""
+        return self.linkage.displacement(self.transmission.driven_angle(phi1, order))
+
+    @cached_property
+    def extended_rad(self) -> float:
+        """Driving angle in the first cycle at which the slider is at its extended dead centre."""
+        target = self.linkage.working_angle_rad
+
+        def excess(phi1: Array) -> Array:
+            return self.transmission.driven_angle(phi1).value - target
+
+        last = self.transmission.cycle_rad * (1.0 - 1e-12)
+        return float(zeros_between(excess, np.array([0.0]), np.array([last]))[0])
+
+    def working(self, phi2: Array) -> Mask:
+        """Whether the slider is in its working stroke, at driven angles of shape (n,); at a dead centre, in the next.
+
+        A dead centre that the law misses by no more than its own closure may is taken as reached.
+        """
+        return np.mod(phi2 + CLOSED, 2.0 * pi) < self.linkage.working_angle_rad
+
+    def motion(self, phi1: Array) -> SliderMotion:
+        """The motion at driving angles in rad, shape (n,)."""
+        driven = self.transmission.driven_angle(phi1, 2)
+        displacement = self.linkage.displacement(driven)
+        velocity = displacement.derivative(1) * self.speed_rad_s
+        force = np.where(self.working(driven.value), self.resistance.force_n(displacement.value), 0.0)
+        return SliderMotion(
+            phi1_rad=phi1,
+            phi2_rad=driven.value,
+            ratio=1.0 / driven.derivative(1),
+            displacement_mm=displacement.value,
+            velocity_mm_s=velocity,
+            acceleration_mm_s2=displacement.derivative(2) * self.speed_rad_s**2,
+            force_n=force,
+            power_w=force * velocity / 1000.0,
+        )
+
+
+def sample_angles(transmission: Transmission, least: int = 2001) -> Array:
+    """Even driving angles over one cycle and at least one turn of the driving gear, both ends included."""
+    end = max(2.0 * pi, transmission.cycle_rad)
+    count = int(np.ceil((least - 1) * end / (2.0 * pi))) + 1
+    return np.linspace(0.0, end, count)
+
+
+SHARP_RAD = 0.5
+"""Width of a corner in crank angle below which it is looked at by itself: a tenth of a stroke that is sampled at 129
+points, on which wider ones have over ten; that is rod/crank = 1.13 (tests/test_kinematics.py)."""
+
+WIDENING = 4.0
+"""From cut to cut: between two of them the acceleration, which falls with the cube of the distance, is smooth."""
+
+
+def corner_cuts_rad(machine: Machine) -> Array:
+    """Driving angles in rad of one cycle that close in on each sharp corner; shape (0,) for ordinary linkages.
+
+    Raises ArithmeticError where a crank angle is not found, which a law that rises cannot cause.
+    """
+    corners = [_about(angle, width) for angle, width in machine.linkage.corners if width < SHARP_RAD]
+    if not corners:
+        return np.empty(0)
+    crank = np.unique(np.mod(np.concatenate(corners), 2.0 * pi))
+    return _driving_angles(machine, crank[crank > 0.0])
+
+
+def _about(angle: float, width: float) -> Array:
+    """Crank angles at a corner and at growing distances to both sides."""
+    distances = width * WIDENING ** np.arange(np.ceil(np.log(pi / width) / np.log(WIDENING)))
+    return angle + np.concatenate([-distances, [0.0], distances])
+
+
+def _driving_angles(machine: Machine, crank: Array) -> Array:
+    """Driving angles at crank angles within a turn, shape (n,); one next to the end, where none is cut, is left out."""
+
+    def driven(phi1: Array) -> Array:
+        return machine.transmission.driven_angle(phi1).value
+
+    end = machine.transmission.cycle_rad * (1.0 - 1e-12)
+    wanted = crank[crank < driven(np.array([end]))[0]]
+    return zeros_between(lambda phi1: driven(phi1) - wanted, np.zeros(wanted.shape), np.full(wanted.shape, end))
+
+
+LEAST = 1e-9
+"""Share of the law's period below which a stretch is rounding error of its ends."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """Driving angles from ``start_rad`` to ``end_rad``, within one piece of the law.
+
+    ``working`` tells the way from the retracted to the extended dead centre from the way back.  ``turned`` holds the
+    driving and the driven angle in rad at which the piece's period begins.
+    """
+
+    start_rad: float
+    end_rad: float
+    working: bool
+    linkage: CrankSlider
+    piece: Piece
+    turned: tuple[float, float]
+
+    @property
+    def knots_rad(self) -> tuple[float, ...]:
+        """Inner points at which a high derivative jumps."""
+        shifted = (knot + self.turned[0] for knot in self.piece.knots_rad)
+        return tuple(knot for knot in shifted if self.start_rad < knot < self.end_rad)
+
+    def driven_angle(self, phi1: Array, order: int) -> Jet:
+        """phi2 in rad, with derivatives by phi1; one-sided limits at the ends."""
+        driving, driven = self.turned
+        local = np.clip(phi1 - driving, self.piece.start_rad, self.piece.end_rad)
+        return self.piece.driven_angle(local, order) + driven
+
+    def displacement(self, phi1: Array, order: int) -> Jet:
+        """Slider displacement in mm, likewise."""
+        return self.linkage.displacement(self.driven_angle(phi1, order))
+
+    def between(self, start_rad: float, end_rad: float) -> Stretch:
+        """A part of it."""
+        return replace(self, start_rad=start_rad, end_rad=end_rad)
+
+
+def stretches(machine: Machine) -> list[Stretch]:
+    """The stretches of one cycle, in the order of the driving angle."""
+    lobes, cuts = machine.transmission.lobes, corner_cuts_rad(machine)
+    return [
+        stretch
+        for period in range(lobes.driven)
+        for piece in machine.transmission.pieces
+        for stretch in _of_piece(
+            machine, piece, (period * lobes.driving_period_rad, period * lobes.driven_period_rad), cuts
+        )
+    ]
+
+
+def _of_piece(machine: Machine, piece: Piece, turned: tuple[float, float], cuts: Array) -> Iterator[Stretch]:
+    """The parts of a piece between cuts, before and after the extended dead centre, as far as there are any."""
+    start, end, extended = piece.start_rad + turned[0], piece.end_rad + turned[0], machine.extended_rad
+    inner = [float(cut) for cut in (*cuts, extended) if start < cut < end]
+    for low, high in pairwise([start, *sorted(inner), end]):
+        if high - low > LEAST * machine.transmission.lobes.driving_period_rad:
+            yield Stretch(low, high, (low + high) / 2.0 < extended, machine.linkage, piece, turned)
+
+
+def cut(stretch: Stretch, displacements_mm: Array) -> list[Stretch]:
+    """A stretch of the working stroke cut where the slider passes displacements in mm, in rising order, shape (n,)."""
+    edges = [stretch.start_rad, *angles_at(stretch, displacements_mm).tolist(), stretch.end_rad]
+    return [stretch.between(low, high) for low, high in pairwise(edges)]
+
+
+def angles_at(stretch: Stretch, displacements_mm: Array) -> Array:
+    """Driving angles inside the stretch at which the slider passes any of the displacements, shape (n,), rising."""
+    ends = stretch.displacement(np.array([stretch.start_rad, stretch.end_rad]), 0).value
+    wanted_mm: Array = displacements_mm[(displacements_mm > ends.min()) & (displacements_mm < ends.max())]
+    if not wanted_mm.size:
+        return wanted_mm
+
+    around = np.full(wanted_mm.shape, stretch.start_rad), np.full(wanted_mm.shape, stretch.end_rad)
+    return np.unique(zeros_between(lambda phi1: stretch.displacement(phi1, 0).value - wanted_mm, *around))

@@ -1,0 +1,1 @@
+"""What the driven shaft turns: linkage, masses, resistance."""

@@ -1,0 +1,233 @@
+"""The resistance against the slider in its working stroke: what every form of it, from a curve of the force, gives.
+
+A resistance whose force is a polynomial of the displacement.
+
+A resistance given point by point.
+
+Between the points runs the monotone cubic of F. N. Fritsch and J. Butland, "A method for constructing local monotone
+piecewise cubic interpolants", SIAM J. Sci. Stat. Comput. 5 (1984): its slope is continuous, and the force never leaves
+the range of the two points beside it, so a table that is nowhere negative stays so.  Beyond the table's ends the force
+keeps its end value.
+
+A resistance written as an expression in ``x``, the displacement in mm.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.polynomial import Polynomial
+
+from ncgear.errors import WrongInput
+from ncgear.numerics import chebyshev, jet
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
+from ncgear.numerics.formula import composed
+from ncgear.numerics.jet import Jet
+from ncgear.numerics.zeros import all_zeros
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PPoly
+
+
+class Resistance(ABC):
+    """Force in N over the displacement in mm; a form gives the curve, its antiderivative, its zeros and its turns.
+
+    A curve may be negative where there is nothing to press, as the published baler's fit is below 33.7 mm; a
+    resistance cannot push, so negative values count as zero unless ``keep_negative``.
+    """
+
+    keep_negative: bool
+
+    @abstractmethod
+    def fitted_n(self, displacement: Jet) -> Jet:
+        """The curve itself, negative stretches included, with derivatives; one-sided where it has a corner."""
+
+    @abstractmethod
+    def work_from_retracted_n_mm(self, displacement_mm: Array, stroke_mm: float) -> Array:
+        """Integral of the curve itself from 0 to displacements within the stroke, shape (n,)."""
+
+    @abstractmethod
+    def zeros_mm(self, stroke_mm: float) -> Array:
+        """Displacements inside the stroke at which the curve is zero, in rising order."""
+
+    @abstractmethod
+    def turns_mm(self, stroke_mm: float) -> Array:
+        """Displacements inside the stroke between which the curve is smooth and monotone, in rising order."""
+
+    def negative_stretches_mm(self, stroke_mm: float) -> list[tuple[float, float]]:
+        """Stretches of the stroke on which the curve is negative."""
+        edges = [0.0, *self.zeros_mm(stroke_mm).tolist(), stroke_mm]
+        middles = np.array([(low + high) / 2.0 for low, high in pairwise(edges)])
+        negative = self.fitted_n(Jet(middles[None, :])).value < 0.0
+        return [stretch for stretch, below in zip(pairwise(edges), negative, strict=True) if below]
+
+    def force_n(self, displacement_mm: Array) -> Array:
+        """Force in N at displacements in mm, any shape."""
+        force = self.fitted_n(Jet(displacement_mm.reshape(1, -1))).value.reshape(displacement_mm.shape)
+        return force if self.keep_negative else np.maximum(force, 0.0)
+
+    def work_n_mm(self, displacement_mm: Array, stroke_mm: float) -> Array:
+        """Work in N mm from the retracted end to displacements in mm, shape (n,); the integral of ``force_n``."""
+        if self.keep_negative:
+            return self.work_from_retracted_n_mm(displacement_mm, stroke_mm)
+        edges = np.concatenate([[0.0], self.zeros_mm(stroke_mm), [stroke_mm]])
+        potential = self.work_from_retracted_n_mm(edges, stroke_mm)
+        whole = np.concatenate([[0.0], np.cumsum(np.maximum(np.diff(potential), 0.0))])
+        stretch = np.clip(np.searchsorted(edges, displacement_mm, side="right") - 1, 0, edges.size - 2)
+        begun = self.work_from_retracted_n_mm(displacement_mm, stroke_mm) - potential[stretch]
+        work: Array = whole[stretch] + np.maximum(begun, 0.0)
+        return work
+
+
+def within(displacements_mm: Array, stroke_mm: float) -> Array:
+    """Those of the displacements that lie inside the stroke, in rising order."""
+    return np.unique(displacements_mm[(displacements_mm > 0.0) & (displacements_mm < stroke_mm)])
+
+
+@dataclass(frozen=True)
+class PolynomialResistance(Resistance):
+    """Force in N against rising powers of the displacement in mm; without coefficients, no resistance."""
+
+    coefficients_n: tuple[float, ...] = (0.0,)
+    keep_negative: bool = False
+
+    def fitted_n(self, displacement: Jet) -> Jet:
+        """The polynomial itself, with derivatives."""
+        return jet.polynomial(self.coefficients_n, displacement)
+
+    def work_from_retracted_n_mm(self, displacement_mm: Array, stroke_mm: float) -> Array:
+        """The antiderivative of the polynomial."""
+        work: Array = Polynomial(self.coefficients_n).integ()(displacement_mm)
+        return work
+
+    def zeros_mm(self, stroke_mm: float) -> Array:
+        """Real zeros inside the stroke."""
+        return _real_zeros(Polynomial(self.coefficients_n), stroke_mm)
+
+    def turns_mm(self, stroke_mm: float) -> Array:
+        """Real zeros of the derivative inside the stroke."""
+        return _real_zeros(Polynomial(self.coefficients_n).deriv(), stroke_mm)
+
+
+def _real_zeros(curve: Polynomial, stroke_mm: float) -> Array:
+    zeros = curve.roots()
+    return within(zeros.real[np.abs(zeros.imag) < 1e-9 * stroke_mm], stroke_mm)
+
+
+@dataclass(frozen=True)
+class TableResistance(Resistance):
+    """Forces in N at strictly rising displacements in mm, two points or more.
+
+    Raises WrongInput for displacements that do not rise, and for unequal numbers of both.
+    """
+
+    displacement_mm: tuple[float, ...]
+    at_points_n: tuple[float, ...]
+    keep_negative: bool = False
+
+    def __post_init__(self) -> None:
+        points, forces = len(self.displacement_mm), len(self.at_points_n)
+        if points != forces or points < 2:
+            problem = f"{forces} forces for {points} displacements; one for each of two or more is right"
+            raise WrongInput(problem, key="resistance.table.force_n")
+        if not np.all(np.diff(self.displacement_mm) > 0.0):
+            raise WrongInput("the displacements must rise strictly", key="resistance.table.displacement_mm")
+
+    @cached_property
+    def _cubics(self) -> PPoly:
+        """The cubics between the points, and a constant on either side as long as the table itself or a stroke."""
+        from scipy.interpolate import PchipInterpolator, PPoly
+
+        inner = PchipInterpolator(self.displacement_mm, self.at_points_n)
+        first, last = self.displacement_mm[0], self.displacement_mm[-1]
+        before, after = np.zeros((4, 1)), np.zeros((4, 1))
+        before[3], after[3] = self.at_points_n[0], self.at_points_n[-1]
+        breaks = np.concatenate([[min(first, 0.0) - 1.0], inner.x, [last + 1.0]])
+        return PPoly(np.hstack([before, inner.c, after]), breaks)
+
+    def fitted_n(self, displacement: Jet) -> Jet:
+        """The cubic at each displacement, by Horner's rule on its own coefficients."""
+        cubics = self._cubics
+        place = np.searchsorted(cubics.x, displacement.value, side="right") - 1
+        piece = np.clip(place, 0, cubics.c.shape[1] - 1)
+        local = displacement + Jet(_padded(-cubics.x[piece], displacement.order))
+        result = displacement * 0.0
+        for row in cubics.c:
+            result = result * local + Jet(_padded(row[piece], displacement.order))
+        return result
+
+    def work_from_retracted_n_mm(self, displacement_mm: Array, stroke_mm: float) -> Array:
+        """The antiderivative of the cubics, which the last of them continues beyond the table."""
+        antiderivative = self._cubics.antiderivative()
+        work: Array = antiderivative(displacement_mm) - antiderivative(0.0)
+        return work
+
+    def zeros_mm(self, stroke_mm: float) -> Array:
+        """Zeros of the cubics, and both ends of stretches without force."""
+        forces, points = np.array(self.at_points_n), np.array(self.displacement_mm)
+        crossings = self._cubics.roots(extrapolate=False)
+        return within(np.concatenate([crossings[np.isfinite(crossings)], points[forces == 0.0]]), stroke_mm)
+
+    def turns_mm(self, stroke_mm: float) -> Array:
+        """The points of the table: the cubic between two of them is monotone."""
+        return within(np.array(self.displacement_mm), stroke_mm)
+
+
+def _padded(values: Array, order: int) -> Array:
+    """Coefficients of a jet that is constant at each point."""
+    coefficients = np.zeros((order + 1, values.size))
+    coefficients[0] = values
+    return coefficients
+
+
+KEY = "resistance.expression_n"
+
+
+@dataclass(frozen=True)
+class FormulaResistance(Resistance):
+    """Force in N as an expression in ``x``.
+
+    Raises WrongInput for what is no expression, or no smooth function over the stroke.
+    """
+
+    text: str
+    keep_negative: bool = False
+
+    @cached_property
+    def _function(self) -> Callable[[Jet], Jet]:
+        return composed(self.text, KEY, "x")
+
+    def fitted_n(self, displacement: Jet) -> Jet:
+        """The expression itself, with derivatives."""
+        return self._function(displacement)
+
+    def work_from_retracted_n_mm(self, displacement_mm: Array, stroke_mm: float) -> Array:
+        """The antiderivative of a piecewise Chebyshev form resolved to rounding error."""
+        return _form(self, 0, stroke_mm).integrated()(displacement_mm)
+
+    def zeros_mm(self, stroke_mm: float) -> Array:
+        """Zeros of the Chebyshev form."""
+        return within(all_zeros(_form(self, 0, stroke_mm)), stroke_mm)
+
+    def turns_mm(self, stroke_mm: float) -> Array:
+        """Zeros of the Chebyshev form of the derivative."""
+        return within(all_zeros(_form(self, 1, stroke_mm)), stroke_mm)
+
+
+@lru_cache(maxsize=16)
+def _form(resistance: FormulaResistance, derivative: int, stroke_mm: float) -> PiecewiseChebyshev:
+    def values(displacement_mm: Array) -> Array:
+        return resistance.fitted_n(Jet.variable(displacement_mm, derivative)).derivative(derivative)
+
+    try:
+        return chebyshev.fitted(values, np.array([0.0, stroke_mm]))
+    except NotSmooth as fault:
+        problem = f"{resistance.text!r} is no smooth function near x = {fault.at:.6g} mm; one over the whole stroke, "
+        raise WrongInput(f"{problem}0 to {stroke_mm:g} mm, or a table, is right", key=KEY) from fault

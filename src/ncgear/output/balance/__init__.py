@@ -1,1 +1,0 @@
-"""What ncgear balance says and draws."""

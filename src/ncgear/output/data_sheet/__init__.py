@@ -1,1 +1,0 @@
-"""The data sheet of a pair of gears: what a drawing needs beside the outline."""

@@ -1,1 +1,0 @@
-"""What ``ncgear optimize`` and ``ncgear frontier`` hand over."""

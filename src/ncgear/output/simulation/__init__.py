@@ -1,1 +1,0 @@
-"""What ``ncgear simulate`` hands over."""

@@ -1,1 +1,0 @@
-"""What a drive was found to be: the contents of summary.json."""

@@ -1,1 +1,0 @@
-"""Files for the workshop: drawings and meshes that other programs read."""

@@ -1,0 +1,1 @@
+"""The figures of four papers, computed and judged."""

@@ -1,0 +1,1 @@
+"""J. Wang, C. Wang, L. Miao: the non-circular gears of a baler."""

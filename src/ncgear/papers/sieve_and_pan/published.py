@@ -1,0 +1,47 @@
+"""What the paper gives of the oscillating sieve and of the return pan."""
+
+from __future__ import annotations
+
+from ncgear.balance.mechanism import JointMasses, Mechanism
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.masses import Masses
+from ncgear.numerics.units import RAD_S_PER_RPM
+from ncgear.ratio.laws.uniform import uniform_law
+from ncgear.ratio.transmission import Lobes
+
+SPEED_RPM = 350.0
+SPEED_RAD_S = SPEED_RPM * RAD_S_PER_RPM
+CRANK_MM, ARM_MM = 15.0, 45.0
+CRANK_KG, CRANK_CENTER_MM, ROLLER_KG = 1.0, 12.3, 0.26
+LEAST_SHARE, LARGEST_SHARE = 1.0 / 3.0, 1.0 / 2.0
+
+PAN_LINKAGE = CrankSlider(CRANK_MM, 1045.0)
+PAN_BOARD_KG, PAN_BOARD_PRINTED_MM = 23.7, 12.3
+PAN_PRINTED = JointMasses(rotating_kg=11.9, reciprocating_kg=12.86)
+
+SIEVE_LINKAGE = CrankSlider(CRANK_MM, 1378.0)
+SIEVE_BOARD_KG, SIEVE_BOARD_FROM_ROLLER_MM = 90.4, 448.0
+SIEVE_PRINTED = JointMasses(rotating_kg=29.5, reciprocating_kg=61.26)
+
+PAN_BOARD_FITTING_MM = 1045.0 * 12.6 / 23.7
+"""Where the printed masses of the board at pin and roller put its centre."""
+
+
+def masses(board_kg: float, center_mm: float) -> Masses:
+    """Crank, board and roller; the board's own inertia is not given and left out."""
+    return Masses(
+        slider_kg=ROLLER_KG,
+        rod_kg=board_kg,
+        rod_center_mm=center_mm,
+        crank_kg=CRANK_KG,
+        crank_center_mm=CRANK_CENTER_MM,
+    )
+
+
+def mechanism(linkage: CrankSlider, board_kg: float, center_mm: float) -> Mechanism:
+    """One of the two at its speed, driven evenly."""
+    return Mechanism(linkage, uniform_law(Lobes()), SPEED_RAD_S, masses(board_kg, center_mm))
+
+
+PAN = mechanism(PAN_LINKAGE, PAN_BOARD_KG, PAN_BOARD_FITTING_MM)
+SIEVE = mechanism(SIEVE_LINKAGE, SIEVE_BOARD_KG, 1378.0 - SIEVE_BOARD_FROM_ROLLER_MM)

@@ -1,0 +1,1 @@
+"""Z. Yu, Y. Li, X. Wang, Z. Tang, J. Lu: a threshing drum with a chain drive at its side."""

@@ -1,0 +1,1 @@
+"""A design file and all that follows from it."""

@@ -1,0 +1,74 @@
+"""The bodies of a design's gears: what is asked of them beside their teeth, in mm and rad."""
+
+from __future__ import annotations
+
+from math import radians
+
+from ncgear.design.keys.bodies import GearBody
+from ncgear.design.keys.bodies import Hub as AskedHub
+from ncgear.design.keys.gears import Gears
+from ncgear.solids.mesh.ring import RingBlank
+from ncgear.solids.plan.body import Blank, Bore, HoleSet, Hub, Keyway, SetScrew, WebSize
+
+RIM_IN_MODULES = 3.5
+"""Rim of a ring where the file says nothing: from this thickness on ISO 6336-3 counts no weakening of internal teeth
+(value from secondary sources)."""
+
+
+def blank_of(gears: Gears, body: GearBody) -> Blank:
+    """What is asked of the body of one gear that is no ring."""
+    return Blank(
+        face_width_mm=gears.face_width_mm,
+        bore=bore_of(body),
+        index_hole=gears.index_holes,
+        hub=_hub(body.hub, gears.face_width_mm) if body.hub else None,
+        web=_web(body),
+        holes=_holes(body),
+        chamfer_mm=gears.first_layer_chamfer_mm,
+        clearance_mm=gears.process_clearance_mm,
+    )
+
+
+def ring_blank_of(gears: Gears, module_mm: float) -> RingBlank:
+    """What is asked of the body of a driven ring."""
+    return RingBlank(
+        gears.face_width_mm,
+        rim_mm_of(gears, module_mm),
+        gears.index_holes,
+        gears.first_layer_chamfer_mm,
+        gears.process_clearance_mm,
+    )
+
+
+def rim_mm_of(gears: Gears, module_mm: float) -> float:
+    """Thickness of a ring outside its deepest root."""
+    return RIM_IN_MODULES * module_mm if gears.driven.rim_mm is None else gears.driven.rim_mm
+
+
+def bore_of(body: GearBody) -> Bore | None:
+    """A gear's bore with its keyway; None where there is none."""
+    keyway = Keyway(body.keyway.width_mm, body.keyway.depth_mm) if body.keyway else None
+    return Bore(body.bore_mm, keyway) if body.bore_mm is not None else None
+
+
+def _hub(asked: AskedHub, face_width_mm: float) -> Hub:
+    """The hub, its screw in the middle of its height where the file does not say."""
+    screw = asked.set_screw
+    if screw is None:
+        return Hub(asked.diameter_mm, asked.height_mm)
+    over_face = asked.height_mm / 2.0 if screw.height_mm is None else screw.height_mm
+    drilled = SetScrew(screw.diameter_mm, face_width_mm + over_face, radians(screw.direction_deg))
+    return Hub(asked.diameter_mm, asked.height_mm, drilled)
+
+
+def _web(body: GearBody) -> WebSize | None:
+    """The web, which leaves the hub's diameter about the axis where the file names no other."""
+    if body.web is None:
+        return None
+    around_axis = body.web.hub_mm if body.web.hub_mm is not None else body.hub.diameter_mm if body.hub else 0.0
+    return WebSize(body.web.thickness_mm, body.web.rim_mm, around_axis)
+
+
+def _holes(body: GearBody) -> HoleSet | None:
+    holes = body.lightening_holes
+    return HoleSet(holes.count, holes.least_wall_mm, holes.diameter_mm) if holes else None

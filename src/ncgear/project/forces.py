@@ -1,0 +1,77 @@
+"""The moving masses of a design.
+
+The teeth, the drive and the load of a design as they are simulated.
+"""
+
+from __future__ import annotations
+
+from math import cos, pi, radians, sin
+
+from ncgear.design.keys.masses import Gravity, Simulation
+from ncgear.design.keys.masses import Masses as Given
+from ncgear.dynamics.gaps import gaps_of
+from ncgear.dynamics.meshing import Friction, Impact, Meshing, hertz_stiffness
+from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, Motor, law_table
+from ncgear.errors import WrongInput
+from ncgear.mechanisms.masses import Masses
+from ncgear.numerics.units import N_PER_KG_MM_S2, RAD_S_PER_RPM
+from ncgear.pitch.pair import PitchPair
+from ncgear.teeth.gear import ToothedPair
+
+
+def masses_of(given: Given, driving_body_kg_mm2: float = 0.0, driven_body_kg_mm2: float = 0.0) -> Masses:
+    """What a design says of its masses; where it is silent on a gear, the moment of inertia of the gear's body."""
+    driving, driven = given.driving_gear_kg_mm2, given.driven_gear_kg_mm2
+    return Masses(
+        slider_kg=given.slider_kg,
+        rod_kg=given.rod.mass_kg,
+        rod_center_mm=given.rod.center_mm,
+        rod_inertia_kg_mm2=given.rod.inertia_kg_mm2,
+        crank_kg=given.crank.mass_kg,
+        crank_center_mm=given.crank.center_mm,
+        crank_inertia_kg_mm2=given.crank.inertia_kg_mm2,
+        driven_inertia_kg_mm2=driven_body_kg_mm2 if driven is None else driven,
+        driving_inertia_kg_mm2=driving_body_kg_mm2 if driving is None else driving,
+        flywheel_inertia_kg_mm2=given.flywheel.inertia_kg_mm2,
+        gravity_m_s2=_vector(given.gravity),
+    )
+
+
+def _vector(gravity: Gravity | None) -> tuple[float, float]:
+    if gravity is None:
+        return 0.0, 0.0
+    direction = radians(gravity.direction_deg)
+    return gravity.acceleration_m_s2 * cos(direction), gravity.acceleration_m_s2 * sin(direction)
+
+
+N_MM_PER_N_M = 1e3
+
+
+def meshing_of(given: Simulation, pitch: PitchPair, teeth: ToothedPair) -> Meshing:
+    """The pair of gears as it bears load."""
+    rub = given.friction
+    friction = Friction(rub.static, rub.dynamic, rub.static_speed_mm_s, rub.dynamic_speed_mm_s)
+    return Meshing(law_table(pitch.transmission), gaps_of(teeth, pitch), impact_of(given, pitch), friction)
+
+
+def impact_of(given: Simulation, pitch: PitchPair) -> Impact:
+    """The law of impact, with Hertz's stiffness where none is given."""
+    stiffness = given.stiffness_n_mm
+    if stiffness is None:
+        radii = pitch.driving.length_mm / (2.0 * pi), -pitch.mesh.sense * pitch.driven.length_mm / (2.0 * pi)
+        stiffness = hertz_stiffness(given.youngs_modulus_gpa, given.poisson, radii)
+    return Impact(stiffness, given.exponent, given.damping_n_s_mm, given.full_damping_depth_mm)
+
+
+def drive_line_of(given: Simulation, masses: Masses, speed_rad_s: float) -> DriveLine:
+    """What turns the driving gear; raises WrongInput where a motor has nothing to turn but teeth."""
+    motor = given.motor
+    if motor is None:
+        return EvenDrive(speed_rad_s)
+    if not masses.driving_shaft_kg_mm2 > 0.0:
+        raise WrongInput(
+            "0 given, but a motor's shaft needs inertia; give driving_gear_kg_mm2 or a flywheel",
+            key="masses.driving_gear_kg_mm2",
+        )
+    inertia = N_PER_KG_MM_S2 * masses.driving_shaft_kg_mm2
+    return Motor(motor.no_load_speed_rpm * RAD_S_PER_RPM, N_MM_PER_N_M * motor.stall_torque_n_m, inertia)

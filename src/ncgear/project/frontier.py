@@ -1,0 +1,165 @@
+"""A design's frontier, point by point on all cores; finished points are kept, so that a run can be taken up again."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, replace
+from hashlib import sha256
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+from ncgear import __version__
+from ncgear.design.keys.design import Design
+from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.extras import require
+from ncgear.interrupts import deaf_processes, end_processes, uninterrupted
+from ncgear.optimum.certified.limit import Bound
+from ncgear.optimum.figures import Figures
+from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, family_point, law_point
+from ncgear.project.law import linkage_of
+from ncgear.project.wishes import task_of, wishes_of
+
+KEPT = "frontier-points.jsonl"
+"""File of finished points in the output folder, one line each."""
+
+ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+"""Each process has a core to itself: linear algebra on several threads would only get in its own way."""
+
+
+@dataclass(frozen=True)
+class Frontier:
+    """Points in the order of their caps; family points are the best found at their cap or a lower one."""
+
+    laws: list[LawPoint]
+    families: list[FamilyPoint]
+
+
+class Kept:
+    """Finished points of one design on file; those of other designs or versions in the same file are left alone."""
+
+    def __init__(self, path: Path, design: Design) -> None:
+        self.path = path
+        self.key = sha256(f"{__version__} {design.model_dump_json()}".encode()).hexdigest()[:16]
+
+    def found(self) -> dict[tuple[str, float], dict[str, Any]]:
+        """Results by kind and cap; a line that was cut off when a run was killed, or is no entry, is passed over."""
+        if not self.path.exists():
+            return {}
+        results = {}
+        for line in self.path.read_text(encoding="utf-8", errors="replace").splitlines():
+            try:
+                entry = json.loads(line)
+            except json.JSONDecodeError:
+                continue
+            if isinstance(entry, dict) and entry.get("key") == self.key:
+                results[entry["kind"], entry["cap_w"]] = entry["result"]
+        return results
+
+    def add(self, kind: str, cap_w: float, result: dict[str, Any]) -> None:
+        """Write one more line."""
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        entry = {"key": self.key, "kind": kind, "cap_w": cap_w, "result": result}
+        with uninterrupted(), self.path.open("a", encoding="utf-8") as file:
+            # On a line of its own even after one that was cut off.
+            file.write(f"\n{json.dumps(entry)}\n")
+
+
+def frontier(design: Design, count: int, folder: Path, on_point: Callable[[int, int], None]) -> Frontier:
+    """The frontier of a design at ``count`` caps; ``on_point`` hears how many of how many points are done.
+
+    Raises WrongInput where nothing resists or the optimiser is not installed, NoSuchMechanism where no law keeps the
+    limits.
+    """
+    require("casadi", "optimize", "ncgear frontier")
+    if design.resistance is None:
+        raise WrongInput("missing; without it there is no power to set against acceleration", key="resistance")
+    kept = Kept(folder / KEPT, design)
+    caps = _caps(design, count, kept)
+    jobs = [(kind, cap) for cap in caps for kind in ("law", "family")]
+    found = kept.found()
+    missing = [job for job in jobs if job not in found]
+    on_point(len(jobs) - len(missing), len(jobs))
+    for done, (kind, cap, result) in enumerate(_computed(design, missing), start=len(jobs) - len(missing) + 1):
+        kept.add(kind, cap, result)
+        found[kind, cap] = result
+        on_point(done, len(jobs))
+    return _assembled(caps, found)
+
+
+def _caps(design: Design, count: int, kept: Kept) -> list[float]:
+    found = kept.found()
+    if ("caps", float(count)) in found:
+        return list(found["caps", float(count)]["caps_w"])
+    caps = caps_w(task_of(design, linkage_of(design)), wishes_of(design), count)
+    kept.add("caps", float(count), {"caps_w": caps})
+    return caps
+
+
+def _computed(design: Design, jobs: list[tuple[str, float]]) -> Iterator[tuple[str, float, dict[str, Any]]]:
+    """Results as they come, from one process per core."""
+    if not jobs:
+        return
+    with _one_thread_each(), ProcessPoolExecutor(os.cpu_count(), get_context("spawn")) as pool:
+        try:
+            with deaf_processes():
+                futures = {pool.submit(_point, design, *job): job for job in jobs}
+            for future in as_completed(futures):
+                yield (*futures[future], future.result())
+        except BaseException:
+            end_processes()
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+@contextmanager
+def _one_thread_each() -> Iterator[None]:
+    """The environment in which processes start; what the user has set stays."""
+    before = dict(os.environ)
+    os.environ.update({name: value for name, value in ONE_THREAD.items() if name not in before})
+    try:
+        yield
+    finally:
+        for name in ONE_THREAD:
+            if name not in before:
+                os.environ.pop(name, None)
+
+
+def _point(design: Design, kind: str, cap_w: float) -> dict[str, Any]:
+    """One point, in a process of its own; a point at which nothing is found is one, too."""
+    task, wishes = task_of(design, linkage_of(design)), wishes_of(design)
+    seed = design.optimize.seed if design.optimize else 0
+    if kind == "family":
+        return asdict(family_point(task, cap_w, seed))
+    try:
+        return asdict(law_point(task, wishes, cap_w))
+    except NoSuchMechanism as refusal:
+        return {"refused": refusal.problem}
+
+
+def _assembled(caps: list[float], found: dict[tuple[str, float], dict[str, Any]]) -> Frontier:
+    laws = [_law_point(found["law", cap]) for cap in caps if "refused" not in found["law", cap]]
+    if not laws:
+        raise NoSuchMechanism(found["law", caps[0]]["refused"], key="optimize.limits")
+    return Frontier(laws, _best_so_far([FamilyPoint(**found["family", cap]) for cap in caps]))
+
+
+def _law_point(result: dict[str, Any]) -> LawPoint:
+    return LawPoint(result["cap_w"], Bound(**result["bound"]), Figures(**result["law"]))
+
+
+def _best_so_far(points: list[FamilyPoint]) -> list[FamilyPoint]:
+    """A law that is allowed under one cap is allowed under every higher one."""
+    best: list[FamilyPoint] = []
+    for point in points:
+        before = best[-1] if best else None
+        if before is not None and before.peak_acceleration_mm_s2 is not None:
+            own = point.peak_acceleration_mm_s2
+            if own is None or own > before.peak_acceleration_mm_s2:
+                point = replace(before, cap_w=point.cap_w)
+        best.append(point)
+    return best

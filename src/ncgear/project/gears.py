@@ -1,0 +1,63 @@
+"""The gears of a design, in mm at a module: basic rack, tooth form, helix."""
+
+from __future__ import annotations
+
+from math import radians
+
+from ncgear.design.keys.gears import Gears, Rack
+from ncgear.dynamics.mesh_force import MeshPlace
+from ncgear.pitch.shape import Mesh
+from ncgear.solids.helical.helix import Hand, Helix
+from ncgear.teeth.form import Cutter, CutterKind, TipLimits, ToothForm
+from ncgear.teeth.rack import BasicRack, TipRelief
+
+
+def rack_of(gears: Gears, module_mm: float) -> BasicRack:
+    """The basic rack in mm at a module."""
+    rack = gears.rack
+    return BasicRack(
+        module_mm=module_mm,
+        pressure_angle_rad=radians(rack.pressure_angle_deg),
+        addendum_mm=rack.addendum * module_mm,
+        dedendum_mm=rack.dedendum * module_mm,
+        root_radius_mm=rack.root_radius * module_mm,
+        backlash_mm=gears.backlash_mm,
+        relief=_relief(rack, module_mm),
+    )
+
+
+def _relief(rack: Rack, module_mm: float) -> TipRelief | None:
+    if rack.tip_relief is None:
+        return None
+    start, full = rack.tip_relief.start * module_mm, rack.addendum * module_mm
+    return TipRelief(rack.tip_relief.amount * module_mm, start, full)
+
+
+def tooth_form(gears: Gears, module_mm: float) -> ToothForm:
+    """Everything asked of the teeth, in mm at a module; one shift given, the other is its opposite."""
+    shift = gears.profile_shift
+    driving = shift.driving if shift.driving is not None else 0.0 - (shift.driven or 0.0)
+    driven = shift.driven if shift.driven is not None else 0.0 - driving
+    return ToothForm(
+        rack=rack_of(gears, module_mm),
+        driving_shift_mm=driving * module_mm,
+        driven_shift_mm=driven * module_mm,
+        shift_for_undercut=shift.against_undercut,
+        cutter=Cutter(CutterKind(gears.cutter.kind), gears.cutter.teeth),
+        limits=TipLimits(gears.least_tip_land * module_mm, gears.undercut == "avoid"),
+        equivalent=gears.method == "equivalent_gear",
+    )
+
+
+def mesh_place(gears: Gears, center_distance_mm: float) -> MeshPlace:
+    """How the gears lie to each other and to the crank, as far as the force between them asks."""
+    rack, axis = radians(gears.rack.pressure_angle_deg), radians(gears.driving_axis_deg)
+    return MeshPlace(center_distance_mm, rack, Mesh(gears.mesh), axis)
+
+
+def helix_of(gears: Gears) -> Helix | None:
+    """The helix of the teeth; None where they are straight."""
+    helix = gears.helix
+    if helix is None:
+        return None
+    return Helix(radians(helix.angle_deg), gears.face_width_mm, Hand(helix.hand), helix.kind == "herringbone")

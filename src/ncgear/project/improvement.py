@@ -1,0 +1,121 @@
+"""The best law for a design's machine: its certified limit, the law itself, and its figures, each when asked for."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from ncgear.design.keys.design import Design
+from ncgear.errors import DesignError
+from ncgear.extras import require
+from ncgear.optimum.figures import Figures, figures
+from ncgear.optimum.makeable.wishes import Goal, Wishes
+from ncgear.optimum.task import Task
+from ncgear.project.law import Law, law_of, linkage_of
+from ncgear.project.wishes import task_of, wishes_of
+from ncgear.ratio.laws.uniform import uniform_law
+from ncgear.ratio.transmission import Train, single
+
+if TYPE_CHECKING:
+    from ncgear.optimum.certified.limit import Bound
+    from ncgear.optimum.makeable.law import MakeableLaw
+
+LIMIT_POINTS = 30
+"""Of the limit's curve: a smooth one, in half a second."""
+
+
+class Improvement:
+    """A design's machine with the best law that its wishes allow.
+
+    Whatever is asked for first may raise: WrongInput for wishes that contradict each other or the design,
+    NoSuchMechanism where no law keeps the limits.
+    """
+
+    def __init__(self, design: Design) -> None:
+        self.design = design
+
+    @cached_property
+    def wishes(self) -> Wishes:
+        """Goal and limits."""
+        return wishes_of(self.design)
+
+    @cached_property
+    def task(self) -> Task:
+        """The machine that the law is for."""
+        return task_of(self.design, linkage_of(self.design))
+
+    @cached_property
+    def bound(self) -> Bound:
+        """What no law can be below: of acceleration in mm/s2, power in W, or the weighted sum."""
+        from ncgear.optimum.certified import limit, weighted
+
+        task, wishes = self.task, self.wishes
+        match wishes.goal:
+            case Goal.ACCELERATION:
+                return limit.least_acceleration(task, wishes.limits)
+            case Goal.POWER:
+                return limit.least_power(task, wishes.limits)
+        assert wishes.weights is not None
+        return weighted.least_weighted_sum(task, wishes.limits, wishes.weights).sum
+
+    @cached_property
+    def law(self) -> MakeableLaw:
+        """The best makeable law; raises WrongInput where the optimiser is not installed."""
+        require("casadi", "optimize", "ncgear optimize")
+        from ncgear.optimum.makeable.law import makeable_law, random_starts, rough_start
+
+        asked, wishes = self.design.optimize, self.wishes
+        random = random_starts(wishes.harmonics, asked.starts - 1, asked.seed) if asked else ()
+        return makeable_law(self.task, wishes, [rough_start(self.task, wishes, self._roughly), *random])
+
+    @cached_property
+    def _roughly(self) -> float:
+        """A peak of acceleration in mm/s2 for the start: what a rough motion attains, or is allowed."""
+        from ncgear.optimum.certified import limit
+
+        allowed = self.wishes.limits.peak_acceleration_mm_s2
+        return allowed if allowed is not None else limit.least_acceleration(self.task, self.wishes.limits).attained
+
+    @cached_property
+    def train(self) -> Train:
+        """The law as gears follow it."""
+        return self.law.train(self.task.lobes)
+
+    @cached_property
+    def figures(self) -> Figures:
+        """Exact figures of the law."""
+        return figures(self.task, self.train)
+
+    @cached_property
+    def uniform_figures(self) -> Figures:
+        """Exact figures of a uniform crank on the same machine."""
+        return figures(self.task, single(uniform_law(self.task.lobes)))
+
+    @cached_property
+    def given_figures(self) -> Figures | None:
+        """Exact figures of the design's own law at the same speed; None where it has none that can be built."""
+        try:
+            given: Law = law_of(self.design)
+            return figures(self.task, given.train)
+        except DesignError:
+            return None
+
+    @cached_property
+    def limit_points(self) -> list[tuple[float, float]]:
+        """The certified limit over caps on the power: W and mm/s2; empty where nothing resists."""
+        from ncgear.optimum.frontier import limit_points
+
+        most = 1.2 * max(self.figures.peak_power_w, self.uniform_figures.peak_power_w)
+        return limit_points(self.task, self.wishes.limits, most, LIMIT_POINTS)
+
+    @property
+    def goal(self) -> float:
+        """What was to be least, of the law, in the units of the bound."""
+        found, wishes = self.figures, self.wishes
+        match wishes.goal:
+            case Goal.ACCELERATION:
+                return found.peak_acceleration_mm_s2
+            case Goal.POWER:
+                return found.peak_power_w
+        assert wishes.weights is not None
+        return wishes.weights.of(found.peak_acceleration_mm_s2, found.peak_power_w)

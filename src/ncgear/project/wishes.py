@@ -1,0 +1,133 @@
+"""What a design wishes of an optimised law, and the machine that it is made for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import pi, radians, sin
+from typing import NamedTuple
+
+from ncgear.design.keys.design import Design
+from ncgear.design.keys.gears import Gears
+from ncgear.design.keys.optimize import Limits, Optimize
+from ncgear.errors import WrongInput
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.numerics.units import RAD_S_PER_RPM
+from ncgear.optimum import task
+from ncgear.optimum.certified.weighted import Weights
+from ncgear.optimum.makeable.wishes import CurvatureWish, Goal, TwoStages, Wishes
+from ncgear.project.gears import rack_of
+from ncgear.project.law import lobes_of, resistance_of
+
+RACK_ANGLE_DEG = 20.0
+"""Pressure angle of the rack where a design has no gears: that of ISO 53."""
+
+
+def task_of(design: Design, linkage: CrankSlider) -> task.Task:
+    """The machine: linkage, resistance, speed and lobes."""
+    return task.Task(linkage, resistance_of(design), design.operation.speed_rpm * RAD_S_PER_RPM, lobes_of(design))
+
+
+def wishes_of(design: Design) -> Wishes:
+    """Goal and limits of a design; those of an empty block where it has none.
+
+    Raises WrongInput for a limit that needs gears which are not there, or that no curve can keep.
+    """
+    asked = design.optimize or Optimize()
+    limits = asked.limits
+    shared = limits.stages > 1
+    tangent_rad = _tangent_rad(limits, design.gears)
+    curvature = _curvature(limits, design.gears)
+    return Wishes(
+        limits=task.Limits(
+            ratio_min=limits.ratio_min,
+            ratio_max=limits.ratio_max,
+            peak_power_w=limits.peak_power_w,
+            peak_acceleration_mm_s2=limits.peak_acceleration_mm_s2,
+            working_rad=limits.working_angle,
+            pressure_angle_rad=None if shared else tangent_rad,
+            mass_kg=asked.slider_mass_kg,
+        ),
+        goal=Goal(asked.goal),
+        weights=_weights(asked),
+        peak_jerk_mm_s3=limits.peak_jerk_mm_s3,
+        driven_speed_rad_s=None if limits.driven_speed_rpm is None else limits.driven_speed_rpm * RAD_S_PER_RPM,
+        convex=limits.convex,
+        curvature_turns=curvature.turns,
+        curvature_wish=curvature.wish,
+        curvature_given=curvature.given,
+        rack_angle_rad=radians(_rack_angle_deg(design.gears)),
+        harmonics=asked.harmonics,
+        two_stages=TwoStages(tangent_rad) if shared else None,
+    )
+
+
+def _weights(asked: Optimize) -> Weights | None:
+    if asked.weights is None:
+        return None
+    return Weights(1.0 / asked.weights.acceleration_mm_s2, 1.0 / asked.weights.power_w)
+
+
+def _tangent_rad(limits: Limits, gears: Gears | None) -> float | None:
+    """What the rack leaves of the pressure angle to the pitch curves."""
+    if limits.pressure_angle_deg is None:
+        return None
+    rack = _rack_angle_deg(gears)
+    if not limits.pressure_angle_deg > rack:
+        raise WrongInput(
+            f"{limits.pressure_angle_deg:g} deg leaves nothing to the pitch curves: the rack alone has {rack:g} deg",
+            key="optimize.limits.pressure_angle_deg",
+        )
+    return radians(limits.pressure_angle_deg - rack)
+
+
+def _rack_angle_deg(gears: Gears | None) -> float:
+    return gears.rack.pressure_angle_deg if gears else RACK_ANGLE_DEG
+
+
+class _Curvature(NamedTuple):
+    """Greatest curvature times the length rolled in one cycle, and what it stands for."""
+
+    turns: float | None
+    wish: CurvatureWish
+    given: float
+
+
+def _curvature(limits: Limits, gears: Gears | None) -> _Curvature:
+    """The tighter of the limits by radius and by undercut."""
+    found = [*_of_radius(limits, gears), *_of_undercut(limits, gears)]
+    return min(found, default=_Curvature(None, CurvatureWish.LEAST_RADIUS, 1.0), key=lambda one: one.turns or 0.0)
+
+
+def _of_radius(limits: Limits, gears: Gears | None) -> Iterator[_Curvature]:
+    if limits.least_radius_mm is None:
+        return
+    if gears is None or gears.teeth is None or gears.module_mm is None:
+        raise WrongInput(
+            "given, but a radius in mm needs the length of the pitch curves: give gears.teeth and gears.module_mm",
+            key="optimize.limits.least_radius_mm",
+        )
+    driven_teeth = gears.teeth / gears.lobes.driving
+    turns = driven_teeth * pi * gears.module_mm / limits.least_radius_mm
+    if not turns > 2.0 * pi:
+        largest = driven_teeth * gears.module_mm / 2.0
+        raise WrongInput(
+            f"{limits.least_radius_mm:g} mm is what a circular driven gear has at most: under {largest:g} mm is right",
+            key="optimize.limits.least_radius_mm",
+        )
+    yield _Curvature(turns, CurvatureWish.LEAST_RADIUS, limits.least_radius_mm)
+
+
+def _of_undercut(limits: Limits, gears: Gears | None) -> Iterator[_Curvature]:
+    """k h < sin^2(alpha) with the depth h of the rack's flank."""
+    if not limits.free_of_undercut:
+        return
+    if gears is None or gears.teeth is None:
+        raise WrongInput("true, but of how many teeth? give gears.teeth", key="optimize.limits.free_of_undercut")
+    rack = rack_of(gears, 1.0)
+    turns = sin(rack.pressure_angle_rad) ** 2 * gears.teeth / gears.lobes.driving * pi / rack.flank_depth_mm
+    if not turns > 2.0 * pi:
+        raise WrongInput(
+            f"{gears.teeth} teeth are undercut even on a circle; more teeth are needed",
+            key="optimize.limits.free_of_undercut",
+        )
+    yield _Curvature(turns, CurvatureWish.UNDERCUT, float(gears.teeth))

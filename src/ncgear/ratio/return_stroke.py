@@ -1,0 +1,382 @@
+"""What a return must join, and how it is refused.
+
+The law of a return: a polynomial that stands for the ratio or for its inverse.
+
+Polynomials on [0, 1]: where they are least, what they integrate to.
+
+The multiple of a polynomial that closes the return, to rounding.
+
+Returns with the ends given and one coefficient free, in either basis.
+
+The return of least acceleration.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property
+
+import numpy as np
+from numpy.polynomial import Polynomial, legendre
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.numerics import chebyshev, jet
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
+from ncgear.numerics.jet import Jet
+from ncgear.numerics.units import in_words
+from ncgear.numerics.zeros import zeros_between
+from ncgear.ratio.transmission import CLOSED
+
+
+@dataclass(frozen=True)
+class ReturnEnds:
+    """What the return must join: driving angles, the driven angle to cover, ratio and its slope at both ends."""
+
+    start_rad: float
+    end_rad: float
+    start_driven_rad: float
+    end_driven_rad: float
+    start_ratio: float
+    start_ratio_slope: float
+    end_ratio: float
+    end_ratio_slope: float
+
+    @property
+    def length_rad(self) -> float:
+        """Driving angle of the return."""
+        return self.end_rad - self.start_rad
+
+    @property
+    def driven_length_rad(self) -> float:
+        """Driven angle of the return."""
+        return self.end_driven_rad - self.start_driven_rad
+
+    def inverted(self) -> ReturnEnds:
+        """The same ends for 1/i12 in place of i12."""
+        return replace(
+            self,
+            start_ratio=1.0 / self.start_ratio,
+            start_ratio_slope=-self.start_ratio_slope / self.start_ratio**2,
+            end_ratio=1.0 / self.end_ratio,
+            end_ratio_slope=-self.end_ratio_slope / self.end_ratio**2,
+        )
+
+
+def not_positive(at_rad: float, ends: ReturnEnds) -> NoSuchMechanism:
+    """The refusal of a ratio that is zero, negative or infinite at a driving angle in rad."""
+    return NoSuchMechanism(
+        f"the return's ratio passes through zero or infinity, or comes too near to it, at phi1 = "
+        f"{in_words(at_rad)}; {remedy(ends)}",
+        key="motion.return",
+    )
+
+
+def remedy(ends: ReturnEnds) -> str:
+    """What brings the ratio at theta4, which goes with 1/sqrt(-a1), nearer to the mean that the return must have."""
+    mean = ends.length_rad / ends.driven_length_rad
+    towards = "farther from" if ends.start_ratio > mean else "nearer to"
+    return (
+        f"the ratio is {ends.start_ratio:.4g} where it begins and must be {mean:.4g} in the mean: an a1 {towards} zero "
+        "brings the two together, another theta4, e or basis of the return may help"
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class ReturnLaw:
+    """The closed return: a polynomial in tau is i12, or 1/i12 when ``inverse`` is true.
+
+    Its coefficients may be 1e5 times its smallest value, so they are those ``about`` the place of that, in powers of
+    tau - about; there the constant term is the value.  ``correction``, which closes the cycle to rounding error, is
+    in tau and kept by itself, since it would be rounded off.
+    """
+
+    ends: ReturnEnds
+    local: Polynomial
+    inverse: bool
+    about: float = 0.0
+    correction: Polynomial = field(default_factory=lambda: Polynomial([0.0]))
+
+    @property
+    def polynomial(self) -> Polynomial:
+        """The polynomial in powers of tau."""
+        whole: Polynomial = self.local(Polynomial([-self.about, 1.0])) + self.correction
+        return whole
+
+    @property
+    def extrapolated_ratio(self) -> float:
+        """The polynomial's value at phi1 = 0, the published method's e."""
+        origin = -self.ends.start_rad / self.ends.length_rad
+        return float(self.local(origin - self.about) + self.correction(origin))
+
+    def slope(self, phi1: Array, order: int) -> Jet:
+        """dphi2/dphi1 = 1/i12 with derivatives."""
+        tau = (Jet.variable(phi1, order) - self.ends.start_rad) * (1.0 / self.ends.length_rad)
+        local, fine = (np.asarray(part.coef, dtype=float) for part in (self.local, self.correction))
+        value = jet.polynomial(local, tau - self.about) + jet.polynomial(fine, tau)
+        return value if self.inverse else 1.0 / value
+
+    def driven_angle(self, phi1: Array, order: int) -> Jet:
+        """phi2 with derivatives; the integral is spectral, to rounding error."""
+        values = self.ends.start_driven_rad + self._driven_integral(phi1)
+        if order == 0:
+            return Jet(values[None, :])
+        return self.slope(phi1, order - 1).integrated(values)
+
+    @cached_property
+    def _driven_integral(self) -> PiecewiseChebyshev:
+        ends = (self.ends.start_rad, self.ends.end_rad)
+        try:
+            return chebyshev.fitted(lambda phi1: self.slope(phi1, 0).value, ends).integrated()
+        except NotSmooth as fault:
+            raise not_positive(fault.at, self.ends) from fault
+
+    @property
+    def closure_error_rad(self) -> float:
+        """Driven angle of the return minus what it should be."""
+        return self._driven_integral.final - self.ends.driven_length_rad
+
+
+def lowest(polynomial: Polynomial) -> tuple[float, float]:
+    """Smallest value on [0, 1] and where."""
+    inner = polynomial.deriv().roots()
+    candidates = np.clip(inner.real[np.abs(inner.imag) < 1e-9], 0.0, 1.0)
+    points = np.concatenate([candidates, np.linspace(0.0, 1.0, 65)])
+    values = polynomial(points)
+    index = int(np.argmin(values))
+    return float(values[index]), float(points[index])
+
+
+def unit_integral(polynomial: Polynomial) -> float:
+    """Its integral over [0, 1]."""
+    antiderivative = polynomial.integ()
+    return float(antiderivative(1.0) - antiderivative(0.0))
+
+
+@cache
+def panels(count: int = 16, points: int = 16) -> tuple[Array, Array]:
+    """Composite Gauss-Legendre rule on [0, 1], panels shorter towards the ends."""
+    edges = (1.0 - np.cos(np.linspace(0.0, np.pi, count + 1))) / 2.0
+    unit, weights = legendre.leggauss(points)
+    middle, half = (edges[1:] + edges[:-1]) / 2.0, np.diff(edges) / 2.0
+    return (middle[:, None] + half[:, None] * unit).ravel(), (half[:, None] * weights).ravel()
+
+
+POLISHED = CLOSED / 20.0
+"""Closure error in rad at which no further Newton step is taken: 25 rounding errors of a full turn. A step costs a
+sixth of the time of the whole law, and would only move the rounding."""
+
+TOUCHING = 1e-12
+"""Share of the largest coefficient below which a value counts as none: 4500 rounding errors, of a touching point found
+as a root of a polynomial of degree nine."""
+
+
+def closed_ratio(ends: ReturnEnds, base: Polynomial, direction: Polynomial) -> ReturnLaw:
+    """i12 = base + c direction with c such that the return covers its driven angle.
+
+    ``direction`` is positive inside the return, so the covered angle falls as c grows; it grows without bound as c
+    falls to where the polynomial touches zero.  Between the two there is exactly one solution.
+    """
+    for ratio, at_rad in ((ends.start_ratio, ends.start_rad), (ends.end_ratio, ends.end_rad)):
+        if not ratio > 0.0:
+            raise not_positive(at_rad, ends)
+    least = _touching_multiple(base, direction)
+    scale = max(1.0, abs(least), *np.abs(base.coef))
+    target = ends.driven_length_rad / ends.length_rad
+    nodes, weights = panels()
+    base_values, direction_values = base(nodes), direction(nodes)
+
+    def excess(log_step: Array) -> Array:
+        covered: Array = (1.0 / (base_values + (least + np.exp(log_step)) * direction_values)) @ weights
+        return np.atleast_1d(covered - target)
+
+    low, high = np.array([np.log(scale) - 30.0]), np.array([np.log(scale) + 30.0])
+    if not excess(low)[0] > 0.0 > excess(high)[0]:
+        raise NoSuchMechanism(
+            f"the return from phi1 = {in_words(ends.start_rad)} cannot close: no "
+            f"polynomial of this basis covers a driven angle of {ends.driven_length_rad:.6g} rad; {remedy(ends)}",
+            key="motion.return",
+        )
+    step = np.exp(zeros_between(excess, low, high)[0])
+    local, about = _about_touching(base + least * direction)
+    return ReturnLaw(ends, local + step * direction(Polynomial([about, 1.0])), inverse=False, about=about)
+
+
+def _about_touching(polynomial: Polynomial) -> tuple[Polynomial, float]:
+    """A polynomial that touches zero inside [0, 1], in powers about that place, which loses no digits beside it.
+
+    Constant and linear term are zero but for rounding, and left out; what they were is made up for by what closes.
+    """
+    about = lowest(polynomial)[1]
+    for _ in range(3):
+        local = polynomial(Polynomial([about, 1.0]))
+        _, slope, bend = local.coef[:3]
+        if not bend > 0.0 or not 0.0 < about - 0.5 * slope / bend < 1.0:
+            return polynomial, 0.0
+        about -= 0.5 * slope / bend
+    local = polynomial(Polynomial([about, 1.0]))
+    noise = TOUCHING * np.max(np.abs(polynomial.coef))
+    if max(abs(local.coef[0]), abs(local.coef[1])) > noise:
+        return polynomial, 0.0
+    return Polynomial([0.0, 0.0, *local.coef[2:]]), float(about)
+
+
+def _touching_multiple(base: Polynomial, direction: Polynomial) -> float:
+    """Smallest c for which base + c direction is not negative on [0, 1]."""
+    inner = (base.deriv() * direction - base * direction.deriv()).roots()
+    candidates = inner.real[(np.abs(inner.imag) < 1e-9) & (inner.real > 1e-9) & (inner.real < 1.0 - 1e-9)]
+    samples = np.concatenate([candidates, np.linspace(0.02, 0.98, 97)])
+    # Nearer to the ends than this the double zeros of the direction drown in rounding, and the base decides alone.
+    samples = samples[direction(samples) > 1e-12]
+    return float(np.max(-base(samples) / direction(samples)))
+
+
+def polished(law: ReturnLaw, direction: Polynomial) -> ReturnLaw:
+    """Newton steps on the spectral integral, which the fixed panels of the solve only approximate.
+
+    Raises NoSuchMechanism when the ratio comes so near zero that closure cannot be reached to CLOSED.
+    """
+    best = law
+    for _ in range(6):
+        if abs(best.closure_error_rad) <= POLISHED:
+            return best
+        sensitivity = _closing_sensitivity(best.polynomial, direction)
+        step = direction * (best.closure_error_rad / (sensitivity * best.ends.length_rad))
+        candidate = replace(best, correction=best.correction + step)
+        positive = lowest(candidate.polynomial)[0] > 0.0
+        if not (positive and abs(candidate.closure_error_rad) < abs(best.closure_error_rad)):
+            break
+        best = candidate
+    if abs(best.closure_error_rad) > CLOSED:
+        raise NoSuchMechanism(
+            f"the return closes only to {best.closure_error_rad:.2g} rad: its ratio comes too near zero; "
+            f"{remedy(best.ends)}",
+            key="motion.return",
+        )
+    return best
+
+
+def _closing_sensitivity(polynomial: Polynomial, direction: Polynomial) -> float:
+    """How fast the integral of 1/polynomial over [0, 1] falls as a multiple of ``direction`` is added.
+
+    By the fixed panels: it only sets the length of a Newton step.
+    """
+    nodes, weights = panels()
+    return float(weights @ (direction(nodes) / polynomial(nodes) ** 2))
+
+
+BUMP = Polynomial([0.0, 0.0, 1.0, -2.0, 1.0])
+SKEW = Polynomial([-1.0, 2.0])
+
+
+def return_with_constant(ends: ReturnEnds, constant: float) -> ReturnLaw:
+    """The published return: i12 polynomial whose value extrapolated to phi1 = 0 is ``constant`` (the paper's e).
+
+    Raises NoSuchMechanism when no such polynomial closes the cycle with a positive ratio.
+    """
+    base, direction = published_family(ends, constant)
+    return polished(closed_ratio(ends, base, direction), direction)
+
+
+def published_family(ends: ReturnEnds, constant: float) -> tuple[Polynomial, Polynomial]:
+    """Polynomials in tau with the ends and the e of a return: the first one plus any multiple of the second."""
+    origin = -ends.start_rad / ends.length_rad
+    base = hermite(ends)
+    lift = (constant - base(origin)) / BUMP(origin)
+    return base + lift * BUMP, BUMP * Polynomial([-origin, 1.0])
+
+
+def hermite(ends: ReturnEnds) -> Polynomial:
+    """Cubic in tau with the values and slopes of the two ends."""
+    slope0, slope1 = ends.start_ratio_slope * ends.length_rad, ends.end_ratio_slope * ends.length_rad
+    rise = ends.end_ratio - ends.start_ratio
+    return Polynomial([ends.start_ratio, slope0, 3.0 * rise - 2.0 * slope0 - slope1, slope0 + slope1 - 2.0 * rise])
+
+
+def ratio_family(ends: ReturnEnds) -> Callable[[float], ReturnLaw]:
+    """The ratio's returns by their skewness, each closed; they raise NoSuchMechanism where none closes."""
+    base = hermite(ends)
+    return lambda skewness: closed_ratio(ends, base + skewness * SKEW * BUMP, BUMP)
+
+
+def inverse_family(ends: ReturnEnds) -> Callable[[float], ReturnLaw]:
+    """The same of the inverse of the ratio, which closes by a linear equation."""
+    base = hermite(ends.inverted())
+
+    def closed(skewness: float) -> ReturnLaw:
+        shape = base + skewness * SKEW * BUMP
+        missing = ends.driven_length_rad / ends.length_rad - unit_integral(shape)
+        polynomial = shape + BUMP * (missing / unit_integral(BUMP))
+        least, at = lowest(polynomial)
+        if not least > 0.0:
+            raise not_positive(ends.start_rad + at * ends.length_rad, ends)
+        return ReturnLaw(ends, polynomial, inverse=True)
+
+    return closed
+
+
+def return_of_least_acceleration(ends: ReturnEnds, linkage: CrankSlider, *, inverse: bool) -> ReturnLaw:
+    """The return whose peak slider acceleration is least within its basis.
+
+    The skewness of the polynomial is scanned, and the best of the scan refined by a bounded minimisation.
+    """
+    from scipy.optimize import minimize_scalar
+
+    family = inverse_family(ends) if inverse else ratio_family(ends)
+    evaluator = _ReturnAcceleration(ends, linkage)
+
+    def peak(skewness: float) -> float:
+        try:
+            return evaluator.peak(family(skewness))
+        except NoSuchMechanism:
+            return np.inf
+
+    scale = 16.0 * (ends.driven_length_rad / ends.length_rad) ** (1 if inverse else -1)
+    grid = scale * np.sinh(np.linspace(-3.0, 3.0, 31))
+    peaks = np.array([peak(skewness) for skewness in grid])
+    best = int(np.argmin(peaks))
+    if not np.isfinite(peaks[best]):
+        family(0.0)  # refuses by itself where the return cannot close
+        raise NoSuchMechanism("no return of this basis has a finite acceleration", key="motion.return")
+    bounds = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
+    wall = 1e6 * peaks[best]  # a minimiser that interpolates cannot work with infinities
+    refined = minimize_scalar(
+        lambda skewness: min(peak(skewness), wall), bounds=bounds, method="bounded", options={"xatol": 1e-7 * scale}
+    )
+    law = family(float(refined.x) if refined.fun <= peaks[best] else float(grid[best]))
+    return law if inverse else polished(law, BUMP)
+
+
+class _ReturnAcceleration:
+    """Peak of |d2x/dphi1^2| over a return, on one Chebyshev grid whose integration matrix is made once."""
+
+    DEGREE = 128
+
+    def __init__(self, ends: ReturnEnds, linkage: CrankSlider) -> None:
+        self._start = ends.start_driven_rad
+        self._linkage = linkage
+        start, end = np.array([ends.start_rad]), np.array([ends.end_rad])
+        self._points = chebyshev.nodes(start, end, self.DEGREE).ravel()
+        self._integration = chebyshev.integration_matrix(self.DEGREE) * (ends.length_rad / 2.0)
+
+    def peak(self, law: ReturnLaw) -> float:
+        """The peak; infinite where the ratio is zero at a point of the grid."""
+        with np.errstate(all="ignore"):
+            slope = law.slope(self._points, 1)
+            driven = slope.integrated(self._start + self._integration @ slope.value)
+            peak = _interpolated_peak(self._points, np.abs(self._linkage.displacement(driven).derivative(2)))
+        return peak if np.isfinite(peak) else np.inf
+
+
+def _interpolated_peak(points: Array, values: Array) -> float:
+    """Largest value of samples, of the parabola through the largest and its neighbours where it lies inside."""
+    top = int(np.argmax(values))
+    if not 0 < top < values.size - 1:
+        return float(values[top])
+    before, after = points[[top - 1, top + 1]] - points[top]
+    fall_before, fall_after = values[[top - 1, top + 1]] - values[top]
+    bend = (fall_after / after - fall_before / before) / (after - before)
+    slope = fall_before / before - bend * before
+    return float(values[top] - slope**2 / (4.0 * bend)) if bend < 0.0 else float(values[top])

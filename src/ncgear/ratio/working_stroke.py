@@ -1,0 +1,303 @@
+"""The three-segment working stroke: fast approach, constant compression speed, slowing down to the dead centre.
+
+Source: J. Wang, C. Wang, L. Miao, "Design of a non-circular gear-crank slider baler mechanism considering slider
+acceleration", eqs. (2.4) to (2.12) and (3.3) to (3.7).  In the driving angle phi1 the velocity is phi1 Q(phi1) in the
+first segment (Q cubic), constant in the second and delta R(delta) in the third (R quadratic, delta = theta4 - phi1):
+the zeros at both dead centres are divided out, which makes the inversion regular there.
+
+The conditions over-determine the stroke unless one quantity is left free.  Per radian of the driving angle the
+stroke is linear in v1/omega, v2/omega and a1/omega_ref^2, so each of them, the stroke itself, and the law speed omega
+follow in closed form.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import inf, pi
+from typing import Any, Generic
+
+import numpy as np
+from numpy.polynomial import Polynomial
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.arrays import Array, Number
+from ncgear.numerics.units import in_words
+
+
+@dataclass(frozen=True)
+class StrokeRequests(Generic[Number]):
+    """What is asked of one stroke, or, in arrays of shape (n,), of many; one field that may be None is solved for.
+
+    Angles of the driving gear in rad, velocities in mm/s at ``law_speed_rad_s``, ``a1_mm_s2`` at ``a1_speed_rad_s``
+    (None: at the law speed), ``stroke_mm`` the displacement to be covered.
+    """
+
+    theta1_rad: Number
+    theta2_rad: Number
+    theta3_rad: Number
+    theta4_rad: Number
+    v1_mm_s: Number | None
+    v2_mm_s: Number | None
+    a1_mm_s2: Number | None
+    law_speed_rad_s: Number | None
+    stroke_mm: Number | None
+    a1_speed_rad_s: Number | None = None
+
+
+@dataclass(frozen=True)
+class StrokeRequest(StrokeRequests[float]):
+    """What is asked of one stroke."""
+
+
+@dataclass(frozen=True, eq=False)
+class WorkingStrokes(Generic[Number]):
+    """One stroke that closes, or many; polynomials from the constant term upwards, in mm and rad, shape (m,) or (m, n).
+
+    ``approach_slope`` is Q(phi1) and ``approach_root`` is x/phi1^2 on [0, theta2]; ``braking_slope`` is R(delta) and
+    ``braking_root`` is (stroke - x)/delta^2 on [0, theta4 - theta3].
+    """
+
+    theta2_rad: Number
+    theta3_rad: Number
+    theta4_rad: Number
+    stroke_mm: Number
+    law_speed_rad_s: Number
+    v1_mm_s: Number
+    v2_mm_s: Number
+    a1_mm_s2: Number
+    pressing_mm_rad: Number
+    approach_slope: Array
+    approach_root: Array
+    braking_slope: Array
+    braking_root: Array
+
+    @property
+    def pressing_start_mm(self) -> Number:
+        """Displacement at theta2, where the constant speed begins."""
+        return self.theta2_rad**2 * _at(self.approach_root, self.theta2_rad)
+
+    @property
+    def closing_error_mm(self) -> Number:
+        """What the three segments together miss of the stroke; rounding error only."""
+        delta = self.theta4_rad - self.theta3_rad
+        braking = delta**2 * _at(self.braking_root, delta)
+        pressing = self.pressing_mm_rad * (self.theta3_rad - self.theta2_rad)
+        return self.pressing_start_mm + pressing + braking - self.stroke_mm
+
+
+@dataclass(frozen=True, eq=False)
+class WorkingStroke(WorkingStrokes[float]):
+    """One stroke that closes."""
+
+
+def solved_stroke(request: StrokeRequest) -> WorkingStroke:
+    """The stroke with its free quantity solved for, and proved to advance everywhere.
+
+    Raises NoSuchMechanism when no positive value closes the stroke, or when the slider stops or reverses on the way.
+    """
+    _refuse_backwards(request)
+    with np.errstate(all="ignore"):
+        closed = _closed(request)
+    if not 0.0 < _known(closed.law_speed_rad_s) < inf:
+        raise _no_speed(closed)
+    assembled = _assembled(closed).items()
+    fields: dict[str, Any] = {name: value if np.ndim(value) else float(value) for name, value in assembled}
+    stroke = WorkingStroke(**fields)
+    _refuse_reversal(stroke, request)
+    return stroke
+
+
+def closed_strokes(requests: StrokeRequests[Array]) -> WorkingStrokes[Array]:
+    """Many strokes with their free quantity solved for, of which nothing is proved.
+
+    Where no positive value closes the stroke that value is negative or not a number; others may stop or reverse.
+    """
+    with np.errstate(all="ignore"):
+        return WorkingStrokes(**_assembled(_closed(requests)))
+
+
+def _at(coefficients: Array, argument: Number) -> Number:
+    """A polynomial's value, or, with coefficients of shape (m, n), that of each at its own argument."""
+    value: Number = argument * 0.0
+    for coefficient in coefficients[::-1]:
+        value = value * argument + coefficient
+    return value
+
+
+def _approach_slope(request: StrokeRequests[Number], v1: Number, v2: Number) -> Array:
+    """Q on [0, theta2] in powers of phi1: the cubic Hermite form of v/phi1 between theta1 and theta2."""
+    t1, t2 = request.theta1_rad, request.theta2_rad
+    width = t2 - t1
+    value1, value2 = v1 / t1, v2 / t2
+    slope1, slope2 = -width * value1 / t1, -width * value2 / t2
+    rise = value2 - value1
+    return _shifted((value1, slope1, 3 * rise - 2 * slope1 - slope2, slope1 + slope2 - 2 * rise), t1, width)
+
+
+def _shifted(hermite: tuple[Number, ...], start: Number, width: Number) -> Array:
+    """A polynomial of (t - start) / width in powers of t, by Horner's rule."""
+    *lower, highest = hermite
+    powers: list[Any] = [highest]
+    for coefficient in lower[::-1]:
+        raised = [0.0, *powers]
+        powers = [(up - start * kept) / width for up, kept in zip(raised, [*powers, 0.0], strict=True)]
+        powers[0] = powers[0] + coefficient
+    return np.stack(powers)
+
+
+def _braking_slope(request: StrokeRequests[Number], v2: Number, a1: Number) -> Array:
+    """R in powers of delta: v = v2 and v' = 0 at theta3, v' = a1 at theta4."""
+    delta = request.theta4_rad - request.theta3_rad
+    start, mean = -a1, v2 / delta
+    return np.array([start, (3.0 * mean - 2.0 * start) / delta, (start - 2.0 * mean) / delta**2])
+
+
+def _root_form(slope: Array) -> Array:
+    """Integral of t * slope(t), divided by t^2."""
+    root: Array = (slope.T / np.arange(2.0, len(slope) + 2.0)).T
+    return root
+
+
+def _stroke_sensitivities(request: StrokeRequests[Number]) -> tuple[Number, Number, Number]:
+    """Stroke per unit of v1/omega, v2/omega and a1/omega_ref^2."""
+    t2 = request.theta2_rad
+    delta = request.theta4_rad - request.theta3_rad
+    none, unit = t2 * 0.0, t2 * 0.0 + 1.0
+
+    def approach(v1: Number, v2: Number) -> Number:
+        return _at(_root_form(_approach_slope(request, v1, v2)), t2) * t2**2
+
+    return approach(unit, none), approach(none, unit) + (request.theta3_rad - t2) + delta / 2.0, -(delta**2) / 12.0
+
+
+def _closed(request: StrokeRequests[Number]) -> StrokeRequests[Number]:
+    """The request with its free quantity filled in."""
+    per_v1, per_v2, per_a1 = _stroke_sensitivities(request)
+    if request.law_speed_rad_s is None:
+        return replace(request, law_speed_rad_s=1.0 / _closing_period(request, per_v1, per_v2, per_a1))
+    omega = request.law_speed_rad_s
+    factors = {
+        "v1_mm_s": per_v1 / omega,
+        "v2_mm_s": per_v2 / omega,
+        "a1_mm_s2": per_a1 / _a1_speed(request, omega) ** 2,
+    }
+    given = {name: getattr(request, name) for name in factors}
+    known = sum(factor * given[name] for name, factor in factors.items() if given[name] is not None)
+    if request.stroke_mm is None:
+        return replace(request, stroke_mm=known)
+    free = next(name for name, value in given.items() if value is None)
+    return replace(request, **{free: (request.stroke_mm - known) / factors[free]})
+
+
+def _closing_period(request: StrokeRequests[Number], per_v1: Number, per_v2: Number, per_a1: Number) -> Number:
+    """1/omega from the stroke: linear in it, or quadratic when a1 is stated at the law speed itself.
+
+    Not positive, or not a number, where nothing closes the stroke.
+    """
+    v1, v2, a1 = _known(request.v1_mm_s), _known(request.v2_mm_s), _known(request.a1_mm_s2)
+    stroke, linear = _known(request.stroke_mm), per_v1 * v1 + per_v2 * v2
+    if request.a1_speed_rad_s is not None:
+        return (stroke - per_a1 * a1 / request.a1_speed_rad_s**2) / linear
+    discriminant = linear**2 + 4.0 * per_a1 * a1 * stroke
+    root: Number = np.sqrt(discriminant)
+    return 2.0 * stroke / (linear + root)
+
+
+def _a1_speed(request: StrokeRequests[Number], law_speed: Number) -> Number:
+    """Speed in rad/s at which a1 holds."""
+    return law_speed if request.a1_speed_rad_s is None else request.a1_speed_rad_s
+
+
+def _no_speed(request: StrokeRequests[float]) -> NoSuchMechanism:
+    stroke, v1, v2, a1 = request.stroke_mm, request.v1_mm_s, request.v2_mm_s, request.a1_mm_s2
+    return NoSuchMechanism(
+        f"no law speed closes a stroke of {stroke:g} mm with v1 = {v1:g}, v2 = {v2:g} mm/s and a1 = {a1:g} mm/s^2; "
+        "bring a1 nearer to zero or solve for another quantity",
+        key="motion.solve_for",
+    )
+
+
+def _known(value: Number | None) -> Number:
+    if value is None:
+        raise ValueError("exactly one of law speed, v1, v2, a1 and stroke may be left open")
+    return value
+
+
+def _assembled(request: StrokeRequests[Number]) -> dict[str, Any]:
+    """The fields of the stroke that a closed request gives."""
+    omega, a1 = _known(request.law_speed_rad_s), _known(request.a1_mm_s2)
+    v1, v2 = _known(request.v1_mm_s), _known(request.v2_mm_s)
+    approach = _approach_slope(request, v1 / omega, v2 / omega)
+    braking = _braking_slope(request, v2 / omega, a1 / _a1_speed(request, omega) ** 2)
+    return {
+        "theta2_rad": request.theta2_rad,
+        "theta3_rad": request.theta3_rad,
+        "theta4_rad": request.theta4_rad,
+        "stroke_mm": _known(request.stroke_mm),
+        "law_speed_rad_s": omega,
+        "v1_mm_s": v1,
+        "v2_mm_s": v2,
+        "a1_mm_s2": a1,
+        "pressing_mm_rad": v2 / omega,
+        "approach_slope": approach,
+        "approach_root": _root_form(approach),
+        "braking_slope": braking,
+        "braking_root": _root_form(braking),
+    }
+
+
+def _refuse_backwards(request: StrokeRequests[float]) -> None:
+    """Without braking, v1 and v2 must lead forwards, whatever law speed is to be found."""
+    if request.law_speed_rad_s is not None:
+        return
+    per_v1, per_v2, _ = _stroke_sensitivities(request)
+    if not per_v1 * _known(request.v1_mm_s) + per_v2 * _known(request.v2_mm_s) > 0.0:
+        reason = "the approach goes backwards altogether; theta1 lies too near 0 or theta2"
+        raise _reversal(request.theta1_rad, reason, "motion.theta1_rad")
+
+
+def _refuse_reversal(stroke: WorkingStroke, request: StrokeRequest) -> None:
+    """Velocity must be positive between the dead centres, and its divided-out zeros must be simple.
+
+    Braking needs no look of its own: with u = delta / (theta4 - theta3), R = -a1 (1 - u)^2 + (v2 / delta34) u (3 - 2
+    u) is a sum of terms that are not negative.
+    """
+    if not stroke.v1_mm_s > 0.0:
+        raise _not_closing(request.theta1_rad, "v1_mm_s", stroke.v1_mm_s, _remedy_of_v1(request))
+    if not stroke.v2_mm_s > 0.0:
+        remedy = "lower v1, bring a1 nearer to zero or lengthen the stroke"
+        raise _not_closing(stroke.theta2_rad, "v2_mm_s", stroke.v2_mm_s, remedy)
+    if not stroke.a1_mm_s2 < 0.0:
+        raise _reversal(stroke.theta4_rad, f"a1 = {stroke.a1_mm_s2:.4g} mm/s^2 is not negative", "motion.a1_mm_s2")
+    angle = _first_zero(stroke.approach_slope, stroke.theta2_rad)
+    if angle is not None:
+        raise _reversal(angle, "v1 and v2 are too far apart, or theta1 lies too near theta2 or 0", "motion.v1_mm_s")
+
+
+def _remedy_of_v1(request: StrokeRequest) -> str:
+    """What leaves the approach a part of the stroke, or makes it cover one."""
+    if _stroke_sensitivities(request)[0] > 0.0:
+        return "lower v2, shorten the stretch at v2 (theta2 to theta3), bring a1 nearer to zero or lengthen the stroke"
+    return "theta1 lies too near 0 or theta2"
+
+
+def _first_zero(coefficients: Array, end: float) -> float | None:
+    """Smallest zero in [0, end], 0 if the polynomial starts negative, None if it is positive throughout."""
+    if not coefficients[0] > 0.0:
+        return 0.0
+    zeros = Polynomial(coefficients).roots()
+    real = zeros.real[(np.abs(zeros.imag) <= 1e-12 * (1.0 + np.abs(zeros.real)))]
+    inside = real[(real >= 0.0) & (real <= end)]
+    return float(inside.min()) if inside.size else None
+
+
+def _not_closing(angle: float, name: str, value: float, remedy: str) -> NoSuchMechanism:
+    return _reversal(angle, f"closing the stroke needs {name} = {value:.4g}; {remedy}", f"motion.{name}")
+
+
+def _reversal(angle: float, reason: str, key: str) -> NoSuchMechanism:
+    return NoSuchMechanism(
+        f"the slider stops or reverses inside the working stroke at phi1 = {in_words(angle)}, "
+        f"{angle / pi:.4g} pi: {reason}",
+        key=key,
+    )

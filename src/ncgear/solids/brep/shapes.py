@@ -1,0 +1,186 @@
+"""Closed wires in the plane z = 0: tooth outlines, bores, circles.
+
+Prisms: a plane section between wires, extruded along z; and cylinders along any axis.
+
+Solids and faces that a shape consists of, and what they measure.
+
+What is left of a solid, or what two become, as one solid again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import asin, cos, sin
+
+import numpy as np
+from OCP.BRepAlgoAPI import BRepAlgoAPI_BooleanOperation, BRepAlgoAPI_Cut, BRepAlgoAPI_Fuse
+from OCP.BRepBuilderAPI import (
+    BRepBuilderAPI_MakeEdge,
+    BRepBuilderAPI_MakeFace,
+    BRepBuilderAPI_MakeVertex,
+    BRepBuilderAPI_MakeWire,
+)
+from OCP.BRepGProp import BRepGProp
+from OCP.BRepPrimAPI import BRepPrimAPI_MakeCylinder, BRepPrimAPI_MakePrism
+from OCP.collections import Array1_double, Array1_gp_Pnt, Array1_int
+from OCP.GC import GC_MakeArcOfCircle, GC_MakeSegment
+from OCP.Geom import Geom_BSplineCurve, Geom_Curve
+from OCP.gp import gp_Ax2, gp_Circ, gp_Dir, gp_Pln, gp_Pnt, gp_Trsf, gp_Vec
+from OCP.GProp import GProp_GProps
+from OCP.ShapeFix import ShapeFix_Face
+from OCP.ShapeUpgrade import ShapeUpgrade_UnifySameDomain
+from OCP.TopAbs import TopAbs_FACE, TopAbs_ShapeEnum, TopAbs_SOLID
+from OCP.TopExp import TopExp_Explorer
+from OCP.TopLoc import TopLoc_Location
+from OCP.TopoDS import TopoDS_Face, TopoDS_Shape, TopoDS_Vertex, TopoDS_Wire
+
+from ncgear.numerics.arrays import Array
+from ncgear.solids.plan.body import Bore
+from ncgear.teeth.contour import DEGREE, Arc, Curve, Line, Spline
+
+UP = gp_Dir(0.0, 0.0, 1.0)
+
+
+def wire_of(curves: Sequence[Curve], height_mm: float = 0.0) -> TopoDS_Wire:
+    """A closed wire of curves, each of which begins where the last one ends; they share vertices there.
+
+    Raises RuntimeError, a fault of ncgear, where the kernel finds them apart.
+    """
+    vertices = [BRepBuilderAPI_MakeVertex(_point(curve.start, height_mm)).Vertex() for curve in curves]
+    maker = BRepBuilderAPI_MakeWire()
+    for curve, start, end in zip(curves, vertices, [*vertices[1:], vertices[0]], strict=True):
+        maker.Add(_edge(_geometry(curve, height_mm), start, end).Edge())
+        if not maker.IsDone():
+            raise RuntimeError(f"a curve that begins at {curve.start.tolist()} mm does not close an outline")
+    return maker.Wire()
+
+
+def circle_wire(x_mm: float, y_mm: float, radius_mm: float) -> TopoDS_Wire:
+    """A whole circle as one edge."""
+    circle = gp_Circ(gp_Ax2(gp_Pnt(x_mm, y_mm, 0.0), UP), radius_mm)
+    return BRepBuilderAPI_MakeWire(BRepBuilderAPI_MakeEdge(circle).Edge()).Wire()
+
+
+def bore_wire(bore: Bore) -> TopoDS_Wire:
+    """The bore's circle, or its arc and the three sides of the keyway."""
+    return circle_wire(0.0, 0.0, bore.diameter_mm / 2.0) if bore.keyway is None else wire_of(_keyed(bore))
+
+
+def _keyed(bore: Bore) -> list[Curve]:
+    assert bore.keyway is not None
+    radius, half, reach = bore.diameter_mm / 2.0, bore.keyway.width_mm / 2.0, bore.reach_mm
+    begin = asin(half / radius)
+    upper, lower = radius * np.array([[cos(begin), sin(begin)], [cos(begin), -sin(begin)]])
+    floor = np.array([[reach, -half], [reach, half]])
+    return [Arc(upper, np.array([-radius, 0.0]), lower), Line(lower, floor[0]), Line(*floor), Line(floor[1], upper)]
+
+
+def _edge(curve: Geom_Curve, start: TopoDS_Vertex, end: TopoDS_Vertex) -> BRepBuilderAPI_MakeEdge:
+    return BRepBuilderAPI_MakeEdge(curve, start, end, curve.FirstParameter(), curve.LastParameter())
+
+
+def _geometry(curve: Curve, height: float) -> Geom_Curve:
+    match curve:
+        case Line():
+            return GC_MakeSegment(_point(curve.start, height), _point(curve.end, height)).Value()
+        case Arc():
+            return GC_MakeArcOfCircle(*(_point(at, height) for at in (curve.start, curve.middle, curve.end))).Value()
+        case Spline():
+            return _bspline(curve, height)
+
+
+def _bspline(curve: Spline, height: float) -> Geom_BSplineCurve:
+    poles = Array1_gp_Pnt(1, len(curve.poles_mm))
+    for number, pole in enumerate(curve.poles_mm, 1):
+        poles.SetValue(number, _point(pole, height))
+    return Geom_BSplineCurve(poles, *knots_of(curve.knots), DEGREE)
+
+
+def knots_of(knots: Array) -> tuple[Array1_double, Array1_int]:
+    """Distinct knots and how often each stands, from knots of shape (n,)."""
+    distinct, times = np.unique(knots, return_counts=True)
+    values, multiplicities = Array1_double(1, distinct.size), Array1_int(1, distinct.size)
+    for number, (knot, count) in enumerate(zip(distinct, times, strict=True), 1):
+        values.SetValue(number, float(knot))
+        multiplicities.SetValue(number, int(count))
+    return values, multiplicities
+
+
+def _point(at: Array, height: float) -> gp_Pnt:
+    return gp_Pnt(float(at[0]), float(at[1]), height)
+
+
+def prism(outer: TopoDS_Wire, holes: Sequence[TopoDS_Wire], low_mm: float, high_mm: float) -> TopoDS_Shape:
+    """The solid between an outer wire and holes in z = 0, from a height to another."""
+    made = BRepPrimAPI_MakePrism(_section(outer, holes), gp_Vec(0.0, 0.0, high_mm - low_mm)).Shape()
+    return made if low_mm == 0.0 else made.Moved(_raised(low_mm))
+
+
+def cylinder(start_mm: Array, direction: Array, radius_mm: float, length_mm: float) -> TopoDS_Shape:
+    """The cylinder from a point of shape (3,) along a direction."""
+    axis = gp_Ax2(gp_Pnt(*start_mm.tolist()), gp_Dir(*direction.tolist()))
+    return BRepPrimAPI_MakeCylinder(axis, radius_mm, length_mm).Shape()
+
+
+def _raised(height: float) -> TopLoc_Location:
+    move = gp_Trsf()
+    move.SetTranslation(gp_Vec(0.0, 0.0, height))
+    return TopLoc_Location(move)
+
+
+def _section(outer: TopoDS_Wire, holes: Sequence[TopoDS_Wire]) -> TopoDS_Face:
+    """The face between wires, whatever their senses."""
+    maker = BRepBuilderAPI_MakeFace(gp_Pln(), outer, True)
+    for hole in holes:
+        maker.Add(hole)
+    fix = ShapeFix_Face(maker.Face())
+    fix.FixOrientation()
+    return fix.Face()
+
+
+def solids_of(shape: TopoDS_Shape) -> list[TopoDS_Shape]:
+    """Its solids in their order."""
+    return parts_of(shape, TopAbs_SOLID)
+
+
+def faces_of(shape: TopoDS_Shape) -> list[TopoDS_Shape]:
+    """Its faces in their order."""
+    return parts_of(shape, TopAbs_FACE)
+
+
+def volume_mm3(shape: TopoDS_Shape) -> float:
+    """The volume that a solid's faces enclose, to about five digits."""
+    properties = GProp_GProps()
+    BRepGProp.VolumeProperties_s(shape, properties)
+    return float(properties.Mass())
+
+
+def parts_of(shape: TopoDS_Shape, kind: TopAbs_ShapeEnum) -> list[TopoDS_Shape]:
+    """Its parts of a kind in their order."""
+    explorer, found = TopExp_Explorer(shape, kind), []
+    while explorer.More():
+        found.append(explorer.Current())
+        explorer.Next()
+    return found
+
+
+def fused(first: TopoDS_Shape, second: TopoDS_Shape) -> TopoDS_Shape:
+    """Two solids that touch, as one; faces that go on from one to the other become one."""
+    whole = ShapeUpgrade_UnifySameDomain(_one(BRepAlgoAPI_Fuse(first, second)), False, True, False)
+    whole.Build()
+    return whole.Shape()
+
+
+def cut(shape: TopoDS_Shape, tools: Sequence[TopoDS_Shape]) -> TopoDS_Shape:
+    """A solid without what tools take off it."""
+    for tool in tools:
+        shape = _one(BRepAlgoAPI_Cut(shape, tool))
+    return shape
+
+
+def _one(done: BRepAlgoAPI_BooleanOperation) -> TopoDS_Shape:
+    """The solid that an operation leaves; raises RuntimeError, a fault of ncgear, unless it is a single one."""
+    solids = solids_of(done.Shape()) if done.IsDone() else []
+    if len(solids) != 1:
+        raise RuntimeError(f"a gear's body falls into {len(solids)} solids")
+    return solids[0]

@@ -1,0 +1,1 @@
+"""Helical and herringbone teeth: sections, stacks and the surfaces through them."""

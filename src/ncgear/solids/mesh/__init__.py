@@ -1,0 +1,1 @@
+"""Gears as closed meshes of triangles."""

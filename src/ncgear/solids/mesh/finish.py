@@ -1,0 +1,127 @@
+"""Union and difference of meshes in double precision, by the manifold library.
+
+The radial set-screw hole of a hub, cut out of a mesh.
+
+Hub, pockets and set screw on a mesh that has been made without them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import manifold3d
+import numpy as np
+import shapely
+from shapely import Polygon
+from shapely.affinity import rotate
+from shapely.geometry.base import BaseGeometry
+from trimesh import Trimesh
+
+from ncgear.numerics.arrays import Array
+from ncgear.solids.mesh.layers import layered, require_sound
+from ncgear.solids.plan.body import BodyPlan, Layer, SetScrew, circle_points
+
+
+def solid_of(mesh: Trimesh) -> manifold3d.Manifold:
+    """A mesh for booleans, in double precision; raises RuntimeError where it is no closed solid."""
+    solid = manifold3d.Manifold(manifold3d.Mesh64(np.asarray(mesh.vertices), np.asarray(mesh.faces, dtype=np.uint64)))
+    if solid.status() != manifold3d.Error.NoError:
+        raise RuntimeError(f"a gear's mesh is no solid: {solid.status()}")
+    return solid
+
+
+def mesh_of(solid: manifold3d.Manifold) -> Trimesh:
+    """The mesh of a solid."""
+    made = solid.to_mesh64()
+    points: Array = np.asarray(made.vert_properties)[:, :3]
+    return Trimesh(points, np.asarray(made.tri_verts).astype(np.int64))
+
+
+SCREW_TOLERANCE = 1e-6
+"""Relative difference allowed between the volume that a screw hole takes and the quadrature of its sections, of which
+the hub's corners are the error (tests/test_bodies.py)."""
+
+GAUSS_POINTS = 8
+"""Of the quadrature between two corners of the hole's polygon."""
+
+LEVEL_DIGITS = 9
+"""Decimals of a mm at which corners of the hole's polygon are at one height."""
+
+
+def drilled_hub(mesh: Trimesh, plan: BodyPlan) -> Trimesh:
+    """The gear with the hole of its set screw; raises RuntimeError if the mesh is not sound, a fault of ncgear."""
+    hub = plan.hub
+    if hub is None or hub.set_screw is None:
+        return mesh
+    drill = _drill(hub.set_screw, hub.diameter_mm, plan.chord_tolerance_mm)
+    made = mesh_of(solid_of(mesh) - solid_of(drill))
+    taken = screw_hole_mm3(plan.layers[-1].section, hub.set_screw, plan.chord_tolerance_mm)
+    whole = float(mesh.volume)
+    require_sound(made, whole - taken, SCREW_TOLERANCE * taken / whole)
+    return made
+
+
+def screw_hole_mm3(section: BaseGeometry, screw: SetScrew, tolerance_mm: float) -> float:
+    """Volume that a screw hole takes out of a hub's section, by quadrature over the height; both as polygons."""
+    reach = 2.0 * float(np.abs(section.bounds).max())
+    turned = rotate(section, -screw.direction_rad, origin=(0.0, 0.0), use_radians=True)
+    strips = _strips(circle_points(screw.diameter_mm / 2.0, tolerance_mm))
+    return sum(
+        weight * float(turned.intersection(shapely.box(0.0, low, reach, high)).area) for low, high, weight in strips
+    )
+
+
+def _drill(screw: SetScrew, reach: float, tolerance: float) -> Trimesh:
+    """A cylinder along the screw, from the axis to beyond the hub."""
+    round_hole = Polygon(circle_points(screw.diameter_mm / 2.0, tolerance))
+    upright = layered((Layer(round_hole, 0.0, reach),))
+    along = np.array([np.cos(screw.direction_rad), np.sin(screw.direction_rad), 0.0])
+    axes = np.array([[-along[1], along[0], 0.0], [0.0, 0.0, 1.0], along])
+    return Trimesh(np.asarray(upright.vertices) @ axes + [0.0, 0.0, screw.height_mm], upright.faces, process=False)
+
+
+def _strips(ring: Array) -> Iterator[tuple[float, float, float]]:
+    """From where to where a convex ring (n, 2) reaches across at Gauss points of its height, and their weights."""
+    nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
+    start, end = ring, np.roll(ring, -1, axis=0)
+    for low, high in pairwise(np.unique(np.round(ring[:, 1], LEVEL_DIGITS))):
+        half = (high - low) / 2.0
+        for height, weight in zip(low + half * (1.0 + nodes), half * weights, strict=True):
+            crossing = (start[:, 1] > height) != (end[:, 1] > height)
+            (x0, y0), (x1, y1) = start[crossing].T, end[crossing].T
+            across = x0 + (x1 - x0) * (height - y0) / (y1 - y0)
+            yield float(across.min()), float(across.max()), float(weight)
+
+
+VOLUME_TOLERANCE = 1e-9
+"""Relative difference allowed between the mesh's volume and that of its parts: rounding only."""
+
+
+def finished(toothed: Trimesh, plan: BodyPlan) -> Trimesh:
+    """A toothed mesh of the plan's face width and through cuts with the plan's pockets, hub and set screw.
+
+    Raises RuntimeError if the mesh is not sound, a fault of ncgear.
+    """
+    if plan.is_plate:
+        return toothed
+    solid, volume = solid_of(toothed), float(toothed.volume)
+    for pocket in _pockets(plan):
+        solid -= solid_of(layered((pocket,)))
+        volume -= pocket.section.intersection(plan.section).area * (plan.face_width_mm - pocket.low_mm)
+    if plan.hub is not None:
+        top = plan.layers[-1]
+        # From within the gear, so that both have a volume in common and not just a face.
+        solid += solid_of(layered((Layer(top.section, plan.face_width_mm / 2.0, top.high_mm),)))
+        volume += top.section.area * top.thickness_mm
+    made = mesh_of(solid)
+    require_sound(made, volume, VOLUME_TOLERANCE)
+    return drilled_hub(made, plan)
+
+
+def _pockets(plan: BodyPlan) -> list[Layer]:
+    """Prisms that the pockets cut, to beyond the upper face."""
+    if plan.web is None:
+        return []
+    low, high = plan.web.thickness_mm, plan.face_width_mm
+    return [Layer(pocket, low, 2.0 * high - low) for pocket in plan.web.pockets]

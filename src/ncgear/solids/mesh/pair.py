@@ -1,0 +1,77 @@
+"""Both gears of a pair as solids, with the marks that show how they go together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from trimesh import Trimesh
+
+from ncgear.numerics.arrays import Array
+from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
+from ncgear.solids.mesh.bevel import bevel_of
+from ncgear.solids.mesh.finish import drilled_hub
+from ncgear.solids.mesh.layers import layered
+from ncgear.solids.plan.body import Blank, BodyPlan, RoundHole
+from ncgear.solids.plan.plan import planned
+
+CHAMFER_KEY = "gears.first_layer_chamfer_mm"
+
+
+@dataclass(frozen=True, eq=False)
+class GearSolid:
+    """One gear's mesh in its own frame at phi1 = 0, and the plan that it was made by."""
+
+    mesh: Trimesh
+    plan: BodyPlan
+
+    @property
+    def index_hole(self) -> RoundHole | None:
+        """Where one was wanted and had room."""
+        return self.plan.index_hole
+
+    def __repr__(self) -> str:
+        size = " x ".join(f"{length:.4g}" for length in self.mesh.extents)
+        mark = "with" if self.index_hole else "no"
+        return f"GearSolid({size} mm, {len(self.mesh.faces)} triangles, {mark} index hole)"
+
+
+@dataclass(frozen=True, eq=False)
+class SolidPair:
+    """The solids of a pair."""
+
+    driving: GearSolid
+    driven: GearSolid
+
+    def of(self, gear: Gear) -> GearSolid:
+        """One of them."""
+        return self.driving if gear is Gear.DRIVING else self.driven
+
+    def __repr__(self) -> str:
+        return f"SolidPair(\n  driving: {self.driving!r},\n  driven: {self.driven!r})"
+
+
+def driving_solid(
+    outline_mm: Array, blank: Blank, module_mm: float, chord_tolerance_mm: float, mesh: Mesh = Mesh.EXTERNAL
+) -> GearSolid:
+    """The driving gear, with all that its blank asks; raises as ``planned`` and ``solid_of_plan`` do."""
+    direction = meeting_direction_rad(Gear.DRIVING, mesh)
+    return solid_of_plan(planned(outline_mm, blank, direction, module_mm, chord_tolerance_mm, "gears.driving"))
+
+
+def driven_solid(outline_mm: Array, blank: Blank, module_mm: float, chord_tolerance_mm: float) -> GearSolid:
+    """The driven gear of an external pair with all that its blank asks.
+
+    Raises as ``planned`` and ``solid_of_plan`` do.
+    """
+    direction = meeting_direction_rad(Gear.DRIVEN, Mesh.EXTERNAL)
+    return solid_of_plan(planned(outline_mm, blank, direction, module_mm, chord_tolerance_mm, "gears.driven"))
+
+
+def solid_of_plan(plan: BodyPlan) -> GearSolid:
+    """The solid of a gear with straight teeth.
+
+    Raises WrongInput where the gear has a part too thin for the chamfer, RuntimeError if the mesh is not sound, a fault
+    of ncgear.
+    """
+    bevel = bevel_of(plan.section, plan.chamfer_mm, plan.chord_tolerance_mm, CHAMFER_KEY) if plan.chamfer_mm else None
+    return GearSolid(drilled_hub(layered(plan.layers, bevel), plan), plan)

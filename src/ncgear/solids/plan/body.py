@@ -1,0 +1,254 @@
+"""The bore of a gear, with or without a keyway, as a polygon.
+
+A round hole through a gear, parallel to its axis.
+
+What is asked of a gear's body, before it is known what there is room for; all lengths in mm.
+
+A gear's body as a workshop describes it: what stands, and what is cut; every solid and every drawing is made of it.
+
+All lengths in mm in the gear's own frame: axis along z through the origin, lower face at z = 0, pose of phi1 = 0.
+
+- ``disc``: section of the toothed part at z = 0 before anything is cut; its exterior is the tooth outline (of a ring:
+  its circle, and the one interior is the tooth outline), already moved inwards by the clearance for the process.
+- through cuts: ``bore`` with its keyway (enlarged by the clearance), ``index_hole``, ``lightening_holes``: circles, and
+  for a keyway ``bore_points``.
+- ``web``: pockets from the upper face down to the web, as polygons; a pocket's floor is at ``web.thickness_mm``.
+- ``hub``: a cylinder about the axis on the upper face; the bore goes through it, and so does from one side, down to the
+  bore, its radial ``set_screw`` hole.
+- ``chamfer_mm``: the bevel of all edges of the face at z = 0, whose section there is moved inwards by it.
+
+Of helical teeth the disc is the section at z = 0 alone; all else is the same at every height.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import acos, asin, ceil, pi
+
+import numpy as np
+import shapely
+from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
+
+from ncgear.numerics.arrays import Array
+
+FEWEST_CHORDS = 24
+"""Chords of a full circle however coarse the tolerance, so that a small bore still looks round."""
+
+
+@dataclass(frozen=True)
+class Keyway:
+    """A keyway cut along +x of the gear's frame; ``depth_mm`` counts from the bore's circle at the keyway's middle."""
+
+    width_mm: float
+    depth_mm: float
+
+
+@dataclass(frozen=True)
+class Bore:
+    """A bore on the gear's axis; raises ValueError for a keyway that is no narrower than the bore."""
+
+    diameter_mm: float
+    keyway: Keyway | None = None
+
+    def __post_init__(self) -> None:
+        if self.keyway is not None and self.keyway.width_mm >= self.diameter_mm:
+            raise ValueError(f"a keyway of {self.keyway.width_mm} mm in a bore of {self.diameter_mm} mm")
+
+    @property
+    def reach_mm(self) -> float:
+        """Distance from the axis to the keyway's floor, or to the bore's circle where there is no keyway."""
+        return self.diameter_mm / 2.0 + (self.keyway.depth_mm if self.keyway else 0.0)
+
+    def widened(self, distance_mm: float) -> Bore:
+        """The bore with its circle and all sides of its keyway moved outwards by a distance."""
+        keyway = replace(self.keyway, width_mm=self.keyway.width_mm + 2.0 * distance_mm) if self.keyway else None
+        return Bore(self.diameter_mm + 2.0 * distance_mm, keyway)
+
+
+def bore_points(bore: Bore, chord_tolerance_mm: float) -> Array:
+    """The bore's polygon in mm, shape (n, 2), counter-clockwise, first point not repeated.
+
+    Its points lie on the circle and no chord is farther from it than ``chord_tolerance_mm``.
+    """
+    radius = bore.diameter_mm / 2.0
+    if bore.keyway is None:
+        return circle_points(radius, chord_tolerance_mm)
+    half_width = bore.keyway.width_mm / 2.0
+    start = asin(half_width / radius)
+    floor = np.array([[bore.reach_mm, -half_width], [bore.reach_mm, half_width]])
+    return np.concatenate([_arc(radius, start, 2.0 * pi - start, chord_tolerance_mm), floor])
+
+
+def circle_points(radius_mm: float, chord_tolerance_mm: float) -> Array:
+    """A circle about the origin as a polygon in mm, like ``bore_points``."""
+    return _arc(radius_mm, 0.0, 2.0 * pi, chord_tolerance_mm)[:-1]
+
+
+def _arc(radius: float, start: float, end: float, tolerance: float) -> Array:
+    """Points of an arc, both ends included: a chord that spans 2 t misses the circle by radius (1 - cos t)."""
+    widest = 2.0 * acos(max(1.0 - tolerance / radius, 0.0))
+    chords = ceil((end - start) / min(widest, 2.0 * pi / FEWEST_CHORDS))
+    angle = np.linspace(start, end, chords + 1)
+    return radius * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+@dataclass(frozen=True)
+class RoundHole:
+    """A round through hole; centre in the gear's own frame."""
+
+    x_mm: float
+    y_mm: float
+    diameter_mm: float
+
+
+def hole_points(hole: RoundHole, chord_tolerance_mm: float) -> Array:
+    """The hole's polygon in mm, shape (n, 2), counter-clockwise, first point not repeated."""
+    center = np.array([hole.x_mm, hole.y_mm])
+    return center + circle_points(hole.diameter_mm / 2.0, chord_tolerance_mm)
+
+
+@dataclass(frozen=True)
+class WebSize:
+    """A web under pockets: its thickness, the least wall to the tooth roots, the diameter left about the axis."""
+
+    thickness_mm: float
+    rim_mm: float
+    hub_mm: float
+
+
+@dataclass(frozen=True)
+class HoleSet:
+    """Round holes evenly about the axis with their least wall to every edge and to each other.
+
+    Of one diameter, the largest possible where none is given.
+    """
+
+    count: int
+    wall_mm: float
+    diameter_mm: float | None = None
+
+
+@dataclass(frozen=True)
+class Blank:
+    """What makes a tooth outline a body: face width, bore, and whether an index hole is wanted, hub, web, holes.
+
+    ``clearance_mm`` is what the process wants outline and bore moved into the material by, ``chamfer_mm`` the bevel of
+    the lower edges.
+    """
+
+    face_width_mm: float
+    bore: Bore | None = None
+    index_hole: bool = False
+    hub: Hub | None = None
+    web: WebSize | None = None
+    holes: HoleSet | None = None
+    chamfer_mm: float = 0.0
+    clearance_mm: float = 0.0
+
+
+@dataclass(frozen=True)
+class SetScrew:
+    """A radial hole from a hub's side to the bore: its axis at ``height_mm`` over z = 0, at a polar angle."""
+
+    diameter_mm: float
+    height_mm: float
+    direction_rad: float
+
+
+@dataclass(frozen=True)
+class Hub:
+    """A cylinder about the axis, ``height_mm`` high over the upper face."""
+
+    diameter_mm: float
+    height_mm: float
+    set_screw: SetScrew | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Web:
+    """What is left between z = 0 and ``thickness_mm`` under pockets that are open to the upper face."""
+
+    thickness_mm: float
+    pockets: tuple[Polygon, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """A part of a body that has one section from a height to another; polygons, one or more."""
+
+    section: BaseGeometry
+    low_mm: float
+    high_mm: float
+
+    @property
+    def thickness_mm(self) -> float:
+        """How high it is."""
+        return self.high_mm - self.low_mm
+
+
+@dataclass(frozen=True, eq=False)
+class BodyPlan:
+    """One gear's body; see the module.
+
+    Curves become polygons whose chords stay within ``chord_tolerance_mm``.  ``clearance_mm`` is what outline and bore
+    have been moved by already.
+    """
+
+    disc: Polygon
+    face_width_mm: float
+    chord_tolerance_mm: float
+    bore: Bore | None = None
+    index_hole: RoundHole | None = None
+    lightening_holes: tuple[RoundHole, ...] = ()
+    hub: Hub | None = None
+    web: Web | None = None
+    chamfer_mm: float = 0.0
+    clearance_mm: float = 0.0
+
+    @property
+    def round_holes(self) -> tuple[RoundHole, ...]:
+        """All round through holes beside the axis."""
+        return (*([self.index_hole] if self.index_hole else []), *self.lightening_holes)
+
+    @property
+    def is_ring(self) -> bool:
+        """Whether the teeth point inwards."""
+        return len(self.disc.interiors) > 0
+
+    @property
+    def height_mm(self) -> float:
+        """From z = 0 to the top of the hub, or to the upper face."""
+        return self.face_width_mm + (self.hub.height_mm if self.hub else 0.0)
+
+    @property
+    def is_plate(self) -> bool:
+        """Whether one section goes all the way up."""
+        return self.hub is None and self.web is None and self.chamfer_mm == 0.0
+
+    @cached_property
+    def bore_polygon(self) -> Polygon:
+        """The bore with its keyway; empty where there is none."""
+        return Polygon(bore_points(self.bore, self.chord_tolerance_mm)) if self.bore else Polygon()
+
+    @cached_property
+    def section(self) -> Polygon:
+        """The section under all pockets: the disc less bore, keyway and round holes."""
+        holes = [hole_points(hole, self.chord_tolerance_mm) for hole in self.round_holes]
+        around_axis = [self.bore_polygon.exterior] if self.bore else []
+        return Polygon(self.disc.exterior, [*self.disc.interiors, *around_axis, *holes])
+
+    @cached_property
+    def layers(self) -> tuple[Layer, ...]:
+        """From the bottom up, without chamfer and set screw."""
+        top = self.face_width_mm
+        if self.web is None:
+            parts = [Layer(self.section, 0.0, top)]
+        else:
+            around = self.section.difference(shapely.union_all(self.web.pockets))
+            parts = [Layer(self.section, 0.0, self.web.thickness_mm), Layer(around, self.web.thickness_mm, top)]
+        if self.hub is not None:
+            circle = Polygon(circle_points(self.hub.diameter_mm / 2.0, self.chord_tolerance_mm))
+            parts.append(Layer(circle.difference(self.bore_polygon), top, self.height_mm))
+        return tuple(parts)

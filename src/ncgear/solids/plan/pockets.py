@@ -1,0 +1,145 @@
+"""Pockets between rim and hub, from the upper face down to a web.
+
+From above only, so that the gear lies on a level face when it is printed, and needs turning over for no cut.
+
+Round through holes about the axis that take weight out of a gear.
+
+They stand in evenly spread directions, each as far out as its walls allow: there holes have most room beside each
+other, and take most of the moment of inertia.
+"""
+
+from __future__ import annotations
+
+from math import acos, ceil, pi
+
+import numpy as np
+import shapely
+from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
+
+from ncgear.errors import WrongInput
+from ncgear.numerics.arrays import Array
+from ncgear.solids.mesh.sheets import polygons
+from ncgear.solids.plan.body import HoleSet, RoundHole, Web, WebSize, circle_points, hole_points
+from ncgear.solids.plan.room import INNER_WALL_IN_MODULES, floored, largest_fitting, said_largest
+
+CORNER_IN_MODULES = 1.0
+"""Least radius of a pocket's corners: a round tool's, which leaves out whatever is narrower."""
+
+
+def web_of(
+    disc: Polygon, mark: RoundHole | None, size: WebSize, module_mm: float, tolerance_mm: float, key: str
+) -> Web:
+    """The web of a gear whose disc in mm has an index hole or none.
+
+    Pockets keep the rim's wall to the nearest point of the tooth outline.  Raises WrongInput for ``key``.web.rim_mm,
+    with the thickest rim that leaves a pocket, where there is no room for any.
+    """
+    around = _kept(mark, size.hub_mm, module_mm, tolerance_mm)
+    corner = CORNER_IN_MODULES * module_mm
+    pockets = _pockets(disc, around, size.rim_mm, corner, tolerance_mm)
+    if pockets:
+        return Web(size.thickness_mm, tuple(pockets))
+    largest = largest_fitting(lambda rim: bool(_pockets(disc, around, rim, corner, tolerance_mm)), 0.0, size.rim_mm)
+    right = said_largest(largest, "there is none beside any rim; a smaller hub_mm or a larger gear is needed")
+    problem = f"a rim of {size.rim_mm:g} mm leaves no room for a pocket beside a hub of {size.hub_mm:g} mm; {right}"
+    raise WrongInput(problem, key=f"{key}.web.rim_mm")
+
+
+def _kept(mark: RoundHole | None, hub: float, module: float, tolerance: float) -> BaseGeometry:
+    """What no pocket cuts: the hub, and the wall around the index hole."""
+    kept: BaseGeometry = Polygon(circle_points(hub / 2.0 + tolerance, tolerance))
+    if mark is None:
+        return kept
+    hole = Polygon(hole_points(mark, tolerance))
+    return kept.union(hole.buffer(INNER_WALL_IN_MODULES * module, quad_segs=quarter_chords(module, tolerance)))
+
+
+def _pockets(disc: Polygon, kept: BaseGeometry, rim: float, corner: float, tolerance: float) -> list[Polygon]:
+    """The room for pockets with rounded corners, without points that the tolerance does not need.
+
+    Chords of arcs and points left out may bring it nearer to a wall, by a tolerance and by half of one: hence two.
+    """
+    inside = disc.buffer(-rim - corner - 2.0 * tolerance, quad_segs=quarter_chords(rim + corner, tolerance))
+    quarter = quarter_chords(corner, tolerance)
+    room = inside.difference(kept.buffer(corner + 2.0 * tolerance, quad_segs=quarter)).buffer(corner, quad_segs=quarter)
+    return polygons(shapely.simplify(room, tolerance / 2.0))
+
+
+def quarter_chords(radius_mm: float, tolerance_mm: float) -> int:
+    """Parts of a quarter circle, by shapely's count, with which a parallel's arcs keep within a tolerance.
+
+    It closes an arc with a chord of up to two parts, which strays four times as far.
+    """
+    return max(2, ceil(pi / 4.0 / acos(max(1.0 - tolerance_mm / 4.0 / radius_mm, 0.0))))
+
+
+TURNS = 12
+"""Ways, between one direction and the next, in which the directions are turned to find most room."""
+
+LEAST_MM = 0.1
+"""Diameter in mm of the smallest hole that is made unasked."""
+
+
+def lightening_holes(room: BaseGeometry, asked: HoleSet, tolerance_mm: float, key: str) -> tuple[RoundHole, ...]:
+    """Holes within a room in mm, with walls to its edges and to each other.
+
+    Raises WrongInput for ``key``.lightening_holes, with the largest diameter that fits, where they have no room.
+    """
+    wanted = asked.diameter_mm
+    if wanted is not None and (places := _places(room, asked, wanted, tolerance_mm)) is not None:
+        return _holes(places, wanted)
+    most = wanted if wanted is not None else float(np.abs(room.bounds).max()) if not room.is_empty else 0.0
+    largest = largest_fitting(lambda size: _places(room, asked, size, tolerance_mm) is not None, 0.0, most)
+    if wanted is None and largest >= LEAST_MM:
+        size = floored(largest)
+        places = _places(room, asked, size, tolerance_mm)
+        assert places is not None
+        return _holes(places, size)
+    raise _without_room(asked, largest, f"{key}.lightening_holes")
+
+
+def _without_room(asked: HoleSet, largest: float, key: str) -> WrongInput:
+    """What is wrong with the holes asked for, and the largest diameter that would be right."""
+    given = asked.diameter_mm is not None
+    named = f"{asked.count} holes of {asked.diameter_mm:g} mm" if given else f"{asked.count} holes"
+    right = said_largest(largest, "none fit; fewer holes, thinner walls, or a smaller hub are needed")
+    problem = f"{named} do not keep walls of {asked.wall_mm:g} mm to every edge and to each other; {right}"
+    return WrongInput(problem, key=f"{key}.diameter_mm" if given else key)
+
+
+def _holes(places: Array, diameter: float) -> tuple[RoundHole, ...]:
+    return tuple(RoundHole(float(x), float(y), diameter) for x, y in places)
+
+
+def _places(room: BaseGeometry, asked: HoleSet, diameter: float, tolerance: float) -> Array | None:
+    """Centres of the holes, shape (count, 2), in the first turn in which they have room; None where there is none."""
+    # Chords of the parallel's arcs come nearer to the edge by a tolerance.
+    inset = diameter / 2.0 + asked.wall_mm + tolerance
+    inside = room.buffer(-inset, quad_segs=quarter_chords(inset, tolerance))
+    if inside.is_empty:
+        return None
+    shapely.prepare(inside)
+    for turn in np.arange(TURNS) / TURNS:
+        places = _farthest(inside, 2.0 * np.pi / asked.count * (np.arange(asked.count) + turn))
+        if places is not None and _apart(places) >= diameter + asked.wall_mm:
+            return places
+    return None
+
+
+def _farthest(inside: BaseGeometry, direction: Array) -> Array | None:
+    """The point of an area farthest out in each direction from the axis, shape (n, 2); None where one meets none."""
+    reach = 2.0 * float(np.abs(inside.bounds).max())
+    ends = reach * np.column_stack([np.cos(direction), np.sin(direction)])
+    rays = shapely.linestrings(np.stack([np.zeros_like(ends), ends], axis=1))
+    met = [shapely.get_coordinates(part) for part in shapely.intersection(rays, inside)]
+    if not all(len(points) for points in met):
+        return None
+    return np.array([points[np.argmax(np.hypot(points[:, 0], points[:, 1]))] for points in met])
+
+
+def _apart(places: Array) -> float:
+    """Least distance between any two of them; infinite of a single one."""
+    between = np.hypot(*(places[:, None] - places[None, :]).transpose(2, 0, 1))
+    np.fill_diagonal(between, np.inf)
+    return float(between.min())
