@@ -32,7 +32,7 @@ LAYERS = [
     {"design"},
     {"recipe"},
     {"drive", "improvement", "frontier", "balancing"},
-    {"precision", "screening", "scene"},
+    {"screening", "scene"},
     {"output"},
     {"cli", "plots"},
     {"__main__"},

@@ -29,8 +29,6 @@ from ncgear.output.stl import read_back, stl_bytes
 from ncgear.output.summary.bodies import bodies_summary
 from ncgear.output.written import outline_of_stl, section_rings
 from ncgear.pitch.shape import Gear
-from ncgear.precision.circular_gear import CircularGear
-from ncgear.precision.teeth_pairs import TEETH, circular, form
 from ncgear.solids import bevel as bevels
 from ncgear.solids.bevel import bevel_of
 from ncgear.solids.blank import Blank, HoleSet, WebSize
@@ -44,6 +42,7 @@ from ncgear.solids.parallel import moved_inwards
 from ncgear.solids.ring import RingBlank, outer_radius_mm, ring_solid
 from ncgear.solids.set_screw import SCREW_TOLERANCE, screw_hole_mm3
 from ncgear.teeth.gear import toothed_pair
+from speed_against_error.outlines import circular_gear, circular_pair, form
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 TOLERANCE = 0.005
@@ -251,11 +250,11 @@ def test_a_chamfer_without_levels_strays_where_edges_vanish(monkeypatch: pytest.
 @pytest.mark.parametrize("clearance", [0.02, 0.1, 0.2])
 def test_outlines_recede_from_the_exact_teeth_by_the_clearance(clearance: float) -> None:
     """Every point of what is written stands so far from the closed form of a circular gear, and inside of it."""
-    teeth = toothed_pair(circular(), form(), TOLERANCE)
+    teeth = toothed_pair(circular_pair(), form(), TOLERANCE)
     blank = Blank(WIDTH, clearance_mm=clearance)
     solid = made(blank, TOLERANCE, teeth.driving.outline_mm)
     found = outline_of_stl(stl_bytes(solid.mesh))
-    exact = CircularGear(TEETH, form().rack)
+    exact = circular_gear()
     assert shapely.contains_xy(Polygon(teeth.driving.outline_mm), found).all()
     corners = found[np.hypot(*found.T) < exact.tip_radius_mm - clearance - TOLERANCE]
     assert exact.distance_mm(corners) == pytest.approx(clearance, abs=1.1 * TOLERANCE)

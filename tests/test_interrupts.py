@@ -91,7 +91,6 @@ LONG: dict[str, tuple[float, list[str]]] = {
     "sweep": (1.0, ["sweep", "designs/baler.yaml", "--vary", "motion.v1_mm_s=1500:1700:20000"]),
     "simulate": (2.0, ["simulate", "designs/baler-dynamics.yaml", "--level", "dynamic"]),
     "reproduce": (0.3, ["reproduce"]),
-    "bench": (2.0, ["bench"]),
     "optimize": (3.0, ["optimize", "designs/baler-66.yaml"]),
 }
 

@@ -9,7 +9,6 @@ import typer
 from ncgear import __version__
 from ncgear.cli.animate import animate
 from ncgear.cli.balance import balance
-from ncgear.cli.bench import bench
 from ncgear.cli.build import build
 from ncgear.cli.check import check
 from ncgear.cli.explain import explain
@@ -40,7 +39,6 @@ COMMANDS = (
     optimize,
     frontier,
     sweep,
-    bench,
     balance,
     new,
     explain,
