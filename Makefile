@@ -18,7 +18,7 @@ lint: .venv  ## style, formatting, types
 	.venv/bin/ruff check . && .venv/bin/ruff format --check . && .venv/bin/mypy
 
 bench: .venv  ## measure speed against error, how long builds take, and more; write docs/speed-against-error.md, benchmarks/*.md
-	.venv/bin/ncgear bench --out docs
+	PYTHONPATH=benchmarks $(PYTHON) -m speed_against_error.run --out docs
 	$(PYTHON) benchmarks/timing.py
 	$(PYTHON) benchmarks/equivalent_gear.py
 	$(PYTHON) benchmarks/limit.py

@@ -31,7 +31,7 @@ LAYERS = [
     {"papers"},
     {"design"},
     {"project"},
-    {"precision", "screening"},
+    {"screening"},
     {"figures"},
     {"drawings"},
     {"files"},

@@ -27,8 +27,6 @@ from ncgear.figures.summary.build import bodies_summary
 from ncgear.files.meshes import outline_of_stl, read_back, section_rings, stl_bytes
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
-from ncgear.precision.circular_gear import CircularGear
-from ncgear.precision.teeth_pairs import TEETH, circular, form
 from ncgear.project.drive import Drive
 from ncgear.solids.inertia import body_kg_mm2
 from ncgear.solids.mesh import bevel as bevels
@@ -41,6 +39,7 @@ from ncgear.solids.plan.body import Blank, Bore, HoleSet, Hub, Keyway, Layer, Se
 from ncgear.solids.plan.parallel import moved_inwards
 from ncgear.solids.plan.room import require_hub_room
 from ncgear.teeth.gear import toothed_pair
+from speed_against_error.outlines import circular_gear, circular_pair, form
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 TOLERANCE = 0.005
@@ -248,11 +247,11 @@ def test_a_chamfer_without_levels_strays_where_edges_vanish(monkeypatch: pytest.
 @pytest.mark.parametrize("clearance", [0.02, 0.1, 0.2])
 def test_outlines_recede_from_the_exact_teeth_by_the_clearance(clearance: float) -> None:
     """Every point of what is written stands so far from the closed form of a circular gear, and inside of it."""
-    teeth = toothed_pair(circular(), form(), TOLERANCE)
+    teeth = toothed_pair(circular_pair(), form(), TOLERANCE)
     blank = Blank(WIDTH, clearance_mm=clearance)
     solid = made(blank, TOLERANCE, teeth.driving.outline_mm)
     found = outline_of_stl(stl_bytes(solid.mesh))
-    exact = CircularGear(TEETH, form().rack)
+    exact = circular_gear()
     assert shapely.contains_xy(Polygon(teeth.driving.outline_mm), found).all()
     corners = found[np.hypot(*found.T) < exact.tip_radius_mm - clearance - TOLERANCE]
     assert exact.distance_mm(corners) == pytest.approx(clearance, abs=1.1 * TOLERANCE)

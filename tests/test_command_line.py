@@ -477,7 +477,7 @@ def test_in_a_process_of_its_own(tmp_path: Path) -> None:
 def test_help_names_every_command(tmp_path: Path) -> None:
     done = fresh("--help", folder=tmp_path)
     assert done.returncode == 0
-    commands = "build", "check", "simulate", "sweep", "bench", "new", "schema"
+    commands = "build", "check", "simulate", "sweep", "new", "schema"
     assert all(f"  {command} " in done.stdout for command in commands)
 
 

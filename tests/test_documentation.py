@@ -12,7 +12,7 @@ import ncgear
 from documented.installing import ROOT
 from documented.pages import PAGES
 from made import command_heads, drawings, figures, key_pages
-from ncgear.precision.catalogue import STUDIES
+from speed_against_error.run import STUDIES
 
 DOCS = ROOT / "docs"
 TEXTS = {str(page.relative_to(ROOT)): page.read_text(encoding="utf-8") for page in PAGES}

@@ -16,7 +16,7 @@ from documented.sessions import Step, differs, steps_of
 from documented.shell import WIDTH
 from ncgear.errors import WrongInput
 
-SLOW_COMMANDS = ("animate", "bench", "build", "frontier", "optimize", "report", "simulate", "sweep")
+SLOW_COMMANDS = ("animate", "build", "frontier", "optimize", "report", "simulate", "sweep")
 SLOW = {"docs/tutorial.md", *(f"docs/commands/{name}.md" for name in SLOW_COMMANDS)}
 """Pages that take over a second and a half; all others are quick."""
 

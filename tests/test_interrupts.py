@@ -91,7 +91,6 @@ LONG: dict[str, tuple[float, list[str]]] = {
     "sweep": (1.0, ["sweep", "designs/baler.yaml", "--vary", "motion.v1_mm_s=1500:1700:20000"]),
     "simulate": (2.0, ["simulate", "designs/baler-dynamics.yaml", "--level", "dynamic"]),
     "reproduce": (0.3, ["reproduce"]),
-    "bench": (2.0, ["bench"]),
     "optimize": (3.0, ["optimize", "designs/baler-66.yaml"]),
 }
 
@@ -118,7 +117,7 @@ def test_an_interrupted_frontier_ends_its_processes_at_once(
 
 AWAY = """
 import signal, sys, time
-from ncgear.cli import app, run
+from ncgear.cli import app
 
 class Freed:
     def __del__(self):
@@ -129,7 +128,7 @@ def work():
     time.sleep(30)
 
 app.app = work
-run.main()
+app.main()
 """
 """Ctrl-C while an object is freed, where the interpreter can raise nothing."""
 

@@ -41,9 +41,6 @@ COMMANDS: dict[str, dict[str, str]] = {
 }
 """Commands, and what of their output in a folder goes into docs/images under which name."""
 
-OWN_PAGES = ("ncgear bench --out docs", "ncgear reproduce --out docs")
-"""Commands that write a page of docs/ with its pictures."""
-
 
 def pictures() -> set[str]:
     """Names of all pictures in docs/images."""

@@ -14,7 +14,6 @@ from typing import Annotated, NoReturn
 import typer
 
 from ncgear import __version__
-from ncgear.cli.bench import bench
 from ncgear.cli.best_law import frontier, optimize, sweep
 from ncgear.cli.design_files import explain, schema
 from ncgear.cli.machines import balance, reproduce
@@ -40,7 +39,6 @@ COMMANDS = (
     optimize,
     frontier,
     sweep,
-    bench,
     balance,
     new,
     explain,

@@ -20,6 +20,8 @@ from ncgear.design.naming import NAME_PATTERN
 
 MOST_COUNT = 10_000
 
+MOST_ITEMS = 200
+
 
 class Shaft(Model):
     """A shaft that may shake the machine."""
@@ -72,8 +74,6 @@ class Excitations(Model):
             raise fault("", "nothing shakes; give shafts, engines or harmonics")
         return self
 
-
-MOST_ITEMS = 200
 
 Angle = Annotated[float, Field(ge=-3600.0, le=3600.0)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]

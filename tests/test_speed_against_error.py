@@ -4,41 +4,46 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from commands import Run
-from ncgear.precision import (
-    bases,
-    catalogue,
-    closure,
-    curvature,
-    inversion,
-    measure,
-    pitch_curves,
-    pitch_length,
-    quadrature,
-    quadrature_rules,
+from ncgear.errors import WrongInput
+from speed_against_error import study as frame
+from speed_against_error.driven_angle import driven_angle_error_rad, panels, read, return_of_baler
+from speed_against_error.inversion import angles, by_half_angle, by_law_of_cosines, inversion_error
+from speed_against_error.page import level_text, page
+from speed_against_error.pitch_curves import (
+    Curve,
+    baler_curve,
+    curvature_by_derivatives,
+    curvature_error,
+    ellipse_curve,
+    length_by_panels,
+    length_error,
 )
-from ncgear.precision.knee import knee
-from ncgear.precision.measure import measured, order
-from ncgear.precision.rates import rates
-from ncgear.precision.study import Measured, Method, Point, Size, Study
-from ncgear.precision.told.page import page
-from ncgear.precision.told.words import level_text
+from speed_against_error.return_period import (
+    basis_error,
+    by_end_conditions,
+    by_linear_system,
+    closed_by_ncgear,
+    closure_error_rad,
+    global_powers,
+)
+from speed_against_error.run import STUDIES, run
+from speed_against_error.study import Measured, Method, Point, Size, Study, knee, measured, order, rates
 
 PAGE = Path(__file__).parents[1] / "docs" / "speed-against-error.md"
 
-every_study = pytest.mark.parametrize("key", catalogue.STUDIES)
+every_study = pytest.mark.parametrize("key", STUDIES)
 
 
 @cache
 def of(key: str) -> Measured:
     """Each level once: errors do not depend on how often."""
-    return measured(catalogue.STUDIES[key](), timed_s=0.0)
+    return measured(STUDIES[key](), timed_s=0.0)
 
 
 # --- studies ---------------------------------------------------------------------------------------------------------
@@ -65,7 +70,7 @@ RATE_BAND = 0.3
 
 @every_study
 def test_a_study_is_known_by_its_own_key(key: str) -> None:
-    assert catalogue.STUDIES[key]().key == key
+    assert STUDIES[key]().key == key
 
 
 @pytest.mark.parametrize(
@@ -86,44 +91,43 @@ def test_rates_are_the_theorys(key: str) -> None:
 
 def test_the_law_of_cosines_is_lost_at_the_dead_centres() -> None:
     """Half the digits go at both: the reference tells what is wrong by more than rounding."""
-    phi1 = inversion.angles()
-    assert inversion.error(inversion.closed_form(phi1)) <= 5e-15
-    assert inversion.error(inversion.textbook(phi1)) >= 1e-3
+    assert inversion_error(by_half_angle(angles())) <= 5e-15
+    assert inversion_error(by_law_of_cosines(angles())) >= 1e-3
 
 
 @pytest.mark.parametrize("row", [0, 1])
 def test_a_planted_error_of_an_inversion_is_told(row: int) -> None:
-    planted = inversion.closed_form(inversion.angles())
+    planted = by_half_angle(angles())
     planted[row, 200] *= 1.0 + 1e-10
-    assert inversion.error(planted) >= 5e-11
+    assert inversion_error(planted) >= 5e-11
 
 
 def test_a_planted_error_of_phi2_is_told() -> None:
-    stretch = quadrature.return_of_baler()
-    planted = quadrature_rules.read(stretch, lambda angles: quadrature_rules.panels(stretch, 24)(angles + 1e-10))
-    assert quadrature.error(stretch, planted) >= 5e-11
+    stretch = return_of_baler()
+    planted = read(stretch, lambda at: panels(stretch, 24)(at + 1e-10))
+    assert driven_angle_error_rad(stretch, planted) >= 5e-11
 
 
 def test_a_planted_error_of_closure_is_told() -> None:
-    law = closure.ncgears_own()
-    assert closure.error(replace(law, local=law.local * (1.0 + 1e-10))) >= 5e-11
+    law = closed_by_ncgear()
+    assert closure_error_rad(replace(law, local=law.local * (1.0 + 1e-10))) >= 5e-11
 
 
 def test_a_return_in_powers_of_phi1_loses_half_its_digits() -> None:
-    assert bases.error(bases.ncgears_own()) <= 1e-14
-    assert bases.error(bases.solved(bases.global_powers)) >= 1e-9
+    assert basis_error(by_end_conditions()) <= 1e-14
+    assert basis_error(by_linear_system(global_powers)) >= 1e-9
 
 
-@pytest.mark.parametrize("curve", [pitch_curves.of_ellipse(), pitch_curves.of_baler()], ids=lambda curve: curve.name)
-def test_planted_errors_of_pitch_curves_are_told(curve: pitch_curves.Curve) -> None:
-    length, bent = pitch_length.panels(curve, 24), curvature.closed_form(curve)
+@pytest.mark.parametrize("curve", [ellipse_curve(), baler_curve()], ids=lambda curve: curve.name)
+def test_planted_errors_of_pitch_curves_are_told(curve: Curve) -> None:
+    length, bent = length_by_panels(curve, 24), curvature_by_derivatives(curve)
     bent[3] += 1e-10 * np.max(np.abs(bent))
-    assert pitch_length.error(curve, length * (1.0 + 1e-10)) == pytest.approx(1e-10, rel=1e-4)
-    assert curvature.error(curve, bent) == pytest.approx(1e-10, rel=1e-3)
+    assert length_error(curve, length * (1.0 + 1e-10)) == pytest.approx(1e-10, rel=1e-4)
+    assert curvature_error(curve, bent) == pytest.approx(1e-10, rel=1e-3)
 
 
 def test_the_exact_length_is_the_published_one() -> None:
-    assert 200.0 * float(pitch_curves.of_baler().length()) == pytest.approx(629.2813, abs=5e-5)
+    assert 200.0 * float(baler_curve().exact_length()) == pytest.approx(629.2813, abs=5e-5)
 
 
 def test_trapezoids_are_spectral_on_a_smooth_closed_curve() -> None:
@@ -175,7 +179,7 @@ def test_an_error_that_is_no_number_is_refused() -> None:
         measured(study, timed_s=0.0)
 
 
-@pytest.mark.parametrize(("takes_s", "runs"), [(1e-9, measure.MOST_RUNS), (0.01, 5), (0.04, 3), (0.3, 2), (0.6, 1)])
+@pytest.mark.parametrize(("takes_s", "runs"), [(1e-9, frame.MOST_RUNS), (0.01, 5), (0.04, 3), (0.3, 2), (0.6, 1)])
 def test_slow_levels_are_run_again_unless_they_are_very_slow(
     takes_s: float, runs: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -185,7 +189,7 @@ def test_slow_levels_are_run_again_unless_they_are_very_slow(
         clock[0], count[0] = clock[0] + takes_s, count[0] + 1
         return 1.0
 
-    monkeypatch.setattr(measure, "perf_counter", lambda: clock[0])
+    monkeypatch.setattr(frame, "perf_counter", lambda: clock[0])
     study = Study("s", "S", "mm", "-", (Method("m", "", (0,), run),), float, ("m", 0), 0.0, "-")
     measured(study, timed_s=0.0499)
     assert count[0] == runs
@@ -244,27 +248,18 @@ def test_the_page_says_whether_the_choice_is_the_knee(chosen: Point, said: str) 
     assert said in page([by_hand((chosen,), (Point(1, 2.0, 1e-15),))])
 
 
-# --- command and page ------------------------------------------------------------------------------------------------
+# --- run and page ----------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture
-def run(run: Run, monkeypatch: pytest.MonkeyPatch) -> Run:
-    """``ncgear bench``, each level once."""
-    monkeypatch.setattr(measure, "measured", partial(measured, timed_s=0.0))
-    return partial(run, "bench")
-
-
-def test_the_command_writes_page_and_pictures(run: Run, tmp_path: Path) -> None:
-    status, out, err = run("--out", "docs", "--only", "return-basis", "--only", "inversion")
-    assert status == 0
-    assert err == ""
-    written = [tmp_path / "docs" / name for name in ("inversion.png", "return-basis.png")]
-    text = (tmp_path / "docs" / "speed-against-error.md").read_text(encoding="utf-8")
-    for path in (tmp_path / "docs" / "speed-against-error" / path.name for path in written):
-        assert path.read_bytes().startswith(b"\x89PNG")
-        assert f"speed-against-error/{path.name}" in text
-        assert path.name in out
-    assert titles(text) == [catalogue.STUDIES[key]().title for key in ("inversion", "return-basis")]
+def test_a_run_writes_page_and_pictures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run(["--out", str(tmp_path), "--only", "return-basis", "--only", "inversion"], timed_s=0.0)
+    keys = ["inversion", "return-basis"]
+    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == keys
+    text = (tmp_path / "speed-against-error.md").read_text(encoding="utf-8")
+    for key in keys:
+        assert (tmp_path / "speed-against-error" / f"{key}.png").read_bytes().startswith(b"\x89PNG")
+        assert f"(speed-against-error/{key}.png)" in text
+    assert titles(text) == [STUDIES[key]().title for key in keys]
 
 
 def test_sizes_have_a_column_of_their_own() -> None:
@@ -275,19 +270,21 @@ def test_sizes_have_a_column_of_their_own() -> None:
     assert "triangles" not in page([made])
 
 
-def test_an_unknown_study_is_refused_with_the_known_ones(run: Run, tmp_path: Path) -> None:
-    status, out, err = run("--only", "inversion", "--only", "inversoin")
-    assert (status, out) == (2, "")
-    assert err == f"--only: 'inversoin' is no study; known are {', '.join(catalogue.STUDIES)}\n"
+def test_an_unknown_study_is_refused_with_the_known_ones(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        run(["--out", str(tmp_path), "--only", "inversion", "--only", "inversoin"])
+    err = capsys.readouterr().err
+    assert all(key in err for key in STUDIES)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_folder_that_cannot_be_written_is_refused_before_anything_is_measured(run: Run, tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_written_is_refused_before_anything_is_measured(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     (tmp_path / "docs").write_text("a file")
-    status, out, err = run("--out", "docs")
-    assert (status, out) == (2, "")
-    assert "is no folder" in err
-    assert "1 of" not in err
+    with pytest.raises(WrongInput, match="is no folder"):
+        run(["--out", str(tmp_path / "docs")])
+    assert capsys.readouterr().out == ""
 
 
 def titles(text: str) -> list[str]:
@@ -304,16 +301,16 @@ def rows(section: str) -> list[tuple[str, str]]:
 
 
 def test_the_page_in_docs_has_every_study_and_no_other() -> None:
-    made = [make() for make in catalogue.STUDIES.values()]
+    made = [make() for make in STUDIES.values()]
     assert titles(PAGE.read_text(encoding="utf-8")) == [study.title for study in made]
     pictures = {path.name for path in (PAGE.parent / "speed-against-error").iterdir()}
-    assert pictures == {f"{key}.png" for key in catalogue.STUDIES}
+    assert pictures == {f"{key}.png" for key in STUDIES}
 
 
 @every_study
 def test_the_page_in_docs_has_the_methods_levels_and_choices_of_today(key: str) -> None:
     """So the page cannot go stale unseen: every row, and in bold what is chosen."""
-    study = catalogue.STUDIES[key]()
+    study = STUDIES[key]()
     wanted = []
     for method in study.methods:
         for level in method.levels:

@@ -11,21 +11,28 @@ import pytest
 from shapely import Polygon
 
 from ncgear.contact.placement import PER_TOOTH
-from ncgear.precision import contact, outlines, solids, teeth_pairs
-from ncgear.precision.catalogue import STUDIES
-from ncgear.precision.circular_area import area_mm2
-from ncgear.precision.circular_gear import CircularGear
-from ncgear.precision.elliptical_gear import EllipticalGear
-from ncgear.precision.even_outline import even_outlines
-from ncgear.precision.measure import order, points
-from ncgear.precision.study import Point, Study
-from ncgear.precision.teeth_pairs import MODULE_MM, TEETH, TOLERANCE_MM
+from ncgear.solids.mesh.layers import gear_solid
 from ncgear.teeth.gear import toothed_pair
+from speed_against_error import contact, outlines, solids
+from speed_against_error.exact_gears import area_mm2
+from speed_against_error.outlines import (
+    MODULE_MM,
+    TEETH,
+    TOLERANCE_MM,
+    circular_gear,
+    circular_pair,
+    elliptical_gear,
+    elliptical_pair,
+    even_outlines,
+    form,
+)
+from speed_against_error.run import STUDIES
+from speed_against_error.study import Point, Study, order, points
 
 Array = np.ndarray
 ROUNDING_MM = 1e-11
-CIRCLE = CircularGear(TEETH, teeth_pairs.rack())
-ELLIPSE = EllipticalGear(TEETH, teeth_pairs.ECCENTRICITY, teeth_pairs.rack())
+CIRCLE = circular_gear()
+ELLIPSE = elliptical_gear()
 
 
 @cache
@@ -75,7 +82,7 @@ def test_the_closed_form_of_the_circular_gear_meets_itself_where_its_curves_join
 
 def test_distances_from_the_circular_gear_are_those_from_many_of_its_points() -> None:
     """Along each normal of a fine outline, so far as no other part of the tooth is nearer."""
-    dense = toothed_pair(teeth_pairs.circular(), teeth_pairs.form(), 1e-5).driving.outline_mm
+    dense = toothed_pair(circular_pair(), form(), 1e-5).driving.outline_mm
     middle = (dense + np.roll(dense, -1, axis=0)) / 2.0
     step = np.roll(dense, -1, axis=0) - dense
     normal = np.column_stack([step[:, 1], -step[:, 0]]) / np.hypot(step[:, 0], step[:, 1])[:, None]
@@ -87,7 +94,7 @@ def test_distances_from_the_circular_gear_are_those_from_many_of_its_points() ->
 
 def test_the_area_of_the_circular_gear_is_that_of_a_fine_polygon_but_for_its_chords() -> None:
     """Richardson's extrapolation of two even outlines, whose areas are of second order, to the fourth."""
-    outlines = (even_outlines(teeth_pairs.circular(), teeth_pairs.form(), count)[0] for count in (64, 128))
+    outlines = (even_outlines(circular_pair(), form(), count)[0] for count in (64, 128))
     coarse, fine = (Polygon(points).area for points in outlines)
     assert (4.0 * fine - coarse) / 3.0 == pytest.approx(area_mm2(CIRCLE), rel=1e-10)
 
@@ -137,13 +144,13 @@ def test_equivalent_gears_miss_an_elliptical_gear_however_many_points_they_have(
     astray = found("outlines-ellipse", outlines.EQUIVALENT, 5e-4, 5e-5)
     assert all(point.error > 1.5e-3 for point in astray)
     # On circles they are exact.
-    teeth = toothed_pair(teeth_pairs.circular(), teeth_pairs.form(equivalent=True), 5e-5)
+    teeth = toothed_pair(circular_pair(), form(equivalent=True), 5e-5)
     assert study("outlines-circle").error(teeth.driving.outline_mm) <= 5e-5
 
 
 @pytest.mark.parametrize("key", OUTLINES)
 def test_an_outline_displaced_by_a_tenth_of_the_tolerance_is_told(key: str) -> None:
-    fine = toothed_pair(study_pair(key), teeth_pairs.form(), 0.05 * TOLERANCE_MM).driving.outline_mm
+    fine = toothed_pair(study_pair(key), form(), 0.05 * TOLERANCE_MM).driving.outline_mm
     error = study(key).error
     assert error(fine) <= 0.05 * TOLERANCE_MM
     assert error(fine + np.array([0.0, 0.1 * TOLERANCE_MM])) > 0.09 * TOLERANCE_MM
@@ -152,7 +159,7 @@ def test_an_outline_displaced_by_a_tenth_of_the_tolerance_is_told(key: str) -> N
 
 
 def study_pair(key: str):
-    return teeth_pairs.circular() if key == "outlines-circle" else teeth_pairs.elliptical()
+    return circular_pair() if key == "outlines-circle" else elliptical_pair()
 
 
 # --- contact -----------------------------------------------------------------------------------------------------
@@ -165,7 +172,7 @@ def test_ends_of_contact_are_exact_once_every_contact_has_a_position() -> None:
 
 def test_counting_contacts_misses_up_to_one_position_of_each() -> None:
     for point in found("contact-ratio", contact.COUNTED, 6, 10, PER_TOOTH):
-        assert 1e-3 < point.error <= 1.0 / (point.level * contact.contact_ratio())
+        assert 1e-3 < point.error <= 1.0 / (point.level * contact.exact_contact_ratio())
 
 
 def test_exact_curves_have_no_transmission_error_and_the_backlash_of_involutes() -> None:
@@ -186,20 +193,22 @@ def test_even_parameters_turn_the_driven_gear_at_second_order() -> None:
 
 
 def test_the_default_positions_find_what_outlines_do_and_half_of_them_do_not() -> None:
-    half, default, more = (contact.angle_error_rad(contact.by_chords(TOLERANCE_MM, n)) for n in (10, PER_TOOTH, 60))
+    half, default, more = (
+        contact.play_error_rad(contact.play_to_tolerance(TOLERANCE_MM, n)) for n in (10, PER_TOOTH, 60)
+    )
     assert default == pytest.approx(more, rel=0.05)
     assert half < 0.7 * more
 
 
 @pytest.mark.parametrize("turn", [1e-5, -1e-5])
 def test_a_pair_whose_driven_gear_stands_elsewhere_is_told(turn: float) -> None:
-    exact = contact.by_curves(6)
-    assert contact.angle_error_rad(exact) < 1e-13
+    exact = contact.play_of_curves(6)
+    assert contact.play_error_rad(exact) < 1e-13
     moved = contact.Play(exact.pushing_rad + turn, exact.back_rad + turn)
-    assert contact.angle_error_rad(moved) == pytest.approx(1e-5, rel=1e-6)
-    teeth = toothed_pair(teeth_pairs.circular(), teeth_pairs.form(contact.BACKLASH_MM), 5e-4)
+    assert contact.play_error_rad(moved) == pytest.approx(1e-5, rel=1e-6)
+    teeth = toothed_pair(circular_pair(), form(contact.BACKLASH_MM), 5e-4)
     outlines_mm = teeth.driving.outline_mm, turned(teeth.driven.outline_mm, 100.0 * turn)
-    assert contact.angle_error_rad(contact.by_outlines(outlines_mm)) == pytest.approx(1e-3, rel=0.05)
+    assert contact.play_error_rad(contact.play_of_outlines(outlines_mm)) == pytest.approx(1e-3, rel=0.05)
 
 
 # --- solids ------------------------------------------------------------------------------------------------------
@@ -234,10 +243,10 @@ def test_a_solid_without_one_of_its_teeth_is_told() -> None:
     polar = np.arctan2(whole[:, 1], whole[:, 0])
     beside = np.abs(polar) < 1.02 * CIRCLE.fillet_mm[0] / CIRCLE.pitch_radius_mm
     assert 0 < beside.sum() <= len(whole) / TEETH
-    without = solids.Solid(solids.gear_solid(whole[~beside], solids.FACE_WIDTH_MM, None, TOLERANCE_MM))
+    without = solids.Solid(gear_solid(whole[~beside], solids.FACE_WIDTH_MM, None, TOLERANCE_MM))
     # One tooth in 25 is a hundredth of the gear.
     assert solids.volume_error(without) > 5e-3
-    assert solids.largest_distance_mm(without) > 0.1 * MODULE_MM
+    assert solids.surface_error_mm(without) > 0.1 * MODULE_MM
 
 
 @pytest.mark.parametrize("share", [1e-3, -1e-3])
@@ -247,4 +256,4 @@ def test_a_solid_of_another_size_or_another_helix_is_told(share: float) -> None:
     other.apply_scale(1.0 + share)
     assert solids.volume_error(solids.Solid(other)) == pytest.approx(3.0 * abs(share), rel=0.1)
     helical = study("solid-surface").method(solids.HELICAL).run(0.05)
-    assert solids.largest_distance_mm(replace(helical, advance=(1.0 + 20.0 * share) * helical.advance)) > 0.05
+    assert solids.surface_error_mm(replace(helical, advance=(1.0 + 20.0 * share) * helical.advance)) > 0.05

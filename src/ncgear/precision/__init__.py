@@ -1,1 +1,0 @@
-"""Speed against error: what each stage's accuracy costs, by the methods it could use."""

@@ -1,1 +1,0 @@
-"""What ``ncgear bench`` hands over."""
