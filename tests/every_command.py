@@ -216,7 +216,7 @@ def _wrong_texts() -> Iterator[Run]:
         "two": f"{baler}---\n{baler}",
         "flow": "{a: [1, 2\n",
         "group-as-key": "? [1]\n: 2\n",
-        "bom": "\ufeff" + baler,
+        "byte-order-mark": f"\ufeff{baler}",
     }
     for name, text in texts.items():
         for command in ("check", "build", "report", "balance"):
