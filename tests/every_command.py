@@ -139,20 +139,16 @@ def _words(keys: dict[str, list[str]]) -> Iterator[Run]:
         for key in ("", *known):
             asked = ("explain", *([key] if key else []), "--of", kind)
             yield Run(f"explain/{kind}/{key or 'all'}", asked, together="words", quick=not key)
-    offered = (
-        "",
-        "expl",
-        "check ",
-        "check designs/",
-        "explain ",
-        "explain gears.",
-        "explain --of balance ",
-        "new x --law ",
-    )
-    for number, typed in enumerate((*offered, "build --", "simulate x --level ", "schema --of ")):
+    for number, typed in enumerate(TYPED.split("|")):
         yield Run(f"offered/{number}", (), {}, completing(f"ncgear {typed}"), together="words", quick=True)
     for shell in ("bash", "zsh", "fish"):
         yield Run(f"offered/{shell}", (), {}, {"_NCGEAR_COMPLETE": f"source_{shell}"}, together="words", quick=True)
+
+
+TYPED = (
+    "|expl|check |check designs/|explain |explain gears.|explain --of balance |new x --law |build --"
+    "|simulate x --level |schema --of "
+)
 
 
 def completing(typed: str) -> dict[str, str]:
@@ -185,39 +181,39 @@ def _wrong_use() -> Iterator[Run]:
     yield Run("wrong-use/missing", ("check", "none.yaml"), quick=True)
 
 
+INSIDE = {
+    "doubled-key": "crank_mm: 380, rod_mm: 960, crank_mm: 380}",
+    "colon": "crank_mm: 380: 1, rod_mm: 960}",
+    "open-bracket": "crank_mm: 380, rod_mm: 960",
+    "open-quote": "crank_mm: '380, rod_mm: 960}",
+    "anchor": "crank_mm: &a 380, rod_mm: *a}",
+    "alias-of-none": "crank_mm: 380, rod_mm: *a}",
+    "merge": "<<: {crank_mm: 380}, rod_mm: 960}",
+    "tag": "crank_mm: !!float 380, rod_mm: 960}",
+    "infinite": "crank_mm: .inf, rod_mm: .nan}",
+    "long": f"crank_mm: {'9' * 999}, rod_mm: 1e999}}",
+    "words": "crank_mm: yes, rod_mm: 2001-01-01}",
+    "escape": 'crank_mm: "\\e[31m", rod_mm: 960}',
+}
+
+
 def _wrong_texts() -> Iterator[Run]:
     """Files that are no YAML, or none that is read: broken texts, doubled keys, tabs, anchors, control characters."""
     baler = DESIGNS["baler"].read_text(encoding="utf-8")
     line = "linkage: {crank_mm: 380, rod_mm: 960}\n"
     replaced = {
         "doubled-group": line * 2,
-        "doubled-key": "linkage: {crank_mm: 380, rod_mm: 960, crank_mm: 380}\n",
         "tab": "linkage:\n\tcrank_mm: 380\n\trod_mm: 960\n",
-        "colon": "linkage: {crank_mm: 380: 1, rod_mm: 960}\n",
-        "open-bracket": "linkage: {crank_mm: 380, rod_mm: 960\n",
-        "open-quote": "linkage: {crank_mm: '380, rod_mm: 960}\n",
-        "anchor": "linkage: {crank_mm: &a 380, rod_mm: *a}\n",
-        "alias-of-none": "linkage: {crank_mm: 380, rod_mm: *a}\n",
-        "merge": "linkage: {<<: {crank_mm: 380}, rod_mm: 960}\n",
-        "tag": "linkage: {crank_mm: !!float 380, rod_mm: 960}\n",
-        "python-tag": "linkage: !!python/object:os.system {crank_mm: 380}\n",
-        "deep": "linkage: " + "[" * 99 + "]" * 99 + "\n",
+        "deep": f"linkage: {'[' * 99}{']' * 99}\n",
         "list": "linkage: [380, 960]\n",
         "null": "linkage:\n",
-        "infinite": "linkage: {crank_mm: .inf, rod_mm: .nan}\n",
-        "long": f"linkage: {{crank_mm: {'9' * 999}, rod_mm: 1e999}}\n",
-        "words": "linkage: {crank_mm: yes, rod_mm: 2001-01-01}\n",
-        "escape": 'linkage: {crank_mm: "\\e[31m", rod_mm: 960}\n',
+        "python-tag": "linkage: !!python/object:os.system {crank_mm: 380}\n",
         "thirty-more": line + "".join(f"k{number}: 1\n" for number in range(30)),
-    }
+    } | {name: f"linkage: {{{inside}\n" for name, inside in INSIDE.items()}
     texts = {name: baler.replace(line, text) for name, text in replaced.items()}
     texts |= {"empty": "", "comment": "# nothing\n", "a-list": "- 1\n", "a-word": "hello\n", "nul": "a: \x00\n"}
-    texts |= {
-        "two": f"{baler}---\n{baler}",
-        "flow": "{a: [1, 2\n",
-        "group-as-key": "? [1]\n: 2\n",
-        "byte-order-mark": f"\ufeff{baler}",
-    }
+    texts |= {"two": f"{baler}---\n{baler}", "flow": "{a: [1, 2\n", "group-as-key": "? [1]\n: 2\n"}
+    texts |= {"byte-order-mark": f"\ufeff{baler}"}
     for name, text in texts.items():
         for command in ("check", "build", "report", "balance"):
             if command == "check" or name != "byte-order-mark":

@@ -22,11 +22,11 @@ import subprocess
 import sys
 import time
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from hashlib import sha256
-from itertools import takewhile
+from itertools import zip_longest
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -205,24 +205,27 @@ def compare(one: Path, other: Path, group: bool) -> int:
     """Say what differs; the number of outputs that do."""
     left, right = (json.loads((folder / "hashes.json").read_text(encoding="utf-8")) for folder in (one, other))
     counts: Counter[str] = Counter(equal=sum(left[path] == right.get(path) for path in left))
-    lines: dict[tuple[str, str], list[str]] = defaultdict(list)
-    for path in sorted(left.keys() | right.keys()):
-        if left.get(path) == right.get(path):
-            continue
-        if path not in left or path not in right:
-            kind, said = f"only in {one if path in left else other}", list[str]()
-        else:
+    alike: dict[str, list[tuple[str, str, str]]] = defaultdict(list)
+    for path in sorted(path for path in left.keys() | right.keys() if left.get(path) != right.get(path)):
+        kind, said = f"only in {one if path in left else other}", list[str]()
+        if path in left and path in right:
             kind, said = _difference((one / path).read_bytes(), (other / path).read_bytes())
-            if group and kind == "text":
-                for pair in _pairs((one / path).read_text("utf-8"), (other / path).read_text("utf-8")):
-                    lines[pair].append(path)
         counts[kind] += 1
-        if not (group and kind == "text"):
-            print("\n    ".join([f"{path}: {kind}", *said]))
-    for (gone, come), paths in sorted(lines.items(), key=lambda item: -len(item[1])):
-        print(f"{len(paths)} times, as in {paths[0]}\n    - {gone[:300]}\n    + {come[:300]}")
+        if group and kind == "text":
+            gone, come = ([line[1:] for line in said if line[0] == sign] for sign in "-+")
+            for before, after in zip_longest(gone, come, fillvalue=""):
+                words = [
+                    [word for word in a.split() if word not in b.split()] for a, b in ((before, after), (after, before))
+                ]
+                alike[str(words)].append((path, before, after))
+        else:
+            more = [f"and {len(said) - 12} lines more"] if len(said) > 12 else []
+            print("\n    ".join([f"{path}: {kind}", *(line[:200] for line in said[:12]), *more]))
+    for found in sorted(alike.values(), key=len, reverse=True):
+        path, before, after = found[0]
+        print(f"{len(found)} times the like of {path}\n    - {before[:300]}\n    + {after[:300]}")
     print(", ".join(f"{count} {kind}" for kind, count in counts.items()))
-    return sum(counts.values()) - counts["equal"]
+    return counts.total() - counts["equal"]
 
 
 def _difference(one: bytes, other: bytes) -> tuple[str, list[str]]:
@@ -234,43 +237,12 @@ def _difference(one: bytes, other: bytes) -> tuple[str, list[str]]:
         pairs = [pair for pair in zip(NUMBER.findall(before), NUMBER.findall(after), strict=True) if pair[0] != pair[1]]
         worst = max(pairs, key=_relative)
         return "numbers", [f"{len(pairs)} differ, by {_relative(worst):.2g} at most: {worst[0]} and {worst[1]}"]
-    changed, added = _middle(before, after)
-    if max(len(changed), len(added)) > 3000:
-        return "text", [f"{len(changed)} lines in place of {len(added)}"]
-    shown = list(difflib.unified_diff(changed, added, n=1, lineterm=""))[2:]
-    return "text", [line[:200] for line in shown[:12]] + [f"and {len(shown) - 12} lines more"] * (len(shown) > 12)
+    return "text", list(difflib.unified_diff(before.splitlines(), after.splitlines(), n=0, lineterm=""))[2:]
 
 
 def _relative(pair: tuple[str, str]) -> float:
     one, other = map(float, pair)
     return 0.0 if one == other else abs(one - other) / max(abs(one), abs(other))
-
-
-def _middle(before: str, after: str) -> tuple[list[str], list[str]]:
-    """The lines from the first to the last that differ."""
-    one, other = before.splitlines(), after.splitlines()
-    start = _alike(one, other)
-    end = _alike(one[start:][::-1], other[start:][::-1])
-    return one[start : len(one) - end], other[start : len(other) - end]
-
-
-def _alike(one: list[str], other: list[str]) -> int:
-    """How many lines are the same from the beginning."""
-    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False)))
-
-
-def _pairs(before: str, after: str) -> Iterable[tuple[str, str]]:
-    """Lines that went, with those that came for them."""
-    one, other = _middle(before, after)
-    if max(len(one), len(other)) > 3000:
-        return [(f"({len(one)} lines)", f"({len(other)} lines)")]
-    found = []
-    for what, start, end, begin, until in difflib.SequenceMatcher(None, one, other, autojunk=False).get_opcodes():
-        if what != "equal":
-            pairs = range(max(end - start, until - begin))
-            gone, come = one[start:end], other[begin:until]
-            found += [("".join(gone[at : at + 1]), "".join(come[at : at + 1])) for at in pairs]
-    return found
 
 
 def main() -> int:
@@ -284,7 +256,7 @@ def main() -> int:
     comparing = commands.add_parser("compare", help="say what differs between two records")
     comparing.add_argument("one", type=Path)
     comparing.add_argument("other", type=Path)
-    comparing.add_argument("--group", action="store_true", help="each pair of lines once, with how often it occurs")
+    comparing.add_argument("--group", action="store_true", help="each change of words once, with how often it occurs")
     commands.add_parser("batch", help="used by record")
     asked = parser.parse_args()
     if asked.command == "compare":
