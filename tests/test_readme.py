@@ -1,4 +1,4 @@
-"""The README says what the program does: its commands are those of CI, its figures those of today's run."""
+"""The README's commands are those of CI and of the program; the figures of docs/baler.md are those of today's run."""
 
 from __future__ import annotations
 
@@ -16,8 +16,6 @@ from ncgear.cli.app import COMMANDS
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-
-
 BALER = (ROOT / "docs" / "baler.md").read_text(encoding="utf-8")
 
 
@@ -45,7 +43,7 @@ def checked(design: str) -> dict[str, Any]:
 
 
 def table_rows() -> dict[str, tuple[float, float]]:
-    rows = re.findall(r"^\| ([^|]+) \| (\d+) \| (\d+) \|$", README, flags=re.MULTILINE)
+    rows = re.findall(r"^\| ([^|]+) \| (\d+) \| (\d+) \|$", BALER, flags=re.MULTILINE)
     return {name: (float(power), float(acceleration)) for name, power, acceleration in rows}
 
 
@@ -68,7 +66,7 @@ def test_the_comparison_is_todays(row: str, name: str) -> None:
 def test_the_savings_are_todays(name: str, words: str) -> None:
     row = next(r for r in checked("baler")["comparison"] if r["name"] == name and r["same_speed"])
     assert words in row["note"]
-    assert words in README
+    assert words in BALER
 
 
 def test_what_is_possible_is_todays() -> None:
