@@ -19,8 +19,7 @@ from commands import Run
 from ncgear.design.beginning import ANSWERS, begun, fault_of, filled, proportioned, template_answers
 from ncgear.design.laws.registry import LawName
 from ncgear.design.template import template
-from ncgear.project import drive as load
-from ncgear.project.drive import loads
+from ncgear.project.drive import load, loads
 
 SOURCE = str(Path(ncgear.__file__).parents[1])
 PATIENCE_S = 60.0
