@@ -190,7 +190,7 @@ def motions(linkage: Data, lobes: tuple[int, int]) -> st.SearchStrategy[Data]:
 
 
 def near_template(law: LawName) -> st.SearchStrategy[Data]:
-    """The template's values of a law that has no strategy of its own, each of its fractions 0.5 to 1.5 times as large."""
+    """Values near the template's, fractions within 50 %, for a law that has no strategy of its own."""
     motion = read_yaml(template("random", law), "template").data["motion"]
     values = {
         key: number(0.5 * value, 1.5 * value) if isinstance(value, float) else st.just(value)
