@@ -8,6 +8,9 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 
+from ncgear.design.laws.registry import LawName
+from ncgear.design.reading.yaml import read_yaml
+from ncgear.design.template import template
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.numerics.jet import Jet
 
@@ -172,16 +175,28 @@ ellipses = st.one_of(
 
 def motions(linkage: Data, lobes: tuple[int, int]) -> st.SearchStrategy[Data]:
     """Any law."""
-    return st.one_of(
-        strokes(linkage) if lobes == (1, 1) else st.just({"law": "uniform_crank"}),
-        ratio_expressions(lobes),
-        tables(linkage, lobes),
-        ellipses,
-        st.just({"law": "uniform_crank"}),
-        group(law=st.just("harmonic_ratio"), second_stage=at_times(harmonics)).flatmap(
+    uniform = st.just({"law": "uniform_crank"})
+    strategies = {
+        LawName.THREE_SEGMENT_STROKE: strokes(linkage) if lobes == (1, 1) else uniform,
+        LawName.RATIO_EXPRESSION: ratio_expressions(lobes),
+        LawName.TABLE: tables(linkage, lobes),
+        LawName.ELLIPSE: ellipses,
+        LawName.UNIFORM_CRANK: uniform,
+        LawName.HARMONIC_RATIO: group(law=st.just("harmonic_ratio"), second_stage=at_times(harmonics)).flatmap(
             lambda motion: harmonics.map(lambda rows: {**motion, **rows})
         ),
-    )
+    }
+    return st.one_of(*strategies.values(), *(near_template(law) for law in LawName if law not in strategies))
+
+
+def near_template(law: LawName) -> st.SearchStrategy[Data]:
+    """Values near the template's, fractions within 50 %, for a law that has no strategy of its own."""
+    motion = read_yaml(template("random", law), "template").data["motion"]
+    values = {
+        key: number(0.5 * value, 1.5 * value) if isinstance(value, float) else st.just(value)
+        for key, value in motion.items()
+    }
+    return group(**values)
 
 
 # --- gears

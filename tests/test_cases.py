@@ -12,6 +12,9 @@ from hard.case import FOLDER, REFUSED, Case, cases, drive_of
 from hard.condition import conditions
 from hard.figures import reported, sampled_peak
 from hard.judged import FACTOR, Made, Refused, allowed, in_roundings, judged
+from ncgear.design.laws.registry import LawName
+from ncgear.design.reading.yaml import read_yaml
+from ncgear.design.template import template
 from ncgear.ratio.transmission import CLOSED
 
 PAGE = (Path(__file__).parents[1] / "docs" / "hard-cases.md").read_text(encoding="utf-8")
@@ -21,6 +24,10 @@ MADE = [name for name in ALL if name not in REFUSED]
 
 QUICK = ["baler", "rod-1-0001", "rod-1e6", "theta4-late", "lobes-5-1", "ratio-1-100", "near-zero", "ellipse-eccentric"]
 """Judged against the reference every time; the others, which take longer together, when slow tests run."""
+
+
+SLOW = {LawName.THREE_SEGMENT_STROKE, LawName.HARMONIC_RATIO, LawName.TABLE}
+"""Laws whose reference takes seconds, and which quick cases judge as well."""
 
 
 @cache
@@ -75,6 +82,15 @@ def test_errors_are_the_problems(name: str) -> None:
     assert max(in_roundings(made, condition).values()) <= allowed(name)
     worst = max(made.errors, key=lambda figure: made.errors[figure])
     assert condition[worst] == pytest.approx(float(told(name)[3]), rel=1.0) or condition[worst] <= 1e6
+
+
+@pytest.mark.parametrize("law", [pytest.param(law, marks=pytest.mark.slow if law in SLOW else []) for law in LawName])
+def test_every_law_is_the_law_of_its_reference(law: LawName) -> None:
+    """By its template; a law that is added is judged by its line in ``oracles.laws.REFERENCES``."""
+    made = judged(Case(f"template-{law}", lambda: read_yaml(template("mine", law), "template").data))
+    assert isinstance(made, Made)
+    # The templates have conditions of 16 to 46 (hard.condition), and their figures are right to 4e-15.
+    assert max(made.errors.values()) <= 1e-13
 
 
 def test_a_figure_off_by_more_than_its_condition_is_seen() -> None:

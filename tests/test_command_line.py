@@ -14,11 +14,12 @@ import pytest
 import ncgear
 import ncgear.cli
 from commands import Run
-from ncgear.design.template import Law, template
+from ncgear.design.laws.registry import LawName
+from ncgear.design.template import template
 from ncgear.errors import NoSuchMechanism
 
 STROKE = template("baler")
-TABLE = template("points", Law.TABLE)
+TABLE = template("points", LawName.TABLE)
 PLAIN = "name: a\nlinkage: {crank_mm: 1, rod_mm: 3}\noperation: {speed_rpm: 1}\n"
 
 

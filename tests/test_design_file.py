@@ -13,19 +13,16 @@ from hypothesis import strategies as st
 
 from ncgear.design.keys.design import Design, json_schema
 from ncgear.design.keys.gears import PROFILES, Rack
-from ncgear.design.keys.motion import (
-    LAWS,
-    MOST_POINTS,
-    SOLVED_KEY,
-    Ellipse,
-    RatioExpression,
-    TableLaw,
-    ThreeSegmentStroke,
-)
+from ncgear.design.laws.ellipse import Ellipse
+from ncgear.design.laws.ratio_expression import RatioExpression
+from ncgear.design.laws.registry import LawName, law_models
+from ncgear.design.laws.table import MOST_POINTS, TableLaw
+from ncgear.design.laws.three_segment_stroke import SOLVED_KEY, ThreeSegmentStroke
 from ncgear.design.reading.design_file import LoadedDesign, load
 from ncgear.design.reading.text import plain_value
 from ncgear.design.reading.yaml import read_yaml
-from ncgear.design.template import Law, template
+from ncgear.design.reference import law_of
+from ncgear.design.template import template
 from ncgear.errors import NoSuchMechanism, WrongInput
 
 HEAD = "name: a\nlinkage: {crank_mm: 100, rod_mm: 300}\noperation: {speed_rpm: 60}\n"
@@ -56,18 +53,18 @@ def test_baler_template_holds_what_it_says(tmp_path: Path) -> None:
     assert (motion.return_.basis, motion.return_.e) == ("ratio", "least_acceleration")
     assert design.resistance is not None
     assert design.resistance.polynomial_n == (-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7)
-    assert design.law_gives_slider
+    assert design.motion.gives_slider
 
 
-@pytest.mark.parametrize("law", list(Law))
-def test_every_template_loads(tmp_path: Path, law: Law) -> None:
+@pytest.mark.parametrize("law", LawName)
+def test_every_template_loads(tmp_path: Path, law: LawName) -> None:
     design = loaded(tmp_path, template("mine", law)).design
     assert (design.name, design.motion.law) == ("mine", law.value)
     assert design.gears is not None
 
 
-def test_there_is_a_template_for_every_law() -> None:
-    assert {law.value for law in Law} == set(LAWS)
+def test_every_law_is_described_by_the_module_of_its_name() -> None:
+    assert {name: law_of(model) for name, model in law_models().items()} == {name: name for name in LawName}
 
 
 def test_defaults(tmp_path: Path) -> None:
@@ -80,7 +77,7 @@ def test_defaults(tmp_path: Path) -> None:
     assert (gears.driving.bore_mm, gears.driven.keyway) == (None, None)
     assert (design.design.linkage.offset_mm, design.design.output.chord_tolerance_mm) == (0.0, 0.005)
     assert (design.design.resistance, design.design.comparison, design.design.description) == (None, None, "")
-    assert not design.design.law_gives_slider
+    assert not design.design.motion.gives_slider
 
 
 @pytest.mark.parametrize("profile", "ABCD")
@@ -285,7 +282,7 @@ def test_json_schema_describes_every_key() -> None:
 
 def test_json_schema_knows_the_laws_and_the_keys_as_written() -> None:
     schema = json_schema()
-    assert set(schema["properties"]["motion"]["discriminator"]["mapping"]) == set(LAWS)
+    assert set(schema["properties"]["motion"]["discriminator"]["mapping"]) == set(LawName)
     assert {"return", "theta1_pi", "law_speed_rpm"} <= set(schema["$defs"]["ThreeSegmentStroke"]["properties"])
     assert schema["$defs"]["Linkage"]["required"] == ["rod_mm"]
 
@@ -308,7 +305,7 @@ KEYS = [*Design.model_fields, "zzz"]
 
 
 @settings(max_examples=300, deadline=None)
-@given(st.dictionaries(st.sampled_from(KEYS), JSON), st.sampled_from(list(LAWS)), st.dictionaries(st.text(), JSON))
+@given(st.dictionaries(st.sampled_from(KEYS), JSON), st.sampled_from(list(LawName)), st.dictionaries(st.text(), JSON))
 def test_any_values_are_refused_in_words(
     tmp_path_factory: pytest.TempPathFactory, data: dict[str, Any], law: str, motion: dict[str, Any]
 ) -> None:

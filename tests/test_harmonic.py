@@ -16,7 +16,7 @@ from scipy.special import iv
 
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array
-from ncgear.ratio.laws.harmonic import closed_harmonics, harmonic_law
+from ncgear.ratio.laws.harmonic import HarmonicLaw, closed_harmonics, harmonic_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 
@@ -26,6 +26,11 @@ DIGITS = 50
 def law(cosine: list[float], sine: list[float], lobes: Lobes | None = None) -> Transmission:
     """The law of coefficients, of one lobe each unless said otherwise."""
     return harmonic_law(np.array(cosine), np.array(sine), lobes or Lobes())
+
+
+def log_constant(made: HarmonicLaw) -> float:
+    """c0 of ln i12, which closes the cycle."""
+    return log(made.lobes.driven / made.lobes.driving) - log(made.integral.mean)
 
 
 @dataclass(frozen=True)
@@ -136,9 +141,9 @@ def test_the_mean_of_one_harmonic_is_a_bessel_function(size: float) -> None:
 
 def test_the_constant_is_the_one_of_the_formula() -> None:
     made = closed_harmonics(np.array([0.7]), np.zeros(1), Lobes(2, 3))
-    assert made.log_constant == pytest.approx(log(1.5) - log(iv(0, 0.7)), abs=1e-15)
+    assert log_constant(made) == pytest.approx(log(1.5) - log(iv(0, 0.7)), abs=1e-15)
     at = made.driven_angle(np.array([1.0]), 1)
-    log_ratio = made.log_constant + made.series.at(3.0 * at.value, 0).value[0]
+    log_ratio = log_constant(made) + made.series.at(3.0 * at.value, 0).value[0]
     assert -np.log(at.derivative(1)[0]) == pytest.approx(log_ratio, abs=1e-14)
 
 
@@ -203,7 +208,7 @@ def test_many_harmonics(harmonics: int) -> None:
     # Trapezoid sums of a periodic function over whole periods: dphi1 over dphi2 must come to 2 pi
     phi2 = np.arange(4096) * (2.0 * pi / 4096)
     made = closed_harmonics(cosine, sine, Lobes())
-    assert np.mean(np.exp(made.log_constant + made.series.at(phi2, 0).value)) == pytest.approx(1.0, abs=1e-13)
+    assert np.mean(np.exp(log_constant(made) + made.series.at(phi2, 0).value)) == pytest.approx(1.0, abs=1e-13)
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -232,7 +237,7 @@ def test_any_coefficients_close_and_invert(cosine: list[float], sine: list[float
     made = closed_harmonics(np.array(cosine), np.array(sine), lobes)
     unit, weights = np.polynomial.legendre.leggauss(128)
     angles = (turned[:, None] / 2.0 * (unit + 1.0)).ravel()
-    rate = np.exp(made.log_constant + made.series.at(angles, 0).value).reshape(turned.size, -1)
+    rate = np.exp(log_constant(made) + made.series.at(angles, 0).value).reshape(turned.size, -1)
     back = rate @ weights * turned / 2.0 / lobes.driven
     assert np.max(np.abs(back - phi1)) <= 1e-13
 

@@ -17,9 +17,9 @@ import pytest
 import ncgear
 from commands import Run
 from ncgear.design.beginning import ANSWERS, begun, fault_of, filled, proportioned, template_answers
-from ncgear.design.template import Law, template
-from ncgear.project import drive as load
-from ncgear.project.drive import loads
+from ncgear.design.laws.registry import LawName
+from ncgear.design.template import template
+from ncgear.project.drive import load, loads
 
 SOURCE = str(Path(ncgear.__file__).parents[1])
 PATIENCE_S = 60.0
@@ -49,7 +49,8 @@ def at_terminal(arguments: Sequence[str], answers: Sequence[str], folder: Path) 
 
 
 def test_a_terminal_is_asked_and_told_what_is_wrong(tmp_path: Path) -> None:
-    answers = ["no name", "press", "7", "4", "-3", "40", "x", "30", "", "60", "31", "~", " ", "2", "8"]
+    unknown, ellipse = str(len(LawName) + 1), str(list(LawName).index(LawName.ELLIPSE) + 1)
+    answers = ["no name", "press", unknown, ellipse, "-3", "40", "x", "30", "", "60", "31", "~", " ", "2", "8"]
     status, shown = at_terminal(["new"], [f"{answer}\n" for answer in answers], tmp_path)
     assert (status, shown.splitlines()[-1]) == (0, "press.yaml")
     assert "letters, digits, - and _, at most 64 of them, are right" in shown
@@ -139,8 +140,8 @@ def test_names_that_yaml_takes_for_something_else(name: str) -> None:
     assert loads(template(name)).design.name == name
 
 
-@pytest.mark.parametrize("law", Law)
-def test_only_lines_of_other_values_differ_from_the_template(law: Law) -> None:
+@pytest.mark.parametrize("law", LawName)
+def test_only_lines_of_other_values_differ_from_the_template(law: LawName) -> None:
     """Comments stay, also those of lines that change."""
     before, after = template("a", law), begun("a", law, {"teeth": 45, "face_width_mm": 7.5})
     changed = [line for line in ndiff(before.splitlines(), after.splitlines()) if line[0] in "+-"]
@@ -152,7 +153,7 @@ def test_only_lines_of_other_values_differ_from_the_template(law: Law) -> None:
 
 def test_the_template_keeps_its_proportions() -> None:
     """Twice the machine: the same law, the same force at each share of the stroke."""
-    usual, twice = loads(template("a")), loads(begun("a", Law.THREE_SEGMENT_STROKE, {"crank_mm": 760}))
+    usual, twice = loads(template("a")), loads(begun("a", LawName.THREE_SEGMENT_STROKE, {"crank_mm": 760}))
     assert twice.linkage.stroke_mm == pytest.approx(2.0 * usual.linkage.stroke_mm)
     assert twice.law_speed_rpm == pytest.approx(usual.law_speed_rpm, rel=1e-3)
     assert twice.check.peak_acceleration_cycle_mm_s2.value == pytest.approx(
@@ -188,9 +189,9 @@ SIZES = (
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("law", Law)
+@pytest.mark.parametrize("law", LawName)
 @pytest.mark.parametrize("flags", SIZES, ids=["small", "large", "few teeth"])
-def test_what_is_written_builds_and_the_rest_is_refused_with_a_reason(run: Run, law: Law, flags: list[str]) -> None:
+def test_what_is_written_builds_and_the_rest_is_refused_with_a_reason(run: Run, law: LawName, flags: list[str]) -> None:
     status, out, err = run("new", "a", "--law", law.value, *flags)
     if status == 0:
         assert out == "a.yaml\n"

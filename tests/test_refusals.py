@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from ncgear.design.laws.registry import LawName
+
 ROOT = Path(__file__).parents[1]
 BALER = (ROOT / "designs" / "baler.yaml").read_text(encoding="utf-8")
 MOTION = "motion: {law: ellipse, eccentricity: 0.35, phase_deg: 200}"
@@ -233,15 +235,9 @@ def test_timing_is_reported_beside_the_results(run: Run, tmp_path: Path) -> None
 
 @pytest.mark.parametrize(
     "law",
-    [
-        "ellipse",
-        *(
-            pytest.param(law, marks=pytest.mark.slow)
-            for law in ("three_segment_stroke", "ratio_expression", "harmonic_ratio", "table", "uniform_crank")
-        ),
-    ],
+    [law if law is LawName.ELLIPSE else pytest.param(law, marks=pytest.mark.slow) for law in LawName],
 )
-def test_a_new_design_builds(law: str, run: Run, tmp_path: Path) -> None:
+def test_a_new_design_builds(law: LawName, run: Run, tmp_path: Path) -> None:
     assert run("new", "mine", "--law", law).returncode == 0
     done = run("build", "mine.yaml")
     assert (done.returncode, done.stderr) == (0, "")

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
 
-from ncgear.design.keys.motion import ThreeSegmentStroke
+from ncgear.design.laws.three_segment_stroke import ThreeSegmentStroke
 from ncgear.errors import NoSuchMechanism
 from ncgear.ratio.working_stroke import StrokeRequest, WorkingStroke, solved_stroke
 from oracles import stroke as oracle

@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 from commands import Outcome, Run
+from ncgear.design.laws.registry import LawName
 from ncgear.design.reading.design_file import load
-from ncgear.design.template import Law, template
+from ncgear.design.template import template
 from ncgear.design.varied import MOST_DESIGNS
 from ncgear.screening.rows import single_figures
 
@@ -86,7 +87,7 @@ def test_values_that_the_schema_refuses_are_verdicts_too(run: Run) -> None:
 
 
 def test_items_of_lists_can_be_varied(run: Run) -> None:
-    status, _, _ = run("motion.cosine.1=-0.1:0.1:3", text=template("press", Law.HARMONIC_RATIO))
+    status, _, _ = run("motion.cosine.1=-0.1:0.1:3", text=template("press", LawName.HARMONIC_RATIO))
     assert status == 0
     assert len({row["ratio.max"] for row in table()}) == 3
 

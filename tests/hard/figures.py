@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from mpmath import mp
 
+from ncgear.design.laws.three_segment_stroke import ThreeSegmentStroke
 from ncgear.numerics.extrema import Extremum
 from ncgear.project.drive import Drive
 from oracles import laws
@@ -81,9 +82,10 @@ def reference(drive: Drive, data: dict[str, Any]) -> dict[str, Any]:
 
 def _closing(drive: Drive) -> tuple[float, float]:
     """Multiples of the return's polynomial: where the reference begins its own search."""
-    if drive.law.stroke_law is None:
+    motion = drive.design.motion
+    if not isinstance(motion, ThreeSegmentStroke):
         return 0.0, 0.0
-    coefficients = drive.law.stroke_law.return_law.polynomial.coef
+    coefficients = motion.stroke_law(drive.linkage, drive.transmission.lobes).return_law.polynomial.coef
     return float(coefficients[4] + 2.5 * coefficients[5]), float(coefficients[5] / 2.0)
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from functools import cache, cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 from mpmath import mp
 from mpmath.calculus.quadrature import GaussLegendre
@@ -133,24 +133,25 @@ def returning_angle(linkage: Linkage, displacement: Real) -> Real:
 # --- laws --------------------------------------------------------------------------------------------------------
 
 
+class Asked(NamedTuple):
+    """What a law is made from: values under ``motion``, the linkage, lobes n1 and n2, and ``closing`` of ``law``."""
+
+    motion: dict[str, Any]
+    linkage: Linkage
+    lobes: tuple[int, int]
+    closing: tuple[float, float]
+
+
 def law(data: dict[str, Any], closing: tuple[float, float] = (0.0, 0.0)) -> Law:
     """The law of a design file's values.
 
     ``closing``, of a stroke, are the multiples of tau^2 (1 - tau)^2 and of (2 tau - 1) times it in the return: the
     first only a start of the search for the one that closes, the second taken as it is where the file gives no e.
     """
-    motion, linkage = data["motion"], linkage_of(data)
-    lobes = data.get("gears", {}).get("lobes", {"driving": 1, "driven": 1})
-    pair = lobes["driving"], lobes["driven"]
+    motion, lobes = data["motion"], data.get("gears", {}).get("lobes", {"driving": 1, "driven": 1})
+    asked = Asked(motion, linkage_of(data), (lobes["driving"], lobes["driven"]), closing)
     with mp.workdps(DIGITS):
-        match motion["law"]:
-            case "three_segment_stroke":
-                return _stroke_law(motion, linkage, closing)
-            case "harmonic_ratio":
-                return _harmonic_law(motion, linkage, pair)
-            case "table" if "displacement_mm" in motion:
-                return _displacement_table(motion, linkage)
-        return _ratio_law(_slope(motion, pair), _knots(motion, pair), linkage, pair)
+        return REFERENCES[motion["law"]](asked)
 
 
 def linkage_of(data: dict[str, Any]) -> Linkage:
@@ -286,17 +287,14 @@ def _ratio_law(slope: Callable[[Real], Real], knots: list[Real], linkage: Linkag
 WORDS = {name: getattr(mp, name) for name in ("sin", "cos", "tan", "exp", "log", "sqrt", "pi")}
 
 
-def _slope(motion: dict[str, Any], lobes: tuple[int, int]) -> Callable[[Real], Real]:
-    """dphi2/dphi1 of a law given by its ratio, but for a constant."""
-    match motion:
-        case {"law": "uniform_crank"}:
-            return lambda phi: mp.mpf(1)
-        case {"law": "ellipse"}:
-            return _elliptical(motion, lobes)
-        case {"law": "table"}:
-            return _spline(*_table(motion, "ratio", lambda value: 1 / mp.mpf(value)))
-        case {"driven_angle": text}:
-            return lambda phi: mp.diff(lambda at: _formula(text, at), phi)
+def _by_slope(asked: Asked, slope: Callable[[Real], Real]) -> Law:
+    """The law of dphi2/dphi1, which is analytic and may lack a constant factor."""
+    return _ratio_law(slope, [mp.mpf(0), 2 * mp.pi / asked.lobes[0]], asked.linkage, asked.lobes)
+
+
+def _formula_slope(motion: dict[str, Any]) -> Callable[[Real], Real]:
+    if "driven_angle" in motion:
+        return lambda phi: mp.diff(lambda at: _formula(motion["driven_angle"], at), phi)
     return lambda phi: 1 / _formula(motion["ratio"], phi)
 
 
@@ -312,11 +310,13 @@ def _elliptical(motion: dict[str, Any], lobes: tuple[int, int]) -> Callable[[Rea
     return lambda phi: 1 / (size * (1 + eccentricity * mp.cos(lobes[0] * (phi - phase))) - 1)
 
 
-def _knots(motion: dict[str, Any], lobes: tuple[int, int]) -> list[Real]:
-    """Ends of the period, and angles of a table."""
-    period = 2 * mp.pi / lobes[0]
-    given = _table(motion, "ratio", mp.mpf)[0] if motion["law"] == "table" else []
-    return [mp.mpf(0), *(at for at in given if 0 < at < period), period]
+def _table_law(asked: Asked) -> Law:
+    if "displacement_mm" in asked.motion:
+        return _displacement_table(asked.motion, asked.linkage)
+    angles, slopes = _table(asked.motion, "ratio", lambda value: 1 / mp.mpf(value))
+    period = 2 * mp.pi / asked.lobes[0]
+    knots = [mp.mpf(0), *(at for at in angles if 0 < at < period), period]
+    return _ratio_law(_spline(angles, slopes), knots, asked.linkage, asked.lobes)
 
 
 def _table(motion: dict[str, Any], column: str, of: Callable[[Any], Real]) -> tuple[list[Real], list[Real]]:
@@ -455,3 +455,14 @@ def _harmonic_law(motion: dict[str, Any], linkage: Linkage, lobes: tuple[int, in
 
     piece = Piece(lambda phi1: harmonics.inverse(phi1 * n1) / n2, slopes)
     return HarmonicLaw(linkage, (mp.mpf(0), 2 * mp.pi / n1), (piece,), lobes, harmonics)
+
+
+REFERENCES: dict[str, Callable[[Asked], Law]] = {
+    "three_segment_stroke": lambda asked: _stroke_law(asked.motion, asked.linkage, asked.closing),
+    "ratio_expression": lambda asked: _by_slope(asked, _formula_slope(asked.motion)),
+    "harmonic_ratio": lambda asked: _harmonic_law(asked.motion, asked.linkage, asked.lobes),
+    "ellipse": lambda asked: _by_slope(asked, _elliptical(asked.motion, asked.lobes)),
+    "table": _table_law,
+    "uniform_crank": lambda asked: _by_slope(asked, lambda phi: mp.mpf(1)),
+}
+"""By the name of the law."""

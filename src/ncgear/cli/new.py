@@ -13,9 +13,9 @@ from typing import Annotated
 import typer
 
 from ncgear.cli.progress import stages_shown
+from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
 from ncgear.design.naming import NAME_RULE, is_name
 from ncgear.design.reading.text import plain_value
-from ncgear.design.template import Law
 from ncgear.errors import DesignError, WrongInput
 
 QUESTIONS = {
@@ -26,15 +26,6 @@ QUESTIONS = {
     "teeth": "teeth of the driving gear",
     "module_mm": "module in mm",
     "face_width_mm": "face width of the gears in mm",
-}
-
-LAWS = {
-    Law.THREE_SEGMENT_STROKE: "the slider works in three segments: it goes, presses at constant speed, slows down",
-    Law.RATIO_EXPRESSION: "the ratio of the gears as a formula of the driving angle",
-    Law.HARMONIC_RATIO: "the ratio by harmonics of the driven angle",
-    Law.ELLIPSE: "elliptical gears",
-    Law.TABLE: "the ratio or the displacement point by point",
-    Law.UNIFORM_CRANK: "circular gears",
 }
 
 
@@ -48,15 +39,15 @@ def asked_name() -> str:
     return _asked("name of the design", "mine", lambda name: None if is_name(name) else f"{NAME_RULE}, are right")
 
 
-def asked_law() -> Law:
+def asked_law() -> LawName:
     """One of the laws, by its number or its name."""
-    for number, (law, words) in enumerate(LAWS.items(), 1):
-        typer.echo(f"  {number}  {law:<22}{words}", err=True)
-    laws = {str(number): law for number, law in enumerate(LAWS, 1)} | {law.value: law for law in LAWS}
+    for number, law in enumerate(LawName, 1):
+        typer.echo(f"  {number}  {law:<22}{design_law(law).choice}", err=True)
+    laws = {str(number): law for number, law in enumerate(LawName, 1)} | {law.value: law for law in LawName}
     return laws[_asked("motion law", "1", lambda told: None if told in laws else "its number or its name is right")]
 
 
-def asked_sizes(law: Law, given: Mapping[str, float], before: Mapping[str, float]) -> dict[str, float]:
+def asked_sizes(law: LawName, given: Mapping[str, float], before: Mapping[str, float]) -> dict[str, float]:
     """All sizes, those ``given`` unasked; likely are the answers of ``before``, or what follows from those so far."""
     from ncgear.design.beginning import proportioned
 
@@ -66,10 +57,9 @@ def asked_sizes(law: Law, given: Mapping[str, float], before: Mapping[str, float
     return found
 
 
-def _needed(law: Law, given: Mapping[str, float]) -> list[str]:
+def _needed(law: LawName, given: Mapping[str, float]) -> list[str]:
     """A law of the slider's motion has a stroke, the others a crank; one of them gives the other."""
-    length = "stroke_mm" if law is Law.THREE_SEGMENT_STROKE else "crank_mm"
-    first = [] if {"stroke_mm", "crank_mm"} & set(given) else [length]
+    first = [] if {"stroke_mm", "crank_mm"} & set(given) else [design_law(law).asked_length]
     return [*first, *(one for one in QUESTIONS if one not in ("stroke_mm", "crank_mm") and one not in given)]
 
 
@@ -96,9 +86,6 @@ def _asked(question: str, likely: str, fault: Callable[[str], str | None]) -> st
         typer.echo(f"  {wrong}", err=True)
 
 
-DEFAULT_LAW = Law.THREE_SEGMENT_STROKE
-
-
 BUILDABLE = ("check", "designed_contact", "solids")
 """Stages of a drive that between them need all others that a build can be refused for."""
 
@@ -106,7 +93,7 @@ BUILDABLE = ("check", "designed_contact", "solids")
 def new(
     name: Annotated[str | None, typer.Argument(metavar="NAME", help=f"Name of the design: {NAME_RULE}.")] = None,
     law: Annotated[
-        Law | None, typer.Option(help="The motion law to begin with.", show_default=DEFAULT_LAW.value)
+        LawName | None, typer.Option(help="The motion law to begin with.", show_default=DEFAULT_LAW.value)
     ] = None,
     stroke_mm: Annotated[float | None, typer.Option(help="Stroke of the slider; twice the crank.")] = None,
     crank_mm: Annotated[float | None, typer.Option(help="Length of the crank.")] = None,
@@ -154,7 +141,7 @@ def _sound(given: dict[str, float]) -> dict[str, float]:
     return sizes
 
 
-def _ask_and_write(name: str | None, law: Law | None, given: dict[str, float]) -> None:
+def _ask_and_write(name: str | None, law: LawName | None, given: dict[str, float]) -> None:
     """Ask until the answers give gears."""
     path = _free(name or asked_name())
     law, sizes = law or asked_law(), given
@@ -182,7 +169,7 @@ def _taken(path: Path) -> WrongInput:
     return WrongInput("exists already; choose another name, or remove it", location=str(path))
 
 
-def _write(path: Path, law: Law, sizes: dict[str, float]) -> None:
+def _write(path: Path, law: LawName, sizes: dict[str, float]) -> None:
     """Write a design that can be built; raises WrongInput or NoSuchMechanism where it cannot."""
     text = _buildable(path.stem, law, sizes)
     try:
@@ -194,7 +181,7 @@ def _write(path: Path, law: Law, sizes: dict[str, float]) -> None:
     typer.echo(path)
 
 
-def _buildable(name: str, law: Law, sizes: dict[str, float]) -> str:
+def _buildable(name: str, law: LawName, sizes: dict[str, float]) -> str:
     """The text of a design; with sizes of its own, all its gears have been made once."""
     if not sizes:
         from ncgear.design.template import template

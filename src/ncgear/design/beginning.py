@@ -10,9 +10,10 @@ from pydantic import ValidationError
 from ruamel.yaml import YAML
 
 from ncgear.design.keys.design import Design
+from ncgear.design.laws.registry import LawName, design_law
 from ncgear.design.reading.messages import problems
 from ncgear.design.reading.yaml import read_yaml
-from ncgear.design.template import Law, template
+from ncgear.design.template import template
 from ncgear.errors import WrongInput
 from ncgear.mechanisms.crank_slider import CrankSlider
 
@@ -57,7 +58,7 @@ def fault_together(answers: Mapping[str, float]) -> str | None:
     return None
 
 
-def begun(name: str, law: Law, answers: Mapping[str, float]) -> str:
+def begun(name: str, law: LawName, answers: Mapping[str, float]) -> str:
     """The design file of some answers; what is not answered keeps the template's proportions to what is.
 
     Speeds and acceleration of the slider, and the resistance, go with the stroke, so that laws keep their form; bores
@@ -130,14 +131,11 @@ def _values(data: Any, answers: Mapping[str, float]) -> Iterator[tuple[str, Any]
 
 def _of_stroke(data: Any, scale: float) -> Iterator[tuple[str, Any]]:
     """What goes with the stroke: the slider's speeds, and the displacement that the resistance is a polynomial of."""
-    if "v1_mm_s" in data["motion"]:
-        yield from ((key, _rounded(scale * _at(data, key))) for key in SPEEDS)
+    law = design_law(LawName(data["motion"]["law"]))
+    yield from ((f"motion.{key}", _rounded(scale * data["motion"][key])) for key in law.grows_with_stroke)
     powers = enumerate(data["resistance"]["polynomial_n"])
     yield "resistance.polynomial_n", [_rounded(value / scale**power) for power, value in powers]
 
-
-SPEEDS = ("motion.v1_mm_s", "motion.v2_mm_s", "motion.a1_mm_s2")
-"""Of the slider, which go with the stroke."""
 
 BORES = (
     "gears.driving.bore_mm",

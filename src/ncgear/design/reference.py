@@ -20,10 +20,11 @@ from pydantic.fields import FieldInfo
 
 from ncgear.design.keys.base import listed, spellings
 from ncgear.design.keys.design import Design
+from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
 from ncgear.design.naming import NAME_PATTERN, NAME_RULE
 from ncgear.design.reading.messages import fields_of, models_in
 from ncgear.design.reading.yaml import read_yaml
-from ncgear.design.template import Law, template
+from ncgear.design.template import template
 from ncgear.errors import WrongInput
 
 
@@ -251,10 +252,6 @@ KNOWN = {
     "comparison.published": "[{name: author and year, speed_rpm: 60, peak_power_w: 18750}]",
     "published.name": "author and year",
     "linkage": "{crank_mm: 380, rod_mm: 960}",
-    "motion.phi1_rad": "[0, 1.5, 3, 4.5]",
-    "motion.phi1_deg": "[0, 90, 180, 270]",
-    "motion.phi1_pi": "[0, 0.5, 1, 1.5]",
-    "motion.displacement_mm": "[0, 380, 760, 380]",
     "resistance.table": "{displacement_mm: [0, 400, 760], force_n: [0, 2000, 30000]}",
     "resistance.table.displacement_mm": "[0, 400, 760]",
     "resistance.table.force_n": "[0, 2000, 30000]",
@@ -281,7 +278,7 @@ def example(key: Key, root: type[Any]) -> str:
 
 
 def _value(key: Key, root: type[Any]) -> str:
-    known = _known(key.path)
+    known = _known(key)
     if known:
         return known
     found = _in_template(key) if root is Design else None
@@ -294,22 +291,24 @@ def _value(key: Key, root: type[Any]) -> str:
     return _allowed(choices(key.rule)[0], key.name)
 
 
-def _known(path: str) -> str:
+def _known(key: Key) -> str:
     """The longest end of the path that is known; empty for none."""
-    ends = [end for end in KNOWN if f".{path}".endswith(f".{end}")]
+    if key.law and key.name in (examples := design_law(LawName(key.law)).examples):
+        return examples[key.name]
+    ends = [end for end in KNOWN if f".{key.path}".endswith(f".{end}")]
     return KNOWN[max(ends, key=len)] if ends else ""
 
 
 def _in_template(key: Key) -> Any:
     """What the template has at a key, None where it has nothing."""
-    data = _template_data(Law(key.law) if key.law else Law.THREE_SEGMENT_STROKE)
+    data = _template_data(LawName(key.law) if key.law else DEFAULT_LAW)
     for part in key.path.split("."):
         data = data.get(part) if isinstance(data, dict) else None
     return data
 
 
 @cache
-def _template_data(law: Law) -> Any:
+def _template_data(law: LawName) -> Any:
     return read_yaml(template("example", law), "template").data
 
 

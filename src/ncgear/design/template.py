@@ -1,32 +1,17 @@
-"""A commented design file to begin with, one for each law.
-
-Plain text with next to no imports, so that the command line can list the laws without loading the schema.
-"""
+"""A commented design file to begin with: the same machine and gears for every law, and the law's own part."""
 
 from __future__ import annotations
 
-from enum import StrEnum
-
+from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
 from ncgear.design.reading.text import plain_value
 
 
-class Law(StrEnum):
-    """The laws there is a template for."""
-
-    THREE_SEGMENT_STROKE = "three_segment_stroke"
-    RATIO_EXPRESSION = "ratio_expression"
-    HARMONIC_RATIO = "harmonic_ratio"
-    ELLIPSE = "ellipse"
-    TABLE = "table"
-    UNIFORM_CRANK = "uniform_crank"
-
-
-def template(name: str, law: Law = Law.THREE_SEGMENT_STROKE) -> str:
+def template(name: str, law: LawName = DEFAULT_LAW) -> str:
     """A complete design file called ``name``, with a comment on every value."""
     # Names such as 12 or true must not be read as a number or a truth value, nor one of dashes as a list.
     quoted = name if name[0].isalpha() and isinstance(plain_value(name), str) else f'"{name}"'
     head = _HEAD.replace("name: {name}", f"name: {quoted}").format(name=name)
-    return "\n".join((head, _MOTIONS[law], _GEARS, _MACHINE))
+    return "\n".join((head, design_law(law).template, _GEARS, _MACHINE))
 
 
 _HEAD = """\
@@ -45,62 +30,6 @@ linkage:                   # the crank-slider that the driven gear turns
 operation:
   speed_rpm: 20            # speed of the driving gear
 """
-
-_MOTIONS: dict[Law, str] = {
-    Law.THREE_SEGMENT_STROKE: """\
-motion:                    # how the slider moves
-  law: three_segment_stroke
-  solve_for: law_speed     # law_speed, v1, v2, a1 or stroke: its own key is left out below
-  theta1_pi: 0.4           # the slider's speed is v1, its acceleration zero
-  theta2_pi: 0.7           # from here it presses at constant speed v2 ...
-  theta3_pi: 1.0           # ... to here, and then slows down
-  theta4_pi: 1.3           # extended dead centre; the rest of the turn is the return
-  v1_mm_s: 1600            # slider speeds, at the law speed
-  v2_mm_s: 1100
-  a1_mm_s2: -1500          # slider acceleration at theta4, negative
-  a1_speed_rpm: 20         # speed at which a1 is stated; left out: the law speed
-  # law_speed_rpm:         # speed at which v1 and v2 hold; found here
-  stroke_mm: 760           # left out: the stroke of the linkage
-  return:                  # the return stroke
-    basis: ratio           # ratio or inverse_ratio
-    e: least_acceleration  # a number (with basis ratio), or least_acceleration to have it found
-""",
-    Law.RATIO_EXPRESSION: """\
-motion:                    # the law of the gears, as a formula of phi, the driving angle in rad
-  law: ratio_expression
-  ratio: "1 + 0.3*cos(phi)"  # transmission ratio dphi1/dphi2
-  scale_to_close: true     # multiply it by the constant that makes the driven gear come round
-  # driven_angle: "phi - 0.08*sin(2*phi)"   # instead of ratio: the driven angle in rad
-""",
-    Law.HARMONIC_RATIO: """\
-motion:                    # the law of the gears by harmonics; the form in which optimised laws are stored
-  law: harmonic_ratio
-  # ln(dphi1/dphi2) = c0 - 0.25 cos(phi2) + 0.05 cos(2 phi2) + 0.1 sin(phi2), phi2 being the driven angle; c0 is found,
-  # so that the driven gear comes round. With several lobes of the driven gear, phi2 stands for lobes.driven * phi2.
-  cosine: [-0.25, 0.05]
-  sine: [0.1]
-""",
-    Law.ELLIPSE: """\
-motion:                    # equal ellipses, each turning about a focus
-  law: ellipse
-  eccentricity: 0.3        # 0 (a circle) to under 1
-  phase_deg: 0             # driving angle at which the driving radius is smallest
-""",
-    Law.TABLE: """\
-motion:                    # the law point by point
-  law: table
-  # Driving angles of one cycle, strictly rising; phi1_rad or phi1_pi can take the place of phi1_deg.
-  phi1_deg: [0, 30, 60, 90, 120, 150, 180, 210, 240, 270, 300, 330]
-  # Transmission ratios dphi1/dphi2; displacement_mm (of the slider, from its retracted end) can take their place.
-  ratio: [1.2, 1.1732, 1.1, 1.0, 0.9, 0.8268, 0.8, 0.8268, 0.9, 1.0, 1.1, 1.1732]
-  scale_to_close: true     # multiply the ratio by the constant that makes the driven gear come round
-  # file: points.csv       # instead of the two lists: a CSV file whose header names the same columns
-""",
-    Law.UNIFORM_CRANK: """\
-motion:                    # circular gears, to compare with
-  law: uniform_crank
-""",
-}
 
 _GEARS = """\
 gears:                     # a check does without, a build needs it

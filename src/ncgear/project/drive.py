@@ -34,9 +34,9 @@ from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.project.gears import helix_of, mesh_place, rack_of, tooth_form
-from ncgear.project.law import Law, law_of, resistance_of
+from ncgear.project.law import law_of, resistance_of
 from ncgear.ratio.laws.uniform import uniform_law
-from ncgear.ratio.transmission import Pair, Transmission
+from ncgear.ratio.transmission import Law, Pair, Transmission
 from ncgear.stopwatch import Stopwatch
 from ncgear.teeth.rack import BasicRack
 
@@ -127,8 +127,8 @@ class MotionStages:
     @property
     def law_speed_rpm(self) -> float:
         """Driving speed at which the law's velocities hold; laws without velocities hold at any."""
-        stroke = self.law.stroke_law
-        return stroke.stroke.law_speed_rad_s / RAD_S_PER_RPM if stroke else self.design.operation.speed_rpm
+        stroke = self.law.stroke
+        return stroke.law_speed_rad_s / RAD_S_PER_RPM if stroke else self.design.operation.speed_rpm
 
     @stage
     def machine(self) -> Machine:

@@ -1,68 +1,23 @@
-"""The linkage and the closed law of a design."""
+"""What a design says of its machine, as values to compute with: linkage, lobes, resistance, and the closed law."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import isclose
-
-import numpy as np
-
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.motion import (
-    Ellipse,
-    HarmonicRatio,
-    RatioExpression,
-    SecondStage,
-    TableLaw,
-    ThreeSegmentStroke,
-    UniformCrank,
-)
 from ncgear.errors import WrongInput
 from ncgear.mechanisms.crank_slider import CrankSlider, crank_of_stroke_mm
 from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance
-from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.ratio.laws.ellipse import elliptical_law
-from ncgear.ratio.laws.expression import driven_angle_expression_law, ratio_expression_law
-from ncgear.ratio.laws.harmonic import harmonic_law, staged_law
-from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
-from ncgear.ratio.laws.uniform import uniform_law
-from ncgear.ratio.transmission import Lobes, Train, Transmission, single
-from ncgear.ratio.working_stroke import StrokeRequest, WorkingStroke, solved_stroke
-
-SAME_STROKE = 1e-6
-"""Relative difference of the file's stroke from the linkage's that counts as rounding in the file: seven digits."""
-
-
-@dataclass(frozen=True, eq=False)
-class Law:
-    """A closed law on its linkage with the pairs that make it, and the stroke it came from where one was given."""
-
-    linkage: CrankSlider
-    train: Train
-    stroke_law: StrokeLaw | None = None
-
-    def __repr__(self) -> str:
-        pairs = f", {len(self.train.pairs)} pairs in series" if len(self.train.pairs) > 1 else ""
-        return f"Law({self.transmission!r} on {self.linkage!r}{pairs})"
-
-    @property
-    def transmission(self) -> Transmission:
-        """The law of the whole, phi2(phi1)."""
-        return self.train.whole
+from ncgear.ratio.transmission import Law, Lobes
 
 
 def law_of(design: Design) -> Law:
-    """The design's linkage and law.
+    """The design's law on its linkage.
 
     Raises WrongInput for values that contradict each other, NoSuchMechanism when no such motion exists.
     """
     motion, lobes = design.motion, lobes_of(design)
-    if isinstance(motion, ThreeSegmentStroke):
-        return _stroke_law(design, motion, lobes)
-    linkage = linkage_of(design)
-    if isinstance(motion, HarmonicRatio) and motion.second_stage is not None:
-        return Law(linkage, _staged(motion, motion.second_stage))
-    return Law(linkage, single(_direct_law(motion, linkage, lobes)))
+    if motion.gives_stroke:
+        return motion.law_on(_linkage_of_stroke(design, motion.solved_stroke_mm()), lobes)
+    return motion.law_on(linkage_of(design), lobes)
 
 
 def lobes_of(design: Design) -> Lobes:
@@ -93,87 +48,9 @@ def linkage_of(design: Design) -> CrankSlider:
     return CrankSlider(design.linkage.crank_mm, design.linkage.rod_mm, design.linkage.offset_mm)
 
 
-def _direct_law(
-    motion: RatioExpression | HarmonicRatio | Ellipse | TableLaw | UniformCrank, linkage: CrankSlider, lobes: Lobes
-) -> Transmission:
-    match motion:
-        case UniformCrank():
-            return uniform_law(lobes)
-        case HarmonicRatio():
-            return harmonic_law(np.array(motion.cosine), np.array(motion.sine), lobes)
-        case Ellipse():
-            return elliptical_law(motion.eccentricity, motion.phase, lobes)
-        case RatioExpression(ratio=str() as text):
-            return ratio_expression_law(text, lobes, scale_to_close=motion.scale_to_close)
-        case RatioExpression(driven_angle=str() as text):
-            return driven_angle_expression_law(text, lobes)
-        case TableLaw():
-            return _table_law(motion, linkage, lobes)
-    raise AssertionError(f"no law for {motion.law}")
-
-
-def _table_law(motion: TableLaw, linkage: CrankSlider, lobes: Lobes) -> Transmission:
-    from ncgear.ratio.laws.table import displacement_table_law, ratio_table_law
-
-    match motion:
-        case TableLaw(displacement_mm=tuple() as displacements):
-            return displacement_table_law(np.array(motion.phi1), np.array(displacements), linkage, lobes)
-        case TableLaw(ratio=tuple() as ratios):
-            return ratio_table_law(np.array(motion.phi1), np.array(ratios), lobes, scale_to_close=motion.scale_to_close)
-    raise AssertionError(f"no law for {motion.law}")
-
-
-def _staged(motion: HarmonicRatio, second: SecondStage) -> Train:
-    coefficients = motion.cosine, motion.sine, second.cosine, second.sine
-    return staged_law(*(np.array(values) for values in coefficients)).train
-
-
-def _stroke_law(design: Design, motion: ThreeSegmentStroke, lobes: Lobes) -> Law:
-    if motion.solve_for == "stroke":
-        stroke = solved_stroke(_request(motion, None))
-        linkage = _linkage_of_stroke(design, stroke)
-    else:
-        linkage = linkage_of(design)
-        _refuse_other_stroke(motion.stroke_mm, linkage)
-        stroke = solved_stroke(_request(motion, linkage.stroke_mm))
-    law = stroke_law(
-        stroke,
-        linkage,
-        lobes,
-        constant=None if motion.return_.e == "least_acceleration" else motion.return_.e,
-        inverse_basis=motion.return_.basis == "inverse_ratio",
-    )
-    return Law(linkage, single(law.transmission), law)
-
-
-def _request(motion: ThreeSegmentStroke, stroke_mm: float | None) -> StrokeRequest:
-    return StrokeRequest(
-        theta1_rad=motion.theta1,
-        theta2_rad=motion.theta2,
-        theta3_rad=motion.theta3,
-        theta4_rad=motion.theta4,
-        v1_mm_s=motion.v1_mm_s,
-        v2_mm_s=motion.v2_mm_s,
-        a1_mm_s2=motion.a1_mm_s2,
-        law_speed_rad_s=None if motion.law_speed_rpm is None else motion.law_speed_rpm * RAD_S_PER_RPM,
-        stroke_mm=stroke_mm,
-        a1_speed_rad_s=None if motion.a1_speed_rpm is None else motion.a1_speed_rpm * RAD_S_PER_RPM,
-    )
-
-
-def _refuse_other_stroke(stroke_mm: float | None, linkage: CrankSlider) -> None:
-    if stroke_mm is not None and not isclose(stroke_mm, linkage.stroke_mm, rel_tol=SAME_STROKE):
-        relation = "longer" if stroke_mm > linkage.stroke_mm else "shorter"
-        raise WrongInput(
-            f"{stroke_mm:.9g} mm is {relation} than the linkage's stroke of {linkage.stroke_mm:.9g} mm; give that one, "
-            "leave the key out, or change linkage.crank_mm",
-            key="motion.stroke_mm",
-        )
-
-
-def _linkage_of_stroke(design: Design, stroke: WorkingStroke) -> CrankSlider:
+def _linkage_of_stroke(design: Design, stroke_mm: float) -> CrankSlider:
     """The linkage whose crank gives the stroke that the law came out with."""
-    rod, offset, wanted = design.linkage.rod_mm, design.linkage.offset_mm, stroke.stroke_mm
+    rod, offset = design.linkage.rod_mm, design.linkage.offset_mm
     if design.linkage.crank_mm is not None:
         raise WrongInput(
             f"{design.linkage.crank_mm:g} mm is given, but the crank follows from the stroke that is "
@@ -181,9 +58,9 @@ def _linkage_of_stroke(design: Design, stroke: WorkingStroke) -> CrankSlider:
             key="linkage.crank_mm",
         )
     longest = (rod - abs(offset)) * (1.0 - 1e-9)
-    if not 0.0 < wanted < CrankSlider(longest, rod, offset).stroke_mm:
+    if not 0.0 < stroke_mm < CrankSlider(longest, rod, offset).stroke_mm:
         raise WrongInput(
-            f"a rod of {rod:g} mm cannot give the stroke of {wanted:.6g} mm that follows from the law",
+            f"a rod of {rod:g} mm cannot give the stroke of {stroke_mm:.6g} mm that follows from the law",
             key="linkage.rod_mm",
         )
-    return CrankSlider(crank_of_stroke_mm(wanted, rod, offset), rod, offset)
+    return CrankSlider(crank_of_stroke_mm(stroke_mm, rod, offset), rod, offset)

@@ -8,7 +8,7 @@ The pairs of gears between the driving shaft and the crank: one, or two in serie
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import pi
@@ -16,6 +16,7 @@ from math import pi
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum, extremes
@@ -180,3 +181,35 @@ class Train:
 def single(transmission: Transmission) -> Train:
     """One pair between the driving shaft and the crank."""
     return Train(transmission, (Pair(transmission, np.ones_like),))
+
+
+@dataclass(frozen=True)
+class PrescribedStroke:
+    """What a law that prescribes the slider's stroke has to tell beside its ratio."""
+
+    law_speed_rad_s: float
+    """Speed of the driving gear at which the law's velocities hold."""
+
+    closing_error_mm: float
+    """What the parts of the stroke together miss of it; rounding error only."""
+
+    facts: Mapping[str, float | str | None]
+    """What the stroke and the return came out as, for the summary: names end in their unit; None where one has none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Law:
+    """A closed law on its linkage, the pairs of gears that make it, and its stroke where the law prescribes one."""
+
+    linkage: CrankSlider
+    train: Train
+    stroke: PrescribedStroke | None = None
+
+    def __repr__(self) -> str:
+        pairs = f", {len(self.train.pairs)} pairs in series" if len(self.train.pairs) > 1 else ""
+        return f"Law({self.transmission!r} on {self.linkage!r}{pairs})"
+
+    @property
+    def transmission(self) -> Transmission:
+        """The law of the whole, phi2(phi1)."""
+        return self.train.whole

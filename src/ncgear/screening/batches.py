@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.motion import HarmonicRatio, ThreeSegmentStroke
+from ncgear.design.laws.harmonic_ratio import HarmonicRatio
+from ncgear.design.laws.three_segment_stroke import SAME_STROKE, ThreeSegmentStroke
 from ncgear.mechanisms.crank_slider import Linkages
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.project.law import SAME_STROKE, lobes_of, resistance_of
+from ncgear.project.law import lobes_of, resistance_of
 from ncgear.ratio.transmission import Lobes
 from ncgear.ratio.working_stroke import StrokeRequests, closed_strokes
 from ncgear.screening.samples import Sampled, harmonic_samples, returns_with_constant, stroke_samples
@@ -68,7 +69,7 @@ def _tilts(design: Design) -> tuple[float, ...]:
 
 
 def _strokes(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
-    """As ``recipe/law.py`` makes one; what it would refuse is not ``sound``."""
+    """As the law of a single design is made; what that refuses is not ``sound``."""
     linkage = _linkages(designs)
     stroke_mm, period = linkage.stroke_mm, kind.lobes.driving_period_rad
     strokes = closed_strokes(_requests(designs, stroke_mm))
@@ -82,7 +83,7 @@ def _strokes(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
 
 
 def _harmonics(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
-    """As ``recipe/law.py`` makes one; the law holds at any speed, and so at that of operation."""
+    """As the law of a single design is made; it holds at any speed, and so at that of operation."""
     cosine, sine = _padded(designs, "motion.cosine", "motion.sine")
     linkage = _linkages(designs)
     samples = harmonic_samples(cosine, sine, linkage, kind.lobes, count)

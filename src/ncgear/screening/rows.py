@@ -124,11 +124,11 @@ def single_figures(design: Design) -> dict[str, float]:
 
 
 def _law(drive: Drive) -> dict[str, float]:
-    stroke, (low, high) = drive.law.stroke_law, drive.transmission.ratio_range
+    stroke, (low, high) = drive.law.stroke, drive.transmission.ratio_range
     return {
         "drive.law_speed_rpm": drive.law_speed_rpm,
         "closure.residual_rad": abs(drive.transmission.closure_error_rad),
-        "closure.stroke_residual_mm": abs(stroke.stroke.closing_error_mm) if stroke else 0.0,
+        "closure.stroke_residual_mm": abs(stroke.closing_error_mm) if stroke else 0.0,
         "ratio.min": low.value,
         "ratio.max": high.value,
     }

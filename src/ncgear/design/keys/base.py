@@ -23,6 +23,11 @@ Length = Annotated[float, Field(gt=0.0, le=LONGEST_MM)]
 Speed = Annotated[float, Field(gt=0.0, le=FASTEST_RPM)]
 Positive = Annotated[float, Field(gt=0.0)]
 
+LONGEST_EXPRESSION = 1000
+
+Expression = Annotated[str, Field(min_length=1, max_length=LONGEST_EXPRESSION)]
+"""A formula."""
+
 # YAML has lists only; strictness would ask for a tuple, so it is off for the container and on for its numbers.
 Numbers = Annotated[tuple[float, ...], Strict(False)]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self, Union
 
 from pydantic import Field, model_validator
 
@@ -10,11 +10,23 @@ from ncgear.design.keys.base import Model, fault
 from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.machine import Comparison, Linkage, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation
-from ncgear.design.keys.motion import HarmonicRatio, Motion, TableLaw, ThreeSegmentStroke
 from ncgear.design.keys.optimize import Optimize
+from ncgear.design.laws.base import LawKeys
+from ncgear.design.laws.registry import law_models
 from ncgear.design.naming import NAME_PATTERN
 
 JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
+
+if TYPE_CHECKING:
+    Motion = LawKeys
+else:
+    # A union made while running, which type checkers do not follow: the registry alone lists the laws.
+    Motion = Annotated[
+        Union[tuple(law_models().values())],  # noqa: UP007
+        Field(
+            discriminator="law", description="how the slider moves, or how the ratio runs; `law` says which law it is"
+        ),
+    ]
 
 
 class Design(Model):
@@ -41,27 +53,19 @@ class Design(Model):
     output: Output = Field(default_factory=Output, description="how finely the results are written")
 
     @property
-    def law_gives_slider(self) -> bool:
-        """Whether the motion law prescribes the slider's motion itself, not the ratio of the gears."""
-        if isinstance(self.motion, TableLaw):
-            return self.motion.displacement_mm is not None
-        return isinstance(self.motion, ThreeSegmentStroke)
-
-    @property
     def stages(self) -> int:
         """Pairs of gears in series that make the ratio."""
-        return 2 if isinstance(self.motion, HarmonicRatio) and self.motion.second_stage is not None else 1
+        return self.motion.pairs_in_series
 
     @model_validator(mode="after")
     def _crank_is_known(self) -> Self:
-        solved = isinstance(self.motion, ThreeSegmentStroke) and self.motion.solve_for == "stroke"
-        if self.linkage.crank_mm is None and not solved:
+        if self.linkage.crank_mm is None and not self.motion.gives_stroke:
             raise fault("linkage.crank_mm", "missing; only motion.solve_for: stroke can do without the crank's length")
         return self
 
     @model_validator(mode="after")
     def _slider_law_has_one_driven_lobe(self) -> Self:
-        if self.gears and self.law_gives_slider and self.gears.lobes.driven != 1:
+        if self.gears and self.motion.gives_slider and self.gears.lobes.driven != 1:
             raise fault(
                 "gears.lobes.driven",
                 f"{self.gears.lobes.driven} given, but a law of the slider's motion drives one crank; 1 is right",

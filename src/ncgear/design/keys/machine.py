@@ -11,6 +11,7 @@ from pydantic import Field, Strict, model_validator
 
 from ncgear.design.keys.base import (
     LONGEST_MM,
+    Expression,
     Length,
     Model,
     Numbers,
@@ -21,7 +22,6 @@ from ncgear.design.keys.base import (
     listed,
     require_one,
 )
-from ncgear.design.keys.motion import Expression
 
 FIGURES = ("peak_power_w", "peak_acceleration_mm_s2", "peak_speed_mm_s", "compression_speed_mm_s")
 

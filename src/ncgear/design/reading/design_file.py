@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from ncgear.design.keys.base import spellings
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.machine import MOST_POINTS as MOST_RESISTANCE_POINTS
-from ncgear.design.keys.motion import ANGLE_COLUMNS, MOST_POINTS, VALUE_COLUMNS
+from ncgear.design.laws.table import ANGLE_COLUMNS, MOST_POINTS, VALUE_COLUMNS
 from ncgear.design.reading.messages import Problem, problems
 from ncgear.design.reading.points import Columns, PointsFile, read_points
 from ncgear.design.reading.text import read_text, shown

@@ -14,9 +14,11 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from ncgear.design.keys.base import FAULT_TYPE, listed
-from ncgear.design.keys.motion import LAWS
+from ncgear.design.laws.registry import law_models
 from ncgear.design.naming import NAME_RULE
 from ncgear.design.reading.text import shown
+
+LAWS = law_models()
 
 
 def fields_of(model: type[BaseModel]) -> dict[str, FieldInfo]:

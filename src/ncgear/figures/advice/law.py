@@ -9,10 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import cos, degrees, radians
-from typing import Any
 
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.motion import Ellipse, HarmonicRatio, RatioExpression, ThreeSegmentStroke
+from ncgear.design.laws.registry import LawName, design_law
 from ncgear.errors import DesignError
 from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where
 from ncgear.pitch import shape
@@ -72,19 +71,7 @@ def gentler(design: Design, share: float) -> tuple[Change, ...]:
     The logarithm of the ratio keeps that share, or the driven angle's deviation from an even turn, or the ellipse's
     eccentricity.
     """
-    if design.stages > 1:
-        return ()
-    match design.motion:
-        case Ellipse(eccentricity=eccentricity):
-            values: dict[str, Any] = {"eccentricity": share * eccentricity}
-        case HarmonicRatio(cosine=cosine, sine=sine):
-            values = {"cosine": tuple(share * c for c in cosine), "sine": tuple(share * s for s in sine)}
-        case RatioExpression(ratio=str(formula)):
-            values = {"ratio": f"({formula})**{share:g}", "scale_to_close": True}
-        case RatioExpression(driven_angle=str(formula)):
-            values = {"driven_angle": f"{1.0 - share:g}*{_even_turn(design)}*phi + {share:g}*({formula})"}
-        case _:
-            values = {}
+    values = design.motion.gentler(share, _even_turn(design))
     return tuple(Change(f"motion.{key}", value) for key, value in values.items() if value != ())
 
 
@@ -113,7 +100,7 @@ def ratio_range(drive: Drive) -> Advice | None:
         f"{degrees(high.at):.4g} deg)",
         f"beyond 1:{WIDEST_RATIO:g} one gear has almost no radius where the other is large: few teeth carry there, and "
         "the shaft of the small side is thin",
-        (*_wider_return(drive), *tempered(drive, _too_wide), _within_widest(drive)),
+        (*_narrower_ratio(drive), *tempered(drive, _too_wide), _within_widest(drive)),
     )
 
 
@@ -126,10 +113,9 @@ def _too_wide(transmission: Transmission) -> bool:
     return low.value < 1.0 / WIDEST_RATIO or high.value > WIDEST_RATIO
 
 
-def _wider_return(drive: Drive) -> tuple[Remedy, ...]:
-    if not isinstance(drive.design.motion, ThreeSegmentStroke):
-        return ()
-    return (Remedy("move theta4, or change a1 or the speed at which a1 is stated (a1_speed_rpm), in small steps"),)
+def _narrower_ratio(drive: Drive) -> tuple[Remedy, ...]:
+    advice = design_law(LawName(drive.design.motion.law)).narrower_ratio
+    return (Remedy(advice),) if advice else ()
 
 
 def speeds(drive: Drive) -> Advice | None:

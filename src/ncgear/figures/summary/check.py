@@ -125,23 +125,7 @@ def _drive(drive: Drive) -> dict[str, Any]:
         "stroke_mm": linkage.stroke_mm,
         "working_crank_angle_deg": degrees(linkage.working_angle_rad),
         "working_driving_angle_deg": degrees(drive.machine.extended_rad),
-        **_solved(drive),
-    }
-
-
-def _solved(drive: Drive) -> dict[str, Any]:
-    """The stroke's quantities after the solve, and which one was solved for."""
-    law = drive.law.stroke_law
-    if law is None:
-        return {}
-    stroke = law.stroke
-    return {
-        "solved_for": getattr(drive.design.motion, "solve_for", None),
-        "v1_mm_s": stroke.v1_mm_s,
-        "v2_mm_s": stroke.v2_mm_s,
-        "a1_mm_s2": stroke.a1_mm_s2,
-        "return_basis": "inverse_ratio" if law.return_law.inverse else "ratio",
-        "return_constant_e": None if law.return_law.inverse else law.return_law.extrapolated_ratio,
+        **(drive.law.stroke.facts if drive.law.stroke else {}),
     }
 
 
@@ -178,10 +162,10 @@ def _range_and_angle(drive: Drive) -> dict[str, Any]:
 
 
 def _closure(drive: Drive) -> dict[str, Any]:
-    law = drive.law.stroke_law
+    stroke = drive.law.stroke
     return {
         "residual_rad": abs(drive.transmission.closure_error_rad),
-        "stroke_residual_mm": abs(law.stroke.closing_error_mm) if law else 0.0,
+        "stroke_residual_mm": abs(stroke.closing_error_mm) if stroke else 0.0,
     }
 
 
@@ -194,7 +178,7 @@ def _ratio(drive: Drive) -> dict[str, Any]:
 def _check(drive: Drive) -> dict[str, Any]:
     result = peaks(drive.check)
     factor = drive.law_speed_rpm / drive.design.operation.speed_rpm
-    if drive.law.stroke_law is not None:
+    if drive.law.stroke is not None:
         result["at_law_speed"] = {
             "speed_rpm": drive.law_speed_rpm,
             "peak_power_w": drive.check.peak_power_w.value * factor,

@@ -74,11 +74,6 @@ class HarmonicLaw:
     integral: TurnIntegral
     lobes: Lobes
 
-    @property
-    def log_constant(self) -> float:
-        """c0, which closes the cycle."""
-        return log(self.lobes.driven / self.lobes.driving) - log(self.integral.mean)
-
     def driven_angle(self, phi1: Array, order: int) -> Jet:
         """phi2 in rad with derivatives by phi1, at driving angles of one period in rad, shape (n,)."""
         turned = self.integral.inverse(np.clip(phi1 * self.lobes.driving, 0.0, 2.0 * pi))

@@ -1,0 +1,91 @@
+"""What a motion law is in a design file: a model of its keys that can make the law, and its part of a new design file.
+
+A law needs little: fields, ``transmission`` and a ``DesignLaw``.  The other methods of ``LawKeys`` have defaults that
+suit a law of the gear ratio; a law of the slider's stroke, or one of two pairs of gears, overrides some of them.  The
+numerical rooms are imported where a law is made, so that reading a design file does not load them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
+
+from ncgear.design.keys.base import Model
+
+if TYPE_CHECKING:
+    from ncgear.mechanisms.crank_slider import CrankSlider
+    from ncgear.ratio.transmission import Law, Lobes, Transmission
+
+
+class LawKeys(Model):
+    """The keys under ``motion``: a law's own ones in the class derived from this."""
+
+    law: str
+
+    @property
+    def gives_slider(self) -> bool:
+        """Whether the law prescribes the motion of the slider; most prescribe the ratio of the gears."""
+        return False
+
+    @property
+    def gives_stroke(self) -> bool:
+        """Whether the stroke, and so the length of the crank, follows from the law."""
+        return False
+
+    @property
+    def pairs_in_series(self) -> int:
+        """Pairs of gears that make the ratio: 1 or 2."""
+        return 1
+
+    def solved_stroke_mm(self) -> float:
+        """The stroke in mm of a law that ``gives_stroke``; raises NoSuchMechanism where it has none."""
+        raise NotImplementedError(self.law)
+
+    def transmission(self, linkage: CrankSlider, lobes: Lobes) -> Transmission:
+        """The driven angle as a function of the driving angle.
+
+        Raises WrongInput for values that contradict each other, NoSuchMechanism when no such motion exists.
+        """
+        raise NotImplementedError(self.law)
+
+    def law_on(self, linkage: CrankSlider, lobes: Lobes) -> Law:
+        """The closed law on its linkage; raises as ``transmission`` does.
+
+        Overridden by a law with more to tell than its transmission: the stroke it prescribes, or two pairs of gears.
+        """
+        from ncgear.ratio.transmission import Law, single
+
+        return Law(linkage, single(self.transmission(linkage, lobes)))
+
+    def gentler(self, share: float, even_turn: str) -> dict[str, Any]:
+        """Values of keys that leave ``share`` (0 to 1) of the swing of the ratio; empty where there is no such way.
+
+        ``even_turn`` is the driven angle per driving angle of gears that turn evenly, as a formula.
+        """
+        return {}
+
+
+@dataclass(frozen=True)
+class DesignLaw:
+    """A law as design files and ``ncgear new`` know it."""
+
+    keys: type[LawKeys]
+
+    choice: str
+    """What the menu of ``ncgear new`` says of it."""
+
+    template: str
+    """The group ``motion`` of a new design file, with a comment on every value."""
+
+    asked_length: Literal["crank_mm", "stroke_mm"] = "crank_mm"
+    """The length that ``ncgear new`` asks for; the other one follows from it."""
+
+    grows_with_stroke: tuple[str, ...] = ()
+    """Keys of the template that must be proportional to the stroke, so that the law keeps its form."""
+
+    examples: Mapping[str, str] = field(default_factory=dict)
+    """Values for ``ncgear explain``, as a file has them, of keys that the template leaves out."""
+
+    narrower_ratio: str = ""
+    """What a person may change where the ratio's range is too wide; empty where there is no advice."""

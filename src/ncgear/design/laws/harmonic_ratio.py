@@ -1,0 +1,93 @@
+"""The law ``harmonic_ratio``: ln i12 as a series of harmonics of the driven angle, for one pair of gears or two."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import Field, Strict
+
+from ncgear.design.keys.base import Model
+from ncgear.design.laws.base import DesignLaw, LawKeys
+
+if TYPE_CHECKING:
+    from ncgear.mechanisms.crank_slider import CrankSlider
+    from ncgear.ratio.transmission import Law, Lobes, Transmission
+
+MOST_HARMONICS = 200
+
+LARGEST_COEFFICIENT = 10.0
+"""Of ln i12: one harmonic of 7 alone is a range of 1:1e6, where the driven gear stands still."""
+
+Coefficient = Annotated[float, Field(ge=-LARGEST_COEFFICIENT, le=LARGEST_COEFFICIENT)]
+Coefficients = Annotated[tuple[Coefficient, ...], Strict(False), Field(max_length=MOST_HARMONICS)]
+
+
+class SecondStage(Model):
+    """The share of the second of two pairs in series, the one that drives the crank; the first has the rest."""
+
+    cosine: Coefficients = Field(
+        default=(), description="coefficients of cos(phi2), cos(2 phi2), ... in ln of the second pair's ratio"
+    )
+    sine: Coefficients = Field(
+        default=(), description="coefficients of sin(phi2), sin(2 phi2), ... in ln of the second pair's ratio"
+    )
+
+
+class HarmonicRatio(LawKeys):
+    """The logarithm of the ratio by harmonics of the driven angle; what closes the cycle is added."""
+
+    law: Literal["harmonic_ratio"] = Field(description="the name of this law: harmonic_ratio")
+    cosine: Coefficients = Field(
+        default=(), description="coefficients of cos(phi2), cos(2 phi2), ... in ln i12, phi2 being the driven angle"
+    )
+    sine: Coefficients = Field(
+        default=(), description="coefficients of sin(phi2), sin(2 phi2), ... in ln i12, phi2 being the driven angle"
+    )
+    second_stage: SecondStage | None = Field(
+        default=None, description="given: two pairs in series make i12, both as `gears` describes; left out: one pair"
+    )
+
+    @property
+    def pairs_in_series(self) -> int:
+        """Two where a second stage is given."""
+        return 1 if self.second_stage is None else 2
+
+    def transmission(self, linkage: CrankSlider, lobes: Lobes) -> Transmission:
+        """The law of the whole, phi2(phi1)."""
+        import numpy as np
+
+        from ncgear.ratio.laws.harmonic import harmonic_law
+
+        return harmonic_law(np.array(self.cosine), np.array(self.sine), lobes)
+
+    def law_on(self, linkage: CrankSlider, lobes: Lobes) -> Law:
+        """The law of one pair, or of both pairs in series."""
+        if self.second_stage is None:
+            return super().law_on(linkage, lobes)
+        import numpy as np
+
+        from ncgear.ratio.laws.harmonic import staged_law
+        from ncgear.ratio.transmission import Law
+
+        coefficients = self.cosine, self.sine, self.second_stage.cosine, self.second_stage.sine
+        return Law(linkage, staged_law(*(np.array(values) for values in coefficients)).train)
+
+    def gentler(self, share: float, even_turn: str) -> dict[str, Any]:
+        """A share of ln i12; two pairs in series have no such way."""
+        if self.second_stage is not None:
+            return {}
+        return {"cosine": tuple(share * c for c in self.cosine), "sine": tuple(share * s for s in self.sine)}
+
+
+LAW = DesignLaw(
+    keys=HarmonicRatio,
+    choice="the ratio by harmonics of the driven angle",
+    template="""\
+motion:                    # the law of the gears by harmonics; the form in which optimised laws are stored
+  law: harmonic_ratio
+  # ln(dphi1/dphi2) = c0 - 0.25 cos(phi2) + 0.05 cos(2 phi2) + 0.1 sin(phi2), phi2 being the driven angle; c0 is found,
+  # so that the driven gear comes round. With several lobes of the driven gear, phi2 stands for lobes.driven * phi2.
+  cosine: [-0.25, 0.05]
+  sine: [0.1]
+""",
+)

@@ -1,0 +1,66 @@
+"""The law ``ratio_expression``: the gear ratio, or the driven angle, as a formula of the driving angle."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+from pydantic import Field, model_validator
+
+from ncgear.design.keys.base import Expression, fault, require_one
+from ncgear.design.laws.base import DesignLaw, LawKeys
+
+if TYPE_CHECKING:
+    from ncgear.mechanisms.crank_slider import CrankSlider
+    from ncgear.ratio.transmission import Lobes, Transmission
+
+
+class RatioExpression(LawKeys):
+    """A law written as a formula of phi1: the transmission ratio, or the driven angle."""
+
+    law: Literal["ratio_expression"] = Field(description="the name of this law: ratio_expression")
+    ratio: Expression | None = Field(
+        default=None,
+        description='transmission ratio i12 = dphi1/dphi2 as a formula of phi (= phi1 in rad): "1 + 0.3*cos(phi)"',
+    )
+    driven_angle: Expression | None = Field(
+        default=None,
+        description='driven angle phi2 in rad as a formula of phi (= phi1 in rad): "phi - 0.08*sin(2*phi)"',
+    )
+    scale_to_close: bool = Field(
+        default=False, description="true: multiply the ratio by the constant that makes the driven gear come round"
+    )
+
+    @model_validator(mode="after")
+    def _one_formula(self) -> Self:
+        require_one(self, ("ratio", "driven_angle"))
+        if self.scale_to_close and self.ratio is None:
+            raise fault("scale_to_close", "true, but there is no ratio to scale; leave it out, or give ratio")
+        return self
+
+    def transmission(self, linkage: CrankSlider, lobes: Lobes) -> Transmission:
+        """The law of the formula that is given."""
+        from ncgear.ratio.laws.expression import driven_angle_expression_law, ratio_expression_law
+
+        if self.ratio is not None:
+            return ratio_expression_law(self.ratio, lobes, scale_to_close=self.scale_to_close)
+        assert self.driven_angle is not None
+        return driven_angle_expression_law(self.driven_angle, lobes)
+
+    def gentler(self, share: float, even_turn: str) -> dict[str, Any]:
+        """A power of the ratio, or the same share of the driven angle's deviation from an even turn."""
+        if self.driven_angle is not None:
+            return {"driven_angle": f"{1.0 - share:g}*{even_turn}*phi + {share:g}*({self.driven_angle})"}
+        return {"ratio": f"({self.ratio})**{share:g}", "scale_to_close": True}
+
+
+LAW = DesignLaw(
+    keys=RatioExpression,
+    choice="the ratio of the gears as a formula of the driving angle",
+    template="""\
+motion:                    # the law of the gears, as a formula of phi, the driving angle in rad
+  law: ratio_expression
+  ratio: "1 + 0.3*cos(phi)"  # transmission ratio dphi1/dphi2
+  scale_to_close: true     # multiply it by the constant that makes the driven gear come round
+  # driven_angle: "phi - 0.08*sin(2*phi)"   # instead of ratio: the driven angle in rad
+""",
+)

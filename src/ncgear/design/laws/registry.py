@@ -1,0 +1,49 @@
+"""The motion laws that a design file can name, one line each, in the order in which people are shown them.
+
+To add a law ``<name>``:
+
+1. its mathematics, a function that returns a ``Transmission``, in ``ratio/laws``;
+2. ``design/laws/<name>.py``: its keys, how the law is made from them, and a ``LAW`` that holds these keys, the law's
+   part of a new design file and the words of the menu (``design/laws/base.py`` says what each of them is);
+3. a line in ``LawName`` below;
+4. a line in ``REFERENCES`` of ``tests/oracles/laws.py``: the same law, computed independently of ncgear.
+
+All that lists laws follows from here: the models of ``motion`` and the JSON Schema, error messages, ``ncgear explain``,
+the menu and the choices of ``ncgear new``, and the tests of all laws.  This module imports no other one until a law is
+asked for, so that the command line can complete their names without loading pydantic.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ncgear.design.laws.base import DesignLaw, LawKeys
+
+
+class LawName(StrEnum):
+    """What ``motion.law`` can be; each is also the name of the module that describes the law."""
+
+    THREE_SEGMENT_STROKE = "three_segment_stroke"
+    RATIO_EXPRESSION = "ratio_expression"
+    HARMONIC_RATIO = "harmonic_ratio"
+    ELLIPSE = "ellipse"
+    TABLE = "table"
+    UNIFORM_CRANK = "uniform_crank"
+
+
+DEFAULT_LAW = LawName.THREE_SEGMENT_STROKE
+"""The law of a new design where nothing else is asked for."""
+
+
+def design_law(name: LawName) -> DesignLaw:
+    """The keys, the template and the questions of a law."""
+    law: DesignLaw = import_module(f"{__package__}.{name}").LAW
+    return law
+
+
+def law_models() -> dict[str, type[LawKeys]]:
+    """The model of the keys of each law, by the law's name."""
+    return {str(name): design_law(name).keys for name in LawName}

@@ -1,0 +1,120 @@
+"""The law ``table``: displacement of the slider, or gear ratio, point by point over the driving angle."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import TYPE_CHECKING, Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from ncgear.design.keys.base import Numbers, fault, given, in_rad, require_one, spellings
+from ncgear.design.laws.base import DesignLaw, LawKeys
+
+if TYPE_CHECKING:
+    from ncgear.mechanisms.crank_slider import CrankSlider
+    from ncgear.ratio.transmission import Lobes, Transmission
+
+MOST_POINTS = 200_000
+FEWEST_POINTS = 4
+ANGLE_COLUMNS = spellings("phi1")
+VALUE_COLUMNS = ("displacement_mm", "ratio")
+
+FULL_TURN = {"rad": 2.0 * pi, "deg": 360.0, "pi": 2.0}
+
+Column = Annotated[Numbers, Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)]
+
+
+class TableLaw(LawKeys):
+    """Points of the law. Points from a CSV file stand in the same columns once the file is loaded."""
+
+    law: Literal["table"] = Field(description="the name of this law: table")
+    phi1_rad: Column | None = Field(default=None, description="driving angles in rad, strictly rising, 0 to 2 pi")
+    phi1_deg: Column | None = Field(default=None, description="driving angles in degrees, strictly rising, 0 to 360")
+    phi1_pi: Column | None = Field(
+        default=None, description="driving angles in multiples of pi, strictly rising, 0 to 2"
+    )
+    displacement_mm: Column | None = Field(
+        default=None, description="slider displacements in mm from the retracted end, one for each angle"
+    )
+    ratio: Column | None = Field(default=None, description="transmission ratios i12 = dphi1/dphi2, one for each angle")
+    file: str | None = Field(
+        default=None,
+        min_length=1,
+        description="CSV file with the columns instead, its header naming them; its path counts from the design file",
+    )
+    scale_to_close: bool = Field(
+        default=False, description="true: multiply the ratio by the constant that makes the driven gear come round"
+    )
+
+    @property
+    def phi1(self) -> tuple[float, ...]:
+        """Driving angles in rad."""
+        unit = self._angle_key.removeprefix("phi1_")
+        return tuple(in_rad(value, unit) for value in getattr(self, self._angle_key))
+
+    @property
+    def _angle_key(self) -> str:
+        return given(self, ANGLE_COLUMNS)[0]
+
+    @model_validator(mode="after")
+    def _columns(self) -> Self:
+        require_one(self, ANGLE_COLUMNS)
+        require_one(self, VALUE_COLUMNS)
+        if self.scale_to_close and self.ratio is None:
+            raise fault("scale_to_close", "true, but there is no ratio to scale; leave it out, or give ratio")
+        value_key = given(self, VALUE_COLUMNS)[0]
+        angles, values = len(getattr(self, self._angle_key)), len(getattr(self, value_key))
+        if angles != values:
+            raise fault(value_key, f"{values} values for {angles} angles; give as many as {self._angle_key} has")
+        return self
+
+    @model_validator(mode="after")
+    def _angles_rise_within_a_turn(self) -> Self:
+        key = self._angle_key
+        angles: tuple[float, ...] = getattr(self, key)
+        turn = FULL_TURN[key.removeprefix("phi1_")]
+        for i, angle in enumerate(angles):
+            if not 0.0 <= angle <= turn:
+                raise fault(f"{key}.{i}", f"{angle:g} is outside the cycle; 0 to {turn:g} is right")
+            if i and angle <= angles[i - 1]:
+                raise fault(f"{key}.{i}", f"{angle:g} follows {angles[i - 1]:g}; the angles must rise strictly")
+        return self
+
+    @property
+    def gives_slider(self) -> bool:
+        """Points of the displacement prescribe the slider's motion, points of the ratio do not."""
+        return self.displacement_mm is not None
+
+    def transmission(self, linkage: CrankSlider, lobes: Lobes) -> Transmission:
+        """The law through the points."""
+        import numpy as np
+
+        # Its splines come from SciPy, which loads slowly.
+        from ncgear.ratio.laws.table import displacement_table_law, ratio_table_law
+
+        phi1 = np.array(self.phi1)
+        if self.displacement_mm is not None:
+            return displacement_table_law(phi1, np.array(self.displacement_mm), linkage, lobes)
+        return ratio_table_law(phi1, np.array(self.ratio), lobes, scale_to_close=self.scale_to_close)
+
+
+LAW = DesignLaw(
+    keys=TableLaw,
+    choice="the ratio or the displacement point by point",
+    template="""\
+motion:                    # the law point by point
+  law: table
+  # Driving angles of one cycle, strictly rising; phi1_rad or phi1_pi can take the place of phi1_deg.
+  phi1_deg: [0, 30, 60, 90, 120, 150, 180, 210, 240, 270, 300, 330]
+  # Transmission ratios dphi1/dphi2; displacement_mm (of the slider, from its retracted end) can take their place.
+  ratio: [1.2, 1.1732, 1.1, 1.0, 0.9, 0.8268, 0.8, 0.8268, 0.9, 1.0, 1.1, 1.1732]
+  scale_to_close: true     # multiply the ratio by the constant that makes the driven gear come round
+  # file: points.csv       # instead of the two lists: a CSV file whose header names the same columns
+""",
+    examples={
+        "phi1_rad": "[0, 1.5, 3, 4.5]",
+        "phi1_deg": "[0, 90, 180, 270]",
+        "phi1_pi": "[0, 0.5, 1, 1.5]",
+        "displacement_mm": "[0, 380, 760, 380]",
+    },
+)

@@ -1,0 +1,293 @@
+"""The law ``three_segment_stroke``: the slider's working stroke in three segments, and a return that closes the cycle.
+
+The quantities of the stroke over-determine it, so one of them is left out and solved for.
+"""
+
+from __future__ import annotations
+
+from math import isclose, pi
+from sys import float_info
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from ncgear.design.keys.base import (
+    Length,
+    Model,
+    Positive,
+    Speed,
+    angle_rad,
+    fault,
+    given,
+    listed,
+    require_one,
+    spellings,
+)
+from ncgear.design.laws.base import DesignLaw, LawKeys
+from ncgear.design.reading.text import shown
+from ncgear.errors import WrongInput
+
+if TYPE_CHECKING:
+    from ncgear.mechanisms.crank_slider import CrankSlider
+    from ncgear.ratio.laws.three_segment import StrokeLaw
+    from ncgear.ratio.transmission import Law, Lobes
+    from ncgear.ratio.working_stroke import WorkingStroke
+
+SAME_STROKE = 1e-6
+"""Relative difference of the file's stroke from the linkage's that counts as rounding in the file: seven digits."""
+
+SolveFor = Literal["law_speed", "v1", "v2", "a1", "stroke"]
+
+SOLVED_KEY: dict[str, str] = {
+    "law_speed": "law_speed_rpm",
+    "v1": "v1_mm_s",
+    "v2": "v2_mm_s",
+    "a1": "a1_mm_s2",
+    "stroke": "stroke_mm",
+}
+"""The key that stays absent for each value of ``solve_for``."""
+
+
+def _number_or_word(value: Any) -> Any:
+    """Refuse in one sentence what is neither; pydantic would report each branch of the union by itself."""
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if value != "least_acceleration" and not (is_number and abs(value) <= float_info.max):
+        raise fault("", f"{shown(value)} given; a finite number or the word least_acceleration is needed")
+    return value
+
+
+class ReturnOptions(Model):
+    """How the slider returns: the form of the ratio over the return stroke and its one free coefficient."""
+
+    basis: Literal["ratio", "inverse_ratio"] = Field(
+        default="ratio", description="what is a polynomial of phi1 over the return stroke: ratio or inverse_ratio"
+    )
+    e: Annotated[float | Literal["least_acceleration"], BeforeValidator(_number_or_word)] = Field(
+        default="least_acceleration",
+        description="free coefficient of the return stroke: a number, or least_acceleration to have it found",
+    )
+
+    @model_validator(mode="after")
+    def _number_needs_ratio(self) -> Self:
+        if self.basis == "inverse_ratio" and self.e != "least_acceleration":
+            raise fault("e", f"{self.e:g} is a number, which needs basis ratio; with inverse_ratio leave e out")
+        return self
+
+
+class ThreeSegmentStroke(LawKeys):
+    """The working stroke in three segments: by way of v1 to v2, constant v2, down to rest; then the return."""
+
+    law: Literal["three_segment_stroke"] = Field(description="the name of this law: three_segment_stroke")
+    solve_for: SolveFor = Field(
+        description="the quantity found from the others, its own key left out: law_speed, v1, v2, a1 or stroke"
+    )
+    theta1_rad: float | None = Field(
+        default=None, description="driving angle in rad at which the slider's speed is v1 and its acceleration zero"
+    )
+    theta1_deg: float | None = Field(
+        default=None, description="driving angle in degrees at which the slider's speed is v1 and its acceleration zero"
+    )
+    theta1_pi: float | None = Field(
+        default=None,
+        description="driving angle in multiples of pi at which the slider's speed is v1 and its acceleration zero",
+    )
+    theta2_rad: float | None = Field(
+        default=None, description="driving angle in rad from which the slider's speed is v2; over theta1"
+    )
+    theta2_deg: float | None = Field(
+        default=None, description="driving angle in degrees from which the slider's speed is v2; over theta1"
+    )
+    theta2_pi: float | None = Field(
+        default=None, description="driving angle in multiples of pi from which the slider's speed is v2; over theta1"
+    )
+    theta3_rad: float | None = Field(
+        default=None, description="driving angle in rad up to which the slider's speed is v2; theta2 or over"
+    )
+    theta3_deg: float | None = Field(
+        default=None, description="driving angle in degrees up to which the slider's speed is v2; theta2 or over"
+    )
+    theta3_pi: float | None = Field(
+        default=None,
+        description="driving angle in multiples of pi up to which the slider's speed is v2; theta2 or over",
+    )
+    theta4_rad: float | None = Field(
+        default=None, description="driving angle in rad of the extended dead centre; over theta3, under a cycle"
+    )
+    theta4_deg: float | None = Field(
+        default=None, description="driving angle in degrees of the extended dead centre; over theta3, under a cycle"
+    )
+    theta4_pi: float | None = Field(
+        default=None,
+        description="driving angle in multiples of pi of the extended dead centre; over theta3, under a cycle",
+    )
+    v1_mm_s: Positive | None = Field(default=None, description="slider speed v1 at theta1 in mm/s, at the law speed")
+    v2_mm_s: Positive | None = Field(
+        default=None, description="constant slider speed v2 from theta2 to theta3 in mm/s, at the law speed"
+    )
+    a1_mm_s2: float | None = Field(
+        default=None, description="slider acceleration a1 at theta4 in mm/s2, negative, at a1_speed_rpm"
+    )
+    a1_speed_rpm: Speed | None = Field(
+        default=None, description="driving speed in r/min at which a1_mm_s2 is stated; left out: the law speed"
+    )
+    law_speed_rpm: Speed | None = Field(default=None, description="driving speed in r/min at which v1 and v2 hold")
+    stroke_mm: Length | None = Field(default=None, description="stroke in mm; left out: the stroke of the linkage")
+    return_: ReturnOptions = Field(default_factory=ReturnOptions, alias="return", description="the return stroke")
+
+    @property
+    def theta1(self) -> float:
+        """theta1 in rad."""
+        return angle_rad(self, "theta1")
+
+    @property
+    def theta2(self) -> float:
+        """theta2 in rad."""
+        return angle_rad(self, "theta2")
+
+    @property
+    def theta3(self) -> float:
+        """theta3 in rad."""
+        return angle_rad(self, "theta3")
+
+    @property
+    def theta4(self) -> float:
+        """theta4 in rad."""
+        return angle_rad(self, "theta4")
+
+    @model_validator(mode="after")
+    def _angles_rise(self) -> Self:
+        for quantity in ("theta1", "theta2", "theta3", "theta4"):
+            require_one(self, spellings(quantity))
+        if self.theta1 <= 0.0:
+            raise self._out_of_order("theta1", "over 0")
+        if self.theta2 <= self.theta1:
+            raise self._out_of_order("theta2", "over theta1")
+        if self.theta3 < self.theta2:
+            raise self._out_of_order("theta3", "theta2 or over")
+        if not self.theta3 < self.theta4 < 2.0 * pi:
+            raise self._out_of_order("theta4", "between theta3 and 2 pi")
+        return self
+
+    def _out_of_order(self, quantity: str, needed: str) -> Exception:
+        in_pi = [f"{angle_rad(self, f'theta{i}') / pi:.6g}" for i in (1, 2, 3, 4)]
+        return fault(
+            given(self, spellings(quantity))[0],
+            f"{quantity} must be {needed}; the angles, in multiples of pi, are {', '.join(in_pi)}; "
+            "0 < theta1 < theta2 <= theta3 < theta4 < 2 is right",
+        )
+
+    @model_validator(mode="after")
+    def _only_the_solved_one_is_absent(self) -> Self:
+        solved = SOLVED_KEY[self.solve_for]
+        if getattr(self, solved) is not None:
+            raise fault(solved, f"given, but solve_for: {self.solve_for} says to find it; leave {solved} out")
+        # The stroke can always be left out: the linkage has one.
+        needed = [key for key in SOLVED_KEY.values() if key not in (solved, "stroke_mm")]
+        absent = [key for key in needed if getattr(self, key) is None]
+        if absent:
+            raise fault(absent[0], f"missing; solve_for: {self.solve_for} needs {listed(needed, 'and')}")
+        return self
+
+    @property
+    def gives_slider(self) -> bool:
+        """The working stroke is the slider's motion."""
+        return True
+
+    @property
+    def gives_stroke(self) -> bool:
+        """Whether the stroke is what is solved for."""
+        return self.solve_for == "stroke"
+
+    def solved_stroke_mm(self) -> float:
+        """The stroke in mm that follows from the other quantities; raises NoSuchMechanism where there is none."""
+        return self._stroke(None).stroke_mm
+
+    def law_on(self, linkage: CrankSlider, lobes: Lobes) -> Law:
+        """The closed law, and what its stroke and its return came out as.
+
+        Raises WrongInput where the file gives another stroke than the linkage has.
+        """
+        from ncgear.ratio.transmission import Law, PrescribedStroke, single
+
+        law = self.stroke_law(linkage, lobes)
+        stroke, back = law.stroke, law.return_law
+        facts = {
+            "solved_for": self.solve_for,
+            "v1_mm_s": stroke.v1_mm_s,
+            "v2_mm_s": stroke.v2_mm_s,
+            "a1_mm_s2": stroke.a1_mm_s2,
+            "return_basis": "inverse_ratio" if back.inverse else "ratio",
+            "return_constant_e": None if back.inverse else back.extrapolated_ratio,
+        }
+        prescribed = PrescribedStroke(stroke.law_speed_rad_s, stroke.closing_error_mm, facts)
+        return Law(linkage, single(law.transmission), prescribed)
+
+    def stroke_law(self, linkage: CrankSlider, lobes: Lobes) -> StrokeLaw:
+        """The law with the polynomials of its stroke and its return; raises as ``law_on`` does."""
+        from ncgear.ratio.laws.three_segment import stroke_law
+
+        if not self.gives_stroke:
+            self._refuse_other_stroke(linkage.stroke_mm)
+        return stroke_law(
+            self._stroke(None if self.gives_stroke else linkage.stroke_mm),
+            linkage,
+            lobes,
+            constant=None if self.return_.e == "least_acceleration" else self.return_.e,
+            inverse_basis=self.return_.basis == "inverse_ratio",
+        )
+
+    def _stroke(self, stroke_mm: float | None) -> WorkingStroke:
+        """The working stroke with the free quantity solved for; a stroke of None is that quantity."""
+        from ncgear.numerics.units import RAD_S_PER_RPM
+        from ncgear.ratio.working_stroke import StrokeRequest, solved_stroke
+
+        request = StrokeRequest(
+            theta1_rad=self.theta1,
+            theta2_rad=self.theta2,
+            theta3_rad=self.theta3,
+            theta4_rad=self.theta4,
+            v1_mm_s=self.v1_mm_s,
+            v2_mm_s=self.v2_mm_s,
+            a1_mm_s2=self.a1_mm_s2,
+            law_speed_rad_s=None if self.law_speed_rpm is None else self.law_speed_rpm * RAD_S_PER_RPM,
+            stroke_mm=stroke_mm,
+            a1_speed_rad_s=None if self.a1_speed_rpm is None else self.a1_speed_rpm * RAD_S_PER_RPM,
+        )
+        return solved_stroke(request)
+
+    def _refuse_other_stroke(self, stroke_mm: float) -> None:
+        """Refuse a stroke in the file that differs from that of the linkage."""
+        if self.stroke_mm is not None and not isclose(self.stroke_mm, stroke_mm, rel_tol=SAME_STROKE):
+            relation = "longer" if self.stroke_mm > stroke_mm else "shorter"
+            raise WrongInput(
+                f"{self.stroke_mm:.9g} mm is {relation} than the linkage's stroke of {stroke_mm:.9g} mm; give that "
+                "one, leave the key out, or change linkage.crank_mm",
+                key="motion.stroke_mm",
+            )
+
+
+LAW = DesignLaw(
+    keys=ThreeSegmentStroke,
+    choice="the slider works in three segments: it goes, presses at constant speed, slows down",
+    template="""\
+motion:                    # how the slider moves
+  law: three_segment_stroke
+  solve_for: law_speed     # law_speed, v1, v2, a1 or stroke: its own key is left out below
+  theta1_pi: 0.4           # the slider's speed is v1, its acceleration zero
+  theta2_pi: 0.7           # from here it presses at constant speed v2 ...
+  theta3_pi: 1.0           # ... to here, and then slows down
+  theta4_pi: 1.3           # extended dead centre; the rest of the turn is the return
+  v1_mm_s: 1600            # slider speeds, at the law speed
+  v2_mm_s: 1100
+  a1_mm_s2: -1500          # slider acceleration at theta4, negative
+  a1_speed_rpm: 20         # speed at which a1 is stated; left out: the law speed
+  # law_speed_rpm:         # speed at which v1 and v2 hold; found here
+  stroke_mm: 760           # left out: the stroke of the linkage
+  return:                  # the return stroke
+    basis: ratio           # ratio or inverse_ratio
+    e: least_acceleration  # a number (with basis ratio), or least_acceleration to have it found
+""",
+    asked_length="stroke_mm",
+    grows_with_stroke=("v1_mm_s", "v2_mm_s", "a1_mm_s2"),
+    narrower_ratio="move theta4, or change a1 or the speed at which a1 is stated (a1_speed_rpm), in small steps",
+)

@@ -1,0 +1,35 @@
+"""The law ``uniform_crank``: circular gears, for comparison."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+from pydantic import Field
+
+from ncgear.design.laws.base import DesignLaw, LawKeys
+
+if TYPE_CHECKING:
+    from ncgear.mechanisms.crank_slider import CrankSlider
+    from ncgear.ratio.transmission import Lobes, Transmission
+
+
+class UniformCrank(LawKeys):
+    """Circular gears: the crank turns uniformly."""
+
+    law: Literal["uniform_crank"] = Field(description="the name of this law: uniform_crank")
+
+    def transmission(self, linkage: CrankSlider, lobes: Lobes) -> Transmission:
+        """A constant ratio."""
+        from ncgear.ratio.laws.uniform import uniform_law
+
+        return uniform_law(lobes)
+
+
+LAW = DesignLaw(
+    keys=UniformCrank,
+    choice="circular gears",
+    template="""\
+motion:                    # circular gears, to compare with
+  law: uniform_crank
+""",
+)
