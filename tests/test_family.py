@@ -17,19 +17,27 @@ from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.sampled import shares
-from ncgear.optimum.family.best import BOX, Family, FamilyOptimum, Peak, best_of_family, figures
-from ncgear.optimum.family.samples import (
-    APPROACH,
-    BOUNDS,
-    BRAKING,
-    POINTS,
-    PRESSING,
-    SKEWNESS_UNIT,
-    return_samples,
-    strokes_of,
-    working_samples,
+from ncgear.optimum.family import (
+    BOX,
+    CLOSING_STEPS,
+    RETURN_POINTS,
+    SEGMENT_POINTS,
+    Family,
+    FamilyOptimum,
+    Peak,
+    best_of_family,
+    figures,
+    request_at,
+    strokes_at,
 )
-from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
+from ncgear.ratio.laws.three_segment import StrokeLaw, return_ends, stroke_law
+from ncgear.ratio.sampled_strokes import (
+    BUMP_HEIGHT,
+    ReturnSamples,
+    return_samples,
+    returns_with_skewness,
+    working_motions,
+)
 from ncgear.ratio.transmission import Lobes
 from ncgear.ratio.working_stroke import solved_stroke
 
@@ -50,36 +58,60 @@ SHAPES = np.array(
         [0.6, 0.85, 0.8, 0.97, -0.6, 2.9],
     ]
 )
-"""Numbers of ``BOUNDS``; the second has no constant speed, in the third theta1 nearly falls on theta2."""
+"""Numbers of ``BOX``; the second has no constant speed, in the third theta1 nearly falls on theta2."""
 
 
-def made(shape: Array, linkage: CrankSlider, *, inverse: bool, lobes: Lobes | None = None) -> StrokeLaw:
+def points_of(shapes: Array, skewness: float = 0.0) -> Array:
+    """Shapes (shape (n, 6)) with a skewness as points of the unit box."""
+    numbers = np.column_stack([shapes, np.full(len(shapes), skewness)])
+    points: Array = (numbers - BOX[:, 0]) / (BOX[:, 1] - BOX[:, 0])
+    return points
+
+
+def family_of(linkage: CrankSlider, *, inverse: bool = True, lobes: Lobes | None = None) -> Family:
+    """The family against the baler's resistance."""
+    return Family(linkage, RESISTANCE, OMEGA, inverse, lobes or Lobes())
+
+
+def made(shape: Array, family: Family) -> StrokeLaw:
     """The law of a shape as a design file makes it."""
-    lobes = lobes or Lobes()
-    strokes = strokes_of(shape[None], linkage.stroke_mm, lobes.driving_period_rad)
-    stroke = solved_stroke(strokes.request(0, OMEGA))
+    point = points_of(shape[None])
+    stroke = solved_stroke(request_at(family, point[0]))
+    strokes, _ = strokes_at(family, point)
     assert stroke.v2_mm_s == pytest.approx(strokes.pressing_mm_rad[0] * OMEGA, rel=1e-9)
-    return stroke_law(stroke, linkage, lobes, inverse_basis=inverse)
+    return stroke_law(stroke, family.linkage, family.lobes, inverse_basis=family.inverse)
 
 
 @pytest.mark.parametrize("linkage", LINKAGES.values(), ids=LINKAGES)
 def test_working_strokes_are_those_of_the_laws(linkage: CrankSlider) -> None:
-    strokes = strokes_of(SHAPES, linkage.stroke_mm, 2.0 * pi)
-    samples = working_samples(strokes)
-    assert samples.advancing.all()
+    family = family_of(linkage)
+    strokes, _ = strokes_at(family, points_of(SHAPES))
+    displacement, velocity, acceleration = (
+        np.hstack(parts) for parts in zip(*working_motions(strokes, SEGMENT_POINTS), strict=True)
+    )
+    assert np.isfinite(figures(family, points_of(SHAPES)).power).all()
     for number, shape in enumerate(SHAPES):
-        machine = Machine(made(shape, linkage, inverse=True).transmission, linkage, RESISTANCE, OMEGA)
-        _, theta2, theta3, theta4 = strokes.theta_rad[number]
-        parts = theta2 * shares(APPROACH), theta2 + (theta3 - theta2) * shares(PRESSING)
-        # A joint belongs to what follows it, so the last point of each segment is left out
-        phi1 = np.concatenate([*parts, theta4 - (theta4 - theta3) * shares(BRAKING)])
-        ends = [0, APPROACH - 1, *range(APPROACH - 1, APPROACH + PRESSING), phi1.size - BRAKING, phi1.size - 1]
+        machine = Machine(made(shape, family).transmission, linkage, RESISTANCE, OMEGA)
+        joints = [0.0, *(getattr(strokes, f"theta{k}_rad")[number] for k in (2, 3, 4))]
+        segments = zip(joints[:-1], np.diff(joints), SEGMENT_POINTS, strict=True)
+        phi1 = np.concatenate([start + width * shares(count) for start, width, count in segments])
+        # A joint belongs to what follows it, so the ends of each segment are left out; the second may have no length
+        approach, pressing, _ = SEGMENT_POINTS
+        ends = [0, approach - 1, *range(approach - 1, approach + pressing + 1), phi1.size - 1]
         kept = np.setdiff1d(np.arange(phi1.size), ends)
         exact = machine.displacement(phi1[kept], 2)
-        assert np.max(np.abs(samples.displacement[number, kept] - exact.value)) <= 1e-10 * linkage.stroke_mm
-        scale = np.abs(samples.acceleration).max()
-        assert np.max(np.abs(samples.velocity[number, kept] - exact.derivative(1))) <= 1e-9 * scale
-        assert np.max(np.abs(samples.acceleration[number, kept] - exact.derivative(2))) <= 1e-7 * scale
+        assert np.max(np.abs(displacement[number, kept] - exact.value)) <= 1e-10 * linkage.stroke_mm
+        scale = np.abs(acceleration).max()
+        assert np.max(np.abs(velocity[number, kept] - exact.derivative(1))) <= 1e-9 * scale
+        assert np.max(np.abs(acceleration[number, kept] - exact.derivative(2))) <= 1e-7 * scale
+
+
+def returned(family: Family, shape: Array, skewness: float) -> ReturnSamples:
+    """Samples of the return of one shape."""
+    strokes, _ = strokes_at(family, points_of(shape[None]))
+    ends = return_ends(strokes, family.linkage, family.lobes)
+    asked = np.array([skewness]), RETURN_POINTS, CLOSING_STEPS
+    return return_samples(returns_with_skewness(ends, *asked, inverse=family.inverse), family.linkage, RETURN_POINTS)
 
 
 @pytest.mark.parametrize("inverse", [False, True])
@@ -87,26 +119,25 @@ def test_working_strokes_are_those_of_the_laws(linkage: CrankSlider) -> None:
 @pytest.mark.parametrize("linkage", LINKAGES.values(), ids=LINKAGES)
 def test_returns_are_those_of_the_laws(linkage: CrankSlider, lobes: Lobes, inverse: bool) -> None:
     """The law's own skewness is half the highest coefficient of its polynomial."""
-    period = lobes.driving_period_rad
+    family = family_of(linkage, inverse=inverse, lobes=lobes)
     for shape in SHAPES[:2]:
-        law = made(shape, linkage, inverse=inverse, lobes=lobes)
+        law = made(shape, family)
         ends = law.return_law.ends
         mean = ends.driven_length_rad / ends.length_rad if inverse else ends.length_rad / ends.driven_length_rad
-        skewness = np.array([law.return_law.polynomial.coef[5] / 2.0 / (SKEWNESS_UNIT * mean)])
-        strokes = strokes_of(shape[None], linkage.stroke_mm, period)
-        found = return_samples(strokes, skewness, linkage, period, inverse=inverse)
-        assert found.closed.all()
-        phi1 = ends.start_rad + ends.length_rad * shares(POINTS)
+        skewness = law.return_law.polynomial.coef[5] / 2.0 * BUMP_HEIGHT / mean
+        found = returned(family, shape, skewness)
+        assert found.slope.min() > 0.0
+        assert found.end_driven_rad[0] == pytest.approx(2.0 * pi, abs=1e-6)
+        phi1 = ends.start_rad + ends.length_rad * shares(RETURN_POINTS[1])
         turned = law.transmission.pieces[-1].driven_angle(phi1, 2)
         exact = linkage.displacement(turned).derivative(2)
-        assert np.max(np.abs(found.acceleration[0] - exact)) <= 1e-6 * np.abs(exact).max()
+        assert np.max(np.abs(found.acceleration[0, 0] - exact)) <= 1e-6 * np.abs(exact).max()
 
 
 def test_a_wrong_skewness_is_seen() -> None:
     """Negative control of the test above."""
-    strokes = strokes_of(SHAPES[:1], 760.0, 2.0 * pi)
-    right, wrong = (return_samples(strokes, np.array([s]), IN_LINE, 2.0 * pi, inverse=True) for s in (0.1, 0.1001))
-    assert np.max(np.abs(right.acceleration - wrong.acceleration)) > 1e-6 * np.abs(right.acceleration).max()
+    right, wrong = (returned(family_of(IN_LINE), SHAPES[0], skewness).acceleration for skewness in (0.1, 0.1001))
+    assert np.max(np.abs(right - wrong)) > 1e-6 * np.abs(right).max()
 
 
 def baler_point() -> Array:
@@ -115,32 +146,36 @@ def baler_point() -> Array:
     brake = 1500.0 / (20.0 * pi / 30.0) ** 2 * delta / (1100.0 / speed)
 
     def ratio(chi: float) -> float:
-        shape = np.array([[0.65, 1.0 / 1.3, 0.7, 0.4 / 0.7, chi, brake]])
-        request = strokes_of(shape, 760.0, 2.0 * pi).request(0, 1.0)
-        return float(request.v1_mm_s or 0.0) / float(strokes_of(shape, 760.0, 2.0 * pi).pressing_mm_rad[0])
+        point = points_of(np.array([[0.65, 1.0 / 1.3, 0.7, 0.4 / 0.7, chi, brake]]))
+        strokes, _ = strokes_at(family_of(IN_LINE), point)
+        return float(strokes.v1_mm_s[0] / strokes.v2_mm_s[0])
 
     chi = brentq(lambda angle: ratio(angle) - 16.0 / 11.0, 0.0, 1.5)
-    numbers = np.array([0.65, 1.0 / 1.3, 0.7, 0.4 / 0.7, chi, brake, 0.0])
-    return (numbers - BOX[:, 0]) / (BOX[:, 1] - BOX[:, 0])
+    point: Array = points_of(np.array([[0.65, 1.0 / 1.3, 0.7, 0.4 / 0.7, chi, brake]]))[0]
+    return point
 
 
 def test_the_published_baler_is_a_member() -> None:
     """6315 W and 1500 mm/s^2 in the working stroke at 20 r/min, its headline figures."""
     found = figures(Family(IN_LINE, RESISTANCE, 20.0 * pi / 30.0), baler_point()[None])
     assert found.power.max() == pytest.approx(6315.1, rel=1e-3)  # between samples
-    assert np.abs(found.acceleration[:, :-POINTS]).max() == pytest.approx(1500.0, rel=1e-4)  # 52.8085, rounded
+    assert np.abs(found.acceleration[:, : sum(SEGMENT_POINTS)]).max() == pytest.approx(
+        1500.0, rel=1e-4
+    )  # 52.8085, rounded
 
 
 def test_shapes_that_turn_back_are_no_laws() -> None:
     random = np.random.default_rng(4)
     points = random.random((400, 7))
-    found = figures(Family(IN_LINE, RESISTANCE, OMEGA), points)
+    family = Family(IN_LINE, RESISTANCE, OMEGA)
+    found = figures(family, points)
     possible = np.isfinite(found.power[:, 0])
     assert 0.3 < possible.mean() < 0.95
-    shapes = BOUNDS[:, 0] + points[:, :6] * (BOUNDS[:, 1] - BOUNDS[:, 0])
-    for shape in shapes[~working_samples(strokes_of(shapes, 760.0, 2.0 * pi)).advancing][:10]:
+    strokes, _ = strokes_at(family, points)
+    approach = working_motions(strokes, SEGMENT_POINTS)[0]
+    for point in points[approach.velocity.min(axis=1) < 0.0][:10]:
         with pytest.raises(NoSuchMechanism):
-            made(shape, IN_LINE, inverse=True)
+            solved_stroke(request_at(family, point))
 
 
 @cache

@@ -20,7 +20,7 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.frontier import frontier_csv, frontier_json, mechanisms
 from ncgear.files.frontier import frontier_files, frontier_text
 from ncgear.optimum.certified.limit import Bound
-from ncgear.optimum.family.best import Family, Peak, best_of_family
+from ncgear.optimum.family import Family, Peak, best_of_family
 from ncgear.optimum.figures import Figures
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, law_point, motion_of
 from ncgear.project.frontier import KEPT, Frontier, Kept, frontier

@@ -20,7 +20,7 @@ from ncgear.optimum.certified.limit import (
     resting_acceleration,
 )
 from ncgear.optimum.certified.road import Peaks
-from ncgear.optimum.family.best import Family, FamilyOptimum, Peak, best_of_family
+from ncgear.optimum.family import Family, FamilyOptimum, Peak, best_of_family
 from ncgear.optimum.figures import Figures, figures
 from ncgear.optimum.makeable.wishes import Goal, Wishes
 from ncgear.optimum.task import Limits, Task

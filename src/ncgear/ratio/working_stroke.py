@@ -8,11 +8,15 @@ the zeros at both dead centres are divided out, which makes the inversion regula
 The conditions over-determine the stroke unless one quantity is left free.  Per radian of the driving angle the
 stroke is linear in v1/omega, v2/omega and a1/omega_ref^2, so each of them, the stroke itself, and the law speed omega
 follow in closed form.
+
+All formulas hold for one stroke and, in arrays, for many at once.  One stroke is proved to advance everywhere and
+refused with a reason where it does not (``solved_stroke``); of many nothing is proved (``closed_strokes``,
+``shaped_strokes``), and ``sampled_strokes.py`` tells which of them advance.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from math import inf, pi
 from typing import Any, Generic
 
@@ -57,6 +61,7 @@ class WorkingStrokes(Generic[Number]):
     ``braking_root`` is (stroke - x)/delta^2 on [0, theta4 - theta3].
     """
 
+    theta1_rad: Number
     theta2_rad: Number
     theta3_rad: Number
     theta4_rad: Number
@@ -74,13 +79,13 @@ class WorkingStrokes(Generic[Number]):
     @property
     def pressing_start_mm(self) -> Number:
         """Displacement at theta2, where the constant speed begins."""
-        return self.theta2_rad**2 * _at(self.approach_root, self.theta2_rad)
+        return self.theta2_rad**2 * polynomial_at(self.approach_root, self.theta2_rad)
 
     @property
     def closing_error_mm(self) -> Number:
         """What the three segments together miss of the stroke; rounding error only."""
         delta = self.theta4_rad - self.theta3_rad
-        braking = delta**2 * _at(self.braking_root, delta)
+        braking = delta**2 * polynomial_at(self.braking_root, delta)
         pressing = self.pressing_mm_rad * (self.theta3_rad - self.theta2_rad)
         return self.pressing_start_mm + pressing + braking - self.stroke_mm
 
@@ -95,12 +100,13 @@ def solved_stroke(request: StrokeRequest) -> WorkingStroke:
 
     Raises NoSuchMechanism when no positive value closes the stroke, or when the slider stops or reverses on the way.
     """
-    _refuse_backwards(request)
+    if request.law_speed_rad_s is None:
+        _refuse_backwards(request)
     with np.errstate(all="ignore"):
         closed = _closed(request)
     if not 0.0 < _known(closed.law_speed_rad_s) < inf:
         raise _no_speed(closed)
-    assembled = _assembled(closed).items()
+    assembled = _assembled(closed, _approach_slope(closed)).items()
     fields: dict[str, Any] = {name: value if np.ndim(value) else float(value) for name, value in assembled}
     stroke = WorkingStroke(**fields)
     _refuse_reversal(stroke, request)
@@ -113,10 +119,27 @@ def closed_strokes(requests: StrokeRequests[Array]) -> WorkingStrokes[Array]:
     Where no positive value closes the stroke that value is negative or not a number; others may stop or reverse.
     """
     with np.errstate(all="ignore"):
-        return WorkingStrokes(**_assembled(_closed(requests)))
+        closed = _closed(requests)
+        return WorkingStrokes(**_assembled(closed, _approach_slope(closed)))
 
 
-def _at(coefficients: Array, argument: Number) -> Number:
+def shaped_strokes(theta_rad: Array, approach_shape: Array, brake: Array, stroke_mm: float) -> WorkingStrokes[Array]:
+    """Many strokes of given shapes, of which nothing is proved, at a law speed of 1 rad/s.
+
+    ``theta_rad`` holds theta1 to theta4 (shape (4, n)), ``approach_shape`` is v/phi1 over v2 in powers of phi1
+    (shape (4, n)), ``brake`` is -a1 (theta4 - theta3)/v2 (shape (n,)).  The stroke is then linear in v2, which closes
+    it; where no positive v2 does, it is negative or infinite.
+    """
+    theta1, theta2, theta3, theta4 = theta_rad
+    delta = theta4 - theta3
+    v2 = stroke_mm / (_approach_length(approach_shape, theta2) + (theta3 - theta2) + delta * (0.5 + brake / 12.0))
+    approach, unit = approach_shape * v2, np.ones_like(v2)
+    v1 = theta1 * polynomial_at(approach, theta1)
+    request = StrokeRequests(theta1, theta2, theta3, theta4, v1, v2, -brake * v2 / delta, unit, stroke_mm * unit)
+    return WorkingStrokes(**_assembled(request, approach))
+
+
+def polynomial_at(coefficients: Array, argument: Number) -> Number:
     """A polynomial's value, or, with coefficients of shape (m, n), that of each at its own argument."""
     value: Number = argument * 0.0
     for coefficient in coefficients[::-1]:
@@ -124,7 +147,13 @@ def _at(coefficients: Array, argument: Number) -> Number:
     return value
 
 
-def _approach_slope(request: StrokeRequests[Number], v1: Number, v2: Number) -> Array:
+def _approach_slope(request: StrokeRequests[Number]) -> Array:
+    """Q of a closed request."""
+    omega = _known(request.law_speed_rad_s)
+    return _approach_through(request, _known(request.v1_mm_s) / omega, _known(request.v2_mm_s) / omega)
+
+
+def _approach_through(request: StrokeRequests[Number], v1: Number, v2: Number) -> Array:
     """Q on [0, theta2] in powers of phi1: the cubic Hermite form of v/phi1 between theta1 and theta2."""
     t1, t2 = request.theta1_rad, request.theta2_rad
     width = t2 - t1
@@ -163,11 +192,13 @@ def _stroke_sensitivities(request: StrokeRequests[Number]) -> tuple[Number, Numb
     t2 = request.theta2_rad
     delta = request.theta4_rad - request.theta3_rad
     none, unit = t2 * 0.0, t2 * 0.0 + 1.0
+    by_v1, by_v2 = (_approach_length(_approach_through(request, *v), t2) for v in ((unit, none), (none, unit)))
+    return by_v1, by_v2 + (request.theta3_rad - t2) + delta / 2.0, -(delta**2) / 12.0
 
-    def approach(v1: Number, v2: Number) -> Number:
-        return _at(_root_form(_approach_slope(request, v1, v2)), t2) * t2**2
 
-    return approach(unit, none), approach(none, unit) + (request.theta3_rad - t2) + delta / 2.0, -(delta**2) / 12.0
+def _approach_length(slope: Array, theta2: Number) -> Number:
+    """Stroke on [0, theta2] of v = phi1 slope(phi1)."""
+    return polynomial_at(_root_form(slope), theta2) * theta2**2
 
 
 def _closed(request: StrokeRequests[Number]) -> StrokeRequests[Number]:
@@ -223,21 +254,13 @@ def _known(value: Number | None) -> Number:
     return value
 
 
-def _assembled(request: StrokeRequests[Number]) -> dict[str, Any]:
-    """The fields of the stroke that a closed request gives."""
-    omega, a1 = _known(request.law_speed_rad_s), _known(request.a1_mm_s2)
-    v1, v2 = _known(request.v1_mm_s), _known(request.v2_mm_s)
-    approach = _approach_slope(request, v1 / omega, v2 / omega)
-    braking = _braking_slope(request, v2 / omega, a1 / _a1_speed(request, omega) ** 2)
+def _assembled(request: StrokeRequests[Number], approach: Array) -> dict[str, Any]:
+    """The fields of the stroke of a closed request, from its Q."""
+    omega, v2 = _known(request.law_speed_rad_s), _known(request.v2_mm_s)
+    braking = _braking_slope(request, v2 / omega, _known(request.a1_mm_s2) / _a1_speed(request, omega) ** 2)
+    asked = {field.name: getattr(request, field.name) for field in fields(request) if field.name != "a1_speed_rad_s"}
     return {
-        "theta2_rad": request.theta2_rad,
-        "theta3_rad": request.theta3_rad,
-        "theta4_rad": request.theta4_rad,
-        "stroke_mm": _known(request.stroke_mm),
-        "law_speed_rad_s": omega,
-        "v1_mm_s": v1,
-        "v2_mm_s": v2,
-        "a1_mm_s2": a1,
+        **asked,
         "pressing_mm_rad": v2 / omega,
         "approach_slope": approach,
         "approach_root": _root_form(approach),
@@ -248,8 +271,6 @@ def _assembled(request: StrokeRequests[Number]) -> dict[str, Any]:
 
 def _refuse_backwards(request: StrokeRequests[float]) -> None:
     """Without braking, v1 and v2 must lead forwards, whatever law speed is to be found."""
-    if request.law_speed_rad_s is not None:
-        return
     per_v1, per_v2, _ = _stroke_sensitivities(request)
     if not per_v1 * _known(request.v1_mm_s) + per_v2 * _known(request.v2_mm_s) > 0.0:
         reason = "the approach goes backwards altogether; theta1 lies too near 0 or theta2"

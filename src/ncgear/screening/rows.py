@@ -26,8 +26,7 @@ from ncgear.pitch.pair import STRAIGHT, solved_size
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.ratio.transmission import CLOSED, STANDSTILL, Lobes
-from ncgear.screening.batches import Kind, sampled
-from ncgear.screening.samples import Sampled, Samples
+from ncgear.screening.samples import Kind, Sampled, Samples, sampled
 
 RESOLVED = 1e-12
 """Last coefficients, relative to a quantity's largest value, up to which a law counts as resolved: its least value, a

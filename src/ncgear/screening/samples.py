@@ -1,36 +1,96 @@
-"""What a batch of laws comes to: ratio and motion of the slider at Chebyshev points of each piece of the cycle.
+"""Designs of one kind as sampled laws: ratio and motion of the slider at Chebyshev points of pieces of the cycle.
 
-The returns of many three-segment strokes, closed to rounding; equations as in ``ratio/compensation/``.
-
-Many laws of the three-segment stroke at once, sampled; each step as one law is made in ``ratio/laws``.
-
-Many laws by harmonics of their ratio at once, sampled over the driven angle.
-
-Equations as in ``ratio/laws/harmonic.py``.  All is smooth in the driven angle phi2, and the linkage knows its dead
-centres there, so the pieces are cut by it.
+Designs of a kind are computed together.  Three-segment strokes are cut at their joints and their returns into equal
+pieces of the driving angle; each step is as one law is made in ``ratio/laws/three_segment.py``.  Harmonics of the ratio
+are cut by the driven angle, in which all is smooth and the linkage knows its dead centres; equations as in
+``ratio/laws/harmonic.py``.  What a batch cannot be sure of is not ``sound`` and is computed by itself.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass
 from math import log, pi
-from typing import Any, TypeVar
+from operator import attrgetter
+from typing import Any
 
 import numpy as np
 
+from ncgear.design.keys.design import Design
+from ncgear.design.laws.harmonic_ratio import HarmonicRatio
+from ncgear.design.laws.three_segment_stroke import SAME_STROKE, ThreeSegmentStroke
 from ncgear.mechanisms.crank_slider import Linkages
-from ncgear.numerics import jet
+from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.sampled import extremes, integration, shares
-from ncgear.optimum.family.samples import ends_of, harmonic_lift, hermite
+from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.makeable.quantities import Place, Slider, acceleration, velocity
-from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle
+from ncgear.project.law import lobes_of, resistance_of
+from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle, return_ends
+from ncgear.ratio.sampled_strokes import (
+    Returns,
+    repeated,
+    return_samples,
+    returns_with_constant,
+    working_motions,
+)
 from ncgear.ratio.transmission import Lobes
-from ncgear.ratio.working_stroke import WorkingStrokes
+from ncgear.ratio.working_stroke import StrokeRequests, WorkingStrokes, closed_strokes, polynomial_at
 
-Rows = TypeVar("Rows")
+STROKE, HARMONIC = "three_segment_stroke", "harmonic_ratio"
+
+LENGTHS = ("crank_mm", "rod_mm", "offset_mm")
+
+RETURN_PIECES = 3
+"""Equal pieces that a return is cut into: where its ratio is small, a polynomial's inverse varies fast."""
+
+CLOSING_STEPS = 24
+"""Newton's steps that close a return; from next to a zero of the polynomial some ten are needed."""
+
+CLEAR = 1e-9
+"""Share of its largest value by which v/phi1 must stay over zero: a million rounding errors.  What is nearer to zero is
+left to the solver of one stroke."""
+
+HARMONIC_PIECES = 4
+"""Equal pieces of the working stroke, and of the return."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What the designs of one batch share."""
+
+    law: tuple[Hashable, ...]
+    lobes: Lobes
+    resistance: Resistance
+
+
+def kind_of(design: Design) -> Kind | None:
+    """The batch that a design belongs to; None where it must be computed by itself."""
+    law = _law(design)
+    if law is None or (design.gears is not None and design.gears.mesh == "internal"):
+        return None
+    if design.resistance is not None and design.resistance.table is not None:
+        # The bend of a table's force jumps at its points, which no series along a piece resolves.
+        return None
+    return Kind(law, lobes_of(design), resistance_of(design))
+
+
+def _law(design: Design) -> tuple[Hashable, ...] | None:
+    motion = design.motion
+    if isinstance(motion, ThreeSegmentStroke):
+        if motion.solve_for == "stroke" or motion.return_.e == "least_acceleration":
+            return None
+        return STROKE, motion.solve_for, motion.a1_speed_rpm is None, motion.stroke_mm is None
+    if isinstance(motion, HarmonicRatio) and motion.second_stage is None and (motion.cosine or motion.sine):
+        return HARMONIC, _tilts(design)
+    return None
+
+
+def _tilts(design: Design) -> tuple[float, ...]:
+    """What the working angle of the linkage follows from; nothing where there is no offset."""
+    crank, rod, offset = (getattr(design.linkage, name) for name in LENGTHS)
+    return (offset / (rod + crank), offset / (rod - crank)) if offset and rod > crank else ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,33 +112,6 @@ class Samples:
     sound: Mask
 
 
-def place_of(slope: Array, first: Array, second: Array) -> Place:
-    """The ratio from dphi2/dphi1 and its derivatives by phi1: d/dphi2 = i d/dphi1, ln i = -ln s."""
-    ratio = 1.0 / slope
-    return Place(
-        log=np.log(ratio),
-        ratio=ratio,
-        slope=slope,
-        first=-first * ratio**2,
-        second=(2.0 * first**2 * ratio - second) * ratio**3,
-    )
-
-
-def stacked(places: list[Place]) -> Place:
-    """Places of shape (n, m) as pieces, shape (n, p, m)."""
-    return Place(*(np.stack(column, axis=1) for column in zip(*places, strict=True)))
-
-
-def repeated(many: Any, count: int) -> Any:
-    """A dataclass whose arrays count designs along their last axis, each design ``count`` times."""
-    return replace(many, **{key: np.repeat(value, count, axis=-1) for key, value in _arrays(many).items()})
-
-
-def _arrays(many: Any) -> dict[str, Array]:
-    values = {field.name: getattr(many, field.name) for field in fields(many)}
-    return {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
-
-
 @dataclass(frozen=True, eq=False)
 class Sampled:
     """Samples of n laws and what is known of them besides, shape (n,) each.
@@ -93,169 +126,115 @@ class Sampled:
     stroke_error_mm: Array
 
 
-CLOSING_STEPS = 24
-"""Newton's steps on the harmonic mean; from next to a zero of the polynomial some ten are needed."""
-
-PIECES = 3
-"""Equal pieces of tau that a return is cut into: where its ratio is small, a polynomial's inverse varies fast."""
-
-BUMP = np.array([0.0, 0.0, 1.0, -2.0, 1.0, 0.0])
-"""tau^2 (1 - tau)^2, which changes neither end."""
+def sampled(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
+    """The laws of a batch at ``count`` points a piece."""
+    return _strokes(kind, designs, count) if kind.law[0] == STROKE else _harmonics(kind, designs, count)
 
 
-@dataclass(frozen=True, eq=False)
-class Returns:
-    """i12 as polynomials in tau (shape (6, n)) on returns of ``length_rad`` (shape (n,)) of the driving angle."""
-
-    polynomial: Array
-    length_rad: Array
-
-    def slopes(self, count: int) -> tuple[Array, Array, Array]:
-        """dphi2/dphi1 and two derivatives by phi1 at Chebyshev points of each piece, shape (n, PIECES, count)."""
-        length = self.length_rad[:, None, None]
-        value, first, second = _derivatives(self.polynomial, count)
-        first, second = first / length, second / length**2
-        return 1.0 / value, -first / value**2, 2.0 * first**2 / value**3 - second / value**2
-
-
-def returns_with_constant(
-    strokes: WorkingStrokes[Array], linkage: Linkages[Array], period_rad: float, constant: Array, count: int
-) -> Returns:
-    """i12 polynomials whose value extrapolated to phi1 = 0 is ``constant`` (shape (n,)), the published method's e."""
-    length = period_rad - strokes.theta4_rad
-    cubic = _with_ends(strokes, linkage, length)
-    origin = -strokes.theta4_rad / length
-    bump = origin**2 * (1.0 - origin) ** 2
-    base = cubic + BUMP[:, None] * ((constant - _value(cubic, origin)) / bump)
-    direction = np.roll(BUMP, 1)[:, None] - BUMP[:, None] * origin
-    return _closed(base, direction, length, linkage, count)
+def _strokes(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
+    """Three-segment strokes; what ``project/law.py`` would refuse of one is not ``sound``."""
+    linkage = _linkages(designs)
+    stroke_mm, period = linkage.stroke_mm, kind.lobes.driving_period_rad
+    strokes = closed_strokes(_requests(designs, stroke_mm))
+    ends, points = return_ends(strokes, linkage, kind.lobes), (RETURN_PIECES, count)
+    returns = returns_with_constant(ends, _column(designs, "motion.return_.e"), points, CLOSING_STEPS)
+    turning = linkage.rod_mm - linkage.crank_mm > np.abs(linkage.offset_mm)
+    sound = turning & (strokes.theta4_rad < period)
+    if kind.law[-1] is False:
+        sound &= np.isclose(_column(designs, "motion.stroke_mm"), stroke_mm, rtol=SAME_STROKE / 2.0, atol=0.0)
+    samples = stroke_samples(strokes, linkage, returns, count)
+    return Sampled(samples, sound, stroke_mm, strokes.law_speed_rad_s / RAD_S_PER_RPM, strokes.closing_error_mm)
 
 
-def _with_ends(strokes: WorkingStrokes[Array], linkage: Linkages[Array], length: Array) -> Array:
-    """The Hermite cubic of the end conditions, shape (6, n)."""
-    cubic = hermite(ends_of(strokes.approach_slope, strokes.braking_slope, linkage), length, inverse=False)
-    return np.vstack([cubic, np.zeros((2, length.size))])
+def _requests(designs: Sequence[Design], stroke_mm: Array) -> StrokeRequests[Array]:
+    theta1, theta2, theta3, theta4 = (_column(designs, f"motion.theta{number}") for number in (1, 2, 3, 4))
+    return StrokeRequests(
+        theta1_rad=theta1,
+        theta2_rad=theta2,
+        theta3_rad=theta3,
+        theta4_rad=theta4,
+        v1_mm_s=_given(designs, "v1_mm_s"),
+        v2_mm_s=_given(designs, "v2_mm_s"),
+        a1_mm_s2=_given(designs, "a1_mm_s2"),
+        law_speed_rad_s=_given(designs, "law_speed_rpm", RAD_S_PER_RPM),
+        stroke_mm=stroke_mm,
+        a1_speed_rad_s=_given(designs, "a1_speed_rpm", RAD_S_PER_RPM),
+    )
 
 
-def _closed(base: Array, direction: Array, length: Array, linkage: Linkages[Array], count: int) -> Returns:
-    """i12 = base + c direction, c from the driven angle that the return must cover."""
-    mean = length / (2.0 * pi - linkage.working_angle_rad)
-    powers = _powers(count)
-    weights = np.tile(integration(count)[-1] / PIECES, PIECES)
-    lift = harmonic_lift(base.T @ powers, direction.T @ powers, mean, weights, CLOSING_STEPS)
-    return Returns(base + lift * direction, length)
-
-
-def _value(polynomial: Array, argument: Array) -> Array:
-    value: Array = (polynomial * argument ** np.arange(len(polynomial))[:, None]).sum(axis=0)
-    return value
-
-
-def _powers(count: int) -> Array:
-    """Powers of tau at the points of all pieces, shape (6, PIECES * count)."""
-    tau = ((np.arange(PIECES)[:, None] + shares(count)) / PIECES).ravel()
-    powers: Array = tau ** np.arange(6.0)[:, None]
-    return powers
-
-
-def _derivatives(polynomial: Array, count: int) -> tuple[Array, Array, Array]:
-    """Values and two derivatives by tau, shape (n, PIECES, count) each."""
-    powers, order = _powers(count), np.arange(6.0)[:, None]
-    rows = polynomial, (order * polynomial)[1:], (order * (order - 1.0) * polynomial)[2:]
-    value, first, second = ((row.T @ powers[: len(row)]).reshape(-1, PIECES, count) for row in rows)
-    return value, first, second
-
-
-CLEAR = 1e-9
-"""Share of its largest value by which v/phi1 must stay over zero: a million rounding errors.  What is nearer to zero is
-left to the solver of one stroke."""
-
-AngleFunction = Callable[[WorkingStrokes[Array], Linkages[Array], Array, int], Jet]
+def _given(designs: Sequence[Design], name: str, unit: float = 1.0) -> Array | None:
+    """A value of the motion that all designs of a batch have, or none."""
+    if getattr(designs[0].motion, name) is None:
+        return None
+    return _column(designs, f"motion.{name}") * unit
 
 
 def stroke_samples(strokes: WorkingStrokes[Array], linkage: Linkages[Array], returns: Returns, count: int) -> Samples:
-    """The working stroke's segments and the return, ``count`` points each."""
+    """The working stroke's segments and the return's pieces, ``count`` points each."""
     width2, width3 = strokes.theta3_rad - strokes.theta2_rad, strokes.theta4_rad - strokes.theta3_rad
-    starts = (0.0 * width2, strokes.theta2_rad, strokes.theta3_rad)
-    widths = (strokes.theta2_rad, width2, width3)
+    starts, widths = (0.0 * width2, strokes.theta2_rad, strokes.theta3_rad), (strokes.theta2_rad, width2, width3)
     angles = (approach_angle, pressing_angle, braking_angle)
-    phi1 = [_across(start, width, count) for start, width in zip(starts, widths, strict=True)]
-    places = [_place(angle, strokes, linkage, at) for angle, at in zip(angles, phi1, strict=True)]
-    motion = _motion(repeated(strokes, count), phi1)
-    back, back_motion = _return(returns, linkage, count)
-    at = Place(*(np.concatenate(column, axis=1) for column in zip(stacked(places), back, strict=True)))
-    velocity, acceleration = (
-        np.concatenate([np.stack(part, axis=1), last], axis=1)
-        for part, last in zip(motion[1:], back_motion, strict=True)
-    )
-    every = np.stack([*widths, *[returns.length_rad / PIECES] * PIECES], axis=1)
+    many, linkages = repeated(strokes, count), repeated(linkage, count)
+    places = []
+    for angle, start, width in zip(angles, starts, widths, strict=True):
+        phi1 = start[:, None] + width[:, None] * shares(count)
+        driven = angle(many, linkages, phi1.ravel(), 3)
+        places.append(_place_of(*(driven.derivative(k).reshape(phi1.shape) for k in (1, 2, 3))))
+    out = [np.stack(parts, axis=1) for parts in zip(*working_motions(strokes, (count, count, count)), strict=True)]
+    back = return_samples(returns, linkage, (RETURN_PIECES, count))
+    stacked = (np.stack(column, axis=1) for column in zip(*places, strict=True))
+    home = _place_of(back.slope, back.slope_first, back.slope_second)
+    at = Place(*(np.concatenate(columns, axis=1) for columns in zip(stacked, home, strict=True)))
+    every = np.stack([*widths, *[returns.ends.length_rad / RETURN_PIECES] * RETURN_PIECES], axis=1)
     return Samples(
         at,
-        velocity,
-        acceleration,
-        np.stack(motion[0], axis=1),
+        np.concatenate([out[1], back.velocity], axis=1),
+        np.concatenate([out[2], back.acceleration], axis=1),
+        out[0],
         at.slope * every[..., None],
         every > 0.0,
         _sound(strokes, count),
     )
 
 
-def _across(start: Array, width: Array, count: int) -> Array:
-    return start[:, None] + width[:, None] * shares(count)
-
-
-def _place(angle: AngleFunction, strokes: WorkingStrokes[Array], linkage: Linkages[Array], phi1: Array) -> Place:
-    """The ratio on one segment, from the inversion through the linkage."""
-    count = phi1.shape[1]
-    driven = angle(repeated(strokes, count), repeated(linkage, count), phi1.ravel(), 3)
-    return place_of(*(driven.derivative(k).reshape(phi1.shape) for k in (1, 2, 3)))
-
-
-def _motion(strokes: WorkingStrokes[Array], phi1: list[Array]) -> tuple[list[Array], list[Array], list[Array]]:
-    """Displacement, velocity and acceleration on the three segments, from their polynomials."""
-    approach, pressing, braking = (part.ravel() for part in phi1)
-    advancing, ending = Jet.variable(approach, 1), -Jet.variable(braking - strokes.theta4_rad, 1)
-    begun = advancing.value**2 * jet.polynomial(strokes.approach_root, advancing).value
-    pressed = strokes.pressing_start_mm + strokes.pressing_mm_rad * (pressing - strokes.theta2_rad)
-    left = ending.value**2 * jet.polynomial(strokes.braking_root, ending).value
-    fast = advancing * jet.polynomial(strokes.approach_slope, advancing)
-    slow = ending * jet.polynomial(strokes.braking_slope, ending)
-    motions = (
-        (begun, pressed, strokes.stroke_mm - left),
-        (fast.value, strokes.pressing_mm_rad, slow.value),
-        (fast.derivative(), 0.0 * pressing, slow.derivative()),
+def _place_of(slope: Array, first: Array, second: Array) -> Place:
+    """The ratio from dphi2/dphi1 and its derivatives by phi1: d/dphi2 = i d/dphi1, ln i = -ln s."""
+    ratio = 1.0 / slope
+    return Place(
+        log=np.log(ratio),
+        ratio=ratio,
+        slope=slope,
+        first=-first * ratio**2,
+        second=(2.0 * first**2 * ratio - second) * ratio**3,
     )
-    shaped = ([part.reshape(phi1[0].shape) for part in parts] for parts in motions)
-    displacement, velocity, acceleration = shaped
-    return displacement, velocity, acceleration
-
-
-def _return(returns: Returns, linkage: Linkages[Array], count: int) -> tuple[Place, tuple[Array, Array]]:
-    """Ratio, velocity and acceleration on the return."""
-    slope, first, second = returns.slopes(count)
-    turned = slope @ integration(count).T * returns.length_rad[:, None, None] / PIECES
-    before = np.cumsum(turned[:, :, -1:], axis=1) - turned[:, :, -1:]
-    driven = turned + before + linkage.working_angle_rad[:, None, None]
-    rows = np.stack([driven, slope, first / 2.0]).reshape(3, -1)
-    motion = repeated(linkage, PIECES * count).displacement(Jet(rows))
-    velocity, acceleration = (motion.derivative(k).reshape(slope.shape) for k in (1, 2))
-    return place_of(slope, first, second), (velocity, acceleration)
 
 
 def _sound(strokes: WorkingStrokes[Array], count: int) -> Mask:
-    """Whether the slider advances all the way, by far more than rounding: as ``machine/stroke.py`` asks for."""
+    """Whether the slider advances all the way, by far more than rounding: as ``ratio/working_stroke.py`` asks for."""
     positive = (strokes.v1_mm_s > 0.0) & (strokes.v2_mm_s > 0.0) & (strokes.a1_mm_s2 < 0.0)
     finite = (strokes.law_speed_rad_s > 0.0) & np.isfinite(strokes.law_speed_rad_s)
-    powers = (strokes.theta2_rad[:, None] * shares(count)) ** np.arange(4.0)[:, None, None]
-    slope = (strokes.approach_slope[..., None] * powers).sum(axis=0)
+    slope = polynomial_at(strokes.approach_slope[..., None], strokes.theta2_rad[:, None] * shares(count))
     known = positive & finite & np.isfinite(slope).all(axis=1)
     low, high = extremes(np.where(known[:, None], slope, 1.0), np.arange(known.size))
     sound: Mask = known & (low > CLEAR * high)
     return sound
 
 
-HARMONIC_PIECES = 4
-"""Equal pieces of the working stroke, and of the return."""
+def _harmonics(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
+    """Harmonics of the ratio; the law holds at any speed, and so at that of operation."""
+    cosine, sine = _padded(designs, "motion.cosine", "motion.sine")
+    linkage = _linkages(designs)
+    samples = harmonic_samples(cosine, sine, linkage, kind.lobes, count)
+    sound = linkage.rod_mm - linkage.crank_mm > np.abs(linkage.offset_mm)
+    speed = _column(designs, "operation.speed_rpm")
+    return Sampled(samples, sound, linkage.stroke_mm, speed, 0.0 * speed)
+
+
+def _padded(designs: Sequence[Design], *names: str) -> list[Array]:
+    """Lists of numbers as rows, shape (n, longest of them) for each name, zeros where they are shorter."""
+    lists = [[attrgetter(name)(design) for design in designs] for name in names]
+    longest = max(len(values) for column in lists for values in column)
+    return [np.array([[*values, *[0.0] * (longest - len(values))] for values in column]) for column in lists]
 
 
 def harmonic_samples(cosine: Array, sine: Array, linkage: Linkages[Array], lobes: Lobes, count: int) -> Samples:
@@ -301,3 +280,13 @@ def _places(cosine: Array, sine: Array, lobes: Lobes, phi2: Array, width: Array)
     mean = (np.exp(series) @ integration(phi2.shape[1])[-1]) @ width / (2.0 * pi)
     log_ratio = series + (log(lobes.driven / lobes.driving) - np.log(mean))[:, None, None]
     return Place(log_ratio, np.exp(log_ratio), np.exp(-log_ratio), first, second)
+
+
+def _linkages(designs: Sequence[Design]) -> Linkages[Array]:
+    return Linkages(*(_column(designs, f"linkage.{name}") for name in LENGTHS))
+
+
+def _column(designs: Sequence[Design], name: str) -> Array:
+    """The values at a dotted name, shape (n,)."""
+    value: Callable[[Any], float] = attrgetter(name)
+    return np.array([value(design) for design in designs], dtype=float)

@@ -15,8 +15,8 @@ import numpy as np
 from ncgear.design.keys.design import Design
 from ncgear.errors import DesignError
 from ncgear.numerics.arrays import Array, IndexArray, Mask
-from ncgear.screening.batches import Kind, kind_of
 from ncgear.screening.rows import Row, rows_of, single_figures
+from ncgear.screening.samples import Kind, kind_of
 
 CHECK_FIGURES = (
     "drive.law_speed_rpm",

@@ -1,17 +1,25 @@
 """The best law of the published three-segment family: least peak acceleration under a power cap, or conversely.
 
-Seven numbers describe a law of the family (``strokes``, ``returns``).  Sobol points of their box are
-looked at all at once; from the best that lie apart, sequential quadratic programming (D. Kraft, DFVLR-FB 88-28, 1988)
-goes down to a local optimum each, with all samples of acceleration and power as constraints and the peak as a variable
-of its own; and from random neighbours of the best again.  What comes out is made into a law as a design file would make
-it and judged by the exact peaks of ``kinematic_check``; where these exceed the cap between samples, the cap is
-tightened by as much.  The same seed gives the same law.  A local method proves no optimum: that is what the certified
-limits are for.
+Seven numbers describe a law of the family.  A stroke matters as a function of the driving angle only: speeds scale, so
+the law speed is redundant, and v1, v2 and a1 are per radian.  What is left are six numbers, the shape,
+
+    theta4 / period,  theta3 / theta4,  theta2 / theta3,  theta1 / theta2,  chi,  brake
+
+and the skewness of the return.  The approach's velocity, a quartic with v' = 0 at theta1 and theta2, is given by the
+factors of its derivative, v' ~ (1 - t)(rho - t)(cos chi + sin chi t), t = phi1/theta2, rho = theta1/theta2, which stays
+regular where theta1 comes near theta2 and v1 near v2.  ``brake`` is -a1 (theta4 - theta3)/v2.
+
+Sobol points of the box of these numbers are looked at all at once; from the best that lie apart, sequential quadratic
+programming (D. Kraft, DFVLR-FB 88-28, 1988) goes down to a local optimum each, with all samples of acceleration and
+power as constraints and the peak as a variable of its own; and from random neighbours of the best again.  What comes
+out is made into a law as a design file would make it and judged by the exact peaks of ``kinematic_check``; where these
+exceed the cap between samples, the cap is tightened by as much.  The same seed gives the same law.  A local method
+proves no optimum: that is what the certified limits are for.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from enum import Enum
 from math import inf, isfinite
 
@@ -25,15 +33,27 @@ from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.family.samples import BOUNDS, Strokes, return_samples, strokes_of, working_samples
-from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
+from ncgear.ratio.laws.three_segment import StrokeLaw, return_ends, stroke_law
+from ncgear.ratio.sampled_strokes import return_samples, returns_with_skewness, working_motions
 from ncgear.ratio.transmission import Lobes
-from ncgear.ratio.working_stroke import StrokeRequest, solved_stroke
+from ncgear.ratio.working_stroke import StrokeRequest, WorkingStrokes, shaped_strokes, solved_stroke
 
-SKEWNESS = 6.0
-"""Largest skewness of the return that is looked at, in units of ``returns``."""
+BOX = np.array([[0.2, 0.9], [0.3, 0.995], [0.3, 1.0], [0.05, 0.98], [-1.55, 1.55], [0.02, 12.0], [-6.0, 6.0]])
+"""Bounds of each number, the skewness in heights of the bump; wide enough that no optimum on the baler's linkage lies
+at them but at theta2 = theta3."""
 
-BOX = np.vstack([BOUNDS, [-SKEWNESS, SKEWNESS]])
+SEGMENT_POINTS = 65, 17, 33
+"""Points on each segment of the stroke, ends included; the accelerations are of degree 3, 0 and 2."""
+
+RETURN_POINTS = 1, 97
+"""Pieces of the return, and points of each."""
+
+CLOSING_STEPS = 8
+"""Newton's steps that close a return: five digits after four."""
+
+CLOSED = 1e-6
+"""Miss of the cycle, relative to the return's driven angle, that the search may leave; laws are closed to rounding."""
+
 SOBOL_POWER = 12
 APART = 0.2
 """Distance, in the unit box, of one start from the others."""
@@ -108,14 +128,52 @@ class FamilyOptimum:
 
 def figures(family: Family, points: Array) -> Figures:
     """Figures of laws given by numbers of the unit box, shape (n, 7)."""
-    strokes, numbers = _strokes(family, points)
-    working = working_samples(strokes)
-    period, omega = family.lobes.driving_period_rad, family.speed_rad_s
-    back = return_samples(strokes, numbers[:, 6], family.linkage, period, inverse=family.inverse)
-    possible = (working.advancing & back.closed)[:, None]
-    acceleration = np.hstack([working.acceleration, back.acceleration]) * omega**2
-    power = family.resistance.force_n(working.displacement) * working.velocity * (omega / 1000.0)
+    strokes, skewness = strokes_at(family, points)
+    omega = family.speed_rad_s
+    motions = working_motions(strokes, SEGMENT_POINTS)
+    displacement, velocity, working = (np.hstack(parts) for parts in zip(*motions, strict=True))
+    advancing = (motions[0].velocity[:, 1:].min(axis=1) > 0.0) & (strokes.approach_slope[0] > 0.0)
+    with np.errstate(all="ignore"):
+        ends = return_ends(strokes, family.linkage, family.lobes)
+        returns = returns_with_skewness(ends, skewness, RETURN_POINTS, CLOSING_STEPS, inverse=family.inverse)
+        back = return_samples(returns, family.linkage, RETURN_POINTS)
+        miss = np.abs(back.end_driven_rad - ends.end_driven_rad)
+    closed = (back.slope[:, 0].min(axis=1) > 0.0) & (miss <= CLOSED * ends.driven_length_rad)
+    possible = (advancing & (strokes.pressing_mm_rad > 0.0) & closed)[:, None]
+    acceleration = np.hstack([working, back.acceleration[:, 0]]) * omega**2
+    power = family.resistance.force_n(displacement) * velocity * (omega / 1000.0)
     return Figures(np.where(possible, acceleration, inf), np.where(possible, power, inf))
+
+
+def strokes_at(family: Family, points: Array) -> tuple[WorkingStrokes[Array], Array]:
+    """The strokes of points of the unit box, shape (n, 7), at a law speed of 1 rad/s, and the returns' skewness."""
+    *parts, chi, brake, skewness = (BOX[:, 0] + points * (BOX[:, 1] - BOX[:, 0])).T
+    rho = parts[-1]
+    theta = np.cumprod([parts[0] * family.lobes.driving_period_rad, *parts[1:]], axis=0)[::-1]
+    cosine, sine, both = np.cos(chi), np.sin(chi), 1.0 + rho
+    rising = [rho * cosine, rho * sine - both * cosine, cosine - both * sine, sine]
+    quartic = np.stack(rising) / np.arange(1.0, 5.0)[:, None]
+    approach = quartic / quartic.sum(axis=0) / theta[1] ** np.arange(1.0, 5.0)[:, None]
+    return shaped_strokes(theta, approach, brake, family.linkage.stroke_mm), skewness
+
+
+def request_at(family: Family, point: Array) -> StrokeRequest:
+    """The stroke of one point of the unit box as the solver of strokes takes it, v2 left to be found."""
+    strokes, _ = strokes_at(family, point[None])
+    omega = family.speed_rad_s
+    theta1, theta2, theta3, theta4, v1, a1, stroke = (
+        float(values[0])
+        for values in (
+            strokes.theta1_rad,
+            strokes.theta2_rad,
+            np.maximum(strokes.theta3_rad, strokes.theta2_rad),
+            strokes.theta4_rad,
+            strokes.v1_mm_s,
+            strokes.a1_mm_s2,
+            strokes.stroke_mm,
+        )
+    )
+    return StrokeRequest(theta1, theta2, theta3, theta4, v1 * omega, None, a1 * omega**2, omega, stroke)
 
 
 def best_of_family(family: Family, least: Peak, cap: float = inf, *, seed: int = 1, starts: int = 32) -> FamilyOptimum:
@@ -128,12 +186,6 @@ def best_of_family(family: Family, least: Peak, cap: float = inf, *, seed: int =
         if optimum is not None:
             return optimum
     raise _out_of_reach(family, least, cap, seed, starts)
-
-
-def _strokes(family: Family, points: Array) -> tuple[Strokes, Array]:
-    numbers = BOX[:, 0] + points * (BOX[:, 1] - BOX[:, 0])
-    period = family.lobes.driving_period_rad
-    return strokes_of(numbers[:, :6], family.linkage.stroke_mm, period), numbers
 
 
 def _local_optima(family: Family, least: Peak, cap: float, seed: int, starts: int) -> list[Array]:
@@ -245,9 +297,7 @@ def _under_cap(family: Family, least: Peak, cap: float, point: Array) -> FamilyO
 
 def _made(family: Family, point: Array) -> FamilyOptimum:
     """The law of a point of the unit box as a design file makes it, and its exact peaks."""
-    strokes, _ = _strokes(family, point[None])
-    request = strokes.request(0, family.speed_rad_s)
-    request = replace(request, theta3_rad=max(request.theta3_rad, request.theta2_rad))
+    request = request_at(family, point)
     law = stroke_law(solved_stroke(request), family.linkage, family.lobes, inverse_basis=family.inverse)
     machine = Machine(law.transmission, family.linkage, family.resistance, family.speed_rad_s)
     return FamilyOptimum(request, family.inverse, law, kinematic_check(machine))

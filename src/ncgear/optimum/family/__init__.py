@@ -1,1 +1,0 @@
-"""The published family of laws, and the best of it."""
