@@ -15,7 +15,7 @@ from math import acos, cos, hypot, pi, sin, sqrt, tan
 import numpy as np
 
 from ncgear.numerics.arrays import Array, ComplexArray
-from ncgear.teeth.rack import BasicRack
+from ncgear.teeth.form import BasicRack
 
 STARTS = 33
 """Places along a fillet from the nearest of which its foot is looked for."""

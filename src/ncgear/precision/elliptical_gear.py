@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 from scipy.special import ellipe, ellipeinc
 
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.teeth.rack import BasicRack
+from ncgear.teeth.form import BasicRack
 
 WITHIN = 0.7
 """Heights in modules up to which points count as on a flank: what every flank of the pair has, tips and fillets not."""

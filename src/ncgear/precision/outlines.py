@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ncgear.contact.placement import Placement, placed
-from ncgear.contact.written.outline_contact import reach_mm
+from ncgear.contact.written.as_written import reach_mm
 from ncgear.contact.written.play import outline_play
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair

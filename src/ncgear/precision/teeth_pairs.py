@@ -10,8 +10,7 @@ from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
-from ncgear.teeth.form import Cutter, CutterKind, ToothForm
-from ncgear.teeth.rack import BasicRack
+from ncgear.teeth.form import BasicRack, Cutter, CutterKind, ToothForm
 
 TEETH = 25
 MODULE_MM = 3.0
