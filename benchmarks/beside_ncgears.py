@@ -19,16 +19,15 @@ from math import radians
 from pathlib import Path
 from time import perf_counter
 
-from ncgear.contact.designed.sides import as_designed
+from ncgear.contact.designed.as_designed import as_designed
 from ncgear.contact.pair import pair_contact, refuse_bad_outlines, refuse_overlap
 from ncgear.contact.placement import placed
-from ncgear.contact.written.outline_contact import Outlines as Written
+from ncgear.contact.written.as_written import Outlines as Written
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.transmission import Lobes
-from ncgear.teeth.form import ToothForm
+from ncgear.teeth.form import BasicRack, ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
-from ncgear.teeth.rack import BasicRack
 from outline_judge import Array, Flanks, Outline, judged_flanks, judged_outline, sine_law
 
 Outlines = tuple[Array, Array]

@@ -16,17 +16,16 @@ from math import log, radians
 from pathlib import Path
 from time import perf_counter
 
-from ncgear.contact.designed.sides import as_designed
+from ncgear.contact.designed.as_designed import as_designed
 from ncgear.contact.placement import placed
-from ncgear.contact.written.outline_contact import Outlines, as_written, reach_mm
+from ncgear.contact.written.as_written import Outlines, as_written, reach_mm
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
-from ncgear.teeth.form import TipLimits, ToothForm
+from ncgear.teeth.form import BasicRack, TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
-from ncgear.teeth.rack import BasicRack
 
 PAGE = Path(__file__).parent / "equivalent-gear.md"
 MODULE_MM = 1.5

@@ -9,18 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.contact.designed.sides import AsDesigned, as_designed
+from ncgear.contact.designed.as_designed import AsDesigned, as_designed
 from ncgear.contact.placement import Placement, placed
-from ncgear.contact.written.outline_contact import AsWritten, Outlines, as_written, reach_mm
+from ncgear.contact.written.as_written import AsWritten, Outlines, as_written, reach_mm
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Mesh
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import ratio_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
-from ncgear.teeth.form import TipLimits, ToothForm
+from ncgear.teeth.form import TipLimits, TipRelief, ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
-from ncgear.teeth.rack import TipRelief
 from pairs import baler_law, rack, sine_law
 
 MODULE = 2.0

@@ -10,7 +10,7 @@ from ncgear.design.reading.design_file import load
 from ncgear.project.drive import Drive
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.transmission import Lobes, Transmission
-from ncgear.teeth.rack import BasicRack
+from ncgear.teeth.form import BasicRack
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 

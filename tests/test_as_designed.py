@@ -12,15 +12,14 @@ import shapely
 from shapely import Polygon
 
 from engaged import MODULE, TOLERANCE, designed, made, outlines, read, written
+from ncgear.contact.designed.as_designed import AsDesigned, SideContact, as_designed
 from ncgear.contact.designed.curves import side_paths
-from ncgear.contact.designed.sides import AsDesigned, SideContact, as_designed
 from ncgear.contact.pair import refuse_overlap
 from ncgear.contact.placement import Placement, placed
 from ncgear.errors import NoSuchMechanism
 from ncgear.teeth.flank import FLANK
-from ncgear.teeth.form import ToothForm
+from ncgear.teeth.form import TipRelief, ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
-from ncgear.teeth.rack import TipRelief
 from oracles import meshing
 from pairs import rack
 

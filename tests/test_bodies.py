@@ -19,7 +19,7 @@ from shapely import Point, Polygon
 from engaged import read
 from ncgear.balance.gears import mesh_body
 from ncgear.contact.placement import placed
-from ncgear.contact.written.outline_contact import Outlines
+from ncgear.contact.written.as_written import Outlines
 from ncgear.design.keys.design import Design
 from ncgear.design.reading.design_file import load
 from ncgear.errors import WrongInput

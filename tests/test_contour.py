@@ -37,10 +37,9 @@ from ncgear.teeth.contour import (
     line_or_arc,
     ring_of_arcs,
 )
-from ncgear.teeth.form import ToothForm
+from ncgear.teeth.form import TipRelief, ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 from ncgear.teeth.outline import ChordTolerance, exact_curves, outline_points
-from ncgear.teeth.rack import TipRelief
 from pairs import baler_law, rack, sine_law
 
 TOLERANCE = 5e-4

@@ -17,11 +17,9 @@ from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
-from ncgear.teeth.cutter import most_teeth
-from ncgear.teeth.form import Cutter, CutterKind, TipLimits, ToothForm
+from ncgear.teeth.form import BasicRack, Cutter, CutterKind, TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
-from ncgear.teeth.rack import BasicRack
-from ncgear.teeth.tool import PinionCircle
+from ncgear.teeth.tool import PinionCircle, most_teeth
 from oracles import meshing, rack_cut
 from pairs import baler_law, rack, sine_law
 

@@ -17,9 +17,8 @@ from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.fitting import fitted_pair
 from ncgear.teeth.flank import Flanks, flanks_of
-from ncgear.teeth.form import TipLimits
-from ncgear.teeth.rack import BasicRack
-from ncgear.teeth.sides import Roots, roots_of
+from ncgear.teeth.form import BasicRack, TipLimits
+from ncgear.teeth.spaces import Roots, roots_of
 from ncgear.teeth.tool import PinionCircle, RackLine, Tool
 from pairs import baler_law, rack, sine_law
 

@@ -18,7 +18,7 @@ from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.flank import FILLET, FLANK, Flanks, flanks_of
-from ncgear.teeth.rack import BasicRack, TipRelief
+from ncgear.teeth.form import BasicRack, TipRelief
 from ncgear.teeth.tool import RackLine
 from pairs import baler_law, rack
 

@@ -17,7 +17,8 @@ from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.flank import Flanks, flanks_of
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import toothed_pair
-from ncgear.teeth.sides import refuse_folded_lands, regular_sides, roots_of
+from ncgear.teeth.sides import refuse_folded_lands, regular_sides
+from ncgear.teeth.spaces import roots_of
 from ncgear.teeth.tips import Tips, tip_crossing
 from ncgear.teeth.tool import RackLine
 from pairs import baler_law, rack, sine_law

@@ -11,7 +11,7 @@ from shapely.affinity import rotate, translate
 
 from engaged import MODULE, designed, made
 from loaded import gaps
-from ncgear.contact.designed.edges import contacts_within
+from ncgear.contact.designed.as_designed import contacts_within
 from ncgear.contact.placement import placed
 from ncgear.dynamics.gaps import gaps_of
 from ncgear.errors import NoSuchMechanism

@@ -17,9 +17,8 @@ from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.flank import mating_flanks
-from ncgear.teeth.form import Cutter, CutterKind, TipLimits, ToothForm
+from ncgear.teeth.form import BasicRack, Cutter, CutterKind, TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
-from ncgear.teeth.rack import BasicRack
 from oracles import meshing
 from pairs import baler_law, rack, sine_law
 

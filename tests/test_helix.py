@@ -16,7 +16,7 @@ import shapely
 from shapely import Polygon, affinity
 from trimesh import Trimesh
 
-from ncgear.contact.designed.sides import as_designed
+from ncgear.contact.designed.as_designed import as_designed
 from ncgear.contact.placement import placed
 from ncgear.design.reading.design_file import load
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput

@@ -15,10 +15,10 @@ from PIL import Image
 from shapely import Point, Polygon
 
 from engaged import outlines, read
-from ncgear.contact.designed.sides import as_designed
+from ncgear.contact.designed.as_designed import as_designed
 from ncgear.contact.pair import pair_contact, refuse_bad_outlines
 from ncgear.contact.placement import Placement, placed
-from ncgear.contact.written.outline_contact import AsWritten, tips_overlap_mm
+from ncgear.contact.written.as_written import AsWritten, tips_overlap_mm
 from ncgear.design.reading.design_file import load
 from ncgear.drawings import plots
 from ncgear.errors import NoSuchMechanism, WrongInput

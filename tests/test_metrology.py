@@ -27,9 +27,8 @@ from ncgear.metrology.working import WorkingFlanks, root_radii_mm, tip_radii_mm,
 from ncgear.pitch.pair import sized_pair
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
-from ncgear.teeth.form import ToothForm
+from ncgear.teeth.form import TipRelief, ToothForm
 from ncgear.teeth.gear import ToothedGear, toothed_pair
-from ncgear.teeth.rack import TipRelief
 from pairs import rack
 
 ANGLE = radians(20.0)

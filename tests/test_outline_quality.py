@@ -15,9 +15,8 @@ from ncgear.pitch.pair import sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
-from ncgear.teeth.form import ToothForm
+from ncgear.teeth.form import BasicRack, ToothForm
 from ncgear.teeth.gear import ToothedGear, toothed_pair
-from ncgear.teeth.rack import BasicRack
 from pairs import baler_law, rack, sine_law
 
 pytestmark = pytest.mark.slow

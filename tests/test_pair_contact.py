@@ -12,7 +12,7 @@ from shapely import Polygon
 from engaged import MODULE, TOLERANCE, designed, least_driven_radius, made, outlines, read, written
 from ncgear.contact.pair import PairContact, pair_contact, refuse_bad_outlines
 from ncgear.contact.placement import placed
-from ncgear.contact.written.outline_contact import Outlines
+from ncgear.contact.written.as_written import Outlines
 from ncgear.errors import NoSuchMechanism
 
 ALPHA = radians(20.0)

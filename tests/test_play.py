@@ -13,9 +13,9 @@ from shapely import Polygon
 
 from engaged import MODULE, TOLERANCE, least_driven_radius, made
 from ncgear.contact.placement import Placement, placed
-from ncgear.contact.written.outline_contact import BEYOND, reach_mm
-from ncgear.contact.written.outlines import NO_RUN, polar_outline, radial_runs
+from ncgear.contact.written.as_written import BEYOND, reach_mm
 from ncgear.contact.written.play import Play, outline_play
+from ncgear.contact.written.polar import NO_RUN, polar_outline, radial_runs
 from ncgear.pitch.shape import Mesh
 from oracles import meshing
 

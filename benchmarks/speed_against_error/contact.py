@@ -8,9 +8,9 @@ from math import pi, sin, sqrt
 
 import numpy as np
 
-from ncgear.contact.designed.sides import AsDesigned, as_designed
+from ncgear.contact.designed.as_designed import AsDesigned, as_designed
 from ncgear.contact.placement import PER_TOOTH, placed
-from ncgear.contact.written.outline_contact import reach_mm
+from ncgear.contact.written.as_written import reach_mm
 from ncgear.contact.written.play import outline_play
 from ncgear.numerics.arrays import Array
 from ncgear.teeth.gear import toothed_pair

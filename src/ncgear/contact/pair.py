@@ -1,6 +1,7 @@
-"""Contact of a pair over the whole cycle, as designed and as written, and the refusal of teeth that overlap.
+"""Contact of a pair over the whole cycle, as designed and as written, and which pairs are refused.
 
-The refusal of flanks that do not touch long enough: why, between which teeth, and what their tips are limited by.
+Refused are teeth that overlap, as designed or as written, and flanks that do not touch long enough: the message says
+between which teeth, and what limits their tips.
 """
 
 from __future__ import annotations
@@ -10,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncgear.contact.designed.sides import AsDesigned, SideContact
-from ncgear.contact.written.outline_contact import AsWritten, Outlines, as_written, reach_mm
+from ncgear.contact.designed.as_designed import AsDesigned, SideContact
+from ncgear.contact.written.as_written import AsWritten, Outlines, as_written, reach_mm
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import in_words
@@ -19,21 +20,6 @@ from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Mesh
 from ncgear.teeth.gear import ToothedGear, ToothedPair
 from ncgear.teeth.tips import Limit
-
-CHORDS_OVERLAP = 1.1
-"""Overlap in chord tolerances that outlines may show: chords stand out of a flank only where it is hollow, and of two
-flanks that touch one is not.  A tenth is for rounding in the files."""
-
-CHORDS_ASTRAY = 4.0
-"""Distance in chord tolerances by which outlines may touch elsewhere than designed: twice what both chords can cost."""
-
-CAUSES = {
-    Mesh.EXTERNAL: "tips of a concave stretch foul the mating gear there; more teeth of a smaller module are needed, "
-    "or a smaller range of the ratio",
-    Mesh.INTERNAL: "tips foul the mating gear or, where a ring has too few teeth more than its driving gear, each "
-    "other; a smaller addendum, more teeth of a smaller module, or more lobes of the driven gear are needed",
-}
-"""Why teeth overlap, and what helps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +57,22 @@ def pair_contact(
     """Contact of a pair that was designed so and has been written in each of these forms; raises as ``as_written``."""
     reach = reach_mm(pitch, teeth)
     return PairContact(designed, tuple(as_written(one, teeth, designed.placement, reach) for one in written))
+
+
+CHORDS_OVERLAP = 1.1
+"""Overlap in chord tolerances that outlines may show: chords stand out of a flank only where it is hollow, and of two
+flanks that touch one is not.  A tenth is for rounding in the files."""
+
+CHORDS_ASTRAY = 4.0
+"""Distance in chord tolerances by which outlines may touch elsewhere than designed: twice what both chords can cost."""
+
+CAUSES = {
+    Mesh.EXTERNAL: "tips of a concave stretch foul the mating gear there; more teeth of a smaller module are needed, "
+    "or a smaller range of the ratio",
+    Mesh.INTERNAL: "tips foul the mating gear or, where a ring has too few teeth more than its driving gear, each "
+    "other; a smaller addendum, more teeth of a smaller module, or more lobes of the driven gear are needed",
+}
+"""Why teeth overlap, and what helps."""
 
 
 def refuse_overlap(designed: AsDesigned, tolerance_mm: float) -> None:

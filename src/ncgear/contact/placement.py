@@ -1,9 +1,7 @@
-"""How the two gears stand in the positions that are looked at: frames, senses of turning, and which flanks push.
+"""How the two gears stand in the positions that are looked at, and which flanks meet in them.
 
 The whole analysis is made in the driven gear's own frame, in which its curves stand still and the driving gear moves.
-All that depends on the senses in which the gears turn, and on which side of the pitch point they lie, is here.
-
-Which flanks meet, and in which positions a pair of them is looked at.
+Everything that depends on the senses in which the gears turn, and on which side of the pitch point they lie, is here.
 """
 
 from __future__ import annotations

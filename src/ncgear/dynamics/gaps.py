@@ -15,8 +15,8 @@ from functools import cached_property
 
 import numpy as np
 
+from ncgear.contact.designed.as_designed import contacts_within
 from ncgear.contact.designed.curves import Contacts
-from ncgear.contact.designed.edges import contacts_within
 from ncgear.contact.placement import Placement, placed
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask

@@ -14,7 +14,7 @@ from shapely import Polygon
 from trimesh import Trimesh
 from trimesh.exchange.stl import export_stl
 
-from ncgear.contact.written.outline_contact import Outlines
+from ncgear.contact.written.as_written import Outlines
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import signed_area
 from ncgear.solids.mesh.layers import require_sound

@@ -21,7 +21,7 @@ import shapely
 from ncgear.metrology.working import WorkingFlanks
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import refined_crossings
-from ncgear.teeth.tips import AGREEMENT
+from ncgear.teeth.tool import AGREEMENT
 
 EXTERNAL, INTERNAL = 1.728, 1.68
 """Diameter in normal modules that touches flanks of 20 degrees near the pitch curve and stands out of the space

@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
+from ncgear.numerics.plane import along, square
 
 CurveFunction = Callable[[Array], tuple[Array, Array]]
 """Parameters of n curves (shape (n,) or (n, m)) to points and derivatives by the parameter, shape (n, ..., 2) each."""
@@ -89,3 +90,20 @@ def zoomed_crossings(
 
 def _cross(a: Array, b: Array) -> Array:
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
+TINY = 1e-300
+"""Keeps a division of zero by zero, on chords of no length, from being one."""
+
+
+def circle_crossings(start: ComplexArray, step: ComplexArray, squared_radius: Array) -> tuple[ComplexArray, Array]:
+    """Points at which chords from ``start`` to ``start + step``, along which the radius grows, have a squared radius.
+
+    Also the chord's unit vector's part along the radius times the radius: the arm at which the normal force on the
+    chord turns the gear.  All shapes are the same.
+    """
+    outwards, length = along(start, step), square(step)
+    missing = squared_radius - square(start)
+    root = np.sqrt(np.maximum(outwards * outwards + length * missing, 0.0))
+    share = missing / np.maximum(outwards + root, TINY)
+    return start + share * step, root / np.sqrt(np.maximum(length, TINY))

@@ -38,12 +38,12 @@ from ncgear.project.law import law_of, resistance_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Law, Pair, Transmission
 from ncgear.stopwatch import Stopwatch
-from ncgear.teeth.rack import BasicRack
+from ncgear.teeth.form import BasicRack
 
 if TYPE_CHECKING:
-    from ncgear.contact.designed.sides import AsDesigned
+    from ncgear.contact.designed.as_designed import AsDesigned
     from ncgear.contact.pair import PairContact
-    from ncgear.contact.written.outline_contact import Outlines
+    from ncgear.contact.written.as_written import Outlines
     from ncgear.dynamics.meshing import Meshing
     from ncgear.dynamics.motion_in_time import Course
     from ncgear.dynamics.quasi_static import LoadedContact
@@ -222,7 +222,7 @@ class ToothStages(MotionStages):
     @stage
     def designed_contact(self) -> AsDesigned:
         """Contact of the exact teeth, which must not overlap."""
-        from ncgear.contact.designed.sides import as_designed
+        from ncgear.contact.designed.as_designed import as_designed
         from ncgear.contact.pair import refuse_overlap, refuse_short_contact
         from ncgear.contact.placement import placed
 

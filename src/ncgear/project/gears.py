@@ -8,8 +8,7 @@ from ncgear.design.keys.gears import Gears, Rack
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.pitch.shape import Mesh
 from ncgear.solids.helical.helix import Hand, Helix
-from ncgear.teeth.form import Cutter, CutterKind, TipLimits, ToothForm
-from ncgear.teeth.rack import BasicRack, TipRelief
+from ncgear.teeth.form import BasicRack, Cutter, CutterKind, TipLimits, TipRelief, ToothForm
 
 
 def rack_of(gears: Gears, module_mm: float) -> BasicRack:

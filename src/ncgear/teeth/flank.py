@@ -1,10 +1,4 @@
-"""The equivalent-gear method: each flank from the circular gear of the local radius of curvature.
-
-Where a flank crosses the pitch curve the curve is replaced by its circle of curvature, and the flank is the involute of
-that circular gear.  Exact where the curvature is constant; else the flank strays with the curvature's change over the
-distance rolled.  J. Wang, C. Wang and L. Miao call it the conversion tooth profile method and used it for their baler.
-
-The curves that bound a tooth, each an exact envelope of one part of a tool that rolls on the pitch curve.
+"""The curves that bound a tooth, each the exact envelope of one part of a tool that rolls on the pitch curve.
 
 Everything is written in the gear's own moving frame: P the pitch point at arc length sigma, T the unit tangent, N the
 unit normal away from the gear.  A flank is named by the arc length c at which it crosses the pitch curve and by its
@@ -12,20 +6,23 @@ side s, +1 for the flank that faces growing arc length.
 
 Flank: the rack's straight side touches where its normal goes through the pitch point, at height h above the tangent:
 X = P + h (s cot(alpha) T + N), sigma = c - s h / (sin(alpha) cos(alpha)).  Its speed along itself by sigma is
-sin(alpha) + h k / sin(alpha), k being the pitch curve's curvature; where that vanishes the flank has a cusp, and the
-part beyond is cut away (undercut).
+sin(alpha) + h k / sin(alpha), k being the pitch curve's curvature.  Where that vanishes, that is where
+sin^2(alpha) + h k = 0, the flank has a cusp and ends: below the pitch curve on convex stretches, where the tool cuts
+the part beyond away (undercut), above it on concave ones.
 
 Fillet: the envelope of the rounded tip of a tool (tool.py) whose rolling curve has the curvature k_t.  The rounding's
 centre rests in the tool.  With u T + v N from P to it, the point that touches lies on the line from P through the
 centre, one radius rho beyond.  With K = k + k_t the centre moves by K (v T - u N) per unit of sigma, and the fillet
 runs along itself with K (D + rho) - rho v / D^2, D being the distance from P to the centre; it bounds the tooth where
-that is positive.
+that is positive, and folds where the sign changes.
+
 Source of the principle: F. L. Litvin and A. Fuentes, "Gear Geometry and Applied Theory", 2nd edition, Cambridge 2004,
 chapters 6 (envelopes, singularities) and 12 (noncircular gears).
 
-Flanks and teeth in the words of messages.
-
-Which flanks meet: mating flanks cross the pitch curves at the same rolled length.
+Equivalent-gear method, on request: each flank is the involute of the circular gear of the local radius of curvature,
+where the flank crosses the pitch curve.  Exact where the curvature is constant; else the flank strays with the
+curvature's change over the distance rolled.  J. Wang, C. Wang and L. Miao call it the conversion tooth profile method
+and used it for their baler.
 """
 
 from __future__ import annotations
@@ -36,34 +33,15 @@ from math import cos, lcm, remainder, sin, tan
 
 import numpy as np
 
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.units import in_words
+from ncgear.numerics.zeros import first_zeros
 from ncgear.pitch.curve import CurvePoints, PitchCurve
-from ncgear.teeth.rack import BasicRack
-from ncgear.teeth.tool import Rounding, Tool, rounding_of
-
-
-def on_circles(touched: CurvePoints, rolled_mm: Array) -> CurvePoints:
-    """Points at arc lengths ``rolled_mm`` along the circles of curvature that touch a curve at ``touched``.
-
-    The touched points' shape broadcasts against that of ``rolled_mm``.
-    """
-    tangent, normal = touched.tangent, touched.normal
-    curvature = np.broadcast_to(touched.curvature, rolled_mm.shape)
-    turned = (rolled_mm * curvature)[..., None]
-    # Along and across without dividing by the curvature, which may vanish: sin(x) / x and (1 - cos x) / x.
-    along = rolled_mm[..., None] * np.sinc(turned / np.pi)
-    across = rolled_mm[..., None] * np.sin(turned / 2.0) * np.sinc(turned / (2.0 * np.pi))
-    return CurvePoints(
-        touched.position + along * tangent - across * normal,
-        np.cos(turned) * tangent - np.sin(turned) * normal,
-        np.sin(turned) * tangent + np.cos(turned) * normal,
-        curvature,
-    )
-
+from ncgear.teeth.form import BasicRack
+from ncgear.teeth.tool import RackLine, Rounding, Tool, rounding_of
 
 FLANK, FILLET = 0, 1
-"""The curves along a tooth's side from the tip inwards."""
+"""The kinds of curve along a tooth's side, from the tip inwards."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +90,10 @@ class Flanks:
         return self.curve.at_length(self.crossing_mm)
 
     def at_rolled(self, flank: IndexArray, sigma_mm: Array) -> CurvePoints:
-        """What rolls for the given flanks: the pitch curve, or each flank's circle of curvature; shapes broadcast."""
+        """Points of what rolls for the given flanks: the pitch curve, or each flank's circle of curvature.
+
+        Shapes broadcast.
+        """
         if not self.equivalent:
             return self.curve.at_length(sigma_mm)
         return on_circles(self._crossings.kept(flank), sigma_mm - self.crossing_mm[flank])
@@ -136,7 +117,7 @@ class Flanks:
         return point - taken[..., None] * outwards, slope[..., None] * along - taken_slope[..., None] * outwards
 
     def _relieved(self, height_mm: Array) -> tuple[Array, Array]:
-        """What the tip relief takes off at heights, along the normal, and its derivative by the height."""
+        """What the tip relief takes off along the normal at given heights, and its derivative by the height."""
         relief = self.rack.relief
         assert relief is not None
         length = relief.full_mm - relief.start_mm
@@ -185,6 +166,25 @@ class Flanks:
         return at.position + height[..., None] * at.normal, slope
 
 
+def on_circles(touched: CurvePoints, rolled_mm: Array) -> CurvePoints:
+    """Points at arc lengths ``rolled_mm`` along the circles of curvature that touch a curve at ``touched``.
+
+    The touched points' shape broadcasts against that of ``rolled_mm``.
+    """
+    tangent, normal = touched.tangent, touched.normal
+    curvature = np.broadcast_to(touched.curvature, rolled_mm.shape)
+    turned = (rolled_mm * curvature)[..., None]
+    # Along and across without dividing by the curvature, which may vanish: sin(x) / x and (1 - cos x) / x.
+    along = rolled_mm[..., None] * np.sinc(turned / np.pi)
+    across = rolled_mm[..., None] * np.sin(turned / 2.0) * np.sinc(turned / (2.0 * np.pi))
+    return CurvePoints(
+        touched.position + along * tangent - across * normal,
+        np.cos(turned) * tangent - np.sin(turned) * normal,
+        np.sin(turned) * tangent + np.cos(turned) * normal,
+        curvature,
+    )
+
+
 def flanks_of(
     curve: PitchCurve,
     rack: BasicRack,
@@ -197,8 +197,8 @@ def flanks_of(
 ) -> Flanks:
     """The flanks of a gear with ``teeth`` teeth at full height and depth.
 
-    Tooth 1 stands with its middle at the arc length ``start_mm``, whole turns left out, so that every tooth keeps its
-    number; backlash is taken off the flanks that do not face ``loaded_side``.
+    The middle of tooth 1 stands at the arc length ``start_mm``, less whole turns, so that every tooth keeps its number.
+    Backlash is taken off the flanks that do not face ``loaded_side``.
     """
     centers = remainder(start_mm, curve.length_mm) + np.arange(teeth) * (curve.length_mm / teeth)
     side = np.tile([-1.0, 1.0], teeth)
@@ -218,14 +218,6 @@ def flanks_of(
     )
 
 
-def tooth_name(flanks: Flanks, flank: int) -> str:
-    """A flank in words, with the driving angle at which it crosses the pitch point."""
-    facing = "front" if flanks.side[flank] > 0 else "back"
-    phi1 = float(flanks.curve.driving_angle(flanks.crossing_mm[flank : flank + 1])[0])
-    gear = flanks.curve.gear.value
-    return f"the {facing} flank of tooth {flanks.tooth[flank]} of the {gear} gear (phi1 = {in_words(phi1)})"
-
-
 def mating_flanks(driving_teeth: int, driven_teeth: int) -> tuple[IndexArray, IndexArray]:
     """Numbers of the driving and of the driven flank of every pair that ever meets, shape (2 lcm,) each.
 
@@ -235,3 +227,88 @@ def mating_flanks(driving_teeth: int, driven_teeth: int) -> tuple[IndexArray, In
     meeting = np.arange(lcm(driving_teeth, driven_teeth))
     own, ahead, behind = meeting % driving_teeth, meeting % driven_teeth, (meeting - 1) % driven_teeth
     return np.concatenate([2 * own + 1, 2 * own]), np.concatenate([2 * ahead, 2 * behind + 1])
+
+
+def tooth_name(flanks: Flanks, flank: int) -> str:
+    """A flank in the words of messages, with the driving angle at which it crosses the pitch point."""
+    facing = "front" if flanks.side[flank] > 0 else "back"
+    phi1 = float(flanks.curve.driving_angle(flanks.crossing_mm[flank : flank + 1])[0])
+    gear = flanks.curve.gear.value
+    return f"the {facing} flank of tooth {flanks.tooth[flank]} of the {gear} gear (phi1 = {in_words(phi1)})"
+
+
+CLEAR_OF_CUSPS = 0.99
+"""Share of the height up to a cusp that is used.  At the cusp the flank's radius of curvature is zero; a hundredth of
+the height before it, the radius is a tenth of what it is at the pitch curve."""
+
+CLEAR = 1e-9
+"""A zero that lies before a fillet's end by less than this share of its rolled length is at the end: rounding."""
+
+AT_END = 1e-12
+"""A joint that is nearer to the end of a range than this share of it counts as the end: between them there are no
+numbers left to tell its sides apart."""
+
+
+def regular_height(flanks: Flanks, limit_mm: float) -> Array:
+    """Height over the pitch line, at most ``limit_mm``, up to which each flank is regular; shape (2 z,)."""
+    return _reach(flanks, limit_mm, 1.0)
+
+
+def regular_depth(flanks: Flanks, limit_mm: float) -> Array:
+    """Depth below the pitch line, at most ``limit_mm``, up to which each flank is regular; shape (2 z,).
+
+    A tool cuts away what is deeper (undercut).
+    """
+    return _reach(flanks, limit_mm, -1.0)
+
+
+def _reach(flanks: Flanks, limit: float, sense: float) -> Array:
+    """Largest h in [0, limit] such that sin^2(alpha) + sense h k stays positive from 0 to h."""
+    square = sin(flanks.rack.pressure_angle_rad) ** 2
+    low, high = flanks.curve.curvature_bounds
+    if square + limit * min(sense * low, sense * high) > 0.0:
+        return np.full(flanks.count, limit)
+    every = np.arange(flanks.count)
+    per_mm = -sense * flanks.side * flanks.rack.height_per_rolled
+    ends = np.array([0.0, limit])
+    cuts = [_cuts(ends, (joints - flanks.crossing_mm[i]) * per_mm[i]) for i, joints in _joints(flanks, every)]
+    return first_zeros(lambda i, height: flanks.regularity(i, sense * height), cuts)
+
+
+def folded_fillets(flanks: Flanks) -> Mask:
+    """Which fillets fold between the flank and the root land; shape (2 z,)."""
+    rounding = flanks.rounding
+    every = np.arange(flanks.count)
+    start = flanks.rolled_mm(every, -flanks.flank_depth_mm)
+    if _never_folds(flanks):
+        return np.zeros(flanks.count, dtype=bool)
+    length = rounding.lowest_mm - start
+    cuts = [_cuts(np.array([0.0, 1.0]), (joints - start[i]) / length[i]) for i, joints in _joints(flanks, every)]
+    regular = first_zeros(lambda i, share: flanks.fillet_regularity(i, start[i] + length[i] * share), cuts)
+    folded: Mask = regular < 1.0 - CLEAR
+    return folded
+
+
+def _never_folds(flanks: Flanks) -> bool:
+    """Whether both terms of the fillets' condition are positive for certain.
+
+    They are where the roundings stand below the pitch line, and the tool is either the mate, whose curve rolls with a
+    positive sum of curvatures, or a rack on a curve without a concave stretch.
+    """
+    below = flanks.flank_depth_mm > flanks.root_radius_mm * sin(flanks.rack.pressure_angle_rad)
+    mated = isinstance(flanks.tool, PitchCurve)
+    straight = isinstance(flanks.tool, RackLine) and flanks.curve.curvature_bounds[0] >= 0.0
+    return bool(below.all()) and (mated or straight)
+
+
+def _joints(flanks: Flanks, every: IndexArray) -> list[tuple[int, Array]]:
+    """Each flank's number and the arc lengths at which the curvature that rolls may jump."""
+    joints = np.empty(0) if flanks.equivalent else flanks.curve.joints_around_mm
+    return [(int(i), joints) for i in every]
+
+
+def _cuts(ends: Array, joints: Array) -> Array:
+    """Both ends and the joints between them, in order; a joint at an end, to rounding, is none."""
+    apart = AT_END * (ends[1] - ends[0])
+    inside = joints[(joints > ends[0] + apart) & (joints < ends[1] - apart)]
+    return np.concatenate([ends[:1], np.sort(inside), ends[1:]])

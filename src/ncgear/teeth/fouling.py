@@ -1,34 +1,41 @@
-"""Tips that meet away from the line of action: on concave stretches teeth enter their spaces from above, as in a ring.
+"""Tips that meet the other teeth away from the line of action.
 
-The edge of a tip is followed in the mate's frame; where its path crosses a tooth of the mate above the pitch curve, the
-edge is too high, and is lowered until its path just passes.
+On concave stretches teeth enter their spaces from above, as in a ring.  The edge of a tip is followed in the mate's
+frame; where its path crosses a tooth of the mate above the pitch curve, the edge is too high, and is lowered until its
+path just passes.
+
+The tip of a pinion cutter may cut teeth in the same way on its way out of a space.  There nothing can be lowered: the
+cutter is refused.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import ceil
+from math import ceil, pi, sqrt
 
 import numpy as np
 
+from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import chord_crossings
 from ncgear.numerics.plane import as_complex
 from ncgear.pitch.curve import CurvePoints
-from ncgear.teeth.flank import Flanks
+from ncgear.teeth.flank import Flanks, tooth_name
 from ncgear.teeth.tips import Limit, Tips, even_heights, no_tip, tip_crossing
+from ncgear.teeth.tool import PinionCircle
 
 Meeting = tuple[IndexArray, IndexArray]
 """Numbers of a gear's own flanks and of the mate's flanks that they meet."""
 
 CLEAR = 1.5
-"""Heights of both tips by which points that met must have parted: tips raised against undercut are within it."""
+"""Points that met count as clear when they are so many times the height of both tips apart; that covers tips that are
+raised against undercut."""
 
 PLACES = 4
-"""Places per pitch at which that is looked at: a share of a pitch is of no account here."""
+"""Places per pitch at which their distance is looked at: a share of a pitch hardly matters here."""
 
 NEIGHBOURS = 3
-"""Teeth on either side of the mating one that an edge may run into on its way."""
+"""Teeth on either side of the mating tooth that a tip's edge may run into on its way."""
 
 STEPS, FLANK_POINTS = 32, 33
 """Points of a tip's path per pitch, and of a flank: chords stray by less than a five-thousandth of a module."""
@@ -45,9 +52,10 @@ FREE = 0.995
 
 @dataclass(frozen=True, eq=False)
 class TipPaths:
-    """The paths of tip edges in the mate's frame: flanks, the mate's flanks they meet, and the curves as they roll.
+    """The paths of tip edges in the mate's frame.
 
-    ``at`` and ``there`` are the touching points of the gear's curve and the mate's, shape (meetings, points).
+    ``own`` numbers flanks and ``other`` the mate's flanks that they meet, shape (meetings,) each; ``at`` and ``there``
+    are the points of the gear's and of the mate's pitch curve that touch as they roll, shape (meetings, points).
     """
 
     own: IndexArray
@@ -56,11 +64,11 @@ class TipPaths:
     there: CurvePoints
 
     def of(self, chosen: Mask) -> TipPaths:
-        """Those of the chosen flanks, shape (2 z,)."""
+        """The paths of the chosen flanks, shape (2 z,)."""
         return self.at_rows(chosen[self.own])
 
     def at_rows(self, rows: Mask) -> TipPaths:
-        """Those of the chosen meetings."""
+        """The paths of the chosen meetings."""
         return TipPaths(self.own[rows], self.other[rows], self.at.kept(rows), self.there.kept(rows))
 
     def in_mate(self, edge: Array) -> Array:
@@ -73,7 +81,7 @@ class TipPaths:
 
 
 def paths_near_concave(own: Flanks, mate: Flanks, meeting: Meeting) -> TipPaths:
-    """The paths within reach of a concave stretch of either curve; there are no others where tips foul."""
+    """The paths within reach of a concave stretch of either curve; tips foul nowhere else."""
     reach, pitch = _reach_mm(own, mate), own.rack.pitch_mm
     rolled = np.linspace(-reach, reach, 2 * ceil(STEPS * reach / pitch) + 1)
     sigma = own.crossing_mm[meeting[0]][:, None] + rolled
@@ -105,9 +113,9 @@ def _parted_mm(own: Flanks, mate: Flanks, met: Array, rolled: Array) -> Array:
 
 
 def freed(own: Tips, mate: Tips, paths: TipPaths) -> Tips:
-    """The gear with tips shortened that would run into the mate's on concave stretches; itself where none does.
+    """The gear with those tips shortened that would run into the mate's on concave stretches; itself where none does.
 
-    Raises NoSuchMechanism, naming the tooth, where none is left.
+    Raises NoSuchMechanism, naming the tooth, where no tip is left.
     """
     teeth = _upper_teeth(mate)
     hit = _fouling(own.flanks, own.height_mm, paths, teeth)
@@ -123,7 +131,7 @@ def freed(own: Tips, mate: Tips, paths: TipPaths) -> Tips:
 
 
 def _lowered(own: Tips, paths: TipPaths, teeth: Array, hit: Mask) -> Flanks:
-    """The flanks with the greatest tip heights, found by halving, at which none of those that hit does so."""
+    """The flanks, with the tips that ``hit`` at the greatest heights at which they do not; heights by halving."""
     full = own.flanks.tip_height_mm
     low, high, chosen, top = np.zeros_like(full), full.copy(), np.nonzero(hit)[0], own.height_mm.copy()
     for _ in range(HALVINGS):
@@ -148,3 +156,64 @@ def _upper_teeth(gear: Tips) -> Array:
     share = np.linspace(ASIDE, 1.0, FLANK_POINTS)
     upper = gear.flanks.flank(np.arange(gear.flanks.count)[:, None], gear.height_mm[:, None] * share)[0]
     return np.concatenate([upper[::2], upper[1::2, ::-1]], axis=1)
+
+
+CUTTER_PROBES = 25
+"""Points on a flank that a pinion cutter's tip might cut."""
+
+CUTTER_STEPS = 12
+"""Points per pitch of a cutter tip's path."""
+
+TANGENT = 0.15
+"""Pitches after the end of the flank in which the cutter's tip is not looked at: at first it is still tangent."""
+
+BEYOND = 1.2
+"""How far the cutter's tip is followed, as a share of its way out of the space in the sharpest hollow."""
+
+CUTTER_NEIGHBOURS = 2
+"""Teeth on either side of a space whose tips the cutter may cut on its way."""
+
+
+def refuse_fouling_cutter(tips: Tips) -> None:
+    """Refuse a pinion cutter whose tip cuts teeth on its way out; raises NoSuchMechanism with the first flank."""
+    cut = np.nonzero(_cut_on_way_out(tips))[0]
+    if cut.size:
+        raise NoSuchMechanism(
+            f"the pinion cutter's tip cuts {tooth_name(tips.flanks, int(cut[0]))} on its way out of the space; fewer "
+            "cutter teeth, or kind: mate, are needed",
+            key="gears.cutter.teeth",
+        )
+
+
+def _cut_on_way_out(tips: Tips) -> Mask:
+    """Beside which flanks the tip of a pinion cutter cuts teeth on its way out of the space; shape (2 z,)."""
+    flanks, every = tips.flanks, np.arange(tips.flanks.count)
+    pitch, length = flanks.rack.pitch_mm, _way_out_mm(tips)
+    start = flanks.rolled_mm(every, -flanks.flank_depth_mm)
+    rolled = np.linspace(TANGENT * pitch, length, ceil(CUTTER_STEPS * length / pitch))
+    path = flanks.fillet(every[:, None], start[:, None] + flanks.side[:, None] * rolled)[0]
+    teeth, hit = _working_teeth(tips), np.zeros(flanks.count, dtype=bool)
+    for neighbour in range(-CUTTER_NEIGHBOURS, CUTTER_NEIGHBOURS + 1):
+        hit[chord_crossings(path, teeth[(every // 2 + neighbour) % len(teeth)])[0]] = True
+    return hit
+
+
+def _way_out_mm(tips: Tips) -> float:
+    """Rolled length after which a cutter tooth is out of its space, half a turn of the cutter at most.
+
+    After a rolled length s the tooth has risen by s^2 / 2 times the difference of the curvatures.
+    """
+    flanks, tool = tips.flanks, tips.flanks.tool
+    assert isinstance(tool, PinionCircle)
+    depth = float(np.max(flanks.root_depth_mm) + np.max(flanks.tip_height_mm))
+    turning = 1.0 / tool.radius_mm + flanks.curve.curvature_bounds[0]
+    half_turn = pi * tool.radius_mm
+    return half_turn if turning <= 0.0 else min(half_turn, BEYOND * sqrt(2.0 * depth / turning))
+
+
+def _working_teeth(tips: Tips) -> Array:
+    """Working flanks of the teeth, up the back and down the front; shape (z, points, 2)."""
+    flanks, share = tips.flanks, np.linspace(0.0, 1.0, CUTTER_PROBES)
+    heights = -flanks.flank_depth_mm[:, None] * (1.0 - share) + tips.height_mm[:, None] * share
+    side = flanks.flank(np.arange(flanks.count)[:, None], heights)[0]
+    return np.concatenate([side[::2], side[1::2, ::-1]], axis=1)

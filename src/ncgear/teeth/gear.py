@@ -1,6 +1,8 @@
-"""Profile shift: given for each gear, or chosen against undercut.
+"""Toothed gears: from the pitch curves and what is asked of the teeth to both gears' outlines.
 
-A toothed gear: its flanks, the sides that are left of them, its outline, and what is special about its teeth.
+This is the way in to the room.  A tool is chosen, flanks stand along both pitch curves with the profile shifts that are
+given or chosen against undercut, spaces and tips are fitted to each other, and what is left of the teeth's sides makes
+the outlines.
 """
 
 from __future__ import annotations
@@ -10,81 +12,24 @@ from math import ceil, cos, sin, tan
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
-from ncgear.teeth.cutter import chosen_kind, fouled, pinion_cutter, rack_cutter
 from ncgear.teeth.fitting import fitted_pair
-from ncgear.teeth.flank import Flanks, flanks_of, tooth_name
-from ncgear.teeth.form import CutterKind, ToothForm
+from ncgear.teeth.flank import Flanks, flanks_of
+from ncgear.teeth.form import BasicRack, CutterKind, ToothForm
+from ncgear.teeth.fouling import refuse_fouling_cutter
 from ncgear.teeth.outline import ChordTolerance, outline_points, simple_polygon
-from ncgear.teeth.rack import BasicRack
-from ncgear.teeth.sides import Sides, refuse_folded_lands, regular_sides
+from ncgear.teeth.sides import Sides, refuse_folded_lands, regular_sides, trimmed_sides
 from ncgear.teeth.tips import Limit, Tips
-from ncgear.teeth.tool import PinionCircle, RackLine, Tool
-from ncgear.teeth.trimming import trimmed_sides
-
-MOST_SHIFT = 0.7
-"""Largest shift, in addenda, that is chosen by itself: three tenths of the mate's addendum are left."""
-
-ROUNDING = 1e-9
-"""Share by which chosen shifts stay clear of the limit, where rounding would decide whether flanks are undercut."""
-
-
-def shifted_racks(pitch: PitchPair, form: ToothForm) -> tuple[BasicRack, BasicRack]:
-    """The driving and the driven gear's rack.
-
-    Raises WrongInput when the shifts thicken the teeth by more than the backlash, so that they would not go together.
-    """
-    driving, driven = form.driving_shift_mm, form.driven_shift_mm
-    if form.shift_for_undercut:
-        driving = shift_against_undercut(pitch, form.rack)
-        driven = -driving
-    spare = form.rack.backlash_mm - 2.0 * (driving + driven) * sin(form.rack.pressure_angle_rad)
-    if spare < -1e-12 * form.rack.module_mm:
-        raise WrongInput(
-            f"shifts of {driving:g} and {driven:g} mm thicken the teeth by {form.rack.backlash_mm - spare:.4g} mm "
-            f"along the normal, more than the backlash of {form.rack.backlash_mm:g} mm; equal and opposite shifts, or "
-            "more backlash_mm, are right",
-            key="gears.profile_shift",
-        )
-    return form.rack.shifted(driving), form.rack.shifted(driven)
-
-
-def shift_against_undercut(pitch: PitchPair, rack: BasicRack) -> float:
-    """The driving gear's shift in mm, the driven gear's being its opposite, that leaves least undercut.
-
-    Where k is a gear's largest curvature its flank of depth f - x is regular while (f - x) k < sin^2(alpha); between
-    both gears' bounds the least shift is taken, and where there is none between them the mean of both.
-    """
-    square, depth = sin(rack.pressure_angle_rad) ** 2 * (1.0 - ROUNDING), rack.flank_depth_mm
-    least = depth - square / pitch.curvature_range[Gear.DRIVING][1].value
-    most = square / pitch.curvature_range[Gear.DRIVEN][1].value - depth
-    wanted = float(np.clip(0.0, least, most)) if least <= most else (least + most) / 2.0
-    reach = MOST_SHIFT * rack.addendum_mm
-    return float(np.clip(wanted, -reach, reach))
-
-
-def teeth_free_of_undercut(pitch: PitchPair, driving: BasicRack, driven: BasicRack) -> int:
-    """Number of driving teeth from which no tooth can be undercut, wherever it stands on the curves.
-
-    A flank is regular where k h_F < sin^2(alpha); curvature in modules falls as teeth are added at a fixed shape.
-    """
-    square = sin(driving.pressure_angle_rad) ** 2
-    depths = {Gear.DRIVING: driving, Gear.DRIVEN: driven}
-    worst = max(
-        pitch.curvature_range[gear][1].value * (rack.flank_depth_mm - rack.shift_mm) for gear, rack in depths.items()
-    )
-    lobes = pitch.transmission.lobes.driving
-    return lobes * ceil(pitch.size.driving_teeth * worst / square / lobes)
-
+from ncgear.teeth.tool import chosen_tools
 
 MOST_ASTRAY = 3.0
-"""Chord tolerances, over the driven pitch radius, by which the written driven gear may miss the law."""
+"""The driven gear as written may miss the law by so many chord tolerances, divided by the driven pitch radius."""
 
 LEAST_COSINE = 0.1
-"""Of the pressure angle, for the chords' sake: beyond 84 degrees no gear can be driven anyway."""
+"""Least cosine of the pressure angle that chords are fitted to: beyond 84 degrees no gear can be driven anyway."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +62,7 @@ class ToothedGear:
         return self._numbers(self.tips.undercut)
 
     def shortened(self, reason: Limit) -> list[int]:
-        """Numbers of the teeth, from 1, whose tips end where they do for one reason."""
+        """Numbers of the teeth, from 1, with a tip that is limited by one reason."""
         return self._numbers(self.tips.limit == reason)
 
     def _numbers(self, marked: Mask) -> list[int]:
@@ -126,14 +71,17 @@ class ToothedGear:
 
 @dataclass(frozen=True, eq=False)
 class ToothedPair:
-    """Both gears; a tooth of the driving gear stands in a space of the driven one on the line of centres."""
+    """Both gears, and the kind of tool that cuts them.
+
+    At phi1 = 0 a tooth of the driving gear stands in a space of the driven gear on the line of centres.
+    """
 
     driving: ToothedGear
     driven: ToothedGear
     cutter: CutterKind
 
     def of(self, gear: Gear) -> ToothedGear:
-        """One of them."""
+        """The driving or the driven gear."""
         return self.driving if gear is Gear.DRIVING else self.driven
 
     def __repr__(self) -> str:
@@ -149,79 +97,45 @@ def toothed_pair(
     straddling: bool = False,
     advance_mm: float = 0.0,
 ) -> ToothedPair:
-    """Exact teeth on both pitch curves, outlines sampled to ``tolerance_mm``.
+    """Exact teeth on both pitch curves, with outlines sampled to ``tolerance_mm``.
 
-    ``flank_tolerance_mm`` is that of the working flanks, by default as fine as keeps the driven gear within three
-    tolerances, divided by the driven pitch radius, of the law; with ``straddling`` chords stray by it to both sides of
-    the flanks (see ``ChordTolerance``).  With ``advance_mm`` all teeth stand farther along both pitch curves, as in a
-    section of helical gears.  Raises NoSuchMechanism, naming gear and tooth, where no tooth can stand, and WrongInput
-    where shifts contradict each other.
+    ``flank_tolerance_mm`` is the tolerance of the working flanks.  By default it is so fine that the driven gear misses
+    the law by at most three tolerances divided by the driven pitch radius.  With ``straddling`` chords stray to both
+    sides of the flanks (see ``ChordTolerance``).  With ``advance_mm`` all teeth stand farther along both pitch curves,
+    as in a section of helical gears.  Raises NoSuchMechanism, naming gear and tooth, where no tooth can stand, and
+    WrongInput where shifts contradict each other.
     """
     kind, tips = pair_tips(pitch, form, advance_mm)
-    finer = flank_tolerance_mm or tolerance_mm * _flank_share(pitch, form)
+    # Two chords astray by t turn the driven gear by 2 t / (r cos(angle)), the angle being that between the flanks'
+    # normal and the way of the driven pitch point.
+    angle = form.rack.pressure_angle_rad + pitch.largest_tangent_angle_rad.value
+    flank_share = min(1.0, MOST_ASTRAY / 2.0 * max(cos(angle), LEAST_COSINE))
+    finer = flank_tolerance_mm or tolerance_mm * flank_share
     driving, driven = (_gear(side, ChordTolerance(finer, tolerance_mm, straddling)) for side in tips)
     return ToothedPair(driving, driven, kind)
 
 
-def _flank_share(pitch: PitchPair, form: ToothForm) -> float:
-    """Share of the tolerance that flanks get: two chords astray by t turn the driven gear by 2 t / (r cos(angle)).
-
-    The angle is the pressure angle between the flanks' normal and the driven pitch point's way.
-    """
-    angle = form.rack.pressure_angle_rad + pitch.largest_tangent_angle_rad.value
-    return min(1.0, MOST_ASTRAY / 2.0 * max(cos(angle), LEAST_COSINE))
-
-
 def pair_tips(pitch: PitchPair, form: ToothForm, advance_mm: float) -> tuple[CutterKind, tuple[Tips, Tips]]:
-    """The tool and both gears' flanks at the heights it allows; raises as ``toothed_pair``."""
-    kind = chosen_kind(pitch) if form.cutter.kind is CutterKind.AUTO else form.cutter.kind
-    tips = _tips(pitch, form, kind, advance_mm)
+    """The kind of tool and both gears' flanks, fitted to each other but not yet trimmed; raises as ``toothed_pair``."""
+    racks, size = shifted_racks(pitch, form), pitch.size
+    kind, tools = chosen_tools(pitch, form)
+    # Shifts that do not cancel would press or part the flanks that push: both gears' teeth stand back by as much.
+    eased = (racks[0].shift_mm + racks[1].shift_mm) / 2.0 * tan(form.rack.pressure_angle_rad)
+    start = advance_mm + eased, advance_mm + racks[1].pitch_mm / 2.0 - eased
+    # Arc length runs against the driving gear's turning: it pushes with its back flanks, onto the driven front ones.
+    tips = fitted_pair(
+        flanks_of(pitch.driving, racks[0], size.driving_teeth, tools[0], start[0], -1.0, equivalent=form.equivalent),
+        flanks_of(pitch.driven, racks[1], size.driven_teeth, tools[1], start[1], 1.0, equivalent=form.equivalent),
+        form.limits,
+    )
     if kind is CutterKind.PINION:
         for gear in tips:
-            _refuse_fouled(gear)
+            refuse_fouling_cutter(gear)
     return kind, tips
 
 
-def _refuse_fouled(tips: Tips) -> None:
-    cut = np.nonzero(fouled(tips))[0]
-    if cut.size:
-        raise NoSuchMechanism(
-            f"the pinion cutter's tip cuts {tooth_name(tips.flanks, int(cut[0]))} on its way out of the space; fewer "
-            "cutter teeth, or kind: mate, are needed",
-            key="gears.cutter.teeth",
-        )
-
-
-def _tips(pitch: PitchPair, form: ToothForm, kind: CutterKind, advance: float) -> tuple[Tips, Tips]:
-    racks, equivalent = shifted_racks(pitch, form), form.equivalent
-    for_driving, for_driven = _tools(pitch, form, kind)
-    size, middle = pitch.size, racks[1].pitch_mm / 2.0
-    # Shifts that do not cancel would press or part the flanks that push: both gears' teeth stand back by as much.
-    eased = (racks[0].shift_mm + racks[1].shift_mm) / 2.0 * tan(form.rack.pressure_angle_rad)
-    start = advance + eased, advance + middle - eased
-    # Arc length runs against the driving gear's turning: it pushes with its back flanks, onto the driven front ones.
-    return fitted_pair(
-        flanks_of(pitch.driving, racks[0], size.driving_teeth, for_driving, start[0], -1.0, equivalent=equivalent),
-        flanks_of(pitch.driven, racks[1], size.driven_teeth, for_driven, start[1], 1.0, equivalent=equivalent),
-        form.limits,
-    )
-
-
-def _tools(pitch: PitchPair, form: ToothForm, kind: CutterKind) -> tuple[Tool, Tool]:
-    """What cuts the driving and what cuts the driven gear."""
-    match kind:
-        case CutterKind.MATE:
-            return pitch.driven, pitch.driving
-        case CutterKind.PINION:
-            cutter: PinionCircle = pinion_cutter(pitch, form.rack, form.cutter.teeth)
-            return cutter, cutter
-        case _:
-            rack: RackLine = rack_cutter(pitch)
-            return rack, rack
-
-
 def _gear(tips: Tips, chords: ChordTolerance) -> ToothedGear:
-    """One gear; teeth are numbered along growing arc length, tooth 1 of the driving gear at phi1 = 0."""
+    """One gear.  Teeth are numbered along growing arc length; at phi1 = 0 the driving gear's tooth 1 is in mesh."""
     flanks = tips.flanks
     sides, irregular = regular_sides(tips)
     refuse_folded_lands(flanks, sides)
@@ -229,3 +143,59 @@ def _gear(tips: Tips, chords: ChordTolerance) -> ToothedGear:
     outline = outline_points(tips, sides, chords)
     simple_polygon(outline, f"gears.{flanks.curve.gear.value}")
     return ToothedGear(tips, sides, outline)
+
+
+MOST_SHIFT = 0.7
+"""Largest shift, in addenda, that is chosen against undercut: three tenths of the mate's addendum are left."""
+
+ROUNDING = 1e-9
+"""Share by which chosen shifts stay clear of the limit, at which rounding would decide whether flanks are undercut."""
+
+
+def shifted_racks(pitch: PitchPair, form: ToothForm) -> tuple[BasicRack, BasicRack]:
+    """The driving and the driven gear's rack.
+
+    Raises WrongInput when the shifts thicken the teeth by more than the backlash, so that they would not go together.
+    """
+    driving, driven = form.driving_shift_mm, form.driven_shift_mm
+    if form.shift_for_undercut:
+        driving = shift_against_undercut(pitch, form.rack)
+        driven = -driving
+    spare = form.rack.backlash_mm - 2.0 * (driving + driven) * sin(form.rack.pressure_angle_rad)
+    if spare < -1e-12 * form.rack.module_mm:
+        raise WrongInput(
+            f"shifts of {driving:g} and {driven:g} mm thicken the teeth by {form.rack.backlash_mm - spare:.4g} mm "
+            f"along the normal, more than the backlash of {form.rack.backlash_mm:g} mm; equal and opposite shifts, or "
+            "more backlash_mm, are right",
+            key="gears.profile_shift",
+        )
+    return form.rack.shifted(driving), form.rack.shifted(driven)
+
+
+def shift_against_undercut(pitch: PitchPair, rack: BasicRack) -> float:
+    """The driving gear's shift in mm that leaves least undercut; the driven gear's is its opposite.
+
+    Where k is a gear's largest curvature, its flank of depth f - x is regular while (f - x) k < sin^2(alpha).  That
+    bounds the shift from below and from above.  Between both bounds the shift nearest to zero is taken; where the
+    bounds leave nothing between them, their mean.
+    """
+    square, depth = sin(rack.pressure_angle_rad) ** 2 * (1.0 - ROUNDING), rack.flank_depth_mm
+    least = depth - square / pitch.curvature_range[Gear.DRIVING][1].value
+    most = square / pitch.curvature_range[Gear.DRIVEN][1].value - depth
+    wanted = float(np.clip(0.0, least, most)) if least <= most else (least + most) / 2.0
+    reach = MOST_SHIFT * rack.addendum_mm
+    return float(np.clip(wanted, -reach, reach))
+
+
+def teeth_free_of_undercut(pitch: PitchPair, driving: BasicRack, driven: BasicRack) -> int:
+    """Number of driving teeth from which on no tooth can be undercut, wherever it stands on the curves.
+
+    A flank is regular where k h_F < sin^2(alpha); the curvature per module falls as teeth are added at a fixed shape.
+    """
+    square = sin(driving.pressure_angle_rad) ** 2
+    depths = {Gear.DRIVING: driving, Gear.DRIVEN: driven}
+    worst = max(
+        pitch.curvature_range[gear][1].value * (rack.flank_depth_mm - rack.shift_mm) for gear, rack in depths.items()
+    )
+    lobes = pitch.transmission.lobes.driving
+    return lobes * ceil(pitch.size.driving_teeth * worst / square / lobes)

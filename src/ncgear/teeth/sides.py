@@ -1,139 +1,35 @@
-"""Root lands: what the straight edge between the two roundings of a tool's tip leaves at the bottom of a space.
-
-The edge runs along t, with the normal n towards the gear, one radius beyond the roundings' centres.  It touches at the
-foot of the perpendicular from the pitch point; a fillet passes into the land where the rounding's centre is that foot:
-(Q - P_t) . t = 0.  On a tool of even height that is where the centre stands right under the pitch point; the edge
-slopes where the mate is the tool and its tip does.
-
-The sides of all teeth as runs of exact curves, from the tip land down to the root land.
+"""The sides of all teeth as runs of exact curves, from the tip land down to the root land.
 
 A regular flank starts on the tip land and passes into its fillet tangentially.  Where the tool undercuts the flank, or
-its fillet folds, the side is trimmed: see trimming.py.
+its fillet folds, the curves cross themselves, and the side is trimmed to what the tool really leaves: wherever the
+whole path from tip land to root land crosses itself, the loop between is cut away.  Crossings are found on chords and
+refined on the exact curves.  A side is done when nothing that is left of it folds; else it is followed on finer chords.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.crossing import chord_crossings, refined_crossings, zoomed_crossings
 from ncgear.numerics.units import in_words
-from ncgear.pitch.curve import CurvePoints
-from ncgear.teeth.flank import FILLET, FLANK, Flanks
-from ncgear.teeth.regular import folded_fillets, regular_depth
-from ncgear.teeth.spaces import no_root
+from ncgear.teeth.flank import FILLET, FLANK, Flanks, folded_fillets, regular_depth, tooth_name
+from ncgear.teeth.spaces import Roots, roots_of
 from ncgear.teeth.tips import Tips
-from ncgear.teeth.tool import AGREEMENT, rounding_of
-
-STEPS = 20
-
-LEAST_COSINE = 0.2
-"""Least cosine of the edge's slope that a step is divided by; tips slope by 45 degrees at most."""
-
-
-@dataclass(frozen=True, eq=False)
-class Roots:
-    """The edges that leave root lands, in the tool's frame, and where lands begin and end.
-
-    ``center_mm`` (of the rounding beside each tooth's front flank) and ``normal`` have shape (z, 2); ``end_mm`` (shape
-    (2 z,)) is the arc length at which each fillet passes into its land.
-    """
-
-    flanks: Flanks
-    center_mm: Array
-    normal: Array
-    end_mm: Array
-
-    def lands(self) -> tuple[Array, Array]:
-        """Arc lengths at which the land after each tooth begins and ends, shape (z,) each."""
-        return self.end_mm[1::2], np.append(self.end_mm[2::2], self.end_mm[0] + self.flanks.curve.length_mm)
-
-    def land(self, tooth: IndexArray, sigma_mm: Array) -> tuple[Array, Array]:
-        """Points of the lands after teeth (numbered from 0) at arc lengths, and derivatives; shapes broadcast.
-
-        The edge turns with K = k + k_t about the pitch point, while the foot of the perpendicular moves along it.
-        """
-        at, tool = self.flanks.curve.at_length(sigma_mm), self.flanks.tool.at_length(sigma_mm)
-        distance, tilt, square = self._edge(tooth, tool)
-        across = tilt[..., None] * at.tangent + square[..., None] * at.normal
-        along = square[..., None] * at.tangent - tilt[..., None] * at.normal
-        speed = (at.curvature + tool.curvature) * distance + square
-        return at.position + distance[..., None] * across, speed[..., None] * along
-
-    def folding(self, tooth: IndexArray, sigma_mm: Array) -> tuple[Array, Array]:
-        """Depth of the lands along the edges' normals, and the depth at which they would fold, infinite where none."""
-        turning = self.flanks.curve.at_length(sigma_mm).curvature + self.flanks.tool.at_length(sigma_mm).curvature
-        distance, _, square = self._edge(tooth, self.flanks.tool.at_length(sigma_mm))
-        limit = np.full(turning.shape, np.inf)
-        np.divide(-square, turning, out=limit, where=turning > 0.0)
-        return distance, limit
-
-    def _edge(self, tooth: IndexArray, tool: CurvePoints) -> tuple[Array, Array, Array]:
-        """Distance of the edges from the pitch point along their normals, and the normals' parts along and outwards."""
-        normal, radius = self.normal[tooth], self.flanks.root_radius_mm[2 * tooth + 1]
-        distance = np.sum((self.center_mm[tooth] - tool.position) * normal, axis=-1) + radius
-        return distance, np.sum(normal * tool.tangent, axis=-1), -np.sum(normal * tool.normal, axis=-1)
-
-
-def roots_of(flanks: Flanks) -> Roots:
-    """The root lands of all spaces.
-
-    Raises NoSuchMechanism, naming the tooth, where a space has none.
-    """
-    front = np.arange(1, flanks.count, 2)
-    back = (front + 1) % flanks.count
-    turn = np.where(back == 0, flanks.curve.length_mm, 0.0)
-    first = flanks.rounding.center_mm[front]
-    # Beyond the seam the tool has turned on: its next tooth stands elsewhere in its own frame.
-    last = rounding_of(
-        flanks.tool,
-        flanks.rack,
-        flanks.crossing_mm[back] + turn,
-        flanks.side[back],
-        flanks.flank_depth_mm[back],
-        flanks.root_radius_mm[back],
-    )
-    edge = (last.center_mm - first) / np.linalg.norm(last.center_mm - first, axis=1, keepdims=True)
-    normal = np.column_stack([-edge[:, 1], edge[:, 0]])
-    outwards = flanks.tool.at_length(flanks.rounding.lowest_mm[front]).normal
-    normal *= np.sign(np.sum(normal * outwards, axis=1, keepdims=True))
-    end = np.empty(flanks.count)
-    end[front] = _feet(flanks, front, first, edge, flanks.rounding.lowest_mm[front])
-    end[back] = _feet(flanks, back, last.center_mm, edge, last.lowest_mm) - turn
-    return Roots(flanks, first, normal, end)
-
-
-def _feet(flanks: Flanks, flank: IndexArray, center: Array, edge: Array, start: Array) -> Array:
-    """Arc lengths at which the perpendicular from the pitch point to the edge goes through the centres, shape (n,).
-
-    Raises NoSuchMechanism, naming the tooth, where there is none.
-    """
-    sigma, agreement = start, AGREEMENT * flanks.rack.module_mm
-    for _ in range(STEPS):
-        tool = flanks.tool.at_length(sigma)
-        ahead = np.sum((center - tool.position) * edge, axis=1)
-        if np.all(np.abs(ahead) <= agreement):
-            return sigma
-        sigma = sigma + ahead / np.maximum(np.sum(tool.tangent * edge, axis=1), LEAST_COSINE)
-    lost = int(flank[~(np.abs(ahead) <= agreement)][0])
-    raise no_root(flanks, lost, "the tool's tip slopes too much to leave a root land")
-
-
-REMEDY = "more teeth of a smaller module are needed, or a smaller range of the ratio"
-
-PROBES = 17
-"""Places on each land at which its folding is looked at; a land is a sixth of a pitch, the curvature changes slowly."""
+from ncgear.teeth.tool import AGREEMENT
 
 
 @dataclass(frozen=True, eq=False)
 class Sides:
     """Runs of curves in the order of flanks and, within a flank, from the tip inwards.
 
-    ``owner`` (the flank), ``kind`` (FLANK or FILLET), ``start`` and ``end`` (parameters) have shape (runs,); ``tip_mm``
-    (shape (2 z,)) is the arc length of the tip land's end at each flank; ``roots`` tells where the fillets end.  A
-    flank's parameter is the height over the rack's pitch line in mm, a fillet's the arc length in mm.
+    A run is the part of a curve of flank ``owner`` and of ``kind`` FLANK or FILLET between the parameters ``start`` and
+    ``end``, shape (runs,) each.  A flank's parameter is the height over the rack's pitch line in mm, a fillet's is the
+    arc length in mm.  ``tip_mm`` (shape (2 z,)) is the arc length of the tip land's end at each flank; ``roots`` tells
+    where the fillets end.
     """
 
     owner: IndexArray
@@ -153,7 +49,7 @@ class Sides:
 
 
 def regular_sides(tips: Tips) -> tuple[Sides, Mask]:
-    """All sides as if regular, and which flanks are not."""
+    """All sides as if they were regular, and which flanks are not; shape (2 z,)."""
     flanks = tips.flanks
     every, depth = np.arange(flanks.count), flanks.flank_depth_mm
     deepest = float(np.max(depth))
@@ -170,12 +66,18 @@ def regular_sides(tips: Tips) -> tuple[Sides, Mask]:
     return sides, undercut | folded_fillets(flanks)
 
 
+REMEDY = "more teeth of a smaller module are needed, or a smaller range of the ratio"
+
+PROBES = 17
+"""Places on each land at which it might fold; along a land, a sixth of a pitch, the curvature changes little."""
+
+
 def refuse_folded_lands(flanks: Flanks, sides: Sides) -> None:
     """Refuse a pitch curve that is too sharply curved for its tip and root lands.
 
-    A tip land, parallel to the pitch curve, folds where the curve's hollow radius is less than its height; a root land
-    where it is deeper than the radius with which gear and tool turn about each other, their curvatures added.  Raises
-    NoSuchMechanism with the radius, the tooth and the angle.
+    A tip land is parallel to the pitch curve and folds where the curve is hollow with a radius less than the land's
+    height.  A root land folds where it is deeper than the radius with which gear and tool turn about each other (one
+    over the sum of their curvatures).  Raises NoSuchMechanism with the radius, the tooth and the angle.
     """
     _refuse_folded_tips(flanks, sides)
     start, end = sides.roots.lands()
@@ -222,3 +124,255 @@ def _worst(values: Array) -> tuple[int, int]:
 
 def _angle(flanks: Flanks, sigma: float) -> str:
     return in_words(float(flanks.curve.driving_angle(np.array(sigma))))
+
+
+KINDS = 2
+"""Number of curves of a whole side: FLANK and FILLET, in this order."""
+
+FINE = 257
+"""Points per curve at which folds are looked for."""
+
+FLAT = 1e-9
+"""Regularity, a pure number of order one, that counts as zero."""
+
+ROUNDS = (49, 145, 433)
+"""Points per curve in the rounds: the first does for nearly all sides, the others for loops smaller than its chords."""
+
+Loop = tuple[float, float]
+"""Indices along a path at which a loop is entered and left."""
+
+
+def trimmed_sides(flanks: Flanks, sides: Sides, irregular: Mask) -> Sides:
+    """The sides with those of ``irregular`` flanks replaced by their trimmed paths.
+
+    Raises NoSuchMechanism, naming the tooth, where nothing is left of a side or it cannot be untangled.
+    """
+    todo, tops = np.nonzero(irregular)[0], sides.flank_range()[0]
+    for count in ROUNDS:
+        if not todo.size:
+            return sides
+        paths = _paths(flanks, todo, tops[todo], sides.roots.end_mm[todo], count)
+        trimmed = _trimmed(paths)
+        sides = _with_trimmed(sides, todo, trimmed)
+        todo = todo[trimmed.folded]
+    if todo.size:
+        flank = tooth_name(flanks, int(todo[0]))
+        raise NoSuchMechanism(
+            f"the flank of {flank} crosses itself where no tool can cut it clean, so sharply does the "
+            "pitch curve bend there; more teeth of a smaller module are needed",
+            key="gears.teeth",
+        )
+    return sides
+
+
+@dataclass(frozen=True, eq=False)
+class _Trimmed:
+    """What is left of paths: runs of curves (shape (runs,)), and which paths fold."""
+
+    row: IndexArray
+    kind: IndexArray
+    start: Array
+    end: Array
+    folded: Mask
+
+
+def _with_trimmed(sides: Sides, owner: IndexArray, trimmed: _Trimmed) -> Sides:
+    """The sides with the runs of flanks ``owner`` replaced."""
+    kept = ~np.isin(sides.owner, owner)
+    runs = np.concatenate([sides.owner[kept], owner[trimmed.row]])
+    order = np.argsort(runs, kind="stable")
+    return replace(
+        sides,
+        owner=runs[order],
+        kind=np.concatenate([sides.kind[kept], trimmed.kind])[order],
+        start=np.concatenate([sides.start[kept], trimmed.start])[order],
+        end=np.concatenate([sides.end[kept], trimmed.end])[order],
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Paths:
+    """Sides of n flanks, each of two curves of m points.
+
+    ``parameters`` has shape (n, 2, m), ``points`` (n, 2 m, 2).  Fractional indices count the points along a path; where
+    the curves join, the point stands twice.
+    """
+
+    flanks: Flanks
+    owner: IndexArray
+    parameters: Array
+    points: Array
+
+    @property
+    def count(self) -> int:
+        """Points per curve."""
+        return int(self.parameters.shape[2])
+
+    def place(self, row: IndexArray, index: Array) -> tuple[IndexArray, Array]:
+        """Kind and parameter at fractional indices."""
+        kind = np.minimum((index // self.count).astype(int), KINDS - 1)
+        local = np.clip(index - kind * self.count, 0.0, self.count - 1.0)
+        low = np.minimum(local.astype(int), self.count - 2)
+        before, after = self.parameters[row, kind, low], self.parameters[row, kind, low + 1]
+        return kind, before + (after - before) * (local - low)
+
+    def index(self, row: IndexArray, kind: IndexArray, parameter: Array) -> Array:
+        """Fractional indices of parameters; the inverse of ``place``."""
+        numbers = np.arange(self.count, dtype=float)
+        found = np.empty(row.size)
+        for number, (r, k) in enumerate(zip(row, kind, strict=True)):
+            known = self.parameters[r, k]
+            order = slice(None) if known[-1] > known[0] else slice(None, None, -1)
+            found[number] = k * self.count + np.interp(parameter[number], known[order], numbers[order])
+        return found
+
+    def reaches(
+        self, row: IndexArray, kind1: IndexArray, first: Array, kind2: IndexArray, second: Array
+    ) -> tuple[Array, Array]:
+        """How far, in parameters, the crossings of the curves may be from those of their chords.
+
+        On both curves one and a half times the longer chord: where a coarse chord crosses fine ones, its sagitta shifts
+        the crossing by many of them.
+        """
+        spacing1, length1 = self._chord(row, kind1, first)
+        spacing2, length2 = self._chord(row, kind2, second)
+        longer = 1.5 * np.maximum(length1, length2)
+        return spacing1 * longer / length1, spacing2 * longer / length2
+
+    def _chord(self, row: IndexArray, kind: IndexArray, index: Array) -> tuple[Array, Array]:
+        """Step of the parameter and length in mm of the chords at fractional indices."""
+        low = np.clip((index - kind * self.count).astype(int), 0, self.count - 2)
+        step = np.abs(self.parameters[row, kind, low + 1] - self.parameters[row, kind, low])
+        start = kind * self.count + low
+        length = np.linalg.norm(self.points[row, start + 1] - self.points[row, start], axis=1)
+        return step, np.maximum(length, 1e-12 * self.flanks.rack.module_mm)
+
+    def folds(self, row: IndexArray, kind: IndexArray, start: Array, end: Array) -> Mask:
+        """Whether stretches of the curves, all of shape (r,), still fold anywhere inside."""
+        share = (1.0 - np.cos(np.pi * np.linspace(0.01, 0.99, FINE // 4))) / 2.0
+        parameter = start[:, None] + (end - start)[:, None] * share
+        folds = np.zeros(row.size, dtype=bool)
+        for number in range(KINDS):
+            mask = kind == number
+            folds[mask] = np.any(_folded(self.flanks, self.owner[row[mask]], parameter[mask], number), axis=1)
+        return folds
+
+
+def _paths(flanks: Flanks, owner: IndexArray, top_mm: Array, root_mm: Array, count: int) -> _Paths:
+    """The paths of the flanks ``owner``, with ``count`` points on each curve.
+
+    They go from the heights ``top_mm`` to the fillets' ends at arc lengths ``root_mm``, shape (n,) each.
+    """
+    depth = flanks.flank_depth_mm[owner]
+    start = np.column_stack([top_mm, flanks.rolled_mm(owner, -depth)])
+    end = np.column_stack([-depth, root_mm])
+    spread = [_spread(flanks, owner, start[:, kind], end[:, kind], kind, count) for kind in range(KINDS)]
+    points = [curve(owner[:, None], spread[kind])[0] for kind, curve in enumerate((flanks.flank, flanks.fillet))]
+    return _Paths(flanks, owner, np.stack(spread, axis=1), np.concatenate(points, axis=1))
+
+
+def _spread(flanks: Flanks, owner: IndexArray, start: Array, end: Array, kind: int, count: int) -> Array:
+    """Parameters from start to end, shape (n, count), dense where loops may be small.
+
+    A fillet crosses near its flank, the nearer the slighter the undercut is.  Where a curve folds, half of its points
+    stand about the folds.
+    """
+    even = np.linspace(0.0, 1.0, count)
+    share = even**3 if kind == FILLET else even
+    spread = start[:, None] + (end - start)[:, None] * share
+    fine = start[:, None] + (end - start)[:, None] * np.linspace(0.0, 1.0, FINE)
+    folded = _folded(flanks, owner, fine, kind)
+    for row in np.nonzero(folded.any(axis=1))[0]:
+        near = _about_runs(fine[row], folded[row], count // 2)
+        ordered = np.sort(np.concatenate([spread[row, ::2], near]))
+        spread[row] = ordered if end[row] > start[row] else ordered[::-1]
+    return spread
+
+
+def _about_runs(values: Array, marked: Mask, count: int) -> Array:
+    """``count`` numbers across the runs of marked values, each run widened by its own width to either side."""
+    edges = np.nonzero(np.diff(np.concatenate([[False], marked, [False]])))[0]
+    runs = list(zip(edges[::2], edges[1::2], strict=True))
+    shares = np.diff(np.linspace(0, count, len(runs) + 1).astype(int))
+    last = len(values) - 1
+    pieces = [
+        np.linspace(values[max(2 * first - after, 0)], values[min(2 * after - first, last)], share)
+        for (first, after), share in zip(runs, shares, strict=True)
+    ]
+    return np.concatenate(pieces)
+
+
+def _folded(flanks: Flanks, owner: IndexArray, parameter: Array, kind: int) -> Mask:
+    """Whether curves fail to bound the tooth, at parameters of shape (n, m)."""
+    regularity = flanks.regularity if kind == FLANK else flanks.fillet_regularity
+    folded: Mask = regularity(owner[:, None], parameter) < -FLAT
+    return folded
+
+
+def _trimmed(paths: _Paths) -> _Trimmed:
+    loops = _loops(paths)
+    runs = [run for row in range(paths.owner.size) for run in _runs(paths, row, loops[row])]
+    row, kind, start, end = (np.array(column) for column in zip(*runs, strict=True))
+    folded = np.zeros(paths.owner.size, dtype=bool)
+    folded[row[paths.folds(row, kind, start, end)]] = True
+    return _Trimmed(row, kind, start, end, folded)
+
+
+def _runs(paths: _Paths, row: int, loops: list[Loop]) -> list[tuple[int, int, float, float]]:
+    """Runs (row, kind, start, end) of one path from its tip to the root land, without its loops."""
+    starts = [0.0] + [leave for _, leave in loops]
+    ends = [enter for enter, _ in loops] + [float(KINDS * paths.count - 1)]
+    runs: list[tuple[int, int, float, float]] = []
+    for start, end in zip(starts, ends, strict=True):
+        for kind in range(KINDS):
+            low, high = max(start, kind * paths.count), min(end, kind * paths.count + paths.count - 1)
+            if high > low:
+                _, limits = paths.place(np.array([row, row]), np.array([low, high]))
+                runs.append((row, kind, float(limits[0]), float(limits[1])))
+    return runs
+
+
+def _loops(paths: _Paths) -> list[list[Loop]]:
+    """Exact indices of each path's loops, in order and not overlapping."""
+    row, first, second = chord_crossings(paths.points, paths.points)
+    # Neighbouring chords meet in the point they share, also across the joint of two curves, where it stands twice.
+    apart = (np.floor(second) > np.floor(first) + 1) & (second - first > 1.0 + 1e-9)
+    row, first, second = row[apart], first[apart], second[apart]
+    enter, leave, there = _exact_loops(paths, row, first, second)
+    loops: list[list[Loop]] = [[] for _ in range(paths.owner.size)]
+    for number in np.lexsort((enter, row)):
+        own = loops[row[number]]
+        if there[number] and (not own or enter[number] > own[-1][1]):
+            own.append((float(enter[number]), float(leave[number])))
+    return loops
+
+
+def _exact_loops(paths: _Paths, row: IndexArray, first: Array, second: Array) -> tuple[Array, Array, Mask]:
+    """Exact indices of crossings found on chords, and which of them the curves themselves have."""
+    flanks, owner = paths.flanks, paths.owner[row]
+    kind1, start1 = paths.place(row, first)
+    kind2, start2 = paths.place(row, second)
+    at1, at2, met = refined_crossings(
+        lambda t: flanks.curve_of(kind1, owner, t),
+        lambda t: flanks.curve_of(kind2, owner, t),
+        start1,
+        start2,
+        AGREEMENT * flanks.rack.module_mm,
+    )
+    # On one curve the two places must stay apart: it meets itself at every single point.
+    apart = np.where(kind1 == kind2, 0.45 * np.abs(start1 - start2), np.inf)
+    reach1, reach2 = (np.minimum(reach, apart) for reach in paths.reaches(row, kind1, first, kind2, second))
+    met &= (np.abs(at1 - start1) <= reach1) & (np.abs(at2 - start2) <= reach2)
+    lost = np.nonzero(~met)[0]
+    if lost.size:
+        at1[lost], at2[lost], met[lost] = zoomed_crossings(
+            lambda t: flanks.curve_of(kind1[lost], owner[lost], t),
+            lambda t: flanks.curve_of(kind2[lost], owner[lost], t),
+            start1[lost],
+            start2[lost],
+            reach1[lost],
+            reach2[lost],
+        )
+    enter, leave = paths.index(row, kind1, at1), paths.index(row, kind2, at2)
+    # A path meets itself at every single point, and neighbouring curves meet in their joint: no loops.
+    return enter, leave, met & (leave - enter > 1.0 + 1e-3)

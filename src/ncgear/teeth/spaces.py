@@ -1,30 +1,40 @@
-"""How deep the spaces are: as deep as the tool goes, or shallower where it would undercut the flanks.
+"""The spaces between teeth: how deep they are, how they are rounded, and the land at their bottom.
 
-The flank ends at a depth f, where the tool's rounded tip begins.  A rack or a pinion cutter has a depth of its own; the
-mating gear as a tool is rounded where its own flanks end, so that it reaches as deep as its tips need.
+A space is as deep as the tool goes, or shallower where the tool would undercut the flanks.  The flank ends at a depth
+f, where the tool's rounded tip begins.  A rack or a pinion cutter has a depth of its own; the mating gear as a tool is
+rounded where its own flanks end, so that it reaches as deep as its tips need.
+
+The root land is what the straight edge between the two roundings of a tool's tip leaves at the bottom of a space.  The
+edge runs along t, with the normal n towards the gear, one radius beyond the roundings' centres Q.  It touches at the
+foot of the perpendicular from the pitch point P_t; a fillet passes into the land where the rounding's centre is that
+foot: (Q - P_t) . t = 0.  On a tool of even height the centre stands right under the pitch point there; the edge slopes
+where the tool is the mate and the mate's tip slopes.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import sin
 
 import numpy as np
+from scipy.optimize import elementwise
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
-from ncgear.pitch.curve import PitchCurve
-from ncgear.teeth.flank import Flanks, tooth_name
-from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_depth
-from ncgear.teeth.tool import LEAST_FLAT, PinionCircle, RackLine, Rounding, fitting_radii, rounding_of
+from ncgear.pitch.curve import CurvePoints, PitchCurve
+from ncgear.teeth.flank import CLEAR_OF_CUSPS, Flanks, regular_depth, tooth_name
+from ncgear.teeth.tool import AGREEMENT, PinionCircle, RackLine, Rounding, rounding_of
 
 Depth = Callable[[Array, IndexArray], Array]
-"""Radii and flank numbers to flank depths, shape (n,) each."""
+"""From radii and flank numbers to the depths of flanks, shape (n,) each."""
 
 ROUND_ENOUGH = 0.9
-"""Share of f / sin(alpha), the way from the flank's end to the pitch point, that a rounding's radius may have: beyond
-the whole way the rounding's centre would pass the pitch point and the fillet fold."""
+"""Largest radius of a rounding, as a share of f / sin(alpha), the way from the flank's end to the pitch point.  With
+the whole way the rounding's centre would pass the pitch point, and the fillet would fold."""
+
+LEAST_FLAT = 0.02
+"""Least flat, in modules, between the two roundings of a tool's tooth, so that the root land has a length."""
 
 
 def cut_spaces(flanks: Flanks, avoid_undercut: bool) -> tuple[Flanks, Mask]:
@@ -33,7 +43,8 @@ def cut_spaces(flanks: Flanks, avoid_undercut: bool) -> tuple[Flanks, Mask]:
     assert not isinstance(tool, PitchCurve)
     full = np.full(flanks.count, rack.root_depth_mm)
     depth = tool.flank_depth_mm(rack, full, flanks.root_radius_mm)
-    # Looked for so deep that spaces get shallower by degrees: those of helical teeth must not jump.
+    # Searched a little deeper than the space is, so that spaces get shallower by degrees, without a jump between the
+    # sections of helical teeth.
     regular = regular_depth(flanks, rack.root_depth_mm / CLEAR_OF_CUSPS)
     undercut = regular < depth
     allowed = CLEAR_OF_CUSPS * regular if avoid_undercut else np.full(flanks.count, np.inf)
@@ -63,7 +74,7 @@ def of_spaces(values: Array) -> Array:
 
 
 def _largest_radii(flanks: Flanks, depth: Array, wanted: float) -> Array:
-    """Radii, at most the one wanted, with which the fillets do not fold.
+    """Radii, at most the wanted one, with which the fillets do not fold.
 
     Raises NoSuchMechanism where no flank is left below the pitch curve.
     """
@@ -79,17 +90,48 @@ def _fitted(flanks: Flanks, radii: Array, depth_of: Depth) -> Array:
     back = (front + 1) % flanks.count
     turn = np.where(back == 0, flanks.curve.length_mm, 0.0)
 
-    def flats(radius: Array, number: IndexArray) -> Array:
-        trials = [_trial(flanks, flank[number], radius, depth_of(radius, flank[number])) for flank in (front, back)]
-        flat = trials[1].lowest_mm + turn[number] - trials[0].lowest_mm
-        return flat - np.abs(trials[1].depth_mm - trials[0].depth_mm)
+    def trial(flank: IndexArray, radius: Array) -> Rounding:
+        depth = depth_of(radius, flank)
+        return rounding_of(flanks.tool, flanks.rack, flanks.crossing_mm[flank], flanks.side[flank], depth, radius)
 
-    fitting = fitting_radii(flats, radii[front], LEAST_FLAT * flanks.rack.module_mm)
+    def flats(radius: Array, number: IndexArray) -> Array:
+        first, last = trial(front[number], radius), trial(back[number], radius)
+        return last.lowest_mm + turn[number] - first.lowest_mm - np.abs(last.depth_mm - first.depth_mm)
+
+    fitting = _largest_fitting(flats, radii[front], LEAST_FLAT * flanks.rack.module_mm)
     if np.isnan(fitting).any():
         raise _pointed(flanks, int(front[np.isnan(fitting)][0]))
     fitted = np.empty(flanks.count)
     fitted[front] = fitted[back] = fitting
     return fitted
+
+
+def _largest_fitting(flats: Callable[[Array, IndexArray], Array], most_mm: Array, least_mm: float) -> Array:
+    """Largest radii, at most ``most_mm`` (shape (n,)), that leave flats of ``least_mm`` between two roundings.
+
+    ``flats`` tells the flats at radii for tooth numbers, shape (m,) each.  NaN where not even sharp corners leave one.
+    """
+    radii, every = most_mm.copy(), np.arange(most_mm.size)
+    tight = every[~(flats(radii, every) >= least_mm)]
+    if not tight.size:
+        return radii
+    sharp = ~(flats(np.zeros(tight.size), tight) >= least_mm)
+    radii[tight[sharp]] = np.nan
+    tight = tight[~sharp]
+    if not tight.size:
+        return radii
+    most = most_mm[tight]
+
+    def excess(trial: Array, number: Array) -> Array:
+        # A tip too pointed for its radius counts as having no flat at all.
+        return np.nan_to_num(flats(trial, number.astype(int)), nan=-float(most.max())) - least_mm
+
+    found = elementwise.find_root(excess, (np.zeros(tight.size), most), args=(tight,))
+    if not np.all(found.success):
+        raise ArithmeticError("the rounding of a tool's tip was not found")
+    # The end of the bracket at which the flat is wide enough.
+    radii[tight] = np.minimum(*found.bracket)
+    return radii
 
 
 def _pointed(flanks: Flanks, flank: int) -> NoSuchMechanism:
@@ -102,11 +144,6 @@ def _pointed(flanks: Flanks, flank: int) -> NoSuchMechanism:
     )
 
 
-def _trial(flanks: Flanks, flank: IndexArray, radius: Array, depth: Array) -> Rounding:
-    """The roundings of some flanks at trial radii and depths."""
-    return rounding_of(flanks.tool, flanks.rack, flanks.crossing_mm[flank], flanks.side[flank], depth, radius)
-
-
 def no_root(flanks: Flanks, flank: int, problem: str) -> NoSuchMechanism:
     """The refusal of the space beside a flank."""
     return NoSuchMechanism(
@@ -114,3 +151,98 @@ def no_root(flanks: Flanks, flank: int, problem: str) -> NoSuchMechanism:
         "needed",
         key="gears.teeth",
     )
+
+
+STEPS = 20
+"""Steps of Newton's method to the end of a fillet; a few do."""
+
+LEAST_COSINE = 0.2
+"""Least cosine of the edge's slope that a step is divided by; tips slope by 45 degrees at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Roots:
+    """The edges that leave root lands, in the tool's frame, and where lands begin and end.
+
+    ``center_mm`` (shape (z, 2)) is the centre of the rounding beside each tooth's front flank, ``normal`` (shape
+    (z, 2)) the edge's normal, and ``end_mm`` (shape (2 z,)) the arc length at which each fillet passes into its land.
+    """
+
+    flanks: Flanks
+    center_mm: Array
+    normal: Array
+    end_mm: Array
+
+    def lands(self) -> tuple[Array, Array]:
+        """Arc lengths at which the land after each tooth begins and ends, shape (z,) each."""
+        return self.end_mm[1::2], np.append(self.end_mm[2::2], self.end_mm[0] + self.flanks.curve.length_mm)
+
+    def land(self, tooth: IndexArray, sigma_mm: Array) -> tuple[Array, Array]:
+        """Points of the lands after teeth (numbered from 0) at arc lengths, and derivatives; shapes broadcast.
+
+        The edge turns with K = k + k_t about the pitch point, while the foot of the perpendicular moves along it.
+        """
+        at, tool = self.flanks.curve.at_length(sigma_mm), self.flanks.tool.at_length(sigma_mm)
+        distance, tilt, square = self._edge(tooth, tool)
+        across = tilt[..., None] * at.tangent + square[..., None] * at.normal
+        along = square[..., None] * at.tangent - tilt[..., None] * at.normal
+        speed = (at.curvature + tool.curvature) * distance + square
+        return at.position + distance[..., None] * across, speed[..., None] * along
+
+    def folding(self, tooth: IndexArray, sigma_mm: Array) -> tuple[Array, Array]:
+        """Depth of the lands along the edges' normals, and the depth (or infinity) at which they would fold."""
+        turning = self.flanks.curve.at_length(sigma_mm).curvature + self.flanks.tool.at_length(sigma_mm).curvature
+        distance, _, square = self._edge(tooth, self.flanks.tool.at_length(sigma_mm))
+        limit = np.full(turning.shape, np.inf)
+        np.divide(-square, turning, out=limit, where=turning > 0.0)
+        return distance, limit
+
+    def _edge(self, tooth: IndexArray, tool: CurvePoints) -> tuple[Array, Array, Array]:
+        """Distance of the edges from the pitch point along their normals, and the normals' parts along and outwards."""
+        normal, radius = self.normal[tooth], self.flanks.root_radius_mm[2 * tooth + 1]
+        distance = np.sum((self.center_mm[tooth] - tool.position) * normal, axis=-1) + radius
+        return distance, np.sum(normal * tool.tangent, axis=-1), -np.sum(normal * tool.normal, axis=-1)
+
+
+def roots_of(flanks: Flanks) -> Roots:
+    """The root lands of all spaces.
+
+    Raises NoSuchMechanism, naming the tooth, where a space has none.
+    """
+    front = np.arange(1, flanks.count, 2)
+    back = (front + 1) % flanks.count
+    turn = np.where(back == 0, flanks.curve.length_mm, 0.0)
+    first = flanks.rounding.center_mm[front]
+    # Beyond the seam the tool has turned on: its next tooth stands elsewhere in its own frame.
+    last = rounding_of(
+        flanks.tool,
+        flanks.rack,
+        flanks.crossing_mm[back] + turn,
+        flanks.side[back],
+        flanks.flank_depth_mm[back],
+        flanks.root_radius_mm[back],
+    )
+    edge = (last.center_mm - first) / np.linalg.norm(last.center_mm - first, axis=1, keepdims=True)
+    normal = np.column_stack([-edge[:, 1], edge[:, 0]])
+    outwards = flanks.tool.at_length(flanks.rounding.lowest_mm[front]).normal
+    normal *= np.sign(np.sum(normal * outwards, axis=1, keepdims=True))
+    end = np.empty(flanks.count)
+    end[front] = _feet(flanks, front, first, edge, flanks.rounding.lowest_mm[front])
+    end[back] = _feet(flanks, back, last.center_mm, edge, last.lowest_mm) - turn
+    return Roots(flanks, first, normal, end)
+
+
+def _feet(flanks: Flanks, flank: IndexArray, center: Array, edge: Array, start: Array) -> Array:
+    """Arc lengths at which the perpendicular from the pitch point to the edge goes through the centres, shape (n,).
+
+    Raises NoSuchMechanism, naming the tooth, where there is none.
+    """
+    sigma, agreement = start, AGREEMENT * flanks.rack.module_mm
+    for _ in range(STEPS):
+        tool = flanks.tool.at_length(sigma)
+        ahead = np.sum((center - tool.position) * edge, axis=1)
+        if np.all(np.abs(ahead) <= agreement):
+            return sigma
+        sigma = sigma + ahead / np.maximum(np.sum(tool.tangent * edge, axis=1), LEAST_COSINE)
+    lost = int(flank[~(np.abs(ahead) <= agreement)][0])
+    raise no_root(flanks, lost, "the tool's tip slopes too much to leave a root land")

@@ -18,12 +18,10 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import refined_crossings
 from ncgear.pitch.curve import nearest
-from ncgear.teeth.flank import Flanks, tooth_name
-from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_height
+from ncgear.teeth.flank import CLEAR_OF_CUSPS, Flanks, regular_height, tooth_name
 
 AGREEMENT = 1e-11
 """Distance, in modules, at which two curves count as meeting: about 1000 rounding errors of a gear of 20 modules."""
-
 
 START = 0.5
 """Share of the tip's height from which the contact's height is sought: from below, since on concave stretches a flank

@@ -1,92 +1,32 @@
-"""The rounded tip of a tool, from where it leaves the tool's flank.
+"""The tool that leaves the fillets: a rack, a pinion cutter, or the mating gear itself with rounded tips.
+
+A tool is known by the curve with which it rolls on the pitch curve, in the tool's own frame: a straight line, a circle,
+or the mate's pitch curve.  Its teeth are conjugate to the gear's, so the working flanks are the same whatever the tool
+is; its rounded tip leaves the fillet.
 
 In the tool's frame, with the pitch point at sigma: the flank touches at depth f below the pitch curves' tangent when
 sigma = c + s f / (sin(alpha) cos(alpha)); one radius along the flank's normal from there is the rounding's centre
 Q = P_t + u T_t - v N_t,  u = s cos(alpha) (rho - f / sin(alpha)),  v = rho sin(alpha) - f.  It stands right under the
 pitch point where Q is nearest to the tool's curve, and reaches one radius deeper than Q there.
-
-The tools that leave the fillets: a rack, a pinion cutter, or the mating gear itself with a rounded tip.
-
-A tool is known by the curve with which it rolls on the pitch curve, in the tool's own frame: a straight line, a circle,
-or the mate's pitch curve.  Its teeth are conjugate to the gear's, so the working flanks are the same whatever the tool;
-its rounded tip leaves the fillet.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import cos, pi, sin
 
 import numpy as np
-from scipy.optimize import elementwise
 
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.units import in_words
 from ncgear.pitch.curve import CurvePoints, PitchCurve, RollingCurve, nearest
-from ncgear.teeth.rack import BasicRack
+from ncgear.pitch.pair import STRAIGHT, PitchPair
+from ncgear.pitch.shape import Gear
+from ncgear.teeth.form import BasicRack, CutterKind, ToothForm
 
 AGREEMENT = 1e-11
-"""Distance in modules at which a place counts as found: about 1000 rounding errors of a gear of 20 modules."""
-
-LEAST_FLAT = 0.02
-"""Flat, in modules, that is left between the two roundings of a tool's tooth, so that the root land has a length."""
-
-
-@dataclass(frozen=True, eq=False)
-class Rounding:
-    """Roundings of the tool's tip, one for each flank; shape (n,), and (n, 2) for the centres in the tool's frame.
-
-    ``lowest_mm`` is the arc length at which the rounding stands right under the pitch point, ``depth_mm`` how far below
-    the pitch curve it reaches there.  NaN where the tool's tooth is so pointed that it has no such rounding.
-    """
-
-    lowest_mm: Array
-    depth_mm: Array
-    center_mm: Array
-
-
-def rounding_of(
-    tool: RollingCurve, rack: BasicRack, crossing_mm: Array, side: Array, flank_depth_mm: Array, radius_mm: Array
-) -> Rounding:
-    """The roundings of flanks that cross at ``crossing_mm`` and end at ``flank_depth_mm``, all of shape (n,)."""
-    angle = rack.pressure_angle_rad
-    sigma = crossing_mm + side * flank_depth_mm / rack.height_per_rolled
-    at = tool.at_length(sigma)
-    u = side * cos(angle) * (radius_mm - flank_depth_mm / sin(angle))
-    v = radius_mm * sin(angle) - flank_depth_mm
-    center = at.position + u[:, None] * at.tangent - v[:, None] * at.normal
-    lowest, outwards = nearest(tool, center, sigma + u, AGREEMENT * rack.module_mm)
-    return Rounding(lowest, outwards + radius_mm, center)
-
-
-def fitting_radii(flats: Callable[[Array, IndexArray], Array], most_mm: Array, least_mm: float) -> Array:
-    """Radii of tool teeth, at most ``most_mm`` (shape (n,)), that leave flats of ``least_mm`` between two roundings.
-
-    ``flats`` tells the flats at radii for tooth numbers, shape (m,) each.  NaN where not even sharp corners leave one.
-    """
-    radii, every = most_mm.copy(), np.arange(most_mm.size)
-    tight = every[~(flats(radii, every) >= least_mm)]
-    if not tight.size:
-        return radii
-    sharp = ~(flats(np.zeros(tight.size), tight) >= least_mm)
-    radii[tight[sharp]] = np.nan
-    tight = tight[~sharp]
-    if tight.size:
-        radii[tight] = _radii_between(flats, tight, most_mm[tight], least_mm)
-    return radii
-
-
-def _radii_between(flats: Callable[[Array, IndexArray], Array], tight: IndexArray, most: Array, least: float) -> Array:
-    def excess(trial: Array, number: Array) -> Array:
-        # A tip too pointed for its radius counts as having no flat at all.
-        return np.nan_to_num(flats(trial, number.astype(int)), nan=-float(most.max())) - least
-
-    found = elementwise.find_root(excess, (np.zeros(tight.size), most), args=(tight,))
-    if not np.all(found.success):
-        raise ArithmeticError("the rounding of a tool's tip was not found")
-    # The side of the bracket on which the flat is wide enough.
-    radii: Array = np.minimum(*found.bracket)
-    return radii
+"""Distance, in modules, at which two points count as the same: about 1000 rounding errors of a gear of 20 modules."""
 
 
 @dataclass(frozen=True)
@@ -140,3 +80,97 @@ class PinionCircle:
 
 Tool = RackLine | PinionCircle | PitchCurve
 """What may leave a gear's fillets; a pitch curve stands for the mating gear."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rounding:
+    """Roundings of the tool's tip, one for each of n flanks.
+
+    ``lowest_mm`` (shape (n,)) is the arc length at which the rounding stands right under the pitch point, ``depth_mm``
+    (shape (n,)) is how far below the pitch curve it reaches there, and ``center_mm`` (shape (n, 2)) is its centre in
+    the tool's frame.  NaN where the tool's tooth is so pointed that it has no such rounding.
+    """
+
+    lowest_mm: Array
+    depth_mm: Array
+    center_mm: Array
+
+
+def rounding_of(
+    tool: RollingCurve, rack: BasicRack, crossing_mm: Array, side: Array, flank_depth_mm: Array, radius_mm: Array
+) -> Rounding:
+    """The roundings of flanks that cross at ``crossing_mm`` and end at ``flank_depth_mm``, all of shape (n,).
+
+    ``side`` is -1 for back flanks and +1 for front flanks; ``radius_mm`` is the radius of each rounding.
+    """
+    angle = rack.pressure_angle_rad
+    sigma = crossing_mm + side * flank_depth_mm / rack.height_per_rolled
+    at = tool.at_length(sigma)
+    u = side * cos(angle) * (radius_mm - flank_depth_mm / sin(angle))
+    v = radius_mm * sin(angle) - flank_depth_mm
+    center = at.position + u[:, None] * at.tangent - v[:, None] * at.normal
+    lowest, outwards = nearest(tool, center, sigma + u, AGREEMENT * rack.module_mm)
+    return Rounding(lowest, outwards + radius_mm, center)
+
+
+FEWER_TEETH = 10
+"""A pinion cutter that is chosen has so many teeth less than a ring of the concave stretch's radius would have.  With a
+smaller difference its tips foul the gear's on their way out (the rule for internal gears of full height at 20 degrees).
+The chosen cutter is then checked on the curves."""
+
+MOST_TEETH = 40
+"""Most teeth of a chosen pinion cutter; common cutters have 20 to 40."""
+
+
+def chosen_tools(pitch: PitchPair, form: ToothForm) -> tuple[CutterKind, tuple[Tool, Tool]]:
+    """The kind of tool, and what cuts the driving and what cuts the driven gear.
+
+    Where no kind is asked for it is a rack for convex curves, else the mating gear, since no rack goes into a concave
+    stretch.  Raises NoSuchMechanism for a rack on a concave curve, whose hollow flanks no straight edge can cut, and
+    for a pinion cutter that is larger than a concave stretch.
+    """
+    kind = form.cutter.kind
+    if kind is CutterKind.AUTO:
+        kind = CutterKind.RACK if least_concave_radius_mm(pitch) is None else CutterKind.MATE
+    if kind is CutterKind.MATE:
+        return kind, (pitch.driven, pitch.driving)
+    if kind is CutterKind.RACK:
+        _refuse_gouging(pitch, 0.0, "a rack", "kind: mate, or kind: pinion, is needed", "gears.cutter.kind")
+        return kind, (RackLine(), RackLine())
+    teeth = form.cutter.teeth if form.cutter.teeth is not None else max(most_teeth(pitch, form.rack), 3)
+    pinion = PinionCircle(teeth, form.rack.module_mm)
+    _refuse_gouging(
+        pitch,
+        1.0 / pinion.radius_mm,
+        f"a pinion cutter of {teeth} teeth (pitch radius {pinion.radius_mm:.4g} mm)",
+        "fewer cutter teeth, kind: mate, or more teeth of a smaller module are needed",
+        "gears.cutter.teeth",
+    )
+    return kind, (pinion, pinion)
+
+
+def least_concave_radius_mm(pitch: PitchPair) -> float | None:
+    """Least radius at which the material of either gear is concave; None where both gears are convex.
+
+    A ring's material is concave all around.
+    """
+    low = min(pitch.curvature_range[gear][0].value for gear in Gear)
+    return -1.0 / low if low * pitch.center_distance_mm < -STRAIGHT else None
+
+
+def most_teeth(pitch: PitchPair, rack: BasicRack) -> int:
+    """Most teeth of a pinion cutter that works in the concave stretches; may be less than one."""
+    radius = least_concave_radius_mm(pitch)
+    return MOST_TEETH if radius is None else min(MOST_TEETH, int(2.0 * radius / rack.module_mm) - FEWER_TEETH)
+
+
+def _refuse_gouging(pitch: PitchPair, curvature: float, cutter: str, remedy: str, key: str) -> None:
+    """Refuse a cutter that is flatter than a concave stretch: its flanks would be flatter than the gear's there."""
+    for gear in Gear:
+        low = pitch.curvature_range[gear][0]
+        if (curvature + low.value) * pitch.center_distance_mm < -STRAIGHT:
+            raise NoSuchMechanism(
+                f"{cutter} does not go into the {gear.value} pitch curve, which is concave with a radius of "
+                f"{-1.0 / low.value:.4g} mm at phi1 = {in_words(low.at)}; {remedy}",
+                key=key,
+            )

@@ -1,10 +1,10 @@
-"""Places where two teeth touch, whatever of them it is that touches.
+"""The curves that touch, as the driven gear sees them, and the places where they touch.
 
-The sides of teeth as chords of their exact curves, to find out on which curve a contact is, and their corners.
+The side of a tooth is followed as chords of its exact curves, by which it is found out on which curve a contact is; its
+corners are where two of these curves meet at an angle.  A side goes on past its root land to the fillet of the side
+that it faces: a corner in a space can touch both.
 
-A side goes on past its root land to the fillet of the side that it faces: a corner in a space can touch both.
-
-Both gears as the driven gear sees them: itself at rest, the driving gear placed anew in each position.
+As the driven gear sees it, the driven gear is at rest, and the driving gear stands elsewhere in each position.
 """
 
 from __future__ import annotations
@@ -93,26 +93,6 @@ NOWHERE = complex(np.nan, np.nan)
 
 
 @dataclass(frozen=True, eq=False)
-class _Runs:
-    """Runs of curves, in the order of the paths they belong to and along these from the tip inwards; shape (r,) each.
-
-    ``path`` numbers the flank that a path begins with, ``owner`` the flank that a curve belongs to, or the tooth that
-    its space comes after.
-    """
-
-    path: IndexArray
-    kind: IndexArray
-    owner: IndexArray
-    start: Array
-    end: Array
-
-    @property
-    def number(self) -> IndexArray:
-        """Running number of each run in its path."""
-        return np.arange(self.path.size) - np.searchsorted(self.path, self.path)
-
-
-@dataclass(frozen=True, eq=False)
 class SidePaths:
     """The paths from all f flanks of a gear with c chords each, in the gear's frame, padded with NaN.
 
@@ -143,6 +123,26 @@ class SidePaths:
         return there
 
 
+@dataclass(frozen=True, eq=False)
+class _Runs:
+    """Runs of curves, in the order of the paths they belong to and along these from the tip inwards; shape (r,) each.
+
+    ``path`` numbers the flank that a path begins with, ``owner`` the flank that a curve belongs to, or the tooth that
+    its space comes after.
+    """
+
+    path: IndexArray
+    kind: IndexArray
+    owner: IndexArray
+    start: Array
+    end: Array
+
+    @property
+    def number(self) -> IndexArray:
+        """Running number of each run in its path."""
+        return np.arange(self.path.size) - np.searchsorted(self.path, self.path)
+
+
 def side_paths(flanks: Flanks, sides: Sides) -> SidePaths:
     """The paths of all flanks of a gear."""
     runs = _runs(flanks, sides)
@@ -163,15 +163,6 @@ def side_paths(flanks: Flanks, sides: Sides) -> SidePaths:
         _table(shape, place, parameter[:, 1:]).real,
         _corners(runs, points, slopes),
     )
-
-
-def _curve(flanks: Flanks, sides: Sides, kind: IndexArray, owner: IndexArray, parameter: Array) -> tuple[Array, Array]:
-    point, slope = flanks.curve_of(kind, owner, parameter)
-    land = np.nonzero(kind == LAND)[0]
-    if land.size:
-        tooth = owner[land].reshape(-1, *[1] * (parameter.ndim - 1))
-        point[land], slope[land] = sides.roots.land(tooth, parameter[land])
-    return point, slope
 
 
 def _runs(flanks: Flanks, sides: Sides) -> _Runs:
@@ -195,10 +186,13 @@ def _in_order(parts: Sequence[_Runs]) -> _Runs:
     return _Runs(*(column[order] for column in columns))
 
 
-def _table(shape: tuple[int, int], place: tuple[IndexArray, IndexArray], values: Array | ComplexArray) -> ComplexArray:
-    table = np.full(shape, NOWHERE)
-    table[place] = values
-    return table
+def _curve(flanks: Flanks, sides: Sides, kind: IndexArray, owner: IndexArray, parameter: Array) -> tuple[Array, Array]:
+    point, slope = flanks.curve_of(kind, owner, parameter)
+    land = np.nonzero(kind == LAND)[0]
+    if land.size:
+        tooth = owner[land].reshape(-1, *[1] * (parameter.ndim - 1))
+        point[land], slope[land] = sides.roots.land(tooth, parameter[land])
+    return point, slope
 
 
 def _corners(runs: _Runs, points: ComplexArray, slopes: ComplexArray) -> ComplexArray:
@@ -211,6 +205,12 @@ def _corners(runs: _Runs, points: ComplexArray, slopes: ComplexArray) -> Complex
     path = runs.path[sharp]
     number = np.arange(path.size) - np.searchsorted(path, path)
     return _table((int(runs.path[-1]) + 1, int(number.max()) + 1), (path, number), points[sharp, 0])
+
+
+def _table(shape: tuple[int, int], place: tuple[IndexArray, IndexArray], values: Array | ComplexArray) -> ComplexArray:
+    table = np.full(shape, NOWHERE)
+    table[place] = values
+    return table
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,8 +1,7 @@
-"""Edge contact: corners of one gear's teeth against the curves of the other, exact along circles about the driven axis.
+"""Edge contact: corners of one gear's teeth against the curves of the other.
 
-Chords of the curves tell which corners come near enough to matter; only for those are the curves themselves solved.
-
-What may touch on one side of the teeth: pairs of flanks, and corners before curves.
+As the driven gear turns, its corners run along circles about its axis.  Chords of the curves tell which corners come
+enough to matter; only for those the crossing of circle and exact curve is solved.
 """
 
 from __future__ import annotations
@@ -13,14 +12,11 @@ from dataclasses import dataclass, fields
 import numpy as np
 from scipy.optimize import elementwise
 
-from ncgear.contact.designed.curves import Contacts, SeenGear, SidePaths, seen_pair, side_paths
-from ncgear.contact.designed.flanks import flank_contacts
-from ncgear.contact.placement import BACK, PUSHING, Meetings, Placement, meetings
-from ncgear.contact.written.outlines import crossing
+from ncgear.contact.designed.curves import Contacts, SeenGear
+from ncgear.contact.placement import Meetings
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
-from ncgear.numerics.crossing import refined_crossings
+from ncgear.numerics.crossing import circle_crossings, refined_crossings
 from ncgear.numerics.plane import angle_between, as_points, square
-from ncgear.teeth.gear import ToothedPair
 from ncgear.teeth.tips import AGREEMENT
 
 REACH_IN_PITCHES = 0.6
@@ -81,6 +77,58 @@ def edge_hits(driving: SeenGear, driven: SeenGear, meetings: Meetings) -> list[E
     return [_hits(driving, driven, meetings), _hits(driven, driving, meetings)]
 
 
+def _hits(corners: SeenGear, curves: SeenGear, meetings: Meetings) -> EdgeHits:
+    """Crossings of the corners' circles with the chords of the flanks they meet."""
+    position = meetings.position[..., None]
+    corner = corners.points(corners.paths.corner[corners.flank][:, None], position)
+    start = curves.points(curves.paths.start[curves.flank][:, None], position)
+    step = curves.directions(curves.paths.step[curves.flank][:, None], position)
+    row, column, number, chord = np.nonzero(_crossed(square(corner), square(start), square(start + step)))
+    at = _picked(corner, row, column, number)
+    begin, whole = _picked(start, row, column, chord), _picked(step, row, column, chord)
+    outwards = square(begin) < square(begin + whole)
+    place, lever = circle_crossings(
+        np.where(outwards, begin, begin + whole), np.where(outwards, whole, -whole), square(at)
+    )
+    turn, share = angle_between(at, place), np.abs(place - begin) / np.abs(whole)
+    flanks = meetings.driving[row], meetings.driven[row], meetings.position[row, column]
+    facing = outwards == curves.rootwards_out
+    hits = EdgeHits(curves, *flanks, at, chord, share, lever, turn, _ahead(curves, turn), facing)
+    near = np.abs(turn) * np.abs(at) <= REACH_IN_PITCHES * curves.paths.flanks.rack.pitch_mm
+    group = np.ravel_multi_index((row, column, number), (*meetings.position.shape, corner.shape[2]))
+    return hits.kept(near).kept(_met_first(hits.kept(near), group[near], meetings.urge))
+
+
+def _crossed(radius: Array, before: Array, after: Array) -> Mask:
+    """Whether circles cross chords, shape (m, k, corners, chords).
+
+    Squared radii of the corners, shape (m, k or 1, corners), and of the chords' ends, shape (m, k or 1, chords).
+    """
+    crossed: Mask = (before[:, :, None] <= radius[..., None]) != (after[:, :, None] <= radius[..., None])
+    return crossed
+
+
+def _picked(table: ComplexArray, row: IndexArray, column: IndexArray, place: IndexArray) -> ComplexArray:
+    """Entries of a table whose second axis has the length 1 where nothing moves."""
+    picked: ComplexArray = table[row, column if table.shape[1] > 1 else 0, place]
+    return picked
+
+
+def _met_first(hits: EdgeHits, corner: IndexArray, urge: float) -> Mask:
+    """Which hits of each corner hold it, the law's position being what it is.
+
+    A corner is inside the other gear where it would come out through the nearest curve; then that one holds it.  Else
+    those do through which it would go in.
+    """
+    out = (urge * hits.error_rad > 0.0) == hits.facing
+    order = np.lexsort((np.abs(hits.turn_rad), corner))
+    nearest = np.zeros(out.size, dtype=bool)
+    nearest[order[np.append(True, np.diff(corner[order]) != 0)[: out.size]]] = True
+    inside = np.zeros(int(corner.max(initial=-1)) + 1, dtype=bool)
+    inside[corner[nearest]] = out[nearest]
+    return np.where(inside[corner], nearest, ~out)
+
+
 def edge_contacts(found: Sequence[EdgeHits], urge: float, first_rad: Array, within_mm: float = 0.0) -> Contacts:
     """Corners that may touch before anything else does, or so far behind it.
 
@@ -101,56 +149,6 @@ def _behind_mm(hits: EdgeHits, urge: float, first_rad: Array) -> Array:
 
 def _near_mm(hits: EdgeHits) -> float:
     return NEAR_IN_MODULES * hits.curves.paths.flanks.rack.module_mm
-
-
-def _hits(corners: SeenGear, curves: SeenGear, meetings: Meetings) -> EdgeHits:
-    """Crossings of the corners' circles with the chords of the flanks they meet."""
-    position = meetings.position[..., None]
-    corner = corners.points(corners.paths.corner[corners.flank][:, None], position)
-    start = curves.points(curves.paths.start[curves.flank][:, None], position)
-    step = curves.directions(curves.paths.step[curves.flank][:, None], position)
-    row, column, number, chord = np.nonzero(_crossed(square(corner), square(start), square(start + step)))
-    at = _picked(corner, row, column, number)
-    begin, whole = _picked(start, row, column, chord), _picked(step, row, column, chord)
-    outwards = square(begin) < square(begin + whole)
-    place, lever = crossing(np.where(outwards, begin, begin + whole), np.where(outwards, whole, -whole), square(at))
-    turn, share = angle_between(at, place), np.abs(place - begin) / np.abs(whole)
-    flanks = meetings.driving[row], meetings.driven[row], meetings.position[row, column]
-    facing = outwards == curves.rootwards_out
-    hits = EdgeHits(curves, *flanks, at, chord, share, lever, turn, _ahead(curves, turn), facing)
-    near = np.abs(turn) * np.abs(at) <= REACH_IN_PITCHES * curves.paths.flanks.rack.pitch_mm
-    group = np.ravel_multi_index((row, column, number), (*meetings.position.shape, corner.shape[2]))
-    return hits.kept(near).kept(_met_first(hits.kept(near), group[near], meetings.urge))
-
-
-def _met_first(hits: EdgeHits, corner: IndexArray, urge: float) -> Mask:
-    """Which hits of each corner hold it, the law's position being what it is.
-
-    A corner is inside the other gear where it would come out through the nearest curve; then that one holds it.  Else
-    those do through which it would go in.
-    """
-    out = (urge * hits.error_rad > 0.0) == hits.facing
-    order = np.lexsort((np.abs(hits.turn_rad), corner))
-    nearest = np.zeros(out.size, dtype=bool)
-    nearest[order[np.append(True, np.diff(corner[order]) != 0)[: out.size]]] = True
-    inside = np.zeros(int(corner.max(initial=-1)) + 1, dtype=bool)
-    inside[corner[nearest]] = out[nearest]
-    return np.where(inside[corner], nearest, ~out)
-
-
-def _crossed(radius: Array, before: Array, after: Array) -> Mask:
-    """Whether circles cross chords, shape (m, k, corners, chords).
-
-    Squared radii of the corners, shape (m, k or 1, corners), and of the chords' ends, shape (m, k or 1, chords).
-    """
-    crossed: Mask = (before[:, :, None] <= radius[..., None]) != (after[:, :, None] <= radius[..., None])
-    return crossed
-
-
-def _picked(table: ComplexArray, row: IndexArray, column: IndexArray, place: IndexArray) -> ComplexArray:
-    """Entries of a table whose second axis has the length 1 where nothing moves."""
-    picked: ComplexArray = table[row, column if table.shape[1] > 1 else 0, place]
-    return picked
 
 
 def _touching(hits: EdgeHits) -> Contacts:
@@ -209,50 +207,3 @@ def _ahead(curves: SeenGear, turn_rad: Array) -> Array:
     Corners of the driven gear rest: instead of them the driving gear's curves are turned back.
     """
     return curves.placement.ahead * (-turn_rad if curves.moving else turn_rad)
-
-
-@dataclass(frozen=True, eq=False)
-class Candidates:
-    """Contacts of flanks on one side of the teeth, how long each meeting's last in pitches, and corners near curves."""
-
-    meetings: Meetings
-    flanks: Contacts
-    arcs: Array
-    hits: list[EdgeHits]
-
-
-def paths_of(teeth: ToothedPair) -> tuple[SidePaths, SidePaths]:
-    """The paths of the driving gear's flanks and of the driven gear's."""
-    driving, driven = (side_paths(gear.flanks, gear.sides) for gear in (teeth.driving, teeth.driven))
-    return driving, driven
-
-
-def candidates(teeth: ToothedPair, paths: tuple[SidePaths, SidePaths], placement: Placement, side: float) -> Candidates:
-    """The candidates on the driving gear's flanks of ``side`` (PUSHING or BACK)."""
-    met = meetings(teeth, placement, side)
-    return Candidates(met, *flank_contacts(teeth, placement, met), edge_hits(*seen_pair(*paths, placement, met), met))
-
-
-def contacts_among(own: Candidates, other: Candidates, placement: Placement, within_mm: float = 0.0) -> Contacts:
-    """All contacts of flanks on one side of the teeth, and those corners that come within a distance of the first.
-
-    A corner in a notch or at the far side of its space is held by curves that are gathered on the other side of the
-    teeth.
-    """
-    urge = own.meetings.urge
-    hits = [found.kept(found.facing) for found in own.hits] + [found.kept(~found.facing) for found in other.hits]
-    return Contacts.joined([own.flanks, edge_contacts(hits, urge, first_of(own.flanks, urge, placement), within_mm)])
-
-
-def first_of(contacts: Contacts, urge: float, placement: Placement) -> Array:
-    """First driven angle of contacts at each position, times the urge, -inf where there is none, shape (n,)."""
-    first = np.full(placement.count, -np.inf)
-    np.maximum.at(first, contacts.position, urge * contacts.error_rad)
-    return first
-
-
-def contacts_within(teeth: ToothedPair, placement: Placement, within_mm: float) -> tuple[Contacts, Contacts]:
-    """What touches on pushing flanks and on their backs once first contacts are pressed in by a depth in mm."""
-    paths = paths_of(teeth)
-    pushing, back = (candidates(teeth, paths, placement, side) for side in (PUSHING, BACK))
-    return contacts_among(pushing, back, placement, within_mm), contacts_among(back, pushing, placement, within_mm)

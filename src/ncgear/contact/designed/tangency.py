@@ -1,16 +1,13 @@
-"""Pairs of flanks that are to touch in given positions: their exact curves as the driven gear sees them.
-
-Where two exact flanks touch: heights on both and the driven angle, by Newton's method on the curves themselves.
+"""Where two exact flanks touch: heights on both, and the driven angle.
 
 Two flanks touch where their points coincide and their tangents are parallel.  For exact flanks the heights follow in
-closed form and the driven angle is the law's; that is where the search starts, and the two conditions are what is
-checked.  Flanks that are not conjugate (with backlash on curves that are no circles, with relief, by an approximate
-method) touch at another angle, which is their transmission error.
+closed form and the driven angle is the law's.  There Newton's method starts, on the curves themselves, and checks the
+two conditions.  Flanks that are not conjugate (with backlash on curves that are no circles, with relief, by an
+approximate method) touch at another angle, which is their transmission error.
 
-The first touch of two flanks found by search: for flanks that are not conjugate where the curvature jumps.
-
-There their distance may have two least values, or none with tangents in common.  Points of the driving flank are
-followed along their circles about the driven axis to the driven flank; the point that gets there first is closed in on.
+Where the curvature jumps, the distance of such flanks may have two least values, or no point with a common tangent.
+There the first touch is searched: points of the driving flank are followed along their circles about the driven axis
+to the driven flank, and the point that gets there first is closed in on.
 """
 
 from __future__ import annotations
@@ -66,6 +63,11 @@ class FacingFlanks:
         return as_complex(point), as_complex(slope)
 
 
+def _rows(numbers: IndexArray, values: Array) -> IndexArray:
+    """Numbers of shape (n,) in a shape that broadcasts with values of shape (n, ...)."""
+    return np.reshape(numbers, (-1, *[1] * (values.ndim - 1)))
+
+
 @dataclass(frozen=True, eq=False)
 class Touches:
     """Where n pairs of flanks touch: heights in mm, and the angle by which the driving gear is then seen turned.
@@ -89,11 +91,6 @@ class Touches:
         return Touches(*columns)
 
 
-def _rows(numbers: IndexArray, values: Array) -> IndexArray:
-    """Numbers of shape (n,) in a shape that broadcasts with values of shape (n, ...)."""
-    return np.reshape(numbers, (-1, *[1] * (values.ndim - 1)))
-
-
 PARALLEL_RAD = 1e-9
 """Angle at which tangents count as parallel: the driven angle is off by less than its square."""
 
@@ -109,6 +106,25 @@ LONGEST_STEP = 0.25
 ABOUT_JOINTS = 3.0
 """Distance from a joint of the law, in lengths by which two flanks are rolled unequally, within which the flanks beyond
 the joint may touch first."""
+
+
+def tangencies(facing: FacingFlanks, limits_mm: Array) -> Touches:
+    """Where flanks touch near the heights that the closed form gives.
+
+    ``limits_mm`` (shape (2, 2, n)) are the least and the greatest height of the driving flanks and of the driven ones,
+    between which the first touch is searched where it is not the one tangency: about jumps of the curvature.
+    """
+    state = _state(facing, facing.driving_mm, facing.driven_mm, np.zeros(facing.position.size))
+    for _ in range(NEWTON_STEPS):
+        todo = np.nonzero(~_met(state, facing.module_mm))[0]
+        if not todo.size:
+            break
+        state = state.merged(todo, _stepped(facing.kept(todo), state.kept(todo)))
+    doubtful = np.nonzero(_doubtful(facing, state))[0]
+    touches = _touches(state)
+    if not doubtful.size:
+        return touches
+    return touches.merged(doubtful, first_touches(facing.kept(doubtful), limits_mm[..., doubtful]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,25 +175,6 @@ class _Rates:
     def relative_bend(self) -> Array:
         """How the driving tangent turns against the driven one as both points run along together."""
         return self.own_bend - self.other_bend * self.own / self.other
-
-
-def tangencies(facing: FacingFlanks, limits_mm: Array) -> Touches:
-    """Where flanks touch near the heights that the closed form gives.
-
-    ``limits_mm`` (shape (2, 2, n)) are the least and the greatest height of the driving flanks and of the driven ones,
-    between which the first touch is searched where it is not the one tangency: about jumps of the curvature.
-    """
-    state = _state(facing, facing.driving_mm, facing.driven_mm, np.zeros(facing.position.size))
-    for _ in range(NEWTON_STEPS):
-        todo = np.nonzero(~_met(state, facing.module_mm))[0]
-        if not todo.size:
-            break
-        state = state.merged(todo, _stepped(facing.kept(todo), state.kept(todo)))
-    doubtful = np.nonzero(_doubtful(facing, state))[0]
-    touches = _touches(state)
-    if not doubtful.size:
-        return touches
-    return touches.merged(doubtful, first_touches(facing.kept(doubtful), limits_mm[..., doubtful]))
 
 
 def _state(facing: FacingFlanks, driving_mm: Array, driven_mm: Array, turn_rad: Array) -> _State:
@@ -274,6 +271,7 @@ REACH_IN_PITCHES = 0.15
 """Rolled length to either side of the closed form's contact within which the first touch is looked for."""
 
 SHARES = np.linspace(-1.0, 1.0, 33)
+
 ROUNDS = 4
 """Points per round and rounds, each a sixteenth as wide as the one before: the height comes out to some millionths of a
 module, and the driven angle, which is stationary there, to rounding errors."""

@@ -13,8 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncgear.contact.placement import Placement
-from ncgear.contact.written.outlines import RadialRuns, crossing, polar_outline, radial_runs, with_feet
+from ncgear.contact.written.polar import RadialRuns, polar_outline, radial_runs, with_feet
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, counted_up
+from ncgear.numerics.crossing import circle_crossings
 from ncgear.numerics.plane import angle_between, as_complex, square
 
 REACH_IN_PITCHES = 0.6
@@ -195,7 +196,7 @@ def _of_driving_vertices(meets: _Meets, reach_mm: float) -> _Crossings:
     crossed = np.nonzero((runs.inner[meets.run] <= squared) & (squared < runs.outer[meets.run]))[0]
     vertex, run, squared = meets.chord[crossed], meets.run[crossed], squared[crossed]
     before = np.maximum(runs.entry_beyond(run, squared) - 1, runs.first[run])
-    place, lever = crossing(runs.point[before], runs.step[before], squared)
+    place, lever = circle_crossings(runs.point[before], runs.step[before], squared)
     turn = angle_between(meets.chords.start[vertex], place)
     found = _Crossings(meets.chords.position, vertex, turn, runs.rising[run], np.abs(turn) * lever)
     return found.kept(np.square(turn) * squared <= reach_mm**2)
@@ -215,7 +216,7 @@ def _of_driven_vertices(meets: _Meets, reach_mm: float, positions: int) -> _Cros
     chord, rising = meets.chord[pair], end > start
     inner = np.where(rising, chords.start, chords.end)
     outwards = np.where(rising, chords.end - chords.start, chords.start - chords.end)
-    place, lever = crossing(inner[chord], outwards[chord], runs.square[entry])
+    place, lever = circle_crossings(inner[chord], outwards[chord], runs.square[entry])
     turn = angle_between(runs.point[entry], place)
     position, vertex = _numbered(chords.position[chord], entry, runs.point.size, positions)
     found = _Crossings(position, vertex, turn, rising[chord], np.abs(turn) * lever)

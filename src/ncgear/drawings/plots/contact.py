@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from ncgear.contact.designed.sides import AsDesigned
+from ncgear.contact.designed.as_designed import AsDesigned
 from ncgear.contact.pair import PairContact
 from ncgear.drawings.plots.canvas import (
     DRIVEN,

@@ -15,15 +15,15 @@ from math import atan, degrees, floor, radians
 
 import numpy as np
 
-from ncgear.contact.designed.sides import AsDesigned, SideContact
+from ncgear.contact.designed.as_designed import AsDesigned, SideContact
 from ncgear.design.keys.gears import Gears
 from ncgear.errors import WrongInput
 from ncgear.figures.advice.law import STEEPEST_DEG
 from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where
 from ncgear.pitch.pair import Size
 from ncgear.project.drive import Drive
+from ncgear.teeth.form import BasicRack
 from ncgear.teeth.gear import ToothedGear, shift_against_undercut, teeth_free_of_undercut
-from ncgear.teeth.rack import BasicRack
 from ncgear.teeth.tips import Limit
 
 

@@ -18,10 +18,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ncgear.contact.designed.sides import AsDesigned, SideContact
+from ncgear.contact.designed.as_designed import AsDesigned, SideContact
 from ncgear.contact.pair import PairContact
 from ncgear.contact.placement import Placement
-from ncgear.contact.written.outline_contact import AsWritten
+from ncgear.contact.written.as_written import AsWritten
 from ncgear.figures.advice.collected import build_advice
 from ncgear.figures.summary.check import check_summary
 from ncgear.numerics.arrays import Array

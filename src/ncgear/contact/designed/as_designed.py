@@ -8,9 +8,10 @@ from functools import cached_property
 import numpy as np
 
 from ncgear.contact.designed.clearance import TipClearance, tip_clearances
-from ncgear.contact.designed.curves import Contacts
-from ncgear.contact.designed.edges import Candidates, candidates, contacts_among, first_of, paths_of
-from ncgear.contact.placement import BACK, PUSHING, Meetings, Placement
+from ncgear.contact.designed.curves import Contacts, SidePaths, seen_pair, side_paths
+from ncgear.contact.designed.edges import EdgeHits, edge_contacts, edge_hits
+from ncgear.contact.designed.flanks import flank_contacts
+from ncgear.contact.placement import BACK, PUSHING, Meetings, Placement, meetings
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.units import in_words
@@ -129,6 +130,53 @@ def as_designed(teeth: ToothedPair, placement: Placement) -> AsDesigned:
         _side_contact(pushing, back, placement, tip_clearances(*paths, pushing.meetings)),
         _side_contact(back, pushing, placement, tip_clearances(*paths, back.meetings)),
     )
+
+
+def contacts_within(teeth: ToothedPair, placement: Placement, within_mm: float) -> tuple[Contacts, Contacts]:
+    """What touches on pushing flanks and on their backs once first contacts are pressed in by a depth in mm."""
+    paths = paths_of(teeth)
+    pushing, back = (candidates(teeth, paths, placement, side) for side in (PUSHING, BACK))
+    return contacts_among(pushing, back, placement, within_mm), contacts_among(back, pushing, placement, within_mm)
+
+
+@dataclass(frozen=True, eq=False)
+class Candidates:
+    """Contacts of flanks on one side of the teeth, how long each meeting's last in pitches, and corners near curves."""
+
+    meetings: Meetings
+    flanks: Contacts
+    arcs: Array
+    hits: list[EdgeHits]
+
+
+def paths_of(teeth: ToothedPair) -> tuple[SidePaths, SidePaths]:
+    """The paths of the driving gear's flanks and of the driven gear's."""
+    driving, driven = (side_paths(gear.flanks, gear.sides) for gear in (teeth.driving, teeth.driven))
+    return driving, driven
+
+
+def candidates(teeth: ToothedPair, paths: tuple[SidePaths, SidePaths], placement: Placement, side: float) -> Candidates:
+    """The candidates on the driving gear's flanks of ``side`` (PUSHING or BACK)."""
+    met = meetings(teeth, placement, side)
+    return Candidates(met, *flank_contacts(teeth, placement, met), edge_hits(*seen_pair(*paths, placement, met), met))
+
+
+def contacts_among(own: Candidates, other: Candidates, placement: Placement, within_mm: float = 0.0) -> Contacts:
+    """All contacts of flanks on one side of the teeth, and those corners that come within a distance of the first.
+
+    A corner in a notch or at the far side of its space is held by curves that are gathered on the other side of the
+    teeth.
+    """
+    urge = own.meetings.urge
+    hits = [found.kept(found.facing) for found in own.hits] + [found.kept(~found.facing) for found in other.hits]
+    return Contacts.joined([own.flanks, edge_contacts(hits, urge, first_of(own.flanks, urge, placement), within_mm)])
+
+
+def first_of(contacts: Contacts, urge: float, placement: Placement) -> Array:
+    """First driven angle of contacts at each position, times the urge, -inf where there is none, shape (n,)."""
+    first = np.full(placement.count, -np.inf)
+    np.maximum.at(first, contacts.position, urge * contacts.error_rad)
+    return first
 
 
 def _side_contact(

@@ -1,10 +1,8 @@
-"""An outline seen from its gear's own axis: which of its vertices lie in a given direction.
+"""An outline as seen from its gear's own axis.
 
-An outline cut into runs along which the distance from its gear's axis grows or falls all the way.
-
-On such a run a circle about the axis is crossed once, and where is found by bisection.
-
-Where circles about the origin cross chords: the driven gear turns about its axis, so its points run along such.
+``PolarOutline`` tells which vertices lie in given directions.  ``RadialRuns`` cut an outline into runs along which the
+distance from the axis grows or falls all the way: on such a run a circle about the axis is crossed once, and where is
+found by bisection.
 """
 
 from __future__ import annotations
@@ -136,17 +134,17 @@ def radial_runs(outline: ComplexArray, reach_mm: float, pitch_mm: float) -> Radi
     return RadialRuns(point, square(point), first, first + count - 1, outwards, near)
 
 
+def _with_feet(outline: ComplexArray) -> ComplexArray:
+    chord, foot = with_feet(outline, np.roll(outline, -1))
+    return np.insert(outline, chord + 1, foot)
+
+
 def with_feet(start: ComplexArray, end: ComplexArray) -> tuple[IndexArray, ComplexArray]:
     """Which chords are nearest to the origin between their ends, and where: there the radius turns."""
     step = end - start
     share = -along(step, start) / np.maximum(square(step), np.finfo(float).tiny)
     inside = np.nonzero((share > 0.0) & (share < 1.0))[0]
     return inside, start[inside] + share[inside] * step[inside]
-
-
-def _with_feet(outline: ComplexArray) -> ComplexArray:
-    chord, foot = with_feet(outline, np.roll(outline, -1))
-    return np.insert(outline, chord + 1, foot)
 
 
 def _from_a_turn(ring: ComplexArray) -> tuple[ComplexArray, Mask]:
@@ -173,20 +171,3 @@ def _near_sectors(
     near = np.full((sectors, int(width.max())), NO_RUN)
     near[sector, np.arange(owner.size) - (np.cumsum(width) - width)[sector]] = owner
     return near
-
-
-TINY = 1e-300
-"""Keeps a division of zero by zero, on chords of no length, from being one."""
-
-
-def crossing(start: ComplexArray, step: ComplexArray, squared_radius: Array) -> tuple[ComplexArray, Array]:
-    """Points at which chords from ``start`` to ``start + step``, along which the radius grows, have a squared radius.
-
-    Also the chord's unit vector's part along the radius times the radius: the arm at which the normal force on the
-    chord turns the gear.  All shapes are the same.
-    """
-    outwards, length = along(start, step), square(step)
-    missing = squared_radius - square(start)
-    root = np.sqrt(np.maximum(outwards * outwards + length * missing, 0.0))
-    share = missing / np.maximum(outwards + root, TINY)
-    return start + share * step, root / np.sqrt(np.maximum(length, TINY))

@@ -1,0 +1,166 @@
+"""The pair as written: where outlines that are read back from files touch, at the positions of the design.
+
+Outlines are compared as far from the pitch point as they can touch: along the line of action, and in a ring where tips
+can foul.  A driving gear nestles in its ring, so that the tips overlap far beyond the line of action: of circles with
+nearly as many teeth, halfway round.
+
+The clearance of tips over roots is measured on the outlines, along the normals of the pitch curve.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sin
+
+import numpy as np
+
+from ncgear.contact.placement import Placement
+from ncgear.contact.written.play import outline_play
+from ncgear.contact.written.polar import polar_outline
+from ncgear.numerics.arrays import Array, counted_up
+from ncgear.numerics.plane import across, along, as_complex
+from ncgear.pitch.internal import PlanePoints, passed_mm, plane
+from ncgear.pitch.pair import PitchPair
+from ncgear.pitch.shape import Gear, Mesh
+from ncgear.teeth.flank import Flanks
+from ncgear.teeth.gear import ToothedGear, ToothedPair
+
+
+@dataclass(frozen=True, eq=False)
+class Outlines:
+    """Both outlines as read from what was written (mm, shape (n, 2), own frames), and the ``source`` they are from."""
+
+    source: str
+    driving_mm: Array
+    driven_mm: Array
+
+
+@dataclass(frozen=True, eq=False)
+class AsWritten:
+    """Contact of written outlines at n positions.
+
+    ``pushing_rad`` and ``back_rad`` are the driven angles beyond the law's at which pushing flanks and their backs
+    touch, ``overlap_mm`` is how deep the outlines overlap at the law's angle, shape (n,) each; ``driving_tips_mm`` and
+    ``driven_tips_mm`` are the least clearances of these gears' tips over the other's roots.
+    """
+
+    source: str
+    pushing_rad: Array
+    back_rad: Array
+    overlap_mm: Array
+    driving_tips_mm: float
+    driven_tips_mm: float
+
+    @property
+    def transmission_error_rad(self) -> float:
+        """Peak to peak variation of the driven angle at which pushing flanks touch."""
+        return float(np.ptp(self.pushing_rad))
+
+    @property
+    def backlash_rad(self) -> Array:
+        """Play of the driven gear at each position, shape (n,); negative where the teeth have no room."""
+        return self.back_rad - self.pushing_rad
+
+
+def as_written(outlines: Outlines, teeth: ToothedPair, placement: Placement, reach_mm: float) -> AsWritten:
+    """Contact of outlines over a whole cycle of meetings, compared as far as ``reach_mm`` from the pitch point.
+
+    Raises RuntimeError, a fault of ncgear, where outlines that are written do not reach each other.
+    """
+    play = outline_play(outlines.driving_mm, outlines.driven_mm, placement, reach_mm)
+    tips = _tip_clearances(outlines, teeth, placement)
+    if not all(np.isfinite(values).all() for values in (play.up_rad, play.down_rad, tips)):
+        raise RuntimeError(f"the outlines written as {outlines.source} do not reach each other")
+    bounds = placement.bounds_rad(play.up_rad, play.down_rad)
+    return AsWritten(outlines.source, *bounds, play.overlap_mm, *tips)
+
+
+def _tip_clearances(outlines: Outlines, teeth: ToothedPair, placement: Placement) -> tuple[float, float]:
+    """Least clearance in mm of the driving gear's tips and of the driven gear's, tooth over space.
+
+    Driving tooth n stands in the driven space before driven tooth n, driven tooth n in the space after driving tooth n.
+    """
+    driving, driven = teeth.driving.flanks, teeth.driven.flanks
+    number = np.arange(placement.meetings)
+    own, other = number % teeth.driving.teeth, number % teeth.driven.teeth
+    over_driven = root_depths(outlines.driven_mm, driven)[(number - 1) % teeth.driven.teeth]
+    over_driving = root_depths(outlines.driving_mm, driving)[own]
+    return (
+        float(np.min(over_driven - tip_heights(outlines.driving_mm, driving)[own])),
+        float(np.min(over_driving - tip_heights(outlines.driven_mm, driven)[other])),
+    )
+
+
+SECTOR_IN_PITCHES = 1.0
+"""Arc to either side of a pitch point within which its normal is followed: farther than any tooth is high."""
+
+
+def tip_heights(outline_mm: Array, flanks: Flanks) -> Array:
+    """Where in mm beyond the pitch curve the outline is left at each tooth's middle, shape (z,)."""
+    crossing = flanks.crossing_mm
+    return _along_normals(outline_mm, flanks, (crossing[0::2] + crossing[1::2]) / 2.0, 1.0)
+
+
+def root_depths(outline_mm: Array, flanks: Flanks) -> Array:
+    """Where in mm below the pitch curve the outline is met in the middle of the space after each tooth, shape (z,)."""
+    crossing = flanks.crossing_mm
+    following = np.append(crossing[2::2], crossing[0] + flanks.curve.length_mm)
+    return _along_normals(outline_mm, flanks, (crossing[1::2] + following) / 2.0, -1.0)
+
+
+def _along_normals(outline_mm: Array, flanks: Flanks, sigma_mm: Array, sense: float) -> Array:
+    """Distances from points of the pitch curve to the outline, outwards (``sense`` +1) or inwards (-1).
+
+    Infinite where the outline is not met.
+    """
+    at = flanks.curve.at_length(sigma_mm)
+    origin, direction = as_complex(at.position), sense * as_complex(at.normal)
+    outline = as_complex(outline_mm)
+    width = SECTOR_IN_PITCHES * flanks.rack.pitch_mm / np.abs(origin)
+    row, vertex = counted_up(*polar_outline(outline).windows(np.angle(origin), width))
+    arms = [outline[number % outline.size] - origin[row] for number in (vertex, vertex + 1)]
+    (before, after), (near, far) = ([product(direction[row], arm) for arm in arms] for product in (across, along))
+    crossed = np.nonzero((before < 0.0) != (after < 0.0))[0]
+    share = before[crossed] / (before[crossed] - after[crossed])
+    distance = near[crossed] + share * (far[crossed] - near[crossed])
+    least = np.full(sigma_mm.size, np.inf)
+    np.minimum.at(least, row[crossed], np.where(distance > 0.0, distance, np.inf))
+    return least
+
+
+BEYOND = 1.1
+"""How far beyond that outlines are compared: a tenth, for contact of edges."""
+
+BOWL = 2.5
+"""How many times as far tips can foul where a pitch curve is concave: teeth enter such a bowl two or three pitches from
+the pitch point."""
+
+POSITIONS = 64
+"""Positions over a period of the law at which the tip curves are laid over each other; they differ smoothly."""
+
+POINTS_PER_TOOTH = 8
+"""Points of a tip curve: an eighth of a pitch is what the reach may miss, far less than the margin it is taken with."""
+
+
+def reach_mm(pitch: PitchPair, teeth: ToothedPair) -> float:
+    """Distance from the pitch point in mm within which outlines must be compared."""
+    racks = teeth.driving.flanks.rack, teeth.driven.flanks.rack
+    action = max(rack.dedendum_mm / sin(rack.pressure_angle_rad) for rack in racks)
+    if pitch.mesh is Mesh.INTERNAL:
+        return BEYOND * max(action, tips_overlap_mm(pitch, teeth))
+    return BEYOND * action * (1.0 if all(pitch.convex(gear) for gear in Gear) else BOWL)
+
+
+def tips_overlap_mm(pitch: PitchPair, teeth: ToothedPair) -> float:
+    """Largest distance from the pitch point at which the driving tip curve of an internal pair passes the ring's."""
+    phi1 = np.linspace(0.0, pitch.transmission.lobes.driving_period_rad, POSITIONS)
+    tips = _tip_curve(teeth.driving)
+    beyond = passed_mm(tips, _tip_curve(teeth.driven), pitch.driving, phi1) > 0.0
+    from_pitch_point = np.abs(tips * np.exp(1j * phi1[:, None]) - pitch.pitch_point_mm(phi1)[:, None])
+    return float(np.max(from_pitch_point, where=beyond, initial=0.0))
+
+
+def _tip_curve(gear: ToothedGear) -> PlanePoints:
+    """Where tips of full height end all around a gear, in mm in its own frame, shape (n,)."""
+    sigma = np.linspace(0.0, gear.flanks.curve.length_mm, POINTS_PER_TOOTH * gear.teeth, endpoint=False)
+    return plane(gear.flanks.offset(sigma, gear.flanks.rack.tip_height_mm)[0])
