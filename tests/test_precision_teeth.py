@@ -20,6 +20,7 @@ from ncgear.precision.even_outline import even_outlines
 from ncgear.precision.measure import order, points
 from ncgear.precision.study import Point, Study
 from ncgear.precision.teeth_pairs import MODULE_MM, TEETH, TOLERANCE_MM
+from ncgear.solids.mesh.pair import driving_solid
 from ncgear.teeth.gear import toothed_pair
 
 Array = np.ndarray
@@ -234,7 +235,7 @@ def test_a_solid_without_one_of_its_teeth_is_told() -> None:
     polar = np.arctan2(whole[:, 1], whole[:, 0])
     beside = np.abs(polar) < 1.02 * CIRCLE.fillet_mm[0] / CIRCLE.pitch_radius_mm
     assert 0 < beside.sum() <= len(whole) / TEETH
-    without = solids.Solid(solids.gear_solid(whole[~beside], solids.FACE_WIDTH_MM, None, TOLERANCE_MM))
+    without = solids.Solid(driving_solid(whole[~beside], solids.BLANK, MODULE_MM, TOLERANCE_MM).mesh)
     # One tooth in 25 is a hundredth of the gear.
     assert solids.volume_error(without) > 5e-3
     assert solids.largest_distance_mm(without) > 0.1 * MODULE_MM

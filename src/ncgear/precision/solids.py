@@ -16,14 +16,15 @@ from ncgear.precision.circular_area import area_mm2
 from ncgear.precision.circular_gear import CircularGear
 from ncgear.precision.even_outline import even_outlines
 from ncgear.precision.study import Method, Size, Study
-from ncgear.precision.teeth_pairs import TEETH, TOLERANCE_MM
+from ncgear.precision.teeth_pairs import MODULE_MM, TEETH, TOLERANCE_MM
 from ncgear.solids.helical.helix import Hand, Helix
 from ncgear.solids.helical.mesh import helical_pair
-from ncgear.solids.mesh.layers import gear_solid
+from ncgear.solids.mesh.pair import driving_solid
 from ncgear.solids.plan.body import Blank
 from ncgear.teeth.gear import toothed_pair
 
 FACE_WIDTH_MM = 20.0
+BLANK = Blank(FACE_WIDTH_MM)
 HELIX = Helix(radians(15.0), FACE_WIDTH_MM, Hand.RIGHT)
 
 TOLERANCES_MM = (0.05, 0.016, TOLERANCE_MM, 0.0016, 5e-4, 1.6e-4, 5e-5)
@@ -135,11 +136,11 @@ def _evenly(count: int) -> Solid:
 
 def _extruded(outlines: tuple[Array, Array]) -> Solid:
     """Both gears, as a build makes them; the driving one."""
-    driving, _ = (gear_solid(outline, FACE_WIDTH_MM, None, TOLERANCE_MM) for outline in outlines)
+    driving, _ = (driving_solid(outline, BLANK, MODULE_MM, TOLERANCE_MM).mesh for outline in outlines)
     return Solid(driving)
 
 
 def _helical(tolerance: float) -> Solid:
-    blanks = {of: Blank(FACE_WIDTH_MM) for of in Gear}
+    blanks = dict.fromkeys(Gear, BLANK)
     pair = helical_pair(teeth_pairs.circular(), teeth_pairs.form(), HELIX, blanks, tolerance)
     return Solid(pair.driving.mesh, tan(HELIX.angle_rad))
