@@ -28,15 +28,25 @@ from ncgear.files.meshes import outline_of_stl, read_back, section_rings, stl_by
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.solids.inertia import body_kg_mm2
-from ncgear.solids.mesh import bevel as bevels
-from ncgear.solids.mesh.bevel import bevel_of
+from ncgear.solids.mesh import slabs
 from ncgear.solids.mesh.finish import SCREW_TOLERANCE, screw_hole_mm3
-from ncgear.solids.mesh.layers import layered
-from ncgear.solids.mesh.pair import GearSolid, driving_solid, solid_of_plan
-from ncgear.solids.mesh.ring import RingBlank, outer_radius_mm, ring_solid
-from ncgear.solids.plan.body import Blank, Bore, HoleSet, Hub, Keyway, Layer, SetScrew, WebSize, circle_points
-from ncgear.solids.plan.parallel import moved_inwards
+from ncgear.solids.mesh.pair import GearSolid, driving_solid, ring_solid, solid_of_plan
+from ncgear.solids.mesh.slabs import bevel_of, slab_mesh
+from ncgear.solids.plan.areas import moved_inwards
+from ncgear.solids.plan.body import (
+    Blank,
+    Bore,
+    HoleSet,
+    Hub,
+    Keyway,
+    RingBlank,
+    SetScrew,
+    Slab,
+    WebSize,
+    body_kg_mm2,
+    circle_points,
+)
+from ncgear.solids.plan.plan import outer_radius_mm
 from ncgear.solids.plan.room import require_hub_room
 from ncgear.teeth.gear import toothed_pair
 from speed_against_error.outlines import circular_gear, circular_pair, form
@@ -123,7 +133,7 @@ def test_the_quadrature_that_judges_a_screw_hole_has_digits_to_spare(tolerance: 
     blank = Blank(WIDTH, Bore(10.0, Keyway(3.0, 1.4)), hub=Hub(24.0, 12.0))
     whole = made(blank, tolerance)
     drilled = solid_of_plan(replace(whole.plan, hub=replace(whole.plan.hub, set_screw=screw)))
-    taken = screw_hole_mm3(whole.plan.layers[-1].section, screw, tolerance)
+    taken = screw_hole_mm3(whole.plan.slabs[-1].section, screw, tolerance)
     assert whole.mesh.volume - drilled.mesh.volume == pytest.approx(taken, rel=SCREW_TOLERANCE / 10.0)
 
 
@@ -230,9 +240,9 @@ def test_a_chamfer_without_levels_strays_where_edges_vanish(monkeypatch: pytest.
     """Negative control: with one slope from top to bottom a tip of the baler's is cut off."""
     area = Polygon(drive("baler").teeth.driving.outline_mm)
     assert len(bevel_of(area, 0.5, TOLERANCE, "key").slopes) > 1
-    monkeypatch.setattr(bevels, "_close", lambda *_: True)
+    monkeypatch.setattr(slabs, "_close", lambda *_: True)
     coarse = bevel_of(area, 0.5, TOLERANCE, "key")
-    mesh = layered((Layer(area, 0.0, WIDTH),), coarse)
+    mesh = slab_mesh((Slab(area, 0.0, WIDTH),), coarse)
     found = Polygon(section_rings(np.asarray(mesh.vertices), np.asarray(mesh.faces), 0.25)[0])
     expected = area.buffer(-0.25, join_style="mitre", mitre_limit=10.0)
     assert (
@@ -295,7 +305,7 @@ def test_what_moves_in_comes_back() -> None:
 
 @pytest.mark.parametrize("blank", ASKED)
 def test_moments_of_inertia_count_all_that_is_cut(blank: Blank) -> None:
-    """Layer by layer, against the mesh's own volume integrals."""
+    """Slab by slab, against the mesh's own volume integrals."""
     solid = made(blank, TOLERANCE, drive("printed-pump").teeth.driving.outline_mm)
     assert body_kg_mm2(solid.plan, 7850.0) == pytest.approx(mesh_body(solid.mesh, 7850.0).inertia_kg_mm2, rel=1e-9)
 

@@ -28,9 +28,9 @@ from ncgear.balance.rotor import grade_reached, permissible_unbalance_kg_mm
 from ncgear.design.reading.design_file import load
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.project.drive import Drive
-from ncgear.solids.inertia import area_moments
-from ncgear.solids.mesh.layers import extruded
-from ncgear.solids.plan.body import circle_points
+from ncgear.solids.mesh.slabs import slab_mesh
+from ncgear.solids.plan.areas import area_moments
+from ncgear.solids.plan.body import Slab, circle_points
 from pairs import DESIGNS
 
 STEEL = 7850.0
@@ -231,4 +231,4 @@ def test_a_boss_around_the_bore_is_one_sound_mesh() -> None:
     gear = disc(60.0, 9 + 0j, ((0j, 10.0),))
     found = corrected(gear, 15.0, STEEL, Means(boss=BossSize(19.0, 2.0)), TOLERANCE, "gears")
     assert residual(found, gear) <= 1e-8
-    assert mesh_body(extruded(gear, 15.0), STEEL).eccentricity_mm > 9.0
+    assert mesh_body(slab_mesh((Slab(gear, 0.0, 15.0),)), STEEL).eccentricity_mm > 9.0

@@ -22,6 +22,7 @@ from ncgear.contact.written.as_written import AsWritten, tips_overlap_mm
 from ncgear.design.reading.design_file import load
 from ncgear.drawings import plots
 from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.figures.assembly import Placed, assembly_report
 from ncgear.files.meshes import read_back, stl_bytes
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import CurvePoints, PitchCurve
@@ -33,10 +34,9 @@ from ncgear.ratio.laws.expression import ratio_expression_law
 from ncgear.ratio.laws.table import ratio_table_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
-from ncgear.solids.assembly import Placed, assembly_report
-from ncgear.solids.mesh.pair import driving_solid
-from ncgear.solids.mesh.ring import RingBlank, outer_radius_mm, ring_section, ring_solid
-from ncgear.solids.plan.body import Blank, circle_points
+from ncgear.solids.mesh.pair import driving_solid, ring_solid
+from ncgear.solids.plan.body import Blank, RingBlank, circle_points
+from ncgear.solids.plan.plan import outer_radius_mm, ring_section
 from ncgear.solids.plan.room import INNER_WALL_IN_MODULES, OUTER_WALL_IN_MODULES
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair

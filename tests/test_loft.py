@@ -19,11 +19,21 @@ from ncgear.pitch.pair import sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
-from ncgear.solids.helical import loft
-from ncgear.solids.helical import stack as columns_module
-from ncgear.solids.helical.loft import falls, lofted, middle_section
+from ncgear.solids.helical import mesh as mesh_module
+from ncgear.solids.helical import stack as stack_module
+from ncgear.solids.helical.mesh import lofted
 from ncgear.solids.helical.sections import PER_TOOTH, Pieces, pieces_of
-from ncgear.solids.helical.stack import Columns, Limits, Stack, close_columns, sagittas, spread_columns, twists
+from ncgear.solids.helical.stack import (
+    Columns,
+    Limits,
+    Stack,
+    close_columns,
+    falls,
+    middle_section,
+    sagittas,
+    spread_columns,
+    twists,
+)
 from ncgear.teeth.form import TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedGear, toothed_pair
 from ncgear.teeth.tips import Limit
@@ -110,14 +120,14 @@ def test_a_land_may_vanish_with_height() -> None:
 
 
 def test_a_lost_triangle_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    whole = loft._cap
-    monkeypatch.setattr(loft, "_cap", lambda *arguments: whole(*arguments)[1:])
+    whole = mesh_module._cap
+    monkeypatch.setattr(mesh_module, "_cap", lambda *arguments: whole(*arguments)[1:])
     with pytest.raises(RuntimeError, match="watertight"):
         lofted(np.stack([star(), star(0.5)]), np.array([0.0, 2.0]), [])
 
 
 def test_quadrilaterals_folded_otherwise_than_their_areas_say_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(loft, "middle_section", lambda lower, upper: (lower + upper) / 2.0)
+    monkeypatch.setattr(mesh_module, "middle_section", lambda lower, upper: (lower + upper) / 2.0)
     with pytest.raises(RuntimeError, match="instead of"):
         lofted(np.stack([star(), star(0.5)]), np.array([0.0, 2.0]), [])
 
@@ -221,7 +231,7 @@ def test_a_corner_within_a_piece_is_closed_in_on() -> None:
 
 def test_limits_that_no_halving_keeps_are_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
     sections = [pieces_of(gear(advance)) for advance in (0.0, 0.5)]
-    monkeypatch.setattr(columns_module, "HALVINGS", 2)
+    monkeypatch.setattr(stack_module, "COLUMN_HALVINGS", 2)
     with pytest.raises(RuntimeError, match="strays from its chords even after 2 halvings"):
         close_columns(spread_columns(sections, LIMITS), sections, Limits(1e-6, 1.0))
 

@@ -449,7 +449,8 @@ def test_gears_that_are_written_wrong_never_replace_good_ones(tmp_path: Path, mo
 
     from ncgear.files import build as build_module
     from ncgear.files.meshes import stl_bytes
-    from ncgear.solids.mesh.layers import extruded
+    from ncgear.solids.mesh.slabs import slab_mesh
+    from ncgear.solids.plan.body import Slab
 
     out = tmp_path / "out"
     build(drive_of(DESIGN, tmp_path), out, lambda _: None)
@@ -459,7 +460,8 @@ def test_gears_that_are_written_wrong_never_replace_good_ones(tmp_path: Path, mo
         if mesh is drive.solids.driven.mesh:
             return stl_bytes(mesh)
         outline = drive.teeth.driving.outline_mm
-        return stl_bytes(extruded(Polygon(outline).buffer(0.02, join_style="mitre"), 20.0))
+        section = Polygon(outline).buffer(0.02, join_style="mitre")
+        return stl_bytes(slab_mesh((Slab(section, 0.0, 20.0),)))
 
     monkeypatch.setattr(build_module, "stl_bytes", thick)
     with pytest.raises(NoSuchMechanism, match="run into each other"):

@@ -8,7 +8,7 @@ import pytest
 
 from ncgear.cli import progress
 from ncgear.design.reading.design_file import load
-from ncgear.files.build import WRITTEN_STAGES, build, contacts_as_written, stage_count
+from ncgear.files.build import WRITTEN_STEPS, build, contacts_as_written, step_count
 from ncgear.project.drive import loads
 from ncgear.screening.screen import screened
 
@@ -27,13 +27,13 @@ MOTIONS = ["{law: uniform_crank}", "{law: harmonic_ratio, cosine: [0.2], second_
 def test_a_build_tells_as_many_stages_as_it_says_it_has(tmp_path: Path, motion: str) -> None:
     drive, told = loads(GEARS.replace("MOTION", motion)), list[str]()
     build(drive, tmp_path, told.append)
-    assert len(told) == len(set(told)) == stage_count(drive, report=False)
+    assert len(told) == len(set(told)) == step_count(drive, report=False)
 
 
 def test_a_report_tells_as_many_as_it_says() -> None:
     told = list[str]()
     contacts_as_written(loads(GEARS.replace("MOTION", MOTIONS[0])), told.append)
-    assert tuple(told) == WRITTEN_STAGES
+    assert tuple(told) == WRITTEN_STEPS
 
 
 def test_a_sweep_tells_every_design() -> None:

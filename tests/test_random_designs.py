@@ -32,7 +32,7 @@ from ncgear.figures.summary.check import check_summary
 from ncgear.figures.tables import outline_csv
 from ncgear.files import build as build_module
 from ncgear.files.meshes import outline_of_csv
-from ncgear.files.workshop.kinds import USUAL
+from ncgear.files.workshop.formats import USUAL
 from ncgear.project.drive import Drive
 from oracles import meshing
 from random_designs import Data, designs, spoiled_designs

@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 import trimesh.creation
 from shapely import Point, Polygon
+from trimesh import Trimesh
 
 from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.figures.assembly import Placed, assembly_report, met_at, outline_radius_mm
 from ncgear.files.meshes import read_back, stl_bytes
 from ncgear.numerics.arrays import Array
-from ncgear.solids.assembly import Placed, assembly_report, met_at, outline_radius_mm
-from ncgear.solids.mesh.layers import extruded, gear_solid
 from ncgear.solids.mesh.pair import driven_solid, driving_solid
-from ncgear.solids.plan.body import Blank, Bore, Keyway, bore_points, circle_points
+from ncgear.solids.mesh.slabs import slab_mesh
+from ncgear.solids.plan.body import Blank, Bore, Keyway, Slab, bore_points, circle_points
 from ncgear.solids.plan.room import INNER_WALL_IN_MODULES, OUTER_WALL_IN_MODULES, full_disc, index_hole, largest_bore_mm
 
 TOLERANCE = 0.005
@@ -30,6 +31,10 @@ def wavy(points: int = 40_000, phase: float = 0.0) -> Array:
     angle = np.linspace(0.0, 2.0 * pi, points, endpoint=False)
     radius = RADIUS + WAVE * np.cos(TEETH * angle + phase)
     return np.asarray(radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)]), dtype=float)
+
+
+def extruded(outline: Array, width: float, bore: Bore | None, tolerance: float) -> Trimesh:
+    return driving_solid(outline, Blank(width, bore), MODULE, tolerance).mesh
 
 
 def cut_area(bore: Bore) -> float:
@@ -48,7 +53,7 @@ BORES = [None, Bore(30.0), Bore(30.0, Keyway(8.0, 3.3)), Bore(6.0, Keyway(5.9, 1
 
 @pytest.mark.parametrize("bore", BORES)
 def test_volume_is_that_of_the_closed_form(bore: Bore | None) -> None:
-    mesh = gear_solid(wavy(), 20.0, bore, 1e-4)
+    mesh = extruded(wavy(), 20.0, bore, 1e-4)
     area = pi * (RADIUS**2 + WAVE**2 / 2.0) - (cut_area(bore) if bore else 0.0)
     # Chords of 8 um on the outline, a chord tolerance of 0.1 um on a bore of 100 mm around at most.
     assert mesh.volume == pytest.approx(20.0 * area, rel=3e-6)
@@ -59,7 +64,7 @@ def test_volume_is_that_of_the_closed_form(bore: Bore | None) -> None:
 
 @pytest.mark.parametrize("bore", BORES)
 def test_stl_reads_back_as_the_same_solid(bore: Bore | None) -> None:
-    mesh = gear_solid(wavy(4000), 20.0, bore, TOLERANCE)
+    mesh = extruded(wavy(4000), 20.0, bore, TOLERANCE)
     data = stl_bytes(mesh)
     again = read_back(data, mesh)
     assert len(data) == 84 + 50 * len(mesh.faces)
@@ -68,7 +73,7 @@ def test_stl_reads_back_as_the_same_solid(bore: Bore | None) -> None:
 
 
 def test_a_lost_facet_is_noticed() -> None:
-    mesh = gear_solid(wavy(400), 20.0, None, TOLERANCE)
+    mesh = extruded(wavy(400), 20.0, None, TOLERANCE)
     data = stl_bytes(mesh)
     count = len(mesh.faces) - 1
     with pytest.raises(RuntimeError, match="watertight"):
@@ -76,20 +81,20 @@ def test_a_lost_facet_is_noticed() -> None:
 
 
 def test_another_solid_is_noticed() -> None:
-    mesh = gear_solid(wavy(400), 20.0, None, TOLERANCE)
+    mesh = extruded(wavy(400), 20.0, None, TOLERANCE)
     moved = mesh.copy()
     moved.apply_translation([0.0, 0.0, 0.01])
     with pytest.raises(RuntimeError, match="spans"):
         read_back(stl_bytes(moved), mesh)
     with pytest.raises(RuntimeError, match="mm3"):
-        read_back(stl_bytes(gear_solid(wavy(400), 20.01, None, TOLERANCE)), mesh)
+        read_back(stl_bytes(extruded(wavy(400), 20.01, None, TOLERANCE)), mesh)
 
 
 def test_points_that_single_precision_cannot_tell_apart_do_no_harm() -> None:
     outline = wavy(400)
     doubled = np.repeat(outline, 2, axis=0)
     doubled[1::2] += 1e-7
-    mesh = gear_solid(doubled, 20.0, Bore(30.0), TOLERANCE)
+    mesh = extruded(doubled, 20.0, Bore(30.0), TOLERANCE)
     assert read_back(stl_bytes(mesh), mesh).is_watertight
 
 
@@ -128,12 +133,12 @@ def test_keyway_as_wide_as_the_bore_is_refused() -> None:
 )
 def test_bore_that_does_not_fit_is_refused_with_the_largest_that_does(bore: Bore, largest: float | None) -> None:
     with pytest.raises(WrongInput, match="largest that fits is") as caught:
-        gear_solid(wavy(4000), 20.0, bore, TOLERANCE, key="gears.driven")
+        driven_solid(wavy(4000), Blank(20.0, bore), MODULE, TOLERANCE)
     assert caught.value.key == "gears.driven.bore_mm"
     stated = float(caught.value.problem.split("fits is ")[1].split(" mm")[0])
-    gear_solid(wavy(4000), 20.0, Bore(stated, bore.keyway), TOLERANCE)
+    extruded(wavy(4000), 20.0, Bore(stated, bore.keyway), TOLERANCE)
     with pytest.raises(WrongInput):
-        gear_solid(wavy(4000), 20.0, Bore(stated + 0.03, bore.keyway), TOLERANCE)
+        extruded(wavy(4000), 20.0, Bore(stated + 0.03, bore.keyway), TOLERANCE)
     if largest is not None:
         assert stated == pytest.approx(largest - 2.0 * TOLERANCE, abs=0.03)
 
@@ -142,7 +147,7 @@ def test_keyway_that_no_bore_makes_room_for() -> None:
     bore = Bore(20.0, Keyway(8.0, 60.0))
     assert largest_bore_mm(full_disc(wavy(), "gears.driving"), bore, TOLERANCE) == 0.0
     with pytest.raises(WrongInput, match="none fits"):
-        gear_solid(wavy(), 20.0, bore, TOLERANCE)
+        extruded(wavy(), 20.0, bore, TOLERANCE)
 
 
 def test_outline_that_crosses_itself_is_refused_where_it_does() -> None:
@@ -150,14 +155,14 @@ def test_outline_that_crosses_itself_is_refused_where_it_does() -> None:
     with pytest.raises(
         NoSuchMechanism, match=r"crosses itself at x = 30 mm, y = 40 mm \(polar angle 53.13 deg"
     ) as caught:
-        gear_solid(outline, 20.0, None, TOLERANCE)
+        extruded(outline, 20.0, None, TOLERANCE)
     assert caught.value.key == "gears.driving"
 
 
 def test_a_section_whose_mesh_is_wrong_is_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("ncgear.solids.mesh.layers.joined", lambda _: trimesh.creation.box((1.0, 1.0, 1.0)))
+    monkeypatch.setattr("ncgear.solids.mesh.slabs.joined", lambda _: trimesh.creation.box((1.0, 1.0, 1.0)))
     with pytest.raises(RuntimeError, match="mm3"):
-        extruded(Polygon(wavy(100)), 20.0)
+        slab_mesh((Slab(Polygon(wavy(100)), 0.0, 20.0),))
 
 
 @pytest.mark.parametrize("direction", [0.0, pi, 1.0])

@@ -20,7 +20,8 @@ from closeness import farthest, farthest_from_pieces
 from commands import Run
 from ncgear.design.reading.design_file import load
 from ncgear.errors import WrongInput
-from ncgear.files.workshop.step import SHARE, VOLUME_TOLERANCE, Part, _read, part_bytes, require_same, step_files
+from ncgear.files.workshop.step import step_files
+from ncgear.files.workshop.step_kernel import SHARE, VOLUME_TOLERANCE, Part, part_bytes, read_back, require_same
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -324,7 +325,7 @@ def test_helical_gears_have_bodies_too(tmp_path: Path) -> None:
     found = cylinders(made["driving.step"])
     assert found.count((1.0, [1.0, 0.0, 0.0])) == found.count((3.0, UP)) == found.count((5.5, UP)) == 1
     mesh = own.solids.driving.mesh
-    assert abs(volume_mm3(_read(made["driving.step"])) - mesh.volume) <= 0.005 * mesh.area
+    assert abs(volume_mm3(read_back(made["driving.step"])) - mesh.volume) <= 0.005 * mesh.area
 
 
 @pytest.mark.slow
@@ -345,7 +346,7 @@ def test_bodies_stand_on_the_heights_of_their_plans(bodied: tuple[Drive, dict[st
 def test_bodies_hold_what_their_meshes_hold(bodied: tuple[Drive, dict[str, bytes]]) -> None:
     own, made = bodied
     for gear, mesh in (("driving", own.solids.driving.mesh), ("driven", own.solids.driven.mesh)):
-        found = volume_mm3(_read(made[f"{gear}.step"]))
+        found = volume_mm3(read_back(made[f"{gear}.step"]))
         assert abs(found - mesh.volume) <= own.design.output.chord_tolerance_mm * mesh.area
 
 
@@ -376,7 +377,7 @@ def test_helical_sections_at_any_height_are_the_exact_ones(kind: str, tmp_path: 
         # The teeth a hundredth of a millimetre farther up stand elsewhere by a third of it.
         assert farthest(levels(data, height + 0.01, DENSE).reshape(-1, 2), exact) > 2e-3
         mesh = own.solids.of(gear).mesh
-        assert abs(volume_mm3(_read(data)) - mesh.volume) <= 0.005 * mesh.area
+        assert abs(volume_mm3(read_back(data)) - mesh.volume) <= 0.005 * mesh.area
 
 
 @pytest.mark.slow
@@ -385,7 +386,7 @@ def test_volumes_are_those_of_the_meshes_and_of_the_kernel(name: str) -> None:
     """Walls of a mesh stray by the chord tolerance at most, all to one side or not: its area measures them."""
     own = drive(name)
     meshes = own.solids.driving.mesh, own.solids.driven.mesh
-    shapes = [_read(files(name)[f"{gear}.step"]) for gear in ("driving", "driven")]
+    shapes = [read_back(files(name)[f"{gear}.step"]) for gear in ("driving", "driven")]
     for volume, mesh, shape in zip(volumes(name), meshes, shapes, strict=True):
         assert abs(volume - mesh.volume) <= own.design.output.chord_tolerance_mm * mesh.area
         assert volume_mm3(shape) == pytest.approx(volume, rel=VOLUME_TOLERANCE)

@@ -22,9 +22,8 @@ from trimesh import Trimesh
 from commands import Run
 from ncgear.design.reading.design_file import load
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING
-from ncgear.files.workshop.drawing import CUT_THROUGH, Layer, pitch_points
-from ncgear.files.workshop.formats import NAMES, WRITERS, workshop_files
-from ncgear.files.workshop.kinds import USUAL
+from ncgear.files.workshop.drawing import Layer, Use, pitch_points
+from ncgear.files.workshop.formats import NAMES, USUAL, WRITERS, workshop_files
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -74,6 +73,9 @@ def section(name: str, gear: Gear) -> Polygon:
 
 def drawn(data: bytes, layer: str) -> list[dxf.Entity]:
     return [one for one in dxf.entities(data.decode()) if one.layer == layer]
+
+
+CUT_THROUGH = tuple(layer for layer in Layer if layer.use is Use.THROUGH)
 
 
 def cut_area(data: bytes, prefix: str = "") -> Polygon:

@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 from scipy.special import ellipe, ellipeinc
 
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
-from ncgear.teeth.rack import BasicRack
+from ncgear.teeth.form import BasicRack
 from speed_against_error.baler import Real
 
 FILLET_STARTS, FLANK_STARTS = 33, 65

@@ -13,7 +13,7 @@ from math import radians
 import numpy as np
 
 from ncgear.contact.placement import Placement, placed
-from ncgear.contact.written.outline_contact import reach_mm
+from ncgear.contact.written.as_written import reach_mm
 from ncgear.contact.written.play import outline_play
 from ncgear.design.keys.machine import Output
 from ncgear.numerics.arrays import Array, IndexArray
@@ -22,10 +22,9 @@ from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.teeth.flank import FILLET, FLANK
-from ncgear.teeth.form import Cutter, CutterKind, ToothForm
+from ncgear.teeth.form import BasicRack, Cutter, CutterKind, ToothForm
 from ncgear.teeth.gear import pair_tips, toothed_pair
 from ncgear.teeth.outline import simple_polygon
-from ncgear.teeth.rack import BasicRack
 from ncgear.teeth.sides import Sides, refuse_folded_lands, regular_sides
 from ncgear.teeth.tips import Tips
 from speed_against_error.exact_gears import CircularGear, EllipticalGear

@@ -12,14 +12,15 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.solids.helical.helix import Hand, Helix
 from ncgear.solids.helical.mesh import helical_pair
-from ncgear.solids.mesh.layers import gear_solid
+from ncgear.solids.mesh.pair import driving_solid
 from ncgear.solids.plan.body import Blank
 from ncgear.teeth.gear import toothed_pair
 from speed_against_error.exact_gears import area_mm2
-from speed_against_error.outlines import TOLERANCE_MM, circular_gear, circular_pair, even_outlines, form
+from speed_against_error.outlines import MODULE_MM, TOLERANCE_MM, circular_gear, circular_pair, even_outlines, form
 from speed_against_error.study import Method, Size, Study
 
 FACE_WIDTH_MM = 20.0
+BLANK = Blank(FACE_WIDTH_MM)
 HELIX = Helix(radians(15.0), FACE_WIDTH_MM, Hand.RIGHT)
 
 TOLERANCES_MM = (0.05, 0.016, TOLERANCE_MM, 0.0016, 5e-4, 1.6e-4, 5e-5)
@@ -121,12 +122,12 @@ def _straight_even(count: int) -> Solid:
 
 
 def _extruded(outlines: tuple[Array, Array]) -> Solid:
-    """The driving gear; both are made, as in a build."""
-    driving, _ = (gear_solid(outline, FACE_WIDTH_MM, None, TOLERANCE_MM) for outline in outlines)
+    """Both gears, as a build makes them; the driving one."""
+    driving, _ = (driving_solid(outline, BLANK, MODULE_MM, TOLERANCE_MM).mesh for outline in outlines)
     return Solid(driving)
 
 
 def _helical(tolerance: float) -> Solid:
-    blanks = {of: Blank(FACE_WIDTH_MM) for of in Gear}
+    blanks = dict.fromkeys(Gear, BLANK)
     pair = helical_pair(circular_pair(), form(), HELIX, blanks, tolerance)
     return Solid(pair.driving.mesh, tan(HELIX.angle_rad))

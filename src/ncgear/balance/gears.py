@@ -30,9 +30,9 @@ from trimesh import Trimesh
 
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array
-from ncgear.solids.inertia import KG_MM3, area_moments
-from ncgear.solids.mesh.layers import layered
-from ncgear.solids.plan.body import Layer, RoundHole, hole_points
+from ncgear.solids.mesh.slabs import slab_mesh
+from ncgear.solids.plan.areas import area_moments
+from ncgear.solids.plan.body import KG_MM3, RoundHole, Slab, hole_points
 
 
 @dataclass(frozen=True)
@@ -283,6 +283,6 @@ def corrected(
     moment = area_moments(section).first_mm3 * face_width_mm
     if means.boss is not None and abs(moment) > BALANCED * section.area**1.5 * face_width_mm:
         boss = balancing_boss(section, moment, means.boss.height_mm, means.boss.wall_mm, f"{key}.boss.height_mm")
-    gear = Layer(section, 0.0, face_width_mm)
-    mesh = layered((gear, *([Layer(boss.section, face_width_mm, face_width_mm + boss.height_mm)] if boss else [])))
+    gear = Slab(section, 0.0, face_width_mm)
+    mesh = slab_mesh((gear, *([Slab(boss.section, face_width_mm, face_width_mm + boss.height_mm)] if boss else [])))
     return Corrected(holes, boss, mesh, mesh_body(mesh, density_kg_m3))

@@ -20,7 +20,7 @@ from ncgear.cli.arguments import EXPORT, DesignFile, Timing, opened
 from ncgear.cli.progress import counted, stages_shown
 from ncgear.dynamics.level import Level
 from ncgear.errors import WrongInput
-from ncgear.files.workshop.kinds import USUAL, Format
+from ncgear.files.workshop.formats import USUAL, Format
 
 
 def check(
@@ -70,11 +70,11 @@ def build(
 
         from ncgear.figures.terminal import build_text, timing_text
         from ncgear.files.build import build as build_files
-        from ncgear.files.build import stage_count
+        from ncgear.files.build import step_count
         from ncgear.project.drive import Drive
 
         drive = Drive(loaded.design)
-        with stages_shown(stage_count(drive, report=report)) as on_stage:
+        with stages_shown(step_count(drive, report=report)) as on_stage:
             built = build_files(drive, folder, on_stage, kinds or USUAL, loaded if report else None)
         typer.echo(build_text(built.summaries, built.paths))
         if timing:
@@ -98,12 +98,12 @@ def report(
         from ncgear.drawings.page import REPORT_FILE
         from ncgear.drawings.page.page import report_page
         from ncgear.figures.terminal import timing_text
-        from ncgear.files.build import WRITTEN_STAGES, contacts_as_written
+        from ncgear.files.build import WRITTEN_STEPS, contacts_as_written
         from ncgear.project.drive import Drive
 
         drive = Drive(loaded.design)
         has_gears = loaded.design.gears is not None
-        with stages_shown(1 + has_gears * drive.design.stages * len(WRITTEN_STAGES)) as on_stage:
+        with stages_shown(1 + has_gears * drive.design.stages * len(WRITTEN_STEPS)) as on_stage:
             contacts = contacts_as_written(drive, on_stage) if has_gears else []
             on_stage("report")
             page = report_page(drive, loaded, contacts)

@@ -15,7 +15,7 @@ from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.curve import CurvePoints, PitchCurve
 from ncgear.project.bodies import rim_mm_of
 from ncgear.project.drive import Drive
-from ncgear.solids.mesh.ring import outer_radius_mm
+from ncgear.solids.plan.plan import outer_radius_mm
 
 CURVE_POINTS = 1500
 """Points of a drawn pitch curve: 0.2 mm apart on a screen-wide gear of 300 mm."""

@@ -17,11 +17,10 @@ from trimesh.exchange.stl import export_stl
 from ncgear.contact.written.as_written import Outlines
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import signed_area
-from ncgear.solids.mesh.layers import require_sound
 from ncgear.solids.mesh.pair import SolidPair
-from ncgear.solids.mesh.sheets import rings
+from ncgear.solids.mesh.slabs import require_sound
+from ncgear.solids.plan.areas import parallel, rings
 from ncgear.solids.plan.body import BodyPlan
-from ncgear.solids.plan.parallel import moved_outwards
 
 VOLUME_TOLERANCE = 1e-5
 """Relative volume that single precision may cost; a millionth is usual, a lost facet costs more than this."""
@@ -85,7 +84,7 @@ def _outline_of_body(data: bytes, plan: BodyPlan, helical: bool) -> Array:
     outline = outline_of_stl(data, height, hole=plan.is_ring)
     if plan.clearance_mm == 0.0:
         return outline
-    back = moved_outwards(Polygon(outline), -plan.clearance_mm if plan.is_ring else plan.clearance_mm)
+    back = parallel(Polygon(outline), -plan.clearance_mm if plan.is_ring else plan.clearance_mm)
     return np.asarray(max(rings(back), key=signed_area)[:-1])
 
 

@@ -7,8 +7,7 @@ from math import radians
 from ncgear.design.keys.bodies import GearBody
 from ncgear.design.keys.bodies import Hub as AskedHub
 from ncgear.design.keys.gears import Gears
-from ncgear.solids.mesh.ring import RingBlank
-from ncgear.solids.plan.body import Blank, Bore, HoleSet, Hub, Keyway, SetScrew, WebSize
+from ncgear.solids.plan.body import Blank, Bore, HoleSet, Hub, Keyway, RingBlank, SetScrew, WebSize
 
 RIM_IN_MODULES = 3.5
 """Rim of a ring where the file says nothing: from this thickness on ISO 6336-3 counts no weakening of internal teeth

@@ -310,8 +310,7 @@ def _driving_solid(drive: SolidStages) -> GearSolid:
 
 def _driven_solid(drive: SolidStages) -> GearSolid:
     from ncgear.project.bodies import blank_of, ring_blank_of
-    from ncgear.solids.mesh.pair import driven_solid
-    from ncgear.solids.mesh.ring import ring_solid
+    from ncgear.solids.mesh.pair import driven_solid, ring_solid
 
     gears, outline, module = drive.gears, drive.teeth.driven.outline_mm, drive.pitch.size.module_mm
     tolerance = drive.design.output.chord_tolerance_mm
@@ -333,7 +332,7 @@ class ForceStages(SolidStages):
             raise WrongInput("missing; forces need slider_kg, rod and crank", key="masses")
         if gears is None or given.tells_gears:
             return masses_of(given)
-        from ncgear.solids.inertia import body_kg_mm2
+        from ncgear.solids.plan.body import body_kg_mm2
 
         plans, density = (self.solids.driving.plan, self.solids.driven.plan), given.density_kg_m3
         driving, driven = (body_kg_mm2(plan, density) for plan in plans)

@@ -1,8 +1,7 @@
 """A gear as a flat drawing in mm: closed contours and marks on named layers. DXF and SVG files are written from it.
 
-What is written beside a drawing, so that it needs no other paper.
-
-The drawings of a pair of gears, from the plans of their bodies.
+A drawing is made from the plan of the gear's body, which it shows from above, in the gear's own frame and the pose of
+phi1 = 0.  Its notes say what lines cannot show, so that it needs no other paper.
 """
 
 from __future__ import annotations
@@ -22,6 +21,9 @@ from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.solids.plan.body import BodyPlan, Bore, RoundHole
+
+CROSS_IN_MODULES = 2.0
+"""Length of an axis' mark: it stays within the smallest bore that a shaft goes through."""
 
 
 class Use(Enum):
@@ -50,15 +52,12 @@ class Layer(Enum):
 
     @property
     def words(self) -> str:
-        """Both, for whoever looks at the file."""
+        """What it shows and what it is for, for whoever looks at the file."""
         return f"{self.content}; {self.use.value}"
 
 
-CUT_THROUGH = tuple(layer for layer in Layer if layer.use is Use.THROUGH)
-
-
 @dataclass(frozen=True, eq=False)
-class Contour:
+class Polyline:
     """A closed chain of lines and arcs through points (n, 2), first point not repeated.
 
     ``bulges`` (n,) tells how the contour goes on from each point: 0 a line, else an arc, by the tangent of a quarter of
@@ -68,7 +67,7 @@ class Contour:
     points: Array
     bulges: Array
 
-    def moved(self, x_mm: float) -> Contour:
+    def moved(self, x_mm: float) -> Polyline:
         """The contour, farther along x."""
         return replace(self, points=self.points + np.array([x_mm, 0.0]))
 
@@ -76,6 +75,11 @@ class Contour:
     def corners(self) -> Array:
         """Points whose box holds the contour, arcs left out: they lie within other contours."""
         return self.points
+
+
+def polygon(points: Array) -> Polyline:
+    """A contour of lines alone, through points (n, 2)."""
+    return Polyline(points, np.zeros(len(points)))
 
 
 @dataclass(frozen=True)
@@ -122,7 +126,8 @@ class Cross:
         return self.lines.reshape(-1, 2)
 
 
-Shape = Contour | Circle | Cross
+Shape = Polyline | Circle | Cross
+
 Layers = Mapping[Layer, tuple[Shape, ...]]
 
 
@@ -140,72 +145,11 @@ class Drawing:
         return replace(self, layers=layers)
 
 
-def polygon(points: Array) -> Contour:
-    """A contour of lines alone, through points (n, 2)."""
-    return Contour(points, np.zeros(len(points)))
-
-
 def box_around(drawings: Iterable[Drawing]) -> tuple[Array, Array]:
     """Lower left and upper right corner of the box around all shapes."""
     shapes = (shape for drawing in drawings for layer in drawing.layers.values() for shape in layer)
     corners = np.vstack([shape.corners for shape in shapes])
     return corners.min(axis=0), corners.max(axis=0)
-
-
-def gear_notes(drive: Drive, gear: Gear, plan: BodyPlan) -> tuple[str, ...]:
-    """What the gear is, its scale and frame, and what lines cannot show."""
-    return (
-        f"{_title(drive)}: {gear.value} gear",
-        _scale(drive),
-        "axis at the origin, upper face towards you, pose of phi1 = 0",
-        f"module {drive.pitch.size.module_mm:.10g} mm, face width {plan.face_width_mm:g} mm",
-        *_depths(plan),
-        *_changes(drive, plan),
-    )
-
-
-def pair_notes(drive: Drive) -> tuple[str, ...]:
-    """The same of both gears as they go together."""
-    return (
-        f"{_title(drive)}: both gears assembled at phi1 = 0",
-        _scale(drive),
-        f"driving axis at the origin, driven axis at x = {drive.pitch.center_distance_mm:.6f} mm",
-    )
-
-
-def _title(drive: Drive) -> str:
-    return drive.design.name if drive.stage is None else f"{drive.design.name}, stage {drive.stage}"
-
-
-def _scale(drive: Drive) -> str:
-    tolerance = drive.design.output.chord_tolerance_mm
-    return f"1:1 in mm; chords no farther than {tolerance:g} mm from the exact curve, round holes exact"
-
-
-def _depths(plan: BodyPlan) -> list[str]:
-    """How far up and down the lines go that are not cut through."""
-    found = []
-    if plan.web:
-        found.append(f"POCKETS from the upper face down to {plan.web.thickness_mm:g} mm over the lower one")
-    if plan.hub:
-        found.append(f"HUB {plan.hub.height_mm:g} mm over the upper face")
-    return found
-
-
-def _changes(drive: Drive, plan: BodyPlan) -> list[str]:
-    """How lines differ from the gear as designed, and the body from the lines."""
-    found = []
-    if drive.helix is not None:
-        found.append("helical teeth: section at z = 0, not to be cut upright")
-    if plan.clearance_mm > 0.0:
-        found.append(f"{plan.clearance_mm:g} mm taken off outline and bore for the process")
-    if plan.chamfer_mm > 0.0:
-        found.append(f"lower edges bevelled by {plan.chamfer_mm:g} mm")
-    return found
-
-
-CROSS_IN_MODULES = 2.0
-"""Length of an axis' mark: it stays within the smallest bore that a shaft goes through."""
 
 
 def gear_drawing(drive: Drive, gear: Gear) -> Drawing:
@@ -250,7 +194,7 @@ def _bore(bore: Bore) -> Shape:
     half = bore.keyway.width_mm / 2.0
     side, turned = sqrt(radius**2 - half**2), pi - asin(half / radius)
     points = np.array([[side, half], [-radius, 0.0], [side, -half], [bore.reach_mm, -half], [bore.reach_mm, half]])
-    return Contour(points, np.array([tan(turned / 4.0), tan(turned / 4.0), 0.0, 0.0, 0.0]))
+    return Polyline(points, np.array([tan(turned / 4.0), tan(turned / 4.0), 0.0, 0.0, 0.0]))
 
 
 def _circle(hole: RoundHole) -> Circle:
@@ -277,3 +221,43 @@ def pitch_points(curve: PitchCurve, tolerance_mm: float) -> Array:
     sharpest = max(abs(bound) for bound in curve.curvature_bounds)
     count = ceil(curve.length_mm * sqrt(sharpest / (8.0 * tolerance_mm)))
     return curve.at_length(np.linspace(0.0, curve.length_mm, count, endpoint=False)).position
+
+
+def gear_notes(drive: Drive, gear: Gear, plan: BodyPlan) -> tuple[str, ...]:
+    """What the gear is, its scale and frame, how far lines go up and down that are not cut through, and in what lines
+    differ from the gear as designed and the body from the lines."""
+    notes = [
+        f"{_title(drive)}: {gear.value} gear",
+        _scale(drive),
+        "axis at the origin, upper face towards you, pose of phi1 = 0",
+        f"module {drive.pitch.size.module_mm:.10g} mm, face width {plan.face_width_mm:g} mm",
+    ]
+    if plan.web:
+        notes.append(f"POCKETS from the upper face down to {plan.web.thickness_mm:g} mm over the lower one")
+    if plan.hub:
+        notes.append(f"HUB {plan.hub.height_mm:g} mm over the upper face")
+    if drive.helix is not None:
+        notes.append("helical teeth: section at z = 0, not to be cut upright")
+    if plan.clearance_mm > 0.0:
+        notes.append(f"{plan.clearance_mm:g} mm taken off outline and bore for the process")
+    if plan.chamfer_mm > 0.0:
+        notes.append(f"lower edges bevelled by {plan.chamfer_mm:g} mm")
+    return tuple(notes)
+
+
+def pair_notes(drive: Drive) -> tuple[str, ...]:
+    """What the drawing of both gears is, as they go together."""
+    return (
+        f"{_title(drive)}: both gears assembled at phi1 = 0",
+        _scale(drive),
+        f"driving axis at the origin, driven axis at x = {drive.pitch.center_distance_mm:.6f} mm",
+    )
+
+
+def _title(drive: Drive) -> str:
+    return drive.design.name if drive.stage is None else f"{drive.design.name}, stage {drive.stage}"
+
+
+def _scale(drive: Drive) -> str:
+    tolerance = drive.design.output.chord_tolerance_mm
+    return f"1:1 in mm; chords no farther than {tolerance:g} mm from the exact curve, round holes exact"

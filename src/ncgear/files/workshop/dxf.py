@@ -14,9 +14,9 @@ from ezdxf.layouts import Modelspace
 
 from ncgear.files.workshop.drawing import (
     Circle,
-    Contour,
     Cross,
     Drawing,
+    Polyline,
     Shape,
     Use,
     box_around,
@@ -34,7 +34,8 @@ COLORS = {Use.THROUGH: 7, Use.PART_WAY: 5, Use.REFERENCE: 1}
 """By the AutoCAD colour index: black or white, blue, red."""
 
 CENTER_LINE = [6.0, 4.0, -0.75, 0.5, -0.75]
-"""Length in mm of the pattern, and its lines and gaps: what no machine should cut, drawn as centre lines are."""
+"""Length in mm of the pattern, and its lines and gaps: what no machine should cut is drawn as centre lines are."""
+
 WHOLE_PATTERN = 128
 """Flag of polylines along which the pattern goes on from chord to chord."""
 
@@ -90,6 +91,7 @@ def _without_clock() -> Iterator[None]:
 
 
 def _draw(document: Document, drawing: Drawing, prefix: str) -> None:
+    """A drawing's layers, with what they are for among their properties, and the shapes on them."""
     for layer, shapes in drawing.layers.items():
         line = "CENTER" if layer.use is Use.REFERENCE else "Continuous"
         made = document.layers.add(f"{prefix}{layer.name}", color=COLORS[layer.use], linetype=line)
@@ -101,7 +103,7 @@ def _draw(document: Document, drawing: Drawing, prefix: str) -> None:
 def _add(space: Modelspace, shape: Shape, layer: str) -> None:
     attributes = {"layer": layer}
     match shape:
-        case Contour():
+        case Polyline():
             rows = [(*point, bulge) for point, bulge in zip(shape.points.tolist(), shape.bulges.tolist(), strict=True)]
             space.add_lwpolyline(rows, format="xyb", close=True, dxfattribs={**attributes, "flags": WHOLE_PATTERN})
         case Circle():

@@ -1,13 +1,29 @@
-"""How each kind of files for the workshop is made; what one needs is imported when it is asked for."""
+"""Kinds of files for the workshop and how each is made; what one needs is imported when it is asked for."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from dataclasses import dataclass
+from enum import StrEnum
 from importlib import import_module
+from typing import TYPE_CHECKING
 
-from ncgear.files.workshop.kinds import Format
-from ncgear.project.drive import Drive
+if TYPE_CHECKING:
+    from ncgear.project.drive import Drive
+
+
+class Format(StrEnum):
+    """Kinds of files that a build writes beside STL and CSV."""
+
+    DXF = "dxf"
+    SVG = "svg"
+    THREEMF = "3mf"
+    GLB = "glb"
+    STEP = "step"
+
+
+USUAL = (Format.DXF, Format.SVG, Format.THREEMF, Format.GLB)
+"""Written unless others are asked for: all that need no extra library."""
 
 
 @dataclass(frozen=True)
@@ -34,13 +50,8 @@ NAMES = tuple(name for writer in WRITERS.values() for name in writer.names)
 def workshop_files(drive: Drive, formats: Collection[Format]) -> dict[str, bytes]:
     """The files of one pair of gears by their names; raises as the drive's stages do."""
     files: dict[str, bytes] = {}
-    for kind in Format:
+    for kind, writer in WRITERS.items():
         if kind in formats:
-            files.update(_function(WRITERS[kind])(drive))
+            module = import_module(f"ncgear.files.workshop.{writer.module}")
+            files.update(getattr(module, writer.function)(drive))
     return files
-
-
-def _function(writer: Writer) -> Callable[[Drive], dict[str, bytes]]:
-    module = import_module(f"ncgear.files.workshop.{writer.module}")
-    made: Callable[[Drive], dict[str, bytes]] = getattr(module, writer.function)
-    return made

@@ -7,7 +7,7 @@ from xml.etree import ElementTree as Xml
 
 import numpy as np
 
-from ncgear.files.workshop.drawing import Circle, Contour, Cross, Drawing, Shape, Use, box_around, gear_drawing
+from ncgear.files.workshop.drawing import Circle, Cross, Drawing, Polyline, Shape, Use, box_around, gear_drawing
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 
@@ -18,10 +18,10 @@ DIGITS = 6
 
 MARGIN_MM = 2.0
 HAIRLINE_MM = 0.1
-"""Width of lines: what cutters that go by width take as a cut, and a screen still shows."""
+"""Width of lines: narrow enough that cutters which go by width take it as a cut, and a screen still shows it."""
 
 COLORS = {Use.THROUGH: "#000000", Use.PART_WAY: "#0000ff", Use.REFERENCE: "#cc0000"}
-"""By which cutters tell what to do along a line."""
+"""Cutters tell by them what to do along a line."""
 
 
 def svg_files(drive: Drive) -> dict[str, bytes]:
@@ -56,21 +56,18 @@ def _size(drawing: Drawing) -> dict[str, str]:
 
 
 def _path(shape: Shape) -> str:
+    """What a path element says to draw a shape."""
     match shape:
-        case Contour():
-            return _closed(shape)
+        case Polyline():
+            points = shape.points.tolist()
+            steps = zip(points, [*points[1:], points[0]], shape.bulges.tolist(), strict=True)
+            return f"M{_pair(points[0])}{''.join(_step(*step) for step in steps)}Z"
         case Circle():
             left, right = ((shape.x_mm + side * shape.radius_mm, shape.y_mm) for side in (-1.0, 1.0))
             half = f"A{_number(shape.radius_mm)},{_number(shape.radius_mm)} 0 0 1 "
             return f"M{_pair(left)}{half}{_pair(right)}{half}{_pair(left)}Z"
         case Cross():
             return "".join(f"M{_pair(start)}L{_pair(end)}" for start, end in shape.lines.tolist())
-
-
-def _closed(contour: Contour) -> str:
-    points = contour.points.tolist()
-    steps = zip(points, [*points[1:], points[0]], contour.bulges.tolist(), strict=True)
-    return f"M{_pair(points[0])}{''.join(_step(*step) for step in steps)}Z"
 
 
 def _step(start: list[float], end: list[float], bulge: float) -> str:

@@ -1,8 +1,7 @@
-"""What is cut off a gear's body: pockets, bore, set-screw hole, as the solids that tools sweep.
+"""Gears as solids whose every flank, fillet and land is one face.
 
-Helical and herringbone gears as solids between B-spline surfaces and two plane ends.
-
-Gears as solids whose every flank, fillet and land is one face.
+Straight teeth are a prism over the exact outline.  Helical and herringbone teeth are sewn from B-spline surfaces and
+two plane ends.  Pockets, bore and set-screw hole are cut off as the solids that their tools sweep.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from OCP.Geom import Geom_BSplineSurface
 from OCP.gp import gp_Dir, gp_Pln, gp_Pnt
 from OCP.TopAbs import TopAbs_SHELL
 from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Shape, TopoDS_Wire
-from shapely import LinearRing, Polygon
+from shapely import LinearRing
 
 from ncgear.numerics.arrays import Array
 from ncgear.solids.brep.shapes import bore_wire, circle_wire, cut, cylinder, fused, knots_of, parts_of, prism, wire_of
@@ -36,32 +35,66 @@ SHORT_OF_HUB = 4.0
 BEYOND_MM = 1.0
 """How far tools go on beyond what they cut, so that no two faces lie in each other."""
 
+SEWN_MM = 10.0 * SAME_MM
+"""Distance at which edges are sewn: both have the same poles, and the kernel's own points stray by 1e-7 mm."""
 
-def pocket_tools(plan: BodyPlan) -> list[TopoDS_Shape]:
+
+def gear_shape(contour: Contour, plan: BodyPlan) -> TopoDS_Shape:
+    """A gear from z = 0 up to its upper face or its hub's, as its plan says, but for chamfer and clearance.
+
+    Raises RuntimeError, a fault of ncgear, unless the kernel finds one valid solid.
+    """
+    outer, holes = wire_of(contour.curves), _round_holes(plan)
+    if plan.hub is not None or plan.web is not None:
+        return _sound(_cut_and_bored(prism(outer, holes, 0.0, plan.face_width_mm), plan))
+    bore = [] if plan.bore is None else [bore_wire(plan.bore)]
+    return _sound(prism(outer, [*holes, *bore], 0.0, plan.face_width_mm))
+
+
+def helical_gear_shape(patches: Patches, plan: BodyPlan, *, herringbone: bool) -> TopoDS_Shape:
+    """A gear with helical teeth, as ``gear_shape``."""
+    drills = [prism(hole, [], -BEYOND_MM, plan.face_width_mm + BEYOND_MM) for hole in _round_holes(plan)]
+    return _sound(_cut_and_bored(cut(_helical_shape(patches, herringbone=herringbone), drills), plan))
+
+
+def ring_shape(contour: Contour, plan: BodyPlan, radius_mm: float) -> TopoDS_Shape:
+    """A ring between its tooth outline and a cylinder about its axis; raises as ``gear_shape``."""
+    holes = [wire_of(contour.curves), *_round_holes(plan)]
+    return _sound(prism(circle_wire(0.0, 0.0, radius_mm), holes, 0.0, plan.face_width_mm))
+
+
+def _round_holes(plan: BodyPlan) -> list[TopoDS_Wire]:
+    return [circle_wire(hole.x_mm, hole.y_mm, hole.diameter_mm / 2.0) for hole in plan.round_holes]
+
+
+def _sound(shape: TopoDS_Shape) -> TopoDS_Shape:
+    if not BRepCheck_Analyzer(shape).IsValid():
+        raise RuntimeError("a gear's solid is not valid")
+    return shape
+
+
+def _cut_and_bored(shape: TopoDS_Shape, plan: BodyPlan) -> TopoDS_Shape:
+    """The toothed shape with pockets, hub, bore and set-screw hole.
+
+    Pockets come first, so that a hub stands on what they leave; the bore last, so that it is one face all the way up.
+    """
+    shape = cut(shape, _pocket_tools(plan))
+    if plan.hub is not None:
+        circle = circle_wire(0.0, 0.0, plan.hub.diameter_mm / 2.0)
+        shape = fused(shape, prism(circle, [], plan.face_width_mm, plan.height_mm))
+    bore = [] if plan.bore is None else [prism(bore_wire(plan.bore), [], -BEYOND_MM, plan.height_mm + BEYOND_MM)]
+    return cut(shape, [*bore, *_screw_drill(plan)])
+
+
+def _pocket_tools(plan: BodyPlan) -> list[TopoDS_Shape]:
     """The pockets of a web, with walls of lines and arcs; none where there is no web."""
-    return [] if plan.web is None else [_pocket(pocket, plan.web.thickness_mm, plan) for pocket in plan.web.pockets]
-
-
-def bore_tool(plan: BodyPlan) -> list[TopoDS_Shape]:
-    """The bore with its keyway, if there is one."""
-    if plan.bore is None:
+    if plan.web is None:
         return []
-    return [prism(bore_wire(plan.bore), [], -BEYOND_MM, plan.height_mm + BEYOND_MM)]
-
-
-def screw_drill(plan: BodyPlan) -> list[TopoDS_Shape]:
-    """The drill of a hub's set screw, from the axis to beyond the hub, if there is one."""
-    if plan.hub is None or plan.hub.set_screw is None:
-        return []
-    screw = plan.hub.set_screw
-    start = np.array([0.0, 0.0, screw.height_mm])
-    direction = np.array([cos(screw.direction_rad), sin(screw.direction_rad), 0.0])
-    return [cylinder(start, direction, screw.diameter_mm / 2.0, plan.hub.diameter_mm / 2.0 + BEYOND_MM)]
-
-
-def _pocket(pocket: Polygon, low: float, plan: BodyPlan) -> TopoDS_Shape:
-    outer, *inner = (_round(ring, plan) for ring in (pocket.exterior, *pocket.interiors))
-    return prism(outer, inner, low, plan.face_width_mm + BEYOND_MM)
+    tools = []
+    for pocket in plan.web.pockets:
+        outer, *inner = (_round(ring, plan) for ring in (pocket.exterior, *pocket.interiors))
+        tools.append(prism(outer, inner, plan.web.thickness_mm, plan.face_width_mm + BEYOND_MM))
+    return tools
 
 
 def _round(ring: LinearRing, plan: BodyPlan) -> TopoDS_Wire:
@@ -76,25 +109,28 @@ def _round(ring: LinearRing, plan: BodyPlan) -> TopoDS_Wire:
     return circle_wire(0.0, 0.0, hub if abs(middle - hub) <= SHORT_OF_HUB * plan.chord_tolerance_mm else middle)
 
 
-SEWN_MM = 10.0 * SAME_MM
-"""Distance at which edges are sewn: theirs are the same poles, and the kernel's own points stray by 1e-7 mm."""
+def _screw_drill(plan: BodyPlan) -> list[TopoDS_Shape]:
+    """The drill of a hub's set screw, from the axis to beyond the hub, if there is one."""
+    if plan.hub is None or plan.hub.set_screw is None:
+        return []
+    screw = plan.hub.set_screw
+    start = np.array([0.0, 0.0, screw.height_mm])
+    direction = np.array([cos(screw.direction_rad), sin(screw.direction_rad), 0.0])
+    return [cylinder(start, direction, screw.diameter_mm / 2.0, plan.hub.diameter_mm / 2.0 + BEYOND_MM)]
 
 
-def helical_shape(patches: Patches, *, herringbone: bool) -> TopoDS_Shape:
+def _helical_shape(patches: Patches, *, herringbone: bool) -> TopoDS_Shape:
     """The toothed solid without anything cut into it, from z = 0 up.
 
     Raises RuntimeError, a fault of ncgear, where the surfaces do not close.
     """
     halves = [patches.poles_mm]
     if herringbone:
-        halves.append(patches.poles_mm[:, :, ::-1] * [1.0, 1.0, -1.0] + [0.0, 0.0, 2.0 * _top(patches.poles_mm)])
+        top = float(patches.poles_mm[..., 2].max())
+        halves.append(patches.poles_mm[:, :, ::-1] * [1.0, 1.0, -1.0] + [0.0, 0.0, 2.0 * top])
     ends = _end(patches, halves[0][:, :, 0]), _end(patches, halves[-1][:, :, -1])
     sides = [_side(patches, poles) for half in halves for poles in half]
     return _sewn([*sides, *ends])
-
-
-def _top(poles: Array) -> float:
-    return float(poles[..., 2].max())
 
 
 def _side(patches: Patches, poles: Array) -> TopoDS_Face:
@@ -115,6 +151,7 @@ def _end(patches: Patches, poles: Array) -> TopoDS_Face:
 
 
 def _sewn(faces: list[TopoDS_Face]) -> TopoDS_Shape:
+    """The solid that the faces enclose; raises RuntimeError where they do not close."""
     sewing = BRepBuilderAPI_Sewing(SEWN_MM)
     for face in faces:
         sewing.Add(face)
@@ -125,46 +162,3 @@ def _sewn(faces: list[TopoDS_Face]) -> TopoDS_Shape:
     solid = BRepBuilderAPI_MakeSolid(TopoDS.Shell(shells[0])).Solid()
     BRepLib.OrientClosedSolid_s(solid)
     return solid
-
-
-def gear_shape(contour: Contour, plan: BodyPlan) -> TopoDS_Shape:
-    """A gear from z = 0 up to its upper face or its hub's, as its plan says, but for chamfer and clearance.
-
-    Raises RuntimeError, a fault of ncgear, unless the kernel finds one valid solid.
-    """
-    outer, holes = wire_of(contour.curves), _round_holes(plan)
-    if plan.hub is not None or plan.web is not None:
-        return _sound(_cut_and_bored(prism(outer, holes, 0.0, plan.face_width_mm), plan))
-    bore = [] if plan.bore is None else [bore_wire(plan.bore)]
-    return _sound(prism(outer, [*holes, *bore], 0.0, plan.face_width_mm))
-
-
-def helical_gear_shape(patches: Patches, plan: BodyPlan, *, herringbone: bool) -> TopoDS_Shape:
-    """A gear with helical teeth, as ``gear_shape``."""
-    drills = [prism(hole, [], -BEYOND_MM, plan.face_width_mm + BEYOND_MM) for hole in _round_holes(plan)]
-    return _sound(_cut_and_bored(cut(helical_shape(patches, herringbone=herringbone), drills), plan))
-
-
-def ring_shape(contour: Contour, plan: BodyPlan, radius_mm: float) -> TopoDS_Shape:
-    """A ring between its tooth outline and a cylinder about its axis; raises as ``gear_shape``."""
-    holes = [wire_of(contour.curves), *_round_holes(plan)]
-    return _sound(prism(circle_wire(0.0, 0.0, radius_mm), holes, 0.0, plan.face_width_mm))
-
-
-def _round_holes(plan: BodyPlan) -> list[TopoDS_Wire]:
-    return [circle_wire(hole.x_mm, hole.y_mm, hole.diameter_mm / 2.0) for hole in plan.round_holes]
-
-
-def _cut_and_bored(shape: TopoDS_Shape, plan: BodyPlan) -> TopoDS_Shape:
-    """Pockets first, so that a hub stands on what they leave; the bore last, so that it is one face all the way up."""
-    shape = cut(shape, pocket_tools(plan))
-    if plan.hub is not None:
-        circle = circle_wire(0.0, 0.0, plan.hub.diameter_mm / 2.0)
-        shape = fused(shape, prism(circle, [], plan.face_width_mm, plan.height_mm))
-    return cut(shape, [*bore_tool(plan), *screw_drill(plan)])
-
-
-def _sound(shape: TopoDS_Shape) -> TopoDS_Shape:
-    if not BRepCheck_Analyzer(shape).IsValid():
-        raise RuntimeError("a gear's solid is not valid")
-    return shape

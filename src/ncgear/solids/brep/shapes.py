@@ -1,10 +1,7 @@
-"""Closed wires in the plane z = 0: tooth outlines, bores, circles.
+"""What gears with exact faces are made of: closed wires, prisms and cylinders, and what is left when solids are cut.
 
-Prisms: a plane section between wires, extruded along z; and cylinders along any axis.
-
-Solids and faces that a shape consists of, and what they measure.
-
-What is left of a solid, or what two become, as one solid again.
+Wires lie in the plane z = 0, or level at a height; prisms and cylinders are solids of the kernel.  It is a fault if a
+cut or a union does not leave one solid.
 """
 
 from __future__ import annotations
@@ -32,7 +29,7 @@ from OCP.ShapeUpgrade import ShapeUpgrade_UnifySameDomain
 from OCP.TopAbs import TopAbs_FACE, TopAbs_ShapeEnum, TopAbs_SOLID
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
-from OCP.TopoDS import TopoDS_Face, TopoDS_Shape, TopoDS_Vertex, TopoDS_Wire
+from OCP.TopoDS import TopoDS_Shape, TopoDS_Wire
 
 from ncgear.numerics.arrays import Array
 from ncgear.solids.plan.body import Bore
@@ -49,34 +46,12 @@ def wire_of(curves: Sequence[Curve], height_mm: float = 0.0) -> TopoDS_Wire:
     vertices = [BRepBuilderAPI_MakeVertex(_point(curve.start, height_mm)).Vertex() for curve in curves]
     maker = BRepBuilderAPI_MakeWire()
     for curve, start, end in zip(curves, vertices, [*vertices[1:], vertices[0]], strict=True):
-        maker.Add(_edge(_geometry(curve, height_mm), start, end).Edge())
+        geometry = _geometry(curve, height_mm)
+        edge = BRepBuilderAPI_MakeEdge(geometry, start, end, geometry.FirstParameter(), geometry.LastParameter())
+        maker.Add(edge.Edge())
         if not maker.IsDone():
             raise RuntimeError(f"a curve that begins at {curve.start.tolist()} mm does not close an outline")
     return maker.Wire()
-
-
-def circle_wire(x_mm: float, y_mm: float, radius_mm: float) -> TopoDS_Wire:
-    """A whole circle as one edge."""
-    circle = gp_Circ(gp_Ax2(gp_Pnt(x_mm, y_mm, 0.0), UP), radius_mm)
-    return BRepBuilderAPI_MakeWire(BRepBuilderAPI_MakeEdge(circle).Edge()).Wire()
-
-
-def bore_wire(bore: Bore) -> TopoDS_Wire:
-    """The bore's circle, or its arc and the three sides of the keyway."""
-    return circle_wire(0.0, 0.0, bore.diameter_mm / 2.0) if bore.keyway is None else wire_of(_keyed(bore))
-
-
-def _keyed(bore: Bore) -> list[Curve]:
-    assert bore.keyway is not None
-    radius, half, reach = bore.diameter_mm / 2.0, bore.keyway.width_mm / 2.0, bore.reach_mm
-    begin = asin(half / radius)
-    upper, lower = radius * np.array([[cos(begin), sin(begin)], [cos(begin), -sin(begin)]])
-    floor = np.array([[reach, -half], [reach, half]])
-    return [Arc(upper, np.array([-radius, 0.0]), lower), Line(lower, floor[0]), Line(*floor), Line(floor[1], upper)]
-
-
-def _edge(curve: Geom_Curve, start: TopoDS_Vertex, end: TopoDS_Vertex) -> BRepBuilderAPI_MakeEdge:
-    return BRepBuilderAPI_MakeEdge(curve, start, end, curve.FirstParameter(), curve.LastParameter())
 
 
 def _geometry(curve: Curve, height: float) -> Geom_Curve:
@@ -86,14 +61,10 @@ def _geometry(curve: Curve, height: float) -> Geom_Curve:
         case Arc():
             return GC_MakeArcOfCircle(*(_point(at, height) for at in (curve.start, curve.middle, curve.end))).Value()
         case Spline():
-            return _bspline(curve, height)
-
-
-def _bspline(curve: Spline, height: float) -> Geom_BSplineCurve:
-    poles = Array1_gp_Pnt(1, len(curve.poles_mm))
-    for number, pole in enumerate(curve.poles_mm, 1):
-        poles.SetValue(number, _point(pole, height))
-    return Geom_BSplineCurve(poles, *knots_of(curve.knots), DEGREE)
+            poles = Array1_gp_Pnt(1, len(curve.poles_mm))
+            for number, pole in enumerate(curve.poles_mm, 1):
+                poles.SetValue(number, _point(pole, height))
+            return Geom_BSplineCurve(poles, *knots_of(curve.knots), DEGREE)
 
 
 def knots_of(knots: Array) -> tuple[Array1_double, Array1_int]:
@@ -110,58 +81,47 @@ def _point(at: Array, height: float) -> gp_Pnt:
     return gp_Pnt(float(at[0]), float(at[1]), height)
 
 
+def circle_wire(x_mm: float, y_mm: float, radius_mm: float) -> TopoDS_Wire:
+    """A whole circle as one edge."""
+    circle = gp_Circ(gp_Ax2(gp_Pnt(x_mm, y_mm, 0.0), UP), radius_mm)
+    return BRepBuilderAPI_MakeWire(BRepBuilderAPI_MakeEdge(circle).Edge()).Wire()
+
+
+def bore_wire(bore: Bore) -> TopoDS_Wire:
+    """The bore's circle, or its arc and the three sides of the keyway."""
+    radius = bore.diameter_mm / 2.0
+    if bore.keyway is None:
+        return circle_wire(0.0, 0.0, radius)
+    half, reach = bore.keyway.width_mm / 2.0, bore.reach_mm
+    begin = asin(half / radius)
+    upper, lower = radius * np.array([[cos(begin), sin(begin)], [cos(begin), -sin(begin)]])
+    floor = np.array([[reach, -half], [reach, half]])
+    arc = Arc(upper, np.array([-radius, 0.0]), lower)
+    return wire_of([arc, Line(lower, floor[0]), Line(*floor), Line(floor[1], upper)])
+
+
 def prism(outer: TopoDS_Wire, holes: Sequence[TopoDS_Wire], low_mm: float, high_mm: float) -> TopoDS_Shape:
-    """The solid between an outer wire and holes in z = 0, from a height to another."""
-    made = BRepPrimAPI_MakePrism(_section(outer, holes), gp_Vec(0.0, 0.0, high_mm - low_mm)).Shape()
-    return made if low_mm == 0.0 else made.Moved(_raised(low_mm))
+    """The solid between an outer wire and holes in z = 0, whatever their senses, from one height to another."""
+    maker = BRepBuilderAPI_MakeFace(gp_Pln(), outer, True)
+    for hole in holes:
+        maker.Add(hole)
+    fix = ShapeFix_Face(maker.Face())
+    fix.FixOrientation()
+    made = BRepPrimAPI_MakePrism(fix.Face(), gp_Vec(0.0, 0.0, high_mm - low_mm)).Shape()
+    return made if low_mm == 0.0 else made.Moved(moved_by(gp_Vec(0.0, 0.0, low_mm)))
+
+
+def moved_by(step: gp_Vec) -> TopLoc_Location:
+    """The place of a shape that is moved without turning."""
+    move = gp_Trsf()
+    move.SetTranslation(step)
+    return TopLoc_Location(move)
 
 
 def cylinder(start_mm: Array, direction: Array, radius_mm: float, length_mm: float) -> TopoDS_Shape:
     """The cylinder from a point of shape (3,) along a direction."""
     axis = gp_Ax2(gp_Pnt(*start_mm.tolist()), gp_Dir(*direction.tolist()))
     return BRepPrimAPI_MakeCylinder(axis, radius_mm, length_mm).Shape()
-
-
-def _raised(height: float) -> TopLoc_Location:
-    move = gp_Trsf()
-    move.SetTranslation(gp_Vec(0.0, 0.0, height))
-    return TopLoc_Location(move)
-
-
-def _section(outer: TopoDS_Wire, holes: Sequence[TopoDS_Wire]) -> TopoDS_Face:
-    """The face between wires, whatever their senses."""
-    maker = BRepBuilderAPI_MakeFace(gp_Pln(), outer, True)
-    for hole in holes:
-        maker.Add(hole)
-    fix = ShapeFix_Face(maker.Face())
-    fix.FixOrientation()
-    return fix.Face()
-
-
-def solids_of(shape: TopoDS_Shape) -> list[TopoDS_Shape]:
-    """Its solids in their order."""
-    return parts_of(shape, TopAbs_SOLID)
-
-
-def faces_of(shape: TopoDS_Shape) -> list[TopoDS_Shape]:
-    """Its faces in their order."""
-    return parts_of(shape, TopAbs_FACE)
-
-
-def volume_mm3(shape: TopoDS_Shape) -> float:
-    """The volume that a solid's faces enclose, to about five digits."""
-    properties = GProp_GProps()
-    BRepGProp.VolumeProperties_s(shape, properties)
-    return float(properties.Mass())
-
-
-def parts_of(shape: TopoDS_Shape, kind: TopAbs_ShapeEnum) -> list[TopoDS_Shape]:
-    """Its parts of a kind in their order."""
-    explorer, found = TopExp_Explorer(shape, kind), []
-    while explorer.More():
-        found.append(explorer.Current())
-        explorer.Next()
-    return found
 
 
 def fused(first: TopoDS_Shape, second: TopoDS_Shape) -> TopoDS_Shape:
@@ -184,3 +144,29 @@ def _one(done: BRepAlgoAPI_BooleanOperation) -> TopoDS_Shape:
     if len(solids) != 1:
         raise RuntimeError(f"a gear's body falls into {len(solids)} solids")
     return solids[0]
+
+
+def solids_of(shape: TopoDS_Shape) -> list[TopoDS_Shape]:
+    """Its solids in their order."""
+    return parts_of(shape, TopAbs_SOLID)
+
+
+def faces_of(shape: TopoDS_Shape) -> list[TopoDS_Shape]:
+    """Its faces in their order."""
+    return parts_of(shape, TopAbs_FACE)
+
+
+def parts_of(shape: TopoDS_Shape, kind: TopAbs_ShapeEnum) -> list[TopoDS_Shape]:
+    """Its parts of a kind in their order."""
+    explorer, found = TopExp_Explorer(shape, kind), []
+    while explorer.More():
+        found.append(explorer.Current())
+        explorer.Next()
+    return found
+
+
+def volume_mm3(shape: TopoDS_Shape) -> float:
+    """The volume that a solid's faces enclose, to about five digits."""
+    properties = GProp_GProps()
+    BRepGProp.VolumeProperties_s(shape, properties)
+    return float(properties.Mass())

@@ -1,13 +1,12 @@
 """The form of helical teeth whose tips change evenly from section to section.
 
-Sections are fitted at advances over the helix, one pitch at most since they repeat from there, all in one way of
-sharing out foulings.  Where tips still jump between them, ceilings over the tips lead up to the jumps
-(teeth/ceilings.py).  All flanks stay exact: lower tips cost contact only.
+Sections are fitted at advances over the helix, up to one pitch, after which they repeat; all of them share out foulings
+in one way.  Where tips still jump between sections, ceilings over the tips lead up to the jumps (teeth/ceilings.py).
+All flanks stay exact: lower tips cost contact only.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from math import ceil
 
@@ -26,7 +25,7 @@ from ncgear.teeth.gear import pair_tips
 from ncgear.teeth.tips import Limit, Tips
 
 FEWEST, PER_PITCH = 4, 48
-"""Steps between fitted sections, at least and in a pitch of advance."""
+"""Steps between fitted sections: at least, and in a pitch of advance."""
 
 Fits = list[tuple[Tips, Tips]]
 """Both gears' tips in sections one step apart."""
@@ -58,7 +57,8 @@ def _best_fits(pitch: PitchPair, form: ToothForm, helix: Helix, heights: Array) 
     """The way that leaves most contact in the worst section, and the sections fitted so; the first if none fouls."""
     found: list[tuple[Way, Fits]] = []
     refusals: list[NoSuchMechanism] = []
-    for way in _ways(pitch):
+    # Tips foul near concave stretches only: where there are none the ways do not differ.
+    for way in WAYS[:1] if all(pitch.convex(gear) for gear in Gear) else WAYS:
         try:
             found.append((way, _fits(pitch, form, helix, heights, way)))
             if not any(np.any(tips.limit == Limit.FOULING) for fit in found[-1][1] for tips in fit):
@@ -70,12 +70,8 @@ def _best_fits(pitch: PitchPair, form: ToothForm, helix: Helix, heights: Array) 
     return max(found, key=lambda one: min(map(least_overlap, one[1])))
 
 
-def _ways(pitch: PitchPair) -> Sequence[Way]:
-    """Ways that may differ: tips foul near concave stretches only."""
-    return WAYS[:1] if all(pitch.convex(gear) for gear in Gear) else WAYS
-
-
 def _fits(pitch: PitchPair, form: ToothForm, helix: Helix, heights: Array, way: Way) -> Fits:
+    """Tips in all sections, fitted in one way; raises NoSuchMechanism, naming the height, where no tooth can stand."""
     fits, one_way = [], replace(form, limits=replace(form.limits, way=way))
     for height in heights:
         with said_of_section(float(height)):

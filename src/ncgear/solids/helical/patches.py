@@ -1,8 +1,8 @@
 """Helical tooth sides as B-spline surfaces: every flank, fillet and land of a gear one patch from end to end.
 
 The curves of corresponding pieces of several sections, each in its own parameter, make a grid of points; cubic splines
-through it, first along the curves and then up the gear, are a surface.  Both parameters are analytic where the law is,
-so that a few sections do.
+through it, first along the curves and then up the gear, are a surface.  It is analytic in both parameters where the law
+is, so that a few sections are enough.
 """
 
 from __future__ import annotations
@@ -60,6 +60,7 @@ def _rough(gear: Gear, why: str) -> WrongInput:
 
 
 def _interpolated(sections: Sections, gear: Gear, up: int, along: int) -> Patches:
+    """Surfaces with so many spans, held against exact sections half way between those that they go through."""
     heights, share = np.linspace(0.0, sections.helix.rise_mm, up + 1), np.linspace(0.0, 1.0, along + 1)
     curves = [_curves(sections, gear, float(height)) for height in heights]
     _require_alike(curves, gear)
@@ -67,13 +68,10 @@ def _interpolated(sections: Sections, gear: Gear, up: int, along: int) -> Patche
     poles = make_interp_spline(heights, lengthwise.c.swapaxes(0, 1), k=DEGREE)
     probes = (np.arange(along)[:, None] + PROBES).ravel() / along
     found = make_interp_spline(heights, lengthwise(probes).swapaxes(0, 1), k=DEGREE)
-    apart = _apart(found, [(z, _curves(sections, gear, z)) for z in _middles(heights)], probes)
-    # From (up, along, patches, 3).
+    middles = [float(height) for height in (heights[1:] + heights[:-1]) / 2.0]
+    apart = _apart(found, [(height, _curves(sections, gear, height)) for height in middles], probes)
+    # Poles come in the order (up, along, patches, 3).
     return Patches(lengthwise.t, poles.t, _sharing_edges(poles.c.transpose(2, 1, 0, 3)), apart)
-
-
-def _middles(heights: Array) -> list[float]:
-    return [float(height) for height in (heights[1:] + heights[:-1]) / 2.0]
 
 
 def _lengthwise(curves: list[list[Stretch]], heights: Array, share: Array) -> BSpline:
@@ -93,6 +91,7 @@ def _apart(found: BSpline, exact: list[tuple[float, list[Stretch]]], probes: Arr
 
 
 def _curves(sections: Sections, gear: Gear, height: float) -> list[Stretch]:
+    """The curves of a gear's exact outline at a height."""
     own = sections.at(height).of(gear)
     return whole_curves(own.tips, own.sides)
 
@@ -125,6 +124,7 @@ def _slopes(curves: list[Stretch]) -> Array:
 
 
 def _rows(stretch: Stretch, share: Array) -> tuple[Array, Array]:
+    """Points and slopes of a stretch's curves at shares (n,) of their parameters, shape (curves, n, 2) each."""
     return stretch.at(np.arange(stretch.owner.size)[:, None], share)
 
 

@@ -1,15 +1,11 @@
-"""Exact sections of helical teeth at any height, and how many of them a solid needs.
+"""Exact sections of helical teeth at any height, and their outlines cut at corresponding places.
 
 Between two sections whose teeth stand d apart along a pitch curve of curvature k, straight lines cut across the surface
-by d^2 / (8 rho), where 1 / rho = |k| (1 + h k) on a land h outside the pitch curve.
-
-Outlines of one gear's sections cut at corresponding places, so that a point of one has its like in all others.
+by d^2 / (8 rho), where 1 / rho = |k| (1 + h k) on a land h outside the pitch curve: so many sections a solid needs.
 
 Each tooth is cut where its lands end and where flank and fillet join, tangentially or in the corner that an undercut
 leaves.  Between two such places every section has one piece of outline, and a place in it is named by its share of the
-piece's length.
-
-How long flanks touch in the sections of helical teeth: their shapes, and so their contact, differ with height.
+piece's length, so that each point of one section has a counterpart in all others.
 """
 
 from __future__ import annotations
@@ -35,15 +31,15 @@ from ncgear.teeth.flank import FILLET
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 
+PER_TOOTH = 6
+"""Places on each tooth."""
 
-@contextmanager
-def said_of_section(height_mm: float) -> Iterator[None]:
-    """Refusals from within, said of the section at a height."""
-    try:
-        yield
-    except NoSuchMechanism as fault:
-        problem = f"in the section of the helical teeth at z = {height_mm:.4g} mm: {fault.problem}"
-        raise NoSuchMechanism(problem, key=fault.key) from fault
+AGREEMENT = 1e-7
+"""Distance, in modules, at which a place computed from the exact curves counts as a vertex of the outline: rounding
+of gears of up to a thousand modules, far below any chord."""
+
+LOOKED_AT = 9
+"""Sections in which contact is looked at, both ends included: it changes as slowly as the curvature."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,17 +71,15 @@ class Sections:
     def at(self, height_mm: float) -> Section:
         """The section at a height; raises NoSuchMechanism, naming the height, where no tooth can stand."""
         if height_mm not in self._made:
-            self._made[height_mm] = Section(self._teeth(height_mm))
+            with said_of_section(height_mm):
+                advance = self.helix.advance_mm(height_mm)
+                teeth = toothed_pair(self.pitch, self.form, self.tolerance_mm, advance_mm=advance)
+            self._made[height_mm] = Section(teeth)
         return self._made[height_mm]
 
     def pieces(self, gear: Gear, heights_mm: Array) -> list[Pieces]:
         """A gear's outlines at heights, shape (l,), cut at corresponding places."""
         return [self.at(height).pieces[gear] for height in heights_mm]
-
-    def _teeth(self, height_mm: float) -> ToothedPair:
-        with said_of_section(height_mm):
-            advance = self.helix.advance_mm(height_mm)
-            return toothed_pair(self.pitch, self.form, self.tolerance_mm, advance_mm=advance)
 
     def steps_within(self, sagitta_mm: float) -> int:
         """Even steps from z = 0 to where the teeth stop advancing, so that no land is cut across by more."""
@@ -100,12 +94,23 @@ class Sections:
         return max(abs(k) * abs(1.0 + height * k) for k in (hollow, sharp) for height in lands)
 
 
-AGREEMENT = 1e-7
-"""Distance, in modules, at which a place computed from the exact curves counts as a vertex of the outline: rounding
-of gears of up to a thousand modules, far below any chord."""
+@contextmanager
+def said_of_section(height_mm: float) -> Iterator[None]:
+    """Refusals from within name the section by its height."""
+    try:
+        yield
+    except NoSuchMechanism as fault:
+        problem = f"in the section of the helical teeth at z = {height_mm:.4g} mm: {fault.problem}"
+        raise NoSuchMechanism(problem, key=fault.key) from fault
 
-PER_TOOTH = 6
-"""Places on each tooth."""
+
+def least_section_contact(sections: Sections) -> float:
+    """Least arc of contact, in pitches, of any pair of flanks in sections over the height.
+
+    Shapes differ with height, and with them how long flanks touch.
+    """
+    placement, heights = placed(sections.pitch), np.linspace(0.0, sections.helix.rise_mm, LOOKED_AT)
+    return min(least_arc(sections.at(float(height)).teeth, placement) for height in heights)
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,13 +172,3 @@ def _places(gear: ToothedGear) -> Array:
     point = flanks.curve_of(sides.kind[run.ravel()], np.repeat(every, 3), parameter.ravel())[0].reshape(-1, 3, 2)
     point[0::2] = point[0::2, ::-1]
     return point.reshape(-1, 2)
-
-
-LOOKED_AT = 9
-"""Sections looked at, both ends included: contact changes as slowly as the curvature."""
-
-
-def least_section_contact(sections: Sections) -> float:
-    """Least arc of contact, in pitches, of any pair of flanks in sections over the height."""
-    placement, heights = placed(sections.pitch), np.linspace(0.0, sections.helix.rise_mm, LOOKED_AT)
-    return min(least_arc(sections.at(float(height)).teeth, placement) for height in heights)

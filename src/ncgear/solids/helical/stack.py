@@ -1,11 +1,9 @@
-"""Columns of a stack of sections: places, the same in every section, between which chords stay close to outlines.
+"""Stacks of sections so close that the mesh through them keeps to the chord tolerance everywhere between.
 
-A stack of one gear's sections, with corresponding points on all of them, and how the mesh between them strays.
-
-Stacks of sections so close that a mesh through them keeps to the chord tolerance everywhere between.
-
-A first guess follows from the curvature of the pitch curves and of the outlines.  Then the mesh is held against exact
-sections half way up the steps that may be the worst, and halved where it strays, in height and around the outline.
+A stack is one gear's sections at rising heights, with points on each at the same places round the outline, the columns;
+the mesh goes in straight lines from point to point.  A first guess of heights and columns follows from the curvature of
+the pitch curves and of the outlines.  Then the mesh is held against exact sections half way up the steps that may be
+the worst, and steps and columns are halved where it strays.
 """
 
 from __future__ import annotations
@@ -20,14 +18,35 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.shape import Gear
-from ncgear.solids.helical.loft import middle_section
 from ncgear.solids.helical.sections import PER_TOOTH, Pieces, Sections
+
+OUTLINE = 0.1
+"""Share of the chord tolerance left to the outlines that sections are sampled from."""
+
+SAGITTA, TWIST, RISE = 0.5, 0.5, 0.6
+"""Shares of it that the chords of a section stray, the folds of quadrilaterals, and straight lines from one section to
+the next.  They are not at their largest at one place: what they do together is measured."""
+
+CHECKED = 3
+"""Steps that are checked at least: those that seem to stray most.  All that seem to stray by more than their share are
+checked as well."""
+
+SECTION_HALVINGS = 6
+"""Rounds of halving steps.  Where a trimmed corner moves across columns, comes or goes, what strays only halves with
+them."""
+
+LOCAL = 0.1
+"""Share of the columns up to which what strays is taken to be at corners, where more columns help."""
+
+MOST_STEPS = 300
+"""Steps from section to section at first: millions of triangles, files of a hundred megabytes, a minute's work."""
 
 SPREADS = 5
 """Rounds of placing columns by what the last ones left; the more even the curves, the fewer are needed."""
 
-HALVINGS = 16
-"""Rounds of halving what strays even then, at corners within a piece: down to far below any chord of an outline."""
+COLUMN_HALVINGS = 16
+"""Rounds of halving between columns where outlines stray even then, at corners within a piece: down to far below any
+chord of an outline."""
 
 SPARE, LEAST = 1.05, 1e-3
 """Columns are placed a twentieth closer than they seem to be needed, and on a straight piece at all."""
@@ -42,6 +61,163 @@ class Limits:
 
     sagitta_mm: float
     twist_mm: float
+
+
+def close_stacks(sections: Sections, tolerance_mm: float) -> dict[Gear, Stack]:
+    """Each gear's stack up to where the teeth stop advancing.
+
+    Raises NoSuchMechanism, naming the height, where a section cannot be made or no halving keeps to the tolerance;
+    WrongInput when that would take too many sections.
+    """
+    limits = Limits(SAGITTA * tolerance_mm, TWIST * tolerance_mm)
+    heights = _first_heights(sections, tolerance_mm)
+    columns = {gear: spread_columns(sections.pieces(gear, heights), limits) for gear in Gear}
+    for _ in range(SECTION_HALVINGS + 1):
+        stacks = {gear: stacked(heights, sections.pieces(gear, heights), columns[gear], limits) for gear in Gear}
+        check = _checked(sections, stacks, tolerance_mm)
+        if not check.failed.any():
+            return stacks
+        heights = np.sort(np.append(heights, check.heights_mm[check.failed]))
+        columns = {gear: stacks[gear].columns.halved(check.wide(gear)) for gear in Gear}
+    raise _too_abrupt(check, stacks, sections, tolerance_mm)
+
+
+def _first_heights(sections: Sections, tolerance: float) -> Array:
+    steps = sections.steps_within(RISE * tolerance)
+    if steps > MOST_STEPS:
+        coarser = tolerance * (steps / MOST_STEPS) ** 2
+        raise WrongInput(
+            f"teeth that advance by {sections.helix.largest_advance_mm:.4g} mm take {steps} steps from section to "
+            f"section for a solid within {tolerance:g} mm, more than {MOST_STEPS}; a smaller angle, a narrower face or "
+            f"an output.chord_tolerance_mm of {coarser:.2g} helps",
+            key="gears.helix.angle_deg",
+        )
+    return np.linspace(0.0, sections.helix.rise_mm, steps + 1)
+
+
+@dataclass(frozen=True, eq=False)
+class _Check:
+    """Heights of exact sections (shape (s,)) and, by gear, how far the mesh strays from each after each column (s, c).
+
+    ``allowed_mm`` is how far it may.
+    """
+
+    heights_mm: Array
+    strays_mm: dict[Gear, Array]
+    allowed_mm: float
+
+    @property
+    def failed(self) -> Mask:
+        """Heights at which either gear's mesh strays too much, shape (s,)."""
+        worst = np.max([np.max(strays, axis=1) for strays in self.strays_mm.values()], axis=0)
+        return np.asarray(worst > self.allowed_mm)
+
+    def wide(self, gear: Gear) -> Mask:
+        """Columns of a gear after which its mesh strays too much at some height, shape (c,), if they are few."""
+        wide = np.any(self.strays_mm[gear] > self.allowed_mm, axis=0)
+        return np.asarray(wide & (np.mean(wide) < LOCAL))
+
+
+def _checked(sections: Sections, stacks: dict[Gear, Stack], tolerance: float) -> _Check:
+    """The steps that may be the worst, held against exact sections half way up."""
+    heights = stacks[Gear.DRIVING].heights_mm
+    seeming = np.max([stack.seems_to_stray_mm() for stack in stacks.values()], axis=0)
+    steps = np.argsort(seeming)[::-1][: max(CHECKED, int(np.sum(seeming > RISE * tolerance)))]
+    middles = (heights[steps] + heights[steps + 1]) / 2.0
+    strays = {gear: stacks[gear].strays_mm(steps, sections.pieces(gear, middles)) for gear in Gear}
+    return _Check(middles, strays, (1.0 - OUTLINE) * tolerance)
+
+
+def _too_abrupt(check: _Check, stacks: dict[Gear, Stack], sections: Sections, tolerance: float) -> NoSuchMechanism:
+    """Teeth jump where the mate's undercut, and with it the height of the tips that avoid it, ends from one section to
+    the next: halving does not help there, but letting the flanks be cut away does."""
+    gear = max(Gear, key=lambda own: float(np.max(check.strays_mm[own])))
+    step, column = np.unravel_index(int(np.argmax(check.strays_mm[gear])), check.strays_mm[gear].shape)
+    tooth = int(stacks[gear].columns.piece[column]) // PER_TOOTH + 1
+    remedy = "gears.undercut: allow, " if sections.form.limits.avoid_undercut else ""
+    return NoSuchMechanism(
+        f"the teeth change too abruptly at z = {check.heights_mm[step]:.4g} mm for a solid within {tolerance:g} mm: at "
+        f"tooth {tooth} of the {gear.value} gear it strays by {check.strays_mm[gear][step, column]:.3g} mm; {remedy}"
+        "more teeth of a smaller module or a coarser output.chord_tolerance_mm may help",
+        key="gears.helix",
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Stack:
+    """Sections at rising heights (shape (l,)), and their points at the columns, shape (l, c, 2), in mm."""
+
+    heights_mm: Array
+    columns: Columns
+    rings_mm: Array
+
+    def counter_clockwise(self) -> Array:
+        """The rings in that sense."""
+        return self.rings_mm if signed_area(self.rings_mm[0]) > 0.0 else self.rings_mm[:, ::-1]
+
+    def seems_to_stray_mm(self) -> Array:
+        """About how far straight lines stray within each step from one section to the next, shape (l - 1,).
+
+        A section is off the straight line between its neighbours, p below and q above, by X'' p q / 2, across the
+        outline; straight lines within a step h are off by X'' h^2 / 8.  The worse end of each step counts.
+        """
+        step = np.diff(self.heights_mm)
+        below, above = step[:-1], step[1:]
+        rise = (below / (below + above))[:, None, None]
+        off = self.rings_mm[:-2] * (1.0 - rise) + self.rings_mm[2:] * rise - self.rings_mm[1:-1]
+        along = (np.roll(self.rings_mm, -1, axis=1) - np.roll(self.rings_mm, 1, axis=1))[1:-1]
+        area = np.abs(off[..., 0] * along[..., 1] - off[..., 1] * along[..., 0])
+        across = np.max(area / np.maximum(np.linalg.norm(along, axis=2), TINY), axis=1, initial=0.0)
+        bend = np.pad(across / (4.0 * below * above), 1)
+        return np.asarray(np.maximum(bend[:-1], bend[1:]) * step**2)
+
+    def strays_mm(self, steps: IndexArray, sections: Sequence[Pieces]) -> Array:
+        """Distances between the mesh half way up s steps and exact sections there, the largest after each column.
+
+        Both from the outlines to the mesh and the other way round; shape (s, c).
+        """
+        rings = middle_section(self.rings_mm[steps], self.rings_mm[steps + 1])
+        found = [_apart(ring, section.points_mm[:-1]) for ring, section in zip(rings, sections, strict=True)]
+        # Two chords of a middle section lie between neighbouring columns.
+        return np.asarray(np.stack(found).reshape(len(found), -1, 2).max(axis=2))
+
+
+def stacked(heights_mm: Array, sections: Sequence[Pieces], columns: Columns, limits: Limits) -> Stack:
+    """The stack of sections at heights (l,), with columns added until they keep the limits."""
+    close = close_columns(columns, sections, limits)
+    return Stack(heights_mm, close, close.rings(sections))
+
+
+def _apart(ring: Array, outline: Array) -> Array:
+    """Largest distance between a ring (m, 2) and an outline (n, 2) at each chord of the ring, shape (m,)."""
+    chord, away = _nearest(outline, ring)
+    largest = _nearest(ring, outline)[1]
+    np.maximum.at(largest, chord, away)
+    return largest
+
+
+def _nearest(points: Array, ring: Array) -> tuple[IndexArray, Array]:
+    """Number of the chord of a closed ring (m, 2) that is nearest to each point (n, 2), and how far it is."""
+    chords = shapely.STRtree(shapely.linestrings(np.stack([ring, np.roll(ring, -1, axis=0)], axis=1)))
+    (_, chord), away = chords.query_nearest(shapely.points(points), all_matches=False, return_distance=True)
+    return chord, away
+
+
+def middle_section(lower_mm: Array, upper_mm: Array) -> Array:
+    """Rings half way between rings (..., c, 2), shape (..., 2 c, 2): where a plane there meets the mesh's edges."""
+    lower_next, upper_next = np.roll(lower_mm, -1, axis=-2), np.roll(upper_mm, -1, axis=-2)
+    falling = falls(lower_mm, upper_mm)[..., None]
+    diagonal = np.where(falling, lower_next + upper_mm, lower_mm + upper_next) / 2.0
+    both = np.stack([(lower_mm + upper_mm) / 2.0, diagonal], axis=-2)
+    return both.reshape(*lower_mm.shape[:-2], -1, 2)
+
+
+def falls(lower_mm: Array, upper_mm: Array) -> Mask:
+    """Whether quadrilaterals between rings (..., c, 2) are folded from an upper point to the next lower one."""
+    falling = np.roll(lower_mm, -1, axis=-2) - upper_mm
+    rising = np.roll(upper_mm, -1, axis=-2) - lower_mm
+    shorter: Mask = np.sum(falling**2, axis=-1) < np.sum(rising**2, axis=-1)
+    return shorter
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,12 +267,12 @@ def close_columns(columns: Columns, sections: Sequence[Pieces], limits: Limits) 
 
     Raises RuntimeError, a fault of ncgear, if they cannot be kept so.
     """
-    for _ in range(HALVINGS):
+    for _ in range(COLUMN_HALVINGS):
         wide = _wanted(columns, sections, limits) > 1.0
         if not wide.any():
             return columns
         columns = columns.halved(wide)
-    raise RuntimeError(f"a section's outline strays from its chords even after {HALVINGS} halvings")
+    raise RuntimeError(f"a section's outline strays from its chords even after {COLUMN_HALVINGS} halvings")
 
 
 def _wanted(columns: Columns, sections: Sequence[Pieces], limits: Limits) -> Array:
@@ -135,171 +311,6 @@ def twists(rings: Array) -> Array:
 
 
 def _numbered(counts: IndexArray) -> tuple[IndexArray, IndexArray]:
-    """Each row as often as it counts, and the numbers from 0 within it."""
+    """Each row's number as often as its count says, and beside it the numbers from 0 within the row."""
     row = np.repeat(np.arange(counts.size), counts)
     return row, np.arange(row.size) - np.repeat(np.cumsum(counts) - counts, counts)
-
-
-@dataclass(frozen=True, eq=False)
-class Stack:
-    """Sections at rising heights (shape (l,)), and their points at the columns, shape (l, c, 2), in mm."""
-
-    heights_mm: Array
-    columns: Columns
-    rings_mm: Array
-
-    def counter_clockwise(self) -> Array:
-        """The rings in that sense."""
-        return self.rings_mm if signed_area(self.rings_mm[0]) > 0.0 else self.rings_mm[:, ::-1]
-
-    def seems_to_stray_mm(self) -> Array:
-        """About how far straight lines stray within each step from one section to the next, shape (l - 1,).
-
-        A section is off the straight line between its neighbours, p below and q above, by X'' p q / 2, across the
-        outline; straight lines within a step h are off by X'' h^2 / 8.  The worse end of each step counts.
-        """
-        step = np.diff(self.heights_mm)
-        below, above = step[:-1], step[1:]
-        rise = (below / (below + above))[:, None, None]
-        off = self.rings_mm[:-2] * (1.0 - rise) + self.rings_mm[2:] * rise - self.rings_mm[1:-1]
-        along = (np.roll(self.rings_mm, -1, axis=1) - np.roll(self.rings_mm, 1, axis=1))[1:-1]
-        area = np.abs(off[..., 0] * along[..., 1] - off[..., 1] * along[..., 0])
-        across = np.max(area / np.maximum(np.linalg.norm(along, axis=2), TINY), axis=1, initial=0.0)
-        bend = np.pad(across / (4.0 * below * above), 1)
-        return np.asarray(np.maximum(bend[:-1], bend[1:]) * step**2)
-
-    def strays_mm(self, steps: IndexArray, sections: Sequence[Pieces]) -> Array:
-        """Distances between the mesh half way up s steps and exact sections there, the largest after each column.
-
-        Both from the outlines to the mesh and the other way round; shape (s, c).
-        """
-        rings = middle_section(self.rings_mm[steps], self.rings_mm[steps + 1])
-        found = [_apart(ring, section.points_mm[:-1]) for ring, section in zip(rings, sections, strict=True)]
-        # Two chords of a middle section lie between neighbouring columns.
-        return np.asarray(np.stack(found).reshape(len(found), -1, 2).max(axis=2))
-
-
-def stacked(heights_mm: Array, sections: Sequence[Pieces], columns: Columns, limits: Limits) -> Stack:
-    """The stack of sections at heights (l,), with as many more columns as they need to keep the limits."""
-    close = close_columns(columns, sections, limits)
-    return Stack(heights_mm, close, close.rings(sections))
-
-
-def _apart(ring: Array, outline: Array) -> Array:
-    """Largest distance between a ring (m, 2) and an outline (n, 2) at each chord of the ring, shape (m,)."""
-    chord, away = _nearest(outline, ring)
-    largest = _nearest(ring, outline)[1]
-    np.maximum.at(largest, chord, away)
-    return largest
-
-
-def _nearest(points: Array, ring: Array) -> tuple[IndexArray, Array]:
-    """Number of the chord of a closed ring (m, 2) that is nearest to each point (n, 2), and how far it is."""
-    chords = shapely.STRtree(shapely.linestrings(np.stack([ring, np.roll(ring, -1, axis=0)], axis=1)))
-    (_, chord), away = chords.query_nearest(shapely.points(points), all_matches=False, return_distance=True)
-    return chord, away
-
-
-OUTLINE = 0.1
-"""Share of the chord tolerance left to the outlines that sections are sampled from."""
-
-SAGITTA, TWIST, RISE = 0.5, 0.5, 0.6
-"""Shares of it that the chords of a section stray, the folds of quadrilaterals, and straight lines from one section to
-the next.  They are not at their largest at one place: what they do together is measured."""
-
-CHECKED = 3
-"""Steps that are checked at least: those that seem to stray most.  All that seem to stray by more than their share are
-checked as well."""
-
-SECTION_HALVINGS = 6
-"""Rounds of halving.  Where a trimmed corner moves across columns, comes or goes, what strays only halves with them."""
-
-LOCAL = 0.1
-"""Share of the columns up to which what strays is taken to be at corners, where more columns help."""
-
-MOST_STEPS = 300
-"""Steps from section to section at first: millions of triangles, files of a hundred megabytes, a minute's work."""
-
-
-@dataclass(frozen=True, eq=False)
-class _Check:
-    """Heights of exact sections (shape (s,)) and, by gear, how far the mesh strays from each after each column (s, c).
-
-    ``allowed_mm`` is how far it may.
-    """
-
-    heights_mm: Array
-    strays_mm: dict[Gear, Array]
-    allowed_mm: float
-
-    @property
-    def worst_mm(self) -> Array:
-        """How far either gear's mesh strays at each height, shape (s,)."""
-        return np.asarray(np.max([np.max(strays, axis=1) for strays in self.strays_mm.values()], axis=0))
-
-    @property
-    def failed(self) -> Mask:
-        """Heights at which that is too much."""
-        return self.worst_mm > self.allowed_mm
-
-    def wide(self, gear: Gear) -> Mask:
-        """Columns of a gear after which its mesh strays too much at some height, shape (c,), if they are few."""
-        wide = np.any(self.strays_mm[gear] > self.allowed_mm, axis=0)
-        return np.asarray(wide & (np.mean(wide) < LOCAL))
-
-
-def close_stacks(sections: Sections, tolerance_mm: float) -> dict[Gear, Stack]:
-    """Each gear's stack up to where the teeth stop advancing.
-
-    Raises NoSuchMechanism, naming the height, where a section cannot be made or no halving keeps to the tolerance;
-    WrongInput when that would take too many sections.
-    """
-    limits = Limits(SAGITTA * tolerance_mm, TWIST * tolerance_mm)
-    heights = _first_heights(sections, tolerance_mm)
-    columns = {gear: spread_columns(sections.pieces(gear, heights), limits) for gear in Gear}
-    for _ in range(SECTION_HALVINGS + 1):
-        stacks = {gear: stacked(heights, sections.pieces(gear, heights), columns[gear], limits) for gear in Gear}
-        check = _checked(sections, stacks, tolerance_mm)
-        if not check.failed.any():
-            return stacks
-        heights = np.sort(np.append(heights, check.heights_mm[check.failed]))
-        columns = {gear: stacks[gear].columns.halved(check.wide(gear)) for gear in Gear}
-    raise _too_abrupt(check, stacks, sections, tolerance_mm)
-
-
-def _first_heights(sections: Sections, tolerance: float) -> Array:
-    steps = sections.steps_within(RISE * tolerance)
-    if steps > MOST_STEPS:
-        coarser = tolerance * (steps / MOST_STEPS) ** 2
-        raise WrongInput(
-            f"teeth that advance by {sections.helix.largest_advance_mm:.4g} mm take {steps} steps from section to "
-            f"section for a solid within {tolerance:g} mm, more than {MOST_STEPS}; a smaller angle, a narrower face or "
-            f"an output.chord_tolerance_mm of {coarser:.2g} helps",
-            key="gears.helix.angle_deg",
-        )
-    return np.linspace(0.0, sections.helix.rise_mm, steps + 1)
-
-
-def _checked(sections: Sections, stacks: dict[Gear, Stack], tolerance: float) -> _Check:
-    """The steps that may be the worst, held against exact sections half way up."""
-    heights = stacks[Gear.DRIVING].heights_mm
-    seeming = np.max([stack.seems_to_stray_mm() for stack in stacks.values()], axis=0)
-    steps = np.argsort(seeming)[::-1][: max(CHECKED, int(np.sum(seeming > RISE * tolerance)))]
-    middles = (heights[steps] + heights[steps + 1]) / 2.0
-    strays = {gear: stacks[gear].strays_mm(steps, sections.pieces(gear, middles)) for gear in Gear}
-    return _Check(middles, strays, (1.0 - OUTLINE) * tolerance)
-
-
-def _too_abrupt(check: _Check, stacks: dict[Gear, Stack], sections: Sections, tolerance: float) -> NoSuchMechanism:
-    """Teeth jump where the mate's undercut, and with it the height of the tips that avoid it, ends from one section to
-    the next: halving does not help there, but letting the flanks be cut away does."""
-    gear = max(Gear, key=lambda own: float(np.max(check.strays_mm[own])))
-    step, column = np.unravel_index(int(np.argmax(check.strays_mm[gear])), check.strays_mm[gear].shape)
-    tooth = int(stacks[gear].columns.piece[column]) // PER_TOOTH + 1
-    remedy = "gears.undercut: allow, " if sections.form.limits.avoid_undercut else ""
-    return NoSuchMechanism(
-        f"the teeth change too abruptly at z = {check.heights_mm[step]:.4g} mm for a solid within {tolerance:g} mm: at "
-        f"tooth {tooth} of the {gear.value} gear it strays by {check.strays_mm[gear][step, column]:.3g} mm; {remedy}"
-        "more teeth of a smaller module or a coarser output.chord_tolerance_mm may help",
-        key="gears.helix",
-    )

@@ -1,8 +1,7 @@
-"""Union and difference of meshes in double precision, by the manifold library.
+"""What is cut into a toothed mesh and put onto it: pockets, the hub, and the hole of its set screw.
 
-The radial set-screw hole of a hub, cut out of a mesh.
-
-Hub, pockets and set screw on a mesh that has been made without them.
+Unions and differences are those of the manifold library, in double precision; the volume of what comes out is held
+against that of its parts.
 """
 
 from __future__ import annotations
@@ -19,28 +18,12 @@ from shapely.geometry.base import BaseGeometry
 from trimesh import Trimesh
 
 from ncgear.numerics.arrays import Array
-from ncgear.solids.mesh.layers import layered, require_sound
-from ncgear.solids.plan.body import BodyPlan, Layer, SetScrew, circle_points
-
-
-def solid_of(mesh: Trimesh) -> manifold3d.Manifold:
-    """A mesh for booleans, in double precision; raises RuntimeError where it is no closed solid."""
-    solid = manifold3d.Manifold(manifold3d.Mesh64(np.asarray(mesh.vertices), np.asarray(mesh.faces, dtype=np.uint64)))
-    if solid.status() != manifold3d.Error.NoError:
-        raise RuntimeError(f"a gear's mesh is no solid: {solid.status()}")
-    return solid
-
-
-def mesh_of(solid: manifold3d.Manifold) -> Trimesh:
-    """The mesh of a solid."""
-    made = solid.to_mesh64()
-    points: Array = np.asarray(made.vert_properties)[:, :3]
-    return Trimesh(points, np.asarray(made.tri_verts).astype(np.int64))
-
+from ncgear.solids.mesh.slabs import VOLUME_TOLERANCE, require_sound, slab_mesh
+from ncgear.solids.plan.body import BodyPlan, SetScrew, Slab, circle_points
 
 SCREW_TOLERANCE = 1e-6
-"""Relative difference allowed between the volume that a screw hole takes and the quadrature of its sections, of which
-the hub's corners are the error (tests/test_bodies.py)."""
+"""Relative difference allowed between the volume that a screw hole takes and the quadrature of its sections; the
+quadrature errs at the hub's corners (tests/test_bodies.py)."""
 
 GAUSS_POINTS = 8
 """Of the quadrature between two corners of the hole's polygon."""
@@ -49,17 +32,50 @@ LEVEL_DIGITS = 9
 """Decimals of a mm at which corners of the hole's polygon are at one height."""
 
 
+def finished(toothed: Trimesh, plan: BodyPlan) -> Trimesh:
+    """A toothed mesh of the plan's face width and through cuts with the plan's pockets, hub and set screw.
+
+    Raises RuntimeError if the mesh is not sound, a fault of ncgear.
+    """
+    if plan.is_plate:
+        return toothed
+    solid, volume = _solid_of(toothed), float(toothed.volume)
+    if plan.web is not None:
+        floor, top = plan.web.thickness_mm, plan.face_width_mm
+        for pocket in plan.web.pockets:
+            # To beyond the upper face, so that no two faces lie in each other.
+            solid -= _solid_of(slab_mesh((Slab(pocket, floor, 2.0 * top - floor),)))
+            volume -= pocket.intersection(plan.section).area * (top - floor)
+    if plan.hub is not None:
+        hub = plan.slabs[-1]
+        # From within the gear, so that both have a volume in common and not just a face.
+        solid += _solid_of(slab_mesh((Slab(hub.section, plan.face_width_mm / 2.0, hub.high_mm),)))
+        volume += hub.section.area * hub.thickness_mm
+    made = _mesh_of(solid)
+    require_sound(made, volume, VOLUME_TOLERANCE)
+    return drilled_hub(made, plan)
+
+
 def drilled_hub(mesh: Trimesh, plan: BodyPlan) -> Trimesh:
     """The gear with the hole of its set screw; raises RuntimeError if the mesh is not sound, a fault of ncgear."""
     hub = plan.hub
     if hub is None or hub.set_screw is None:
         return mesh
     drill = _drill(hub.set_screw, hub.diameter_mm, plan.chord_tolerance_mm)
-    made = mesh_of(solid_of(mesh) - solid_of(drill))
-    taken = screw_hole_mm3(plan.layers[-1].section, hub.set_screw, plan.chord_tolerance_mm)
+    made = _mesh_of(_solid_of(mesh) - _solid_of(drill))
+    taken = screw_hole_mm3(plan.slabs[-1].section, hub.set_screw, plan.chord_tolerance_mm)
     whole = float(mesh.volume)
     require_sound(made, whole - taken, SCREW_TOLERANCE * taken / whole)
     return made
+
+
+def _drill(screw: SetScrew, reach: float, tolerance: float) -> Trimesh:
+    """A cylinder along the screw, from the axis to beyond the hub."""
+    round_hole = Polygon(circle_points(screw.diameter_mm / 2.0, tolerance))
+    upright = slab_mesh((Slab(round_hole, 0.0, reach),))
+    along = np.array([np.cos(screw.direction_rad), np.sin(screw.direction_rad), 0.0])
+    axes = np.array([[-along[1], along[0], 0.0], [0.0, 0.0, 1.0], along])
+    return Trimesh(np.asarray(upright.vertices) @ axes + [0.0, 0.0, screw.height_mm], upright.faces, process=False)
 
 
 def screw_hole_mm3(section: BaseGeometry, screw: SetScrew, tolerance_mm: float) -> float:
@@ -70,15 +86,6 @@ def screw_hole_mm3(section: BaseGeometry, screw: SetScrew, tolerance_mm: float) 
     return sum(
         weight * float(turned.intersection(shapely.box(0.0, low, reach, high)).area) for low, high, weight in strips
     )
-
-
-def _drill(screw: SetScrew, reach: float, tolerance: float) -> Trimesh:
-    """A cylinder along the screw, from the axis to beyond the hub."""
-    round_hole = Polygon(circle_points(screw.diameter_mm / 2.0, tolerance))
-    upright = layered((Layer(round_hole, 0.0, reach),))
-    along = np.array([np.cos(screw.direction_rad), np.sin(screw.direction_rad), 0.0])
-    axes = np.array([[-along[1], along[0], 0.0], [0.0, 0.0, 1.0], along])
-    return Trimesh(np.asarray(upright.vertices) @ axes + [0.0, 0.0, screw.height_mm], upright.faces, process=False)
 
 
 def _strips(ring: Array) -> Iterator[tuple[float, float, float]]:
@@ -94,34 +101,15 @@ def _strips(ring: Array) -> Iterator[tuple[float, float, float]]:
             yield float(across.min()), float(across.max()), float(weight)
 
 
-VOLUME_TOLERANCE = 1e-9
-"""Relative difference allowed between the mesh's volume and that of its parts: rounding only."""
+def _solid_of(mesh: Trimesh) -> manifold3d.Manifold:
+    """A mesh for booleans, in double precision; raises RuntimeError where it is no closed solid."""
+    solid = manifold3d.Manifold(manifold3d.Mesh64(np.asarray(mesh.vertices), np.asarray(mesh.faces, dtype=np.uint64)))
+    if solid.status() != manifold3d.Error.NoError:
+        raise RuntimeError(f"a gear's mesh is no solid: {solid.status()}")
+    return solid
 
 
-def finished(toothed: Trimesh, plan: BodyPlan) -> Trimesh:
-    """A toothed mesh of the plan's face width and through cuts with the plan's pockets, hub and set screw.
-
-    Raises RuntimeError if the mesh is not sound, a fault of ncgear.
-    """
-    if plan.is_plate:
-        return toothed
-    solid, volume = solid_of(toothed), float(toothed.volume)
-    for pocket in _pockets(plan):
-        solid -= solid_of(layered((pocket,)))
-        volume -= pocket.section.intersection(plan.section).area * (plan.face_width_mm - pocket.low_mm)
-    if plan.hub is not None:
-        top = plan.layers[-1]
-        # From within the gear, so that both have a volume in common and not just a face.
-        solid += solid_of(layered((Layer(top.section, plan.face_width_mm / 2.0, top.high_mm),)))
-        volume += top.section.area * top.thickness_mm
-    made = mesh_of(solid)
-    require_sound(made, volume, VOLUME_TOLERANCE)
-    return drilled_hub(made, plan)
-
-
-def _pockets(plan: BodyPlan) -> list[Layer]:
-    """Prisms that the pockets cut, to beyond the upper face."""
-    if plan.web is None:
-        return []
-    low, high = plan.web.thickness_mm, plan.face_width_mm
-    return [Layer(pocket, low, 2.0 * high - low) for pocket in plan.web.pockets]
+def _mesh_of(solid: manifold3d.Manifold) -> Trimesh:
+    made = solid.to_mesh64()
+    points: Array = np.asarray(made.vert_properties)[:, :3]
+    return Trimesh(points, np.asarray(made.tri_verts).astype(np.int64))

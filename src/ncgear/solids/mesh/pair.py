@@ -1,4 +1,4 @@
-"""Both gears of a pair as solids, with the marks that show how they go together."""
+"""The gears of a pair with straight teeth as solids, each with the plan that it was made by."""
 
 from __future__ import annotations
 
@@ -8,11 +8,10 @@ from trimesh import Trimesh
 
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
-from ncgear.solids.mesh.bevel import bevel_of
 from ncgear.solids.mesh.finish import drilled_hub
-from ncgear.solids.mesh.layers import layered
-from ncgear.solids.plan.body import Blank, BodyPlan, RoundHole
-from ncgear.solids.plan.plan import planned
+from ncgear.solids.mesh.slabs import bevel_of, slab_mesh
+from ncgear.solids.plan.body import Blank, BodyPlan, RingBlank, RoundHole
+from ncgear.solids.plan.plan import planned, planned_ring
 
 CHAMFER_KEY = "gears.first_layer_chamfer_mm"
 
@@ -59,12 +58,14 @@ def driving_solid(
 
 
 def driven_solid(outline_mm: Array, blank: Blank, module_mm: float, chord_tolerance_mm: float) -> GearSolid:
-    """The driven gear of an external pair with all that its blank asks.
-
-    Raises as ``planned`` and ``solid_of_plan`` do.
-    """
+    """The driven gear of an external pair with all that its blank asks; raises as ``driving_solid``."""
     direction = meeting_direction_rad(Gear.DRIVEN, Mesh.EXTERNAL)
     return solid_of_plan(planned(outline_mm, blank, direction, module_mm, chord_tolerance_mm, "gears.driven"))
+
+
+def ring_solid(outline_mm: Array, blank: RingBlank, module_mm: float, chord_tolerance_mm: float) -> GearSolid:
+    """The driven ring of an internal pair; raises as ``planned_ring`` and ``solid_of_plan`` do."""
+    return solid_of_plan(planned_ring(outline_mm, blank, module_mm, chord_tolerance_mm))
 
 
 def solid_of_plan(plan: BodyPlan) -> GearSolid:
@@ -74,4 +75,4 @@ def solid_of_plan(plan: BodyPlan) -> GearSolid:
     of ncgear.
     """
     bevel = bevel_of(plan.section, plan.chamfer_mm, plan.chord_tolerance_mm, CHAMFER_KEY) if plan.chamfer_mm else None
-    return GearSolid(drilled_hub(layered(plan.layers, bevel), plan), plan)
+    return GearSolid(drilled_hub(slab_mesh(plan.slabs, bevel), plan), plan)

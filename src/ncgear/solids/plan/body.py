@@ -1,23 +1,18 @@
-"""The bore of a gear, with or without a keyway, as a polygon.
+"""A gear's body as a workshop describes it: what is asked of it, and what stands and is cut; all lengths in mm.
 
-A round hole through a gear, parallel to its axis.
-
-What is asked of a gear's body, before it is known what there is room for; all lengths in mm.
-
-A gear's body as a workshop describes it: what stands, and what is cut; every solid and every drawing is made of it.
-
-All lengths in mm in the gear's own frame: axis along z through the origin, lower face at z = 0, pose of phi1 = 0.
+Every solid and every drawing is made from a ``BodyPlan``, in the gear's own frame: axis along z through the origin,
+lower face at z = 0, pose of phi1 = 0.
 
 - ``disc``: section of the toothed part at z = 0 before anything is cut; its exterior is the tooth outline (of a ring:
   its circle, and the one interior is the tooth outline), already moved inwards by the clearance for the process.
 - through cuts: ``bore`` with its keyway (enlarged by the clearance), ``index_hole``, ``lightening_holes``: circles, and
   for a keyway ``bore_points``.
 - ``web``: pockets from the upper face down to the web, as polygons; a pocket's floor is at ``web.thickness_mm``.
-- ``hub``: a cylinder about the axis on the upper face; the bore goes through it, and so does from one side, down to the
-  bore, its radial ``set_screw`` hole.
+- ``hub``: a cylinder about the axis on the upper face; the bore goes through it, and its radial ``set_screw`` hole goes
+  from one side down to the bore.
 - ``chamfer_mm``: the bevel of all edges of the face at z = 0, whose section there is moved inwards by it.
 
-Of helical teeth the disc is the section at z = 0 alone; all else is the same at every height.
+The disc of helical teeth is their section at z = 0 only; everything else is the same at every height.
 """
 
 from __future__ import annotations
@@ -32,9 +27,13 @@ from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from ncgear.numerics.arrays import Array
+from ncgear.solids.plan.areas import area_moments
 
 FEWEST_CHORDS = 24
 """Chords of a full circle however coarse the tolerance, so that a small bore still looks round."""
+
+KG_MM3 = 1e-9
+"""One kg/m3 in kg/mm3."""
 
 
 @dataclass(frozen=True)
@@ -67,87 +66,6 @@ class Bore:
         return Bore(self.diameter_mm + 2.0 * distance_mm, keyway)
 
 
-def bore_points(bore: Bore, chord_tolerance_mm: float) -> Array:
-    """The bore's polygon in mm, shape (n, 2), counter-clockwise, first point not repeated.
-
-    Its points lie on the circle and no chord is farther from it than ``chord_tolerance_mm``.
-    """
-    radius = bore.diameter_mm / 2.0
-    if bore.keyway is None:
-        return circle_points(radius, chord_tolerance_mm)
-    half_width = bore.keyway.width_mm / 2.0
-    start = asin(half_width / radius)
-    floor = np.array([[bore.reach_mm, -half_width], [bore.reach_mm, half_width]])
-    return np.concatenate([_arc(radius, start, 2.0 * pi - start, chord_tolerance_mm), floor])
-
-
-def circle_points(radius_mm: float, chord_tolerance_mm: float) -> Array:
-    """A circle about the origin as a polygon in mm, like ``bore_points``."""
-    return _arc(radius_mm, 0.0, 2.0 * pi, chord_tolerance_mm)[:-1]
-
-
-def _arc(radius: float, start: float, end: float, tolerance: float) -> Array:
-    """Points of an arc, both ends included: a chord that spans 2 t misses the circle by radius (1 - cos t)."""
-    widest = 2.0 * acos(max(1.0 - tolerance / radius, 0.0))
-    chords = ceil((end - start) / min(widest, 2.0 * pi / FEWEST_CHORDS))
-    angle = np.linspace(start, end, chords + 1)
-    return radius * np.column_stack([np.cos(angle), np.sin(angle)])
-
-
-@dataclass(frozen=True)
-class RoundHole:
-    """A round through hole; centre in the gear's own frame."""
-
-    x_mm: float
-    y_mm: float
-    diameter_mm: float
-
-
-def hole_points(hole: RoundHole, chord_tolerance_mm: float) -> Array:
-    """The hole's polygon in mm, shape (n, 2), counter-clockwise, first point not repeated."""
-    center = np.array([hole.x_mm, hole.y_mm])
-    return center + circle_points(hole.diameter_mm / 2.0, chord_tolerance_mm)
-
-
-@dataclass(frozen=True)
-class WebSize:
-    """A web under pockets: its thickness, the least wall to the tooth roots, the diameter left about the axis."""
-
-    thickness_mm: float
-    rim_mm: float
-    hub_mm: float
-
-
-@dataclass(frozen=True)
-class HoleSet:
-    """Round holes evenly about the axis with their least wall to every edge and to each other.
-
-    Of one diameter, the largest possible where none is given.
-    """
-
-    count: int
-    wall_mm: float
-    diameter_mm: float | None = None
-
-
-@dataclass(frozen=True)
-class Blank:
-    """What makes a tooth outline a body: face width, bore, and whether an index hole is wanted, hub, web, holes.
-
-    ``clearance_mm`` is what the process wants outline and bore moved into the material by, ``chamfer_mm`` the bevel of
-    the lower edges.
-    """
-
-    face_width_mm: float
-    bore: Bore | None = None
-    index_hole: bool = False
-    hub: Hub | None = None
-    web: WebSize | None = None
-    holes: HoleSet | None = None
-    chamfer_mm: float = 0.0
-    clearance_mm: float = 0.0
-
-
 @dataclass(frozen=True)
 class SetScrew:
     """A radial hole from a hub's side to the bore: its axis at ``height_mm`` over z = 0, at a polar angle."""
@@ -166,6 +84,68 @@ class Hub:
     set_screw: SetScrew | None = None
 
 
+@dataclass(frozen=True)
+class WebSize:
+    """A web under pockets: its thickness, the least wall to the tooth roots, the diameter left about the axis."""
+
+    thickness_mm: float
+    rim_mm: float
+    hub_mm: float
+
+
+@dataclass(frozen=True)
+class HoleSet:
+    """Round holes of one diameter evenly about the axis, with their least wall to every edge and to each other.
+
+    Where no diameter is given they are as large as possible.
+    """
+
+    count: int
+    wall_mm: float
+    diameter_mm: float | None = None
+
+
+@dataclass(frozen=True)
+class Blank:
+    """What makes a tooth outline a body, before it is known what there is room for.
+
+    ``clearance_mm`` is what the process wants outline and bore moved into the material by, ``chamfer_mm`` the bevel of
+    the lower edges.
+    """
+
+    face_width_mm: float
+    bore: Bore | None = None
+    index_hole: bool = False
+    hub: Hub | None = None
+    web: WebSize | None = None
+    holes: HoleSet | None = None
+    chamfer_mm: float = 0.0
+    clearance_mm: float = 0.0
+
+
+@dataclass(frozen=True)
+class RingBlank:
+    """What makes a tooth outline a ring: face width, rim outside the roots, and whether an index hole is wanted.
+
+    Chamfer and clearance are those of ``Blank``; the clearance is not taken off the outer circle.
+    """
+
+    face_width_mm: float
+    rim_mm: float
+    index_hole: bool = False
+    chamfer_mm: float = 0.0
+    clearance_mm: float = 0.0
+
+
+@dataclass(frozen=True)
+class RoundHole:
+    """A round through hole, parallel to the gear's axis; centre in the gear's own frame."""
+
+    x_mm: float
+    y_mm: float
+    diameter_mm: float
+
+
 @dataclass(frozen=True, eq=False)
 class Web:
     """What is left between z = 0 and ``thickness_mm`` under pockets that are open to the upper face."""
@@ -175,8 +155,8 @@ class Web:
 
 
 @dataclass(frozen=True, eq=False)
-class Layer:
-    """A part of a body that has one section from a height to another; polygons, one or more."""
+class Slab:
+    """A part of a body that has one section (polygons, one or more) from one height to another."""
 
     section: BaseGeometry
     low_mm: float
@@ -184,7 +164,7 @@ class Layer:
 
     @property
     def thickness_mm(self) -> float:
-        """How high it is."""
+        """From its lower to its upper face."""
         return self.high_mm - self.low_mm
 
 
@@ -228,11 +208,6 @@ class BodyPlan:
         return self.hub is None and self.web is None and self.chamfer_mm == 0.0
 
     @cached_property
-    def bore_polygon(self) -> Polygon:
-        """The bore with its keyway; empty where there is none."""
-        return Polygon(bore_points(self.bore, self.chord_tolerance_mm)) if self.bore else Polygon()
-
-    @cached_property
     def section(self) -> Polygon:
         """The section under all pockets: the disc less bore, keyway and round holes."""
         holes = [hole_points(hole, self.chord_tolerance_mm) for hole in self.round_holes]
@@ -240,15 +215,62 @@ class BodyPlan:
         return Polygon(self.disc.exterior, [*self.disc.interiors, *around_axis, *holes])
 
     @cached_property
-    def layers(self) -> tuple[Layer, ...]:
-        """From the bottom up, without chamfer and set screw."""
+    def slabs(self) -> tuple[Slab, ...]:
+        """The body from the bottom up, without chamfer and set screw; each slab lies within the one below it."""
         top = self.face_width_mm
         if self.web is None:
-            parts = [Layer(self.section, 0.0, top)]
+            parts = [Slab(self.section, 0.0, top)]
         else:
             around = self.section.difference(shapely.union_all(self.web.pockets))
-            parts = [Layer(self.section, 0.0, self.web.thickness_mm), Layer(around, self.web.thickness_mm, top)]
+            parts = [Slab(self.section, 0.0, self.web.thickness_mm), Slab(around, self.web.thickness_mm, top)]
         if self.hub is not None:
             circle = Polygon(circle_points(self.hub.diameter_mm / 2.0, self.chord_tolerance_mm))
-            parts.append(Layer(circle.difference(self.bore_polygon), top, self.height_mm))
+            parts.append(Slab(circle.difference(self.bore_polygon), top, self.height_mm))
         return tuple(parts)
+
+    @cached_property
+    def bore_polygon(self) -> Polygon:
+        """The bore with its keyway; empty where there is none."""
+        return Polygon(bore_points(self.bore, self.chord_tolerance_mm)) if self.bore else Polygon()
+
+
+def body_kg_mm2(plan: BodyPlan, density_kg_m3: float) -> float:
+    """Moment of inertia of a gear's body about its axis, slab by slab, without its chamfer and set screw.
+
+    The section of helical teeth at z = 0 stands for all their sections.
+    """
+    polar = (slab.thickness_mm * area_moments(slab.section).polar_mm4 for slab in plan.slabs)
+    return KG_MM3 * density_kg_m3 * sum(polar)
+
+
+def bore_points(bore: Bore, chord_tolerance_mm: float) -> Array:
+    """The bore's polygon in mm, shape (n, 2), counter-clockwise, first point not repeated.
+
+    Its points lie on the circle and no chord is farther from it than ``chord_tolerance_mm``.
+    """
+    radius = bore.diameter_mm / 2.0
+    if bore.keyway is None:
+        return circle_points(radius, chord_tolerance_mm)
+    half_width = bore.keyway.width_mm / 2.0
+    start = asin(half_width / radius)
+    floor = np.array([[bore.reach_mm, -half_width], [bore.reach_mm, half_width]])
+    return np.concatenate([_arc(radius, start, 2.0 * pi - start, chord_tolerance_mm), floor])
+
+
+def hole_points(hole: RoundHole, chord_tolerance_mm: float) -> Array:
+    """The hole's polygon in mm, like ``bore_points``."""
+    center = np.array([hole.x_mm, hole.y_mm])
+    return center + circle_points(hole.diameter_mm / 2.0, chord_tolerance_mm)
+
+
+def circle_points(radius_mm: float, chord_tolerance_mm: float) -> Array:
+    """A circle about the origin as a polygon in mm, like ``bore_points``."""
+    return _arc(radius_mm, 0.0, 2.0 * pi, chord_tolerance_mm)[:-1]
+
+
+def _arc(radius: float, start: float, end: float, tolerance: float) -> Array:
+    """Points of an arc, both ends included: a chord that spans 2 t misses the circle by radius (1 - cos t)."""
+    widest = 2.0 * acos(max(1.0 - tolerance / radius, 0.0))
+    chords = ceil((end - start) / min(widest, 2.0 * pi / FEWEST_CHORDS))
+    angle = np.linspace(start, end, chords + 1)
+    return radius * np.column_stack([np.cos(angle), np.sin(angle)])

@@ -1,20 +1,25 @@
-"""The plan of a gear's body: what is asked of it, with the places at which there is room for it."""
+"""The plan of a gear's body: its outline and what is asked of it, with the places at which there is room for it."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from ncgear.numerics.arrays import Array
-from ncgear.solids.plan.body import Blank, BodyPlan, circle_points
-from ncgear.solids.plan.parallel import moved_inwards
+from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
+from ncgear.solids.plan.areas import moved_inwards
+from ncgear.solids.plan.body import Blank, BodyPlan, RingBlank, circle_points
 from ncgear.solids.plan.pockets import lightening_holes, web_of
-from ncgear.solids.plan.room import full_disc, index_hole, require_hub_room, require_room
+from ncgear.solids.plan.room import full_disc, index_hole, require_hub_room, require_room, rim_hole
 
 CLEARANCE_KEY = "gears.process_clearance_mm"
+
+RING_KEY = "gears.driven"
+"""Key of the only gear that can be a ring."""
 
 
 def planned(
@@ -59,3 +64,38 @@ def _free(plan: BodyPlan, room: Polygon) -> BaseGeometry:
     if plan.hub is None:
         return cut
     return cut.difference(Polygon(circle_points(plan.hub.diameter_mm / 2.0, plan.chord_tolerance_mm)))
+
+
+def planned_ring(outline_mm: Array, blank: RingBlank, module_mm: float, tolerance_mm: float) -> BodyPlan:
+    """The body of an internal gear: a ring between its tooth outline, shape (n, 2), and a circle about its axis.
+
+    Raises NoSuchMechanism where the outline crosses itself, WrongInput where the clearance takes teeth off.
+    """
+    clearance = blank.clearance_mm
+    # The clearance is taken off the teeth only: off a ring that is as much thicker it leaves the circle asked for.
+    disc = ring_section(outline_mm, blank.rim_mm + clearance, tolerance_mm)
+    if clearance > 0.0:
+        disc = moved_inwards(disc, clearance, tolerance_mm, CLEARANCE_KEY)
+    direction = meeting_direction_rad(Gear.DRIVEN, Mesh.INTERNAL)
+    return BodyPlan(
+        disc,
+        blank.face_width_mm,
+        tolerance_mm,
+        index_hole=rim_hole(disc, direction, module_mm) if blank.index_hole else None,
+        chamfer_mm=blank.chamfer_mm,
+        clearance_mm=clearance,
+    )
+
+
+def ring_section(outline_mm: Array, rim_mm: float, tolerance_mm: float) -> Polygon:
+    """The ring's section in mm: the circle, inside of which it stays by a chord tolerance at most, less the outline."""
+    hole = full_disc(outline_mm, RING_KEY)
+    return Polygon(circle_points(outer_radius_mm(outline_mm, rim_mm), tolerance_mm), [hole.exterior])
+
+
+def outer_radius_mm(outline_mm: Array, rim_mm: float) -> float:
+    """Radius of the circle about the axis that leaves the rim outside the root farthest out.
+
+    A circle, and not a curve parallel to the teeth: rings are turned, clamped and borne on it.
+    """
+    return float(np.hypot(outline_mm[:, 0], outline_mm[:, 1]).max()) + rim_mm

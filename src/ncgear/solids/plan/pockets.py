@@ -1,11 +1,8 @@
-"""Pockets between rim and hub, from the upper face down to a web.
+"""What takes weight out of a gear: pockets between rim and hub down to a web, and round through holes about the axis.
 
-From above only, so that the gear lies on a level face when it is printed, and needs turning over for no cut.
-
-Round through holes about the axis that take weight out of a gear.
-
-They stand in evenly spread directions, each as far out as its walls allow: there holes have most room beside each
-other, and take most of the moment of inertia.
+Pockets are cut from above only, so that the gear lies on a level face when it is printed and is never turned over.
+Holes stand in evenly spread directions, each as far out as its walls allow: there holes have most room beside each
+other, and take away most of the moment of inertia.
 """
 
 from __future__ import annotations
@@ -19,12 +16,18 @@ from shapely.geometry.base import BaseGeometry
 
 from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
-from ncgear.solids.mesh.sheets import polygons
+from ncgear.solids.plan.areas import floored, largest_fitting, polygons, said_largest
 from ncgear.solids.plan.body import HoleSet, RoundHole, Web, WebSize, circle_points, hole_points
-from ncgear.solids.plan.room import INNER_WALL_IN_MODULES, floored, largest_fitting, said_largest
+from ncgear.solids.plan.room import INNER_WALL_IN_MODULES
 
 CORNER_IN_MODULES = 1.0
 """Least radius of a pocket's corners: a round tool's, which leaves out whatever is narrower."""
+
+TURNS = 12
+"""Ways, between one direction and the next, in which the directions of holes are turned to find most room."""
+
+LEAST_MM = 0.1
+"""Diameter in mm of the smallest hole that is made unasked."""
 
 
 def web_of(
@@ -74,13 +77,6 @@ def quarter_chords(radius_mm: float, tolerance_mm: float) -> int:
     return max(2, ceil(pi / 4.0 / acos(max(1.0 - tolerance_mm / 4.0 / radius_mm, 0.0))))
 
 
-TURNS = 12
-"""Ways, between one direction and the next, in which the directions are turned to find most room."""
-
-LEAST_MM = 0.1
-"""Diameter in mm of the smallest hole that is made unasked."""
-
-
 def lightening_holes(room: BaseGeometry, asked: HoleSet, tolerance_mm: float, key: str) -> tuple[RoundHole, ...]:
     """Holes within a room in mm, with walls to its edges and to each other.
 
@@ -99,6 +95,10 @@ def lightening_holes(room: BaseGeometry, asked: HoleSet, tolerance_mm: float, ke
     raise _without_room(asked, largest, f"{key}.lightening_holes")
 
 
+def _holes(places: Array, diameter: float) -> tuple[RoundHole, ...]:
+    return tuple(RoundHole(float(x), float(y), diameter) for x, y in places)
+
+
 def _without_room(asked: HoleSet, largest: float, key: str) -> WrongInput:
     """What is wrong with the holes asked for, and the largest diameter that would be right."""
     given = asked.diameter_mm is not None
@@ -106,10 +106,6 @@ def _without_room(asked: HoleSet, largest: float, key: str) -> WrongInput:
     right = said_largest(largest, "none fit; fewer holes, thinner walls, or a smaller hub are needed")
     problem = f"{named} do not keep walls of {asked.wall_mm:g} mm to every edge and to each other; {right}"
     return WrongInput(problem, key=f"{key}.diameter_mm" if given else key)
-
-
-def _holes(places: Array, diameter: float) -> tuple[RoundHole, ...]:
-    return tuple(RoundHole(float(x), float(y), diameter) for x, y in places)
 
 
 def _places(room: BaseGeometry, asked: HoleSet, diameter: float, tolerance: float) -> Array | None:
@@ -139,7 +135,7 @@ def _farthest(inside: BaseGeometry, direction: Array) -> Array | None:
 
 
 def _apart(places: Array) -> float:
-    """Least distance between any two of them; infinite of a single one."""
+    """Least distance between any two of them; infinite where there is one only."""
     between = np.hypot(*(places[:, None] - places[None, :]).transpose(2, 0, 1))
     np.fill_diagonal(between, np.inf)
     return float(between.min())

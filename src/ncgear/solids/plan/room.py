@@ -1,20 +1,15 @@
-"""The largest of a size that fits, told to whoever asked for more.
+"""Whether a gear has room for what is asked of its body: the bore, the hub, and the index hole that marks its pose.
 
-A gear's section as a polygon: the disc inside its tooth outline, and its room for the bore.
-
-The room for the hub on a gear's upper face.
-
-The index hole: a small through hole that shows how the two gears go together.
-
-At phi1 = 0 those of both gears lie on the line of centres and face each other across the pitch point.  A ring's is in
-its rim.
+A gear's section is a polygon, in mm: the disc inside its tooth outline, or a ring.  What has no room is refused with
+the largest size that would have.  At phi1 = 0 the index holes of both gears lie on the line of centres and face each
+other across the pitch point, so that they show how the gears go together; that of a ring is in its rim.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from math import cos, floor, sin
+from math import cos, sin
 
 import numpy as np
 import shapely
@@ -23,48 +18,19 @@ from shapely.geometry.base import BaseGeometry
 
 from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
+from ncgear.solids.plan.areas import largest_fitting, said_largest
 from ncgear.solids.plan.body import FEWEST_CHORDS, Bore, Hub, RoundHole, bore_points
 from ncgear.teeth.outline import simple_polygon
 
-RESOLUTION_MM = 1e-4
-"""How near the largest is found: a hundredth of what is told of it."""
+DIAMETER_IN_MODULES = 0.5
+"""Diameter of an index hole."""
 
+OUTER_WALL_IN_MODULES = 1.5
+"""Least material between the hole and the tooth outline: enough that the hole does not reach into the foot of a tooth,
+between the roots at its sides."""
 
-def largest_fitting(fits: Callable[[float], bool], low_mm: float, high_mm: float) -> float:
-    """The largest size that fits between two in mm, by bisection; 0 where none does.
-
-    What is smaller than a fitting size fits; ``low_mm`` itself is not tried.
-    """
-    fitting = 0.0
-    while high_mm - low_mm > RESOLUTION_MM:
-        middle = (low_mm + high_mm) / 2.0
-        if fits(middle):
-            low_mm = fitting = middle
-        else:
-            high_mm = middle
-    return fitting
-
-
-def floored(size_mm: float) -> float:
-    """Rounded down to 0.01 mm, so that the stated size itself fits; smaller ones as they are."""
-    return floor(size_mm * 100.0) / 100.0 or size_mm
-
-
-def said_largest(largest_mm: float, otherwise: str) -> str:
-    """The end of a refusal: the largest that fits, or what else would be right where none does."""
-    return f"the largest that fits is {floored(largest_mm):g} mm" if largest_mm > 0.0 else otherwise
-
-
-def disc_with_room(outline_mm: Array, bore: Bore | None, chord_tolerance_mm: float, key: str) -> Polygon:
-    """The full disc inside a tooth outline (mm, shape (n, 2)), known to have room for the bore.
-
-    ``key`` (``gears.driving``) names the gear in errors: NoSuchMechanism where the outline crosses itself, WrongInput
-    when the bore does not fit.
-    """
-    disc = full_disc(outline_mm, key)
-    if bore is not None:
-        require_room(disc, bore, chord_tolerance_mm, key)
-    return disc
+INNER_WALL_IN_MODULES = 1.0
+"""Least material between the hole and the bore, its keyway, the axis of a gear without bore, or a ring's circle."""
 
 
 def full_disc(outline_mm: Array, key: str) -> Polygon:
@@ -72,20 +38,16 @@ def full_disc(outline_mm: Array, key: str) -> Polygon:
 
     Raises NoSuchMechanism for ``key`` (``gears.driving``), naming the place, where the outline crosses itself.
     """
-    return simple_polygon(_distinct(outline_mm), key)
+    # The single precision of STL files could merge points that are closer together than this.
+    step = 2.0 * float(np.spacing(np.float32(np.abs(outline_mm).max())))
+    gap = outline_mm - np.roll(outline_mm, 1, axis=0)
+    return simple_polygon(outline_mm[np.hypot(gap[:, 0], gap[:, 1]) > step], key)
 
 
 def common_disc(outlines_mm: Sequence[Array], key: str) -> Polygon:
     """What all sections of a gear have in common around its axis; outlines of shape (n, 2) each, ``key`` as above."""
     common = shapely.intersection_all([full_disc(outline, key) for outline in outlines_mm])
     return max(shapely.get_parts(common), key=lambda part: part.area)
-
-
-def _distinct(outline: Array) -> Array:
-    """Without points so close to the one before that the single precision of STL files could merge the two."""
-    step = 2.0 * float(np.spacing(np.float32(np.abs(outline).max())))
-    gap = outline - np.roll(outline, 1, axis=0)
-    return outline[np.hypot(gap[:, 0], gap[:, 1]) > step]
 
 
 def require_room(disc: Polygon, bore: Bore, chord_tolerance_mm: float, key: str, clearance_mm: float = 0.0) -> None:
@@ -134,48 +96,20 @@ def require_hub_room(disc: Polygon, hub: Hub, key: str) -> None:
     raise WrongInput(problem, key=f"{key}.hub.diameter_mm")
 
 
-DIAMETER_IN_MODULES = 0.5
-OUTER_WALL_IN_MODULES = 1.5
-"""Least material between the hole and the tooth outline: enough that the hole does not reach into the foot of a tooth,
-between the roots at its sides."""
-INNER_WALL_IN_MODULES = 1.0
-"""Least material between the hole and the bore, its keyway, the axis of a gear without bore, or a ring's circle."""
-
-
 def index_hole(
     disc: Polygon, bore: Bore | None, direction_rad: float, module_mm: float, hub_mm: float = 0.0
 ) -> RoundHole | None:
     """The hole farthest out on the ray from the axis at polar angle ``direction_rad``; None where no wall allows one.
 
-    Its diameter is half a module; the walls above are left all around it. ``disc`` is the gear's section without
-    bore, in mm; ``hub_mm`` the diameter of the hub on it, which it passes by.
+    Its diameter is half a module, and the walls above are left all around it.  ``disc`` is the gear's section without
+    bore, in mm; ``hub_mm`` is the diameter of its hub, beside which the hole stands.
     """
-    diameter = DIAMETER_IN_MODULES * module_mm
-    outline = disc.exterior.buffer(diameter / 2.0 + OUTER_WALL_IN_MODULES * module_mm)
-    inside = _axis(bore, hub_mm, module_mm).buffer(diameter / 2.0 + INNER_WALL_IN_MODULES * module_mm)
-    points = shapely.get_coordinates(_ray(disc, direction_rad).difference(outline.union(inside)))
-    if not len(points):
-        return None
-    x, y = points[np.argmax(np.hypot(points[:, 0], points[:, 1]))]
-    return RoundHole(float(x), float(y), diameter)
+    return _hole_on_ray(disc, direction_rad, module_mm, disc.exterior, _axis(bore, hub_mm, module_mm), np.argmax)
 
 
 def rim_hole(ring: Polygon, direction_rad: float, module_mm: float) -> RoundHole | None:
     """The same in a ring (its section in mm): the hole nearest to the teeth; None where the rim is too thin for one."""
-    diameter = DIAMETER_IN_MODULES * module_mm
-    outline = ring.interiors[0].buffer(diameter / 2.0 + OUTER_WALL_IN_MODULES * module_mm)
-    outside = ring.exterior.buffer(diameter / 2.0 + INNER_WALL_IN_MODULES * module_mm)
-    points = shapely.get_coordinates(_ray(ring, direction_rad).difference(outline.union(outside)))
-    if not len(points):
-        return None
-    x, y = points[np.argmin(np.hypot(points[:, 0], points[:, 1]))]
-    return RoundHole(float(x), float(y), diameter)
-
-
-def _ray(disc: Polygon, direction: float) -> BaseGeometry:
-    """The part of the ray from the axis that lies in a section."""
-    reach = float(np.abs(disc.bounds).max()) * 2.0
-    return LineString([(0.0, 0.0), (reach * cos(direction), reach * sin(direction))]).intersection(disc)
+    return _hole_on_ray(ring, direction_rad, module_mm, ring.interiors[0], ring.exterior, np.argmin)
 
 
 def _axis(bore: Bore | None, hub: float, module: float) -> BaseGeometry:
@@ -183,3 +117,24 @@ def _axis(bore: Bore | None, hub: float, module: float) -> BaseGeometry:
     if hub > 0.0:
         return Point(0.0, 0.0).buffer(hub / 2.0, quad_segs=FEWEST_CHORDS)
     return Polygon(bore_points(bore, 0.01 * module)) if bore else Point(0.0, 0.0)
+
+
+def _hole_on_ray(
+    section: Polygon,
+    direction: float,
+    module: float,
+    outline: BaseGeometry,
+    other: BaseGeometry,
+    chosen: Callable[[Array], np.intp],
+) -> RoundHole | None:
+    """The hole of which the centre is ``chosen`` by distance from the axis, with walls to the outline and the other."""
+    diameter = DIAMETER_IN_MODULES * module
+    beside_teeth = outline.buffer(diameter / 2.0 + OUTER_WALL_IN_MODULES * module)
+    beside_other = other.buffer(diameter / 2.0 + INNER_WALL_IN_MODULES * module)
+    reach = float(np.abs(section.bounds).max()) * 2.0
+    ray = LineString([(0.0, 0.0), (reach * cos(direction), reach * sin(direction))]).intersection(section)
+    points = shapely.get_coordinates(ray.difference(beside_teeth.union(beside_other)))
+    if not len(points):
+        return None
+    x, y = points[chosen(np.hypot(points[:, 0], points[:, 1]))]
+    return RoundHole(float(x), float(y), diameter)

@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from ncgear.numerics.arrays import Array
+from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
+from ncgear.project.drive import Drive
 from ncgear.solids.plan.body import RoundHole
 
 FLANK_BAND_IN_MODULES = 0.1
@@ -18,9 +20,9 @@ FLANK_BAND_IN_MODULES = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """One gear as the assembly sees it: outline (mm, shape (n, 2)), pitch radius on the line of centres, mark.
+    """One gear as the assembly sees it: outline (mm, shape (n, 2)), pitch radius on the line of centres, index hole.
 
-    ``is_ring`` where the material is outside the outline.
+    The material of a ring (``is_ring``) is outside the outline.
     """
 
     outline_mm: Array
@@ -29,10 +31,28 @@ class Placed:
     is_ring: bool = False
 
 
+def assembly_of(drive: Drive) -> dict[str, Any]:
+    """The pose of a drive's gears at phi1 = 0, ready for JSON; raises as the drive's solids do."""
+    pitch, teeth, solids = drive.pitch, drive.teeth, drive.solids
+    driving_radius, driven_radius = _pitch_radius_mm(pitch.driving), _pitch_radius_mm(pitch.driven)
+    return assembly_report(
+        Placed(teeth.driving.outline_mm, driving_radius, solids.driving.index_hole),
+        Placed(teeth.driven.outline_mm, driven_radius, solids.driven.index_hole, pitch.driven.is_ring),
+        pitch.center_distance_mm,
+        pitch.size.module_mm,
+        pitch.mesh,
+    )
+
+
+def _pitch_radius_mm(curve: PitchCurve) -> float:
+    """On the line of centres at phi1 = 0."""
+    return float(np.linalg.norm(curve.at_angle(np.zeros(1)).position))
+
+
 def assembly_report(
     driving: Placed, driven: Placed, center_distance_mm: float, module_mm: float, mesh: Mesh = Mesh.EXTERNAL
 ) -> dict[str, Any]:
-    """The pose of phi1 = 0, ready for JSON.
+    """The pose of two gears at phi1 = 0.
 
     For each gear the polar angle of the pitch point on the line of centres in its own frame, whether a tooth, a space
     or a flank lies there, and the index hole (None where none was wanted or had room).

@@ -1,0 +1,225 @@
+"""What a simulation tells at each level: a table over the driving angle, and figures in sections of plain values.
+
+- Rigid: torques and forces by inverse dynamics, beside those of the uniform crank with the same masses.
+- Quasi-static: the teeth under load, beside the torque of the rigid level.
+- Dynamic: the motion in time, beside the law.
+
+Columns of a table have one length; names of columns and keys of figures end in their unit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from math import atan2, degrees, hypot
+from typing import Any
+
+import numpy as np
+
+from ncgear.dynamics.history import History
+from ncgear.dynamics.level import Level
+from ncgear.dynamics.rigid import Loads, Rigid
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.extrema import Extremum
+from ncgear.numerics.plane import Vector
+from ncgear.numerics.units import N_M_PER_N_MM
+from ncgear.project.drive import Drive
+
+KG_M2 = 1e-6
+"""One kg mm2 in kg m2."""
+
+
+def rigid_table(drive: Drive, own: Loads, uniform: Loads) -> dict[str, Array]:
+    """The motion, the loads of the design's own machine, and those of the uniform crank."""
+    motion = drive.motion
+    names = "phi1_rad", "phi2_rad", "displacement_mm", "velocity_mm_s", "acceleration_mm_s2", "force_n"
+    return {
+        **{name: getattr(motion, name) for name in names},
+        **_load_columns(own),
+        **{f"uniform_{name}": column for name, column in _load_columns(uniform).items()},
+    }
+
+
+def _load_columns(loads: Loads) -> dict[str, Array]:
+    columns = {
+        "driving_torque_n_m": N_M_PER_N_MM * loads.driving_torque.value,
+        "driven_torque_n_m": N_M_PER_N_MM * loads.driven_torque.value,
+        **_components("wrist", loads.wrist),
+        **_components("pin", loads.pin),
+        **_components("crank_bearing", loads.crank_bearing),
+        "guide_n": loads.guide.value,
+    }
+    if loads.mesh is None:
+        return columns
+    mesh = {"mesh_n": loads.mesh.size_n.value, "pressure_angle_rad": loads.mesh.pressure_angle_rad.value}
+    return {**columns, **_components("mesh", loads.mesh.force), **mesh}
+
+
+def _components(name: str, force: Vector) -> dict[str, Array]:
+    """Of a force whose components are jets."""
+    return {f"{name}_x_n": force.x.value, f"{name}_y_n": force.y.value}
+
+
+def rigid_figures(drive: Drive) -> dict[str, Any]:
+    """The masses, and the peaks of both machines."""
+    design = drive.design
+    assert design.masses is not None
+    return {
+        **_about(drive, Level.RIGID),
+        "masses": _masses(drive),
+        "this_design": _loads(drive.rigid, design.masses.flywheel.speed_fluctuation),
+        "uniform_crank": _loads(drive.uniform_rigid, design.masses.flywheel.speed_fluctuation),
+    }
+
+
+def _about(drive: Drive, level: Level) -> dict[str, Any]:
+    """What is simulated: the sections that the figures of every level begin with."""
+    design = drive.design
+    return {
+        "design": {"name": design.name, "description": design.description, "level": level.value},
+        "drive": {"speed_rpm": design.operation.speed_rpm},
+    }
+
+
+def _masses(drive: Drive) -> dict[str, Any]:
+    found = asdict(drive.masses)
+    along, across = found.pop("gravity_m_s2")
+    gravity = {"gravity_m_s2": hypot(along, across), "gravity_direction_deg": degrees(atan2(across, along))}
+    return {**found, **gravity} if gravity["gravity_m_s2"] else found
+
+
+def _loads(rigid: Rigid, coefficient: float) -> dict[str, Any]:
+    peaks, swing, speed = rigid.peaks, rigid.fluctuation, rigid.machine.machine.speed_rad_s
+    return {
+        **_peak("peak_driving_torque", "n_m", peaks.most_torque_n_mm, N_M_PER_N_MM),
+        **_peak("least_driving_torque", "n_m", peaks.least_torque_n_mm, N_M_PER_N_MM),
+        "mean_driving_torque_n_m": N_M_PER_N_MM * swing.mean_torque_n_mm,
+        "mean_power_w": N_M_PER_N_MM * swing.mean_torque_n_mm * speed,
+        "peak_driving_power_w": N_M_PER_N_MM * peaks.most_torque_n_mm.value * speed,
+        "energy_swing_j": N_M_PER_N_MM * swing.swing_n_mm,
+        "flank_changes_deg": [degrees(angle) for angle in swing.flank_changes_rad],
+        "speed_fluctuation": coefficient,
+        "inertia_for_speed_fluctuation_kg_m2": KG_M2 * swing.flywheel_kg_mm2(coefficient),
+        **_mesh(rigid),
+        **_peak("peak_wrist_force", "n", peaks.wrist_n),
+        **_peak("peak_crank_pin_force", "n", peaks.pin_n),
+        **_peak("peak_crank_bearing_force", "n", peaks.crank_bearing_n),
+        **_peak("peak_guide_force", "n", peaks.guide_n),
+    }
+
+
+def _mesh(rigid: Rigid) -> dict[str, Any]:
+    """The mesh force of a machine with gears, none of others; the driving shaft's bearings bear it as it is."""
+    mesh = rigid.peaks.mesh
+    if mesh is None:
+        return {}
+    return {
+        **_peak("peak_mesh_force", "n", mesh.force_n),
+        "pressure_angle_at_peak_mesh_force_deg": degrees(mesh.pressure_angle_rad),
+        **_peak("peak_driving_bearing_force", "n", mesh.force_n),
+    }
+
+
+def _peak(name: str, unit: str, found: Extremum, factor: float = 1.0) -> dict[str, float]:
+    return {f"{name}_{unit}": factor * found.value, f"{name}_at_rad": found.at}
+
+
+def quasi_static_table(drive: Drive, rigid_torque_n_m: Array) -> dict[str, Array]:
+    """Angles, forces and depths of the loaded teeth, with the driving torque beside the rigid level's."""
+    loaded, motion = drive.loaded_contact, drive.motion
+    return {
+        "phi1_rad": motion.phi1_rad,
+        "phi2_rad": motion.phi2_rad + loaded.error_rad,
+        "error_rad": loaded.error_rad,
+        "pairs": loaded.pairs.astype(float),
+        "tooth_force_n": loaded.tooth_force_n,
+        "depth_mm": np.maximum(loaded.forces.depth_mm.max(axis=-1), 0.0),
+        "driving_torque_n_m": N_M_PER_N_MM * loaded.driving_torque_n_mm,
+        "rigid_driving_torque_n_m": rigid_torque_n_m,
+    }
+
+
+def quasi_static_figures(drive: Drive) -> dict[str, Any]:
+    """The stiffness of the contact, and the peaks of the loaded teeth with the driving angles at which they are."""
+    loaded, phi1 = drive.loaded_contact, drive.motion.phi1_rad
+    return {
+        **_about(drive, Level.QUASI_STATIC),
+        "loaded_contact": {
+            "contact_stiffness_n": drive.meshing.impact.stiffness,
+            "transmission_error_rad": loaded.transmission_error_rad,
+            **_largest_of("peak_tooth_force", "n", loaded.tooth_force_n, phi1),
+            **_largest_of("peak_depth", "mm", loaded.forces.depth_mm.max(axis=-1), phi1),
+            **_largest_of("peak_driving_torque", "n_m", N_M_PER_N_MM * loaded.driving_torque_n_mm, phi1),
+            "most_pairs": int(loaded.pairs.max()),
+        },
+    }
+
+
+def _largest_of(name: str, unit: str, values: Array, phi1_rad: Array) -> dict[str, float]:
+    """The largest of values at driving angles, shape (n,) both."""
+    place = int(np.argmax(values))
+    return {f"{name}_{unit}": float(values[place]), f"{name}_at_rad": float(phi1_rad[place])}
+
+
+def dynamic_table(shown: History) -> dict[str, Array]:
+    """The motion in time and the law's, with the forces between the teeth and in the joints."""
+    columns = {"time_s": shown.time_s, "phi1_rad": shown.phi1_rad, "phi2_rad": shown.phi2_rad}
+    for prefix, slide in (("", shown.slide), ("law_", shown.law)):
+        columns.update({f"{prefix}{name}": values for name, values in vars(slide).items()})
+    joints: dict[str, Array] = {}
+    for name, force in joint_forces(shown).items():
+        joints.update({f"{name}_x_n": force.x, f"{name}_y_n": force.y})
+    return {
+        **columns,
+        "error_rad": shown.error_rad,
+        "pushing_force_n": shown.pushing_n,
+        "back_force_n": shown.back_n,
+        "driving_torque_n_m": N_M_PER_N_MM * shown.torque_n_mm,
+        **joints,
+        "guide_n": np.asarray(shown.joints.guide_n),
+    }
+
+
+def joint_forces(shown: History) -> dict[str, Vector]:
+    """The forces in the joints and between the teeth, by the names that columns and figures give them."""
+    joints = shown.joints
+    return {"wrist": joints.wrist, "pin": joints.pin, "crank_bearing": shown.crank_bearing, "mesh": shown.mesh}
+
+
+def dynamic_figures(drive: Drive, shown: History, apart_s: Array) -> dict[str, Any]:
+    """The slider beside its law, the bearings, and the teeth, which are apart in k spans of time, shape (k, 2)."""
+    course, work = drive.course, drive.course.states[4:, -1]
+    return {
+        **_about(drive, Level.DYNAMIC),
+        "slider": {
+            "largest_displacement_error_mm": _largest(shown.slide.displacement_mm - shown.law.displacement_mm),
+            "largest_velocity_error_mm_s": _largest(shown.slide.velocity_mm_s - shown.law.velocity_mm_s),
+            "peak_acceleration_mm_s2": _largest(shown.slide.acceleration_mm_s2),
+            "peak_acceleration_of_law_mm_s2": _largest(shown.law.acceleration_mm_s2),
+        },
+        "bearings": {
+            f"peak_{name}_force_n": _largest(force_size_n(force)) for name, force in joint_forces(shown).items()
+        },
+        "motion_in_time": {
+            "contact_stiffness_n": drive.meshing.impact.stiffness,
+            "peak_pushing_force_n": _largest(shown.pushing_n),
+            "peak_back_force_n": _largest(shown.back_n),
+            "peak_driving_torque_n_m": N_M_PER_N_MM * float(shown.torque_n_mm.max()),
+            "least_driving_torque_n_m": N_M_PER_N_MM * float(shown.torque_n_mm.min()),
+            "work_of_drive_j": N_M_PER_N_MM * float(work[0]),
+            "loss_of_teeth_j": N_M_PER_N_MM * float(work[1]),
+            "losses_of_contact": len(apart_s),
+            "time_without_contact_s": float(np.sum(apart_s[:, 1] - apart_s[:, 0])),
+            "energy_error": course.energy_error,
+            "solver_steps": int(course.time_s.size - 1),
+        },
+    }
+
+
+def _largest(values: Array) -> float:
+    return float(np.abs(values).max())
+
+
+def force_size_n(force: Vector) -> Array:
+    """How large a force is at each instant, shape (n,)."""
+    size: Array = np.hypot(force.x, force.y)
+    return size

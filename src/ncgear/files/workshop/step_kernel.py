@@ -1,0 +1,191 @@
+"""What the OpenCASCADE kernel does for STEP files: a drive's solids, a file's bytes, and the proof by reading it back.
+
+Files are STEP (ISO 10303-21, AP 214) in mm; the same solids give the same bytes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from io import BytesIO
+
+from OCP.APIHeaderSection import APIHeaderSection_MakeHeader
+from OCP.BRepCheck import BRepCheck_Analyzer
+from OCP.gp import gp_Vec
+from OCP.IFSelect import IFSelect_ReturnStatus
+from OCP.Interface import Interface_Static
+from OCP.Message import Message, Message_Gravity
+from OCP.STEPCAFControl import STEPCAFControl_Writer
+from OCP.STEPControl import STEPControl_Controller, STEPControl_Reader
+from OCP.StepData import StepData_StepModel
+from OCP.StepRepr import StepRepr_NextAssemblyUsageOccurrence
+from OCP.TCollection import TCollection_ExtendedString, TCollection_HAsciiString
+from OCP.TDataStd import TDataStd_Name
+from OCP.TDF import TDF_Label
+from OCP.TDocStd import TDocStd_Document
+from OCP.TopoDS import TopoDS_Shape
+from OCP.XCAFDoc import XCAFDoc_DocumentTool, XCAFDoc_ShapeTool
+
+from ncgear.pitch.shape import Gear
+from ncgear.project.bodies import rim_mm_of
+from ncgear.project.drive import Drive
+from ncgear.solids.brep.gear import gear_shape, helical_gear_shape, ring_shape
+from ncgear.solids.brep.shapes import faces_of, moved_by, solids_of, volume_mm3
+from ncgear.solids.helical.helix import Helix
+from ncgear.solids.helical.patches import patches_of
+from ncgear.solids.helical.sections import Sections
+from ncgear.solids.plan.plan import outer_radius_mm
+from ncgear.teeth.contour import contour_of
+
+SHARE = 0.1
+"""Of the chord tolerance, which faces may stray from the exact ones: even where the working flanks of an outline get
+the least share of it, 0.15, the faces are the closer ones, so that gears made of them miss the law no more."""
+
+VOLUME_TOLERANCE = 2e-5
+"""Relative difference allowed between a solid and the same one read back: the kernel's integrals are no better, since
+it finds the edges of faces anew (tests/test_step.py holds them against sections); faces are counted."""
+
+TIMESTAMP = "1970-01-01T00:00:00"
+"""Of every file: the same design gives the same bytes, whenever it is built."""
+
+SETTINGS = {
+    # Curves on surfaces follow from the curves in space; with them files are twice as large.
+    "write.surfacecurve.mode": 0,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class ExactSolid:
+    """A gear's solid in its own frame, and how far its tooth faces were found from the exact ones at most."""
+
+    shape: TopoDS_Shape
+    deviation_mm: float
+
+
+def solids_of_drive(drive: Drive) -> dict[Gear, ExactSolid]:
+    """Both gears.
+
+    Raises as the teeth's contact does, and WrongInput for helical teeth that do not go up smoothly.
+    """
+    drive.require_sound_teeth()
+    if drive.helix is None:
+        return {gear: _straight(drive, gear) for gear in Gear}
+    sections = Sections(drive.pitch, drive.tooth_form, drive.helix, drive.design.output.chord_tolerance_mm)
+    return {gear: _helical(drive, sections, drive.helix, gear) for gear in Gear}
+
+
+def _straight(drive: Drive, gear: Gear) -> ExactSolid:
+    own = drive.teeth.of(gear)
+    contour = contour_of(own, SHARE * drive.design.output.chord_tolerance_mm)
+    plan = drive.solids.of(gear).plan
+    if gear is Gear.DRIVING or not drive.pitch.driven.is_ring:
+        return ExactSolid(gear_shape(contour, plan), contour.deviation_mm)
+    radius = outer_radius_mm(own.outline_mm, rim_mm_of(drive.gears, drive.pitch.size.module_mm))
+    return ExactSolid(ring_shape(contour, plan, radius), contour.deviation_mm)
+
+
+def _helical(drive: Drive, sections: Sections, helix: Helix, gear: Gear) -> ExactSolid:
+    patches = patches_of(sections, gear, SHARE * drive.design.output.chord_tolerance_mm)
+    shape = helical_gear_shape(patches, drive.solids.of(gear).plan, herringbone=helix.herringbone)
+    return ExactSolid(shape, patches.deviation_mm)
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A solid, its name, and how far along x its axis stands in the file."""
+
+    name: str
+    shape: TopoDS_Shape
+    x_mm: float = 0.0
+
+
+def part_bytes(part: Part, description: str) -> bytes:
+    """A file of one product."""
+    document, shapes = _document()
+    _named(shapes.AddShape(part.shape, False), part.name)
+    return _written(document, part.name, description)
+
+
+def assembly_bytes(name: str, parts: Sequence[Part], description: str) -> bytes:
+    """A file of one product that consists of the parts, each at its place."""
+    document, shapes = _document()
+    whole = _named(shapes.NewShape(), name)
+    for part in parts:
+        own = _named(shapes.AddShape(part.shape, False), part.name)
+        _named(shapes.AddComponent(whole, own, moved_by(gp_Vec(part.x_mm, 0.0, 0.0))), part.name)
+    shapes.UpdateAssemblies()
+    return _written(document, name, description)
+
+
+def _document() -> tuple[TDocStd_Document, XCAFDoc_ShapeTool]:
+    """An empty document; the tool that fills it lives no longer than the document."""
+    document = TDocStd_Document(TCollection_ExtendedString("BinXCAF"))
+    return document, XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+
+
+def _named(label: TDF_Label, name: str) -> TDF_Label:
+    TDataStd_Name.Set_s(label, TCollection_ExtendedString(name))
+    return label
+
+
+def _written(document: TDocStd_Document, name: str, description: str) -> bytes:
+    """The document as a file; raises RuntimeError, a fault of ncgear, when the kernel cannot write it."""
+    # The kernel's reports of what it does stay off the terminal; its alarms still come.
+    for printer in Message.DefaultMessenger_s().Printers():
+        printer.SetTraceLevel(Message_Gravity.Message_Alarm)
+    STEPControl_Controller.Init_s()
+    for key, value in SETTINGS.items():
+        Interface_Static.SetIVal_s(key, value)
+    writer = STEPCAFControl_Writer()
+    if not writer.Transfer(document):
+        raise RuntimeError(f"{name} cannot be put into a STEP file")
+    _reproducible(writer.ChangeWriter().Model(), name, description)
+    stream = BytesIO()
+    if writer.WriteStream(stream) != IFSelect_ReturnStatus.IFSelect_RetDone:
+        raise RuntimeError(f"the STEP file of {name} was not written")
+    return stream.getvalue()
+
+
+def _reproducible(model: StepData_StepModel, name: str, description: str) -> None:
+    """A header without clock and machine, and components numbered by name, not by how many this process has made."""
+    for number in range(1, model.NbEntities() + 1):
+        entity = model.Entity(number)
+        if isinstance(entity, StepRepr_NextAssemblyUsageOccurrence):
+            entity.SetId(entity.Name())
+    header = APIHeaderSection_MakeHeader(model)
+    header.SetName(_text(name))
+    header.SetTimeStamp(_text(TIMESTAMP))
+    header.SetAuthorValue(1, _text(""))
+    header.SetOrganizationValue(1, _text(""))
+    header.SetAuthorisation(_text(""))
+    header.SetOriginatingSystem(_text("ncgear"))
+    header.SetDescriptionValue(1, _text(description))
+    header.Apply(model)
+
+
+def _text(words: str) -> TCollection_HAsciiString:
+    return TCollection_HAsciiString(words)
+
+
+def require_same(data: bytes, shapes: Sequence[TopoDS_Shape]) -> None:
+    """Raise RuntimeError, a fault of ncgear, unless a file holds valid solids with faces and volumes of ``shapes``."""
+    whole = read_back(data)
+    if not BRepCheck_Analyzer(whole).IsValid():
+        raise RuntimeError("a STEP file holds solids that are not valid")
+    for shape, found in zip(shapes, solids_of(whole), strict=True):
+        faces, faces_found = (len(faces_of(one)) for one in (shape, found))
+        volume, volume_found = volume_mm3(shape), volume_mm3(found)
+        if faces != faces_found or not abs(volume_found - volume) <= VOLUME_TOLERANCE * volume:
+            raise RuntimeError(
+                f"a STEP file holds {faces_found} faces about {volume_found:.9g} mm3, "
+                f"not {faces} about {volume:.9g} mm3"
+            )
+
+
+def read_back(data: bytes) -> TopoDS_Shape:
+    """The shape that a file holds; raises RuntimeError where it cannot be read."""
+    reader = STEPControl_Reader()
+    if reader.ReadStream("step", BytesIO(data)) != IFSelect_ReturnStatus.IFSelect_RetDone:
+        raise RuntimeError("a STEP file cannot be read back")
+    reader.TransferRoots()
+    return reader.OneShape()

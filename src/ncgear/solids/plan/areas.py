@@ -1,0 +1,127 @@
+"""Plane areas in mm: their outlines and moments, their parallels, and the largest size that fits.
+
+An area is one shapely polygon or several.  Its parallel is the area with its edges moved along the normal by one
+distance everywhere.  The parallel of a polygon whose chords stray from a curve by a tolerance strays from the curve's
+parallel by no more: where one section lies within the other, so do their parallels.  Each edge keeps its direction, and
+neighbouring ones are prolonged to meet (mitred), so that moving back gives the edges again.  In a hollow of radius r,
+by a distance d, the corners between prolonged edges stray by d / r of the tolerance: less than it up to the radius of
+the fillets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from math import floor
+
+import numpy as np
+import shapely
+from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
+
+from ncgear.errors import WrongInput
+from ncgear.numerics.arrays import Array
+
+SHARPEST = 10.0
+"""Length, in distances moved, up to which a corner is prolonged: corners down to 12 degrees stay corners."""
+
+RESOLUTION_MM = 1e-4
+"""How near the largest size is found: a hundredth of what is told of it."""
+
+
+def polygons(area: BaseGeometry) -> list[Polygon]:
+    """The polygons of an area, none where it is empty."""
+    return [part for part in shapely.get_parts(area) if isinstance(part, Polygon) and not part.is_empty]
+
+
+def rings(area: BaseGeometry) -> Iterator[Array]:
+    """All outlines of an area, shape (n, 2) each, first point repeated: the material on the left."""
+    for polygon in polygons(area):
+        oriented = shapely.orient_polygons(polygon)
+        yield from (shapely.get_coordinates(ring) for ring in (oriented.exterior, *oriented.interiors))
+
+
+@dataclass(frozen=True)
+class AreaMoments:
+    """Area, first moment (x + i y) and polar second moment about the origin."""
+
+    area_mm2: float
+    first_mm3: complex
+    polar_mm4: float
+
+
+def area_moments(area: BaseGeometry) -> AreaMoments:
+    """The moments of an area with its holes, by Green's theorem on its outlines; zero where it is empty."""
+    found = [_moments_within(ring) for ring in rings(area)]
+    size, first, polar = np.sum(found, axis=0) if found else (0.0, 0.0, 0.0)
+    return AreaMoments(float(np.real(size)), complex(first), float(np.real(polar)))
+
+
+def _moments_within(ring: Array) -> tuple[complex, complex, complex]:
+    """Area, first and polar moment within a closed ring (shape (n, 2), first point repeated); negative clockwise.
+
+    Edge by edge, the triangle of the origin, p and q: p x q times 1/2, (p + q)/6 and (p.p + p.q + q.q)/12.
+    """
+    p, q = ring[:-1, 0] + 1j * ring[:-1, 1], ring[1:, 0] + 1j * ring[1:, 1]
+    across = (np.conj(p) * q).imag
+    polar = np.abs(p) ** 2 + (np.conj(p) * q).real + np.abs(q) ** 2
+    return complex(across.sum() / 2.0), complex((across * (p + q)).sum() / 6.0), complex((across * polar).sum() / 12.0)
+
+
+def parallel(area: BaseGeometry, distance_mm: float) -> BaseGeometry:
+    """The outer parallel of an area, or the inner one of a negative distance."""
+    moved = area.buffer(distance_mm, join_style="mitre", mitre_limit=SHARPEST)
+    step = 2.0 * float(np.spacing(np.float32(np.abs(area.bounds).max())))
+    # Points that the single precision of STL files cannot tell apart would become one there.
+    return shapely.remove_repeated_points(moved, step)
+
+
+def moved_inwards(section: Polygon, distance_mm: float, tolerance_mm: float, key: str) -> Polygon:
+    """The inner parallel of a section; moved back, it is the section again to the tolerance.
+
+    Raises WrongInput for ``key``, with the largest distance that can be, where it would lose something: a tooth, a wall
+    between two holes, or a tip narrower than twice the distance.
+    """
+    inner = parallel(section, -distance_mm)
+    if _comes_back(section, inner, distance_mm, tolerance_mm):
+        return shapely.get_parts(inner)[0]
+    largest = largest_fitting(
+        lambda size: _comes_back(section, parallel(section, -size), size, tolerance_mm), 0.0, distance_mm
+    )
+    right = said_largest(largest, "none can be taken; larger teeth are needed")
+    problem = f"{distance_mm:g} mm off the edges is more than half of the thinnest part of the gear; {right}"
+    raise WrongInput(problem, key=key)
+
+
+def _comes_back(section: Polygon, inner: BaseGeometry, distance: float, tolerance: float) -> bool:
+    """Whether nothing is lost: the parallel is in one piece, and its own parallel is the section."""
+    if inner.is_empty or len(shapely.get_parts(inner)) != 1 or len(inner.interiors) != len(section.interiors):
+        return False
+    # Where a tip's land is lost its flanks, prolonged, meet beyond it: what is gained counts as well.
+    changed = section.symmetric_difference(parallel(inner, distance))
+    return bool(changed.buffer(-tolerance / 2.0).is_empty)
+
+
+def largest_fitting(fits: Callable[[float], bool], low_mm: float, high_mm: float) -> float:
+    """The largest size that fits between two in mm, by bisection; 0 where none does.
+
+    What is smaller than a fitting size fits; ``low_mm`` itself is not tried.
+    """
+    fitting = 0.0
+    while high_mm - low_mm > RESOLUTION_MM:
+        middle = (low_mm + high_mm) / 2.0
+        if fits(middle):
+            low_mm = fitting = middle
+        else:
+            high_mm = middle
+    return fitting
+
+
+def floored(size_mm: float) -> float:
+    """Rounded down to 0.01 mm, so that the stated size itself fits; smaller ones as they are."""
+    return floor(size_mm * 100.0) / 100.0 or size_mm
+
+
+def said_largest(largest_mm: float, otherwise: str) -> str:
+    """The end of a refusal: the largest that fits, or what else would be right where none does."""
+    return f"the largest that fits is {floored(largest_mm):g} mm" if largest_mm > 0.0 else otherwise
