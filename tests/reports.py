@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ncgear.contact.pair import PairContact
 from ncgear.design.reading.design_file import LoadedDesign, load
-from ncgear.drawings.page.charts import Chart, motion_charts
+from ncgear.drawings.page.page_charts import Chart, motion_charts
 from ncgear.drawings.page.page import report_page
 from ncgear.drawings.plots.curves import Quantity
 from ncgear.files.build import contacts_as_written

@@ -22,7 +22,7 @@ import reports
 from commands import Run
 from ncgear.drawings.page import REPORT_FILE
 from ncgear.drawings.page.chart_svg import drawn
-from ncgear.drawings.page.charts import LOAD, MOTION, SIDE_RAD, Chart, decimals_of, gear_charts, split_angles
+from ncgear.drawings.page.page_charts import LOAD, MOTION, SIDE_RAD, Chart, decimals_of, gear_charts, split_angles
 from ncgear.kinematics.motion import SliderMotion
 
 ROOT = Path(__file__).parents[1]

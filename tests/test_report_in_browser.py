@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import reports
-from ncgear.drawings.page.charts import LOAD, MOTION, Chart, gear_charts
+from ncgear.drawings.page.page_charts import LOAD, MOTION, Chart, gear_charts
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 

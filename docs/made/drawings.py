@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 import ncgear
 from ncgear.drawings.pictures import drawn_teeth, positions_at
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, HIGHLIGHT, INK, REFERENCE, Margins, dress, figure, png
-from ncgear.drawings.plots.gears import draw_mesh, turned
+from ncgear.drawings.plots.assembled_pair import draw_mesh, turned
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 

@@ -1,12 +1,10 @@
 """What a simulation of any level hands over.
 
-The pictures of the rigid level.
+The rigid level's table and figures.
 
-The rigid level's table, figures and pictures.
+The quasi-static level's table and figures.
 
-The quasi-static level's table, figures and pictures.
-
-The dynamic level's table, figures and pictures.
+The dynamic level's table and figures.
 
 A simulation of any level: as files, and as text.
 """
@@ -21,8 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.drawings.plots.canvas import joints_up_to
-from ncgear.drawings.plots.curves import LoadRow, TimeRow, load_curves, time_rows
+from ncgear.drawings.pictures import dynamic_pictures, quasi_static_pictures, rigid_pictures
 from ncgear.dynamics.history import History, history, parted_s
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.rigid import Loads, Rigid
@@ -46,46 +43,6 @@ class Simulated:
     table: Mapping[str, Array]
     figures: Mapping[str, Any]
     pictures: Mapping[str, bytes]
-
-
-def rigid_pictures(drive: Drive, own: Loads, uniform: Loads) -> dict[str, bytes]:
-    """Driving torque, forces in the joints and between the teeth, as PNG by file name."""
-    pictures = {
-        "driving_torque.png": _picture(drive, [_torque(drive, own, uniform)], "driving torque"),
-        "bearing_forces.png": _picture(drive, _forces(own, uniform), "forces in the joints"),
-    }
-    if own.mesh is None or uniform.mesh is None:
-        return pictures
-    force = LoadRow("mesh force", "N", own.mesh.size_n.value, uniform.mesh.size_n.value)
-    angles = [np.degrees(mesh.pressure_angle_rad.value) for mesh in (own.mesh, uniform.mesh)]
-    rows = [force, LoadRow("pressure angle", "deg", angles[0], angles[1], extreme=False)]
-    return {**pictures, "mesh_force.png": _picture(drive, rows, "force between the teeth")}
-
-
-def _picture(drive: Drive, rows: list[LoadRow], what: str) -> bytes:
-    phi1, speed = drive.motion.phi1_rad, drive.design.operation.speed_rpm
-    title = f"{drive.design.name}: {what} at {speed:.4g} r/min"
-    return load_curves(phi1, rows, title, joints_up_to(drive.transmission, float(phi1[-1])))
-
-
-def _torque(drive: Drive, own: Loads, uniform: Loads) -> LoadRow:
-    mean = N_M_PER_N_MM * drive.rigid.fluctuation.mean_torque_n_mm
-    curves = [N_M_PER_N_MM * loads.driving_torque.value for loads in (own, uniform)]
-    return LoadRow("driving torque", "N m", curves[0], curves[1], mean=mean)
-
-
-def _forces(own: Loads, uniform: Loads) -> list[LoadRow]:
-    return [
-        LoadRow("crank bearing", "N", _size(own.crank_bearing), _size(uniform.crank_bearing)),
-        LoadRow("crank pin", "N", _size(own.pin), _size(uniform.pin)),
-        LoadRow("wrist", "N", _size(own.wrist), _size(uniform.wrist)),
-        LoadRow("guide", "N", own.guide.value, uniform.guide.value),
-    ]
-
-
-def _size(force: Vector) -> Array:
-    size: Array = (force.x.value**2 + force.y.value**2) ** 0.5
-    return size
 
 
 KG_M2 = 1e-6
@@ -183,16 +140,13 @@ def _peak(name: str, unit: str, found: Extremum, factor: float = 1.0) -> dict[st
     return {f"{name}_{unit}": factor * found.value, f"{name}_at_rad": found.at}
 
 
-NOWHERE = np.empty((0, 2))
-
-
 def quasi_static_simulation(drive: Drive) -> Simulated:
     """Loaded contact of a drive's teeth, beside the torque of the rigid level."""
     rigid = N_M_PER_N_MM * drive.rigid.machine.at(drive.motion.phi1_rad).driving_torque.value
     return Simulated(
         _table_of_quasi_static(drive, rigid),
         _figures_of_quasi_static(drive),
-        {"loaded_contact.png": _picture_of_quasi_static(drive, rigid)},
+        quasi_static_pictures(drive, rigid),
     )
 
 
@@ -232,24 +186,15 @@ def _peak_of_quasi_static(drive: Drive, key: str, values: Array) -> dict[str, fl
     return {key: float(values[place]), f"{name}_at_rad": float(drive.motion.phi1_rad[place])}
 
 
-def _picture_of_quasi_static(drive: Drive, rigid_n_m: Array) -> bytes:
-    loaded, motion = drive.loaded_contact, drive.motion
-    rows = [
-        TimeRow("driving torque", "N m", N_M_PER_N_MM * loaded.driving_torque_n_mm, rigid_n_m),
-        TimeRow("tooth force", "N", loaded.tooth_force_n),
-        TimeRow("ahead of the law", "mrad", 1e3 * loaded.error_rad),
-    ]
-    title = f"{drive.design.name}: teeth under load at {drive.design.operation.speed_rpm:.4g} r/min"
-    return time_rows(motion.phi1_rad, rows, title, NOWHERE, ("teeth give way", "rigid"))
-
-
 def dynamic_simulation(drive: Drive) -> Simulated:
     """The motion of a drive in time, beside its law."""
     course, rigid = drive.course, drive.rigid.machine
     assert rigid.place is not None
     shown = history(course, rigid, rigid.place)
     apart = parted_s(course)
-    return Simulated(_table_of_dynamic(shown), _figures_of_dynamic(drive, shown, apart), _pictures(drive, shown, apart))
+    apart_rad = np.stack([course.at(ends)[0] for ends in apart.T], axis=-1)
+    pictures = dynamic_pictures(drive, shown, apart_rad)
+    return Simulated(_table_of_dynamic(shown), _figures_of_dynamic(drive, shown, apart), pictures)
 
 
 def _table_of_dynamic(shown: History) -> dict[str, Array]:
@@ -309,41 +254,6 @@ def _largest(values: Array) -> float:
 def _size_of_dynamic(force: Vector) -> Array:
     size: Array = np.hypot(force.x, force.y)
     return size
-
-
-def _pictures(drive: Drive, shown: History, apart_s: Array) -> dict[str, bytes]:
-    apart = np.stack([drive.course.at(ends)[0] for ends in apart_s.T], axis=-1)
-    speed = f"at {drive.design.operation.speed_rpm:.4g} r/min"
-    name = drive.design.name
-    return {
-        "slider_motion.png": time_rows(shown.phi1_rad, _motion(shown), f"{name}: slider {speed}", apart),
-        "tooth_force.png": time_rows(
-            shown.phi1_rad, _forces_of_dynamic(shown), f"{name}: teeth and torque {speed}", apart
-        ),
-        "bearing_forces.png": time_rows(shown.phi1_rad, _bearings(shown), f"{name}: bearings {speed}", apart),
-    }
-
-
-def _motion(shown: History) -> list[TimeRow]:
-    own, law = shown.slide, shown.law
-    return [
-        TimeRow("displacement", "mm", own.displacement_mm, law.displacement_mm),
-        TimeRow("velocity", "mm/s", own.velocity_mm_s, law.velocity_mm_s),
-        TimeRow("acceleration", "mm/s\u00b2", own.acceleration_mm_s2, law.acceleration_mm_s2),
-    ]
-
-
-def _forces_of_dynamic(shown: History) -> list[TimeRow]:
-    return [
-        TimeRow("pushing force", "N", shown.pushing_n),
-        TimeRow("back force", "N", shown.back_n),
-        TimeRow("driving torque", "N m", N_M_PER_N_MM * shown.torque_n_mm),
-    ]
-
-
-def _bearings(shown: History) -> list[TimeRow]:
-    names = {"wrist": "wrist", "pin": "crank pin", "crank_bearing": "crank bearing", "mesh": "mesh force"}
-    return [TimeRow(names[key], "N", _size_of_dynamic(force)) for key, force in _joints(shown).items()]
 
 
 def simulate(drive: Drive, level: Level) -> Simulated:
