@@ -7,9 +7,9 @@ from pathlib import Path
 
 from ncgear.contact.pair import PairContact
 from ncgear.design.reading.design_file import LoadedDesign, load
-from ncgear.drawings.page.charts import Chart, motion_charts
+from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.drawings.page.page import report_page
-from ncgear.drawings.plots.curves import Quantity
+from ncgear.drawings.page.page_charts import PageChart, motion_charts
 from ncgear.files.build import contacts_as_written
 from ncgear.kinematics.motion import SliderMotion
 from ncgear.numerics.arrays import Array
@@ -35,15 +35,14 @@ def contacts(name: str) -> list[PairContact]:
 
 
 @cache
-def motion(name: str) -> tuple[Chart, ...]:
+def motion(name: str) -> list[PageChart]:
     """Charts of the motion over one cycle of the slider."""
     return motion_charts(drive(name), drive(name).transmission.cycle_rad)
 
 
-def in_unit_of(chart: Chart, quantity: Quantity, table: SliderMotion) -> Array:
+def in_unit_of(of: PageChart, quantity: Quantity, table: SliderMotion) -> Array:
     """The quantity's values in the chart's unit."""
-    (drawn,) = {one for one in (quantity, quantity.in_thousands) if one.unit == chart.unit}
-    return drawn.of(table)
+    return quantity.values_in(of.chart.unit, table)
 
 
 @cache

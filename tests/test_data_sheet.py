@@ -14,8 +14,8 @@ from pydantic import ValidationError
 
 from ncgear.design.keys.design import Design
 from ncgear.design.reading.design_file import load
+from ncgear.drawings.charts.chart import joints_up_to
 from ncgear.drawings.page.tables import sheet_tables
-from ncgear.drawings.plots.canvas import joints_up_to
 from ncgear.figures.data_sheet.sheet import data_sheet
 from ncgear.figures.data_sheet.text import pitch_csv, sheet_text, turn_deg
 from ncgear.figures.data_sheet.values import DataSheet, Row, Table

@@ -15,7 +15,7 @@ from PIL import Image
 
 from ncgear.design.keys.design import Design
 from ncgear.design.reading.design_file import load
-from ncgear.drawings.plots import frontier as picture
+from ncgear.drawings.plots import frontier_plot as picture
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.frontier import frontier_csv, frontier_json, mechanisms
 from ncgear.files.frontier import frontier_files, frontier_text

@@ -20,7 +20,7 @@ from ncgear.contact.pair import pair_contact, refuse_bad_outlines
 from ncgear.contact.placement import Placement, placed
 from ncgear.contact.written.as_written import AsWritten, tips_overlap_mm
 from ncgear.design.reading.design_file import load
-from ncgear.drawings import plots
+from ncgear.drawings.plots import assembled_pair as gears
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.assembly import Placed, assembly_report
 from ncgear.files.meshes import read_back, stl_bytes
@@ -532,7 +532,7 @@ def test_the_ring_is_filled_outside_its_curve_and_the_driving_gear_inside(sense:
     """Whichever way the curve runs, as areas tell: a hole that is filled makes the ring nearly twice as large."""
     angle = np.linspace(0.0, 2.0 * pi, 400)[::sense]
     circle = np.column_stack([np.cos(angle), np.sin(angle)])
-    pixels = picture(plots.pitch_curves(plots.Assembled(10.0 * circle, 40.0 * circle, 30.0, 60.0)))
+    pixels = picture(gears.pitch_curves_png(gears.Assembled(10.0 * circle, 40.0 * circle, 30.0, 60.0)))
     tinted = np.abs(pixels - 255.0).max(axis=2) > 20.0
     colored = pixels[tinted & (np.ptp(pixels, axis=2) > 10.0)]
     orange, blue = np.sum(colored[:, 0] > colored[:, 2]), np.sum(colored[:, 2] > colored[:, 0])
@@ -544,13 +544,13 @@ def test_the_ring_is_drawn_turned_with_the_driving_gear() -> None:
     """By phi2 = 0.3: as one that stands at 0.3 with phi2 = 0.  Titles, which name phi2, are in the upper half."""
 
     def mesh_view(outline: Array, phi2: float) -> Array:
-        shown = [plots.Position(0.0, phi2, -RADIUS / 2.0)]
-        pair = plots.Assembled(wavy(4000) / 2.0, outline, RADIUS / 2.0, RADIUS + 10.0)
-        pixels = picture(plots.tooth_pair(pair, MODULE, shown))
+        shown = [gears.Position(0.0, phi2, -RADIUS / 2.0)]
+        pair = gears.Assembled(wavy(4000) / 2.0, outline, RADIUS / 2.0, RADIUS + 10.0)
+        pixels = picture(gears.teeth_png(pair, MODULE, shown))
         return pixels[pixels.shape[0] // 2 :]
 
     ring = wavy(4000) * (1.0 + 0.1 * np.sin(np.linspace(0.0, 2.0 * pi, 4000, endpoint=False)))[:, None]
-    turned_on, turned_back = plots.turned(ring, 0.3), plots.turned(ring, -0.3)
+    turned_on, turned_back = gears.turned(ring, 0.3), gears.turned(ring, -0.3)
     assert np.abs(mesh_view(ring, 0.3) - mesh_view(turned_on, 0.0)).max() <= 2.0
     assert np.abs(mesh_view(ring, 0.3) - mesh_view(turned_back, 0.0)).max() > 100.0
 

@@ -17,8 +17,10 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import ncgear
-from ncgear.drawings import plots
-from ncgear.drawings.plots.curves import mark_extreme
+from ncgear.drawings.charts.chart import NONE, Line, Role
+from ncgear.drawings.charts.drawer import MOTION_COLUMN, MOTION_LOOK, beside_png, column_png, mark_extreme
+from ncgear.drawings.charts.slider_charts import LOAD, MOTION, motion_chart, over_displacement
+from ncgear.drawings.plots import assembled_pair as gears
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.numbers import label_and_unit, shown
 from ncgear.figures.summary.build import pitch_summary
@@ -289,7 +291,7 @@ def test_numbers_and_units() -> None:
 @pytest.mark.parametrize(("force", "said"), [(0.0, "zero throughout"), (2.0, "2 kN at 0\u00b0")])
 def test_a_curve_without_values_says_so(force: float, said: str) -> None:
     axes = Figure().subplots()
-    mark_extreme(axes, np.linspace(0.0, 360.0, 5), np.full(5, force), "kN")
+    mark_extreme(axes, Line(Role.OWN, "this design", np.linspace(0.0, 360.0, 5), np.full(5, force)), "kN")
     assert [text.get_text() for text in axes.texts] == [said]
 
 
@@ -332,28 +334,38 @@ DRIVING, DRIVEN, HIGHLIGHT = (0x00, 0x72, 0xB2), (0xD5, 0x5E, 0x00), (0xCC, 0x79
 
 def test_pitch_curves_show_both_gears_and_concave_stretches_only_where_there_are_any() -> None:
     driving, driven = wavy(50.0, 0.0), wavy(50.0, pi)
-    pair = plots.Assembled(driving, driven, 100.0)
-    plain = shades(plots.pitch_curves(pair))
+    pair = gears.Assembled(driving, driven, 100.0)
+    plain = shades(gears.pitch_curves_png(pair))
     assert min(near(plain, DRIVING), near(plain, DRIVEN)) > 500
     assert near(plain, HIGHLIGHT) == 0
     none, some = np.zeros(4000, dtype=bool), np.arange(4000) < 1000
-    assert near(shades(plots.pitch_curves(pair, (none, none))), HIGHLIGHT) == 0
-    assert near(shades(plots.pitch_curves(pair, (some, None))), HIGHLIGHT) > 500
+    assert near(shades(gears.pitch_curves_png(pair, (none, none))), HIGHLIGHT) == 0
+    assert near(shades(gears.pitch_curves_png(pair, (some, None))), HIGHLIGHT) > 500
 
 
 def test_tooth_pair_shows_every_position() -> None:
-    positions = [plots.Position(angle, angle, 50.0) for angle in (0.0, 1.0, 2.0)]
-    pixels = shades(plots.tooth_pair(plots.Assembled(wavy(50.0, 0.0), wavy(50.0, pi), 100.0), 2.5, positions))
+    positions = [gears.Position(angle, angle, 50.0) for angle in (0.0, 1.0, 2.0)]
+    pixels = shades(gears.teeth_png(gears.Assembled(wavy(50.0, 0.0), wavy(50.0, pi), 100.0), 2.5, positions))
     for column in np.array_split(pixels[:, : pixels.shape[1] // 3 * 3], 3, axis=1):
         assert min(near(column, DRIVING), near(column, DRIVEN)) > 300
 
 
 def test_gears_turn_opposite_ways() -> None:
-    np.testing.assert_allclose(plots.turned(np.array([[1.0, 0.0]]), pi / 2.0), [[0.0, 1.0]], atol=1e-15)
+    np.testing.assert_allclose(gears.turned(np.array([[1.0, 0.0]]), pi / 2.0), [[0.0, 1.0]], atol=1e-15)
 
 
-@pytest.mark.parametrize("draw", [plots.motion, plots.power])
-@pytest.mark.parametrize("joints", [np.empty(0), np.array([1.0, 2.0])])
+def motion_png(own: SliderMotion, uniform: SliderMotion, title: str, joints_deg: np.ndarray = NONE) -> bytes:
+    charts = [motion_chart(quantity, own, uniform, joints_deg) for quantity in MOTION]
+    return column_png(charts, title, MOTION_LOOK, MOTION_COLUMN)
+
+
+def power_png(own: SliderMotion, uniform: SliderMotion, title: str, joints_deg: np.ndarray = NONE) -> bytes:
+    charts = [motion_chart(quantity, own, uniform, joints_deg) for quantity in LOAD]
+    return beside_png([(chart, over_displacement(chart, (own, uniform))) for chart in charts], title)
+
+
+@pytest.mark.parametrize("draw", [motion_png, power_png])
+@pytest.mark.parametrize("joints", [np.empty(0), np.array([57.0, 115.0])])
 def test_curves_are_drawn(draw: Any, joints: np.ndarray) -> None:
     pixels = shades(draw(motion(), motion(amplitude=0.0), "baler: 20 r/min", joints))
     assert near(pixels, DRIVING) > 1000
@@ -363,16 +375,16 @@ def test_curves_are_drawn(draw: Any, joints: np.ndarray) -> None:
 def test_power_without_resistance_and_a_name_with_dollar_signs_can_be_drawn() -> None:
     idle = motion()
     idle = SliderMotion(**{**vars(idle), "force_n": 0.0 * idle.force_n, "power_w": 0.0 * idle.power_w})
-    assert near(shades(plots.power(idle, idle, "a $ and $\\frac")), DRIVING) > 500
+    assert near(shades(power_png(idle, idle, "a $ and $\\frac")), DRIVING) > 500
 
 
 def test_pictures_are_the_same_bytes_each_time() -> None:
-    assert plots.motion(motion(), motion(), "a") == plots.motion(motion(), motion(), "a")
+    assert motion_png(motion(), motion(), "a") == motion_png(motion(), motion(), "a")
 
 
 def test_no_global_plotting_state_is_touched(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delitem(sys.modules, "matplotlib.pyplot", raising=False)
-    plots.motion(motion(), motion(), "a")
+    motion_png(motion(), motion(), "a")
     assert "matplotlib.pyplot" not in sys.modules
 
 

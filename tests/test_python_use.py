@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 import ncgear
 import ncgear.plots
 from ncgear.design.template import template
-from ncgear.drawings.plots.gears import Assembled
+from ncgear.drawings.plots.assembled_pair import Assembled
 
 ROOT = Path(__file__).parents[1]
 BALER = ROOT / "designs" / "baler.yaml"

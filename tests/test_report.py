@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from dataclasses import replace
 from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
@@ -20,13 +21,14 @@ from lxml.html import HtmlElement
 
 import reports
 from commands import Run
+from ncgear.drawings.charts.slider_charts import LOAD, MOTION
 from ncgear.drawings.page import REPORT_FILE
 from ncgear.drawings.page.chart_svg import drawn
-from ncgear.drawings.page.charts import LOAD, MOTION, SIDE_RAD, Chart, decimals_of, gear_charts, split_angles
+from ncgear.drawings.page.page_charts import SIDE_RAD, PageChart, decimals_of, gear_charts, split_angles
 from ncgear.kinematics.motion import SliderMotion
 
 ROOT = Path(__file__).parents[1]
-PAGE = ROOT / "src" / "ncgear" / "output" / "page"
+PAGE = ROOT / "src" / "ncgear" / "drawings" / "page"
 CSS = (PAGE / "page.css").read_text(encoding="utf-8")
 
 HOSTILE = (
@@ -184,7 +186,7 @@ def test_all_that_the_page_is_made_of_is_installed_with_the_package() -> None:
     package = ROOT / "src" / "ncgear"
     parts = [path.relative_to(package).as_posix() for path in PAGE.rglob("*.*") if path.suffix not in (".py", ".pyc")]
     assert [part for part in parts if not any(fnmatch(part, pattern) for pattern in patterns)] == []
-    assert not any(fnmatch("output/page/page.ts", pattern) for pattern in patterns)
+    assert not any(fnmatch("drawings/page/page.ts", pattern) for pattern in patterns)
 
 
 # --- content
@@ -216,11 +218,11 @@ def test_pairs_of_all_kinds_have_their_charts(name: str) -> None:
 # --- curves
 
 
-def error_of_straight_lines(chart: Chart, own: np.ndarray, angles_deg: np.ndarray) -> float:
+def error_of_straight_lines(of: PageChart, own: np.ndarray, angles_deg: np.ndarray) -> float:
     """How far straight lines between the samples are from the values of this design, in shown digits."""
-    line = chart.lines[0]
-    between = np.interp(np.mod(angles_deg, line.period_deg), line.angle_deg, line.values)
-    return float(np.max(np.abs(between - own))) * 10.0**chart.decimals
+    line = of.chart.lines[0]
+    between = np.interp(np.mod(angles_deg, of.period_deg), line.x, line.values)
+    return float(np.max(np.abs(between - own))) * 10.0**of.decimals
 
 
 def motion_at(name: str, angles_deg: np.ndarray) -> SliderMotion:
@@ -230,7 +232,7 @@ def motion_at(name: str, angles_deg: np.ndarray) -> SliderMotion:
 @pytest.mark.parametrize("name", ["baler", "pump-1-2", "ellipse"])
 def test_what_is_read_out_is_the_motion(name: str) -> None:
     charts = reports.motion(name)
-    angles = np.random.default_rng(8).uniform(0.0, charts[0].end_deg, 3000)
+    angles = np.random.default_rng(8).uniform(0.0, charts[0].chart.end, 3000)
     found = motion_at(name, angles)
     for chart, quantity in zip(charts[:3], MOTION, strict=True):
         assert error_of_straight_lines(chart, reports.in_unit_of(chart, quantity, found), angles) < 0.5, chart.key
@@ -273,13 +275,13 @@ DRAWN_OFF = 0.2
 """Distance in SVG units by which a drawn point may miss its curve: matplotlib leaves out what is within 1/9."""
 
 
-def farthest_from_curve(chart: Chart, angle_deg: tuple[float, float]) -> float:
+def farthest_from_curve(of: PageChart, angle_deg: tuple[float, float]) -> float:
     """Distance of drawn points from where the page's script would put the cursor's dot, in SVG units."""
-    drawing, line = drawn(chart), chart.lines[0]
-    x = np.interp(line.angle_deg, angle_deg, drawing.x)
-    y = np.interp(line.values, drawing.values, drawing.y)
+    figure, line = drawn(of), of.chart.lines[0]
+    x = np.interp(line.x, angle_deg, figure.x)
+    y = np.interp(line.values, figure.values, figure.y)
     cursor = shapely.LineString(np.column_stack([x, y]))
-    return float(max(shapely.distance(cursor, shapely.points(points_of_own_line(drawing.svg)))))
+    return float(max(shapely.distance(cursor, shapely.points(points_of_own_line(figure.drawing)))))
 
 
 @pytest.mark.parametrize("number", range(8))
@@ -295,10 +297,10 @@ def test_a_cursor_that_is_off_is_seen() -> None:
 
 def test_small_forces_and_powers_are_in_newtons_and_watts() -> None:
     """400 N against the pump's slider, 27 kN against the baler's."""
-    force, power = reports.motion("pump-1-2")[3:5]
+    force, power = (one.chart for one in reports.motion("pump-1-2")[3:5])
     assert (force.unit, power.unit) == ("N", "W")
     assert float(force.lines[0].values.max()) == pytest.approx(400.0)
-    assert [chart.unit for chart in reports.motion("baler")[3:5]] == ["kN", "kW"]
+    assert [one.chart.unit for one in reports.motion("baler")[3:5]] == ["kN", "kW"]
 
 
 @pytest.mark.parametrize(
@@ -309,11 +311,11 @@ def test_four_digits_of_the_largest_value_are_shown(largest: float, decimals: in
 
 
 def test_values_that_are_not_finite_are_refused() -> None:
-    chart = reports.motion("baler")[0]
-    line = chart.lines[0]
-    bad = type(line)(line.role, line.name, line.angle_deg, line.values * np.nan, line.period_deg)
+    of = reports.motion("baler")[0]
+    line = of.chart.lines[0]
+    bad = replace(line, values=line.values * np.nan)
     with pytest.raises(ValueError, match="displacement"):
-        Chart(chart.key, chart.name, chart.unit, (bad,), chart.end_deg, chart.joints_deg)
+        replace(of, chart=replace(of.chart, lines=(bad,)))
 
 
 # --- colours

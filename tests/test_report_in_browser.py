@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 import reports
-from ncgear.drawings.page.charts import LOAD, MOTION, Chart, gear_charts
+from ncgear.drawings.charts.slider_charts import LOAD, MOTION
+from ncgear.drawings.page.page_charts import PageChart, gear_charts
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 
@@ -129,12 +130,10 @@ def test_the_driven_angle_is_the_laws(baler: Opened) -> None:
         assert float(baler.text("[data-angle=driving]")) == pytest.approx(angle, abs=0.00501)
 
 
-def charts(name: str) -> dict[str, Chart]:
+def charts(name: str) -> dict[str, PageChart]:
     drive = reports.drive(name)
     pairs = zip(drive.by_stage, reports.contacts(name), strict=True)
-    return {
-        chart.key: chart for chart in (*reports.motion(name), *(one for pair in pairs for one in gear_charts(*pair)))
-    }
+    return {one.key: one for one in (*reports.motion(name), *(one for pair in pairs for one in gear_charts(*pair)))}
 
 
 @pytest.mark.parametrize("angle_deg", [12.345, 190.0, 301.7])

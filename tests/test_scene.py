@@ -12,7 +12,7 @@ from shapely import LinearRing, Point, Polygon
 
 from ncgear.design.reading.design_file import load
 from ncgear.drawings.scene.bodies import REST, Places, chamber_of
-from ncgear.drawings.scene.gears import SceneGear, ScenePair, mountings
+from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair, mountings
 from ncgear.drawings.scene.scene import Poses, Scene
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import signed_area

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import ModuleType
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,8 +12,9 @@ from matplotlib.figure import Figure
 
 import reports
 from ncgear import plots
-from ncgear.drawings.plots import curves as loads
-from ncgear.drawings.plots import curves as time_rows
+from ncgear.drawings.charts.chart import Chart, Line, Role
+from ncgear.drawings.charts.drawer import LOAD_LOOK, TIME_LOOK, draw
+from ncgear.drawings.charts.simulation_charts import simulated_chart
 from ncgear.figures.numbers import THOUSANDS, readable
 from ncgear.project.drive import Drive
 
@@ -79,7 +80,7 @@ def test_a_second_machine_on_the_same_axes_has_the_unit_of_the_first() -> None:
 
 
 def test_the_report_of_a_small_machine_is_in_watts() -> None:
-    velocity, acceleration, force, power = reports.motion("pusher")[1:5]
+    velocity, acceleration, force, power = (one.chart for one in reports.motion("pusher")[1:5])
     assert [chart.unit for chart in (velocity, acceleration, force, power)] == ["mm/s", "m/s\u00b2", "N", "W"]
     assert float(power.lines[0].values.max()) == pytest.approx(8.7023, rel=1e-4)
 
@@ -88,30 +89,24 @@ PHI1 = np.linspace(0.0, 2.0 * np.pi, 5)
 SIZES = pytest.mark.parametrize(("most", "unit", "drawn"), [(900.0, "N", 900.0), (2.0e4, "kN", 20.0)])
 
 
-def columns(module: ModuleType, monkeypatch: pytest.MonkeyPatch) -> list[list[Axes]]:
-    """The columns of axes that a picture will have."""
-    found: list[list[Axes]] = []
-    monkeypatch.setattr(module, "angle_scale", lambda column, end: found.append(list(column)))
-    return found
+def force_chart(name: str, most: float) -> Chart:
+    """A force of this design and the same one to compare it with."""
+    values = most * np.sin(PHI1)
+    return simulated_chart(name, "N", PHI1, ("this design", values), ("other", values))
 
 
 @SIZES
-def test_simulated_forces_have_the_unit_of_their_size(
-    most: float, unit: str, drawn: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    found, values = columns(time_rows, monkeypatch), most * np.sin(PHI1)
-    time_rows.time_rows(PHI1, [time_rows.Row("tooth force", "N", values, values)], "title", np.empty((0, 2)))
-    ((axes,),) = found
+def test_simulated_forces_have_the_unit_of_their_size(most: float, unit: str, drawn: float) -> None:
+    axes = Figure().subplots()
+    draw(axes, force_chart("tooth force", most), TIME_LOOK)
     assert axes.get_ylabel() == f"tooth force\nin {unit}"
     assert [max(line.get_ydata()) for line in axes.lines[:2]] == pytest.approx([drawn, drawn])
 
 
 @SIZES
-def test_loads_have_the_unit_of_their_size(
-    most: float, unit: str, drawn: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    found, values = columns(loads, monkeypatch), most * np.sin(PHI1)
-    loads.load_curves(PHI1, [loads.Row("guide", "N", values, values, mean=most / 2.0)], "title", np.empty(0))
-    ((axes,),) = found
+def test_loads_have_the_unit_of_their_size(most: float, unit: str, drawn: float) -> None:
+    axes, chart = Figure().subplots(), force_chart("guide", most)
+    mean = Line(Role.MEAN, "mean", np.array([0.0, 360.0]), np.full(2, most / 2.0))
+    draw(axes, replace(chart, lines=(*chart.lines, mean)), LOAD_LOOK)
     assert axes.get_ylabel() == f"guide\nin {unit}"
     assert [max(line.get_ydata()) for line in axes.lines[:3]] == pytest.approx([drawn, drawn, drawn / 2.0])

@@ -11,9 +11,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 import ncgear
-from ncgear.drawings.pictures import drawn_teeth, positions_at
+from ncgear.drawings.plots.assembled_pair import assembled_teeth, draw_mesh, positions_at, turned
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, HIGHLIGHT, INK, REFERENCE, Margins, dress, figure, png
-from ncgear.drawings.plots.gears import draw_mesh, turned
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 
@@ -159,7 +158,7 @@ def contact() -> bytes:
     position = int(np.argmax(np.bincount(touching.position)))
     placement = drive.designed_contact.placement
     stands = positions_at(drive, placement.phi1_rad[position : position + 1])[0]
-    draw_mesh(axes, drawn_teeth(drive), 3.2 * drive.rack.module_mm, stands)
+    draw_mesh(axes, assembled_teeth(drive), 3.2 * drive.rack.module_mm, stands)
     here = touching.kept((touching.position == position) & touching.flanks)
     points = np.column_stack([here.point.real, here.point.imag])
     points = turned(points, -stands.phi2_rad) + np.array([drive.pitch.center_distance_mm, 0.0])

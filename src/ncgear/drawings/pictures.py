@@ -1,84 +1,116 @@
-"""The pictures of a build, and what of a drive is drawn in them."""
+"""The pictures of a build and of the levels of a simulation: PNG by file name."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from math import pi
 
 import numpy as np
 
 from ncgear.contact.pair import PairContact
-from ncgear.drawings.plots.canvas import joints_up_to
-from ncgear.drawings.plots.contact import contact as contact_picture
-from ncgear.drawings.plots.curves import motion, power
-from ncgear.drawings.plots.gears import Assembled, Position, pitch_curves, tooth_pair
-from ncgear.numerics.arrays import Array, Mask
-from ncgear.pitch.curve import CurvePoints, PitchCurve
-from ncgear.project.bodies import rim_mm_of
+from ncgear.drawings.charts import contact_charts, simulation_charts
+from ncgear.drawings.charts.chart import NONE, Chart, Line, Role, joints_up_to
+from ncgear.drawings.charts.drawer import (
+    CONTACT_COLUMN,
+    CONTACT_LOOK,
+    LOAD_LOOK,
+    MOTION_COLUMN,
+    MOTION_LOOK,
+    SIMULATION_COLUMN,
+    TIME_LOOK,
+    beside_png,
+    column_png,
+)
+from ncgear.drawings.charts.slider_charts import LOAD, MOTION, over_displacement, slider_chart
+from ncgear.drawings.plots.assembled_pair import (
+    assembled_pitch_curves,
+    assembled_teeth,
+    pitch_curves_png,
+    positions_at,
+    teeth_png,
+)
+from ncgear.dynamics.history import History
+from ncgear.dynamics.rigid import Loads
+from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
-from ncgear.solids.plan.plan import outer_radius_mm
-
-CURVE_POINTS = 1500
-"""Points of a drawn pitch curve: 0.2 mm apart on a screen-wide gear of 300 mm."""
 
 POSITIONS = 3
 """Positions of the pair in the picture of its teeth, evenly spread over a turn of the driving gear."""
 
+NO_BACKLASH_RAD = 1e-9
+"""Play below which none is drawn: some nanometres at the flanks."""
+
 
 def pictures(drive: Drive, contact: PairContact) -> dict[str, bytes]:
-    """PNG pictures by their file names."""
-    name, speed = drive.design.name, drive.design.operation.speed_rpm
-    tables, joints = (drive.motion, drive.uniform_motion), motion_joints_rad(drive)
-    all_joints = joints_up_to(drive.pair.transmission, contact.as_designed.placement.cycle_rad)
-    module, positions = drive.pitch.size.module_mm, positions_at(drive, np.arange(POSITIONS) * 2.0 * pi / POSITIONS)
-    curves, teeth, title = drawn_pitch_curves(drive), drawn_teeth(drive), _title(drive)
+    """The pictures of a build."""
+    name, speed = drive.design.name, f"at {drive.design.operation.speed_rpm:.4g} r/min"
+    pair = name if drive.stage is None else f"{name}, stage {drive.stage} by its own angles"
+    positions = positions_at(drive, np.arange(POSITIONS) * 2.0 * pi / POSITIONS)
+    module = drive.pitch.size.module_mm
+    motion = [slider_chart(drive, quantity) for quantity in MOTION]
     return {
-        "pitch_curves.png": pitch_curves(*curves, f"{title}: pitch curves at phi1 = 0"),
-        "tooth_pair.png": tooth_pair(teeth, module, positions, f"{title}: tooth outlines in mesh"),
-        "motion.png": motion(*tables, f"{name}: motion at {speed:.4g} r/min", joints),
-        "contact.png": contact_picture(contact, f"{title}: contact of the teeth", all_joints),
-        "power.png": power(*tables, f"{name}: force and power at {speed:.4g} r/min", joints),
+        "pitch_curves.png": pitch_curves_png(*assembled_pitch_curves(drive), f"{pair}: pitch curves at phi1 = 0"),
+        "tooth_pair.png": teeth_png(assembled_teeth(drive), module, positions, f"{pair}: tooth outlines in mesh"),
+        "motion.png": column_png(motion, f"{name}: motion {speed}", MOTION_LOOK, MOTION_COLUMN),
+        "contact.png": _contact_picture(drive, contact, f"{pair}: contact of the teeth"),
+        "power.png": _power_picture(drive, f"{name}: force and power {speed}"),
     }
 
 
-def drawn_pitch_curves(drive: Drive) -> tuple[Assembled, tuple[Mask, Mask]]:
-    """Both pitch curves, and which of their points are on concave stretches (shape (n,))."""
-    driving, driven = (_closed_curve(curve) for curve in (drive.pitch.driving, drive.pitch.driven))
-    dented = driven.curvature > 0.0 if drive.pitch.driven.is_ring else driven.curvature < 0.0
-    return _assembled(drive, driving.position, driven.position), (driving.curvature < 0.0, dented)
+def _power_picture(drive: Drive, title: str) -> bytes:
+    """Force and power over the driving angle, and beside it over the displacement."""
+    charts = [slider_chart(drive, quantity) for quantity in LOAD]
+    motions = drive.motion, drive.uniform_motion
+    return beside_png([(chart, over_displacement(chart, motions)) for chart in charts], title)
 
 
-def drawn_teeth(drive: Drive) -> Assembled:
-    """Both tooth outlines."""
-    return _assembled(drive, drive.teeth.driving.outline_mm, drive.teeth.driven.outline_mm)
+def _contact_picture(drive: Drive, contact: PairContact, title: str) -> bytes:
+    """All charts of the contact, with the joints of the law; that of backlash where there is any."""
+    designed = contact.as_designed
+    kinds = [contact_charts.flanks_in_contact, contact_charts.pressure_angle, contact_charts.sliding]
+    if np.max(np.abs(designed.backlash_rad)) >= NO_BACKLASH_RAD:
+        kinds.insert(0, contact_charts.backlash)
+    errors = contact_charts.transmission_error(contact)
+    # The key stands above the first row: an empty line there names the backs, which the other rows show.
+    pushing, written = errors.lines
+    errors = replace(errors, lines=(pushing, Line(Role.OTHER, contact_charts.BACKS, NONE, NONE), written))
+    joints = np.degrees(joints_up_to(drive.pair.transmission, designed.placement.cycle_rad))
+    charts = [replace(chart, joints_deg=joints) for chart in (errors, *(kind(designed) for kind in kinds))]
+    return column_png(charts, title, CONTACT_LOOK, CONTACT_COLUMN)
 
 
-def positions_at(drive: Drive, phi1_rad: Array) -> list[Position]:
-    """How the pair stands at driving angles in rad, shape (n,)."""
-    phi2 = drive.pair.transmission.driven_angle(phi1_rad).value
-    point = drive.pitch.pitch_point_mm(phi1_rad)
-    return [Position(float(a), float(b), float(x)) for a, b, x in zip(phi1_rad, phi2, point, strict=True)]
+def rigid_pictures(drive: Drive, own: Loads, uniform: Loads) -> dict[str, bytes]:
+    """The pictures of the rigid level; loads are those at the angles of the drive's motion."""
+
+    def picture(charts: Sequence[Chart], what: str) -> bytes:
+        title = f"{drive.design.name}: {what} at {drive.design.operation.speed_rpm:.4g} r/min"
+        return column_png(charts, title, LOAD_LOOK, SIMULATION_COLUMN)
+
+    made = {
+        "driving_torque.png": picture([simulation_charts.driving_torque(drive, own, uniform)], "driving torque"),
+        "bearing_forces.png": picture(simulation_charts.joint_forces(drive, own, uniform), "forces in the joints"),
+    }
+    mesh = simulation_charts.mesh_forces(drive, own, uniform)
+    return {**made, "mesh_force.png": picture(mesh, "force between the teeth")} if mesh else made
 
 
-def motion_joints_rad(drive: Drive) -> Array:
-    """Joints of the law as far as the motion is sampled, shape (n,)."""
-    return joints_up_to(drive.transmission, float(drive.motion.phi1_rad[-1]))
+def quasi_static_pictures(drive: Drive, rigid_n_m: Array) -> dict[str, bytes]:
+    """The picture of the quasi-static level, beside the driving torque of rigid teeth in N m, shape (n,)."""
+    title = f"{drive.design.name}: teeth under load at {drive.design.operation.speed_rpm:.4g} r/min"
+    charts = simulation_charts.teeth_under_load(drive, rigid_n_m)
+    return {"loaded_contact.png": column_png(charts, title, TIME_LOOK, SIMULATION_COLUMN)}
 
 
-def _title(drive: Drive) -> str:
-    """Of pictures that show one pair of gears."""
-    return drive.design.name if drive.stage is None else f"{drive.design.name}, stage {drive.stage} by its own angles"
-
-
-def _assembled(drive: Drive, driving_mm: Array, driven_mm: Array) -> Assembled:
-    return Assembled(driving_mm, driven_mm, drive.pitch.center_distance_mm, _ring_radius_mm(drive))
-
-
-def _ring_radius_mm(drive: Drive) -> float | None:
-    """Outer radius of a driven ring; None for an external pair."""
-    if not drive.pitch.driven.is_ring:
-        return None
-    return outer_radius_mm(drive.teeth.driven.outline_mm, rim_mm_of(drive.gears, drive.pitch.size.module_mm))
-
-
-def _closed_curve(curve: PitchCurve) -> CurvePoints:
-    return curve.at_angle(np.linspace(0.0, curve.turn_rad, CURVE_POINTS))
+def dynamic_pictures(drive: Drive, shown: History, apart_rad: Array) -> dict[str, bytes]:
+    """The pictures of the dynamic level; ``apart_rad`` (shape (k, 2)) are stretches without pushing flanks in touch."""
+    apart, speed = np.degrees(apart_rad), f"at {drive.design.operation.speed_rpm:.4g} r/min"
+    made = {
+        "slider_motion.png": (simulation_charts.slider_in_time(shown, apart), "slider"),
+        "tooth_force.png": (simulation_charts.teeth_in_time(shown, apart), "teeth and torque"),
+        "bearing_forces.png": (simulation_charts.bearings_in_time(shown, apart), "bearings"),
+    }
+    return {
+        file: column_png(charts, f"{drive.design.name}: {what} {speed}", TIME_LOOK, SIMULATION_COLUMN)
+        for file, (charts, what) in made.items()
+    }

@@ -10,7 +10,7 @@ import numpy as np
 from ncgear.balance.counterweights import least_squares, minimax
 from ncgear.balance.mechanism import Counterweight, Mechanism, accelerations
 from ncgear.balance.shaking import Shaking, shaking, track
-from ncgear.drawings.plots.balance import campbell, loops
+from ncgear.drawings.plots.balance_plots import campbell, loops
 from ncgear.figures.balance import excitations_of
 from ncgear.figures.numbers import json_text
 from ncgear.files.meshes import stl_bytes

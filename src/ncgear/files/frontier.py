@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from ncgear.drawings.plots.frontier import frontier as frontier_plot
-from ncgear.drawings.plots.frontier import rows
+from ncgear.drawings.plots.frontier_plot import frontier as frontier_plot
+from ncgear.drawings.plots.frontier_plot import rows
 from ncgear.figures.frontier import frontier_csv, frontier_json, mechanisms
 from ncgear.figures.numbers import shown
 from ncgear.project.frontier import Frontier

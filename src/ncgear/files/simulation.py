@@ -9,17 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.drawings.plots.canvas import joints_up_to
-from ncgear.drawings.plots.curves import LoadRow, TimeRow, load_curves, time_rows
-from ncgear.dynamics.history import History, history, parted_s
+from ncgear.drawings.pictures import dynamic_pictures, quasi_static_pictures, rigid_pictures
+from ncgear.dynamics.history import history, parted_s
 from ncgear.dynamics.level import Level
-from ncgear.dynamics.rigid import Loads
 from ncgear.figures.numbers import json_text
 from ncgear.figures.simulated import (
     dynamic_figures,
     dynamic_table,
-    force_size_n,
-    joint_forces,
     quasi_static_figures,
     quasi_static_table,
     rigid_figures,
@@ -28,7 +24,6 @@ from ncgear.figures.simulated import (
 from ncgear.figures.tables import csv_text
 from ncgear.figures.terminal import MECHANISMS, beside_lines, summary_text
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.plane import Vector
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.project.drive import Drive
 
@@ -97,79 +92,3 @@ def _dynamic(drive: Drive) -> Simulated:
     apart_rad = np.stack([course.at(ends)[0] for ends in apart_s.T], axis=-1)
     pictures = dynamic_pictures(drive, shown, apart_rad)
     return Simulated(dynamic_table(shown), dynamic_figures(drive, shown, apart_s), pictures)
-
-
-def rigid_pictures(drive: Drive, own: Loads, uniform: Loads) -> dict[str, bytes]:
-    """Driving torque, forces in the joints and between the teeth, as PNG by file name."""
-    pictures = {
-        "driving_torque.png": _picture(drive, [_torque(drive, own, uniform)], "driving torque"),
-        "bearing_forces.png": _picture(drive, _forces(own, uniform), "forces in the joints"),
-    }
-    if own.mesh is None or uniform.mesh is None:
-        return pictures
-    force = LoadRow("mesh force", "N", own.mesh.size_n.value, uniform.mesh.size_n.value)
-    angles = [np.degrees(mesh.pressure_angle_rad.value) for mesh in (own.mesh, uniform.mesh)]
-    rows = [force, LoadRow("pressure angle", "deg", angles[0], angles[1], extreme=False)]
-    return {**pictures, "mesh_force.png": _picture(drive, rows, "force between the teeth")}
-
-
-def _picture(drive: Drive, rows: list[LoadRow], what: str) -> bytes:
-    phi1, speed = drive.motion.phi1_rad, drive.design.operation.speed_rpm
-    title = f"{drive.design.name}: {what} at {speed:.4g} r/min"
-    return load_curves(phi1, rows, title, joints_up_to(drive.transmission, float(phi1[-1])))
-
-
-def _torque(drive: Drive, own: Loads, uniform: Loads) -> LoadRow:
-    mean = N_M_PER_N_MM * drive.rigid.fluctuation.mean_torque_n_mm
-    curves = [N_M_PER_N_MM * loads.driving_torque.value for loads in (own, uniform)]
-    return LoadRow("driving torque", "N m", curves[0], curves[1], mean=mean)
-
-
-def _forces(own: Loads, uniform: Loads) -> list[LoadRow]:
-    return [
-        LoadRow("crank bearing", "N", _size(own.crank_bearing), _size(uniform.crank_bearing)),
-        LoadRow("crank pin", "N", _size(own.pin), _size(uniform.pin)),
-        LoadRow("wrist", "N", _size(own.wrist), _size(uniform.wrist)),
-        LoadRow("guide", "N", own.guide.value, uniform.guide.value),
-    ]
-
-
-def _size(force: Vector) -> Array:
-    size: Array = (force.x.value**2 + force.y.value**2) ** 0.5
-    return size
-
-
-def quasi_static_pictures(drive: Drive, rigid_torque_n_m: Array) -> dict[str, bytes]:
-    """Driving torque beside the rigid level's, tooth force and how far the driven gear is ahead of the law."""
-    loaded, motion = drive.loaded_contact, drive.motion
-    rows = [
-        TimeRow("driving torque", "N m", N_M_PER_N_MM * loaded.driving_torque_n_mm, rigid_torque_n_m),
-        TimeRow("tooth force", "N", loaded.tooth_force_n),
-        TimeRow("ahead of the law", "mrad", 1e3 * loaded.error_rad),
-    ]
-    title = f"{drive.design.name}: teeth under load at {drive.design.operation.speed_rpm:.4g} r/min"
-    return {"loaded_contact.png": time_rows(motion.phi1_rad, rows, title, NOWHERE, ("teeth give way", "rigid"))}
-
-
-def dynamic_pictures(drive: Drive, shown: History, apart_rad: Array) -> dict[str, bytes]:
-    """Motion, teeth and bearings; the driving angles between which the teeth are apart have shape (k, 2)."""
-    speed = f"at {drive.design.operation.speed_rpm:.4g} r/min"
-    name = drive.design.name
-    own, law = shown.slide, shown.law
-    motion = [
-        TimeRow("displacement", "mm", own.displacement_mm, law.displacement_mm),
-        TimeRow("velocity", "mm/s", own.velocity_mm_s, law.velocity_mm_s),
-        TimeRow("acceleration", "mm/s\u00b2", own.acceleration_mm_s2, law.acceleration_mm_s2),
-    ]
-    teeth = [
-        TimeRow("pushing force", "N", shown.pushing_n),
-        TimeRow("back force", "N", shown.back_n),
-        TimeRow("driving torque", "N m", N_M_PER_N_MM * shown.torque_n_mm),
-    ]
-    names = {"wrist": "wrist", "pin": "crank pin", "crank_bearing": "crank bearing", "mesh": "mesh force"}
-    bearings = [TimeRow(names[key], "N", force_size_n(force)) for key, force in joint_forces(shown).items()]
-    return {
-        "slider_motion.png": time_rows(shown.phi1_rad, motion, f"{name}: slider {speed}", apart_rad),
-        "tooth_force.png": time_rows(shown.phi1_rad, teeth, f"{name}: teeth and torque {speed}", apart_rad),
-        "bearing_forces.png": time_rows(shown.phi1_rad, bearings, f"{name}: bearings {speed}", apart_rad),
-    }

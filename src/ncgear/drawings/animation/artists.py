@@ -23,7 +23,7 @@ from matplotlib.transforms import Affine2D, Transform
 
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, HIGHLIGHT, INK
 from ncgear.drawings.scene.bodies import Body, Kind, Places, pin_radius_mm
-from ncgear.drawings.scene.gears import SceneGear
+from ncgear.drawings.scene.geared_pairs import SceneGear
 from ncgear.drawings.scene.scene import Poses, Scene
 from ncgear.drawings.scene.standing import simplified, straws
 from ncgear.numerics.arrays import Array

@@ -35,10 +35,13 @@ from ncgear.drawings.animation.artists import (
     pin_artists,
     pitch_point_artist,
 )
+from ncgear.drawings.charts.chart import Chart, Role
+from ncgear.drawings.charts.drawer import Look, draw
+from ncgear.drawings.charts.slider_charts import DISPLACEMENT, VELOCITY, Quantity, motion_chart
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, EDGE_IN, INK, NORMAL, SMALL, dress, figure
-from ncgear.drawings.plots.curves import DISPLACEMENT, VELOCITY, Quantity
 from ncgear.drawings.scene.scene import Poses, Scene
 from ncgear.drawings.scene.standing import Box, hatches_mm, views, wall_mm
+from ncgear.kinematics.motion import SliderMotion
 from ncgear.numerics.arrays import Array
 
 
@@ -112,30 +115,36 @@ def charts(both: Sequence[Axes], scene: Scene) -> list[Moving]:
     """Displacement and velocity over the loop on two axes, with the present value in words."""
     phi1 = np.linspace(0.0, scene.loop_rad, CURVE_POINTS)
     motion = scene.machine.motion(phi1)
-    kinds = DISPLACEMENT, VELOCITY.readable(motion)
-    return [_chart(axes, phi1, kind.of(motion), kind) for axes, kind in zip(both, kinds, strict=True)]
+    return [_chart(axes, motion, quantity) for axes, quantity in zip(both, (DISPLACEMENT, VELOCITY), strict=True)]
 
 
-def _chart(axes: Axes, phi1: Array, values: Array, quantity: Quantity) -> Moving:
-    axes.plot(np.degrees(phi1), values, color=DRIVING, linewidth=1.2)
-    axes.axhline(0.0, color=INK, linewidth=0.5)
-    dress(axes, "", "")
-    axes.set_xlim(0.0, degrees(phi1[-1]))
-    axes.set_xticks(np.linspace(0.0, degrees(phi1[-1]), TICKS + 1))
-    axes.locator_params(axis="y", nbins=4)
-    axes.xaxis.set_major_formatter("{x:.0f}\u00b0")
-    digits = _digits(values)
+def _chart(axes: Axes, motion: SliderMotion, quantity: Quantity) -> Moving:
+    chart = motion_chart(quantity, motion).readable
+    draw(axes, chart, CHART_LOOK)
+    digits = _digits(chart.own.values)
     dot = Line2D([], [], zorder=4, **looks.PITCH_POINT)
     words = axes.text(0.0, 1.06, "", transform=axes.transAxes, size=SMALL, color=INK, va="bottom")
     axes.add_artist(dot)
 
     def pose(poses: Poses, row: int) -> None:
         # Adding zero turns a rounded -0 into 0.
-        value = round(float(quantity.of(poses.motion)[row]), digits) + 0.0
+        value = round(float(quantity.values_in(chart.unit, poses.motion)[row]), digits) + 0.0
         dot.set_data([degrees(poses.motion.phi1_rad[row])], [value])
-        words.set_text(f"{quantity.name} {value:.{digits}f} {quantity.unit}")
+        words.set_text(f"{chart.name} {value:.{digits}f} {chart.unit}")
 
     return Moving((dot, words), pose)
+
+
+def _dress_chart(axes: Axes, chart: Chart, _: str) -> None:
+    axes.axhline(0.0, color=INK, linewidth=0.5)
+    dress(axes, "", "")
+    axes.set_xlim(0.0, chart.end)
+    axes.set_xticks(np.linspace(0.0, chart.end, TICKS + 1))
+    axes.locator_params(axis="y", nbins=4)
+    axes.xaxis.set_major_formatter("{x:.0f}\u00b0")
+
+
+CHART_LOOK = Look({Role.OWN: {"color": DRIVING, "linewidth": 1.2}}, marks_extremes=False, finish=_dress_chart)
 
 
 def angles(figure: Figure, x: float, y: float) -> Moving:
@@ -214,9 +223,9 @@ def picture(scene: Scene, width_px: int) -> Picture:
     pixel_mm = {name: look_at(axes, boxes[name]) for name, axes in panels.items()}
     draw_standing(panels["machine"], scene)
     moving = [*machine(panels["machine"], scene, pixel_mm["machine"])]
-    for name, draw in (("gears", gears), ("mesh", mesh)):
+    for name, view in (("gears", gears), ("mesh", mesh)):
         if name in panels:
-            moving += draw(panels[name], scene, pixel_mm[name])
+            moving += view(panels[name], scene, pixel_mm[name])
             _names(panels[name])
     moving += charts(_charts(made), scene)
     moving.append(angles(made, 1.0 - EDGE_IN / WIDTH_IN, 1.0 - EDGE_IN / made.get_figheight()))

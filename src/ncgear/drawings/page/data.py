@@ -1,22 +1,21 @@
-"""How fast the picture may run: at a pace that the eye follows, or by the machine's own speed.
+"""What the page's script gets to know, as plain values for JSON: how fast to run, the scene, the lines of the charts.
 
-What scene.js is told of a scene: tables of the shafts' angles, the linkage, the gears' places, the views.
-
-What the page's script gets to know, as plain values for JSON: the scene, and the lines of the charts.
+Of the scene, ``scene.js`` is told tables of the shafts' angles, the linkage, the places of the gears, and the views.
+Of a chart, the script is told its samples, and where its scales lie in its SVG.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import atan2, degrees
 from typing import Any
 
 import numpy as np
 
-from ncgear.drawings.page.chart_svg import Drawn
-from ncgear.drawings.page.charts import Chart, Line
-from ncgear.drawings.scene.gears import SceneGear, ScenePair
+from ncgear.drawings.charts.chart import Line
+from ncgear.drawings.page.chart_svg import ChartFigure
+from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair
 from ncgear.drawings.scene.scene import Scene
 from ncgear.drawings.scene.standing import views
 from ncgear.figures.numbers import shown
@@ -154,43 +153,41 @@ ANGLE_DECIMALS = 9
 MORE_DECIMALS = 3
 """Decimals of the tables beyond those that are shown."""
 
+GridKey = tuple[bytes, float]
+"""The angles of a line and its period: lines that have both in common share a grid."""
 
-Numbers = dict[tuple[bytes, float], int]
-"""Places of all sets of angles, with the period of each, in the order in which they first occur."""
 
-
-def page_data(scene: Scene, charts: Sequence[Chart], drawings: Sequence[Drawn]) -> dict[str, Any]:
-    """All that moves, every set of angles once; raises ValueError as the charts do."""
-    grids = {_angles(line): line for chart in charts for line in chart.lines}
-    numbers = {angles: number for number, angles in enumerate(grids)}
+def page_data(scene: Scene, figures: Sequence[ChartFigure]) -> dict[str, Any]:
+    """All that moves; the angles that several lines share are there once, and called by their number."""
+    grids = {_grid_key(line, one.of.period_deg): line for one in figures for line in one.of.chart.lines}
+    numbers = {key: number for number, key in enumerate(grids)}
     return {
         "cycle_deg": degrees(scene.loop_rad),
         "scene": scene_data(scene),
-        "grids": [_grid(line) for line in grids.values()],
-        "charts": [_chart(chart, drawing, numbers) for chart, drawing in zip(charts, drawings, strict=True)],
+        "grids": [
+            {"period_deg": period, "deg": _rounded(line.x, ANGLE_DECIMALS)} for (_, period), line in grids.items()
+        ],
+        "charts": [_chart(one, numbers) for one in figures],
     }
 
 
-def _angles(line: Line) -> tuple[bytes, float]:
-    return line.angle_deg.tobytes(), line.period_deg
+def _grid_key(line: Line, period_deg: float) -> GridKey:
+    return line.x.tobytes(), period_deg
 
 
-def _grid(line: Line) -> dict[str, Any]:
-    return {"period_deg": line.period_deg, "deg": _rounded(line.angle_deg, ANGLE_DECIMALS)}
-
-
-def _chart(chart: Chart, drawing: Drawn, numbers: Numbers) -> dict[str, Any]:
+def _chart(figure: ChartFigure, numbers: Mapping[GridKey, int]) -> dict[str, Any]:
+    of, decimals = figure.of, figure.of.decimals
     return {
-        "key": chart.key,
-        "angle": chart.angle,
-        "decimals": chart.decimals,
-        "angle_deg": drawing.angle_deg,
-        "x": drawing.x,
-        "values": drawing.values,
-        "y": drawing.y,
+        "key": of.key,
+        "angle": of.shaft,
+        "decimals": decimals,
+        "angle_deg": figure.angle_deg,
+        "x": figure.x,
+        "values": figure.values,
+        "y": figure.y,
         "lines": [
-            {"grid": numbers[_angles(line)], "values": _rounded(line.values, chart.decimals + MORE_DECIMALS)}
-            for line in chart.lines
+            {"grid": numbers[_grid_key(line, of.period_deg)], "values": _rounded(line.values, decimals + MORE_DECIMALS)}
+            for line in of.chart.lines
         ],
     }
 

@@ -15,7 +15,7 @@ from math import floor, log10
 import numpy as np
 
 from ncgear.drawings.scene.bodies import Body, pin_radius_mm
-from ncgear.drawings.scene.gears import SceneGear, ScenePair
+from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair
 from ncgear.drawings.scene.scene import Scene
 from ncgear.drawings.scene.standing import hatches_mm, simplified, straws, views, wall_mm
 from ncgear.numerics.arrays import Array

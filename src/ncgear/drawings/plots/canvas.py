@@ -1,16 +1,9 @@
-"""Driving angles at which pictures mark the joints of a law.
-
-What all pictures share: figures without global state, colours, axes, PNG.
-
-Rows of axes over the driving angle: their scale, the joints of the law, and labels in one line.
-"""
+"""What all pictures share: figures without global state, colours, font sizes, axes, filled outlines, PNG."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from io import BytesIO
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -22,19 +15,6 @@ from matplotlib.path import Path
 
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import signed_area
-from ncgear.ratio.transmission import Transmission
-
-
-def joints_up_to(transmission: Transmission, end_rad: float) -> Array:
-    """Where the law's pieces meet up to a driving angle, the seam between periods too; none if it is of one piece."""
-    starts = [piece.start_rad for piece in transmission.pieces]
-    if len(starts) == 1:
-        return np.empty(0)
-    period = transmission.lobes.driving_period_rad
-    cycles = np.arange(round(end_rad / period)) * period
-    repeated: Array = (cycles[:, None] + np.array(starts)).ravel()
-    return repeated[1:]
-
 
 DPI = 110
 
@@ -139,35 +119,3 @@ def ring_area(
     path = Path.make_compound_path(Path.circle(center, radius), inner)
     style = {"facecolor": to_rgba(color, FILL), "edgecolor": color, "linewidth": line_width, "label": label}
     axes.add_artist(PathPatch(path, **style))
-
-
-ANGLE = "driving angle phi1 in deg"
-
-JOINT: dict[str, Any] = {"color": "#8A8A8A", "linewidth": 0.8, "linestyle": (0, (1.5, 2.5)), "zorder": 0.8}
-
-MOST_JOINTS = 12
-"""More joints than these, as of a table, are not marked: they would say no more than a grid."""
-
-
-def mark_joints(axes: Axes, joints_deg: Array) -> None:
-    """Thin lines at the joints of the law, shape (n,)."""
-    if joints_deg.size > MOST_JOINTS:
-        return
-    for number, joint in enumerate(joints_deg):
-        axes.axvline(joint, label=None if number else "joints of the law", **JOINT)
-
-
-def angle_scale(column: Sequence[Axes], end_deg: float) -> None:
-    """Scale in degrees below the lowest axes, key above the highest."""
-    # A cycle that takes several turns of the driving gear is marked as much more widely.
-    step = 45 * max(round(end_deg / 360.0), 1)
-    column[-1].set_xlim(0.0, end_deg)
-    column[-1].set_xticks(np.arange(0.0, end_deg + 1.0, step))
-    column[-1].set_xlabel(ANGLE, size=NORMAL, color=INK)
-    key_above(column[0])
-
-
-def align(column: Sequence[Axes], width_in: float) -> None:
-    """Labels of the vertical scales, of one line or two, end at the same place in all rows."""
-    for axes in column:
-        axes.yaxis.set_label_coords(-0.55 / (width_in * axes.get_position().width), 0.5)

@@ -16,7 +16,7 @@ from math import gcd, pi
 import numpy as np
 
 from ncgear.drawings.scene.bodies import Body, Chamber, Kind, Places, chamber_of, crank_shape, rod_shape, slider_shape
-from ncgear.drawings.scene.gears import ScenePair, scene_pairs
+from ncgear.drawings.scene.geared_pairs import ScenePair, scene_pairs
 from ncgear.kinematics.motion import Machine, SliderMotion
 from ncgear.mechanisms.bodies import bodies
 from ncgear.numerics.arrays import Array

@@ -1,0 +1,117 @@
+"""A chart as a value: one quantity over the driving angle or over the displacement, in one or several lines.
+
+The pictures of a build, the report, the moving picture and a notebook all draw this value, each with a look of its own
+(``drawer.Look``).  The other modules of this room build charts: of the slider, of the contact between the teeth, and of
+simulations.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+
+import numpy as np
+
+from ncgear.figures.numbers import THOUSANDS, readable
+from ncgear.numerics.arrays import Array
+from ncgear.ratio.transmission import Transmission
+
+NONE = np.empty(0)
+NOWHERE = np.empty((0, 2))
+
+
+class Role(StrEnum):
+    """What a line is in its chart; a look says how each role is drawn."""
+
+    OWN = "own"
+    """This design. Every chart has one such line."""
+
+    OTHER = "other"
+    """A second line of this design, such as the back flanks beside the pushing ones."""
+
+    WRITTEN = "written"
+    """This design as its files have it, beside what was designed."""
+
+    MEAN = "mean"
+    """The mean of this design's values: a level line."""
+
+    UNIFORM = "uniform"
+    """What this design is compared with: the uniform crank, circular gears, or the law without elasticity."""
+
+
+class Across(StrEnum):
+    """What a chart is drawn over, as it stands at the horizontal axis."""
+
+    DRIVING_ANGLE = "driving angle phi1 in deg"
+    DISPLACEMENT = "displacement in mm"
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """Values in the chart's unit at places ``x`` along its horizontal axis, both of shape (n,)."""
+
+    role: Role
+    label: str
+    x: Array
+    values: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Chart:
+    """Lines of one quantity in one unit, from 0 to ``end`` of the horizontal axis (deg or mm).
+
+    Lines that cover only the first ``period`` of a longer axis are repeated when they are drawn.  ``joints_deg`` (shape
+    (k,)) are the joints of the law to be marked, ``apart_deg`` (shape (k, 2)) the stretches in which no pushing flanks
+    touch.  ``names_extreme`` asks for the largest value of this design to be named, and ``counts`` says that the values
+    are whole numbers, drawn in steps.  ``axis_label`` is what stands at the vertical axis where it is not the name with
+    its unit.
+    """
+
+    name: str
+    unit: str
+    lines: tuple[Line, ...]
+    end: float
+    period: float | None = None
+    joints_deg: Array = field(default_factory=lambda: NONE)
+    apart_deg: Array = field(default_factory=lambda: NOWHERE)
+    names_extreme: bool = False
+    counts: bool = False
+    axis_label: str = ""
+    across: Across = Across.DRIVING_ANGLE
+
+    def line(self, role: Role) -> Line | None:
+        """The line of a role; None where the chart has none."""
+        return next((line for line in self.lines if line.role is role), None)
+
+    @property
+    def own(self) -> Line:
+        """This design's line."""
+        return next(line for line in self.lines if line.role is Role.OWN)
+
+    @property
+    def in_thousands(self) -> Chart:
+        """The chart in a thousand times its unit; as it is where that has no name."""
+        if self.unit not in THOUSANDS:
+            return self
+        lines = tuple(replace(line, values=1e-3 * line.values) for line in self.lines)
+        return replace(self, unit=THOUSANDS[self.unit], lines=lines)
+
+    @property
+    def readable(self) -> Chart:
+        """The chart in the unit in which its largest value is read."""
+        factor, _ = readable(self.unit, *(line.values for line in self.lines if line.values.size))
+        return self if factor == 1.0 else self.in_thousands
+
+
+def joints_up_to(transmission: Transmission, end_rad: float) -> Array:
+    """Driving angles in rad at which pieces of the law meet, shape (n,), from beyond 0 up to an end.
+
+    The seams between periods are among them.  A law of one piece has none.
+    """
+    starts = [piece.start_rad for piece in transmission.pieces]
+    if len(starts) == 1:
+        return NONE
+    period = transmission.lobes.driving_period_rad
+    cycles = np.arange(round(end_rad / period)) * period
+    repeated: Array = (cycles[:, None] + np.array(starts)).ravel()
+    return repeated[1:]

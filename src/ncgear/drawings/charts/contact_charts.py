@@ -1,0 +1,84 @@
+"""Charts of the contact between the teeth of a pair: transmission error, backlash, contacts, pressure angle, sliding.
+
+They go over a whole cycle of the driving angle of the pair's own driving gear.
+"""
+
+from __future__ import annotations
+
+from math import degrees
+
+import numpy as np
+
+from ncgear.contact.designed.as_designed import AsDesigned
+from ncgear.contact.pair import PairContact
+from ncgear.contact.written.as_written import AsWritten
+from ncgear.drawings.charts.chart import Chart, Line, Role
+from ncgear.numerics.arrays import Array
+
+MILLI_FROM_RAD = 5e-3
+"""Angle from which a scale is in mrad instead of millionths of a radian."""
+
+PUSHING, BACKS = "pushing flanks as designed", "backs as designed"
+
+
+def transmission_error(contact: PairContact) -> Chart:
+    """Driven angle beyond the law's, as designed and of the worst outlines as they were written."""
+    designed, written = contact.as_designed, worst_written(contact)
+    factor, unit = _unit_of_angles(written.pushing_rad)
+    lines = (
+        Line(Role.OWN, PUSHING, _angle_deg(designed), factor * designed.pushing.error_rad),
+        Line(Role.WRITTEN, "pushing flanks as written", _angle_deg(designed), factor * written.pushing_rad),
+    )
+    label = f"error of driven\nangle in {unit}"
+    return Chart("transmission error", unit, lines, _cycle_deg(designed), axis_label=label)
+
+
+def worst_written(contact: PairContact) -> AsWritten:
+    """The outlines with the largest transmission error, of the forms in which they were written."""
+    return max(contact.as_written, key=lambda outlines: outlines.transmission_error_rad)
+
+
+def backlash(designed: AsDesigned) -> Chart:
+    """Play of the driven gear."""
+    factor, unit = _unit_of_angles(designed.backlash_rad)
+    line = Line(Role.OWN, "as designed", _angle_deg(designed), factor * designed.backlash_rad)
+    return Chart("backlash", unit, (line,), _cycle_deg(designed))
+
+
+def flanks_in_contact(designed: AsDesigned) -> Chart:
+    """How many pairs of flanks touch, on either side of the teeth."""
+    counts = (side.simultaneous.astype(float) for side in (designed.pushing, designed.back))
+    lines = _sides(designed, *counts)
+    return Chart("flanks in contact", "", lines, _cycle_deg(designed), counts=True, axis_label="flanks\nin contact")
+
+
+def pressure_angle(designed: AsDesigned) -> Chart:
+    """Pressure angle of the foremost contact, on either side of the teeth."""
+    angles = (np.degrees(side.first.pressure_angle_rad) for side in (designed.pushing, designed.back))
+    return Chart("pressure angle", "deg", _sides(designed, *angles), _cycle_deg(designed))
+
+
+def sliding(designed: AsDesigned) -> Chart:
+    """Speed of sliding at the foremost contact per speed of the driving gear, on either side of the teeth."""
+    speeds = (side.first.sliding_mm(designed.placement) for side in (designed.pushing, designed.back))
+    return Chart("sliding", "mm per rad", _sides(designed, *speeds), _cycle_deg(designed))
+
+
+def _sides(designed: AsDesigned, pushing: Array, back: Array) -> tuple[Line, Line]:
+    """The pushing flanks' line is the last one, on top."""
+    angle = _angle_deg(designed)
+    return Line(Role.OTHER, BACKS, angle, back), Line(Role.OWN, PUSHING, angle, pushing)
+
+
+def _angle_deg(designed: AsDesigned) -> Array:
+    return np.degrees(designed.placement.phi1_rad)
+
+
+def _cycle_deg(designed: AsDesigned) -> float:
+    return degrees(designed.placement.cycle_rad)
+
+
+def _unit_of_angles(angles_rad: Array) -> tuple[float, str]:
+    """Factor from rad to the unit in which angles (shape (n,)) are drawn, and its name."""
+    small = float(np.max(np.abs(angles_rad))) < MILLI_FROM_RAD
+    return (1e6, "\u00b5rad") if small else (1e3, "mrad")

@@ -1,0 +1,202 @@
+"""Charts drawn onto axes of matplotlib, in the look of whoever shows them, and columns of them as PNG."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ncgear.drawings.charts.chart import Across, Chart, Line, Role
+from ncgear.drawings.plots.canvas import (
+    DRIVEN,
+    DRIVING,
+    HIGHLIGHT,
+    INK,
+    NORMAL,
+    REFERENCE,
+    SMALL,
+    Margins,
+    dress,
+    figure,
+    key_above,
+    png,
+)
+from ncgear.numerics.arrays import Array
+
+Style = dict[str, Any]
+"""Keyword arguments of matplotlib's ``plot``."""
+
+DASHED = (0, (5, 2.5))
+
+
+@dataclass(frozen=True)
+class Look:
+    """How charts are drawn: the style of each role, and what is done to the axes once the lines are there.
+
+    ``label_break`` stands between a quantity and its unit at the vertical axis.  Where ``marks_extremes`` is false, no
+    largest value is named, whatever the chart asks for.  ``finish`` gets the axes, the chart and its vertical label.
+    """
+
+    styles: Mapping[Role, Style]
+    label_break: str = " "
+    marks_extremes: bool = True
+    finish: Callable[[Axes, Chart, str], None] = lambda axes, _, label: dress(axes, "", label)
+
+    def label(self, chart: Chart) -> str:
+        """What stands at the vertical axis."""
+        return chart.axis_label or f"{chart.name}{self.label_break}in {chart.unit}"
+
+
+MOTION_LINES: dict[Role, Style] = {
+    Role.OWN: {"color": DRIVING, "linewidth": 2.0},
+    # The uniform crank lies above: where the two agree, both show.
+    Role.UNIFORM: {"color": REFERENCE, "linewidth": 1.2, "linestyle": DASHED},
+    Role.MEAN: {"color": INK, "linewidth": 0.9, "linestyle": (0, (1.5, 1.5))},
+}
+
+MOTION_LOOK = Look(MOTION_LINES)
+LOAD_LOOK = Look(MOTION_LINES, label_break="\n")
+TIME_LOOK = Look(
+    {
+        Role.OWN: {"color": DRIVING, "linewidth": 1.6},
+        Role.UNIFORM: {"color": REFERENCE, "linewidth": 1.1, "linestyle": DASHED},
+    },
+    label_break="\n",
+)
+CONTACT_LOOK = Look(
+    {
+        Role.OWN: {"color": DRIVING, "linewidth": 1.6},
+        Role.OTHER: {"color": REFERENCE, "linewidth": 1.1},
+        Role.WRITTEN: {"color": DRIVEN, "linewidth": 0.8, "zorder": 1.9},
+    },
+    label_break="\n",
+)
+
+JOINT: Style = {"color": "#8A8A8A", "linewidth": 0.8, "linestyle": (0, (1.5, 2.5)), "zorder": 0.8}
+APART: Style = {"color": HIGHLIGHT, "alpha": 0.25, "linewidth": 0.0}
+
+MOST_JOINTS = 12
+"""More joints than these, as of a table, are not marked: they would say no more than a grid."""
+
+EDGE = 0.15
+"""Share of the scale at either end in which a note stands beside its point, not above or below the middle of it."""
+
+
+def draw(axes: Axes, chart: Chart, look: Look) -> None:
+    """A chart with its joints, stretches without contact, and largest value, as far as it asks for them.
+
+    It is drawn in the unit that the axes have, so that several machines can be drawn onto them, or else as it is
+    readable.  Limits and key of the horizontal axis are the caller's (see ``angle_scale``).
+    """
+    alike = (one for one in (chart, chart.in_thousands) if look.label(one) == axes.get_ylabel())
+    shown = next(alike, chart.readable)
+    steps: Style = {"drawstyle": "steps-mid"} if shown.counts else {}
+    for line in shown.lines:
+        x, values = _repeated(line, shown)
+        axes.plot(x, values, label=line.label, **look.styles[line.role], **steps)
+    if shown.joints_deg.size <= MOST_JOINTS:
+        for number, joint in enumerate(shown.joints_deg):
+            axes.axvline(joint, label=None if number else "joints of the law", **JOINT)
+    for number, (start, end) in enumerate(shown.apart_deg):
+        axes.axvspan(start, end, label="" if number else "pushing flanks apart", **APART)
+    if shown.counts:
+        most = int(max(line.values.max() for line in shown.lines))
+        axes.set_yticks(range(most + 1))
+        axes.set_ylim(-0.2, most + 0.2)
+    look.finish(axes, shown, look.label(shown))
+    if shown.names_extreme and look.marks_extremes:
+        mark_extreme(axes, shown.own, shown.unit)
+
+
+def _repeated(line: Line, chart: Chart) -> tuple[Array, Array]:
+    """Places and values of a line as often as its period fits onto the chart."""
+    if chart.period is None:
+        return line.x, line.values
+    starts = np.arange(round(chart.end / chart.period)) * chart.period
+    return (starts[:, None] + line.x).ravel(), np.tile(line.values, starts.size)
+
+
+def mark_extreme(axes: Axes, line: Line, unit: str) -> None:
+    """Mark and name the value that is largest in size, above a maximum, below a minimum; or say that all are zero."""
+    place = int(np.argmax(np.abs(line.values)))
+    x, y = float(line.x[place]), float(line.values[place])
+    if y == 0.0:
+        axes.set_ylim(0.0, 1.0)
+        axes.text(0.5, 0.5, "zero throughout", transform=axes.transAxes, size=NORMAL, color=INK, ha="center")
+        return
+    axes.plot(x, y, "o", color=DRIVING, markersize=4.5)
+    text = f"{y:.4g} {unit} at {x:.0f}\u00b0".replace("-", "\u2212")
+    share = x / float(line.x[-1])
+    across = "left" if share < EDGE else "right" if share > 1.0 - EDGE else "center"
+    side: Style = {"ha": across, "va": "bottom" if y > 0.0 else "top"}
+    offset = (0.0, 5.0 if y > 0.0 else -5.0)
+    axes.annotate(text, (x, y), xytext=offset, textcoords="offset points", size=SMALL, color=INK, **side)
+    axes.margins(y=0.16)
+
+
+def angle_scale(column: Sequence[Axes], end_deg: float) -> None:
+    """Scale in degrees below the lowest axes, key above the highest."""
+    # A cycle that takes several turns of the driving gear is marked as much more widely.
+    step = 45 * max(round(end_deg / 360.0), 1)
+    column[-1].set_xlim(0.0, end_deg)
+    column[-1].set_xticks(np.arange(0.0, end_deg + 1.0, step))
+    column[-1].set_xlabel(Across.DRIVING_ANGLE.value, size=NORMAL, color=INK)
+    key_above(column[0])
+
+
+def align(column: Sequence[Axes], width_in: float) -> None:
+    """Labels of the vertical scales, of one line or two, end at the same place in all rows."""
+    for axes in column:
+        axes.yaxis.set_label_coords(-0.55 / (width_in * axes.get_position().width), 0.5)
+
+
+@dataclass(frozen=True)
+class Column:
+    """Sizes in inches of a column of charts: height of a row, of all that is no row, and room for vertical labels.
+
+    ``gap`` is the space between rows as a share of their height.
+    """
+
+    row_in: float
+    rest_in: float
+    left_in: float
+    gap: float
+    width_in: float = 8.2
+
+
+MOTION_COLUMN = Column(row_in=2.0, rest_in=1.2, left_in=0.85, gap=0.12)
+SIMULATION_COLUMN = Column(row_in=1.9, rest_in=1.4, left_in=1.0, gap=0.14)
+CONTACT_COLUMN = Column(row_in=1.5, rest_in=1.3, left_in=1.0, gap=0.16)
+
+
+def column_png(charts: Sequence[Chart], title: str, look: Look, sizes: Column) -> bytes:
+    """PNG of charts below one another over the same driving angle, with one key above them."""
+    size = sizes.width_in, sizes.row_in * len(charts) + sizes.rest_in
+    made = figure(*size, title)
+    spaces = {**Margins(left=sizes.left_in).shares(*size), "hspace": sizes.gap}
+    column = list(made.subplots(len(charts), 1, sharex=True, squeeze=False, gridspec_kw=spaces)[:, 0])
+    for axes, chart in zip(column, charts, strict=True):
+        draw(axes, chart, look)
+    angle_scale(column, charts[0].end)
+    align(column, sizes.width_in)
+    return png(made)
+
+
+def beside_png(pairs: Sequence[tuple[Chart, Chart]], title: str) -> bytes:
+    """PNG with a row for each pair of charts, the left one over the driving angle, the right one over displacement."""
+    size = 10.2, 5.6
+    made = figure(*size, title)
+    spaces = {**Margins().shares(*size), "hspace": 0.12, "wspace": 0.06}
+    grid = made.subplots(len(pairs), 2, sharex="col", sharey="row", squeeze=False, gridspec_kw=spaces)
+    left = list(grid[:, 0])
+    for row, pair in zip(grid, pairs, strict=True):
+        for axes, chart in zip(row, pair, strict=True):
+            draw(axes, chart, MOTION_LOOK)
+        row[1].set_ylabel("")
+    angle_scale(left, pairs[0][0].end)
+    align(left, size[0])
+    grid[-1, 1].set_xlabel(Across.DISPLACEMENT.value, size=NORMAL, color=INK)
+    return png(made)

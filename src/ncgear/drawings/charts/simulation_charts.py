@@ -1,0 +1,130 @@
+"""Charts of what is simulated, over the driving angle: of rigid bodies, of teeth under load, of motion in time."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import degrees
+
+import numpy as np
+
+from ncgear.drawings.charts.chart import NONE, NOWHERE, Chart, Line, Role, joints_up_to
+from ncgear.drawings.charts.slider_charts import MOTION
+from ncgear.dynamics.history import History
+from ncgear.dynamics.rigid import Loads
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.plane import Vector
+from ncgear.numerics.units import N_M_PER_N_MM
+from ncgear.project.drive import Drive
+
+
+def simulated_chart(
+    name: str,
+    unit: str,
+    phi1_rad: Array,
+    own: tuple[str, Array],
+    compared: tuple[str, Array] | None = None,
+    joints_deg: Array = NONE,
+    apart_deg: Array = NOWHERE,
+) -> Chart:
+    """A quantity at driving angles in rad, shape (n,): label and values of this design and of what it is compared with.
+
+    ``joints_deg`` (shape (k,)) are joints of the law, ``apart_deg`` (shape (k, 2)) stretches in which no pushing flanks
+    touch.
+    """
+    angle = np.degrees(phi1_rad)
+    lines = [Line(Role.OWN, own[0], angle, own[1])]
+    if compared is not None:
+        lines.append(Line(Role.UNIFORM, compared[0], angle, compared[1]))
+    return Chart(name, unit, tuple(lines), degrees(phi1_rad[-1]), None, joints_deg, apart_deg, names_extreme=True)
+
+
+def driving_torque(drive: Drive, own: Loads, uniform: Loads) -> Chart:
+    """The torque that the driving shaft needs, with its mean."""
+    torques = (N_M_PER_N_MM * loads.driving_torque.value for loads in (own, uniform))
+    chart = _load_chart(drive, "driving torque", "N m", *torques)
+    mean = np.full(2, N_M_PER_N_MM * drive.rigid.fluctuation.mean_torque_n_mm)
+    return replace(chart, lines=(*chart.lines, Line(Role.MEAN, "mean", np.array([0.0, chart.end]), mean)))
+
+
+def joint_forces(drive: Drive, own: Loads, uniform: Loads) -> list[Chart]:
+    """Forces in the bearing of the crank, in both pins, and in the guide."""
+    return [
+        _load_chart(drive, "crank bearing", "N", _size(own.crank_bearing), _size(uniform.crank_bearing)),
+        _load_chart(drive, "crank pin", "N", _size(own.pin), _size(uniform.pin)),
+        _load_chart(drive, "wrist", "N", _size(own.wrist), _size(uniform.wrist)),
+        _load_chart(drive, "guide", "N", own.guide.value, uniform.guide.value),
+    ]
+
+
+def mesh_forces(drive: Drive, own: Loads, uniform: Loads) -> list[Chart]:
+    """Force between the teeth and pressure angle; none where there are no gears."""
+    if own.mesh is None or uniform.mesh is None:
+        return []
+    angles = (np.degrees(mesh.pressure_angle_rad.value) for mesh in (own.mesh, uniform.mesh))
+    return [
+        _load_chart(drive, "mesh force", "N", own.mesh.size_n.value, uniform.mesh.size_n.value),
+        replace(_load_chart(drive, "pressure angle", "deg", *angles), names_extreme=False),
+    ]
+
+
+def _load_chart(drive: Drive, name: str, unit: str, own: Array, uniform: Array) -> Chart:
+    """A load of the rigid level at the driving angles of the drive's motion, beside the uniform crank's."""
+    phi1 = drive.motion.phi1_rad
+    joints = np.degrees(joints_up_to(drive.transmission, float(phi1[-1])))
+    lines = ("this design", own), ("uniform crank, same speed", uniform)
+    return simulated_chart(name, unit, phi1, *lines, joints_deg=joints)
+
+
+def _size(force: Vector) -> Array:
+    size: Array = (force.x.value**2 + force.y.value**2) ** 0.5
+    return size
+
+
+def teeth_under_load(drive: Drive, rigid_n_m: Array) -> list[Chart]:
+    """Driving torque beside that of rigid teeth in N m (shape (n,)), tooth force, and lead over the law."""
+    loaded, phi1, own = drive.loaded_contact, drive.motion.phi1_rad, "teeth give way"
+    torque = N_M_PER_N_MM * loaded.driving_torque_n_mm
+    return [
+        simulated_chart("driving torque", "N m", phi1, (own, torque), ("rigid", rigid_n_m)),
+        simulated_chart("tooth force", "N", phi1, (own, loaded.tooth_force_n)),
+        simulated_chart("ahead of the law", "mrad", phi1, (own, 1e3 * loaded.error_rad)),
+    ]
+
+
+SIMULATED = "simulated"
+
+
+def slider_in_time(shown: History, apart_deg: Array) -> list[Chart]:
+    """The slider's motion beside that of the law; ``apart_deg`` (shape (k, 2)) as in every chart."""
+    charts = []
+    for quantity in MOTION:
+        own, law = (getattr(slide, quantity.column) for slide in (shown.slide, shown.law))
+        lines = (SIMULATED, own), ("law", law)
+        charts.append(simulated_chart(quantity.name, quantity.unit, shown.phi1_rad, *lines, apart_deg=apart_deg))
+    return charts
+
+
+def teeth_in_time(shown: History, apart_deg: Array) -> list[Chart]:
+    """Forces on both sides of the teeth, and the driving torque."""
+    return [
+        simulated_chart(name, unit, shown.phi1_rad, (SIMULATED, values), apart_deg=apart_deg)
+        for name, unit, values in (
+            ("pushing force", "N", shown.pushing_n),
+            ("back force", "N", shown.back_n),
+            ("driving torque", "N m", N_M_PER_N_MM * shown.torque_n_mm),
+        )
+    ]
+
+
+def bearings_in_time(shown: History, apart_deg: Array) -> list[Chart]:
+    """Forces in the joints of the linkage and between the teeth."""
+    forces = {
+        "wrist": shown.joints.wrist,
+        "crank pin": shown.joints.pin,
+        "crank bearing": shown.crank_bearing,
+        "mesh force": shown.mesh,
+    }
+    return [
+        simulated_chart(name, "N", shown.phi1_rad, (SIMULATED, np.hypot(force.x, force.y)), apart_deg=apart_deg)
+        for name, force in forces.items()
+    ]

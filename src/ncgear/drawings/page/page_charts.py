@@ -1,0 +1,160 @@
+"""The charts of the report, and the angles at which their lines are sampled.
+
+The page reads its charts out: a cursor runs along every line, on straight lines between the samples.  So the samples
+are close together and stand on both sides of every angle at which a curve may jump.  Charts of the slider go over the
+driving angle.  Charts of a pair of gears go over the angle of its own driving gear; that of the second of two stages
+is on the shaft between the stages.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from math import degrees, floor, log10
+
+import numpy as np
+
+from ncgear.contact.pair import PairContact
+from ncgear.drawings.charts import contact_charts
+from ncgear.drawings.charts.chart import Chart, Line, Role, joints_up_to
+from ncgear.drawings.charts.slider_charts import LOAD, MOTION, RATIO, motion_chart
+from ncgear.numerics.arrays import Array
+from ncgear.project.drive import Drive
+
+DIGITS = 4
+"""Significant digits of the largest value of a line, which set the decimals of all of them."""
+
+DRIVING, BETWEEN = "driving", "between"
+"""The shafts that charts go over: the driving one, and the one between two stages."""
+
+LEAST = 2001
+"""Samples over a cycle of the slider, between which the page goes along straight lines."""
+
+SIDE_RAD = 1e-9
+"""How far beside a jump the samples before and after it stand: far over the rounding of an angle, and too near to be
+seen or hit."""
+
+
+@dataclass(frozen=True, eq=False)
+class PageChart:
+    """A chart with its ``key``, unique in the page, and the shaft whose angle it goes over.
+
+    This design's own line is the first.  Raises ValueError for a value that is not finite.
+    """
+
+    key: str
+    chart: Chart
+    shaft: str = DRIVING
+
+    def __post_init__(self) -> None:
+        for line in self.chart.lines:
+            if not np.isfinite(line.values).all():
+                raise ValueError(f"{self.chart.name} holds a value that is not finite")
+
+    @property
+    def period_deg(self) -> float:
+        """The angle after which its lines repeat."""
+        return self.chart.end if self.chart.period is None else self.chart.period
+
+    @property
+    def decimals(self) -> int:
+        """Digits after the point with which all lines are read out."""
+        largest = max(float(np.max(np.abs(line.values))) for line in self.chart.lines)
+        return decimals_of(largest)
+
+
+def decimals_of(largest: float) -> int:
+    """Digits after the point that show a largest value with four significant ones; none for 0."""
+    return max(0, DIGITS - 1 - floor(log10(largest))) if largest > 0.0 else 0
+
+
+def motion_charts(drive: Drive, end_rad: float) -> list[PageChart]:
+    """Displacement to ratio from 0 to a driving angle; force and power where the design has a resistance."""
+    phi1 = cycle_angles_rad(drive)
+    own, uniform = drive.machine.motion(phi1), drive.uniform_machine.motion(phi1)
+    joints = np.degrees(joints_up_to(drive.transmission, end_rad))
+    charts = []
+    for quantity in (*MOTION, *(LOAD if drive.design.resistance is not None else ()), RATIO):
+        chart = motion_chart(quantity, own, uniform, joints).readable
+        this, other = chart.lines
+        lines = this, replace(other, label="uniform crank")
+        period = degrees(drive.transmission.cycle_rad)
+        charts.append(PageChart(quantity.column, replace(chart, lines=lines, end=degrees(end_rad), period=period)))
+    return charts
+
+
+def cycle_angles_rad(drive: Drive) -> Array:
+    """Rising driving angles over one cycle of the slider, both ends included, shape (n,) with n >= 2001."""
+    cycle = drive.transmission.cycle_rad
+    dead_centres = drive.machine.extended_rad, drive.uniform_machine.extended_rad
+    return split_angles(cycle, (*joints_up_to(drive.transmission, cycle).tolist(), *dead_centres))
+
+
+def split_angles(end_rad: float, jumps_rad: Iterable[float]) -> Array:
+    """Rising angles from 0 to the end, shape (n,), evenly spread between the jumps.
+
+    There is a sample on either side of each jump, and before the end.
+    """
+    inner = sorted({jump for jump in jumps_rad if SIDE_RAD < jump < end_rad - SIDE_RAD})
+    bounds = [0.0, *inner, end_rad]
+    stretches = []
+    for start, end in pairwise(bounds):
+        count = 2 + int(np.ceil((LEAST - 1) * (end - start) / end_rad))
+        # Two jumps may lie closer together than both their sides.
+        side = min(SIDE_RAD, (end - start) / 3.0)
+        stretches.append(np.linspace(start + side, end - side, count))
+    angles = np.concatenate([*stretches, [end_rad]])
+    angles[0] = 0.0
+    return angles
+
+
+def gear_charts(drive: Drive, contact: PairContact) -> list[PageChart]:
+    """Pressure angle and transmission error of one pair; of a stage its own ratio, too."""
+    charts = {"pressure_angle": _pressure_angle(drive, contact), "transmission_error": _transmission_error(contact)}
+    joints = np.degrees(joints_up_to(drive.pair.transmission, contact.as_designed.placement.cycle_rad))
+    if drive.stage is None:
+        return [PageChart(key, replace(chart, joints_deg=joints)) for key, chart in charts.items()]
+    shaft, stage = DRIVING if drive.stage == 1 else BETWEEN, drive.stage
+    return [
+        PageChart(f"{key}_{stage}", replace(chart, name=f"{chart.name}, stage {stage}", joints_deg=joints), shaft)
+        for key, chart in {"ratio": _ratio(drive, contact), **charts}.items()
+    ]
+
+
+def _pressure_angle(drive: Drive, contact: PairContact) -> Chart:
+    """At the first contact as designed; circular gears have the rack's angle all around."""
+    chart = contact_charts.pressure_angle(contact.as_designed)
+    backs, pushing = chart.lines
+    circular = np.full(2, degrees(drive.rack.pressure_angle_rad))
+    lines = (
+        _closed(pushing, chart.end, Role.OWN, "pushing flanks"),
+        _closed(backs, chart.end, Role.OTHER, "backs"),
+        Line(Role.UNIFORM, "circular gears", np.array([0.0, chart.end]), circular),
+    )
+    return replace(chart, unit="\u00b0", lines=lines)
+
+
+def _transmission_error(contact: PairContact) -> Chart:
+    """Of the worst outlines as they are written, which are what is cut, and as designed."""
+    chart = contact_charts.transmission_error(contact)
+    designed, written = chart.lines
+    source = contact_charts.worst_written(contact).source.upper()
+    lines = (
+        _closed(written, chart.end, Role.OWN, f"as written ({source})"),
+        _closed(designed, chart.end, Role.OTHER, "as designed"),
+    )
+    return replace(chart, lines=lines)
+
+
+def _closed(line: Line, end_deg: float, role: Role, label: str) -> Line:
+    """The line with its first value once more at the end of the cycle."""
+    return Line(role, label, np.append(line.x, end_deg), np.append(line.values, line.values[0]))
+
+
+def _ratio(drive: Drive, contact: PairContact) -> Chart:
+    law, end = drive.pair.transmission, contact.as_designed.placement.cycle_rad
+    angle = split_angles(end, joints_up_to(law, end).tolist())
+    values = 1.0 / law.driven_angle(angle, 1).derivative(1)
+    line = Line(Role.OWN, "this design", np.degrees(angle), values)
+    return Chart(RATIO.name, RATIO.unit, (line,), degrees(end))

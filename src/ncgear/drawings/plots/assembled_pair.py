@@ -1,0 +1,233 @@
+"""The two gears of a pair assembled: their pitch curves at phi1 = 0, and their tooth outlines at any driving angles."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import degrees
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ncgear.drawings.plots.canvas import (
+    DRIVEN,
+    DRIVING,
+    HIGHLIGHT,
+    INK,
+    REFERENCE,
+    SMALL,
+    Margins,
+    area,
+    dress,
+    figure,
+    key_above,
+    png,
+    ring_area,
+)
+from ncgear.numerics.arrays import Array, Mask
+from ncgear.pitch.curve import CurvePoints, PitchCurve
+from ncgear.project.bodies import rim_mm_of
+from ncgear.project.drive import Drive
+from ncgear.solids.plan.plan import outer_radius_mm
+
+PANEL_IN = 3.6
+"""Width in inches of one position's views."""
+
+ZOOM_IN_MODULES = 4.5
+"""Half the width of the view on the mesh."""
+
+SLACK = 1.03
+"""Frame of the whole view relative to the gears' reach."""
+
+CURVE_POINTS = 1500
+"""Points of a drawn pitch curve: 0.2 mm apart on a screen-wide gear of 300 mm."""
+
+LINE_OF_CENTRES = (0, (8, 2, 1, 2))
+"""Dashes and dots."""
+
+
+@dataclass(frozen=True)
+class Position:
+    """Angles of both gears and the pitch point's place on the line of centres, 0 being the driving axis."""
+
+    phi1_rad: float
+    phi2_rad: float
+    pitch_point_mm: float
+
+
+@dataclass(frozen=True, eq=False)
+class Assembled:
+    """Two closed curves in mm, each in its own frame (shape (n, 2)), and how far apart their axes are.
+
+    A driven ring lies between its curve and a circle of ``ring_radius_mm``; None for an external pair.
+    """
+
+    driving_mm: Array
+    driven_mm: Array
+    center_distance_mm: float
+    ring_radius_mm: float | None = None
+
+    @property
+    def frame(self) -> tuple[float, float, float]:
+        """Least and largest x and the largest y that the gears reach in any position."""
+        driving = float(np.hypot(*self.driving_mm.T).max()) * SLACK
+        driven = (self.ring_radius_mm or float(np.hypot(*self.driven_mm.T).max())) * SLACK
+        left, right = min(-driving, self.center_distance_mm - driven), max(driving, self.center_distance_mm + driven)
+        return left, right, max(driving, driven)
+
+    @property
+    def reach(self) -> Array:
+        """Points of both curves at phi1 = 0 and, of a ring, two corners of the square around it; shape (n, 2)."""
+        points = [self.driving_mm, self.driven_mm + np.array([self.center_distance_mm, 0.0])]
+        if self.ring_radius_mm is not None:
+            distance, radius = self.center_distance_mm, self.ring_radius_mm
+            points.append(np.array([[distance - radius, -radius], [distance + radius, radius]]))
+        return np.vstack(points)
+
+
+def assembled_pitch_curves(drive: Drive) -> tuple[Assembled, tuple[Mask, Mask]]:
+    """Both pitch curves of a drive, and which of their points are on concave stretches (shape (n,))."""
+    driving, driven = (_closed_curve(curve) for curve in (drive.pitch.driving, drive.pitch.driven))
+    dented = driven.curvature > 0.0 if drive.pitch.driven.is_ring else driven.curvature < 0.0
+    return _assembled(drive, driving.position, driven.position), (driving.curvature < 0.0, dented)
+
+
+def assembled_teeth(drive: Drive) -> Assembled:
+    """Both tooth outlines of a drive."""
+    return _assembled(drive, drive.teeth.driving.outline_mm, drive.teeth.driven.outline_mm)
+
+
+def positions_at(drive: Drive, phi1_rad: Array) -> list[Position]:
+    """How the pair stands at driving angles in rad, shape (n,)."""
+    phi2 = drive.pair.transmission.driven_angle(phi1_rad).value
+    point = drive.pitch.pitch_point_mm(phi1_rad)
+    return [Position(float(a), float(b), float(x)) for a, b, x in zip(phi1_rad, phi2, point, strict=True)]
+
+
+def _closed_curve(curve: PitchCurve) -> CurvePoints:
+    return curve.at_angle(np.linspace(0.0, curve.turn_rad, CURVE_POINTS))
+
+
+def _assembled(drive: Drive, driving_mm: Array, driven_mm: Array) -> Assembled:
+    ring_radius = None
+    if drive.pitch.driven.is_ring:
+        rim = rim_mm_of(drive.gears, drive.pitch.size.module_mm)
+        ring_radius = outer_radius_mm(drive.teeth.driven.outline_mm, rim)
+    return Assembled(driving_mm, driven_mm, drive.pitch.center_distance_mm, ring_radius)
+
+
+def pitch_curves_png(
+    pair: Assembled, concave: tuple[Mask | None, Mask | None] = (None, None), title: str = "Pitch curves at phi1 = 0"
+) -> bytes:
+    """Both pitch curves assembled at phi1 = 0; see ``draw_pitch_curves``."""
+    width, height = np.ptp(pair.reach, axis=0)
+    # Wide enough for the scale, never taller than a screen.
+    size = 8.2, float(np.clip(7.2 * height / width, 2.8, 7.0)) + 1.5
+    made = figure(*size, title)
+    draw_pitch_curves(made.subplots(gridspec_kw=Margins().shares(*size)), pair, concave)
+    return png(made)
+
+
+def draw_pitch_curves(axes: Axes, pair: Assembled, concave: tuple[Mask | None, Mask | None] = (None, None)) -> None:
+    """Both pitch curves at phi1 = 0; concave stretches are highlighted where masks (shape (n,)) are given."""
+    area(axes, pair.driving_mm, DRIVING, 1.8, "driving gear")
+    _draw_driven(axes, pair, pair.driven_mm, 1.8, "driven gear")
+    centers = [0.0, pair.center_distance_mm]
+    shifted = pair.driven_mm + np.array([pair.center_distance_mm, 0.0])
+    _draw_concave(axes, [(pair.driving_mm, concave[0]), (shifted, concave[1])])
+    axes.plot(centers, [0.0, 0.0], color=INK, linewidth=0.8, linestyle=LINE_OF_CENTRES)
+    axes.plot(centers, [0.0, 0.0], "+", color=INK, markersize=11, markeredgewidth=1.3)
+    _name_below(axes, "driving axis", 0.0, INK)
+    _name_below(axes, "driven axis", pair.center_distance_mm, INK)
+    dress(axes, "x in mm", "y in mm")
+    axes.update_datalim(pair.reach)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.autoscale_view()
+    key_above(axes)
+
+
+def _draw_concave(axes: Axes, curves: Sequence[tuple[Array, Mask | None]]) -> None:
+    """Draw over the concave stretches, if any."""
+    drawn = [np.where(mask[:, None], points, np.nan) for points, mask in curves if mask is not None]
+    # One line with a gap between the gears, so that the key names it once.
+    joined = np.vstack([np.full((1, 2), np.nan), *(part for points in drawn for part in (points, [[np.nan, np.nan]]))])
+    if np.isfinite(joined).any():
+        axes.plot(*joined.T, color=HIGHLIGHT, linewidth=4.0, label="concave", solid_capstyle="butt")
+
+
+def teeth_png(
+    pair: Assembled, module_mm: float, positions: Sequence[Position], title: str = "Tooth outlines in mesh"
+) -> bytes:
+    """Tooth outlines assembled in each position: whole above, mesh below."""
+    left, right, top = pair.frame
+    rows_in = PANEL_IN * (2.0 * top / (right - left)), PANEL_IN * 0.95
+    margins = Margins(left=0.7, top=0.65)
+    size = PANEL_IN * len(positions) + 0.85, sum(rows_in) + 1.5
+    made = figure(*size, title)
+    spaces = {"hspace": 0.12, "wspace": 0.14, "height_ratios": rows_in}
+    views = made.subplots(2, len(positions), squeeze=False, gridspec_kw={**margins.shares(*size), **spaces})
+    for (whole, mesh), position in zip(views.T, positions, strict=True):
+        draw_whole(whole, pair, position)
+        draw_mesh(mesh, pair, ZOOM_IN_MODULES * module_mm, position)
+    _name_below(views[0, 0], "driving", 0.0, DRIVING)
+    _name_below(views[0, 0], "driven", pair.center_distance_mm, DRIVEN)
+    views[1, 0].set_ylabel("y in mm", size=SMALL, color=INK)
+    return png(made)
+
+
+def draw_whole(axes: Axes, pair: Assembled, position: Position) -> None:
+    """Both gears, in a frame that is the same for all positions."""
+    _draw_turned(axes, pair, position, 0.5)
+    axes.plot([0.0, pair.center_distance_mm], [0.0, 0.0], "+", color=INK, markersize=8)
+    left, right, top = pair.frame
+    axes.set_xlim(left, right)
+    axes.set_ylim(-top, top)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    # Adding zero turns a rounded -0.0 into 0.0.
+    phi1, phi2 = (round(degrees(angle), 1) + 0.0 for angle in (position.phi1_rad, position.phi2_rad))
+    axes.set_title(f"phi1 = {phi1:g}\u00b0, phi2 = {phi2:g}\u00b0", size=SMALL + 1.0, color=INK)
+
+
+def draw_mesh(axes: Axes, pair: Assembled, half_mm: float, position: Position) -> None:
+    """The surroundings of the pitch point, ``half_mm`` to each side."""
+    point = position.pitch_point_mm
+    _draw_turned(axes, pair, position, 1.2)
+    axes.axhline(0.0, color=REFERENCE, linewidth=0.7, linestyle=LINE_OF_CENTRES)
+    axes.plot(point, 0.0, "o", color=INK, markersize=3.5)
+    dress(axes, "x in mm (dot: pitch point)", "")
+    axes.xaxis.label.set_fontsize(SMALL)
+    axes.locator_params(nbins=6)
+    axes.set_xlim(point - half_mm, point + half_mm)
+    axes.set_ylim(-half_mm, half_mm)
+    axes.set_aspect("equal")
+
+
+def turned(points_mm: Array, angle_rad: float) -> Array:
+    """Points (shape (n, 2)) turned counter-clockwise about the origin."""
+    cosine, sine = np.cos(angle_rad), np.sin(angle_rad)
+    result: Array = points_mm @ np.array([[cosine, sine], [-sine, cosine]])
+    return result
+
+
+def _draw_turned(axes: Axes, pair: Assembled, position: Position, line_width: float) -> None:
+    """Both gears in a position: the driving one turned by +phi1, the driven one by -phi2, or a ring by +phi2."""
+    area(axes, turned(pair.driving_mm, position.phi1_rad), DRIVING, line_width)
+    sense = -1.0 if pair.ring_radius_mm is None else 1.0
+    _draw_driven(axes, pair, turned(pair.driven_mm, sense * position.phi2_rad), line_width)
+
+
+def _draw_driven(axes: Axes, pair: Assembled, points_mm: Array, line_width: float, label: str = "") -> None:
+    """The driven gear's curve at its axis; a ring with its circle."""
+    moved = points_mm + np.array([pair.center_distance_mm, 0.0])
+    if pair.ring_radius_mm is None:
+        area(axes, moved, DRIVEN, line_width, label)
+    else:
+        ring_area(axes, moved, (pair.center_distance_mm, 0.0), pair.ring_radius_mm, DRIVEN, line_width, label)
+
+
+def _name_below(axes: Axes, text: str, x: float, color: str) -> None:
+    """A name below a point of the line of centres."""
+    axes.annotate(
+        text, (x, 0.0), xytext=(0, -9), textcoords="offset points", ha="center", va="top", size=SMALL, color=color
+    )
