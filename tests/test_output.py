@@ -20,13 +20,14 @@ import ncgear
 from ncgear.drawings import plots
 from ncgear.drawings.plots.curves import mark_extreme
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.figures.numbers import label_and_unit, shown
+from ncgear.figures.numbers import shown
 from ncgear.figures.summary.build import pitch_summary
 from ncgear.figures.tables import LAW_COLUMNS, law_csv, outline_csv
 from ncgear.figures.terminal import MIXED_SPEEDS, SAME_SPEED, WIDTH, summary_text, timing_text
 from ncgear.files.build import build
 from ncgear.files.publish import STAGING_PREFIX, prepare, publish
 from ncgear.kinematics.motion import SliderMotion
+from ncgear.numerics.units import label_and_unit
 
 FILES = {"a.txt": b"first", "b.txt": b"second", "summary.json": b"{}"}
 

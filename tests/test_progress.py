@@ -8,7 +8,7 @@ import pytest
 
 from ncgear.cli import progress
 from ncgear.design.reading.design_file import load
-from ncgear.files.build import WRITTEN_STAGES, build, contacts_as_written, stage_count
+from ncgear.files.build import WRITTEN_STEPS, build, contacts_as_written, step_count
 from ncgear.project.drive import loads
 from ncgear.screening.screen import screened
 
@@ -27,13 +27,13 @@ MOTIONS = ["{law: uniform_crank}", "{law: harmonic_ratio, cosine: [0.2], second_
 def test_a_build_tells_as_many_stages_as_it_says_it_has(tmp_path: Path, motion: str) -> None:
     drive, told = loads(GEARS.replace("MOTION", motion)), list[str]()
     build(drive, tmp_path, told.append)
-    assert len(told) == len(set(told)) == stage_count(drive, report=False)
+    assert len(told) == len(set(told)) == step_count(drive, report=False)
 
 
 def test_a_report_tells_as_many_as_it_says() -> None:
     told = list[str]()
     contacts_as_written(loads(GEARS.replace("MOTION", MOTIONS[0])), told.append)
-    assert tuple(told) == WRITTEN_STAGES
+    assert tuple(told) == WRITTEN_STEPS
 
 
 def test_a_sweep_tells_every_design() -> None:
@@ -47,16 +47,16 @@ def test_the_bar_counts_the_stages_that_are_done(monkeypatch: pytest.MonkeyPatch
     made = []
     original = progress._bar
     monkeypatch.setattr(progress, "_bar", lambda *arguments: made.append(original(*arguments)) or made[-1])
-    with progress.stages_shown(3) as on_stage:
+    with progress.steps_shown(3) as on_step:
         seen = []
         for stage in ("teeth", "contact", "solids"):
-            on_stage(stage)
+            on_step(stage)
             seen.append((made[0].tasks[0].description, made[0].tasks[0].completed, made[0].tasks[0].total))
     assert seen == [("teeth", 0, 3), ("contact", 1, 3), ("solids", 2, 3)]
 
 
 def test_nothing_is_shown_where_stderr_is_no_terminal(capsys: pytest.CaptureFixture[str]) -> None:
-    with progress.counted("designs") as on_done, progress.stages_shown(1) as on_stage:
+    with progress.counted("designs") as on_done, progress.steps_shown(1) as on_step:
         on_done(1, 2)
-        on_stage("teeth")
+        on_step("teeth")
     assert capsys.readouterr() == ("", "")

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.progress import stages_shown
+from ncgear.cli.progress import steps_shown
 
 
 def bench(
@@ -27,8 +27,8 @@ def bench(
     for reason in left_out:
         typer.echo(reason, err=True)
     found = []
-    with stages_shown(len(studies)) as on_stage:
+    with steps_shown(len(studies)) as on_step:
         for study in studies:
-            on_stage(study.key)
+            on_step(study.key)
             found.append(measured(study))
     typer.echo(bench_text(found, write(out, found)))

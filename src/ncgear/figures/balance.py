@@ -56,8 +56,9 @@ from ncgear.balance.waveform import Statistics
 from ncgear.design.keys import balance as given_as
 from ncgear.design.keys.balance import ChainDrive, Rotor, Sweep
 from ncgear.design.keys.balance import Mechanism as GivenMechanism
-from ncgear.figures.numbers import label_and_unit, shown
-from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
+from ncgear.errors import below
+from ncgear.figures.numbers import shown
+from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM, label_and_unit
 from ncgear.project.balancing import (
     BalancedGear,
     Balancing,
@@ -69,7 +70,6 @@ from ncgear.project.balancing import (
     readings_of,
     shafts_of,
     trial_runs_of,
-    under,
     weight_runs_of,
 )
 from ncgear.ratio.laws.uniform import uniform_law
@@ -142,7 +142,7 @@ def _failure_figures(of: Failure) -> dict[str, float]:
 
 
 def _complete(asked: given_as.Complete, mechanism: Mechanism) -> dict[str, float]:
-    with under("complete"):
+    with below("complete"):
         found = complete_balance(mechanism.linkage, mechanism.masses, asked.rod_arm_mm, asked.crank_arm_mm)
     added = (
         Counterweight(Carrier.ROD, found.rod_kg, asked.rod_arm_mm),
@@ -441,7 +441,7 @@ def figures_of(balancing: Balancing) -> dict[str, Any]:
 
 
 def _of_mechanism(number: int, given: GivenMechanism, mounted: Mounted) -> dict[str, Any]:
-    with under(f"mechanisms.{number}"):
+    with below(f"mechanisms.{number}"):
         return mechanism_figures(given, mounted.mechanism)
 
 

@@ -13,8 +13,9 @@ from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
-from ncgear.figures.numbers import label_and_unit, shown
+from ncgear.figures.numbers import shown
 from ncgear.figures.summary.check import check_summary
+from ncgear.numerics.units import label_and_unit
 from ncgear.project.drive import Drive
 
 MECHANISMS = {"this_design": "this design", "uniform_crank": "uniform crank"}

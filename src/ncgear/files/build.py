@@ -1,4 +1,4 @@
-"""A build: every stage of the drive in turn, then all its files at once."""
+"""A build: every step of the drive in turn, then all its files at once."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ from ncgear.pitch.curve import PitchCurve
 from ncgear.project.drive import Drive
 from ncgear.solids.assembly import Placed, assembly_report
 
-STAGES = {
+STEPS = {
     "motion": ("motion", "uniform_motion"),
     "pitch curves": ("pitch",),
     "teeth": ("teeth",),
     "contact": ("designed_contact",),
     "solids": ("solids",),
 }
-"""Stages in order and the attributes of the drive whose first use computes them."""
+"""Steps in order and the attributes of the drive whose first use computes them."""
 
-WRITTEN_STAGES = (*STAGES, "files", "written contact")
-PAIR_STAGES = (*WRITTEN_STAGES, "workshop files", "plots")
+WRITTEN_STEPS = (*STEPS, "files", "written contact")
+PAIR_STEPS = (*WRITTEN_STEPS, "workshop files", "plots")
 """What is told of one pair of gears until its contact as written is known, and until all its files are made."""
 
 
@@ -61,7 +61,7 @@ class _Pair:
 def build(
     drive: Drive,
     folder: Path,
-    on_stage: Callable[[str], None],
+    on_step: Callable[[str], None],
     formats: Collection[Format] = (),
     reported: LoadedDesign | None = None,
 ) -> Built:
@@ -69,36 +69,36 @@ def build(
 
     Files of the kinds ``formats`` are written beside CSV and STL and, given the design as it was loaded, which is then
     ``reported`` on, a report.  Two stages go into folders ``stage-1`` and ``stage-2``, at the same instant.
-    ``on_stage`` is told what is done before it begins.  Raises WrongInput or NoSuchMechanism from the stages, and
+    ``on_step`` is told what is done before it begins.  Raises WrongInput or NoSuchMechanism from the steps, and
     WrongInput when the folder cannot be written; whatever fails, the last good build in ``folder`` stays.
     """
     prepare(folder)
-    pairs = {_place(pair.stage): _made(pair, _named(pair, on_stage), formats) for pair in drive.by_stage}
+    pairs = {_place(pair.stage): _made(pair, _named(pair, on_step), formats) for pair in drive.by_stage}
     files = {place + name: content for place, pair in pairs.items() for name, content in pair.files.items()}
     if reported is not None:
-        files[REPORT_FILE] = _report(drive, reported, [pair.contact for pair in pairs.values()], on_stage)
+        files[REPORT_FILE] = _report(drive, reported, [pair.contact for pair in pairs.values()], on_step)
     # A folder may hold an earlier build of the other number of stages, of other kinds of files, or with a report.
     names = {*NAMES, *(name for pair in pairs.values() for name in pair.files)}
     obsolete = [_place(stage) + name for stage in (None, 1, 2) for name in sorted(names)]
     return Built(publish(folder, files, [*obsolete, REPORT_FILE]), [pair.summary for pair in pairs.values()])
 
 
-def stage_count(drive: Drive, *, report: bool) -> int:
+def step_count(drive: Drive, *, report: bool) -> int:
     """How often a build tells what is done."""
-    return len(PAIR_STAGES) * drive.design.stages + report
+    return len(PAIR_STEPS) * drive.design.stages + report
 
 
-def contacts_as_written(drive: Drive, on_stage: Callable[[str], None]) -> list[PairContact]:
+def contacts_as_written(drive: Drive, on_step: Callable[[str], None]) -> list[PairContact]:
     """The contact of every pair as a build finds it in its files, none of which is written; raises as ``build``."""
-    return [_written(pair, _named(pair, on_stage))[1] for pair in drive.by_stage]
+    return [_written(pair, _named(pair, on_step))[1] for pair in drive.by_stage]
 
 
 def _report(
-    drive: Drive, reported: LoadedDesign, contacts: Sequence[PairContact], on_stage: Callable[[str], None]
+    drive: Drive, reported: LoadedDesign, contacts: Sequence[PairContact], on_step: Callable[[str], None]
 ) -> bytes:
     from ncgear.drawings.page.page import report_page
 
-    with _timed(drive, "report", on_stage):
+    with _timed(drive, "report", on_step):
         return report_page(drive, reported, contacts)
 
 
@@ -107,41 +107,41 @@ def _place(stage: int | None) -> str:
     return "" if stage is None else f"stage-{stage}/"
 
 
-def _named(pair: Drive, on_stage: Callable[[str], None]) -> Callable[[str], None]:
+def _named(pair: Drive, on_step: Callable[[str], None]) -> Callable[[str], None]:
     """Tell which of two pairs is at work."""
-    return on_stage if pair.stage is None else lambda done: on_stage(f"stage {pair.stage}: {done}")
+    return on_step if pair.stage is None else lambda done: on_step(f"stage {pair.stage}: {done}")
 
 
-def _made(drive: Drive, on_stage: Callable[[str], None], formats: Collection[Format]) -> _Pair:
+def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Format]) -> _Pair:
     """All of one pair of gears."""
-    files, contact = _written(drive, on_stage)
-    with _timed(drive, "workshop files", on_stage):
+    files, contact = _written(drive, on_step)
+    with _timed(drive, "workshop files", on_step):
         files.update(workshop_files(drive, formats))
-    with _timed(drive, "plots", on_stage):
+    with _timed(drive, "plots", on_step):
         files.update(pictures(drive, contact))
     # Last: only now are the timings known, and a summary is then never newer in its folder than what it sums up.
     summary = build_summary(drive, contact)
     return _Pair({**files, "summary.json": json_text(summary).encode()}, summary, contact)
 
 
-def _written(drive: Drive, on_stage: Callable[[str], None]) -> tuple[dict[str, bytes], PairContact]:
+def _written(drive: Drive, on_step: Callable[[str], None]) -> tuple[dict[str, bytes], PairContact]:
     """Tables and solids of one pair of gears, and its contact as they have it."""
-    for stage, attributes in STAGES.items():
-        on_stage(stage)
+    for step, attributes in STEPS.items():
+        on_step(step)
         for attribute in attributes:
             getattr(drive, attribute)
-    with _timed(drive, "files", on_stage):
+    with _timed(drive, "files", on_step):
         files = {**_tables(drive), **_meshes(drive), "assembly.json": json_text(_assembly(drive)).encode()}
-    with _timed(drive, "written contact", on_stage):
+    with _timed(drive, "written contact", on_step):
         contact = drive.contact(written_outlines(files, drive.solids, helical=drive.helix is not None))
         files["contact.csv"] = contact_csv(contact).encode()
     return files, contact
 
 
 @contextmanager
-def _timed(drive: Drive, stage: str, on_stage: Callable[[str], None]) -> Iterator[None]:
-    on_stage(stage)
-    with drive.stopwatch(stage):
+def _timed(drive: Drive, step: str, on_step: Callable[[str], None]) -> Iterator[None]:
+    on_step(step)
+    with drive.stopwatch(step):
         yield
 
 
