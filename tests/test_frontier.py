@@ -17,8 +17,8 @@ from ncgear.design.keys.design import Design
 from ncgear.design.reading.design_file import load
 from ncgear.drawings.plots import frontier as picture
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.figures.frontier import frontier_csv, frontier_json, mechanisms
-from ncgear.files.frontier import frontier_files, frontier_text
+from ncgear.figures.frontier import frontier_csv, frontier_json, frontier_text, mechanisms
+from ncgear.files.frontier import frontier_files
 from ncgear.optimum.certified.limit import Bound
 from ncgear.optimum.family.best import Family, Peak, best_of_family
 from ncgear.optimum.figures import Figures

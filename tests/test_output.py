@@ -20,9 +20,9 @@ import ncgear
 from ncgear.drawings import plots
 from ncgear.drawings.plots.curves import mark_extreme
 from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.figures.csv_text import LAW_COLUMNS, law_csv, outline_csv
 from ncgear.figures.numbers import shown
 from ncgear.figures.summary.build import pitch_summary
-from ncgear.figures.tables import LAW_COLUMNS, law_csv, outline_csv
 from ncgear.figures.terminal import MIXED_SPEEDS, SAME_SPEED, WIDTH, summary_text, timing_text
 from ncgear.files.build import build
 from ncgear.files.publish import STAGING_PREFIX, prepare, publish

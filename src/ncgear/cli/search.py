@@ -59,7 +59,8 @@ def frontier(
     from ncgear.files.publish import prepare, publish
 
     with opened(design_file) as loaded:
-        from ncgear.files.frontier import frontier_files, frontier_text
+        from ncgear.figures.frontier import frontier_text
+        from ncgear.files.frontier import frontier_files
         from ncgear.project.frontier import frontier as frontier_of
         from ncgear.project.improvement import Improvement
 

@@ -26,8 +26,8 @@ from ncgear.drawings.plots.curves import LoadRow, TimeRow, load_curves, time_row
 from ncgear.dynamics.history import History, history, parted_s
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.rigid import Loads, Rigid
+from ncgear.figures.csv_text import csv_text
 from ncgear.figures.numbers import json_text
-from ncgear.figures.tables import csv_text
 from ncgear.figures.terminal import MECHANISMS, beside_lines, summary_text
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
