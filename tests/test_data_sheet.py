@@ -16,9 +16,9 @@ from ncgear.design.keys.design import Design
 from ncgear.design.reading.design_file import load
 from ncgear.drawings.charts.chart import joints_up_to
 from ncgear.drawings.page.tables import sheet_tables
-from ncgear.figures.data_sheet.sheet import data_sheet
-from ncgear.figures.data_sheet.text import pitch_csv, sheet_text, turn_deg
-from ncgear.figures.data_sheet.values import DataSheet, Row, Table
+from ncgear.figures.data_sheet.pitch_table import pitch_csv, turn_deg
+from ncgear.figures.data_sheet.sheet import DataSheet, Entry, data_sheet, sheet_text
+from ncgear.figures.tables import Table
 from ncgear.project.drive import Drive
 
 DESIGNS = Path(__file__).parents[1] / "designs"
@@ -41,8 +41,8 @@ def toleranced() -> DataSheet:
     return data_sheet(drive("ellipse", tolerances=LIMITS))
 
 
-def row(found: DataSheet, label: str) -> Row:
-    return next(row for group in found.groups for row in group.rows if row.label == label)
+def row(found: DataSheet, label: str) -> Entry:
+    return next(row for group in found.groups for row in group.entries if row.label == label)
 
 
 def table(found: DataSheet, title: str) -> Table:
@@ -172,7 +172,7 @@ def test_the_text_has_every_group_and_table() -> None:
 def test_the_report_shows_measurements_to_a_tenth_of_a_micrometre() -> None:
     shown = next(table for table in sheet_tables(toleranced()) if table.title.startswith("Span of the driving"))
     nominal = [cells[4] for cells in table(toleranced(), "Span of the driving").rows]
-    assert [float(cells.cells[4]) for cells in shown.rows] == pytest.approx(nominal, abs=1e-4)
+    assert [float(row.cells[4]) for row in shown.html_rows] == pytest.approx(nominal, abs=1e-4)
 
 
 def test_the_pitch_file_is_the_law() -> None:

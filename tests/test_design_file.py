@@ -23,7 +23,7 @@ from ncgear.design.reading.text import plain_value
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.reference import law_of
 from ncgear.design.template import template
-from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.errors import NoSuchMechanism, WrongInput, located
 
 HEAD = "name: a\nlinkage: {crank_mm: 100, rod_mm: 300}\noperation: {speed_rpm: 60}\n"
 
@@ -164,26 +164,31 @@ def test_plain_scalars_mean_what_yaml_1_2_says(text: str, value: object) -> None
     assert type(plain_value(text)) is type(value)
 
 
-def test_locate(tmp_path: Path) -> None:
+def place(design: LoadedDesign, key: str) -> str:
+    """FILE:LINE:COLUMN of a key."""
+    return str(design.source.place(key))
+
+
+def test_keys_have_their_places(tmp_path: Path) -> None:
     design = loaded(tmp_path, template("baler"))
     file = tmp_path / "d.yaml"
-    assert design.locate("linkage.rod_mm") == f"{file}:10:3"
-    assert design.locate("linkage.nothing.below") == f"{file}:8:1"
-    assert design.locate("nothing") == f"{file}:5:1"
-    assert design.locate("") == f"{file}:5:1"
-    assert design.locate("motion.theta2") == design.locate("motion.theta2_rad") == f"{file}:20:3"
+    assert place(design, "linkage.rod_mm") == f"{file}:10:3"
+    assert place(design, "linkage.nothing.below") == f"{file}:8:1"
+    assert place(design, "nothing") == f"{file}:5:1"
+    assert place(design, "") == f"{file}:5:1"
+    assert place(design, "motion.theta2") == place(design, "motion.theta2_rad") == f"{file}:20:3"
     text = file.read_text(encoding="utf-8").splitlines()
     line = next(number for number, content in enumerate(text, 1) if "polynomial_n" in content)
     column = text[line - 1].index("3.447") + 1
-    assert design.locate("resistance.polynomial_n.1") == f"{file}:{line}:{column}"
+    assert place(design, "resistance.polynomial_n.1") == f"{file}:{line}:{column}"
 
 
 def test_errors_get_their_place_and_keep_a_known_one(tmp_path: Path) -> None:
     design = loaded(tmp_path, template("baler"))
-    with pytest.raises(NoSuchMechanism) as caught, design.locating():
+    with pytest.raises(NoSuchMechanism) as caught, located(design.source):
         raise NoSuchMechanism("does not exist", key="motion.theta1")
     assert str(caught.value) == f"{tmp_path}/d.yaml:19:3: motion.theta1_pi: does not exist"
-    with pytest.raises(WrongInput) as caught_elsewhere, design.locating():
+    with pytest.raises(WrongInput) as caught_elsewhere, located(design.source):
         raise WrongInput("x", key="motion", location="other:1:1")
     assert caught_elsewhere.value.location == "other:1:1"
 

@@ -7,18 +7,18 @@ import json
 from io import BytesIO, StringIO
 from pathlib import Path
 
-import ncgear.frontier as of_design
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from PIL import Image
 
+import ncgear.project.frontier as of_design
 from ncgear.design.keys.design import Design
 from ncgear.design.reading.design_file import load
 from ncgear.drawings.plots import frontier_plot as picture
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.figures.frontier import frontier_csv, frontier_json, mechanisms
-from ncgear.files.frontier import frontier_files, frontier_text
+from ncgear.figures.frontier import frontier_csv, frontier_json, frontier_text, mechanisms
+from ncgear.files.frontier import frontier_files
 from ncgear.optimum.certified.limit import Bound
 from ncgear.optimum.family import Family, Peak, best_of_family
 from ncgear.optimum.figures import Figures

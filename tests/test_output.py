@@ -22,13 +22,14 @@ from ncgear.drawings.charts.drawer import MOTION_COLUMN, MOTION_LOOK, beside_png
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, motion_chart, over_displacement
 from ncgear.drawings.plots import assembled_pair as gears
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.figures.numbers import label_and_unit, shown
+from ncgear.figures.csv_text import LAW_COLUMNS, law_csv, outline_csv
+from ncgear.figures.numbers import shown
 from ncgear.figures.summary.build import pitch_summary
-from ncgear.figures.tables import LAW_COLUMNS, law_csv, outline_csv
 from ncgear.figures.terminal import MIXED_SPEEDS, SAME_SPEED, WIDTH, summary_text, timing_text
 from ncgear.files.build import build
 from ncgear.files.publish import STAGING_PREFIX, prepare, publish
 from ncgear.kinematics.motion import SliderMotion
+from ncgear.numerics.units import label_and_unit
 
 FILES = {"a.txt": b"first", "b.txt": b"second", "summary.json": b"{}"}
 

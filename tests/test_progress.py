@@ -47,16 +47,16 @@ def test_the_bar_counts_the_stages_that_are_done(monkeypatch: pytest.MonkeyPatch
     made = []
     original = progress._bar
     monkeypatch.setattr(progress, "_bar", lambda *arguments: made.append(original(*arguments)) or made[-1])
-    with progress.stages_shown(3) as on_stage:
+    with progress.steps_shown(3) as on_step:
         seen = []
         for stage in ("teeth", "contact", "solids"):
-            on_stage(stage)
+            on_step(stage)
             seen.append((made[0].tasks[0].description, made[0].tasks[0].completed, made[0].tasks[0].total))
     assert seen == [("teeth", 0, 3), ("contact", 1, 3), ("solids", 2, 3)]
 
 
 def test_nothing_is_shown_where_stderr_is_no_terminal(capsys: pytest.CaptureFixture[str]) -> None:
-    with progress.counted("designs") as on_done, progress.stages_shown(1) as on_stage:
+    with progress.counted("designs") as on_done, progress.steps_shown(1) as on_step:
         on_done(1, 2)
-        on_stage("teeth")
+        on_step("teeth")
     assert capsys.readouterr() == ("", "")

@@ -10,7 +10,7 @@ import trimesh.creation
 from shapely import Polygon
 from trimesh.exchange.stl import export_stl
 
-from ncgear.figures.tables import outline_csv
+from ncgear.figures.csv_text import outline_csv
 from ncgear.files.meshes import FOOT_MM, outline_of_csv, outline_of_stl, section_rings, stl_bytes, written_outlines
 from ncgear.solids.mesh.pair import SolidPair, driven_solid, driving_solid
 from ncgear.solids.plan.body import Blank, Bore, Hub, Keyway

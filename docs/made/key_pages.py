@@ -9,6 +9,7 @@ from typing import Any
 from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.design import Design
 from ncgear.design.reference import Key, allowed, default_words, keys_of, unit_of
+from ncgear.figures.tables import markdown
 
 MADE = "<!-- Made by `make docs` from the models that check such files. -->"
 
@@ -38,7 +39,7 @@ PAGES: dict[str, tuple[str, type[Any]]] = {
 }
 """Introduction and model of each page."""
 
-TABLE = ("| key | unit | meaning | value | left out |", "|---|---|---|---|---|")
+HEADS = ("key", "unit", "meaning", "value", "left out")
 
 SPECIAL = str.maketrans({"|": "&#124;", "*": "\\*", "<": "&lt;"})
 """What would be more than a letter in a table of Markdown."""
@@ -53,7 +54,7 @@ def key_page(name: str) -> str:
 def _section(keys: Sequence[Key], above: str, law: str, title: str, level: int) -> Iterator[str]:
     """The table of a group's own keys, then the groups in it."""
     own = [key for key in _inside(keys, above) if key.law == law]
-    yield from (f"{'#' * min(level, 4)} {title}", "", *TABLE, *(_row(key) for key in own), "")
+    yield from (f"{'#' * min(level, 4)} {title}", "", *markdown(HEADS, map(_row, own)), "")
     for group in (key for key in own if key.group):
         yield from _groups(keys, group, level + bool(above))
 
@@ -70,7 +71,7 @@ def _inside(keys: Sequence[Key], above: str) -> list[Key]:
     return [key for key in keys if key.path.rpartition(".")[0] == above]
 
 
-def _row(key: Key) -> str:
+def _row(key: Key) -> list[str]:
     left_out = default_words(key).removeprefix("none: it ").removeprefix("may be left out; ")
     cells = key.meaning, allowed(key), "-" if left_out == "may be left out" else left_out
-    return f"| `{key.name}` | {unit_of(key.name)} | {' | '.join(cell.translate(SPECIAL) for cell in cells)} |"
+    return [f"`{key.name}`", unit_of(key.name), *(cell.translate(SPECIAL) for cell in cells)]

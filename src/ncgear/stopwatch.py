@@ -1,4 +1,4 @@
-"""Time spent in named stages, each without the stages inside it."""
+"""Time spent in named steps of a computation, each without the steps inside it."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from time import perf_counter
 
 
 class Stopwatch:
-    """Adds up seconds by stage; a stage entered inside another stops the outer one's time."""
+    """Adds up seconds by step; a step entered inside another stops the outer one's time."""
 
     def __init__(self) -> None:
         self.seconds: dict[str, float] = {}
         self._inner: list[float] = []
 
     @contextmanager
-    def __call__(self, stage: str) -> Iterator[None]:
-        """Time the body as ``stage``."""
+    def __call__(self, step: str) -> Iterator[None]:
+        """Time the body as ``step``."""
         start = perf_counter()
         self._inner.append(0.0)
         try:
             yield
         finally:
             whole = perf_counter() - start
-            self.seconds[stage] = self.seconds.get(stage, 0.0) + whole - self._inner.pop()
+            self.seconds[step] = self.seconds.get(step, 0.0) + whole - self._inner.pop()
             if self._inner:
                 self._inner[-1] += whole

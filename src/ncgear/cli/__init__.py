@@ -4,6 +4,6 @@ Results go to stdout, everything else to stderr. Exit status: 0 done, 1 a fault 
 mechanism, 130 interrupted.
 """
 
-from ncgear.cli.app import main
+from ncgear.cli.run import main
 
 __all__ = ["main"]

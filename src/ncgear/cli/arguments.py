@@ -1,9 +1,4 @@
-"""What the shell offers while a command is being typed.
-
-Arguments and options that several commands share, and where these write.
-
-A design file in use by a command.
-"""
+"""Arguments and options that several commands share, what the shell offers for them, and the design file in use."""
 
 from __future__ import annotations
 
@@ -13,6 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from ncgear.errors import located
 
 if TYPE_CHECKING:
     from ncgear.design.reading.design_file import LoadedDesign
@@ -26,22 +23,15 @@ def files_to_complete(incomplete: str) -> list[str]:
     folder, start = (typed, "") if incomplete.endswith("/") or not incomplete else (typed.parent, typed.name)
     if not folder.is_dir():
         return []
-    found = [place for place in sorted(folder.iterdir()) if place.name.startswith(start or _not_hidden(place))]
-    return [f"{place}/" if place.is_dir() else str(place) for place in found if _wanted(place)]
-
-
-def _not_hidden(place: Path) -> str:
-    """A start that no hidden file has."""
-    return "\0" if place.name.startswith(".") else ""
-
-
-def _wanted(place: Path) -> bool:
-    return place.is_dir() or place.suffix in SUFFIXES
+    named = [place for place in sorted(folder.iterdir()) if place.name.startswith(start)]
+    found = [place for place in named if start or not place.name.startswith(".")]
+    wanted = [place for place in found if place.is_dir() or place.suffix in SUFFIXES]
+    return [f"{place}/" if place.is_dir() else str(place) for place in wanted]
 
 
 def keys_to_complete(context: typer.Context, incomplete: str) -> list[str]:
     """Keys of the kind of file that is asked about, by their whole path or their last part."""
-    from ncgear.cli.design_files import FileKind, model_of
+    from ncgear.cli.reference import FileKind, model_of
     from ncgear.design.reference import keys_of
 
     keys = keys_of(model_of(FileKind(context.params.get("of") or FileKind.DESIGN)))
@@ -60,7 +50,7 @@ DesignFile = Annotated[
         autocompletion=files_to_complete,
     ),
 ]
-Timing = Annotated[bool, typer.Option("--timing", help="Also print, to stderr, how long each stage took.")]
+Timing = Annotated[bool, typer.Option("--timing", help="Also print, to stderr, how long each step took.")]
 
 
 @contextmanager
@@ -69,5 +59,5 @@ def opened(path: Path) -> Iterator[LoadedDesign]:
     from ncgear.design.reading.design_file import load
 
     loaded = load(path)
-    with loaded.locating():
+    with located(loaded.source):
         yield loaded

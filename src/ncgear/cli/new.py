@@ -12,7 +12,7 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.progress import stages_shown
+from ncgear.cli.progress import steps_shown
 from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
 from ncgear.design.naming import NAME_RULE, is_name
 from ncgear.design.reading.text import plain_value
@@ -193,8 +193,8 @@ def _buildable(name: str, law: LawName, sizes: dict[str, float]) -> str:
 
     text = begun(name, law, sizes)
     drive = Drive(parsed(text, Path(f"{name}.yaml")).design)
-    with stages_shown(len(BUILDABLE)) as on_stage:
+    with steps_shown(len(BUILDABLE)) as on_step:
         for stage in BUILDABLE:
-            on_stage(stage.replace("_", " "))
+            on_step(stage.replace("_", " "))
             getattr(drive, stage)
     return text

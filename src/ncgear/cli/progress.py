@@ -23,16 +23,16 @@ def counted(what: str) -> Iterator[Callable[[int, int], None]]:
 
 
 @contextmanager
-def stages_shown(count: int | None = None) -> Iterator[Callable[[str], None]]:
-    """A function to name the stage at work with, which is one of ``count`` where that is known."""
+def steps_shown(count: int | None = None) -> Iterator[Callable[[str], None]]:
+    """A function to name the step at work with, which is one of ``count`` where that is known."""
     with _shown("starting", count) as bar:
         task = bar.task_ids[0]
 
-        def on_stage(stage: str) -> None:
+        def on_step(step: str) -> None:
             done = 0 if bar.tasks[0].description == "starting" else 1
-            bar.update(task, description=stage, advance=done)
+            bar.update(task, description=step, advance=done)
 
-        yield on_stage
+        yield on_step
 
 
 @contextmanager

@@ -26,6 +26,7 @@ from ncgear.design.reading.messages import fields_of, models_in
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.template import template
 from ncgear.errors import WrongInput
+from ncgear.numerics.units import label_and_unit
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,35 +138,17 @@ def _unknown(keys: Sequence[Key], wanted: str) -> str:
     return f"unknown key; {hint}"
 
 
-UNITS = {
-    "mm_s3": "mm/s3",
-    "mm_s2": "mm/s2",
-    "m_s2": "m/s2",
-    "n_s_mm": "N s/mm",
-    "kg_mm2": "kg mm2",
-    "kg_m3": "kg/m3",
-    "stiffness_n_mm": "N at a depth of 1 mm",
-    "n_m": "N m",
-    "mm_s": "mm/s",
-    "rpm": "r/min",
-    "gpa": "GPa",
-    "deg": "degrees",
-    "rad": "radians",
-    "pi": "multiples of pi",
-    "per_g": "the readings' unit per g",
-    "hz": "Hz",
-    "kg": "kg",
-    "mm": "mm",
-    "g": "g",
-    "n": "N",
-    "w": "W",
-}
-"""Units by the end of a key, the longer ones first."""
+SPELT_OUT = {"deg": "degrees", "rad": "radians"}
+"""Units that are words here; the map of all of them is in numerics.units."""
+
+OTHER_UNITS = {"stiffness_n_mm": "N at a depth of 1 mm", "effect_per_g": "the readings' unit per g"}
+"""Units of keys whose last words alone would say another one."""
 
 
 def unit_of(name: str) -> str:
     """The unit that a key ends in, empty where it names none."""
-    return next((unit for end, unit in UNITS.items() if f"_{name}".endswith(f"_{end}")), "")
+    unit = label_and_unit(name)[1]
+    return OTHER_UNITS.get(name, SPELT_OUT.get(unit, unit))
 
 
 def allowed(key: Key) -> str:

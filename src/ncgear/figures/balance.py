@@ -56,8 +56,11 @@ from ncgear.balance.waveform import Statistics
 from ncgear.design.keys import balance as given_as
 from ncgear.design.keys.balance import ChainDrive, Rotor, Sweep
 from ncgear.design.keys.balance import Mechanism as GivenMechanism
-from ncgear.figures.numbers import label_and_unit, shown
-from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
+from ncgear.errors import below
+from ncgear.figures.numbers import shown
+from ncgear.figures.tables import aligned
+from ncgear.figures.terminal import written_lines
+from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM, label_and_unit
 from ncgear.project.balancing import (
     BalancedGear,
     Balancing,
@@ -69,7 +72,6 @@ from ncgear.project.balancing import (
     readings_of,
     shafts_of,
     trial_runs_of,
-    under,
     weight_runs_of,
 )
 from ncgear.ratio.laws.uniform import uniform_law
@@ -142,7 +144,7 @@ def _failure_figures(of: Failure) -> dict[str, float]:
 
 
 def _complete(asked: given_as.Complete, mechanism: Mechanism) -> dict[str, float]:
-    with under("complete"):
+    with below("complete"):
         found = complete_balance(mechanism.linkage, mechanism.masses, asked.rod_arm_mm, asked.crank_arm_mm)
     added = (
         Counterweight(Carrier.ROD, found.rod_kg, asked.rod_arm_mm),
@@ -441,7 +443,7 @@ def figures_of(balancing: Balancing) -> dict[str, Any]:
 
 
 def _of_mechanism(number: int, given: GivenMechanism, mounted: Mounted) -> dict[str, Any]:
-    with under(f"mechanisms.{number}"):
+    with below(f"mechanisms.{number}"):
         return mechanism_figures(given, mounted.mechanism)
 
 
@@ -454,7 +456,7 @@ def balance_text(figures: Mapping[str, Any], paths: Sequence[Path]) -> str:
                 lines += ["", mechanism["name"], *_lines({k: v for k, v in mechanism.items() if k != "name"})]
         elif part != "name":
             lines += ["", part.replace("_", " "), *_content(content)]
-    return "\n".join([*lines, "", "Written", *(f"  {path}" for path in paths)])
+    return "\n".join([*lines, "", *written_lines(paths)])
 
 
 def _content(content: Any) -> list[str]:
@@ -480,9 +482,7 @@ def _is_group(value: Any) -> bool:
 
 
 def _table(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Columns as wide as their widest cell; those without any value are left out."""
+    """Columns without any value are left out."""
     keys = [key for key in rows[0] if any(row[key] is not None for row in rows)] if rows else []
     heads = [", ".join(part for part in label_and_unit(key) if part) for key in keys]
-    cells = [heads, *([shown(row[key]) for key in keys] for row in rows)]
-    widths = [max(len(line[k]) for line in cells) for k in range(len(keys))]
-    return ["  " + "  ".join(f"{cell:>{width}}" for cell, width in zip(line, widths, strict=True)) for line in cells]
+    return aligned([heads, *([shown(row[key]) for key in keys] for row in rows)])

@@ -1,14 +1,18 @@
-"""A frontier as CSV, JSON and a picture, with the mechanisms to compare with at the same speed."""
+"""A frontier as CSV, JSON and text, with the mechanisms to compare with at the same speed."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from ncgear.design.keys.machine import Published
-from ncgear.figures.numbers import json_text
+from ncgear.figures.csv_text import rows_text
+from ncgear.figures.numbers import json_text, shown
 from ncgear.figures.optimized import ARGUMENT, figures_summary
-from ncgear.figures.tables import rows_text
+from ncgear.figures.tables import aligned
+from ncgear.figures.terminal import written_lines
 from ncgear.optimum.frontier import FamilyPoint, LawPoint
 from ncgear.project.frontier import Frontier
 from ncgear.project.improvement import Improvement
@@ -22,6 +26,9 @@ COLUMNS = (
     "family_power_w",
     "family_acceleration_mm_s2",
 )
+
+HEADS = ("power cap, W", "limit, mm/s2", "best law, mm/s2", "gap, %", "family, mm/s2")
+COLUMN_WIDTH = 16
 
 
 @dataclass(frozen=True)
@@ -94,3 +101,28 @@ def frontier_json(found: Frontier, improvement: Improvement) -> str:
         "mechanisms": [vars(mechanism) for mechanism in mechanisms(improvement)],
     }
     return json_text(content)
+
+
+def frontier_text(found: Frontier, improvement: Improvement, paths: Sequence[Path]) -> str:
+    """A table of the points, the mechanisms, and the files written."""
+    families = {point.cap_w: point.peak_acceleration_mm_s2 for point in found.families}
+    rows = []
+    for point in found.laws:
+        law, limit = point.law.peak_acceleration_mm_s2, point.bound.value
+        gap = f"{100.0 * (law / limit - 1.0):.1f}"
+        rows.append([shown(point.cap_w), shown(limit), shown(law), gap, shown(families[point.cap_w])])
+    others = [
+        (one.name, f"{shown(one.peak_power_w)} W", f"{shown(one.peak_acceleration_mm_s2)} mm/s2")
+        for one in mechanisms(improvement)
+    ]
+    speed = improvement.design.operation.speed_rpm
+    lines = [
+        f"{improvement.design.name}: power against acceleration at {speed:g} r/min",
+        *aligned([HEADS, *rows], least=COLUMN_WIDTH),
+        "",
+        "At the same speed",
+        *aligned(others, left=1, least=(0, 11, 15)),
+        "",
+        *written_lines(paths),
+    ]
+    return "\n".join(lines)

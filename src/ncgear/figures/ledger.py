@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from ncgear.figures.tables import markdown
 from ncgear.papers.entry import Given, Verdict
 from ncgear.papers.judgement import Judged, Judgement
 
@@ -46,11 +47,11 @@ def ledger_text(judgements: Sequence[Judgement], paths: Iterable[Path]) -> str:
 
 def _overview(judgements: Sequence[Judgement]) -> list[str]:
     rows = [(one.paper.title, *(str(one.count(verdict)) for verdict in Verdict)) for one in judgements]
-    return _table(("paper", *Verdict), rows)
+    return markdown(("paper", *Verdict), rows)
 
 
 def _section(one: Judgement) -> list[str]:
-    paper, table = one.paper, _table(COLUMNS, map(_row, one.entries))
+    paper, table = one.paper, markdown(COLUMNS, map(_row, one.entries))
     return [f"## {paper.title}", "", f"{paper.reference}.", "", *table, "", *_given(paper.given)]
 
 
@@ -75,8 +76,3 @@ def _places(places: Sequence[str]) -> str:
         shown.append(number if name == kind else place)
         kind = name
     return ", ".join(shown)
-
-
-def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    lines = [f"| {' | '.join(row)} |" for row in (head, *rows)]
-    return [lines[0], f"|{'---|' * len(head)}", *lines[1:]]

@@ -29,44 +29,8 @@ def readable(unit: str, *values: Array | float) -> tuple[float, str]:
     return (1e-3, THOUSANDS[unit]) if unit in THOUSANDS and largest >= 1000.0 else (1.0, unit)
 
 
-UNITS = {
-    "_kg_mm": "kg mm",
-    "_n_mm": "N mm",
-    "_mm_s2": "mm/s2",
-    "_mm_s": "mm/s",
-    "_mm": "mm",
-    "_rad_s": "rad/s",
-    "_rad": "rad",
-    "_deg": "deg",
-    "_rpm": "r/min",
-    "_mpa": "MPa",
-    "_m_s2": "m/s2",
-    "_kg_mm2": "kg mm2",
-    "_mm2": "mm2",
-    "_mm3": "mm3",
-    "_kg_m2": "kg m2",
-    "_kg": "kg",
-    "_hz": "Hz",
-    "_j": "J",
-    "_n_m": "N m",
-    "_n": "N",
-    "_w": "W",
-    "_percent": "%",
-    "_g": "g",
-    "_s": "s",
-}
-"""Units by key suffix; longer suffixes stand before those that end them."""
-
 LONG_LIST = 12
 """Items up to which a list is written out."""
-
-
-def label_and_unit(key: str) -> tuple[str, str]:
-    """``peak_power_w`` -> (``peak power``, ``W``); a key without unit has an empty one."""
-    for suffix, unit in UNITS.items():
-        if key.endswith(suffix):
-            return key.removesuffix(suffix).replace("_", " "), unit
-    return key.replace("_", " "), ""
 
 
 def shown(value: Any) -> str:

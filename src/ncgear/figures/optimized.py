@@ -1,7 +1,4 @@
-"""An optimised law as a design file that builds, and the certificate of how close to the limit it is.
-
-What an optimisation says in the terminal.
-"""
+"""An optimised law: as a design file that builds, as the certificate of how close to the limit it is, and as text."""
 
 from __future__ import annotations
 
@@ -20,6 +17,8 @@ from ncgear import __version__
 from ncgear.design.keys.design import Design
 from ncgear.design.naming import LONGEST_NAME
 from ncgear.figures.numbers import shown
+from ncgear.figures.tables import aligned
+from ncgear.figures.terminal import written_lines
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.figures import Figures
 from ncgear.optimum.makeable.wishes import Goal
@@ -115,12 +114,13 @@ def _row(values: Array | Sequence[float]) -> CommentedSeq:
     return row
 
 
+COLUMN_WIDTH = 18
 COLUMNS = ("peak power, W", "peak accel., mm/s2", "ratio", "tangent, deg", "convex")
 
 
 def optimized_text(improvement: Improvement, paths: Sequence[Path]) -> str:
     """The law beside its limit and the other mechanisms at equal speed, and the files written."""
-    return "\n".join([*_limit(improvement), "", *_table(improvement), "", "Written", *(f"  {path}" for path in paths)])
+    return "\n".join([*_limit(improvement), "", *_table(improvement), "", *written_lines(paths)])
 
 
 def _limit(improvement: Improvement) -> list[str]:
@@ -139,21 +139,16 @@ def _table(improvement: Improvement) -> list[str]:
     if improvement.given_figures is not None:
         rows["design as given"] = improvement.given_figures
     rows["uniform crank"] = improvement.uniform_figures
-    width = max(map(len, rows))
-    head = "  ".join(f"{column:>18}" for column in COLUMNS)
+    cells = [[name, *_cells(found)] for name, found in rows.items()]
+    least = [0, *[COLUMN_WIDTH] * len(COLUMNS)]
+    return ["At equal driving speed, whole cycle", *aligned([["", *COLUMNS], *cells], left=1, least=least)]
+
+
+def _cells(found: Figures) -> list[str]:
     return [
-        "At equal driving speed, whole cycle",
-        f"  {'':<{width}}  {head}",
-        *(f"  {name:<{width}}  {_row_of_optimized_text(found)}" for name, found in rows.items()),
-    ]
-
-
-def _row_of_optimized_text(found: Figures) -> str:
-    cells = [
         shown(found.peak_power_w),
         shown(found.peak_acceleration_mm_s2),
         f"{found.ratio_min:.3f} to {found.ratio_max:.3f}",
         f"{degrees(found.tangent_rad):.2f}",
         "yes" if found.convex else "no",
     ]
-    return "  ".join(f"{cell:>18}" for cell in cells)

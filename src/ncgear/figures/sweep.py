@@ -12,8 +12,10 @@ from textwrap import shorten
 import numpy as np
 
 from ncgear.design.varied import Varied
+from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import shown
-from ncgear.figures.tables import rows_text
+from ncgear.figures.tables import aligned
+from ncgear.figures.terminal import written_lines
 from ncgear.numerics.arrays import IndexArray
 from ncgear.screening.screen import MADE, Screened
 
@@ -46,7 +48,7 @@ def sweep_text(varied: Sequence[Varied], found: Screened, paths: Sequence[Path])
     refused = Counter(_problem(verdict) for verdict in found.verdicts if verdict != MADE)
     if refused:
         blocks.append("\n".join(["Refused", *(f"{count:>7}  {text}" for text, count in refused.most_common(BEST))]))
-    return "\n\n".join([*blocks, "\n".join(["Written", *(f"  {path}" for path in paths)])])
+    return "\n\n".join([*blocks, "\n".join(written_lines(paths))])
 
 
 def _values(varied: Sequence[Varied]) -> list[tuple[float, ...]]:
@@ -69,9 +71,7 @@ def _best(title: str, figure: str, varied: Sequence[Varied], found: Screened) ->
         [*map(shown, values[rows[number]]), *(shown(float(found.figures[name][number])) for name in RANKED.values())]
         for number in order.tolist()
     ]
-    widths = [max(map(len, column)) for column in zip(heads, *lines, strict=True)]
-    texts = ("  ".join(f"{cell:>{width}}" for cell, width in zip(row, widths, strict=True)) for row in (heads, *lines))
-    return "\n".join([f"Best by {title}", *(f"  {text}" for text in texts)])
+    return "\n".join([f"Best by {title}", *aligned([heads, *lines])])
 
 
 def _problem(verdict: str) -> str:

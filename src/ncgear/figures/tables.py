@@ -1,93 +1,106 @@
-"""The tables of a build as text. Numbers are written in full: read back, they are the same floats."""
+"""A table as a value, and the ways in which it is written: aligned text, Markdown, and the cells of HTML."""
 
 from __future__ import annotations
 
-import csv
+import re
 from collections.abc import Iterable, Sequence
-from io import StringIO
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import NamedTuple
 
-import numpy as np
+Value = float | int | str | bool | None
+"""What stands in a cell; None where there is nothing to say."""
 
-from ncgear.kinematics.motion import SliderMotion
-from ncgear.numerics.arrays import Array, IndexArray
+Cells = tuple[Value, ...]
 
-if TYPE_CHECKING:
-    from ncgear.contact.pair import PairContact
+DIGITS = 7
+"""Of numbers in text: a tenth of a micrometre on a gear of 100 mm."""
 
-LAW_COLUMNS = (
-    "phi1_rad",
-    "phi2_rad",
-    "ratio",
-    "displacement_mm",
-    "velocity_mm_s",
-    "acceleration_mm_s2",
-    "force_n",
-    "power_w",
-)
-OUTLINE_COLUMNS = ("x_mm", "y_mm")
+GAP = "  "
+"""Between the columns of aligned text."""
+
+MEANT = re.compile(r"[\\|<&`*_\[\]]")
+"""Characters that mean more than themselves in Markdown; a backslash before them takes that away."""
 
 
-def law_csv(motion: SliderMotion) -> str:
-    """The motion law over one turn, one row per driving angle, columns named with their units.
+class Column(NamedTuple):
+    """Heading of a column; ``unit`` may be empty."""
 
-    Raises ValueError when a column holds something other than finite numbers, or columns differ in length.
+    label: str
+    unit: str = ""
+
+    @property
+    def heading(self) -> str:
+        """``span in mm``."""
+        return f"{self.label} in {self.unit}" if self.unit else self.label
+
+
+class HtmlRow(NamedTuple):
+    """Cells of text, the first of which names the row; the second is as wide as ``span`` columns."""
+
+    cells: tuple[str, ...]
+    span: int
+    note: str
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of cells under a title, each as long as ``columns``.
+
+    The second cell of a row that is shorter also fills the columns that are missing; a table may have no columns, and
+    then no heads.  ``notes`` are sentences that belong to all of it, ``row_notes`` one for each row, perhaps empty.  A
+    ``long`` table may be broken between rows in print.
     """
-    return csv_text(LAW_COLUMNS, [getattr(motion, name) for name in LAW_COLUMNS])
+
+    title: str
+    columns: tuple[Column, ...]
+    rows: tuple[Cells, ...]
+    notes: tuple[str, ...] = ()
+    row_notes: tuple[str, ...] = ()
+    long: bool = False
+
+    @property
+    def html_rows(self) -> list[HtmlRow]:
+        """The rows as HTML has them, in text that is not escaped yet."""
+        notes = self.row_notes or ("",) * len(self.rows)
+        return [
+            HtmlRow(tuple(map(cell_text, cells)), max(1 + len(self.columns) - len(cells), 1), note)
+            for cells, note in zip(self.rows, notes, strict=True)
+        ]
 
 
-def outline_csv(outline_mm: Array) -> str:
-    """A tooth outline in mm, shape (n, 2), one point a row; raises ValueError as ``law_csv`` does."""
-    return csv_text(OUTLINE_COLUMNS, list(outline_mm.T))
+def cell_text(value: Value) -> str:
+    """A cell for reading: numbers to ``DIGITS`` digits, nothing for None."""
+    if value is None:
+        return ""
+    return f"{value:.{DIGITS}g}" if isinstance(value, float) else str(value)
 
 
-def contact_csv(contact: PairContact) -> str:
-    """The contact at each position, columns named with their units; raises ValueError as ``law_csv`` does.
+def aligned(
+    rows: Sequence[Sequence[str]], left: int = 0, least: Sequence[int] | int = 0, indent: str = GAP
+) -> list[str]:
+    """One line for each row of texts, all of one length, in columns as wide as their widest text.
 
-    Errors are driven angles beyond the law's.  Tooth numbers, place, pressure angle and sliding are those of the first
-    contact on pushing flanks as designed; ``edge`` is 1 where that is no contact of flanks.
+    The first ``left`` columns are aligned to the left, the others to the right.  ``least`` is the width that columns
+    have at least, one for each or one for all.
     """
-    designed = contact.as_designed
-    first, place = designed.pushing.first, designed.pushing.first.fixed_points(designed.placement)
-    columns: dict[str, Array | IndexArray] = {
-        "phi1_rad": designed.placement.phi1_rad,
-        "phi2_rad": designed.placement.phi2_rad,
-        "error_rad": designed.pushing.error_rad,
-        "back_error_rad": designed.back.error_rad,
-        "backlash_rad": designed.backlash_rad,
-        "contacts": designed.pushing.simultaneous,
-        "back_contacts": designed.back.simultaneous,
-        "driving_tooth": first.driving_tooth,
-        "driven_tooth": first.driven_tooth,
-        "edge": (~first.flanks).astype(int),
-        "x_mm": place.real,
-        "y_mm": place.imag,
-        "pressure_angle_rad": first.pressure_angle_rad,
-        "sliding_mm_per_rad": first.sliding_mm(designed.placement),
-    }
-    for written in contact.as_written:
-        columns[f"{written.source}_error_rad"] = written.pushing_rad
-        columns[f"{written.source}_back_error_rad"] = written.back_rad
-        columns[f"{written.source}_penetration_mm"] = written.overlap_mm
-    return csv_text(list(columns), list(columns.values()))
+    count = len(rows[0]) if rows else 0
+    narrowest = [least] * count if isinstance(least, int) else least
+    widths = [max(low, *map(len, texts)) for low, texts in zip(narrowest, zip(*rows, strict=True), strict=True)]
+    aligns = "<" * left + ">" * (count - left)
+    lines = (
+        GAP.join(f"{text:{align}{width}}" for text, align, width in zip(row, aligns, widths, strict=False))
+        for row in rows
+    )
+    return [f"{indent}{line}".rstrip() for line in lines]
 
 
-def csv_text(names: Sequence[str], columns: Sequence[Array | IndexArray]) -> str:
-    """Columns of shape (n,) under their names; raises ValueError as ``law_csv`` does."""
-    rows = zip(*(_texts(name, column) for name, column in zip(names, columns, strict=True)), strict=True)
-    return "\n".join([",".join(names), *map(",".join, rows)]) + "\n"
+def markdown(heads: Sequence[str], rows: Iterable[Sequence[str]], rule: str = "---") -> list[str]:
+    """The lines of a table in Markdown, whose texts stand as they are; ``rule`` is drawn below each head."""
+    first, *others = (f"| {' | '.join(texts)} |" for texts in (heads, *rows))
+    return [first, f"|{'|'.join([rule] * len(heads))}|", *others]
 
 
-def rows_text(names: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Rows of numbers, words and empty cells (None) under names; words with commas go in quotes."""
-    text = StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerows([names, *rows])
-    return text.getvalue()
-
-
-def _texts(name: str, column: Array | IndexArray) -> list[str]:
-    """The shortest texts that read back as the same numbers."""
-    if not np.isfinite(column).all():
-        raise ValueError(f"{name} holds a value that is not finite")
-    return list(map(repr, column.tolist()))
+def markdown_text(value: Value) -> str:
+    """A cell on one line of Markdown, in which all is text: no cell ends in it, no HTML begins."""
+    text = cell_text(value)
+    return MEANT.sub(r"\\\g<0>", " ".join(text.split())) if isinstance(value, str) else text

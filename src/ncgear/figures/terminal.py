@@ -1,9 +1,4 @@
-"""The same figures of several mechanisms as text, side by side.
-
-The comparison of mechanisms as aligned text, with rows at other speeds set apart.
-
-What a run says in the terminal: the summary as aligned text, the comparison, the warnings, the files written.
-"""
+"""What a run says in the terminal: a summary as aligned text, comparisons, warnings, timings, the files written."""
 
 from __future__ import annotations
 
@@ -13,80 +8,11 @@ from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
-from ncgear.figures.numbers import label_and_unit, shown
+from ncgear.figures.numbers import shown
 from ncgear.figures.summary.check import check_summary
+from ncgear.figures.tables import Column, aligned
+from ncgear.numerics.units import label_and_unit
 from ncgear.project.drive import Drive
-
-MECHANISMS = {"this_design": "this design", "uniform_crank": "uniform crank"}
-"""Keys of sections that are set side by side, and their heads."""
-
-
-def beside_lines(title: str, sections: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    """A head and one line for each figure that any of the sections, by key of MECHANISMS, has."""
-    columns = [dict(labelled(section)) for section in sections.values()]
-    labels = list(dict.fromkeys(label for column in columns for label in column))
-    rows = [[label, *(column.get(label, "-") for column in columns)] for label in labels]
-    table = [[title, *(MECHANISMS[key] for key in sections)], *([INDENT + first, *rest] for first, *rest in rows)]
-    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-    return ["  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True)).rstrip() for row in table]
-
-
-COLUMNS = {
-    "speed_rpm": ("speed", "r/min"),
-    "peak_power_w": ("peak power", "W"),
-    "mean_power_w": ("mean power", "W"),
-    "peak_acceleration_cycle_mm_s2": ("peak accel., cycle", "mm/s2"),
-    "peak_speed_mm_s": ("peak speed", "mm/s"),
-}
-"""Column heads and units by key of a row."""
-
-SAME_SPEED = "Comparison at equal driving speed"
-MIXED_SPEEDS = "At other driving speeds: mixes speeds, so this proves nothing about equal productivity"
-
-NAME_WIDTH = 36
-
-Row = Mapping[str, Any]
-
-
-def comparison_lines(rows: Sequence[Row], width: int) -> list[list[str]]:
-    """One block of lines for the mechanisms at equal speed, and one, headed as such, for those at other speeds.
-
-    Each row has ``name``, the keys of COLUMNS (None where unknown), ``same_speed`` and ``note``; a note is wrapped to
-    ``width`` characters below its row.
-    """
-    same = [row for row in rows if row["same_speed"]]
-    mixed = [row for row in rows if not row["same_speed"]]
-    name_width = max((len(line) for row in rows for line in _name(row)), default=0)
-    return [
-        [title, *_head(name_width), *(line for row in chosen for line in _row(row, name_width, width))]
-        for title, chosen in ((SAME_SPEED, same), (MIXED_SPEEDS, mixed))
-        if chosen
-    ]
-
-
-def _head(name_width: int) -> list[str]:
-    return [
-        _line("", [head for head, _ in COLUMNS.values()], name_width),
-        _line("", [unit for _, unit in COLUMNS.values()], name_width),
-    ]
-
-
-def _row(row: Row, name_width: int, width: int) -> list[str]:
-    values = [shown(row.get(key)) for key in COLUMNS]
-    first, *more = _name(row)
-    indent = " " * 6
-    note = wrap(row.get("note") or "", width, initial_indent=indent, subsequent_indent=indent)
-    return [_line(first, values, name_width), *(f"  {line}" for line in more), *note]
-
-
-def _line(name: str, values: Sequence[str], name_width: int) -> str:
-    cells = (f"{value:>{max(len(head), 8)}}" for value, (head, _) in zip(values, COLUMNS.values(), strict=True))
-    return "  ".join([f"  {name:<{name_width}}", *cells])
-
-
-def _name(row: Row) -> list[str]:
-    return wrap(str(row["name"]), NAME_WIDTH) or [""]
-
 
 WIDTH = 110
 INDENT = "  "
@@ -118,6 +44,26 @@ TITLES = {
 ELSEWHERE = ("comparison", "warnings", "timing_s")
 """Keys of a summary that have a form of their own."""
 
+MECHANISMS = {"this_design": "this design", "uniform_crank": "uniform crank"}
+"""Keys of sections that are set side by side, and their heads."""
+
+COMPARED_LABELS = {
+    "speed_rpm": "speed",
+    "peak_power_w": "peak power",
+    "mean_power_w": "mean power",
+    "peak_acceleration_cycle_mm_s2": "peak accel., cycle",
+    "peak_speed_mm_s": "peak speed",
+}
+COMPARED = {key: Column(label, label_and_unit(key)[1]) for key, label in COMPARED_LABELS.items()}
+"""Columns of a comparison of mechanisms by key of its rows."""
+
+SAME_SPEED = "Comparison at equal driving speed"
+MIXED_SPEEDS = "At other driving speeds: mixes speeds, so this proves nothing about equal productivity"
+
+NAME_WIDTH = 36
+LEAST_WIDTH = 8
+"""Of the first column of a comparison at the most, and of the others at the least."""
+
 
 def check_text(drive: Drive) -> str:
     """The results of a check: sections, comparison, warnings."""
@@ -126,31 +72,14 @@ def check_text(drive: Drive) -> str:
 
 def build_text(summaries: Sequence[Mapping[str, Any]], paths: Sequence[Path]) -> str:
     """The results of a build, of every pair as ``check_text`` has those of a check, and the files it has written."""
-    written = "\n".join(["Written", *(f"{INDENT}{path}" for path in paths)])
-    return "\n\n".join([*map(summary_text, summaries), written])
-
-
-def timing_text(drive: Drive) -> str:
-    """How long each stage took, in seconds, and their sum."""
-    taken = {_of_pair(pair, stage): seconds for pair in _timed(drive) for stage, seconds in pair.timing_s.items()}
-    rows = {**taken, "sum": sum(taken.values())}
-    width = max(map(len, rows))
-    return "\n".join(["Time in s", *(f"{INDENT}{stage:<{width}}  {seconds:8.3f}" for stage, seconds in rows.items())])
-
-
-def _timed(drive: Drive) -> list[Drive]:
-    return [drive, *(pair for pair in drive.by_stage if pair is not drive)]
-
-
-def _of_pair(pair: Drive, stage: str) -> str:
-    return stage if pair.stage is None else f"stage {pair.stage}: {stage}"
+    return "\n\n".join([*map(summary_text, summaries), "\n".join(written_lines(paths))])
 
 
 def summary_text(summary: Mapping[str, Any]) -> str:
     """A summary for reading: its sections, the comparison, the warnings."""
     blocks = [
         *_sections(summary),
-        *comparison_lines(summary.get("comparison") or [], WIDTH),
+        *comparison_lines(summary.get("comparison") or []),
         _warnings(summary.get("warnings") or []),
     ]
     return "\n\n".join("\n".join(block) for block in blocks if block)
@@ -159,19 +88,18 @@ def summary_text(summary: Mapping[str, Any]) -> str:
 def _sections(summary: Mapping[str, Any]) -> list[list[str]]:
     """One block of lines per section, with the values of all sections in one column."""
     sections = {key: value for key, value in summary.items() if key not in ELSEWHERE}
-    rows = {TITLES.get(key, label_and_unit(key)[0].capitalize()): _rows(key, value) for key, value in sections.items()}
+    rows = {
+        TITLES.get(key, label_and_unit(key)[0].capitalize()): (
+            labelled(value) if isinstance(value, Mapping) else [_labelled_value(key, value)]
+        )
+        for key, value in sections.items()
+    }
     width = max((len(label) for section in rows.values() for label, _ in section), default=0)
     return [
-        [title, *(line for label, value in section for line in _line_of_report(label, value, width))]
+        [title, *(line for label, value in section for line in _value_lines(label, value, width))]
         for title, section in rows.items()
         if section
     ]
-
-
-def _rows(key: str, value: Any) -> list[tuple[str, str]]:
-    if isinstance(value, Mapping):
-        return labelled(value)
-    return [_row_of_report(key, value)]
 
 
 def labelled(section: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -190,7 +118,7 @@ def _flattened(section: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, s
         if isinstance(value, Mapping):
             yield from _flattened(value, f"{prefix}{label}, ")
         elif _owner(key) not in places:
-            yield _row_of_report(key, value, prefix, places.get(label))
+            yield _labelled_value(key, value, prefix, places.get(label))
 
 
 def _places(section: Mapping[str, Any]) -> dict[str, float]:
@@ -204,16 +132,15 @@ def _owner(key: str) -> str:
     return key.removesuffix(PLACE).replace("_", " ") if key.endswith(PLACE) else ""
 
 
-def _row_of_report(key: str, value: Any, prefix: str = "", place_rad: float | None = None) -> tuple[str, str]:
+def _labelled_value(key: str, value: Any, prefix: str = "", place_rad: float | None = None) -> tuple[str, str]:
     label, unit = label_and_unit(key)
     nothing = value is None or (isinstance(value, list) and not value)
     text = shown(value) if nothing or not unit else f"{shown(value)} {unit}"
-    return prefix + LABELS.get(
-        label, label
-    ), text if place_rad is None else f"{text} at phi1 = {degrees(place_rad):.4g} deg"
+    place = "" if place_rad is None else f" at phi1 = {degrees(place_rad):.4g} deg"
+    return prefix + LABELS.get(label, label), text + place
 
 
-def _line_of_report(label: str, value: str, width: int) -> list[str]:
+def _value_lines(label: str, value: str, width: int) -> list[str]:
     """``label  value``, the value wrapped under itself."""
     start = f"{INDENT}{label:<{width}}  "
     lines = wrap(value, max(WIDTH - len(start), 20)) or [""]
@@ -227,3 +154,60 @@ def _warnings(warnings: Sequence[str]) -> list[str]:
         for warning in warnings
         for line in wrap(warning, WIDTH, initial_indent=start, subsequent_indent=" " * len(start))
     ]
+
+
+def comparison_lines(rows: Sequence[Mapping[str, Any]]) -> list[list[str]]:
+    """One block of lines for the mechanisms at equal speed, and one, headed as such, for those at other speeds.
+
+    Each row has ``name``, the keys of COMPARED (None where unknown), ``same_speed`` and ``note``.
+    """
+    name_width = max((len(line) for row in rows for line in _name_lines(row)), default=0)
+    blocks = []
+    for title, same in ((SAME_SPEED, True), (MIXED_SPEEDS, False)):
+        chosen = [row for row in rows if row["same_speed"] is same]
+        if chosen:
+            blocks.append([title, *_compared(chosen, name_width)])
+    return blocks
+
+
+def _compared(rows: Sequence[Mapping[str, Any]], name_width: int) -> list[str]:
+    """Names that are long go on below themselves, and notes stand below their rows."""
+    cells = [
+        ["", *(column.label for column in COMPARED.values())],
+        ["", *(column.unit for column in COMPARED.values())],
+        *([_name_lines(row)[0], *(shown(row.get(key)) for key in COMPARED)] for row in rows),
+    ]
+    table = aligned(cells, left=1, least=[name_width, *[LEAST_WIDTH] * len(COMPARED)])
+    lines, indent = table[:2], " " * 6
+    for row, line in zip(rows, table[2:], strict=True):
+        note = wrap(row.get("note") or "", WIDTH, initial_indent=indent, subsequent_indent=indent)
+        lines += [line, *(f"{INDENT}{more}" for more in _name_lines(row)[1:]), *note]
+    return lines
+
+
+def _name_lines(row: Mapping[str, Any]) -> list[str]:
+    return wrap(str(row["name"]), NAME_WIDTH) or [""]
+
+
+def beside_lines(title: str, sections: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """A head and one line for each figure that any of the sections, by key of MECHANISMS, has."""
+    columns = [dict(labelled(section)) for section in sections.values()]
+    labels = list(dict.fromkeys(label for column in columns for label in column))
+    heads = [title, *(MECHANISMS[key] for key in sections)]
+    rows = [[INDENT + label, *(column.get(label, "-") for column in columns)] for label in labels]
+    return aligned([heads, *rows], left=len(heads), indent="")
+
+
+def timing_text(drive: Drive) -> str:
+    """How long each step took, in seconds, and their sum."""
+    taken = {}
+    for pair in (drive, *(pair for pair in drive.by_stage if pair is not drive)):
+        of = "" if pair.stage is None else f"stage {pair.stage}: "
+        taken.update({f"{of}{step}": seconds for step, seconds in pair.timing_s.items()})
+    rows = [(step, f"{seconds:.3f}") for step, seconds in {**taken, "sum": sum(taken.values())}.items()]
+    return "\n".join(["Time in s", *aligned(rows, left=1, least=[0, LEAST_WIDTH])])
+
+
+def written_lines(paths: Sequence[Path]) -> list[str]:
+    """The files that a command has written."""
+    return ["Written", *(f"{INDENT}{path}" for path in paths)]

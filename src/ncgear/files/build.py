@@ -17,11 +17,11 @@ from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.drawings.page import REPORT_FILE
 from ncgear.drawings.pictures import pictures
 from ncgear.figures.assembly import assembly_of
-from ncgear.figures.data_sheet.sheet import data_sheet
-from ncgear.figures.data_sheet.text import pitch_csv, sheet_text
+from ncgear.figures.csv_text import contact_csv, law_csv, outline_csv
+from ncgear.figures.data_sheet.pitch_table import pitch_csv
+from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
 from ncgear.figures.numbers import json_text
 from ncgear.figures.summary.build import build_summary
-from ncgear.figures.tables import contact_csv, law_csv, outline_csv
 from ncgear.files.meshes import stl_bytes, written_outlines
 from ncgear.files.publish import prepare, publish
 from ncgear.files.workshop.formats import NAMES, Format, workshop_files

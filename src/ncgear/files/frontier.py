@@ -1,20 +1,14 @@
-"""The files of a frontier, and what its run says in the terminal."""
+"""The files of a frontier."""
 
 from __future__ import annotations
-
-from collections.abc import Sequence
-from pathlib import Path
 
 from ncgear.drawings.plots.frontier_plot import frontier as frontier_plot
 from ncgear.drawings.plots.frontier_plot import rows
 from ncgear.figures.frontier import frontier_csv, frontier_json, mechanisms
-from ncgear.figures.numbers import shown
 from ncgear.project.frontier import Frontier
 from ncgear.project.improvement import Improvement
 
 LIMIT_PICTURE = "frontier.png"
-
-HEADS = ("power cap, W", "limit, mm/s2", "best law, mm/s2", "gap, %", "family, mm/s2")
 
 
 def frontier_files(found: Frontier, improvement: Improvement) -> dict[str, bytes]:
@@ -45,30 +39,3 @@ def limit_picture(improvement: Improvement) -> bytes:
         [(one.name, one.peak_power_w, one.peak_acceleration_mm_s2) for one in mechanisms(improvement)],
         f"{improvement.design.name}: this law and the limit, all at {speed:.4g} r/min",
     )
-
-
-def frontier_text(found: Frontier, improvement: Improvement, paths: Sequence[Path]) -> str:
-    """A table of the points, the mechanisms, and the files written."""
-    families = {point.cap_w: point.peak_acceleration_mm_s2 for point in found.families}
-    lines = [
-        f"{improvement.design.name}: power against acceleration at {improvement.design.operation.speed_rpm:g} r/min"
-    ]
-    lines.append("".join(f"{head:>18}" for head in HEADS))
-    for point in found.laws:
-        family, law = families[point.cap_w], point.law.peak_acceleration_mm_s2
-        cells = [
-            shown(point.cap_w),
-            shown(point.bound.value),
-            shown(law),
-            f"{100.0 * (law / point.bound.value - 1.0):.1f}",
-            shown(family),
-        ]
-        lines.append("".join(f"{cell:>18}" for cell in cells))
-    others = mechanisms(improvement)
-    width = max(len(one.name) for one in others)
-    lines += ["", "At the same speed"]
-    lines += [
-        f"  {one.name:<{width}}  {shown(one.peak_power_w):>9} W  {shown(one.peak_acceleration_mm_s2):>9} mm/s2"
-        for one in others
-    ]
-    return "\n".join([*lines, "", "Written", *(f"  {path}" for path in paths)])

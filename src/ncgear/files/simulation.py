@@ -12,6 +12,7 @@ import numpy as np
 from ncgear.drawings.pictures import dynamic_pictures, quasi_static_pictures, rigid_pictures
 from ncgear.dynamics.history import history, parted_s
 from ncgear.dynamics.level import Level
+from ncgear.figures.csv_text import csv_text
 from ncgear.figures.numbers import json_text
 from ncgear.figures.simulated import (
     dynamic_figures,
@@ -21,7 +22,6 @@ from ncgear.figures.simulated import (
     rigid_figures,
     rigid_table,
 )
-from ncgear.figures.tables import csv_text
 from ncgear.figures.terminal import MECHANISMS, beside_lines, summary_text
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import N_M_PER_N_MM

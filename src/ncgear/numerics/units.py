@@ -1,6 +1,6 @@
-"""Units of the design files and the papers in those of the code.
+"""Units: constants between those of files and those of the code, what unit a key ends in, angles in messages.
 
-Angles in messages.
+A key of a design file, a summary or a table ends in its unit: ``crank_mm``, ``peak_acceleration_mm_s2``.
 """
 
 from __future__ import annotations
@@ -15,6 +15,51 @@ N_PER_KG_MM_S2 = 1e-3
 
 N_M_PER_N_MM = 1e-3
 """One N mm in N m."""
+
+UNITS = {
+    "deg": "deg",
+    "g": "g",
+    "gpa": "GPa",
+    "hz": "Hz",
+    "j": "J",
+    "kg": "kg",
+    "kg_m2": "kg m2",
+    "kg_m3": "kg/m3",
+    "kg_mm": "kg mm",
+    "kg_mm2": "kg mm2",
+    "m_s2": "m/s2",
+    "mm": "mm",
+    "mm2": "mm2",
+    "mm3": "mm3",
+    "mm_s": "mm/s",
+    "mm_s2": "mm/s2",
+    "mm_s3": "mm/s3",
+    "mpa": "MPa",
+    "n": "N",
+    "n_m": "N m",
+    "n_mm": "N mm",
+    "n_s_mm": "N s/mm",
+    "percent": "%",
+    "pi": "multiples of pi",
+    "rad": "rad",
+    "rad_s": "rad/s",
+    "rpm": "r/min",
+    "s": "s",
+    "w": "W",
+}
+"""Units by the last words of a key; more words are looked for first."""
+
+LONGEST_ENDING = max(ending.count("_") + 1 for ending in UNITS)
+
+
+def label_and_unit(key: str) -> tuple[str, str]:
+    """``peak_power_w`` -> (``peak power``, ``W``); a key without a unit has an empty one."""
+    words = key.split("_")
+    for count in range(min(LONGEST_ENDING, len(words) - 1), 0, -1):
+        unit = UNITS.get("_".join(words[-count:]))
+        if unit is not None:
+            return " ".join(words[:-count]), unit
+    return " ".join(words), ""
 
 
 def in_words(angle_rad: float) -> str:

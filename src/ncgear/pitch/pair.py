@@ -156,6 +156,19 @@ class PitchPair:
         periods = lobes.driving if gear is Gear.DRIVING else lobes.driven
         return periods * period_length(self.transmission, gear, self.mesh) * self.center_distance_mm
 
+    def radius_range_mm(self, gear: Gear) -> tuple[float, float]:
+        """Least and greatest pitch radius: r1 = a / (i - s) and r2 = a i / (i - s) at both ends of the ratio's range.
+
+        Both radii are monotonic in the ratio i (see shape.py).
+        """
+        a, sense = self.center_distance_mm, self.mesh.sense
+        ratios = [end.value for end in self.transmission.ratio_range]
+        if gear is Gear.DRIVING:
+            low, high = sorted(a / (i - sense) for i in ratios)
+        else:
+            low, high = sorted(a * i / (i - sense) for i in ratios)
+        return low, high
+
     @cached_property
     def curvature_range(self) -> dict[Gear, tuple[Extremum, Extremum]]:
         """Smallest and largest curvature of each curve in 1/mm, with the driving angle.

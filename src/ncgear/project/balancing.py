@@ -6,8 +6,6 @@ A balance file and all that follows from it; each part is computed when it is fi
 from __future__ import annotations
 
 from cmath import exp
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from math import radians
@@ -24,7 +22,7 @@ from ncgear.design.keys import balance as balance_rotor
 from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.balance import Mechanism as Given
 from ncgear.design.reading.balance_file import LoadedBalance
-from ncgear.errors import DesignError, WrongInput
+from ncgear.errors import WrongInput, below
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.units import RAD_S_PER_RPM
@@ -158,7 +156,7 @@ class Balancing:
     def _mounted(self, number: int, given: Given) -> Mounted:
         assert self.balance.speed_rpm is not None
         if given.linkage is not None and given.linkage.crank_mm is not None and given.masses is not None:
-            with under(f"mechanisms.{number}"):
+            with below(f"mechanisms.{number}"):
                 linkage = CrankSlider(given.linkage.crank_mm, given.linkage.rod_mm, given.linkage.offset_mm)
             driven_by = linkage, uniform_law(Lobes())
             masses = masses_of(given.masses, 0.0, given.masses.driven_gear_kg_mm2 or 0.0)
@@ -194,14 +192,3 @@ class Balancing:
         tolerance = drive.design.output.chord_tolerance_mm
         made = corrected(plan.section, width, density, means_of(correction), tolerance, f"gears.{gear}")
         return BalancedGear(body, speed_rad_s, made)
-
-
-@contextmanager
-def under(group: str) -> Iterator[None]:
-    """Errors raised within know their key below ``group`` only; they get it as the file has it."""
-    try:
-        yield
-    except DesignError as error:
-        if not error.location:
-            error.key = f"{group}.{error.key}" if error.key else group
-        raise

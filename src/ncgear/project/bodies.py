@@ -1,4 +1,4 @@
-"""The bodies of a design's gears: what is asked of them beside their teeth, in mm and rad."""
+"""From keys to values: the bodies of a design's gears, in mm and rad, and the solids that they make with the teeth."""
 
 from __future__ import annotations
 
@@ -7,47 +7,54 @@ from math import radians
 from ncgear.design.keys.bodies import GearBody
 from ncgear.design.keys.bodies import Hub as AskedHub
 from ncgear.design.keys.gears import Gears
+from ncgear.errors import WrongInput
+from ncgear.pitch.pair import PitchPair
+from ncgear.pitch.shape import Gear
+from ncgear.solids.helical.helix import Helix
+from ncgear.solids.mesh.pair import SolidPair, driven_solid, driving_solid, ring_solid
 from ncgear.solids.plan.body import Blank, Bore, HoleSet, Hub, Keyway, RingBlank, SetScrew, WebSize
+from ncgear.teeth.form import ToothForm
+from ncgear.teeth.gear import ToothedPair
 
 RIM_IN_MODULES = 3.5
 """Rim of a ring where the file says nothing: from this thickness on ISO 6336-3 counts no weakening of internal teeth
 (value from secondary sources)."""
 
 
+def straight_solids(gears: Gears, pitch: PitchPair, teeth: ToothedPair, tolerance_mm: float) -> SolidPair:
+    """Both gears with straight teeth as closed meshes; raises WrongInput where something has no room in a body."""
+    module, outline = pitch.size.module_mm, teeth.driven.outline_mm
+    blank = blank_of(gears, gears.driving)
+    driving = driving_solid(teeth.driving.outline_mm, blank, module, tolerance_mm, pitch.mesh)
+    if pitch.driven.is_ring:
+        return SolidPair(driving, ring_solid(outline, _ring_blank(gears, module), module, tolerance_mm))
+    return SolidPair(driving, driven_solid(outline, blank_of(gears, gears.driven), module, tolerance_mm))
+
+
+def helical_solids(gears: Gears, pitch: PitchPair, form: ToothForm, helix: Helix, tolerance_mm: float) -> SolidPair:
+    """The same with helical teeth, which are made of external pairs only."""
+    from ncgear.solids.helical.mesh import helical_pair
+
+    if pitch.driven.is_ring:
+        raise WrongInput("helical teeth of internal pairs are not made; leave it out", key="gears.helix")
+    blanks = {Gear.DRIVING: blank_of(gears, gears.driving), Gear.DRIVEN: blank_of(gears, gears.driven)}
+    return helical_pair(pitch, form, helix, blanks, tolerance_mm)
+
+
 def blank_of(gears: Gears, body: GearBody) -> Blank:
     """What is asked of the body of one gear that is no ring."""
+    keyway = Keyway(body.keyway.width_mm, body.keyway.depth_mm) if body.keyway else None
+    holes = body.lightening_holes
     return Blank(
         face_width_mm=gears.face_width_mm,
-        bore=bore_of(body),
+        bore=Bore(body.bore_mm, keyway) if body.bore_mm is not None else None,
         index_hole=gears.index_holes,
         hub=_hub(body.hub, gears.face_width_mm) if body.hub else None,
         web=_web(body),
-        holes=_holes(body),
+        holes=HoleSet(holes.count, holes.least_wall_mm, holes.diameter_mm) if holes else None,
         chamfer_mm=gears.first_layer_chamfer_mm,
         clearance_mm=gears.process_clearance_mm,
     )
-
-
-def ring_blank_of(gears: Gears, module_mm: float) -> RingBlank:
-    """What is asked of the body of a driven ring."""
-    return RingBlank(
-        gears.face_width_mm,
-        rim_mm_of(gears, module_mm),
-        gears.index_holes,
-        gears.first_layer_chamfer_mm,
-        gears.process_clearance_mm,
-    )
-
-
-def rim_mm_of(gears: Gears, module_mm: float) -> float:
-    """Thickness of a ring outside its deepest root."""
-    return RIM_IN_MODULES * module_mm if gears.driven.rim_mm is None else gears.driven.rim_mm
-
-
-def bore_of(body: GearBody) -> Bore | None:
-    """A gear's bore with its keyway; None where there is none."""
-    keyway = Keyway(body.keyway.width_mm, body.keyway.depth_mm) if body.keyway else None
-    return Bore(body.bore_mm, keyway) if body.bore_mm is not None else None
 
 
 def _hub(asked: AskedHub, face_width_mm: float) -> Hub:
@@ -68,6 +75,17 @@ def _web(body: GearBody) -> WebSize | None:
     return WebSize(body.web.thickness_mm, body.web.rim_mm, around_axis)
 
 
-def _holes(body: GearBody) -> HoleSet | None:
-    holes = body.lightening_holes
-    return HoleSet(holes.count, holes.least_wall_mm, holes.diameter_mm) if holes else None
+def _ring_blank(gears: Gears, module_mm: float) -> RingBlank:
+    """What is asked of the body of a driven ring."""
+    return RingBlank(
+        gears.face_width_mm,
+        rim_mm_of(gears, module_mm),
+        gears.index_holes,
+        gears.first_layer_chamfer_mm,
+        gears.process_clearance_mm,
+    )
+
+
+def rim_mm_of(gears: Gears, module_mm: float) -> float:
+    """Thickness of a ring outside its deepest root."""
+    return RIM_IN_MODULES * module_mm if gears.driven.rim_mm is None else gears.driven.rim_mm

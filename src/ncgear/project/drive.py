@@ -1,38 +1,24 @@
-"""A stage of a drive: an attribute that is computed when it is first asked for, and once.
-
-The stages of a drive that need no gear: law, machine, motion, check.
-
-The stages of a drive from the pitch curves to the contact of the teeth.
-
-The stage of a drive that makes bodies of the teeth.
-
-The stages of a drive that need masses.
-
-The drive: one design, whose stages are computed when they are first asked for, and once.
-
-A drive from a design file.
-"""
+"""The drive: one design and all that follows from it, each value computed when it is first asked for, and once."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
-from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self, TypeVar, overload
+from typing import TYPE_CHECKING
 
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import Gears
 from ncgear.design.reading.design_file import LoadedDesign, parsed
 from ncgear.design.reading.design_file import load as load_design
-from ncgear.errors import WrongInput
+from ncgear.errors import Places, WrongInput, located
 from ncgear.kinematics.check import KinematicCheck, kinematic_check
 from ncgear.kinematics.motion import Machine, SliderMotion, sample_angles
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import RAD_S_PER_RPM
+from ncgear.project.computed import computed
 from ncgear.project.gears import helix_of, mesh_place, rack_of, tooth_form
 from ncgear.project.law import law_of, resistance_of
 from ncgear.ratio.laws.uniform import uniform_law
@@ -50,32 +36,21 @@ if TYPE_CHECKING:
     from ncgear.dynamics.rigid import Rigid
     from ncgear.pitch.pair import PitchPair
     from ncgear.solids.helical.helix import Helix
-    from ncgear.solids.mesh.pair import GearSolid, SolidPair
+    from ncgear.solids.mesh.pair import SolidPair
     from ncgear.teeth.form import ToothForm
     from ncgear.teeth.gear import ToothedPair
 
-Value = TypeVar("Value", covariant=True)
 
+class Drive:
+    """A design and all that follows from it: law, motion, pitch curves, teeth, contact, solids, forces.
 
-class stage(cached_property[Value]):
-    """A cached property of a drive, whose errors name the place in the design file, whoever asks for it."""
+    Each of these is an attribute that needs only those it is made from, so a check of power never makes a tooth.  It
+    raises WrongInput or NoSuchMechanism, with the design file's key and place, when it cannot be made.
 
-    @overload
-    def __get__(self, instance: None, owner: type[Any] | None = None) -> Self: ...
-
-    @overload
-    def __get__(self, instance: Any, owner: type[Any] | None = None) -> Value: ...
-
-    def __get__(self, instance: Any, owner: type[Any] | None = None) -> Self | Value:
-        if instance is None:
-            return self
-        with instance.locating():
-            found: Value = super().__get__(instance, owner)
-            return found
-
-
-class MotionStages:
-    """The law, and the slider's motion by it."""
+    Two pairs of gears in series are two stages.  Law and motion of such a design are those of the whole machine; pitch
+    curves, teeth, contact and solids are those of the pair that ``stage`` tells, 1 or 2, and only the drives in
+    ``by_stage`` have them.
+    """
 
     def __init__(self, design: Design, stage: int | None = None, loaded: LoadedDesign | None = None) -> None:
         self.design = design
@@ -83,32 +58,31 @@ class MotionStages:
         self.loaded = loaded
         self.stopwatch = Stopwatch()
 
-    def locating(self) -> AbstractContextManager[None]:
-        """A context in which errors of the design get the place of their key in its file, where it came from one."""
-        return self.loaded.locating() if self.loaded else nullcontext()
+    def __repr__(self) -> str:
+        stage = "" if self.stage is None else f", stage {self.stage}"
+        speed = self.design.operation.speed_rpm
+        return f"Drive({self.design.name!r}, law {self.design.motion.law}, {speed:g} r/min{stage})"
 
-    @stage
-    def pair(self) -> Pair:
-        """The law that the gears follow; raises WrongInput where the stage is not told."""
-        if self.stage is None and self.design.stages > 1:
-            raise WrongInput(
-                "two pairs of gears, and one is asked for; Drive.by_stage has each", key="motion.second_stage"
-            )
-        return self.law.train.pairs[(self.stage or 1) - 1]
+    @property
+    def places(self) -> Places | None:
+        """Where the values of the design stand in its file; None where it came from no file."""
+        return self.loaded.source if self.loaded else None
 
     @property
     def timing_s(self) -> dict[str, float]:
-        """Seconds spent in each stage so far."""
+        """Seconds spent so far in each step of the computation."""
         return dict(self.stopwatch.seconds)
 
-    @stage
-    def gears(self) -> Gears:
-        """What the file says of the gears; raises WrongInput when it says nothing."""
-        if self.design.gears is None:
-            raise WrongInput("missing; gears need teeth, module_mm, face_width_mm and more", key="gears")
-        return self.design.gears
+    @computed
+    def by_stage(self) -> tuple[Drive, ...]:
+        """The same drive for each of its pairs of gears, from the driving shaft on; one pair has itself."""
+        if self.design.stages == 1 or self.stage is not None:
+            return (self,)
+        return tuple(Drive(self.design, number, self.loaded) for number in range(1, self.design.stages + 1))
 
-    @stage
+    # The law, and the slider's motion by it.
+
+    @computed
     def law(self) -> Law:
         """Linkage and closed law."""
         with self.stopwatch("law"):
@@ -124,13 +98,22 @@ class MotionStages:
         """The closed law phi2(phi1)."""
         return self.law.transmission
 
+    @computed
+    def pair(self) -> Pair:
+        """The law that the gears follow; raises WrongInput where the stage is not told."""
+        if self.stage is None and self.design.stages > 1:
+            raise WrongInput(
+                "two pairs of gears, and one is asked for; Drive.by_stage has each", key="motion.second_stage"
+            )
+        return self.law.train.pairs[(self.stage or 1) - 1]
+
     @property
     def law_speed_rpm(self) -> float:
         """Driving speed at which the law's velocities hold; laws without velocities hold at any."""
         stroke = self.law.stroke
         return stroke.law_speed_rad_s / RAD_S_PER_RPM if stroke else self.design.operation.speed_rpm
 
-    @stage
+    @computed
     def machine(self) -> Machine:
         """The mechanism at the operating speed."""
         speed = self.design.operation.speed_rpm * RAD_S_PER_RPM
@@ -140,40 +123,45 @@ class MotionStages:
         """Speed of the pair's driving gear at its own angles in rad, shape (n,)."""
         return self.pair.speed(angle_rad) * self.machine.speed_rad_s
 
-    @stage
+    @computed
     def uniform_machine(self) -> Machine:
         """The same linkage on a crank that turns evenly, at the same number of strokes per minute."""
         return replace(self.machine, transmission=uniform_law(self.transmission.lobes))
 
-    @stage
+    @computed
     def motion(self) -> SliderMotion:
         """The slider's motion at the operating speed, sampled."""
         with self.stopwatch("motion"):
             return self.machine.motion(sample_angles(self.transmission))
 
-    @stage
+    @computed
     def uniform_motion(self) -> SliderMotion:
         """The uniform crank's motion at the same angles."""
         with self.stopwatch("motion"):
             return self.uniform_machine.motion(self.motion.phi1_rad)
 
-    @stage
+    @computed
     def check(self) -> KinematicCheck:
         """Exact peaks at the operating speed."""
         with self.stopwatch("check"):
             return kinematic_check(self.machine)
 
-    @stage
+    @computed
     def uniform_check(self) -> KinematicCheck:
         """The uniform crank's peaks at the same speed."""
         with self.stopwatch("check"):
             return kinematic_check(self.uniform_machine)
 
+    # Pitch curves, teeth, and their contact.
 
-class ToothStages(MotionStages):
-    """Pitch curves, teeth, and their contact."""
+    @computed
+    def gears(self) -> Gears:
+        """What the file says of the gears; raises WrongInput when it says nothing."""
+        if self.design.gears is None:
+            raise WrongInput("missing; gears need teeth, module_mm, face_width_mm and more", key="gears")
+        return self.design.gears
 
-    @stage
+    @computed
     def pitch(self) -> PitchPair:
         """Both pitch curves at their size."""
         from ncgear.pitch.pair import sized_pair
@@ -184,7 +172,7 @@ class ToothStages(MotionStages):
             size = gears.teeth, gears.module_mm, gears.center_distance_mm
             return sized_pair(transmission, *size, Mesh(gears.mesh))
 
-    @stage
+    @computed
     def rack(self) -> BasicRack:
         """The basic rack at the module."""
         return rack_of(self.gears, self.pitch.size.module_mm)
@@ -199,7 +187,7 @@ class ToothStages(MotionStages):
         """What the helix adds to the contact ratio: its advance in pitches."""
         return self.helix.largest_advance_mm / self.rack.pitch_mm if self.helix else 0.0
 
-    @stage
+    @computed
     def tooth_form(self) -> ToothForm:
         """Everything asked of the teeth, at the module; of helical ones, that their tips do not jump with height."""
         from ncgear.solids.helical.even_tips import with_even_tips
@@ -210,7 +198,7 @@ class ToothStages(MotionStages):
         with self.stopwatch("teeth"):
             return with_even_tips(pitch, form, self.helix)
 
-    @stage
+    @computed
     def teeth(self) -> ToothedPair:
         """Both toothed gears."""
         from ncgear.teeth.gear import toothed_pair
@@ -219,7 +207,7 @@ class ToothStages(MotionStages):
         with self.stopwatch("teeth"):
             return toothed_pair(pitch, form, self.design.output.chord_tolerance_mm)
 
-    @stage
+    @computed
     def designed_contact(self) -> AsDesigned:
         """Contact of the exact teeth, which must not overlap."""
         from ncgear.contact.designed.as_designed import as_designed
@@ -232,6 +220,15 @@ class ToothStages(MotionStages):
             refuse_overlap(contact, self.design.output.chord_tolerance_mm)
             refuse_short_contact(contact, teeth, self._asked_of_section(contact.longest_gap_pitches))
             return contact
+
+    def _asked_of_section(self, gap: float) -> float:
+        """The contact ratio that a section must have, which loses contact over ``gap`` pitches.
+
+        Of helical teeth, what the overlap leaves to it; at least that contact never ceases where it is less than the
+        gap.
+        """
+        least = self.gears.least_contact_ratio
+        return least if gap > self.overlap_ratio and least <= 1.0 else least - self.overlap_ratio
 
     def require_sound_teeth(self) -> None:
         """Raise WrongInput or NoSuchMechanism where the contact of the exact teeth is not sound."""
@@ -248,12 +245,12 @@ class ToothStages(MotionStages):
         from ncgear.contact.pair import pair_contact, refuse_bad_outlines
 
         designed, pitch, teeth = self.designed_contact, self.pitch, self.teeth
-        with self.locating(), self.stopwatch("written contact"):
+        with located(self.places), self.stopwatch("written contact"):
             contact = pair_contact(pitch, teeth, designed, written)
             refuse_bad_outlines(contact, self.design.output.chord_tolerance_mm)
             return contact
 
-    @stage
+    @computed
     def section_contact_ratio(self) -> float:
         """Least arc of contact of any pair of flanks in the sections of helical teeth, in pitches."""
         from ncgear.solids.helical.sections import Sections, least_section_contact
@@ -262,67 +259,23 @@ class ToothStages(MotionStages):
         pitch, form, tolerance = self.pitch, self.tooth_form, self.design.output.chord_tolerance_mm
         return least_section_contact(Sections(pitch, form, self.helix, tolerance))
 
-    def _asked_of_section(self, gap: float) -> float:
-        """The contact ratio that a section must have, which loses contact over ``gap`` pitches.
+    # Bodies, and what the masses and the teeth bear.
 
-        Of helical teeth, what the overlap leaves to it; at least that contact never ceases where it is less than the
-        gap.
-        """
-        least = self.gears.least_contact_ratio
-        return least if gap > self.overlap_ratio and least <= 1.0 else least - self.overlap_ratio
-
-
-class SolidStages(ToothStages):
-    """Both gears as bodies."""
-
-    @stage
+    @computed
     def solids(self) -> SolidPair:
         """Both gears as closed meshes."""
-        return self._straight_solids() if self.helix is None else self._helical_solids(self.helix)
+        from ncgear.project.bodies import helical_solids, straight_solids
 
-    def _helical_solids(self, helix: Helix) -> SolidPair:
-        from ncgear.pitch.shape import Gear
-        from ncgear.project.bodies import blank_of
-        from ncgear.solids.helical.mesh import helical_pair
-
-        gears, pitch, form = self.gears, self.pitch, self.tooth_form
-        if pitch.driven.is_ring:
-            raise WrongInput("helical teeth of internal pairs are not made; leave it out", key="gears.helix")
-        blanks = {Gear.DRIVING: blank_of(gears, gears.driving), Gear.DRIVEN: blank_of(gears, gears.driven)}
+        gears, pitch, tolerance = self.gears, self.pitch, self.design.output.chord_tolerance_mm
+        if self.helix is not None:
+            form = self.tooth_form
+            with self.stopwatch("solids"):
+                return helical_solids(gears, pitch, form, self.helix, tolerance)
+        teeth = self.teeth
         with self.stopwatch("solids"):
-            return helical_pair(pitch, form, helix, blanks, self.design.output.chord_tolerance_mm)
+            return straight_solids(gears, pitch, teeth, tolerance)
 
-    def _straight_solids(self) -> SolidPair:
-        from ncgear.solids.mesh.pair import SolidPair
-
-        with self.stopwatch("solids"):
-            return SolidPair(_driving_solid(self), _driven_solid(self))
-
-
-def _driving_solid(drive: SolidStages) -> GearSolid:
-    from ncgear.project.bodies import blank_of
-    from ncgear.solids.mesh.pair import driving_solid
-
-    pitch, blank = drive.pitch, blank_of(drive.gears, drive.gears.driving)
-    tolerance = drive.design.output.chord_tolerance_mm
-    return driving_solid(drive.teeth.driving.outline_mm, blank, pitch.size.module_mm, tolerance, pitch.mesh)
-
-
-def _driven_solid(drive: SolidStages) -> GearSolid:
-    from ncgear.project.bodies import blank_of, ring_blank_of
-    from ncgear.solids.mesh.pair import driven_solid, ring_solid
-
-    gears, outline, module = drive.gears, drive.teeth.driven.outline_mm, drive.pitch.size.module_mm
-    tolerance = drive.design.output.chord_tolerance_mm
-    if drive.pitch.driven.is_ring:
-        return ring_solid(outline, ring_blank_of(gears, module), module, tolerance)
-    return driven_solid(outline, blank_of(gears, gears.driven), module, tolerance)
-
-
-class ForceStages(SolidStages):
-    """What the machine's masses and its teeth bear."""
-
-    @stage
+    @computed
     def masses(self) -> Masses:
         """The moving masses; makes solids only where a gear's moment of inertia is left out."""
         from ncgear.project.forces import masses_of
@@ -338,12 +291,12 @@ class ForceStages(SolidStages):
         driving, driven = (body_kg_mm2(plan, density) for plan in plans)
         return masses_of(given, driving, driven)
 
-    @stage
+    @computed
     def rigid(self) -> Rigid:
         """What the machine bears at constant driving speed."""
         return self._rigid(self.machine)
 
-    @stage
+    @computed
     def uniform_rigid(self) -> Rigid:
         """What the uniform crank bears with the same masses."""
         return self._rigid(self.uniform_machine)
@@ -358,7 +311,7 @@ class ForceStages(SolidStages):
         with self.stopwatch("forces"):
             return rigid_level(RigidMachine(machine, masses, place))
 
-    @stage
+    @computed
     def meshing(self) -> Meshing:
         """The straight teeth of the pair as they bear load; they must touch as designed."""
         from ncgear.project.forces import meshing_of
@@ -369,7 +322,7 @@ class ForceStages(SolidStages):
         with self.stopwatch("gaps"):
             return meshing_of(self.design.simulation, pitch, teeth)
 
-    @stage
+    @computed
     def loaded_contact(self) -> LoadedContact:
         """The teeth under the torque of the rigid level, at the angles of ``motion``."""
         from ncgear.dynamics.quasi_static import loaded_contact
@@ -379,7 +332,7 @@ class ForceStages(SolidStages):
         with self.stopwatch("loaded contact"):
             return loaded_contact(meshing, phi1, torque, self.machine.speed_rad_s)
 
-    @stage
+    @computed
     def course(self) -> Course:
         """The motion of the toothed mechanism in time."""
         from ncgear.dynamics.crank_load import crank_load
@@ -393,34 +346,11 @@ class ForceStages(SolidStages):
             return course(mechanism, started(mechanism, self.transmission, Start(given.start)), given.turns)
 
 
-class Drive(ForceStages):
-    """A design and all that follows from it.
-
-    Stages are attributes; each needs only the ones it is made from, so a check of power never makes a tooth.  They
-    raise WrongInput or NoSuchMechanism, with the design file's key, when the stage cannot be made.
-
-    Of a design in two stages, law and motion are those of the whole machine; pitch curves, teeth, contact and solids
-    are those of the pair that ``stage`` tells, 1 or 2, and only one of ``by_stage`` has them.
-    """
-
-    def __repr__(self) -> str:
-        stage = "" if self.stage is None else f", stage {self.stage}"
-        speed = self.design.operation.speed_rpm
-        return f"Drive({self.design.name!r}, law {self.design.motion.law}, {speed:g} r/min{stage})"
-
-    @stage
-    def by_stage(self) -> tuple[Drive, ...]:
-        """The same drive for each of its pairs of gears, from the driving shaft on; one pair has itself."""
-        if self.design.stages == 1 or self.stage is not None:
-            return (self,)
-        return tuple(Drive(self.design, number, self.loaded) for number in range(1, self.design.stages + 1))
-
-
 def load(path: str | Path) -> Drive:
-    """The drive of a design file, whose stages are attributes.
+    """The drive of a design file, whose law, motion, teeth and more are attributes.
 
-    Raises WrongInput, with ``FILE:LINE:COLUMN``, for a file that is wrong; stages raise it or NoSuchMechanism, with
-    the same places, once they are asked for.
+    Raises WrongInput, with ``FILE:LINE:COLUMN``, for a file that is wrong; its attributes raise it or
+    NoSuchMechanism, with the same places, once they are asked for.
 
     >>> drive = load("designs/baler.yaml")
     >>> drive
@@ -430,7 +360,8 @@ def load(path: str | Path) -> Drive:
     >>> f"{drive.pitch.center_distance_mm:.3f} mm"
     '74.885 mm'
     """
-    return _drive(load_design(Path(path)))
+    loaded = load_design(Path(path))
+    return Drive(loaded.design, loaded=loaded)
 
 
 def loads(text: str, name: str = "text") -> Drive:
@@ -441,8 +372,5 @@ def loads(text: str, name: str = "text") -> Drive:
     >>> f"{drive.linkage.stroke_mm:g} mm"
     '80 mm'
     """
-    return _drive(parsed(text, Path(name)))
-
-
-def _drive(loaded: LoadedDesign) -> Drive:
+    loaded = parsed(text, Path(name))
     return Drive(loaded.design, loaded=loaded)

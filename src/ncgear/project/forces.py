@@ -1,7 +1,4 @@
-"""The moving masses of a design.
-
-The teeth, the drive and the load of a design as they are simulated.
-"""
+"""From keys to values: the moving masses of a design, and its teeth, drive and load as they are simulated."""
 
 from __future__ import annotations
 

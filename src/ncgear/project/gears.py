@@ -1,4 +1,4 @@
-"""The gears of a design, in mm at a module: basic rack, tooth form, helix."""
+"""From keys to values: the teeth of a design's gears, in mm at a module: basic rack, tooth form, helix."""
 
 from __future__ import annotations
 

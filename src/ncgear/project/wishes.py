@@ -1,4 +1,4 @@
-"""What a design wishes of an optimised law, and the machine that it is made for."""
+"""From keys to values: what a design wishes of an optimised law, and the machine that the law is made for."""
 
 from __future__ import annotations
 

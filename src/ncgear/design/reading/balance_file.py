@@ -1,53 +1,34 @@
-"""Reading a balance file, with measurements and designs that it names."""
+"""Reading a balance file, with the designs and the files of measurements that it names."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-
-from pydantic import ValidationError
+from typing import Any
 
 from ncgear.design.keys.balance import Balance
-from ncgear.design.reading.design_file import LARGEST_MB, LoadedDesign, load, of_key, wrong_input
-from ncgear.design.reading.messages import problems
-from ncgear.design.reading.points import Measured, measured
+from ncgear.design.reading.design_file import LARGEST_MB, LoadedDesign, load
+from ncgear.design.reading.messages import checked
+from ncgear.design.reading.places import Document, Place, Source, named_by
+from ncgear.design.reading.points import Columns, FileKind, PointsFile, values_from_files
 from ncgear.design.reading.text import read_text
-from ncgear.design.reading.yaml import Document, Place, read_yaml
-from ncgear.errors import DesignError, WrongInput
+from ncgear.design.reading.yaml import read_yaml
+from ncgear.errors import WrongInput
 
 OF_A_DESIGN = {"linkage", "motion"}
 """Keys that every design file has and no balance file: said once, instead of a fault for each of its keys."""
 
-
-@dataclass(frozen=True)
-class BalanceSource:
-    """Where the values stand: in the balance file, and measurements perhaps in CSV files by their group."""
-
-    document: Document
-    measured: dict[str, Measured]
-
-    def place(self, key: str) -> Place:
-        """Where ``key`` (dotted) stands, or its nearest parent that does."""
-        group, _, inner = key.partition(".")
-        if group not in self.measured:
-            return self.document.place(key)
-        stands_for_file = inner.partition(".")[0] in self.measured[group].values
-        return self.measured[group].place(inner) or self.document.place(f"{group}.file" if stands_for_file else key)
+MOST_ROWS = 1000
 
 
 @dataclass(frozen=True)
 class LoadedBalance:
-    """A balance file, the designs it names by their keys, and where everything stands."""
+    """A balance file, where its values stand, and the designs it names by the keys that name them."""
 
     balance: Balance
-    source: BalanceSource
+    source: Source
     designs: dict[str, LoadedDesign]
-
-    def located(self, error: DesignError) -> DesignError:
-        """``error``, which knows only its key, with the place of that key; an error that has a place keeps it."""
-        if not error.location:
-            error.location = str(self.source.place(error.key))
-        return error
 
 
 def load_balance(path: Path) -> LoadedBalance:
@@ -61,24 +42,91 @@ def load_balance(path: Path) -> LoadedBalance:
             "is a design file; a balance file is needed, in which mechanisms.design or gears.design names this one"
         )
         raise WrongInput(problem, location=str(document.place("")))
-    found = measured(document, path, lambda error, file, key: of_key(error, file, key, document))
-    source = BalanceSource(document, found)
-    data = {**document.data, **{group: {**document.data[group], **one.values} for group, one in found.items()}}
-    try:
-        balance = Balance.model_validate(data)
-    except ValidationError as error:
-        raise wrong_input(problems(error, Balance), source) from error
-    return LoadedBalance(balance, source, _designs(balance, document, path))
+    source = Source(document, values_from_files(document, path, FILES))
+    balance = checked(Balance, source)
+    return LoadedBalance(balance, source, dict(_designs(balance, document, path)))
 
 
-def _designs(balance: Balance, document: Document, path: Path) -> dict[str, LoadedDesign]:
+def _designs(balance: Balance, document: Document, path: Path) -> Iterator[tuple[str, LoadedDesign]]:
+    """Each design that the file names, with the key that names it."""
     named = {f"mechanisms.{k}.design": one.design for k, one in enumerate(balance.mechanisms) if one.design is not None}
     if balance.gears is not None:
         named["gears.design"] = balance.gears.design
-    found = {}
     for key, name in named.items():
-        try:
-            found[key] = load(path.parent / name)
-        except WrongInput as error:
-            raise of_key(error, path.parent / name, key, document) from error
-    return found
+        with named_by(document, key, path.parent / name):
+            yield key, load(path.parent / name)
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Keys that a file of measurements stands for with their values, and the row of each item below them."""
+
+    points: PointsFile
+    values: Mapping[str, Any]
+    rows: Mapping[str, int]
+
+    def place(self, key: str) -> Place | None:
+        """The line of a dotted key below the group, or of its nearest parent that has one; None for others."""
+        while key:
+            if key in self.rows:
+                return self.points.row(self.rows[key])
+            key = key.rpartition(".")[0]
+        return None
+
+
+def chain_runs(points: PointsFile) -> Measured:
+    """The runs of a chain drive, one in each row."""
+    rows = zip(*points.values.values(), strict=True)
+    items = [dict(zip(points.values, row, strict=True)) for row in rows]
+    return Measured(points, {"runs": items}, {f"runs.{row}": row for row in range(len(items))})
+
+
+def rotor_runs(points: PointsFile) -> Measured:
+    """The runs of a rotor, one reading in each row: plane 0 without trial weight, then each plane with its own."""
+    columns = points.values
+    planes: dict[int, list[int]] = {}
+    for row in sorted(range(len(points.lines)), key=lambda row: columns["sensor"][row]):
+        planes.setdefault(_whole(points, row), []).append(row)
+    if sorted(planes) != list(range(len(planes))) or not planes:
+        problem = "planes are numbered 0 (without trial weight), 1, 2 and so on; one of them is missing"
+        raise WrongInput(problem, key="plane", location=str(points.row(None)))
+    readings = [_readings(columns, planes[plane]) for plane in range(len(planes))]
+    trials = [
+        {"mass_g": columns["mass_g"][rows[0]], "angle_deg": columns["angle_deg"][rows[0]], "readings": readings[plane]}
+        for plane, rows in sorted(planes.items())
+        if plane > 0
+    ]
+    return Measured(points, {"first": readings[0], "trials": trials}, dict(_places(planes)))
+
+
+def _whole(points: PointsFile, row: int) -> int:
+    """The number of the plane in a row."""
+    plane = points.values["plane"][row]
+    if not plane.is_integer():
+        raise WrongInput(f"{plane:g} given; a whole number is needed", key="plane", location=str(points.row(row)))
+    return int(plane)
+
+
+def _readings(columns: Mapping[str, list[float]], rows: list[int]) -> list[dict[str, float]]:
+    return [{"amplitude": columns["amplitude"][row], "phase_deg": columns["phase_deg"][row]} for row in rows]
+
+
+def _places(planes: Mapping[int, list[int]]) -> list[tuple[str, int]]:
+    first = [(f"first.{sensor}", row) for sensor, row in enumerate(planes[0])]
+    trials = [(plane - 1, rows) for plane, rows in planes.items() if plane > 0]
+    runs = [(f"trials.{number}", rows[0]) for number, rows in trials]
+    readings = [(f"trials.{n}.readings.{sensor}", row) for n, rows in trials for sensor, row in enumerate(rows)]
+    return [*first, *runs, *readings]
+
+
+def _all_of(*names: str) -> Columns:
+    return Columns(tuple((name,) for name in names), MOST_ROWS)
+
+
+FILES = {
+    "chain_drive": FileKind(_all_of("weight_deg", "amplitude", "phase_deg"), ("runs",), chain_runs),
+    "rotor": FileKind(
+        _all_of("plane", "mass_g", "angle_deg", "sensor", "amplitude", "phase_deg"), ("first", "trials"), rotor_runs
+    ),
+}
+"""Groups of a balance file that can name a file of measurements."""

@@ -1,22 +1,28 @@
-"""The fields of the models by the keys that stand for them in a file.
-
-pydantic's errors in the words of the design file: the user's key, what was given, what would be right.
+"""Checking plain values against the models, with faults in the words of the file: the user's key, what was given, what
+would be right, and where it stands.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
-from typing import Any, NamedTuple, get_args
+from typing import Any, NamedTuple, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from ncgear.design.keys.base import FAULT_TYPE, listed
+from ncgear.design.keys.base import FAULT_TYPE, Model, listed
 from ncgear.design.laws.registry import law_models
 from ncgear.design.naming import NAME_RULE
+from ncgear.design.reading.places import Source
 from ncgear.design.reading.text import shown
+from ncgear.errors import WrongInput
+
+MOST_PROBLEMS = 10
+"""Faults of one file that are told at once."""
+
+Root = TypeVar("Root", bound=Model)
 
 LAWS = law_models()
 
@@ -34,6 +40,7 @@ def models_in(annotation: Any) -> list[type[BaseModel]]:
 
 
 Location = tuple[int | str, ...]
+"""Where pydantic finds a fault: names of fields, numbers of list items, and the law where there are several."""
 
 
 class Problem(NamedTuple):
@@ -41,6 +48,26 @@ class Problem(NamedTuple):
 
     key: str
     text: str
+
+
+def checked(root: type[Root], source: Source) -> Root:
+    """The values of a file as its model ``root``; WrongInput says where and what is wrong, up to ten faults."""
+    try:
+        return root.model_validate(source.data)
+    except ValidationError as error:
+        raise _wrong_input(problems(error, root), source) from error
+
+
+def _wrong_input(found: list[Problem], source: Source) -> WrongInput:
+    """One error of all faults in the order of the file; faults of files that it names come last."""
+    own_file = source.place("").file
+    placed = [(source.place(problem.key), problem) for problem in found]
+    placed.sort(key=lambda item: (item[0].file != own_file, item[0].line, item[0].column))
+    (place, first), *others = placed
+    lines = [first.text, *(f"{where}: {key}: {text}" for where, (key, text) in others[: MOST_PROBLEMS - 1])]
+    if len(placed) > MOST_PROBLEMS:
+        lines.append(f"and {len(placed) - MOST_PROBLEMS} more")
+    return WrongInput("\n".join(lines), key=first.key, location=str(place))
 
 
 def problems(error: ValidationError, root: type[BaseModel]) -> list[Problem]:

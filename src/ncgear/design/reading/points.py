@@ -1,6 +1,6 @@
-"""A CSV file that a table in the design file can name: its columns as numbers, and the line each row stands in.
+"""CSV files that a group of a design or balance file names in place of some of its keys.
 
-Measurements that a balance file takes from CSV files, as the values it could have held itself.
+Their columns are read as numbers, and the line of each row is kept, so that a fault has its place.
 """
 
 from __future__ import annotations
@@ -10,11 +10,10 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
-from typing import Any
 
 from ncgear.design.keys.base import listed
+from ncgear.design.reading.places import Document, FromFile, Place, named_by
 from ncgear.design.reading.text import plain_number, read_text, shown
-from ncgear.design.reading.yaml import Document, Place
 from ncgear.errors import WrongInput
 
 LARGEST_MB = 20
@@ -38,12 +37,51 @@ class PointsFile:
     """Columns of a CSV file by name, and the line of each row."""
 
     file: str
-    columns: dict[str, list[float]]
+    values: dict[str, list[float]]
     lines: list[int]
 
-    def place(self, row: int | None) -> Place:
+    def row(self, row: int | None) -> Place:
         """Where a row begins; the header for None."""
         return Place(self.file, 1 if row is None else self.lines[row], 1)
+
+    def place(self, key: str) -> Place:
+        """Where a column (``ratio``) or a number in it (``ratio.12``) stands."""
+        row = key.partition(".")[2]
+        return self.row(int(row) if row else None)
+
+
+@dataclass(frozen=True)
+class FileKind:
+    """What a group's file holds: its columns, the keys it stands for, and how its rows become their values.
+
+    Only a group whose ``law`` is this one may name a file, where a law is told.
+    """
+
+    columns: Columns
+    keys: tuple[str, ...]
+    read: Callable[[PointsFile], FromFile] = lambda points: points
+    law: str = ""
+
+
+def values_from_files(document: Document, path: Path, kinds: Mapping[str, FileKind]) -> dict[str, FromFile]:
+    """What the files hold that groups name by their key ``file``; ``kinds`` are by the group's dotted key.
+
+    Files are looked for beside ``path``.  A file's name that is no text is left to the schema.  Raises WrongInput for a
+    file that is wrong or missing, and for keys that are given beside it.
+    """
+    found: dict[str, FromFile] = {}
+    for group, kind in kinds.items():
+        given = document.at(group)
+        if not isinstance(given, dict) or not isinstance(given.get("file"), str):
+            continue
+        if kind.law and given.get("law") != kind.law:
+            continue
+        for key in (f"{group}.{name}" for name in kind.keys if given.get(name) is not None):
+            raise WrongInput("given beside file; keep one of them", key=key, location=str(document.place(key)))
+        file = path.parent / given["file"]
+        with named_by(document, f"{group}.file", file):
+            found[group] = kind.read(read_points(file, kind.columns))
+    return found
 
 
 def read_points(path: Path, columns: Columns) -> PointsFile:
@@ -92,119 +130,10 @@ def _append(points: PointsFile, names: list[str], line: int, cells: list[str], m
         number = plain_number(cell.strip())
         if number is None or not isfinite(number):
             raise _wrong(points.file, line, cells, i, f"{shown(cell)} is not a finite number; one is needed", name)
-        points.columns[name].append(float(number))
+        points.values[name].append(float(number))
 
 
 def _wrong(file: str, line: int, cells: list[str], i: int, problem: str, key: str = "") -> WrongInput:
     # Right as long as no cell is in quotes, which numbers need not be.
     column = 1 + sum(len(cell) + 1 for cell in cells[:i])
     return WrongInput(problem, key=key, location=f"{file}:{line}:{column}")
-
-
-MOST_ROWS = 1000
-
-
-@dataclass(frozen=True)
-class Measured:
-    """Keys that a file stands for with their values, and the row of each item below them."""
-
-    points: PointsFile
-    values: Mapping[str, Any]
-    rows: Mapping[str, int]
-
-    def place(self, key: str) -> Place | None:
-        """The line of a dotted key below the group, or of its nearest parent that has one; None for others."""
-        while key:
-            if key in self.rows:
-                return self.points.place(self.rows[key])
-            key = key.rpartition(".")[0]
-        return None
-
-
-def chain_runs(points: PointsFile) -> Measured:
-    """The runs of a chain drive, one in each row."""
-    rows = zip(*points.columns.values(), strict=True)
-    items = [dict(zip(points.columns, row, strict=True)) for row in rows]
-    return Measured(points, {"runs": items}, {f"runs.{row}": row for row in range(len(items))})
-
-
-def rotor_runs(points: PointsFile) -> Measured:
-    """The runs of a rotor, one reading in each row: plane 0 without trial weight, then each plane with its own."""
-    columns = points.columns
-    planes: dict[int, list[int]] = {}
-    for row in sorted(range(len(points.lines)), key=lambda row: columns["sensor"][row]):
-        planes.setdefault(_whole(points, row), []).append(row)
-    if sorted(planes) != list(range(len(planes))) or not planes:
-        problem = "planes are numbered 0 (without trial weight), 1, 2 and so on; one of them is missing"
-        raise WrongInput(problem, key="plane", location=str(points.place(None)))
-    readings = [_readings(columns, planes[plane]) for plane in range(len(planes))]
-    trials = [
-        {"mass_g": columns["mass_g"][rows[0]], "angle_deg": columns["angle_deg"][rows[0]], "readings": readings[plane]}
-        for plane, rows in sorted(planes.items())
-        if plane > 0
-    ]
-    return Measured(points, {"first": readings[0], "trials": trials}, dict(_places(planes)))
-
-
-def _whole(points: PointsFile, row: int) -> int:
-    """The number of the plane in a row."""
-    plane = points.columns["plane"][row]
-    if not plane.is_integer():
-        raise WrongInput(f"{plane:g} given; a whole number is needed", key="plane", location=str(points.place(row)))
-    return int(plane)
-
-
-def _readings(columns: Mapping[str, list[float]], rows: list[int]) -> list[dict[str, float]]:
-    return [{"amplitude": columns["amplitude"][row], "phase_deg": columns["phase_deg"][row]} for row in rows]
-
-
-def _places(planes: Mapping[int, list[int]]) -> list[tuple[str, int]]:
-    first = [(f"first.{sensor}", row) for sensor, row in enumerate(planes[0])]
-    trials = [(plane - 1, rows) for plane, rows in planes.items() if plane > 0]
-    runs = [(f"trials.{number}", rows[0]) for number, rows in trials]
-    readings = [(f"trials.{n}.readings.{sensor}", row) for n, rows in trials for sensor, row in enumerate(rows)]
-    return [*first, *runs, *readings]
-
-
-@dataclass(frozen=True)
-class Kind:
-    """The columns of a file, the keys it stands for, and how its rows become their values."""
-
-    columns: Columns
-    keys: tuple[str, ...]
-    read: Callable[[PointsFile], Measured]
-
-
-def _all_of(*names: str) -> Columns:
-    return Columns(tuple((name,) for name in names), MOST_ROWS)
-
-
-KINDS = {
-    "chain_drive": Kind(_all_of("weight_deg", "amplitude", "phase_deg"), ("runs",), chain_runs),
-    "rotor": Kind(
-        _all_of("plane", "mass_g", "angle_deg", "sensor", "amplitude", "phase_deg"), ("first", "trials"), rotor_runs
-    ),
-}
-"""Groups of a balance file that can name a file of measurements."""
-
-
-def measured(
-    document: Document, path: Path, fault: Callable[[WrongInput, Path, str], WrongInput]
-) -> dict[str, Measured]:
-    """The measurements of each group that names a file; a file that is no text is left to the schema.
-
-    ``fault`` turns an error about a file, named by a key, into the one to raise.
-    """
-    found = {}
-    for group, kind in KINDS.items():
-        given = document.data.get(group)
-        if not isinstance(given, dict) or not isinstance(given.get("file"), str):
-            continue
-        for key in (f"{group}.{name}" for name in kind.keys if given.get(name) is not None):
-            raise WrongInput("given beside file; keep one of them", key=key, location=str(document.place(key)))
-        file = path.parent / given["file"]
-        try:
-            found[group] = kind.read(read_points(file, kind.columns))
-        except WrongInput as error:
-            raise fault(error, file, f"{group}.file") from error
-    return found

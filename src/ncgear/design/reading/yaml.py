@@ -7,8 +7,7 @@ they begin, before anything is built from them, and a value means the same whate
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator
 from typing import Any
 
 from ruamel.yaml import YAML
@@ -23,6 +22,7 @@ from ruamel.yaml.events import (
 )
 from ruamel.yaml.reader import ReaderError
 
+from ncgear.design.reading.places import Document, Place
 from ncgear.design.reading.text import plain_value, shortened, shown
 from ncgear.errors import WrongInput
 
@@ -48,32 +48,6 @@ LONGEST_KEY = 100
 """Characters of a key; the longest of the schema has 23."""
 
 
-@dataclass(frozen=True)
-class Place:
-    """A line and a column of a file, both counted from 1."""
-
-    file: str
-    line: int
-    column: int
-
-    def __str__(self) -> str:
-        return f"{self.file}:{self.line}:{self.column}"
-
-
-@dataclass(frozen=True)
-class Document:
-    """Plain values of a YAML file, with the place of every key and list item by its dotted path."""
-
-    data: Any
-    places: Mapping[str, Place]
-
-    def place(self, key: str) -> Place:
-        """Where ``key`` stands, or its nearest parent that does."""
-        while key and key not in self.places:
-            key = key.rpartition(".")[0]
-        return self.places[key]
-
-
 def read_yaml(text: str, file: str) -> Document:
     """Parse one YAML document; WrongInput names the place of whatever is not right in it."""
     if long_tag := LONG_TAG.search(text):
@@ -82,7 +56,9 @@ def read_yaml(text: str, file: str) -> Document:
     try:
         return _Reader(text, file).document()
     except ReaderError as error:
-        raise WrongInput(_unreadable(error), location=_place_of_offset(text, error.position, file)) from error
+        raise WrongInput(
+            _cannot_stand(chr(error.character)), location=_place_of_offset(text, error.position, file)
+        ) from error
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = Place(file, mark.line + 1, mark.column + 1) if mark else Place(file, 1, 1)
@@ -187,10 +163,6 @@ def _syntax(error: MarkedYAMLError) -> str:
     context = f" {error.context}" if error.context else ""
     problem = shortened(str(error.problem), LONGEST_FAULT)
     return f"is not YAML: {problem}{context}; `key: value` lines with equal indentation by spaces are right"
-
-
-def _unreadable(error: ReaderError) -> str:
-    return _cannot_stand(chr(error.character))
 
 
 def _cannot_stand(character: str) -> str:

@@ -1,55 +1,24 @@
-"""The page's tables as rows of text: comparison, data sheet, contact, versions.
-
-What a designer wants to know first, in a few words under the page's title.
-"""
+"""The page's tables: comparison, contact, data sheet, versions; and what a designer wants to know first."""
 
 from __future__ import annotations
 
 import platform
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any
 
 from ncgear import __version__
 from ncgear.contact.pair import PairContact
-from ncgear.figures.data_sheet.values import DataSheet, Group, cell_text
-from ncgear.figures.data_sheet.values import Row as SheetRow
-from ncgear.figures.data_sheet.values import Table as SheetTable
+from ncgear.figures.data_sheet.sheet import DataSheet, Group
 from ncgear.figures.numbers import shown
 from ncgear.figures.summary.build import contact_summary
 from ncgear.figures.summary.check import comparison_rows
-from ncgear.figures.terminal import COLUMNS, MIXED_SPEEDS, SAME_SPEED, labelled
+from ncgear.figures.tables import Column, Table
+from ncgear.figures.terminal import COMPARED, MIXED_SPEEDS, SAME_SPEED, labelled
 from ncgear.project.drive import Drive
 
 LIBRARIES = ("numpy", "scipy", "sympy", "shapely", "trimesh", "mapbox-earcut", "matplotlib", "pydantic", "ruamel.yaml")
 """What the figures of the page come from, beside ncgear and Python."""
-
-
-@dataclass(frozen=True)
-class Row:
-    """Cells of text, the first of which names the row, and what is to be said about it.
-
-    The second cell is as wide as ``span`` columns.
-    """
-
-    cells: tuple[str, ...]
-    note: str = ""
-    span: int = 1
-
-
-@dataclass(frozen=True)
-class Table:
-    """Rows under a title; ``head`` has one pair of a name and a unit for each cell, or nothing.
-
-    ``notes`` belong to all of it; a ``long`` table may be broken between rows in print.
-    """
-
-    title: str
-    head: tuple[tuple[str, str], ...]
-    rows: tuple[Row, ...]
-    notes: tuple[str, ...] = ()
-    long: bool = False
 
 
 def comparison_tables(drive: Drive) -> list[Table]:
@@ -60,9 +29,9 @@ def comparison_tables(drive: Drive) -> list[Table]:
 
 
 def _comparison(title: str, rows: Sequence[Mapping[str, Any]]) -> Table:
-    head = (("mechanism", ""), *COLUMNS.values())
-    cells = [(str(row["name"]), *(shown(row[key]) for key in COLUMNS)) for row in rows]
-    return Table(title, head, tuple(Row(c, row["note"]) for c, row in zip(cells, rows, strict=True)))
+    cells = [(str(row["name"]), *(shown(row[key]) for key in COMPARED)) for row in rows]
+    columns = (Column("mechanism"), *COMPARED.values())
+    return Table(title, columns, tuple(cells), row_notes=tuple(row["note"] for row in rows))
 
 
 def contact_tables(drive: Drive, contact: PairContact) -> list[Table]:
@@ -71,7 +40,7 @@ def contact_tables(drive: Drive, contact: PairContact) -> list[Table]:
     designed, written = found.pop("as_designed"), found.pop("as_written")
     forms = {f"as written to {source.upper()}": figures for source, figures in written.items()}
     return [
-        Table("The worst of all", (), tuple(map(Row, labelled(found)))),
+        Table("The worst of all", (), tuple(labelled(found))),
         _beside("In detail", {"as designed": designed, **forms}),
     ]
 
@@ -80,8 +49,8 @@ def _beside(title: str, sections: Mapping[str, Mapping[str, Any]]) -> Table:
     """The same figures of several sections, side by side; what is given tooth by tooth is left to summary.json."""
     columns = [dict(labelled(_without_lists(section))) for section in sections.values()]
     labels = dict.fromkeys(label for column in columns for label in column)
-    head = (("", ""), *((name, "") for name in sections))
-    return Table(title, head, tuple(Row((label, *(column.get(label, "") for column in columns))) for label in labels))
+    heads = (Column(""), *map(Column, sections))
+    return Table(title, heads, tuple((label, *(column.get(label, "") for column in columns)) for label in labels))
 
 
 def _without_lists(section: Mapping[str, Any]) -> dict[str, Any]:
@@ -90,31 +59,21 @@ def _without_lists(section: Mapping[str, Any]) -> dict[str, Any]:
 
 def sheet_tables(sheet: DataSheet) -> list[Table]:
     """The groups of a data sheet, and its tables."""
-    return [*map(_group, sheet.groups), *map(_numbers, sheet.tables)]
+    return [*map(_group, sheet.groups), *sheet.tables]
 
 
 def _group(group: Group) -> Table:
-    head = (("", ""), ("driving", ""), ("driven", ""), ("", ""))
-    return Table(group.title, head, tuple(map(_sheet_row, group.rows)))
-
-
-def _sheet_row(row: SheetRow) -> Row:
-    """Empty cells where there is nothing to say."""
-    values = (row.pair,) if row.of_pair else (row.driving, row.driven)
-    return Row((row.label, *map(cell_text, values), row.unit), span=3 - len(values))
-
-
-def _numbers(table: SheetTable) -> Table:
-    head = tuple((column.label, column.unit) for column in table.columns)
-    return Table(
-        table.title, head, tuple(Row(tuple(map(cell_text, row))) for row in table.rows), table.notes, long=True
-    )
+    """One value for both gears fills two columns; cells are empty where there is nothing to say."""
+    heads = Column(""), Column("driving"), Column("driven"), Column("")
+    values = [(one.pair,) if one.of_pair else (one.driving, one.driven) for one in group.entries]
+    rows = [(one.label, *found, one.unit) for one, found in zip(group.entries, values, strict=True)]
+    return Table(group.title, heads, tuple(rows))
 
 
 def versions() -> Table:
     """What the page was made with."""
     made = (("ncgear", __version__), ("python", platform.python_version()), *((n, version(n)) for n in LIBRARIES))
-    return Table("Made with", (), tuple(map(Row, made)))
+    return Table("Made with", (), made)
 
 
 def facts(drive: Drive) -> list[tuple[str, str]]:

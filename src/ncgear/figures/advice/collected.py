@@ -2,27 +2,26 @@
 
 from __future__ import annotations
 
-from ncgear.figures.advice import law as motion
+from ncgear.figures.advice import law
 from ncgear.figures.advice.values import Advice
+from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 
 
 def check_advice(drive: Drive) -> tuple[Advice, ...]:
     """Advices that need no pitch curve."""
-    ranges = [motion.ratio_range(pair) for pair in drive.by_stage]
-    return _given(*ranges, motion.speeds(drive), motion.negative_resistance(drive))
+    ranges = [law.ratio_range(pair) for pair in drive.by_stage]
+    return _given(*ranges, law.speeds(drive), law.negative_resistance(drive))
 
 
 def build_advice(drive: Drive) -> tuple[Advice, ...]:
-    """Advices about pitch curves, teeth and contact of one pair of gears; raises as the drive's stages do."""
-    from ncgear.figures.advice import law as curves
+    """Advices about pitch curves, teeth and contact of one pair of gears; raises as the drive does."""
+    # What makes teeth is slow to import, and a check has no need of it.
     from ncgear.figures.advice import teeth
-    from ncgear.figures.advice import teeth as contact
-    from ncgear.pitch.shape import Gear
 
-    of_curves = [curves.pressure_angle(drive), curves.ring(drive), *(curves.concave(drive, gear) for gear in Gear)]
+    of_curves = [law.pressure_angle(drive), law.ring(drive), *(law.concave(drive, gear) for gear in Gear)]
     of_teeth = [teeth.undercut(drive), teeth.pointed(drive), *teeth.shortened(drive)]
-    return _given(*of_curves, *of_teeth, contact.contact_ratio(drive), contact.thrust(drive))
+    return _given(*of_curves, *of_teeth, teeth.contact_ratio(drive), teeth.thrust(drive))
 
 
 def _given(*advices: Advice | None) -> tuple[Advice, ...]:

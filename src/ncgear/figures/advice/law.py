@@ -1,84 +1,35 @@
-"""How much gentler a law must be: its ratio drawn towards the mean until a condition holds, or a law that is sought.
-
-Advices about the law, the speeds and the resistance.
-
-Advices about the pitch curves: how steeply they drive each other, and where they are hollow.
-"""
+"""Advices about the law, the speeds, the resistance and the pitch curves."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from math import cos, degrees, radians
 
-from ncgear.design.keys.design import Design
 from ncgear.design.laws.registry import LawName, design_law
-from ncgear.errors import DesignError
-from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where
+from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where, changed
 from ncgear.pitch import shape
 from ncgear.pitch.pair import STRAIGHT, largest_tangent_angle_rad
 from ncgear.pitch.shape import Gear, Mesh
+from ncgear.project.alternatives import STEPS, flatter_rack, gentler, kept_percent
 from ncgear.project.drive import Drive
 from ncgear.ratio.transmission import Transmission
-
-STEPS = 100
-"""Hundredths of the law's swing in which a gentler one is sought: finer ones nobody would choose."""
 
 OPTIMIZE = "ncgear optimize"
 
 
-def optimised(drive: Drive, **limits: float | bool) -> Remedy:
+def optimised(**limits: float | bool) -> Remedy:
     """A law that is sought within limits, by their keys under optimize.limits."""
-    changes = tuple(Change(f"optimize.limits.{key}", value) for key, value in limits.items())
+    changes = changed({f"optimize.limits.{key}": value for key, value in limits.items()})
     return Remedy("let the best law within this limit be found", changes, OPTIMIZE)
 
 
 def tempered(drive: Drive, harmful: Callable[[Transmission], bool]) -> tuple[Remedy, ...]:
-    """The design's own law, its swing reduced until it is no longer ``harmful``; none where the law has no such way.
-
-    A lesser swing is taken to be no more harmful, so that halving finds the largest one of whole hundredths.
-    """
-    low, high = 0, STEPS
-    while high - low > 1:
-        middle = (low + high) // 2
-        if _is_sound(drive.design, middle / STEPS, harmful):
-            low = middle
-        else:
-            high = middle
-    if low == 0:
+    """The design's own law, its swing reduced until it is no longer ``harmful``; none where the law has no such way."""
+    percent = kept_percent(drive.design, harmful)
+    if percent == 0:
         return ()
-    changes = gentler(drive.design, low / STEPS)
-    return (Remedy(f"keep {low} % of the law's swing, which moves the slider more evenly", changes),)
-
-
-def _is_sound(design: Design, share: float, harmful: Callable[[Transmission], bool]) -> bool:
-    changes = gentler(design, share)
-    if not changes:
-        return False
-    try:
-        return not harmful(Drive(_with_motion(design, changes)).pair.transmission)
-    except DesignError:
-        return False
-
-
-def _with_motion(design: Design, changes: tuple[Change, ...]) -> Design:
-    values = {change.key.removeprefix("motion."): change.value for change in changes}
-    return design.model_copy(update={"motion": design.motion.model_copy(update=values)})
-
-
-def gentler(design: Design, share: float) -> tuple[Change, ...]:
-    """The changes that leave ``share`` (0 to 1) of the swing of a law's ratio; none where it has no such measure.
-
-    The logarithm of the ratio keeps that share, or the driven angle's deviation from an even turn, or the ellipse's
-    eccentricity.
-    """
-    values = design.motion.gentler(share, _even_turn(design))
-    return tuple(Change(f"motion.{key}", value) for key, value in values.items() if value != ())
-
-
-def _even_turn(design: Design) -> str:
-    """Driven angle per driving angle of gears that turn evenly, as a formula."""
-    lobes = design.gears.lobes if design.gears else None
-    return f"{lobes.driving}/{lobes.driven}" if lobes else "1"
+    text = f"keep {percent} % of the law's swing, which moves the slider more evenly"
+    return (Remedy(text, changed(gentler(drive.design, percent / STEPS))),)
 
 
 WIDEST_RATIO = 5.0
@@ -93,6 +44,8 @@ def ratio_range(drive: Drive) -> Advice | None:
     low, high = drive.pair.transmission.ratio_range
     if not _too_wide(drive.pair.transmission):
         return None
+    words = design_law(LawName(drive.design.motion.law)).narrower_ratio
+    narrower = (Remedy(words),) if words else ()
     return Advice(
         Kind.RATIO_RANGE,
         (Where(angles_deg=tuple((degrees(end.at),) * 2 for end in (low, high))),),
@@ -100,22 +53,13 @@ def ratio_range(drive: Drive) -> Advice | None:
         f"{degrees(high.at):.4g} deg)",
         f"beyond 1:{WIDEST_RATIO:g} one gear has almost no radius where the other is large: few teeth carry there, and "
         "the shaft of the small side is thin",
-        (*_narrower_ratio(drive), *tempered(drive, _too_wide), _within_widest(drive)),
+        (*narrower, *tempered(drive, _too_wide), optimised(ratio_min=1.0 / WIDEST_RATIO, ratio_max=WIDEST_RATIO)),
     )
-
-
-def _within_widest(drive: Drive) -> Remedy:
-    return optimised(drive, ratio_min=1.0 / WIDEST_RATIO, ratio_max=WIDEST_RATIO)
 
 
 def _too_wide(transmission: Transmission) -> bool:
     low, high = transmission.ratio_range
     return low.value < 1.0 / WIDEST_RATIO or high.value > WIDEST_RATIO
-
-
-def _narrower_ratio(drive: Drive) -> tuple[Remedy, ...]:
-    advice = design_law(LawName(drive.design.motion.law)).narrower_ratio
-    return (Remedy(advice),) if advice else ()
 
 
 def speeds(drive: Drive) -> Advice | None:
@@ -157,9 +101,6 @@ def negative_resistance(drive: Drive) -> Advice | None:
 STEEPEST_DEG = 60.0
 """Pressure angle beyond which half of the force on a tooth bears on the shafts twice over (cos 60 deg = 0.5)."""
 
-LEAST_RACK_DEG = 14.5
-"""The least pressure angle that racks are commonly made with: below it teeth are undercut and weak at the root."""
-
 
 def pressure_angle(drive: Drive) -> Advice | None:
     """Flanks that press on the shafts more than they turn the driven gear."""
@@ -183,18 +124,11 @@ def _less_steep(drive: Drive, angle: float) -> tuple[Remedy, ...]:
     def steep(transmission: Transmission) -> bool:
         return degrees(largest_tangent_angle_rad(transmission, mesh).value + rack) > STEEPEST_DEG
 
-    sought = (optimised(drive, pressure_angle_deg=STEEPEST_DEG),) if mesh is Mesh.EXTERNAL else ()
-    return (*_flatter_rack(drive, angle), *tempered(drive, steep), *sought)
-
-
-def _flatter_rack(drive: Drive, angle: float) -> tuple[Remedy, ...]:
-    """A rack of so much less pressure angle, where such racks are made."""
-    flatter = degrees(drive.rack.pressure_angle_rad) - (angle - STEEPEST_DEG)
-    if flatter < LEAST_RACK_DEG:
-        return ()
-    tenths = int(flatter * 10.0) / 10.0
-    change = Change("gears.rack.pressure_angle_deg", tenths)
-    return (Remedy("take a rack with a smaller pressure angle, of which more teeth may be undercut", (change,)),)
+    flatter = flatter_rack(drive, angle - STEEPEST_DEG)
+    words = "take a rack with a smaller pressure angle, of which more teeth may be undercut"
+    other_rack = (Remedy(words, changed(flatter)),) if flatter else ()
+    sought = (optimised(pressure_angle_deg=STEEPEST_DEG),) if mesh is Mesh.EXTERNAL else ()
+    return (*other_rack, *tempered(drive, steep), *sought)
 
 
 def ring(drive: Drive) -> Advice | None:
@@ -234,5 +168,5 @@ def _convex(drive: Drive, gear: Gear) -> tuple[Remedy, ...]:
         low, high = transmission.extremes(lambda piece: lambda phi1: shape.curvature(piece.slope(phi1, 3), gear, mesh))
         return (-high.value if shape.is_ring(gear, mesh) else low.value) < -STRAIGHT
 
-    sought = (optimised(drive, convex=True),) if mesh is Mesh.EXTERNAL else ()
+    sought = (optimised(convex=True),) if mesh is Mesh.EXTERNAL else ()
     return (*tempered(drive, dented), *sought)

@@ -6,10 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from ncgear.figures.numbers import shown
-
-Setting = float | int | bool | str | tuple[float, ...] | None
-"""What a key of the design file is set to; None leaves the key out."""
-
+from ncgear.project.alternatives import Changes, Setting
 
 SHOWN = 3
 """Numbers of a list that a line of text has room for."""
@@ -40,6 +37,11 @@ class Change:
 
     def __str__(self) -> str:
         return f"leave {self.key} out" if self.value is None else f"{self.key}: {_written(self.value)}"
+
+
+def changed(changes: Changes) -> tuple[Change, ...]:
+    """Keys and their values as changes."""
+    return tuple(Change(key, value) for key, value in changes.items())
 
 
 @dataclass(frozen=True)

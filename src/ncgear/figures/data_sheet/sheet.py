@@ -1,31 +1,24 @@
-"""Sizes of the pair: teeth, module, centre distance, and the radii of pitch, tip and root curves.
-
-The teeth: basic rack and what departs from it, and what is special about single teeth.
-
-The gears' bodies: bores, keyways, hubs, webs, holes, and the rim of a ring.
-
-Tolerances as given, and what of the measurements is defined.
-
-The sheet put together: general data, sizes, teeth, bodies, and the table of the pitch curves.
-"""
+"""The data sheet of a pair of gears: what a drawing of it needs, as a plain value, and as Markdown."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from math import degrees, isclose
 from typing import TYPE_CHECKING
 
 from ncgear.design.keys.bodies import GearBody, Hub, LighteningHoles, Web
-from ncgear.figures.data_sheet.measured import MeasuredGear, measured_gears, pin_tables, span_table, spans_of
-from ncgear.figures.data_sheet.text import pitch_table
-from ncgear.figures.data_sheet.values import DataSheet, Group, Row, Value
+from ncgear.figures.data_sheet.measured import pin_tables, span_table
+from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import shown
-from ncgear.metrology.span import Spans
+from ncgear.figures.tables import Cells, Table, Value, markdown, markdown_text
 from ncgear.metrology.working import root_radii_mm, tip_radii_mm
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
 from ncgear.project.bodies import rim_mm_of
 from ncgear.project.drive import Drive
+from ncgear.project.measured import MeasuredGear, measured_gears
 from ncgear.teeth.form import CutterKind
 from ncgear.teeth.tips import Limit
 
@@ -36,15 +29,62 @@ ROUND = 1e-9
 """Relative range of the ratio below which a gear is called circular: rounding of a law that is constant."""
 
 
+@dataclass(frozen=True)
+class Entry:
+    """One line of the sheet: values of the ``pair``, or of the ``driving`` and the ``driven`` gear; ``unit`` may be
+    empty."""
+
+    label: str
+    unit: str = ""
+    pair: Value = None
+    driving: Value = None
+    driven: Value = None
+
+    @property
+    def of_pair(self) -> bool:
+        """Whether the value is the pair's, for which renderers need one cell."""
+        return self.pair is not None
+
+
+@dataclass(frozen=True)
+class Group:
+    """Entries under a heading."""
+
+    title: str
+    entries: tuple[Entry, ...]
+
+
+@dataclass(frozen=True)
+class DataSheet:
+    """What a drawing of the pair needs."""
+
+    name: str
+    groups: tuple[Group, ...]
+    tables: tuple[Table, ...]
+
+
+def data_sheet(pair: Drive) -> DataSheet:
+    """The sheet of one pair of gears; of a design in two stages, of one of ``by_stage``.
+
+    Raises WrongInput or NoSuchMechanism as the drive does up to the contact of the teeth.
+    """
+    name = pair.design.name if pair.stage is None else f"{pair.design.name}, stage {pair.stage}"
+    gears = measured_gears(pair)
+    groups = (sizes(pair), rack_data(pair), tooth_data(pair), bodies(pair), *tolerances(pair))
+    measured = [table for gear in gears for table in (*span_table(gear), *pin_tables(gear))]
+    filled = tuple(group for group in (*groups, measurements(pair, gears)) if group.entries)
+    return DataSheet(name, filled, (pitch_table(pair), *measured))
+
+
 def sizes(drive: Drive) -> Group:
     """How large the gears are and how they lie to each other."""
     size, pitch = drive.pitch.size, drive.pitch
     rows = (
-        Row("kind of gear", driving=_kind(pitch.driving), driven=_kind(pitch.driven)),
-        Row("number of teeth", driving=size.driving_teeth, driven=size.driven_teeth),
-        Row("module", "mm", pair=size.module_mm),
-        Row("centre distance", "mm", pair=size.center_distance_mm),
-        Row("face width", "mm", pair=drive.gears.face_width_mm),
+        Entry("kind of gear", driving=_kind(pitch.driving), driven=_kind(pitch.driven)),
+        Entry("number of teeth", driving=size.driving_teeth, driven=size.driven_teeth),
+        Entry("module", "mm", pair=size.module_mm),
+        Entry("centre distance", "mm", pair=size.center_distance_mm),
+        Entry("face width", "mm", pair=drive.gears.face_width_mm),
         _of_both("length of pitch curve", pitch.length_mm(Gear.DRIVING), pitch.length_mm(Gear.DRIVEN)),
         *_radii(drive),
         _of_both("least radius of curvature", pitch.least_radius_mm(Gear.DRIVING), pitch.least_radius_mm(Gear.DRIVEN)),
@@ -58,14 +98,14 @@ def _kind(curve: PitchCurve) -> str:
     return f"{form}, internal" if curve.is_ring else form
 
 
-def _of_both(label: str, driving: float, driven: float) -> Row:
-    return Row(label, "mm", driving=driving, driven=driven)
+def _of_both(label: str, driving: float, driven: float) -> Entry:
+    return Entry(label, "mm", driving=driving, driven=driven)
 
 
-def _radii(drive: Drive) -> list[Row]:
+def _radii(drive: Drive) -> list[Entry]:
     gears = drive.teeth.driving, drive.teeth.driven
     return [
-        *_ends("pitch radius", *_pitch_radii(drive)),
+        *_ends("pitch radius", *(drive.pitch.radius_range_mm(gear) for gear in Gear)),
         *_ends("radius of tips", *(_range(tip_radii_mm(gear)) for gear in gears)),
         *_ends("radius of roots", *(_range(root_radii_mm(gear)) for gear in gears)),
     ]
@@ -75,18 +115,9 @@ def _range(values: Array) -> tuple[float, float]:
     return float(values.min()), float(values.max())
 
 
-def _ends(name: str, driving: tuple[float, float], driven: tuple[float, float]) -> list[Row]:
+def _ends(name: str, driving: tuple[float, float], driven: tuple[float, float]) -> list[Entry]:
     words = ("least", "greatest")
     return [_of_both(f"{word} {name}", *ends) for word, *ends in zip(words, driving, driven, strict=True)]
-
-
-def _pitch_radii(drive: Drive) -> tuple[tuple[float, float], tuple[float, float]]:
-    """r1 = a / (i - s) and r2 = a i / (i - s) of both ends of the ratio's range (shape.py); both fall or r2 grows
-    with i."""
-    a, sense = drive.pitch.center_distance_mm, drive.pitch.mesh.sense
-    ratios = [end.value for end in drive.pair.transmission.ratio_range]
-    driving, driven = sorted(a / (i - sense) for i in ratios), sorted(a * i / (i - sense) for i in ratios)
-    return (driving[0], driving[1]), (driven[0], driven[1])
 
 
 CUTTERS = {
@@ -100,50 +131,46 @@ CUTTERS = {
 def rack_data(drive: Drive) -> Group:
     """What both gears are generated by."""
     rack, module = drive.rack, drive.rack.module_mm
+    given = drive.gears.rack.model_fields_set & {"addendum", "dedendum", "root_radius"}
+    departed = ", coefficients as below" if given else ""
     rows = (
-        Row("pressure angle", "deg", pair=degrees(rack.pressure_angle_rad)),
-        Row("basic rack of ISO 53", pair=f"profile {drive.gears.rack.profile}{_departed(drive)}"),
-        Row("addendum coefficient", pair=rack.addendum_mm / module),
-        Row("dedendum coefficient", pair=rack.dedendum_mm / module),
-        Row("root radius coefficient", pair=rack.root_radius_mm / module),
+        Entry("pressure angle", "deg", pair=degrees(rack.pressure_angle_rad)),
+        Entry("basic rack of ISO 53", pair=f"profile {drive.gears.rack.profile}{departed}"),
+        Entry("addendum coefficient", pair=rack.addendum_mm / module),
+        Entry("dedendum coefficient", pair=rack.dedendum_mm / module),
+        Entry("root radius coefficient", pair=rack.root_radius_mm / module),
         *_relief(drive),
         _shifts(drive),
-        Row("normal backlash of the pair", "mm", pair=rack.backlash_mm),
+        Entry("normal backlash of the pair", "mm", pair=rack.backlash_mm),
         *_helix(drive),
-        Row("cutter", pair=CUTTERS[drive.teeth.cutter]),
+        Entry("cutter", pair=CUTTERS[drive.teeth.cutter]),
     )
     return Group("Basic rack", rows)
 
 
-def _departed(drive: Drive) -> str:
-    """Said where coefficients are given that are not the profile's."""
-    given = drive.gears.rack.model_fields_set & {"addendum", "dedendum", "root_radius"}
-    return ", coefficients as below" if given else ""
-
-
-def _relief(drive: Drive) -> list[Row]:
+def _relief(drive: Drive) -> list[Entry]:
     relief, module = drive.rack.relief, drive.rack.module_mm
     if relief is None:
-        return [Row("tip relief", pair="none")]
-    start = Row("tip relief begins over the pitch line at", "mm", pair=relief.start_mm)
-    return [Row(f"tip relief at {relief.full_mm / module:.4g} modules", "mm", pair=relief.amount_mm), start]
+        return [Entry("tip relief", pair="none")]
+    start = Entry("tip relief begins over the pitch line at", "mm", pair=relief.start_mm)
+    return [Entry(f"tip relief at {relief.full_mm / module:.4g} modules", "mm", pair=relief.amount_mm), start]
 
 
-def _shifts(drive: Drive) -> Row:
+def _shifts(drive: Drive) -> Entry:
     driving, driven = (gear.flanks.rack for gear in (drive.teeth.driving, drive.teeth.driven))
     module = drive.rack.module_mm
-    return Row("profile shift coefficient", driving=driving.shift_mm / module, driven=driven.shift_mm / module)
+    return Entry("profile shift coefficient", driving=driving.shift_mm / module, driven=driven.shift_mm / module)
 
 
-def _helix(drive: Drive) -> list[Row]:
+def _helix(drive: Drive) -> list[Entry]:
     helix = drive.helix
     if helix is None:
-        return [Row("helix angle", "deg", pair=0.0)]
+        return [Entry("helix angle", "deg", pair=0.0)]
     other = {"right": "left", "left": "right"}[helix.hand]
     kind = "herringbone, at z = 0 " if helix.herringbone else ""
     return [
-        Row("helix angle at the pitch curve", "deg", pair=degrees(helix.angle_rad)),
-        Row("hand of helix", driving=f"{kind}{helix.hand}", driven=f"{kind}{other}"),
+        Entry("helix angle at the pitch curve", "deg", pair=degrees(helix.angle_rad)),
+        Entry("hand of helix", driving=f"{kind}{helix.hand}", driven=f"{kind}{other}"),
     ]
 
 
@@ -152,21 +179,14 @@ def tooth_data(drive: Drive) -> Group:
     driving, driven = drive.teeth.driving, drive.teeth.driven
     contact = drive.designed_contact
     ratio = float(min(contact.pushing.arcs.min(), contact.back.arcs.min()))
+    undercut = shown(driving.undercut), shown(driven.undercut)
     rows = (
-        Row("teeth that a tool of full depth undercuts", driving=_undercut(driving), driven=_undercut(driven)),
-        Row("teeth with shortened tips", driving=_shortened(driving), driven=_shortened(driven)),
-        Row("least contact ratio in the section at z = 0" if drive.helix else "least contact ratio", pair=ratio),
-        *_overlap(drive),
+        Entry("teeth that a tool of full depth undercuts", driving=undercut[0], driven=undercut[1]),
+        Entry("teeth with shortened tips", driving=_shortened(driving), driven=_shortened(driven)),
+        Entry("least contact ratio in the section at z = 0" if drive.helix else "least contact ratio", pair=ratio),
+        *([Entry("overlap ratio", pair=drive.overlap_ratio)] if drive.helix else []),
     )
     return Group("Teeth", rows)
-
-
-def _overlap(drive: Drive) -> list[Row]:
-    return [Row("overlap ratio", pair=drive.overlap_ratio)] if drive.helix else []
-
-
-def _undercut(gear: ToothedGear) -> str:
-    return shown(gear.undercut)
 
 
 def _shortened(gear: ToothedGear) -> str:
@@ -177,15 +197,16 @@ def _shortened(gear: ToothedGear) -> str:
 def bodies(drive: Drive) -> Group:
     """Bores and keyways, and what else is asked of a body."""
     driving, driven = drive.gears.driving, drive.gears.driven
+    rim = rim_mm_of(drive.gears, drive.rack.module_mm) if drive.pitch.driven.is_ring else None
     rows = [
-        Row("bore", "mm", driving=driving.bore_mm, driven=driven.bore_mm),
-        Row("keyway, width x depth", "mm", driving=_keyway(driving), driven=_keyway(driven)),
-        Row("hub, diameter x height", "mm", driving=_hub(driving.hub), driven=_hub(driven.hub)),
-        Row("thickness of web", "mm", driving=_web(driving.web), driven=_web(driven.web)),
-        Row("lightening holes", driving=_holes(driving.lightening_holes), driven=_holes(driven.lightening_holes)),
-        Row("rim outside the deepest root", "mm", driven=_rim(drive)),
-        Row("bevel of the edges at z = 0", "mm", pair=drive.gears.first_layer_chamfer_mm or None),
-        Row("clearance for the process", "mm", pair=drive.gears.process_clearance_mm or None),
+        Entry("bore", "mm", driving=driving.bore_mm, driven=driven.bore_mm),
+        Entry("keyway, width x depth", "mm", driving=_keyway(driving), driven=_keyway(driven)),
+        Entry("hub, diameter x height", "mm", driving=_hub(driving.hub), driven=_hub(driven.hub)),
+        Entry("thickness of web", "mm", driving=_thickness(driving.web), driven=_thickness(driven.web)),
+        Entry("lightening holes", driving=_holes(driving.lightening_holes), driven=_holes(driven.lightening_holes)),
+        Entry("rim outside the deepest root", "mm", driven=rim),
+        Entry("bevel of the edges at z = 0", "mm", pair=drive.gears.first_layer_chamfer_mm or None),
+        Entry("clearance for the process", "mm", pair=drive.gears.process_clearance_mm or None),
     ]
     return Group("Bodies", tuple(row for row in rows if row.of_pair or row.driving or row.driven))
 
@@ -198,7 +219,7 @@ def _hub(hub: Hub | None) -> Value:
     return f"{hub.diameter_mm:g} x {hub.height_mm:g}" if hub else None
 
 
-def _web(web: Web | None) -> Value:
+def _thickness(web: Web | None) -> Value:
     return web.thickness_mm if web else None
 
 
@@ -209,33 +230,29 @@ def _holes(holes: LighteningHoles | None) -> Value:
     return f"{holes.count}, {size}"
 
 
-def _rim(drive: Drive) -> Value:
-    return rim_mm_of(drive.gears, drive.rack.module_mm) if drive.pitch.driven.is_ring else None
-
-
 def tolerances(drive: Drive) -> tuple[Group, ...]:
     """The group of the tolerances; none where the design gives none."""
     given = drive.gears.tolerances
     if given is None:
         return ()
     rows = (
-        Row("standard", pair=given.standard or None),
-        Row("accuracy grade", pair=given.grade or None),
-        Row("upper deviation of tooth thickness", "mm", pair=given.tooth_thickness_upper_mm),
-        Row("lower deviation of tooth thickness", "mm", pair=given.tooth_thickness_lower_mm),
-        Row("note", pair=given.note or None),
+        Entry("standard", pair=given.standard or None),
+        Entry("accuracy grade", pair=given.grade or None),
+        Entry("upper deviation of tooth thickness", "mm", pair=given.tooth_thickness_upper_mm),
+        Entry("lower deviation of tooth thickness", "mm", pair=given.tooth_thickness_lower_mm),
+        Entry("note", pair=given.note or None),
     )
     return (Group("Tolerances, as given", tuple(row for row in rows if row.of_pair)),)
 
 
-def measurements(drive: Drive, gears: tuple[MeasuredGear, MeasuredGear], spans: tuple[Spans, Spans]) -> Group:
+def measurements(drive: Drive, gears: tuple[MeasuredGear, MeasuredGear]) -> Group:
     """What is measured with, and in how many places it can be."""
     driving, driven = gears
     rows = (
-        *([Row("section that is measured, z", "mm", pair=drive.helix.rise_mm / 2.0)] if drive.helix else []),
-        Row(_tool(driving), "mm", driving=driving.pins.diameter_mm, driven=driven.pins.diameter_mm),
-        Row("spaces in which they measure", driving=_spaces(driving), driven=_spaces(driven)),
-        Row("places of a span", driving=_places(driving, spans[0]), driven=_places(driven, spans[1])),
+        *([Entry("section that is measured, z", "mm", pair=drive.helix.rise_mm / 2.0)] if drive.helix else []),
+        Entry(_tool(driving), "mm", driving=driving.pins.diameter_mm, driven=driven.pins.diameter_mm),
+        Entry("spaces in which they measure", driving=_spaces(driving), driven=_spaces(driven)),
+        Entry("places of a span", driving=_places(driving), driven=_places(driven)),
     )
     return Group("Measurements of the teeth", rows)
 
@@ -249,7 +266,9 @@ def _spaces(gear: MeasuredGear) -> Value:
     return "all" if measured == teeth else f"{measured} of {teeth}"
 
 
-def _places(gear: MeasuredGear, spans: Spans) -> Value:
+def _places(gear: MeasuredGear) -> Value:
+    """In how many places a span is defined, or why it is not."""
+    spans = gear.spans
     if gear.working.is_ring:
         return "not defined: plates do not reach the flanks of a ring"
     if gear.working.flanks.equivalent:
@@ -261,16 +280,18 @@ def _places(gear: MeasuredGear, spans: Spans) -> Value:
     return int(spans.first.size)
 
 
-def data_sheet(pair: Drive) -> DataSheet:
-    """The sheet of one pair of gears; of a design in two stages, of one of ``by_stage``.
+def sheet_text(sheet: DataSheet) -> str:
+    """The sheet as Markdown."""
+    blocks = [f"# Gear data: {sheet.name}"]
+    for group in sheet.groups:
+        rows = [(one.label, one.pair if one.of_pair else one.driving, one.driven, one.unit) for one in group.entries]
+        blocks.append(_headed(group.title, ("", "driving, or both", "driven", "unit"), rows))
+    for table in sheet.tables:
+        notes = [f"{note[0].upper()}{note[1:]}." for note in table.notes]
+        blocks += [_headed(table.title, [column.heading for column in table.columns], table.rows), *notes]
+    return "\n\n".join(blocks) + "\n"
 
-    Raises WrongInput or NoSuchMechanism as the drive's stages do up to the contact of the teeth.
-    """
-    name = pair.design.name if pair.stage is None else f"{pair.design.name}, stage {pair.stage}"
-    gears = measured_gears(pair)
-    found = spans_of(gears[0]), spans_of(gears[1])
-    groups = (sizes(pair), rack_data(pair), tooth_data(pair), bodies(pair), *tolerances(pair))
-    measured = [(*span_table(gear, of), *pin_tables(gear)) for gear, of in zip(gears, found, strict=True)]
-    tables = [table for of_gear in measured for table in of_gear]
-    filled = tuple(group for group in (*groups, measurements(pair, gears, found)) if group.rows)
-    return DataSheet(name, filled, (pitch_table(pair), *tables))
+
+def _headed(title: str, heads: Sequence[str], rows: Iterable[Cells]) -> str:
+    texts = [[markdown_text(value) for value in row] for row in rows]
+    return "\n".join([f"## {title}", "", *markdown([markdown_text(head) for head in heads], texts, " --- ")])

@@ -1,9 +1,4 @@
-"""``ncgear optimize``: the best law under limits.
-
-``ncgear frontier``: power against acceleration.
-
-``ncgear sweep``: many designs at once.
-"""
+"""Commands that look among many laws: optimize, frontier, sweep."""
 
 from __future__ import annotations
 
@@ -13,7 +8,7 @@ from typing import Annotated
 import typer
 
 from ncgear.cli.arguments import EXPORT, DesignFile, opened
-from ncgear.cli.progress import counted, stages_shown
+from ncgear.cli.progress import counted, steps_shown
 
 
 def optimize(
@@ -35,16 +30,16 @@ def optimize(
         name = optimized_name(improvement)
         folder = out or EXPORT / name
         prepare(folder)
-        with stages_shown(4) as on_stage:
-            on_stage("certified limit")
+        with steps_shown(4) as on_step:
+            on_step("certified limit")
             improvement.bound  # noqa: B018
-            on_stage("makeable law")
+            on_step("makeable law")
             written = optimized_design(loaded.text, improvement)
-            on_stage("figures")
+            on_step("figures")
             certified = json_text(certificate(improvement)).encode()
             files = {f"{name}.yaml": written.encode(), "certificate.json": certified}
             if improvement.limit_points:
-                on_stage("picture")
+                on_step("picture")
                 files[LIMIT_PICTURE] = limit_picture(improvement)
         paths = publish(folder, files, obsolete=[LIMIT_PICTURE])
         typer.echo(optimized_text(improvement, paths))
@@ -64,7 +59,8 @@ def frontier(
     from ncgear.files.publish import prepare, publish
 
     with opened(design_file) as loaded:
-        from ncgear.files.frontier import frontier_files, frontier_text
+        from ncgear.figures.frontier import frontier_text
+        from ncgear.files.frontier import frontier_files
         from ncgear.project.frontier import frontier as frontier_of
         from ncgear.project.improvement import Improvement
 

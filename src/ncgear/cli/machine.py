@@ -1,13 +1,4 @@
-"""``ncgear check``: kinematics and power.
-
-``ncgear build``: everything into a folder.
-
-``ncgear report``: one page that shows the mechanism running.
-
-``ncgear animate``: the mechanism as a moving picture.
-
-``ncgear simulate``: torques and forces.
-"""
+"""Commands that compute one machine: check, build, report, animate and simulate a design, balance a balance file."""
 
 from __future__ import annotations
 
@@ -16,10 +7,10 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import EXPORT, DesignFile, Timing, opened
-from ncgear.cli.progress import counted, stages_shown
+from ncgear.cli.arguments import EXPORT, DesignFile, Timing, files_to_complete, opened
+from ncgear.cli.progress import counted, steps_shown
 from ncgear.dynamics.level import Level
-from ncgear.errors import WrongInput
+from ncgear.errors import WrongInput, located
 from ncgear.files.workshop.formats import USUAL, Format
 
 
@@ -36,8 +27,8 @@ def check(
         from ncgear.project.drive import Drive
 
         drive = Drive(loaded.design)
-        with stages_shown(1) as on_stage:
-            on_stage("kinematics and power")
+        with steps_shown(1) as on_step:
+            on_step("kinematics and power")
             text = json_text(check_summary(drive)).rstrip() if as_json else check_text(drive)
         typer.echo(text)
         if timing:
@@ -74,8 +65,8 @@ def build(
         from ncgear.project.drive import Drive
 
         drive = Drive(loaded.design)
-        with stages_shown(step_count(drive, report=report)) as on_stage:
-            built = build_files(drive, folder, on_stage, kinds or USUAL, loaded if report else None)
+        with steps_shown(step_count(drive, report=report)) as on_step:
+            built = build_files(drive, folder, on_step, kinds or USUAL, loaded if report else None)
         typer.echo(build_text(built.summaries, built.paths))
         if timing:
             typer.echo(timing_text(drive), err=True)
@@ -103,9 +94,9 @@ def report(
 
         drive = Drive(loaded.design)
         has_gears = loaded.design.gears is not None
-        with stages_shown(1 + has_gears * drive.design.stages * len(WRITTEN_STEPS)) as on_stage:
-            contacts = contacts_as_written(drive, on_stage) if has_gears else []
-            on_stage("report")
+        with steps_shown(1 + has_gears * drive.design.stages * len(WRITTEN_STEPS)) as on_step:
+            contacts = contacts_as_written(drive, on_step) if has_gears else []
+            on_step("report")
             page = report_page(drive, loaded, contacts)
         (path,) = publish(folder, {REPORT_FILE: page})
         typer.echo(f"{path} ({len(page) / 1e6:.1f} MB): open it in a browser")
@@ -169,9 +160,40 @@ def simulate(
         from ncgear.project.drive import Drive
 
         drive = Drive(loaded.design)
-        with stages_shown(1) as on_stage:
-            on_stage(f"simulation, level {level}")
+        with steps_shown(1) as on_step:
+            on_step(f"simulation, level {level}")
             found = simulate_drive(drive, level)
         typer.echo(simulation_text(found, publish(folder, simulation_files(found))))
         if timing:
             typer.echo(timing_text(drive), err=True)
+
+
+def balance(
+    balance_file: Annotated[
+        Path, typer.Argument(metavar="FILE.yaml", help="The balance file.", autocompletion=files_to_complete)
+    ],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<name>-balance")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
+) -> None:
+    """Say how much a machine shakes, and what mass where would stop it: linkages, gears, rotors, frequencies."""
+    from ncgear.design.reading.balance_file import load_balance
+    from ncgear.files.publish import prepare, publish
+
+    loaded = load_balance(balance_file)
+    folder = out or EXPORT / f"{loaded.balance.name}-balance"
+    prepare(folder)
+
+    from ncgear.figures.balance import balance_text, figures_of
+    from ncgear.files.balance import balance_files
+    from ncgear.project.balancing import Balancing
+
+    balancing = Balancing(loaded)
+    with located(loaded.source), steps_shown(2) as on_step:
+        on_step("balance")
+        figures = figures_of(balancing)
+        on_step("pictures")
+        files = balance_files(balancing, figures)
+    paths = publish(folder, files)
+    typer.echo(files["balance.json"].decode().rstrip() if as_json else balance_text(figures, paths))

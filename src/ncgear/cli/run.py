@@ -1,0 +1,96 @@
+"""A run of the command line: what was asked for, and how it ended.
+
+It imports next to nothing, so that Ctrl-C is heard from the first moment on.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from types import FrameType
+from typing import NoReturn
+
+from ncgear.errors import DesignError
+
+INTERRUPTED = 130
+WRONG_INPUT = 2
+FAULT = 1
+
+AGAIN_SECONDS = 0.2
+
+LAST_WORDS = "interrupted; what earlier runs have written is untouched"
+
+
+class _Hearing:
+    """Hears Ctrl-C, and goes on telling of it until the run ends.
+
+    Libraries swallow it here and there, as while optional parts of them are imported, or make another error of it.
+    """
+
+    def __init__(self) -> None:
+        self.came = False
+
+    def __call__(self, number: int, frame: FrameType | None) -> NoReturn:
+        self.came = True
+        if hasattr(signal, "setitimer"):
+            signal.signal(signal.SIGALRM, lambda *_: signal.raise_signal(signal.SIGINT))
+            signal.setitimer(signal.ITIMER_REAL, AGAIN_SECONDS)
+        raise KeyboardInterrupt
+
+    def end(self) -> None:
+        """What is done is done: the interpreter's own end is not interrupted."""
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        if self.came and hasattr(signal, "setitimer"):
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+
+
+def main() -> NoReturn:
+    """Run the command line and exit with its status; from then on the process hears no Ctrl-C."""
+    hearing = _Hearing()
+    signal.signal(signal.SIGINT, hearing)
+    sys.unraisablehook = _quiet_of_ctrl_c
+    status, last_words = _run()
+    hearing.end()
+    if hearing.came and status:
+        status, last_words = INTERRUPTED, LAST_WORDS
+    if last_words:
+        print(last_words, file=sys.stderr)
+    sys.exit(status)
+
+
+def _quiet_of_ctrl_c(unraisable: sys.UnraisableHookArgs) -> None:
+    """Say nothing of a Ctrl-C that could not be raised, as while an object is freed: it comes again."""
+    if not issubclass(unraisable.exc_type, KeyboardInterrupt):
+        sys.__unraisablehook__(unraisable)
+
+
+def _run() -> tuple[int, str]:
+    """Exit status, and what is left to be said."""
+    try:
+        # Even the import of what reads the command line can be interrupted.
+        from ncgear.cli.app import app
+
+        app()
+    except SystemExit as exit_:
+        status = int(exit_.code or 0)
+        return status, LAST_WORDS if status == INTERRUPTED else ""
+    except KeyboardInterrupt:
+        return INTERRUPTED, LAST_WORDS
+    except DesignError as error:
+        return error.exit_status, str(error)
+    except OSError as error:
+        parts = [str(part) for part in (error.filename, error.strerror or error) if part]
+        return WRONG_INPUT, f"{': '.join(parts)}; give a path that can be read or written"
+    except Exception as error:
+        return FAULT, _internal_fault(error)
+    return 0, ""
+
+
+def _internal_fault(error: Exception) -> str:
+    if os.environ.get("NCGEAR_DEBUG"):
+        import traceback
+
+        traceback.print_exception(error)
+    reason = " ".join(f"{type(error).__name__}: {error}".split())
+    return f"ncgear: internal fault: {reason}, please report"

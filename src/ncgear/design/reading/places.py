@@ -1,0 +1,107 @@
+"""Where the values of a file stand: in the file itself, or in CSV files that it names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from ncgear.design.keys.base import spellings
+from ncgear.errors import WrongInput
+
+
+@dataclass(frozen=True)
+class Place:
+    """A line and a column of a file, both counted from 1."""
+
+    file: str
+    line: int
+    column: int
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}:{self.column}"
+
+
+@dataclass(frozen=True)
+class Document:
+    """Plain values of a YAML file, with the place of every key and list item by its dotted path."""
+
+    data: Any
+    places: Mapping[str, Place]
+
+    def place(self, key: str) -> Place:
+        """Where ``key`` stands, or its nearest parent that does."""
+        while key and key not in self.places:
+            key = key.rpartition(".")[0]
+        return self.places[key]
+
+    def at(self, key: str) -> Any:
+        """What stands at a dotted key; None where there is nothing."""
+        data = self.data
+        for part in key.split("."):
+            data = data.get(part) if isinstance(data, dict) else None
+        return data
+
+
+class FromFile(Protocol):
+    """What a CSV file holds in place of some keys of a group."""
+
+    @property
+    def values(self) -> Mapping[str, Any]:
+        """The values by those keys."""
+
+    def place(self, key: str) -> Place | None:
+        """Where a dotted key below the group stands in the CSV file; None where no row has it."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where the values of a design or balance file stand; ``from_files`` are those of CSV files by their group."""
+
+    document: Document
+    from_files: Mapping[str, FromFile]
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """The plain values of the file with those of its CSV files; not to be changed."""
+        data: dict[str, Any] = self.document.data
+        for group, found in self.from_files.items():
+            data = _merged(data, group.split("."), found.values)
+        return data
+
+    def place(self, key: str) -> Place:
+        """Where ``key`` (dotted) stands, or its nearest parent that does."""
+        for group, found in self.from_files.items():
+            inner = key.removeprefix(f"{group}.")
+            if inner != key and inner.partition(".")[0] in found.values:
+                return found.place(inner) or self.document.place(f"{group}.file")
+        return self.document.place(self.as_written(key))
+
+    def as_written(self, key: str) -> str:
+        """``key`` as the file spells it: an angle's key ends in the unit it was given in."""
+        if key in self.document.places:
+            return key
+        quantity = key.rpartition("_")[0] if key.endswith(("_rad", "_deg", "_pi")) else key
+        return next((name for name in spellings(quantity) if name in self.document.places), key)
+
+
+def _merged(data: dict[str, Any], keys: list[str], values: Mapping[str, Any]) -> dict[str, Any]:
+    if not keys:
+        return {**data, **values}
+    return {**data, keys[0]: _merged(data[keys[0]], keys[1:], values)}
+
+
+@contextmanager
+def named_by(document: Document, key: str, file: Path) -> Iterator[None]:
+    """A context in which ``file``, which ``key`` of the document names, is read.
+
+    A fault within that file keeps its place there; that the file cannot be had is a fault of the key.
+    """
+    try:
+        yield
+    except WrongInput as error:
+        if error.location != str(file):
+            raise
+        raise WrongInput(f"{file} {error.problem}", key=key, location=str(document.place(key))) from error

@@ -1,0 +1,93 @@
+"""The tables of a build as text. Numbers are written in full: read back, they are the same floats."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Sequence
+from io import StringIO
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ncgear.kinematics.motion import SliderMotion
+from ncgear.numerics.arrays import Array, IndexArray
+
+if TYPE_CHECKING:
+    from ncgear.contact.pair import PairContact
+
+LAW_COLUMNS = (
+    "phi1_rad",
+    "phi2_rad",
+    "ratio",
+    "displacement_mm",
+    "velocity_mm_s",
+    "acceleration_mm_s2",
+    "force_n",
+    "power_w",
+)
+OUTLINE_COLUMNS = ("x_mm", "y_mm")
+
+
+def law_csv(motion: SliderMotion) -> str:
+    """The motion law over one turn, one row per driving angle, columns named with their units.
+
+    Raises ValueError when a column holds something other than finite numbers, or columns differ in length.
+    """
+    return csv_text(LAW_COLUMNS, [getattr(motion, name) for name in LAW_COLUMNS])
+
+
+def outline_csv(outline_mm: Array) -> str:
+    """A tooth outline in mm, shape (n, 2), one point a row; raises ValueError as ``law_csv`` does."""
+    return csv_text(OUTLINE_COLUMNS, list(outline_mm.T))
+
+
+def contact_csv(contact: PairContact) -> str:
+    """The contact at each position, columns named with their units; raises ValueError as ``law_csv`` does.
+
+    Errors are driven angles beyond the law's.  Tooth numbers, place, pressure angle and sliding are those of the first
+    contact on pushing flanks as designed; ``edge`` is 1 where that is no contact of flanks.
+    """
+    designed = contact.as_designed
+    first, place = designed.pushing.first, designed.pushing.first.fixed_points(designed.placement)
+    columns: dict[str, Array | IndexArray] = {
+        "phi1_rad": designed.placement.phi1_rad,
+        "phi2_rad": designed.placement.phi2_rad,
+        "error_rad": designed.pushing.error_rad,
+        "back_error_rad": designed.back.error_rad,
+        "backlash_rad": designed.backlash_rad,
+        "contacts": designed.pushing.simultaneous,
+        "back_contacts": designed.back.simultaneous,
+        "driving_tooth": first.driving_tooth,
+        "driven_tooth": first.driven_tooth,
+        "edge": (~first.flanks).astype(int),
+        "x_mm": place.real,
+        "y_mm": place.imag,
+        "pressure_angle_rad": first.pressure_angle_rad,
+        "sliding_mm_per_rad": first.sliding_mm(designed.placement),
+    }
+    for written in contact.as_written:
+        columns[f"{written.source}_error_rad"] = written.pushing_rad
+        columns[f"{written.source}_back_error_rad"] = written.back_rad
+        columns[f"{written.source}_penetration_mm"] = written.overlap_mm
+    return csv_text(list(columns), list(columns.values()))
+
+
+def csv_text(names: Sequence[str], columns: Sequence[Array | IndexArray]) -> str:
+    """Columns of shape (n,) under their names; raises ValueError as ``law_csv`` does."""
+    rows = zip(*(_texts(name, column) for name, column in zip(names, columns, strict=True)), strict=True)
+    return "\n".join([",".join(names), *map(",".join, rows)]) + "\n"
+
+
+def rows_text(names: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """Rows of numbers, words and empty cells (None) under names; words with commas go in quotes."""
+    text = StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerows([names, *rows])
+    return text.getvalue()
+
+
+def _texts(name: str, column: Array | IndexArray) -> list[str]:
+    """The shortest texts that read back as the same numbers."""
+    if not np.isfinite(column).all():
+        raise ValueError(f"{name} holds a value that is not finite")
+    return list(map(repr, column.tolist()))
