@@ -212,7 +212,7 @@ def after_simulating(check: str) -> set[str]:
     """Top-level modules loaded by a fresh interpreter that has simulated the baler, once ``check`` holds."""
     code = f"""
 import json, sys
-from ncgear.design.load import load
+from ncgear.design.reading.design_file import load
 from pathlib import Path
 from ncgear.project.drive import Drive
 from ncgear.dynamics.level import Level

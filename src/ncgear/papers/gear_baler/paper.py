@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from ncgear.papers.entry import Given, Paper, counted, equations
 from ncgear.papers.gear_baler import gears, motion
-from ncgear.papers.gear_baler import motion as speeds
 from ncgear.papers.gear_baler.comparison import ACCELERATION, POWER
 
 EQUATIONS = [*(f"2.{k}" for k in range(1, 13)), *(f"3.{k}" for k in range(1, 13)), "4.1", "4.2"]
@@ -27,6 +26,6 @@ PAPER = Paper(
     "J. Wang, C. Wang, L. Miao, Design of a Non-Circular Gear-Crank Slider Baler Mechanism Considering Slider "
     "Acceleration, 2024",
     ("Table 1", *counted("Fig.", 14), *equations(*EQUATIONS)),
-    (*motion.ENTRIES, *gears.ENTRIES, *speeds.ENTRIES, *POWER, *ACCELERATION),
+    (*motion.ENTRIES, *gears.ENTRIES, *motion.SPEED_ENTRIES, *POWER, *ACCELERATION),
     GIVEN,
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ncgear.papers.entry import Given, Paper, counted, equations
-from ncgear.papers.track_chassis import frequencies as spectra
+from ncgear.papers.track_chassis import frequencies
 from ncgear.papers.track_chassis import motion, vibration, weights
 from ncgear.papers.track_chassis.frequencies import NATURAL, TABLE_1
 
@@ -22,6 +22,6 @@ PAPER = Paper(
     "Z. Tang, Y. Li, Y. Zhou, H. Zhang, Inertial Vibration Characteristics of Track Chassis Caused by Reciprocating "
     "Motion of Crank Slider, Shock and Vibration, 2019",
     (*counted("Table", 7), *equations(*range(1, 21))),
-    (*motion.ENTRIES, *TABLE_1, *weights.ENTRIES, *NATURAL, *spectra.ENTRIES, *vibration.ENTRIES),
+    (*motion.ENTRIES, *TABLE_1, *weights.ENTRIES, *NATURAL, *frequencies.ENTRIES, *vibration.ENTRIES),
     GIVEN,
 )
