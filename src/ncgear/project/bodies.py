@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import radians
+from typing import TYPE_CHECKING
 
 from ncgear.design.keys.bodies import GearBody
 from ncgear.design.keys.bodies import Hub as AskedHub
@@ -11,10 +12,12 @@ from ncgear.errors import WrongInput
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.solids.helical.helix import Helix
-from ncgear.solids.mesh.pair import SolidPair, driven_solid, driving_solid, ring_solid
 from ncgear.solids.plan.body import Blank, Bore, HoleSet, Hub, Keyway, RingBlank, SetScrew, WebSize
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import ToothedPair
+
+if TYPE_CHECKING:
+    from ncgear.solids.mesh.pair import SolidPair
 
 RIM_IN_MODULES = 3.5
 """Rim of a ring where the file says nothing: from this thickness on ISO 6336-3 counts no weakening of internal teeth
@@ -23,6 +26,8 @@ RIM_IN_MODULES = 3.5
 
 def straight_solids(gears: Gears, pitch: PitchPair, teeth: ToothedPair, tolerance_mm: float) -> SolidPair:
     """Both gears with straight teeth as closed meshes; raises WrongInput where something has no room in a body."""
+    from ncgear.solids.mesh.pair import SolidPair, driven_solid, driving_solid, ring_solid
+
     module, outline = pitch.size.module_mm, teeth.driven.outline_mm
     blank = blank_of(gears, gears.driving)
     driving = driving_solid(teeth.driving.outline_mm, blank, module, tolerance_mm, pitch.mesh)

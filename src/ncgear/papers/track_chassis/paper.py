@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from ncgear.papers.entry import Given, Paper, counted, equations
-from ncgear.papers.track_chassis import frequencies
-from ncgear.papers.track_chassis import motion, vibration, weights
+from ncgear.papers.track_chassis import frequencies, motion, vibration, weights
 from ncgear.papers.track_chassis.frequencies import NATURAL, TABLE_1
 
 GIVEN = (
