@@ -1,7 +1,4 @@
-"""Units of the design files and the papers in those of the code.
-
-Angles in messages.
-"""
+"""Units of the design files and the papers in those of the code, and angles as messages write them."""
 
 from __future__ import annotations
 

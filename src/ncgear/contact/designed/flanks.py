@@ -15,8 +15,8 @@ from ncgear.teeth.flank import FLANK, Flanks
 from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 BEYOND_IN_PITCHES = 0.15
-"""Rolled length beyond the ends of flanks in which they are solved too, so that ends lie between solved positions:
-three positions, which also covers what backlash shifts."""
+"""Flanks are also solved over this rolled length beyond their ends, so that the ends lie between solved positions.  It
+is three positions long, which also covers what backlash shifts."""
 
 END_IN_MODULES = 1e-9
 """Height beyond its end at which a flank still counts as touching: rounding errors where an end meets a position."""
@@ -27,7 +27,10 @@ NOWHERE_MM = 1e9
 
 @dataclass(frozen=True, eq=False)
 class _Heights:
-    """What is left of each flank: up to r runs between heights in mm, shape (r, flanks), empty ones inside out."""
+    """What is left of each flank: up to r runs between heights in mm, shape (r, flanks).
+
+    A run that does not exist has its top below its bottom.
+    """
 
     top: Array
     bottom: Array
@@ -103,9 +106,9 @@ def _room(driving: Array, driven: Array) -> Array:
 
 
 def _arcs(room: Array, row: IndexArray, column: IndexArray, shape: tuple[int, int]) -> Array:
-    """Positions, and fractions between them, for which each meeting has room, shape (m,).
+    """For how many positions, and fractions between them, each meeting has room; shape (m,).
 
-    Heights are linear in rolled length on exact flanks, so that their ends between two positions are exact there.
+    On exact flanks heights are linear in rolled length, so the fractions are exact there.
     """
     table = np.full((*room.shape[:2], *shape), -1.0)
     table[..., row, column] = room
