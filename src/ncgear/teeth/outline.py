@@ -146,7 +146,7 @@ def simple_polygon(outline_mm: Array, key: str) -> Polygon:
 
 
 def _place(polygon: Polygon) -> str:
-    """Where a polygon is invalid, as far as GEOS says: its reason reads ``Self-intersection[x y]``."""
+    """The place at which a polygon is invalid, if GEOS tells it: its reason reads ``Self-intersection[x y]``."""
     numbers = re.findall(r"-?\d[\d.e+-]*", shapely.is_valid_reason(polygon))
     if len(numbers) < 2:
         return ""

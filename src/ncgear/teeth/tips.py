@@ -71,8 +71,8 @@ class Tips:
     """Where the tips of all flanks end, and why; shape (2 z,).
 
     ``height_mm`` is the contact's height over the pitch line at the end of the flank, ``at_mm`` the arc length under
-    the tip's edge, ``limit`` a number of ``Limit``; ``undercut`` marks flanks that a tool of full depth undercuts;
-    ``met_depth_mm`` is how far below the pitch line the mates' tips touch each flank.
+    the tip's edge, and ``limit`` the ``Limit`` of the tip's height.  ``undercut`` marks flanks that a tool of full
+    depth undercuts.  ``met_depth_mm`` is how far below the pitch line the mates' tips touch each flank.
     """
 
     flanks: Flanks

@@ -17,7 +17,7 @@ from ncgear.contact.placement import Meetings, Placement
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.crossing import circle_crossings, refined_crossings
 from ncgear.numerics.plane import angle_between, as_points, square
-from ncgear.teeth.tips import AGREEMENT
+from ncgear.teeth.tool import AGREEMENT
 
 REACH_IN_PITCHES = 0.6
 """How far along its circle a corner is followed: beyond are another tooth or the other side of the same tooth."""

@@ -11,7 +11,7 @@ from ncgear.contact.designed.curves import Contacts
 from ncgear.contact.designed.tangency import FacingFlanks, tangencies
 from ncgear.contact.placement import BACK, PUSHING, Meetings, Placement, meetings
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.teeth.flank import FLANK, Flanks
+from ncgear.teeth.flank import FLANK
 from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 BEYOND_IN_PITCHES = 0.15
@@ -68,6 +68,7 @@ def least_arc(teeth: ToothedPair, placement: Placement) -> float:
 
 
 def _heights(gear: ToothedGear) -> _Heights:
+    """The heights between which flanks are left, from the runs of a gear's sides."""
     chosen = gear.sides.kind == FLANK
     owner = gear.sides.owner[chosen]
     number = np.arange(owner.size) - np.searchsorted(owner, owner)
@@ -80,22 +81,17 @@ def _heights(gear: ToothedGear) -> _Heights:
 def _near(
     teeth: ToothedPair, placement: Placement, meetings: Meetings, driving: _Heights, driven: _Heights
 ) -> tuple[IndexArray, IndexArray, FacingFlanks]:
-    """Places in the meetings' table at which both flanks are within or near what is left of them."""
-    first = _touching_heights(teeth.driving.flanks, meetings.side, meetings.driving_ahead_mm)
-    second = _touching_heights(teeth.driven.flanks, -meetings.side, meetings.driven_ahead_mm)
-    room = _room(driving.room(meetings.driving[:, None], first), driven.room(meetings.driven[:, None], second))
+    """Where in the meetings' table (row, column) both flanks are on or near what is left of them, and these flanks."""
     rack = teeth.driving.flanks.rack
+    # Heights, by the closed form, at which flanks touch before they cross the pitch point.
+    first = meetings.side * rack.height_per_rolled * meetings.driving_ahead_mm
+    second = -meetings.side * rack.height_per_rolled * meetings.driven_ahead_mm
+    room = _room(driving.room(meetings.driving[:, None], first), driven.room(meetings.driven[:, None], second))
     beyond = BEYOND_IN_PITCHES * rack.pitch_mm * sin(rack.pressure_angle_rad) * cos(rack.pressure_angle_rad)
     row, column = place = np.nonzero((room >= -beyond).all(axis=0).any(axis=0))
     numbers = meetings.driving[row], meetings.driven[row], meetings.position[place]
     urge = placement.ahead * meetings.urge
     return row, column, FacingFlanks(teeth, placement, urge, *numbers, first[place], second[place])
-
-
-def _touching_heights(flanks: Flanks, side: float, ahead_mm: Array) -> Array:
-    """Heights in mm, by the closed form, at which flanks touch that will cross the pitch point ``ahead_mm`` later."""
-    angle = flanks.rack.pressure_angle_rad
-    return side * sin(angle) * cos(angle) * ahead_mm
 
 
 def _room(driving: Array, driven: Array) -> Array:

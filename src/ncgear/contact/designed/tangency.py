@@ -22,7 +22,7 @@ from ncgear.contact.placement import Placement
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import across, along, angle_between, as_complex, square
 from ncgear.teeth.gear import ToothedPair
-from ncgear.teeth.tips import AGREEMENT
+from ncgear.teeth.tool import AGREEMENT
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,8 +73,8 @@ def _rows(numbers: IndexArray, values: Array) -> IndexArray:
 class Touches:
     """Where n pairs of flanks touch: heights in mm, and the angle by which the driving gear is then seen turned.
 
-    ``point`` and ``tangent`` (up the driving flank, of any length) are in the driven gear's frame as it then stands;
-    where ``found`` is false the other figures mean nothing.  Shape (n,) each.
+    ``point`` and ``tangent`` (up the driving flank, of any length) are in the driven gear's frame as it then stands.
+    Where ``found`` is false the other values mean nothing.  Shape (n,) each.
     """
 
     driving_mm: Array
@@ -106,8 +106,9 @@ flanks are rolled unequally."""
 class _State:
     """Where a search stands, shape (n,) each: heights in mm and the angle by which the driving gear is seen turned.
 
-    ``point`` and ``slope`` (by the height) are the driving flank's, ``other_slope`` is the driven one's; ``gap`` leads
-    from the driving point to the driven one, ``bend_rad`` is the angle from the driving tangent to the driven one.
+    ``point`` and ``slope`` (by the height) are those of the driving flank, ``other_slope`` that of the driven flank.
+    ``gap`` leads from the driving point to the driven point; ``bend_rad`` is the angle from the driving tangent to the
+    driven tangent.
     """
 
     driving_mm: Array
@@ -127,9 +128,9 @@ class _State:
 class _Rates:
     """How the conditions change, in the directions along and across the driven tangent; shape (n,) each.
 
-    ``own`` and ``other`` are the points' speeds along it by their heights, ``slip`` is the driving point's across it;
-    ``spin_along`` and ``spin_across`` are the driving point's by the angle; ``own_bend`` and ``other_bend`` are how the
-    tangents turn by the heights.
+    ``own`` and ``other`` are the speeds of the driving and the driven point along the tangent, by their heights;
+    ``slip`` is the driving point's speed across it.  ``spin_along`` and ``spin_across`` are the driving point's speeds
+    by the angle.  ``own_bend`` and ``other_bend`` are how fast both tangents turn, by the heights.
     """
 
     own: Array
@@ -250,9 +251,9 @@ def _doubtful(facing: FacingFlanks, state: _State) -> Mask:
 
 def _about_joints(facing: FacingFlanks, state: _State) -> Mask:
     flanks = facing.teeth.driving.flanks
-    angle, joints = flanks.rack.pressure_angle_rad, flanks.curve.joints_around_mm
+    joints = flanks.curve.joints_around_mm
     unequal = np.maximum(np.abs(state.driving_mm - facing.driving_mm), np.abs(state.driven_mm - facing.driven_mm))
-    reach = ABOUT_JOINTS * unequal / (sin(angle) * cos(angle))
+    reach = ABOUT_JOINTS * unequal / flanks.rack.height_per_rolled
     rolled = flanks.rolled_mm(facing.driving, state.driving_mm)
     about: Mask = np.searchsorted(joints, rolled + reach) > np.searchsorted(joints, rolled - reach)
     return about

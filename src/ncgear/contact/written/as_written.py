@@ -96,13 +96,13 @@ SECTOR_IN_PITCHES = 1.0
 
 
 def tip_heights(outline_mm: Array, flanks: Flanks) -> Array:
-    """Where in mm beyond the pitch curve the outline is left at each tooth's middle, shape (z,)."""
+    """Height in mm of the outline over the pitch curve at each tooth's middle, shape (z,)."""
     crossing = flanks.crossing_mm
     return _along_normals(outline_mm, flanks, (crossing[0::2] + crossing[1::2]) / 2.0, 1.0)
 
 
 def root_depths(outline_mm: Array, flanks: Flanks) -> Array:
-    """Where in mm below the pitch curve the outline is met in the middle of the space after each tooth, shape (z,)."""
+    """Depth in mm of the outline below the pitch curve in the middle of the space after each tooth, shape (z,)."""
     crossing = flanks.crossing_mm
     following = np.append(crossing[2::2], crossing[0] + flanks.curve.length_mm)
     return _along_normals(outline_mm, flanks, (crossing[1::2] + following) / 2.0, -1.0)
@@ -161,6 +161,6 @@ def tips_overlap_mm(pitch: PitchPair, teeth: ToothedPair) -> float:
 
 
 def _tip_curve(gear: ToothedGear) -> ComplexArray:
-    """Where tips of full height end all around a gear, in mm in its own frame, shape (n,)."""
+    """The curve on which tips of full height end all around a gear, in mm in its own frame, shape (n,)."""
     sigma = np.linspace(0.0, gear.flanks.curve.length_mm, POINTS_PER_TOOTH * gear.teeth, endpoint=False)
     return as_complex(gear.flanks.offset(sigma, gear.flanks.rack.tip_height_mm)[0])
