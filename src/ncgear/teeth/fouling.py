@@ -24,7 +24,7 @@ from ncgear.teeth.flank import Flanks, tooth_name
 from ncgear.teeth.tips import Limit, Tips, even_heights, no_tip, tip_crossing
 from ncgear.teeth.tool import PinionCircle
 
-Meeting = tuple[IndexArray, IndexArray]
+Mates = tuple[IndexArray, IndexArray]
 """Numbers of a gear's own flanks and of the mate's flanks that they meet."""
 
 CLEAR = 1.5
@@ -80,13 +80,13 @@ class TipPaths:
         return path
 
 
-def paths_near_concave(own: Flanks, mate: Flanks, meeting: Meeting) -> TipPaths:
+def paths_near_concave(own: Flanks, mate: Flanks, mates: Mates) -> TipPaths:
     """The paths within reach of a concave stretch of either curve; tips foul nowhere else."""
     reach, pitch = _reach_mm(own, mate), own.rack.pitch_mm
     rolled = np.linspace(-reach, reach, 2 * ceil(STEPS * reach / pitch) + 1)
-    sigma = own.crossing_mm[meeting[0]][:, None] + rolled
+    sigma = own.crossing_mm[mates[0]][:, None] + rolled
     at, there = own.curve.at_length(sigma), mate.curve.at_length(sigma)
-    paths = TipPaths(*meeting, at, there)
+    paths = TipPaths(*mates, at, there)
     return paths.at_rows(np.any((at.curvature < 0.0) | (there.curvature < 0.0), axis=1))
 
 
