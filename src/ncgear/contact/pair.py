@@ -54,17 +54,17 @@ class PairContact:
 def pair_contact(
     pitch: PitchPair, teeth: ToothedPair, designed: AsDesigned, written: Sequence[Outlines]
 ) -> PairContact:
-    """Contact of a pair that was designed so and has been written in each of these forms; raises as ``as_written``."""
+    """Contact of a pair as it was designed and in each form in which it was written; raises as ``as_written``."""
     reach = reach_mm(pitch, teeth)
     return PairContact(designed, tuple(as_written(one, teeth, designed.placement, reach) for one in written))
 
 
 CHORDS_OVERLAP = 1.1
-"""Overlap in chord tolerances that outlines may show: chords stand out of a flank only where it is hollow, and of two
-flanks that touch one is not.  A tenth is for rounding in the files."""
+"""Overlap, in chord tolerances, that outlines may show: chords stand out of a flank only where it is hollow, and of two
+flanks that touch only one is hollow.  A tenth is for rounding in the files."""
 
 CHORDS_ASTRAY = 4.0
-"""Distance in chord tolerances by which outlines may touch elsewhere than designed: twice what both chords can cost."""
+"""Distance, in chord tolerances, from the designed contact at which outlines may touch: twice what both chords cost."""
 
 CAUSES = {
     Mesh.EXTERNAL: "tips of a concave stretch foul the mating gear there; more teeth of a smaller module are needed, "
@@ -72,11 +72,11 @@ CAUSES = {
     Mesh.INTERNAL: "tips foul the mating gear or, where a ring has too few teeth more than its driving gear, each "
     "other; a smaller addendum, more teeth of a smaller module, or more lobes of the driven gear are needed",
 }
-"""Why teeth overlap, and what helps."""
+"""Why teeth overlap, and what helps against it."""
 
 
 def refuse_overlap(designed: AsDesigned, tolerance_mm: float) -> None:
-    """Refuse a pair whose exact curves overlap by more than the chord tolerance, below which nothing is written.
+    """Refuse a pair whose exact curves overlap by more than the chord tolerance; smaller overlaps are not written.
 
     Raises NoSuchMechanism with the worst angle and the tooth that meets another there.
     """
@@ -86,7 +86,8 @@ def refuse_overlap(designed: AsDesigned, tolerance_mm: float) -> None:
 def refuse_bad_outlines(contact: PairContact, tolerance_mm: float) -> None:
     """Refuse outlines that overlap by more than their chords explain.
 
-    Raises NoSuchMechanism as above, and RuntimeError where they touch elsewhere than designed, a fault of ncgear.
+    Raises NoSuchMechanism as ``refuse_overlap`` does, and RuntimeError, a fault of ncgear, where they touch elsewhere
+    than designed.
     """
     for written in contact.as_written:
         _refuse(written.overlap_mm, CHORDS_OVERLAP * tolerance_mm, contact.as_designed)
@@ -139,11 +140,11 @@ REMEDY = (
 
 
 def refuse_short_contact(designed: AsDesigned, teeth: ToothedPair, least: float) -> None:
-    """Refuse a pair that loses contact, for a ``least`` of 1 or more, or has flanks that touch over fewer pitches.
+    """Refuse a pair whose flanks touch over fewer than ``least`` pitches, or that loses contact.
 
     A pair of flanks may touch over less than one pitch while its neighbours bridge the rest: a ``least`` of exactly 1
-    asks only that contact never ceases, one below 1 asks for nothing.  What limits each tip is a condition that no
-    other tool can lift.  Raises NoSuchMechanism with both teeth.
+    asks only that contact never ceases, one below 1 asks for nothing.  The message tells what limits both tips; no
+    other tool could lift these conditions.  Raises NoSuchMechanism with both teeth.
     """
     for side in (designed.pushing, designed.back):
         shortest = int(np.argmin(side.arcs))

@@ -19,13 +19,13 @@ from ncgear.teeth.flank import mating_flanks
 from ncgear.teeth.gear import ToothedPair
 
 PER_TOOTH = 20
-"""Positions per tooth pitch; even, so that each tooth and each space stands on the pitch point once."""
+"""Positions per tooth pitch.  It is even, so that each tooth and each space stands on the pitch point once."""
 
 FEWEST = 400
-"""Positions in a cycle however few the teeth."""
+"""Least number of positions in a cycle, however few the teeth are."""
 
 PUSHING, BACK = -1.0, 1.0
-"""Side of the driving gear's flanks that push the driven gear on, and of those that would hold it back.
+"""The side of the driving gear's flanks that push the driven gear on, and of those that would hold it back.
 
 Arc length grows against the driving gear's turning, so a pushing flank faces falling arc length.
 """
@@ -35,8 +35,8 @@ Arc length grows against the driving gear's turning, so a pushing flank faces fa
 class Placement:
     """Both gears in n positions, evenly spaced in rolled length over a cycle in which every tooth meets all its mates.
 
-    ``rolled_mm`` is the pitch curves' arc length, ``phi1_rad`` and ``phi2_rad`` the angles by the law, ``speed`` their
-    ratio dphi2/dphi1, shape (n,) each; ``per_tooth`` positions make a tooth pitch.
+    ``rolled_mm`` is the pitch curves' arc length, ``phi1_rad`` and ``phi2_rad`` are the law's angles and ``speed`` is
+    dphi2/dphi1, shape (n,) each; ``per_tooth`` positions make a tooth pitch.
     """
 
     mesh: Mesh
@@ -116,18 +116,18 @@ class Placement:
         return vectors * self._turn[row]
 
     def bounds_rad(self, up_rad: Array, down_rad: Array) -> tuple[Array, Array]:
-        """Driven angles beyond the law's between which the driven gear is free: pushing flanks touch, their backs do.
+        """Driven angles beyond the law's at which the pushing flanks touch and at which their backs touch.
 
-        Given is how far the driving gear could be turned up and down, as the driven gear sees it.
+        ``up_rad`` and ``down_rad`` are how far the driving gear can be turned up and down, as the driven gear sees it.
         """
         return (-down_rad, up_rad) if self.ahead > 0.0 else (-up_rad, down_rad)
 
     def fixed_points(self, points: ComplexArray, row: IndexArray, ahead_rad: Array) -> ComplexArray:
-        """Points of the driven gear's frame in the fixed one, the driven gear being ahead of the law by angles."""
+        """Points of the driven gear's frame in the fixed frame, where the driven gear is ``ahead_rad`` of the law."""
         return self.fixed_directions(points, row, ahead_rad) + self.center_distance_mm
 
     def fixed_directions(self, vectors: ComplexArray, row: IndexArray, ahead_rad: Array) -> ComplexArray:
-        """Directions of the driven gear's frame in the fixed one, the driven gear being ahead of the law by angles."""
+        """Directions of the driven gear's frame in the fixed frame, where the gear is ``ahead_rad`` of the law."""
         turned: ComplexArray = vectors * np.exp(1j * self.mesh.sense * (self.phi2_rad[row] + ahead_rad))
         return turned
 
@@ -154,9 +154,9 @@ class Placement:
 
 
 def placed(pitch: PitchPair, per_tooth: int | None = None) -> Placement:
-    """The pair at so many positions per tooth, over the least number of pitches in which all teeth meet.
+    """The pair at ``per_tooth`` positions per tooth, over the least number of pitches in which all teeth meet.
 
-    ``per_tooth`` is even; where nothing is said, 20 or, with few teeth, more.
+    ``per_tooth`` is even; by default it is 20, or more where there are few teeth.
     """
     size = pitch.size
     meetings = lcm(size.driving_teeth, size.driven_teeth)
@@ -171,8 +171,8 @@ def placed(pitch: PitchPair, per_tooth: int | None = None) -> Placement:
 
 
 REACH_IN_PITCHES = 2.0
-"""Rolled length, before and after a pair of flanks crosses the pitch point, in which it is looked at: twice what a rack
-tooth as high as the module covers at 20 degrees; corners touch beyond the flanks' own contact."""
+"""A pair of flanks is looked at over this rolled length before and after it crosses the pitch point: twice what a rack
+tooth as high as the module covers at 20 degrees, since corners touch beyond the flanks' own contact."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,14 +192,16 @@ class Meetings:
 
     @property
     def urge(self) -> float:
-        """+1 where the first contact is the one farthest ahead, on pushing flanks; -1 on the others."""
+        """+1 on pushing flanks, where the first contact is the one farthest ahead; -1 on their backs."""
         return 1.0 if self.side == PUSHING else -1.0
 
 
 def meetings(teeth: ToothedPair, placement: Placement, side: float) -> Meetings:
-    """All meetings on the driving gear's flanks of ``side`` (PUSHING or BACK)."""
+    """All meetings on the driving gear's flanks of ``side`` (PUSHING or BACK), in the order in which flanks meet."""
     number = np.arange(placement.meetings)
-    driving, driven = _mates(placement, side)
+    driving, driven = mating_flanks(placement.driving_teeth, placement.driven_teeth)
+    rows = slice(None, placement.meetings) if side == BACK else slice(placement.meetings, None)
+    driving, driven = driving[rows], driven[rows]
     own, other = teeth.driving.flanks, teeth.driven.flanks
     driving_mm = own.crossing_mm[driving] + number // placement.driving_teeth * own.curve.length_mm
     turns = np.round((driving_mm - other.crossing_mm[driven]) / other.curve.length_mm)
@@ -210,10 +212,3 @@ def meetings(teeth: ToothedPair, placement: Placement, side: float) -> Meetings:
     rolled = position * placement.step_mm
     ahead = driving_mm[:, None] - rolled, driven_mm[:, None] - rolled
     return Meetings(side, driving, driven, position % placement.count, *ahead)
-
-
-def _mates(placement: Placement, side: float) -> tuple[IndexArray, IndexArray]:
-    """The driving and the driven flank of each meeting, in the order in which they meet."""
-    driving, driven = mating_flanks(placement.driving_teeth, placement.driven_teeth)
-    rows = slice(None, placement.meetings) if side == BACK else slice(placement.meetings, None)
-    return driving[rows], driven[rows]

@@ -1,12 +1,10 @@
-"""Diameters of measuring pins and balls.
-
-Pins (or balls) in the spaces of a gear: where each touches both flanks, and how far it stands out.
+"""Measuring pins (or balls) in the spaces of a gear: where each touches both flanks, and how far it stands out.
 
 The centre of a pin of radius r lies on the curves at distance r outside both flanks of its space; Newton's method finds
 where they cross, from the height at which the pin would touch a rack.  On a circular gear this is inv(alpha_M) =
 inv(alpha) + d / (m z cos(alpha)) - (space width along the pitch circle) / (m z).
 
-Measurement over two pins (between them, in a ring) in spaces that lie nearly opposite each other.
+The measurement over two pins (between them, in a ring) is taken in spaces that lie nearly opposite each other.
 """
 
 from __future__ import annotations
@@ -36,18 +34,18 @@ SOLD_MM = (
 from secondary sources, not held against the standards)."""
 
 NEAR = 1.3
-"""Times the nominal diameter up to which larger pins are tried; beyond they touch near the tips."""
+"""Larger pins are tried up to so many times the nominal diameter; beyond it they touch near the tips."""
 
 
 def nominal_pin_mm(normal_module_mm: float, *, internal: bool) -> float:
-    """The diameter in mm that is aimed at."""
+    """The pin diameter in mm that should be used, before one that is sold is chosen."""
     return (INTERNAL if internal else EXTERNAL) * normal_module_mm
 
 
 def pins_to_try(nominal_mm: float) -> tuple[float, ...]:
     """Sold diameters from the nominal one to ``NEAR`` times it, rising; whole mm where larger than any sold.
 
-    Sizes stand so far apart below 1.5 mm that there may be none; then the next larger one.
+    Below 1.5 mm sizes are so far apart that there may be none between; then the next larger one is given.
     """
     if nominal_mm > SOLD_MM[-1]:
         return (float(ceil(nominal_mm)),)
@@ -70,9 +68,9 @@ class Misfit(Enum):
 class Pins:
     """Pins of one diameter where they measure; space i lies between teeth i and i + 1.
 
-    ``space`` (shape (n,), numbers from 1), ``center_mm`` (shape (n, 2), in the gear's own frame) and ``over_mm`` (shape
-    (n,)), the distance from the axis to the pin's far side, of a ring to its near side.  ``misfits`` tells why others
-    measure nothing, by their number.
+    ``space`` (shape (n,)) numbers the spaces from 1; ``center_mm`` (shape (n, 2)) are the pins' centres in the gear's
+    own frame; ``over_mm`` (shape (n,)) is the distance from the axis to a pin's far side, in a ring to its near side.
+    ``misfits`` tells why pins in the other spaces measure nothing, by the number of the space.
     """
 
     diameter_mm: float
@@ -85,8 +83,8 @@ class Pins:
 def pins_in_spaces(working: WorkingFlanks, diameter_mm: float, outline_mm: Array, astray_mm: float) -> Pins:
     """Pins of a diameter in all spaces of a gear with an outline (shape (n, 2)).
 
-    ``astray_mm`` is how far the outline may stand into spaces by its chords, and by the thickness of its teeth where
-    these are thinner.
+    ``astray_mm`` is how far the outline may stand into the spaces because of its chords and, where the measured teeth
+    are thinner than the outline's, because of that thickness.
     """
     flanks, radius = working.flanks, diameter_mm / 2.0 / working.base_cosine
     front = np.arange(1, flanks.count, 2)
@@ -102,11 +100,7 @@ def pins_in_spaces(working: WorkingFlanks, diameter_mm: float, outline_mm: Array
         Misfit.ROOT: _held(center, diameter_mm / 2.0, outline_mm, astray_mm),
         Misfit.HIDDEN: ~stands_out(working, np.arange(front.size), center, diameter_mm / 2.0, outwards),
     }
-    return _kept(diameter_mm, center, reach + sense * diameter_mm / 2.0, tests)
-
-
-def _kept(diameter_mm: float, center: Array, over: Array, tests: dict[Misfit, Mask]) -> Pins:
-    """The pins that pass all tests, and the first test that each of the others fails."""
+    over = reach + sense * diameter_mm / 2.0
     failed = np.array(list(tests.values()))
     good = np.nonzero(~failed.any(axis=0))[0]
     first = failed.argmax(axis=0)
@@ -115,8 +109,10 @@ def _kept(diameter_mm: float, center: Array, over: Array, tests: dict[Misfit, Ma
 
 
 def _resting(working: WorkingFlanks, both: IndexArray, radius: float) -> tuple[Array, Array, Mask]:
-    """Centres (z, 2) of pins between the front and back flanks of spaces (shape (2, z)), the heights (2, z) at which
-    they touch, and whether they do."""
+    """Centres of pins between front and back flanks (shape (2, z)), the heights at which they touch, whether they do.
+
+    Shapes (z, 2), (2, z) and (z,).
+    """
     flanks, (front, back) = working.flanks, both
     angle, tolerance = flanks.rack.pressure_angle_rad, AGREEMENT * flanks.rack.module_mm
     width = np.mod(flanks.crossing_mm[back] - flanks.crossing_mm[front], flanks.curve.length_mm)
@@ -133,7 +129,7 @@ def _resting(working: WorkingFlanks, both: IndexArray, radius: float) -> tuple[A
 
 
 def _held(center: Array, radius: float, outline: Array, astray: float) -> Mask:
-    """Whether pins are nearer to the outline than by their radius, what it strays aside."""
+    """Whether pins are nearer to the outline than their radius, by more than the outline strays."""
     ring = shapely.linearrings(outline)
     shapely.prepare(ring)
     held: Mask = shapely.distance(shapely.points(center), ring) < radius - 2.0 * astray
@@ -158,10 +154,10 @@ class TwoPins:
 
 
 def over_two_pins(working: WorkingFlanks, pins: Pins) -> TwoPins:
-    """The greatest distance over the pins (the least between them) of spaces half the teeth apart.
+    """The distances over the pins (in a ring: between them) of all pairs of spaces half the teeth apart.
 
-    With z even there are z / 2 pairs, with z odd z of them, (z - 1) / 2 spaces apart; those are left out whose pins
-    measure nothing or do not stand out of the tips towards each other's far side.
+    With z even there are z / 2 pairs; with z odd there are z pairs, (z - 1) / 2 spaces apart.  Left out are pairs whose
+    pins measure nothing or do not stand out of the tips, seen from each other's far side.
     """
     teeth = working.flanks.count // 2
     row = np.full(teeth + 1, -1)
@@ -173,7 +169,7 @@ def over_two_pins(working: WorkingFlanks, pins: Pins) -> TwoPins:
 
 
 def _apart(working: WorkingFlanks, pins: Pins, one: IndexArray, other: IndexArray) -> TwoPins:
-    """The distances of pins by their rows."""
+    """The distances of pairs of pins, given by their rows in ``pins``."""
     sense, radius = (-1.0 if working.is_ring else 1.0), pins.diameter_mm / 2.0
     way = pins.center_mm[one] - pins.center_mm[other]
     length = np.linalg.norm(way, axis=1)

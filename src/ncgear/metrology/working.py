@@ -1,14 +1,15 @@
-"""Distances of the lands from the gear's axis.
-
-The flanks as pins and plates meet them: without tip relief, in one section, thicker or thinner by an allowance.
+"""The flanks as pins and plates meet them: without tip relief, in one section, thicker or thinner by an allowance.
 
 All flanks of one side are parallel curves: the rolled length c at which a flank crosses the pitch curve moves it along
-its normals by s cos(alpha) dc (flank.py).  So a tooth thicker by dE along the pitch curve has the same normals, and the
-curve at a distance r outside a flank is a flank again, of c + s r / cos(alpha).  On helical teeth the surface's normal
-leans out of the section by the base helix angle beta_b, tan(beta_b) = tan(beta) cos(alpha), everywhere alike; a ball of
-radius r therefore meets a section's flanks as a pin of r / cos(beta_b) would, and plates are cos(beta_b) times as far
-apart as in the section.  On circular gears both are the usual formulas, cos(beta_b) = cos(beta) cos(alpha_n) /
-cos(alpha).
+its normals by s cos(alpha) dc (teeth/flank.py).  So a tooth that is thicker by dE along the pitch curve has the same
+normals, and the curve at a distance r outside a flank is a flank again, that of c + s r / cos(alpha).
+
+On helical teeth the surface's normal leans out of the section by the base helix angle beta_b, tan(beta_b) = tan(beta)
+cos(alpha), everywhere alike.  A ball of radius r therefore meets a section's flanks as a pin of r / cos(beta_b) would,
+and plates are cos(beta_b) times as far apart as in the section.  On circular gears both are the usual formulas,
+cos(beta_b) = cos(beta) cos(alpha_n) / cos(alpha).
+
+The distances of tips and roots from the gear's axis are here as well.
 """
 
 from __future__ import annotations
@@ -21,22 +22,6 @@ import numpy as np
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.teeth.flank import Flanks
 from ncgear.teeth.gear import ToothedGear
-
-
-def tip_radii_mm(gear: ToothedGear) -> Array:
-    """Distance of each tooth's tip from the axis in mm, at the middle of its land, shape (z,)."""
-    flanks, at = gear.flanks, gear.sides.tip_mm.reshape(-1, 2)
-    points = flanks.offset(at.mean(axis=1), flanks.tip_height_mm.reshape(-1, 2).mean(axis=1))[0]
-    radii: Array = np.linalg.norm(points, axis=1)
-    return radii
-
-
-def root_radii_mm(gear: ToothedGear) -> Array:
-    """Distance from the axis of the bottom of the space after each tooth, at the middle of its land, shape (z,)."""
-    start, end = gear.sides.roots.lands()
-    points = gear.sides.roots.land(np.arange(gear.teeth), (start + end) / 2.0)[0]
-    radii: Array = np.linalg.norm(points, axis=1)
-    return radii
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,12 +44,12 @@ class WorkingFlanks:
         return self.flanks.curve.is_ring
 
     def thicker(self, allowance_mm: float) -> WorkingFlanks:
-        """The same teeth, thicker by an allowance along the pitch curve (thinner where it is negative), half a side."""
+        """The same teeth, thicker by an allowance along the pitch curve, half on each side; thinner if negative."""
         crossing = self.flanks.crossing_mm + self.flanks.side * allowance_mm / 2.0
         return replace(self, flanks=replace(self.flanks, crossing_mm=crossing))
 
     def parallel(self, flank: IndexArray, height_mm: Array, distance_mm: float) -> tuple[Array, Array]:
-        """Points at a distance outside of flanks that touch at heights, and their derivatives by the height."""
+        """Points at a distance outside the points where flanks touch at heights, and derivatives by the height."""
         angle, side = self.flanks.rack.pressure_angle_rad, self.flanks.side[flank][..., None]
         at = self.flanks.at_rolled(flank, self.flanks.rolled_mm(flank, height_mm))
         farther = height_mm / sin(angle) + distance_mm
@@ -75,17 +60,30 @@ class WorkingFlanks:
 
 
 def working_flanks(gear: ToothedGear, helix_rad: float = 0.0) -> WorkingFlanks:
-    """The flanks of a gear's section whose teeth advance by ``helix_rad`` (0 <= beta < pi/2) from height to height."""
+    """The flanks of a section of a gear whose teeth have the helix angle ``helix_rad`` (0 <= beta < pi/2)."""
     high, low = gear.sides.flank_range()
     rack = gear.flanks.rack
     if rack.relief is not None:
         high = np.minimum(high, rack.relief.start_mm)
     base = cos(atan(tan(helix_rad) * cos(rack.pressure_angle_rad)))
-    return WorkingFlanks(replace(gear.flanks, rack=replace(rack, relief=None)), low, high, _tips(gear), base)
-
-
-def _tips(gear: ToothedGear) -> Array:
     along, height = gear.sides.tip_mm.reshape(-1, 2), gear.flanks.tip_height_mm.reshape(-1, 2)
     ends = np.stack([along[:, 0], along.mean(axis=1), along[:, 1]], axis=1)
     heights = np.stack([height[:, 0], height.mean(axis=1), height[:, 1]], axis=1)
-    return gear.flanks.offset(ends, heights)[0]
+    tips = gear.flanks.offset(ends, heights)[0]
+    return WorkingFlanks(replace(gear.flanks, rack=replace(rack, relief=None)), low, high, tips, base)
+
+
+def tip_radii_mm(gear: ToothedGear) -> Array:
+    """Distance of each tooth's tip from the axis in mm, at the middle of its land, shape (z,)."""
+    flanks, at = gear.flanks, gear.sides.tip_mm.reshape(-1, 2)
+    points = flanks.offset(at.mean(axis=1), flanks.tip_height_mm.reshape(-1, 2).mean(axis=1))[0]
+    radii: Array = np.linalg.norm(points, axis=1)
+    return radii
+
+
+def root_radii_mm(gear: ToothedGear) -> Array:
+    """Distance from the axis of the bottom of the space after each tooth, at the middle of its land, shape (z,)."""
+    start, end = gear.sides.roots.lands()
+    points = gear.sides.roots.land(np.arange(gear.teeth), (start + end) / 2.0)[0]
+    radii: Array = np.linalg.norm(points, axis=1)
+    return radii

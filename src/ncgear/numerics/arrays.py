@@ -1,7 +1,4 @@
-"""Names for the arrays that travel between functions.
-
-Rows of different lengths in flat arrays.
-"""
+"""Names for the arrays that travel between functions, and rows of different lengths in flat arrays."""
 
 from __future__ import annotations
 
@@ -23,7 +20,7 @@ IndexArray = NDArray[np.intp]
 """Whole numbers that count or point into another array."""
 
 Number = TypeVar("Number", float, Array)
-"""One number, or one for each of many points or designs: formulas that hold for both are written once."""
+"""One number, or an array of them for many points or designs, so that formulas for both are written once."""
 
 
 def counted_up(first: IndexArray, count: IndexArray) -> tuple[IndexArray, IndexArray]:

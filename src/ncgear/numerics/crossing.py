@@ -1,4 +1,4 @@
-"""Where two families of plane curves cross: a search on chords, then Newton's method on the curves themselves."""
+"""Where plane curves cross: a search on chords, then Newton's method on the curves themselves; circles and chords."""
 
 from __future__ import annotations
 
@@ -70,8 +70,9 @@ def zoomed_crossings(
 ) -> tuple[Array, Array, Mask]:
     """Crossings within ``reach`` of the given parameters, and which of them are really there.
 
-    Closed in on by ever finer chords.  All arrays have shape (n,), one curve pair each.  For crossings so flat that
-    Newton's method wanders off; what only the coarse chords showed disappears on the way and is reported as false.
+    For crossings so flat that Newton's method wanders off.  Ever finer chords close in on them; a crossing that only
+    the coarse chords showed disappears on the way and is reported as false.  All arrays have shape (n,), one pair of
+    curves each.
     """
     at1, at2, there = middle1.copy(), middle2.copy(), np.ones(middle1.size, dtype=bool)
     for step in range(ZOOMS):
@@ -93,14 +94,14 @@ def _cross(a: Array, b: Array) -> Array:
 
 
 TINY = 1e-300
-"""Keeps a division of zero by zero, on chords of no length, from being one."""
+"""Least divisor, so that chords of no length give no division of zero by zero."""
 
 
 def circle_crossings(start: ComplexArray, step: ComplexArray, squared_radius: Array) -> tuple[ComplexArray, Array]:
-    """Points at which chords from ``start`` to ``start + step``, along which the radius grows, have a squared radius.
+    """Where chords from ``start`` to ``start + step`` cross circles about the origin, and the arms of forces on them.
 
-    Also the chord's unit vector's part along the radius times the radius: the arm at which the normal force on the
-    chord turns the gear.  All shapes are the same.
+    The radius must grow along the chords.  An arm is that at which a force across the chord turns a gear about the
+    origin: the part of the chord's unit vector along the radius, times the radius.  All shapes are the same.
     """
     outwards, length = along(start, step), square(step)
     missing = squared_radius - square(start)

@@ -18,20 +18,21 @@ of the third derivative."""
 
 ROUGH = 0.01
 """Share of the largest value by which a sample may miss the cubic through its neighbours.  A wave of nine samples
-misses it by so much; narrower features, as of a ratio of 1:200, are sampled more finely until they do not."""
+misses it by so much; narrower features, as of a ratio of 1:200, are sampled more finely until they miss it by less."""
 
 HALVINGS = 30
-"""Of a step, at most: steps of 1e-11 of a piece are next to rounding."""
+"""Most halvings of a step: steps of 1e-11 of a piece are next to rounding."""
 
 NOISE = 0.9
-"""Share of samples that miss beyond which finer ones are of no use: rounding error of what is zero throughout."""
+"""If a larger share of samples misses the cubic, finer ones are of no use: the function is zero but for rounding."""
 
 MOST_SAMPLES = 20_000
-"""Points of a piece at which refining ends; a ratio of 1:200 takes 200."""
+"""Number of points of a piece at which refining ends; a ratio of 1:200 takes 200."""
 
 NEXT = 1e-3
-"""Share of a step that is next to a sample: a zero of third order leaves a slope of 1e-6 there, which rounding does not
-reach, and an extremum so near to an inflection is as high as it to 1e-9 of the step's rise."""
+"""Share of a step at which a further sample is taken beside one of zero slope.  A zero of third order leaves a slope of
+1e-6 there, which is more than rounding; an extremum nearer to an inflection is as high as it to 1e-9 of the step's
+rise."""
 
 NO_KNOTS = np.empty(0)
 
@@ -47,10 +48,9 @@ class Extremum:
 def stationary_points(function: Callable[[Array], Jet], start: float, end: float, knots: Array = NO_KNOTS) -> Array:
     """Both ends, every point between them where the derivative changes sign, and samples where it is not finite.
 
-    In rising order.
-
-    ``function`` maps points (shape (n,)) to a jet of order 1 or more, and is evaluated within [start, end] only.
-    ``knots`` (shape (m,), rising) are points between which it does about as much; those outside do not count.
+    In rising order.  ``function`` maps points (shape (n,)) to a jet of order 1 or more, and is evaluated within
+    [start, end] only.  ``knots`` (shape (m,), rising) are points between which it varies about as much; knots outside
+    do not count.
     """
     grid, slope = _beside_flat(function, *_sampled(function, grid_between(start, end, knots)))
     change = np.nonzero(np.sign(slope[:-1]) * np.sign(slope[1:]) < 0)[0]

@@ -91,7 +91,9 @@ class _Translator:
         if isinstance(node, ast.Constant) and isinstance(node.value, int | float) and not isinstance(node.value, bool):
             return self._number(node.value)
         if isinstance(node, ast.Name):
-            return self._name(node.id)
+            if node.id not in self._names:
+                raise self._refusal(f"unknown name {node.id!r}")
+            return self._names[node.id]
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.UAdd | ast.USub):
             inner = self._node(node.operand, depth + 1)
             return -inner if isinstance(node.op, ast.USub) else inner
@@ -112,11 +114,6 @@ class _Translator:
         if number.is_integer() and abs(number) < WHOLE:
             return self._sympy.Integer(int(number))
         return self._sympy.Float(number, 17)
-
-    def _name(self, name: str) -> Any:
-        if name not in self._names:
-            raise self._refusal(f"unknown name {name!r}")
-        return self._names[name]
 
     def _chain(self, node: ast.BinOp, depth: int) -> Any:
         """Operations down the left side one after the other: a long sum is long, not deep."""

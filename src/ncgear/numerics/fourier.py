@@ -19,13 +19,14 @@ RESOLVED = 4e-15
 """Share of the largest coefficient below which the upper quarter of them counts as rounding error."""
 
 MOST_NODES = 1 << 18
-"""Nodes beyond which the function is taken for noise: a thousand harmonics with all their products are below."""
+"""Most nodes; a function that needs more is noise.  A thousand harmonics with all their products need less."""
 
 DEGREE = 12
 """Degree of the Taylor polynomials about the nodes.  Wave j of N nodes is off by (pi j/N)^13 / 13! of its size half a
 node away: 2e-10 for the shortest, which is rounding error itself, and 1e-17 for those up to N/8."""
 
 NEWTON_STEPS = 20
+"""Most steps to an inverse; convergence is quadratic."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,6 +1,7 @@
-"""Points of a plane as complex numbers: the few products of vectors that geometry needs.
+"""Vectors of the plane: the few products that geometry needs.
 
-Vectors of the plane in arithmetic that numbers, arrays and jets share, so that a formula is written once for all.
+Points of teeth and outlines are complex numbers x + i y.  ``Vector`` is for formulas that hold for numbers, arrays and
+jets alike: it uses only the arithmetic that all three share.
 """
 
 from __future__ import annotations
@@ -54,7 +55,7 @@ def signed_area(ring: Array) -> Array:
 
 
 Term = Any
-"""A number, an array of shape (n,), or a jet at n points; in one formula all are of one kind, or numbers."""
+"""A number, an array of shape (n,), or a jet at n points; in one formula all are numbers or of one other kind."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,11 +17,11 @@ from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.zeros import zeros_between
 
 LAST = 3
-"""Coefficients that tell whether a function is resolved: even and odd ones, and one by chance zero."""
+"""The last coefficients tell whether a function is resolved: even and odd ones, and one that may by chance be zero."""
 
 NEGLIGIBLE = 1e-13
-"""Share of the largest value by which a top between two points must promise to be higher to be looked for: the slopes'
-rounding errors promise less."""
+"""A top between two points is looked for if it may be higher than the largest value by this share of it.  Rounding
+errors of the slopes make less than that."""
 
 FINER = 2
 """Places per interval of the points on which sign changes of the derivative are looked for."""
@@ -53,9 +53,9 @@ def tails(values: Array) -> Array:
 
 
 def extremes(values: Array, owner: IndexArray) -> tuple[Array, Array]:
-    """Smallest and largest value of what each owner has: functions of finite values (shape (r, count)) on an interval.
+    """Smallest and largest value over each owner's functions, given by their finite values (shape (r, count)).
 
-    ``owner`` (shape (r,)) counts from 0 on without a gap; the result has a value for each.
+    ``owner`` (shape (r,)) counts from 0 on without a gap; the results have one value for each owner.
     """
     owners = int(owner.max()) + 1
     fine, slope = _refinement(values.shape[1])
@@ -65,7 +65,7 @@ def extremes(values: Array, owner: IndexArray) -> tuple[Array, Array]:
 
 
 def _largest(values: Array, grid: Array, slopes: Array, owner: IndexArray, owners: int) -> Array:
-    """Largest value of what each owner has, shape (owners,), with values and slopes at the finer points."""
+    """Largest value over each owner's functions, shape (owners,); ``grid`` and ``slopes`` are at the finer points."""
     best = np.full(owners, -np.inf)
     np.maximum.at(best, owner, grid.max(axis=1))
     rising = slopes > 0.0
@@ -78,7 +78,7 @@ def _largest(values: Array, grid: Array, slopes: Array, owner: IndexArray, owner
 
 
 def _reach(grid: Array, slopes: Array, row: IndexArray, place: IndexArray) -> Array:
-    """What a top between two points cannot exceed: it lies below the tangents at both.  Most are not the largest."""
+    """What a top between two points cannot exceed, since it lies below the tangents at both."""
     width = np.diff(shares(grid.shape[1]))[place]
     before = grid[row, place] + slopes[row, place] * width
     after = grid[row, place + 1] - slopes[row, place + 1] * width
@@ -88,7 +88,8 @@ def _reach(grid: Array, slopes: Array, row: IndexArray, place: IndexArray) -> Ar
 def _tops(values: Array, low: Array, high: Array) -> Array:
     """Value of each function where its slope changes sign between ``low`` and ``high``; shape (k,).
 
-    Where rounding hides the change, the slope at one of them is rounding itself, and the value there is the top.
+    Where rounding hides the change of sign, the slope at one of both places is rounding itself; the value there is
+    taken.
     """
     series, slope = (np.ascontiguousarray(matrix @ values.T) for matrix in _series(values.shape[1]))
     changes = _sums(slope, low) * _sums(slope, high) < 0.0

@@ -1,10 +1,10 @@
-"""Zeros of functions, from piecewise Chebyshev forms resolved to rounding error.
+"""Zeros of functions: all or the first of them from Chebyshev forms, or one in each of many brackets.
 
-Zeros of one function in many brackets at once.
-
-T. R. Chandrupatla, "A new hybrid quadratic/bisection algorithm for finding the zero of a nonlinear function without
-using derivatives", Advances in Engineering Software 28 (1997), 145-149.  SciPy has the method too, with bookkeeping
-that takes ten times as long as the functions of this program.
+``first_zeros`` and ``all_zeros`` take piecewise Chebyshev forms that are resolved to rounding error, so that no zero is
+missed.  ``zeros_between`` closes in on zeros in brackets, all at once, by the method of T. R. Chandrupatla, "A new
+hybrid quadratic/bisection algorithm for finding the zero of a nonlinear function without using derivatives", Advances
+in Engineering Software 28 (1997), 145-149.  SciPy has the method too, with bookkeeping that takes ten times as long as
+the functions of this program.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ REAL = 1e-7
 def first_zeros(function: Callable[[IndexArray, Array], Array], cuts: list[Array]) -> Array:
     """For each interval number i, the smallest t at which ``function(i, t)`` is no longer positive.
 
-    ``cuts[i]`` holds the interval's ends and, between them, where the function may jump; the function takes interval
-    numbers and arguments of shape (n,).  The interval's end where the function stays positive.
+    ``cuts[i]`` holds the interval's ends and, between them, the places where the function may jump.  The function takes
+    interval numbers and arguments of shape (n,).  Where it stays positive, the interval's end is returned.
     """
     first = np.concatenate([cut[:-1] for cut in cuts])
     last = np.concatenate([cut[1:] for cut in cuts])
@@ -53,7 +53,7 @@ def first_zeros(function: Callable[[IndexArray, Array], Array], cuts: list[Array
 
 
 def all_zeros(form: PiecewiseChebyshev) -> Array:
-    """Every zero of a single function, in rising order, shape (n,); none of a panel on which it is zero throughout."""
+    """Every zero of a single function, in rising order, shape (n,); panels on which it is zero throughout have none."""
     doubtful = np.abs(form.coefficients[0]) <= np.abs(form.coefficients[1:]).sum(axis=0)
     found = [np.empty(0)]
     for panel in np.nonzero(doubtful & np.any(form.coefficients != 0.0, axis=0))[0]:
@@ -79,7 +79,7 @@ def _real_roots(coefficients: Array) -> Array:
 
 
 MOST_STEPS = 200
-"""Bisection alone needs 100 for the 32 digits down to a zero at zero; the method falls behind it by little."""
+"""Most steps.  Bisection alone needs 100 for the 32 digits down to a zero at zero; the method needs few more."""
 
 CLOSE = 4.0 * np.finfo(float).eps
 """Width of a bracket, relative to the zero, at which the zero counts as found; for a zero at zero, its square relative

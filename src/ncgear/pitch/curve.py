@@ -1,10 +1,10 @@
-"""The nearest point of a rolling curve, and how far away it is.
+"""One gear's pitch curve at its real size, in the gear's own frame and the pose of phi1 = 0.
 
-Arc length along the pitch curves, which is the same for both, and its inverse.
+The curve is known by the driving angle, from the closed form, and by its arc length, which is the same for both gears.
+Arc length and its inverse are kept at unit centre distance and continue periodically over any number of turns.
 
-Lengths are at unit centre distance.  Both maps continue periodically over any number of turns.
-
-One gear's pitch curve at its real size, in the gear's own frame and the pose of phi1 = 0.
+``nearest`` finds the point of a curve that is nearest to a given point, for pitch curves and for all others that roll
+on them.
 """
 
 from __future__ import annotations
@@ -25,125 +25,13 @@ from ncgear.pitch import shape
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.transmission import Transmission
 
-STEPS = 40
-"""Newton's method converges quadratically from within a radius of curvature; a damped start costs some steps."""
-
-LEAST_SHARE = 0.2
-"""Least share of the way to the centre of curvature that a step is divided by, so that none leaps over the centre."""
-
-
-class RollingCurve(Protocol):
-    """A curve by its arc length in mm, in a frame of its own; normals point away from its material."""
-
-    def at_length(self, sigma_mm: Array) -> CurvePoints:
-        """Positions, tangents, normals and curvatures at arc lengths of any shape."""
-
-
-def nearest(curve: RollingCurve, point_mm: Array, start_mm: Array, tolerance_mm: float) -> tuple[Array, Array]:
-    """Arc lengths of the nearest points and signed distances, positive along the normal; shape (n,) each.
-
-    ``point_mm`` has shape (n, 2), ``start_mm`` (n,).  NaN for points that have none near their start.
-    """
-    sigma = start_mm
-    for _ in range(STEPS):
-        at = curve.at_length(sigma)
-        arm = point_mm - at.position
-        along, outwards = np.sum(arm * at.tangent, axis=1), np.sum(arm * at.normal, axis=1)
-        if np.all(np.abs(along) <= tolerance_mm):
-            break
-        sigma = sigma + along / np.maximum(1.0 + outwards * at.curvature, LEAST_SHARE)
-    found = np.abs(along) <= tolerance_mm
-    return np.where(found, sigma, np.nan), np.where(found, outwards, np.nan)
-
-
-NEWTON_STEPS = 20
-
-
-@dataclass(frozen=True, eq=False)
-class ArcLength:
-    """Arc length sigma(phi1) and phi1(sigma), both zero at phi1 = 0 and increasing."""
-
-    by_angle: PiecewiseChebyshev
-    by_length: PiecewiseChebyshev
-
-    @property
-    def period(self) -> float:
-        """Length of one period of the law."""
-        return self.by_angle.final
-
-    @property
-    def angle_period_rad(self) -> float:
-        """Driving angle of one period of the law."""
-        return float(self.by_angle.breaks[-1])
-
-    def length(self, phi1: Array) -> Array:
-        """sigma at driving angles in rad, any shape."""
-        cycles, local = np.divmod(phi1, self.angle_period_rad)
-        return cycles * self.period + self.by_angle(local)
-
-    def angle(self, sigma: Array) -> Array:
-        """phi1 in rad at arc lengths, any shape."""
-        cycles, local = np.divmod(sigma, self.period)
-        return cycles * self.angle_period_rad + self.by_length(local)
-
-
-def arc_length(transmission: Transmission, mesh: Mesh) -> ArcLength:
-    """Both maps, each resolved to rounding error panel by panel.
-
-    Raises NoSuchMechanism where the curves turn too sharply to be resolved.
-    """
-    joints = transmission.joints_rad
-    try:
-        by_angle = chebyshev.fitted(lambda phi1: _speed(transmission, phi1, Gear.DRIVING, mesh), joints).integrated()
-    except NotSmooth as fault:
-        raise too_sharp(fault.at) from fault
-    joint_lengths = np.append(by_angle(joints[:-1]), by_angle.final)
-    try:
-        by_length = chebyshev.fitted(lambda sigma: _inverse(transmission, mesh, by_angle, sigma), joint_lengths)
-    except NotSmooth as fault:
-        raise too_sharp(float(np.interp(fault.at, joint_lengths, joints))) from fault
-    return ArcLength(by_angle, by_length)
-
-
-def too_sharp(phi1_rad: float) -> NoSuchMechanism:
-    """The refusal of a pitch curve that turns faster than numbers of 16 digits can follow."""
-    return NoSuchMechanism(
-        f"the pitch curves turn too sharply near phi1 = {in_words(phi1_rad)} to be computed; a smaller "
-        "range of the ratio is needed",
-        key="motion",
-    )
-
-
-def period_length(transmission: Transmission, gear: Gear, mesh: Mesh) -> float:
-    """Length of one period from the gear's own curve, to check one gear against the other."""
-    speed = chebyshev.fitted(lambda phi1: _speed(transmission, phi1, gear, mesh), transmission.joints_rad)
-    return speed.integrated().final
-
-
-def _speed(transmission: Transmission, phi1: Array, gear: Gear, mesh: Mesh) -> Array:
-    return shape.speed(transmission.driven_angle(phi1, 2).differentiated(), gear, mesh).value
-
-
-def _inverse(transmission: Transmission, mesh: Mesh, by_angle: PiecewiseChebyshev, sigma: Array) -> Array:
-    """Newton's method from a linear interpolation of the panel ends."""
-    ends = np.append(by_angle(by_angle.breaks[:-1]), by_angle.final)
-    phi1 = np.interp(sigma, ends, by_angle.breaks)
-    for _ in range(NEWTON_STEPS):
-        step = (by_angle(phi1) - sigma) / _speed(transmission, phi1, Gear.DRIVING, mesh)
-        phi1 = np.clip(phi1 - step, 0.0, by_angle.breaks[-1])
-        if np.max(np.abs(step)) <= 1e-14 * by_angle.breaks[-1]:
-            return phi1
-    if np.max(np.abs(by_angle(phi1) - sigma)) > 1e-12 * by_angle.final:
-        raise ArithmeticError("the arc length of the pitch curve could not be inverted")
-    return phi1
-
 
 @dataclass(frozen=True, eq=False)
 class CurvePoints:
-    """Points of a pitch curve, each row one point.
+    """Points of a curve, of any shape (...).
 
-    Positions in mm, unit tangents in the sense of growing arc length, unit normals away from the gear's material,
-    curvatures in 1/mm (positive where convex).
+    ``position`` in mm, unit ``tangent`` in the sense of growing arc length and unit ``normal`` away from the gear's
+    material have shape (..., 2); ``curvature`` in 1/mm (positive where convex) has shape (...).
     """
 
     position: Array
@@ -198,7 +86,7 @@ class PitchCurve:
 
     @property
     def joints_around_mm(self) -> Array:
-        """The same from one turn before to one turn after the first, for curves that reach across the seam."""
+        """``joints_mm`` of the first turn and those of the turns beside it, for curves that reach across the seam."""
         return np.concatenate([self.joints_mm - self.length_mm, self.joints_mm, self.joints_mm + self.length_mm])
 
     def driving_angle(self, sigma_mm: Array) -> Array:
@@ -216,7 +104,7 @@ class PitchCurve:
 
     @cached_property
     def curvature_bounds(self) -> tuple[float, float]:
-        """Numbers in 1/mm below and above every curvature, proven by the coefficients of the Chebyshev forms."""
+        """Numbers in 1/mm below and above every curvature; the coefficients of the Chebyshev forms prove them."""
         coefficients = self._by_length.coefficients[..., 4] / self.center_distance_mm
         spread = np.abs(coefficients[1:]).sum(axis=0)
         return float(np.min(coefficients[0] - spread)), float(np.max(coefficients[0] + spread))
@@ -278,3 +166,117 @@ def _normal(gear: Gear, tangent: Array) -> Array:
     """Unit normals away from the gear's material, which lies to the right of the driving gear's tangent."""
     side = 1.0 if gear is Gear.DRIVING else -1.0
     return side * np.stack([-tangent[..., 1], tangent[..., 0]], axis=-1)
+
+
+NEWTON_STEPS = 20
+"""Most steps to the inverse of arc length; convergence is quadratic."""
+
+
+@dataclass(frozen=True, eq=False)
+class ArcLength:
+    """Arc length sigma(phi1) and phi1(sigma), both zero at phi1 = 0 and increasing."""
+
+    by_angle: PiecewiseChebyshev
+    by_length: PiecewiseChebyshev
+
+    @property
+    def period(self) -> float:
+        """Length of one period of the law."""
+        return self.by_angle.final
+
+    @property
+    def angle_period_rad(self) -> float:
+        """Driving angle of one period of the law."""
+        return float(self.by_angle.breaks[-1])
+
+    def length(self, phi1: Array) -> Array:
+        """sigma at driving angles in rad, any shape."""
+        cycles, local = np.divmod(phi1, self.angle_period_rad)
+        return cycles * self.period + self.by_angle(local)
+
+    def angle(self, sigma: Array) -> Array:
+        """phi1 in rad at arc lengths, any shape."""
+        cycles, local = np.divmod(sigma, self.period)
+        return cycles * self.angle_period_rad + self.by_length(local)
+
+
+def arc_length(transmission: Transmission, mesh: Mesh) -> ArcLength:
+    """Both maps, each resolved to rounding error panel by panel.
+
+    Raises NoSuchMechanism where the curves turn too sharply to be resolved.
+    """
+    joints = transmission.joints_rad
+    try:
+        by_angle = chebyshev.fitted(lambda phi1: _speed(transmission, phi1, Gear.DRIVING, mesh), joints).integrated()
+    except NotSmooth as fault:
+        raise too_sharp(fault.at) from fault
+    joint_lengths = np.append(by_angle(joints[:-1]), by_angle.final)
+    try:
+        by_length = chebyshev.fitted(lambda sigma: _inverse(transmission, mesh, by_angle, sigma), joint_lengths)
+    except NotSmooth as fault:
+        raise too_sharp(float(np.interp(fault.at, joint_lengths, joints))) from fault
+    return ArcLength(by_angle, by_length)
+
+
+def too_sharp(phi1_rad: float) -> NoSuchMechanism:
+    """The error for a pitch curve that turns faster than numbers of 16 digits can follow."""
+    return NoSuchMechanism(
+        f"the pitch curves turn too sharply near phi1 = {in_words(phi1_rad)} to be computed; a smaller "
+        "range of the ratio is needed",
+        key="motion",
+    )
+
+
+def period_length(transmission: Transmission, gear: Gear, mesh: Mesh) -> float:
+    """Length of one period, integrated on the gear's own curve, to check one gear against the other."""
+    speed = chebyshev.fitted(lambda phi1: _speed(transmission, phi1, gear, mesh), transmission.joints_rad)
+    return speed.integrated().final
+
+
+def _speed(transmission: Transmission, phi1: Array, gear: Gear, mesh: Mesh) -> Array:
+    return shape.speed(transmission.driven_angle(phi1, 2).differentiated(), gear, mesh).value
+
+
+def _inverse(transmission: Transmission, mesh: Mesh, by_angle: PiecewiseChebyshev, sigma: Array) -> Array:
+    """Newton's method from a linear interpolation of the panel ends."""
+    ends = np.append(by_angle(by_angle.breaks[:-1]), by_angle.final)
+    phi1 = np.interp(sigma, ends, by_angle.breaks)
+    for _ in range(NEWTON_STEPS):
+        step = (by_angle(phi1) - sigma) / _speed(transmission, phi1, Gear.DRIVING, mesh)
+        phi1 = np.clip(phi1 - step, 0.0, by_angle.breaks[-1])
+        if np.max(np.abs(step)) <= 1e-14 * by_angle.breaks[-1]:
+            return phi1
+    if np.max(np.abs(by_angle(phi1) - sigma)) > 1e-12 * by_angle.final:
+        raise ArithmeticError("the arc length of the pitch curve could not be inverted")
+    return phi1
+
+
+STEPS = 40
+"""Newton's method converges quadratically from within a radius of curvature; a damped start costs some steps."""
+
+LEAST_SHARE = 0.2
+"""Least share of the way to the centre of curvature that a step is divided by, so that none leaps over the centre."""
+
+
+class RollingCurve(Protocol):
+    """A curve by its arc length in mm, in a frame of its own; normals point away from its material."""
+
+    def at_length(self, sigma_mm: Array) -> CurvePoints:
+        """Positions, tangents, normals and curvatures at arc lengths of any shape."""
+
+
+def nearest(curve: RollingCurve, point_mm: Array, start_mm: Array, tolerance_mm: float) -> tuple[Array, Array]:
+    """Arc lengths of the nearest points and signed distances, positive along the normal; shape (n,) each.
+
+    ``point_mm`` has shape (n, 2), ``start_mm`` (n,).  NaN for points that have none near their start.
+    """
+    sigma = start_mm
+    for _ in range(STEPS):
+        at = curve.at_length(sigma)
+        arm = point_mm - at.position
+        along, outwards = np.sum(arm * at.tangent, axis=1), np.sum(arm * at.normal, axis=1)
+        if np.all(np.abs(along) <= tolerance_mm):
+            break
+        sigma = sigma + along / np.maximum(1.0 + outwards * at.curvature, LEAST_SHARE)
+    found = np.abs(along) <= tolerance_mm
+    return np.where(found, sigma, np.nan), np.where(found, outwards, np.nan)

@@ -3,30 +3,27 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, ComplexArray
+from ncgear.numerics.plane import as_complex
 from ncgear.numerics.units import in_words
 from ncgear.pitch.curve import PitchCurve
 from ncgear.ratio.transmission import Lobes, Transmission
 
 LEAST_RATIO = 1.001
-"""Ratio below which no internal gear is made: the pitch radii would be a thousand centre distances, which is 2000 teeth
-for every module of centre distance, and tips clear one another only where that is several modules."""
+"""Ratio below which no internal gear is made: the pitch radii would be a thousand centre distances.  That is 2000 teeth
+for every module of centre distance, and tips clear each other only where the centre distance is several modules."""
 
 POSITIONS = 181
-"""Positions over a period of the law at which the curves are laid into each other; between them little changes."""
+"""Positions over a period of the law at which the curves are compared; between them little changes."""
 
 POINTS = 721
 """Points of each curve over a period of the law, half a degree apart on a curve of one lobe."""
 
 THROUGH = 1e-3
-"""Share of the ring's radius by which the driving curve must pass it to count: a hundredfold of what points half a
-degree apart leave uncertain; less than that shows in the contact of the teeth."""
-
-PlanePoints = NDArray[np.complex128]
-"""Points x + i y."""
+"""The driving curve counts as passing the ring's if it does so by this share of the ring's radius: a hundred times what
+points half a degree apart leave uncertain.  If it passes by less, the contact of the teeth shows it."""
 
 
 def require_ring(transmission: Transmission) -> None:
@@ -58,8 +55,8 @@ def _remedy(lobes: Lobes) -> str:
 def require_room(driving: PitchCurve, ring: PitchCurve) -> None:
     """Refuse a driving pitch curve that does not stay inside the ring's while they roll.
 
-    At the pitch point it always does, being the more curved; but its long side may not fit where the ring is narrow.
-    Raises NoSuchMechanism with the driving angle and how far it would stand out.
+    At the pitch point it always stays inside, since it is more curved; but its long side may not fit where the ring is
+    narrow.  Raises NoSuchMechanism with the driving angle and how far the curve would stand out.
     """
     phi1 = np.linspace(0.0, driving.transmission.lobes.driving_period_rad, POSITIONS)
     inner, outer = _points(driving), _points(ring)
@@ -76,17 +73,11 @@ def require_room(driving: PitchCurve, ring: PitchCurve) -> None:
     )
 
 
-def _points(curve: PitchCurve) -> PlanePoints:
-    return plane(curve.at_angle(np.linspace(0.0, curve.turn_rad, curve.periods * POINTS, endpoint=False)).position)
+def _points(curve: PitchCurve) -> ComplexArray:
+    return as_complex(curve.at_angle(np.linspace(0.0, curve.turn_rad, curve.periods * POINTS, endpoint=False)).position)
 
 
-def plane(points_mm: Array) -> PlanePoints:
-    """Points of shape (n, 2) as x + i y."""
-    numbers: PlanePoints = points_mm[:, 0] + 1j * points_mm[:, 1]
-    return numbers
-
-
-def passed_mm(inner: PlanePoints, ring: PlanePoints, driving: PitchCurve, phi1: Array) -> Array:
+def passed_mm(inner: ComplexArray, ring: ComplexArray, driving: PitchCurve, phi1: Array) -> Array:
     """How far in mm points of the driving gear lie beyond a closed curve of the ring, shape (positions, points).
 
     Both in their gear's own frame; the ring's curve is seen once from its axis in every direction.

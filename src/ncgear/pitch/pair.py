@@ -1,6 +1,6 @@
-"""Centre distance, module and number of teeth: two of them give the third, since teeth must fill the pitch curve.
+"""Both pitch curves of a pair at their real size, and the figures by which they are judged.
 
-Both pitch curves of a pair at their real size, and the figures by which they are judged.
+Teeth must fill the pitch curve, so two of centre distance, module and number of teeth give the third.
 """
 
 from __future__ import annotations
@@ -20,8 +20,187 @@ from ncgear.pitch.internal import require_ring, require_room
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.transmission import Lobes, Piece, Transmission
 
+STRAIGHT = 1e-9
+"""Curvature times centre distance below which a curve counts as straight: a radius of 1e9 centre distances."""
+
+
+@dataclass(frozen=True)
+class CurvatureJump:
+    """A joint of the law: curvatures in 1/mm just before and after it, of both gears."""
+
+    phi1_rad: float
+    driving_before: float
+    driving_after: float
+    driven_before: float
+    driven_after: float
+
+
+@dataclass(frozen=True, eq=False)
+class PitchPair:
+    """The two curves that roll on each other."""
+
+    transmission: Transmission
+    arc: ArcLength
+    size: Size
+    mesh: Mesh
+
+    def __repr__(self) -> str:
+        size = self.size
+        teeth = f"{size.driving_teeth}:{size.driven_teeth} teeth of module {size.module_mm:.4g} mm"
+        return f"PitchPair({self.mesh.value}, a = {size.center_distance_mm:.3f} mm, {teeth})"
+
+    @property
+    def center_distance_mm(self) -> float:
+        """Distance between the gears' axes."""
+        return self.size.center_distance_mm
+
+    @cached_property
+    def driving(self) -> PitchCurve:
+        """The driving gear's pitch curve."""
+        return PitchCurve(Gear.DRIVING, self.transmission, self.arc, self.center_distance_mm, self.mesh)
+
+    @cached_property
+    def driven(self) -> PitchCurve:
+        """The driven gear's pitch curve."""
+        return PitchCurve(Gear.DRIVEN, self.transmission, self.arc, self.center_distance_mm, self.mesh)
+
+    def of(self, gear: Gear) -> PitchCurve:
+        """The driving or the driven gear's curve."""
+        return self.driving if gear is Gear.DRIVING else self.driven
+
+    def pitch_point_mm(self, phi1: Array) -> Array:
+        """Where on the line of centres the curves touch, at driving angles in rad (shape (n,)); 0 is the driving axis.
+
+        The place is between the axes on an external pair, and below 0, beyond the driving axis, on an internal pair.
+        """
+        radius: Array = np.linalg.norm(self.driving.at_angle(phi1).position, axis=-1)
+        return -self.mesh.sense * radius
+
+    def length_mm(self, gear: Gear) -> float:
+        """Length of a gear's closed curve, integrated on that gear's own curve."""
+        lobes = self.transmission.lobes
+        periods = lobes.driving if gear is Gear.DRIVING else lobes.driven
+        return periods * period_length(self.transmission, gear, self.mesh) * self.center_distance_mm
+
+    def radius_range_mm(self, gear: Gear) -> tuple[float, float]:
+        """Least and greatest pitch radius: r1 = a / (i - s) and r2 = a i / (i - s) at both ends of the ratio's range.
+
+        Both radii are monotonic in the ratio i (see shape.py).
+        """
+        a, sense = self.center_distance_mm, self.mesh.sense
+        ratios = [end.value for end in self.transmission.ratio_range]
+        if gear is Gear.DRIVING:
+            low, high = sorted(a / (i - sense) for i in ratios)
+        else:
+            low, high = sorted(a * i / (i - sense) for i in ratios)
+        return low, high
+
+    @cached_property
+    def curvature_range(self) -> dict[Gear, tuple[Extremum, Extremum]]:
+        """Smallest and largest curvature of each curve in 1/mm, with the driving angle.
+
+        Curvature is positive where the gear's material is convex; a ring's is negative except where its curve is
+        dented.
+        """
+        return {gear: self._curvature_range(gear) for gear in Gear}
+
+    def _curvature_range(self, gear: Gear) -> tuple[Extremum, Extremum]:
+        low, high = self.transmission.extremes(
+            lambda piece: lambda phi1: shape.curvature(piece.slope(phi1, 3), gear, self.mesh)
+        )
+        size = self.center_distance_mm
+        return Extremum(low.value / size, low.at), Extremum(high.value / size, high.at)
+
+    def _bend_range(self, gear: Gear) -> tuple[float, float]:
+        """Smallest and largest curvature of the closed curve, positive where it bulges outwards, also on a ring."""
+        low, high = (extremum.value for extremum in self.curvature_range[gear])
+        return (-high, -low) if shape.is_ring(gear, self.mesh) else (low, high)
+
+    def convex(self, gear: Gear) -> bool:
+        """Whether the closed curve is nowhere dented.  A ring's may be convex too, though its material is concave."""
+        return self._bend_range(gear)[0] * self.center_distance_mm >= -STRAIGHT
+
+    def least_radius_mm(self, gear: Gear) -> float:
+        """Smallest radius of curvature where the closed curve bulges."""
+        return 1.0 / self._bend_range(gear)[1]
+
+    def least_concave_radius_mm(self, gear: Gear) -> float | None:
+        """Smallest radius of curvature where the closed curve is dented, None on a convex curve."""
+        return None if self.convex(gear) else -1.0 / self._bend_range(gear)[0]
+
+    def concave_ranges(self, gear: Gear) -> list[tuple[float, float]]:
+        """Stretches of the driving angle within one period on which the closed curve is dented.
+
+        Their ends are exact to 1/2000 of the period.
+        """
+        phi1 = np.linspace(0.0, self.transmission.lobes.driving_period_rad, 2001)
+        slope = self.transmission.driven_angle(phi1, 3).differentiated()
+        bend = shape.curvature(slope, gear, self.mesh).value / self.center_distance_mm
+        if shape.is_ring(gear, self.mesh):
+            bend = -bend
+        concave = bend * self.center_distance_mm < -STRAIGHT
+        edges = np.nonzero(np.diff(np.concatenate([[False], concave, [False]]).astype(int)))[0]
+        stretches = [(float(phi1[a]), float(phi1[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+        # A joint at the seam belongs to the next period: its single point is no stretch of this one.
+        return [(start, end) for start, end in stretches if end > start]
+
+    @cached_property
+    def largest_tangent_angle_rad(self) -> Extremum:
+        """Largest angle between the curves' tangent and the normal to the centre line."""
+        return largest_tangent_angle_rad(self.transmission, self.mesh)
+
+    def largest_pressure_angle_deg(self, rack_angle_rad: float) -> float:
+        """Largest angle between the force on a flank and the driven pitch point's velocity, on the worse flank."""
+        return degrees(self.largest_tangent_angle_rad.value + rack_angle_rad)
+
+    def curvature_jumps(self) -> list[CurvatureJump]:
+        """Every joint of the law, the seam at phi1 = 0 first, with the curvatures on both sides."""
+        pieces = self.transmission.pieces
+        return [self._jump(before, after) for before, after in zip((pieces[-1], *pieces[:-1]), pieces, strict=True)]
+
+    def _jump(self, before: Piece, after: Piece) -> CurvatureJump:
+        slopes = before.slope(np.array([before.end_rad]), 2), after.slope(np.array([after.start_rad]), 2)
+        values = [
+            float(shape.curvature(slope, gear, self.mesh).value[0]) / self.center_distance_mm
+            for gear in Gear
+            for slope in slopes
+        ]
+        return CurvatureJump(after.start_rad, *values)
+
+
+def largest_tangent_angle_rad(transmission: Transmission, mesh: Mesh = Mesh.EXTERNAL) -> Extremum:
+    """Largest angle between the pitch curves' tangent and the normal to the centre line, whatever their size."""
+    low, high = transmission.extremes(lambda piece: lambda phi1: shape.tangent_slope(piece.slope(phi1, 2), mesh))
+    worst = max(low, high, key=lambda extremum: abs(extremum.value))
+    return Extremum(atan(abs(worst.value)), worst.at)
+
+
+def sized_pair(
+    transmission: Transmission,
+    teeth: int | None,
+    module_mm: float | None,
+    center_distance_mm: float | None,
+    mesh: Mesh = Mesh.EXTERNAL,
+) -> PitchPair:
+    """The pitch curves of a law at the size that any two of teeth, module and centre distance give.
+
+    Raises WrongInput as ``solved_size`` does, and NoSuchMechanism for curves too sharp to be computed, for a law that
+    cannot drive a ring, and for a driving curve that does not fit into its ring.
+    """
+    if mesh is Mesh.INTERNAL:
+        require_ring(transmission)
+    arc = arc_length(transmission, mesh)
+    size = solved_size(
+        transmission.lobes.driving * arc.period, transmission.lobes, teeth, module_mm, center_distance_mm
+    )
+    pair = PitchPair(transmission, arc, size, mesh)
+    if mesh is Mesh.INTERNAL:
+        require_room(pair.driving, pair.driven)
+    return pair
+
+
 CONSISTENT = 1e-6
-"""Relative disagreement of three given values that counts as rounding in the file: seven digits."""
+"""Relative disagreement of three given values that counts as rounding in the design file: seven digits."""
 
 
 @dataclass(frozen=True)
@@ -92,183 +271,3 @@ def _refuse_disagreement(driving_length: float, teeth: int, module_mm: float, ce
             f"{driving_length * center_distance_mm / (pi * module_mm):.6g}",
             key="gears.center_distance_mm",
         )
-
-
-STRAIGHT = 1e-9
-"""Curvature times centre distance below which a curve counts as straight, not concave: a radius of 1e9 gears."""
-
-
-@dataclass(frozen=True)
-class CurvatureJump:
-    """A joint of the law: curvatures in 1/mm just before and after it, of both gears."""
-
-    phi1_rad: float
-    driving_before: float
-    driving_after: float
-    driven_before: float
-    driven_after: float
-
-
-@dataclass(frozen=True, eq=False)
-class PitchPair:
-    """The two curves that roll on each other."""
-
-    transmission: Transmission
-    arc: ArcLength
-    size: Size
-    mesh: Mesh
-
-    def __repr__(self) -> str:
-        size = self.size
-        teeth = f"{size.driving_teeth}:{size.driven_teeth} teeth of module {size.module_mm:.4g} mm"
-        return f"PitchPair({self.mesh.value}, a = {size.center_distance_mm:.3f} mm, {teeth})"
-
-    @property
-    def center_distance_mm(self) -> float:
-        """Distance between the gears' axes."""
-        return self.size.center_distance_mm
-
-    @cached_property
-    def driving(self) -> PitchCurve:
-        """The driving gear's pitch curve."""
-        return PitchCurve(Gear.DRIVING, self.transmission, self.arc, self.center_distance_mm, self.mesh)
-
-    @cached_property
-    def driven(self) -> PitchCurve:
-        """The driven gear's pitch curve."""
-        return PitchCurve(Gear.DRIVEN, self.transmission, self.arc, self.center_distance_mm, self.mesh)
-
-    def of(self, gear: Gear) -> PitchCurve:
-        """One of them."""
-        return self.driving if gear is Gear.DRIVING else self.driven
-
-    def pitch_point_mm(self, phi1: Array) -> Array:
-        """Where on the line of centres the curves touch at driving angles in rad (shape (n,)): 0 is the driving axis.
-
-        Between the axes on an external pair, and beyond the driving axis, below 0, on an internal one.
-        """
-        radius: Array = np.linalg.norm(self.driving.at_angle(phi1).position, axis=-1)
-        return -self.mesh.sense * radius
-
-    def length_mm(self, gear: Gear) -> float:
-        """Length of a gear's closed curve, integrated on that gear's own curve."""
-        lobes = self.transmission.lobes
-        periods = lobes.driving if gear is Gear.DRIVING else lobes.driven
-        return periods * period_length(self.transmission, gear, self.mesh) * self.center_distance_mm
-
-    def radius_range_mm(self, gear: Gear) -> tuple[float, float]:
-        """Least and greatest pitch radius: r1 = a / (i - s) and r2 = a i / (i - s) at both ends of the ratio's range.
-
-        Both radii are monotonic in the ratio i (see shape.py).
-        """
-        a, sense = self.center_distance_mm, self.mesh.sense
-        ratios = [end.value for end in self.transmission.ratio_range]
-        if gear is Gear.DRIVING:
-            low, high = sorted(a / (i - sense) for i in ratios)
-        else:
-            low, high = sorted(a * i / (i - sense) for i in ratios)
-        return low, high
-
-    @cached_property
-    def curvature_range(self) -> dict[Gear, tuple[Extremum, Extremum]]:
-        """Smallest and largest curvature of each curve in 1/mm, with the driving angle.
-
-        Positive where the gear's material is convex; a ring's are all negative unless its curve is dented.
-        """
-        return {gear: self._curvature_range(gear) for gear in Gear}
-
-    def _curvature_range(self, gear: Gear) -> tuple[Extremum, Extremum]:
-        low, high = self.transmission.extremes(
-            lambda piece: lambda phi1: shape.curvature(piece.slope(phi1, 3), gear, self.mesh)
-        )
-        size = self.center_distance_mm
-        return Extremum(low.value / size, low.at), Extremum(high.value / size, high.at)
-
-    def _bend_range(self, gear: Gear) -> tuple[float, float]:
-        """The same as a closed curve bends, positive where it bulges outwards, whichever side the material is on."""
-        low, high = (extremum.value for extremum in self.curvature_range[gear])
-        return (-high, -low) if shape.is_ring(gear, self.mesh) else (low, high)
-
-    def convex(self, gear: Gear) -> bool:
-        """Whether the closed curve is nowhere dented; so a ring's may be, though its material is concave all around."""
-        return self._bend_range(gear)[0] * self.center_distance_mm >= -STRAIGHT
-
-    def least_radius_mm(self, gear: Gear) -> float:
-        """Smallest radius of curvature where the closed curve bulges."""
-        return 1.0 / self._bend_range(gear)[1]
-
-    def least_concave_radius_mm(self, gear: Gear) -> float | None:
-        """Smallest radius of curvature where the closed curve is dented, None on a convex curve."""
-        return None if self.convex(gear) else -1.0 / self._bend_range(gear)[0]
-
-    def concave_ranges(self, gear: Gear) -> list[tuple[float, float]]:
-        """Stretches of the driving angle, within one period, on which the closed curve is dented.
-
-        Ends to 1/2000 of the period.
-        """
-        phi1 = np.linspace(0.0, self.transmission.lobes.driving_period_rad, 2001)
-        concave = self._bends(gear, phi1) * self.center_distance_mm < -STRAIGHT
-        edges = np.nonzero(np.diff(np.concatenate([[False], concave, [False]]).astype(int)))[0]
-        stretches = [(float(phi1[a]), float(phi1[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-        # A joint at the seam belongs to the next period: its single point is no stretch of this one.
-        return [(start, end) for start, end in stretches if end > start]
-
-    def _bends(self, gear: Gear, phi1: Array) -> Array:
-        slope = self.transmission.driven_angle(phi1, 3).differentiated()
-        curvature = shape.curvature(slope, gear, self.mesh).value / self.center_distance_mm
-        return -curvature if shape.is_ring(gear, self.mesh) else curvature
-
-    @cached_property
-    def largest_tangent_angle_rad(self) -> Extremum:
-        """Largest angle between the curves' tangent and the normal to the centre line."""
-        return largest_tangent_angle_rad(self.transmission, self.mesh)
-
-    def largest_pressure_angle_deg(self, rack_angle_rad: float) -> float:
-        """Largest angle between the force on a flank and the driven pitch point's velocity, the worse flank taken."""
-        return degrees(self.largest_tangent_angle_rad.value + rack_angle_rad)
-
-    def curvature_jumps(self) -> list[CurvatureJump]:
-        """Every joint of the law, the seam at phi1 = 0 first, with the curvatures on both sides."""
-        pieces = self.transmission.pieces
-        return [self._jump(before, after) for before, after in zip((pieces[-1], *pieces[:-1]), pieces, strict=True)]
-
-    def _jump(self, before: Piece, after: Piece) -> CurvatureJump:
-        slopes = before.slope(np.array([before.end_rad]), 2), after.slope(np.array([after.start_rad]), 2)
-        values = [
-            float(shape.curvature(slope, gear, self.mesh).value[0]) / self.center_distance_mm
-            for gear in Gear
-            for slope in slopes
-        ]
-        return CurvatureJump(after.start_rad, *values)
-
-
-def largest_tangent_angle_rad(transmission: Transmission, mesh: Mesh = Mesh.EXTERNAL) -> Extremum:
-    """Largest angle between the pitch curves' tangent and the normal to the centre line, whatever their size."""
-    low, high = transmission.extremes(lambda piece: lambda phi1: shape.tangent_slope(piece.slope(phi1, 2), mesh))
-    worst = max(low, high, key=lambda extremum: abs(extremum.value))
-    return Extremum(atan(abs(worst.value)), worst.at)
-
-
-def sized_pair(
-    transmission: Transmission,
-    teeth: int | None,
-    module_mm: float | None,
-    center_distance_mm: float | None,
-    mesh: Mesh = Mesh.EXTERNAL,
-) -> PitchPair:
-    """The pitch curves of a law at the size that any two of teeth, module and centre distance give.
-
-    Raises WrongInput as ``solved_size`` does, NoSuchMechanism for curves too sharp to be computed and for a law that
-    cannot drive a ring, or whose
-    driving curve does not fit into it.
-    """
-    if mesh is Mesh.INTERNAL:
-        require_ring(transmission)
-    arc = arc_length(transmission, mesh)
-    size = solved_size(
-        transmission.lobes.driving * arc.period, transmission.lobes, teeth, module_mm, center_distance_mm
-    )
-    pair = PitchPair(transmission, arc, size, mesh)
-    if mesh is Mesh.INTERNAL:
-        require_room(pair.driving, pair.driven)
-    return pair

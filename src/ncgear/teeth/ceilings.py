@@ -1,8 +1,9 @@
 """Ceilings over tips along the pitch curves, so that no tip jumps while teeth advance from section to section.
 
-How high a tip can be depends on where its tooth stands.  Where that jumps along the curve (the mate's undercut begins
-or ends with the curvature, or another way out of a fouling is the best), tips of helical teeth would jump with height.
-A ceiling is what the lower side of each jump allows, and rises evenly away from it.
+How high a tip can be depends on where its tooth stands.  Along the curve that height may jump: where the mate's
+undercut begins or ends with the curvature, or where another way to shorten fouling tips is the best.  Tips of helical
+teeth would then jump from section to section.  A ceiling is what the lower side of each jump allows, and rises evenly
+away from it.
 """
 
 from __future__ import annotations
@@ -23,18 +24,18 @@ RISE = 0.5
 """How steeply ceilings rise along the pitch curve: steeper ones cost less contact, but take more sections."""
 
 STANDS_OUT = 1e-3
-"""By how much, in modules, a step of the height stands out from the steps beside it when it counts as a jump: heights
-that only bend do not, and less is lost in the chord tolerance."""
+"""A step of the height counts as a jump when it differs by so much, in modules, from the steps beside it.  Heights that
+only bend do not count; smaller jumps are lost in the chord tolerance."""
 
 HIGH = 10.0
-"""Ceilings in modules where there is none."""
+"""Height, in modules, that stands for no ceiling."""
 
 
 @dataclass(frozen=True, eq=False)
 class Ceiling:
-    """Greatest heights of one gear's tips, in mm, at arc lengths of the crossings of back and of front flanks.
+    """Greatest heights of one gear's tips in mm, at the arc lengths at which back and front flanks cross the curve.
 
-    Both have shape (2, n), arc lengths rising in [0, length).
+    Both have shape (2, n), back flanks first; arc lengths rise within [0, ``length_mm``).
     """
 
     length_mm: float
@@ -51,7 +52,7 @@ class Ceiling:
 
 
 Ceilings = tuple[Ceiling, Ceiling]
-"""Those of the driving and of the driven gear."""
+"""The ceilings of the driving and of the driven gear."""
 
 
 def ceilings_over(fits: Sequence[tuple[Tips, Tips]], step_mm: float) -> Ceilings:
@@ -78,10 +79,10 @@ def _of_side(at: Array, height: Array, flanks: Flanks, step: float) -> tuple[Arr
 
 
 def _low_sides(height: Array, gap: Array, fitted: Mask, module: float) -> Array:
-    """Heights on the lower sides of the jumps to the next places, as far as these are ``fitted``; high where none is.
+    """Height on the lower side of the jump from each place to the next; ``HIGH`` where there is no jump.
 
-    A step is a jump that is larger than ceilings rise, or other than those on both sides.  Up to the jump heights may
-    fall on as they do beside it.
+    Only places that are ``fitted`` next to each other are compared.  A step is a jump where it is steeper than ceilings
+    rise, or differs from the steps on both sides.  Heights may go on falling up to the jump as they do beside it.
     """
     rise = np.diff(height, append=height[0])
     before = np.where(np.roll(fitted, 1), np.roll(rise, 1), np.roll(rise, -1))

@@ -1,8 +1,8 @@
-"""Chords along many curves at once: as few as a tolerance allows, none straying from its curve by more.
+"""Chords along many curves at once: as few as a tolerance allows, and none that strays from its curve by more.
 
-A chord of length d that turns by t misses its curve by d t / 8, so a curve needs the integral of
+A chord of length d along which the curve turns by t misses the curve by d t / 8, so a curve needs the integral of
 sqrt(ds dt / (8 tolerance)) chords.  They are placed at even shares of that integral, checked, and halved where they
-stray.
+stray too far.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ PROBES = 33
 """Points per curve between which its turning is measured to place the chords."""
 
 SHARES = np.linspace(0.0, 1.0, PROBES)
-"""Their shares of the way along the curve."""
+"""Shares of the way along the curve at which these points are."""
 
 PLACED = 0.95
 """Share of the tolerance for which chords are placed: between probes the turning is known to a few per cent only."""
@@ -29,11 +29,12 @@ HALVINGS = 12
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """One curve of every flank or land, between two parameters each.
+    """One curve of every flank or land, n in all, between two parameters each.
 
-    ``rolled`` are the arc lengths at which the two parameters touch, shape (2, n); between them it is linear in the
-    parameter.  ``rank`` orders the curves along the outline, ``span`` is the part of the rank up to the next that a row
-    takes.
+    ``curve`` maps owners and parameters to points and derivatives.  ``owner`` numbers the flanks, ``start`` and ``end``
+    are the parameters, shape (n,) each.  ``rolled`` (shape (2, n)) holds the arc lengths at which both ends touch;
+    between them arc length is linear in the parameter.  ``rank`` orders the rows along the outline, and ``span`` is the
+    part of the way to the next rank that a row takes, shape (n,) each.
     """
 
     curve: Callable[[IndexArray, Array], tuple[Array, Array]]
@@ -95,7 +96,7 @@ def _joined(first: Stretch, second: Stretch) -> Stretch:
 
 
 def split(stretch: Stretch, joints: Array) -> Stretch:
-    """The stretch cut where a joint is rolled over, since a curve's turning must not be averaged across a jump."""
+    """The stretch, cut where it rolls over a joint, since a curve's turning must not be averaged across a jump."""
     low, high = stretch.rolled.min(axis=0), stretch.rolled.max(axis=0)
     first, last = np.searchsorted(joints, low, side="right"), np.searchsorted(joints, high, side="left")
     counts = np.maximum(last - first, 0)
@@ -119,23 +120,23 @@ def split(stretch: Stretch, joints: Array) -> Stretch:
 
 
 def sampled(stretch: Stretch, tolerance: float) -> tuple[Array, Array]:
-    """Points of a stretch, without the last of each curve, and keys that order them along the outline."""
+    """Points of a stretch, without the last point of each curve, and keys that order them along the outline."""
     row, at = _placed(stretch, tolerance)
     row, at, points = _with_halves(stretch, row, at, np.full(row.size, tolerance), tolerance)
     return points, stretch.rank[row] + stretch.span[row] * at
 
 
 def straddled(stretch: Stretch, tolerance: float) -> tuple[Array, Array]:
-    """The same with chords that stray to both sides of the curves, by the tolerance at most.
+    """As ``sampled``, with chords that stray to both sides of the curves, by at most the tolerance.
 
-    A chord may then be longer by the square root of 2.  Points stand off the curves by half of the chords' sagitta; the
-    ends of the curves, and points where a curve bends the other way, are on them.
+    A chord may then be longer by the square root of 2.  Points stand off the curves by half of the chords' sagitta;
+    the ends of the curves, and points where a curve bends the other way, are on the curves.
     """
     row, at = _placed(stretch, 2.0 * tolerance)
     sagitta, across = _sagittas(stretch, row, at)
     shift = _standing_off(row, sagitta, tolerance)[:, None] * _left(stretch.at(row, at)[1])
     following = np.where((np.diff(row, append=-1) == 0)[:, None], np.roll(shift, -1, axis=0), 0.0)
-    # A whole chord stands off at least as far as the nearer of its ends, and strays inwards by so much less.
+    # A whole chord stands off at least as far as the nearer of its ends, and strays by so much less to the other side.
     taken = np.sign(sagitta) * np.sum([shift * across, following * across], axis=2)
     allowed = tolerance + np.maximum(taken.min(axis=0), 0.0)
     row, at, points = _with_halves(stretch, row, at, allowed, tolerance)
@@ -144,9 +145,9 @@ def straddled(stretch: Stretch, tolerance: float) -> tuple[Array, Array]:
 
 
 def _standing_off(row: IndexArray, sagitta: Array, tolerance: float) -> Array:
-    """How far to the left of its curve each chord's beginning is put: half the smaller sagitta of its two chords.
+    """How far to the left of its curve each chord's beginning is put: half the smaller sagitta of the chords beside it.
 
-    Nothing at the beginning of a row, and where the two chords lie on different sides of their curves.
+    Zero at the beginning of a row, and where the two chords lie on different sides of the curve.
     """
     before = np.roll(sagitta, 1)
     inner = (np.diff(row, prepend=-1) == 0) & (before * sagitta > 0.0)
@@ -165,10 +166,10 @@ def _placed(stretch: Stretch, tolerance: float) -> tuple[IndexArray, Array]:
 
 
 def _sagittas(stretch: Stretch, row: IndexArray, share: Array) -> tuple[Array, Array]:
-    """How far each chord's curve is to the left of the chord in its middle, and the chords' unit vectors to the left.
+    """How far to the left of each chord's middle its curve is, and the chords' unit vectors to the left.
 
-    Shapes (n,) and (n, 2).  Zero if the curve goes to both sides: a cubic does so if its slope in the middle is more
-    than twice as large as it is off there.
+    Shapes (n,) and (n, 2).  The distance is zero where the curve goes to both sides: a cubic does so if its slope in
+    the middle is more than twice its distance there.
     """
     high = _ends(row, share)
     start, end = stretch.at(row, share)[0], stretch.at(row, high)[0]
@@ -192,10 +193,10 @@ def _ends(row: IndexArray, share: Array) -> Array:
 def _with_halves(
     stretch: Stretch, row: IndexArray, share: Array, allowed: Array, tolerance: float
 ) -> tuple[IndexArray, Array, Array]:
-    """Rows, shares and points, with points added until no chord's curve strays too far.
+    """Rows, shares and points, with points added until no chord strays too far from its curve.
 
-    That is farther than ``allowed``, chord by chord, and than the tolerance for chords that are halved.  Added points
-    come after those that were given; the last point of each row is checked against but not returned.
+    A given chord may stray by its ``allowed``, a halved one by the tolerance.  Added points come after the given ones;
+    the last point of each row ends a chord but is not returned.
     """
     chords = row, share, _ends(row, share)
     start, end = stretch.at(row, share)[0], stretch.at(row, chords[2])[0]
@@ -217,10 +218,10 @@ def _with_halves(
 
 
 def _strayed(start: Array, end: Array, middle: Array, slope: Array) -> Array:
-    """How far a curve strays from its chords at most, shape (n,), from its middle and its slope by the share there.
+    """How far curves stray at most from their chords, shape (n,), from their middles and slopes by the share there.
 
-    Across the chord the curve is taken as a cubic that starts and ends on it: with d in the middle and the slope d'
-    there, it strays by sqrt(d^2 + d'^2 / 8) or less.
+    Across the chord the curve is taken as a cubic that starts and ends on the chord: with the distance d and the slope
+    d' in the middle, it strays by sqrt(d^2 + d'^2 / 8) or less.
     """
     across = _left(end - start)
     off, tilt = np.sum(across * (middle - start), axis=1), np.sum(across * slope, axis=1)
@@ -229,10 +230,9 @@ def _strayed(start: Array, end: Array, middle: Array, slope: Array) -> Array:
 
 
 def _chords_needed(probe: Array, slope: Array, tolerance: float) -> Array:
-    """Cumulated number of chords along each curve: a chord of length d that turns by t misses the curve by d t / 8.
+    """Number of chords needed from the start of each curve to each of its probes, shape (n, PROBES).
 
-    Turning is taken from the curves' slopes, which give it exactly from probe to probe.  Rows are scaled to start at 0;
-    shape (n, PROBES).
+    The curves' slopes give the turning from probe to probe exactly.
     """
     chord = np.diff(probe, axis=1)
     before, after = slope[:, :-1], slope[:, 1:]
@@ -243,7 +243,7 @@ def _chords_needed(probe: Array, slope: Array, tolerance: float) -> Array:
 
 
 def _inverse_rows(needed: Array, row: IndexArray, fraction: Array) -> Array:
-    """Shares of the parameter at which the cumulated number reaches the given fractions of its total, row by row."""
+    """Shares of the parameter at which the number of chords reaches the given fractions of its total, row by row."""
     target = fraction * needed[row, -1]
     step = np.sum(needed[row, 1:-1] <= target[:, None], axis=1)
     low, high = needed[row, step], needed[row, step + 1]

@@ -1,15 +1,12 @@
-"""Lines and arcs of circles, and points that lie on one.
-
-Cubic B-splines through exact points of many curves at once, with as few spans as a tolerance allows.
-
-Each curve is interpolated in its own parameter, in which it is analytic, with its exact slopes at both ends: the error
-falls with the fourth power of the span, at a cusp's side too, where the curve's speed is nearly zero.
-Source: C. de Boor, "A Practical Guide to Splines", revised edition, Springer 2001, chapter V (complete splines).
-
-The closed outline of a gear as few smooth curves: lines, arcs of circles, and B-splines.
+"""The closed outline of a gear as few smooth curves: lines, arcs of circles, and cubic B-splines.
 
 Programs for solids make one face of each curve, so that a flank stays one flank, where a polygon would give a facet for
 every chord.
+
+Each spline passes through exact points of its curve, with as few spans as a tolerance allows.  The curve is
+interpolated in its own parameter, in which it is analytic, with its exact slopes at both ends.  So the error falls with
+the fourth power of the span, also beside a cusp, where the curve's speed is nearly zero.
+Source: C. de Boor, "A Practical Guide to Splines", revised edition, Springer 2001, chapter V (complete splines).
 """
 
 from __future__ import annotations
@@ -42,78 +39,129 @@ class Arc:
     end: Array
 
 
-def line_or_arc(points_mm: Array, within_mm: float) -> tuple[Line | Arc, float] | None:
-    """The line or arc from the first to the last of points (n, 2), n >= 2, and how far the others are from it.
+@dataclass(frozen=True, eq=False)
+class Spline:
+    """A cubic B-spline: clamped knots (n + 4,), poles (n, 2) in mm."""
 
-    None where neither passes all of them within a distance.
+    knots: Array
+    poles_mm: Array
+
+    @property
+    def start(self) -> Array:
+        """First point, shape (2,)."""
+        return np.asarray(self.poles_mm[0])
+
+    @property
+    def end(self) -> Array:
+        """Last point, shape (2,)."""
+        return np.asarray(self.poles_mm[-1])
+
+
+Curve = Line | Arc | Spline
+
+
+@dataclass(frozen=True, eq=False)
+class Contour:
+    """Curves one after the other round a gear, each beginning exactly where the last one ends.
+
+    ``deviation_mm`` is the largest distance that was found between their points and those of the exact curves.
     """
-    start, middle, end = points_mm[0], points_mm[len(points_mm) // 2], points_mm[-1]
-    for curve in (Line(start, end), Arc(start, middle, end)):
-        if (off := float(distances_mm(curve, points_mm).max())) <= within_mm:
-            return curve, off
-    return None
+
+    curves: tuple[Curve, ...]
+    deviation_mm: float
 
 
-def distances_mm(curve: Line | Arc, points_mm: Array) -> Array:
-    """Distances of points (n, 2) from the whole line or circle, shape (n,); infinite where an arc has no circle."""
-    if isinstance(curve, Line):
-        chord = (curve.end - curve.start) / np.linalg.norm(curve.end - curve.start)
-        arm = points_mm - curve.start
-        return np.asarray(np.abs(chord[0] * arm[:, 1] - chord[1] * arm[:, 0]))
-    center, radius = _circle(curve)
-    return np.asarray(np.abs(np.linalg.norm(points_mm - center, axis=1) - radius))
+SAME_MM = 1e-7
+"""Distance at which programs for solids take two points as one; a curve so near to a line or a circle becomes one."""
+
+SHORTEST_MM = 100.0 * SAME_MM
+"""Curves shorter than this are left out, and the curve before ends where the curve after begins: a face so narrow would
+consist of its own tolerances."""
+
+LOOKED_AT = np.linspace(0.0, 1.0, 9)
+"""Shares of a curve at which it is compared with a line or a circle; it bends too little to wave between them."""
 
 
-def _circle(arc: Arc) -> tuple[Array, float]:
-    """Centre and radius of an arc's circle; a point infinitely far away where its points are in line."""
-    rows = np.array([arc.middle - arc.start, arc.end - arc.start])
-    if np.linalg.det(rows) == 0.0:
-        return np.full(2, np.inf), 0.0
-    arm = np.linalg.solve(rows, np.sum(rows**2, axis=1) / 2.0)
-    return arc.start + arm, float(np.linalg.norm(arm))
+def contour_of(gear: ToothedGear, tolerance_mm: float) -> Contour:
+    """A gear's outline as curves within ``tolerance_mm`` of the exact ones, in either sense.
 
-
-def ring_of_arcs(ring_mm: Array, within_mm: float) -> list[Line | Arc]:
-    """A closed polygon (n, 2) as lines and arcs, each as long as it stays within a distance of all its corners.
-
-    They stay within twice as much of the middles of its sides and so, as parabolas, within 17/8 of it everywhere.  None
-    takes more than a third of the corners, so that none turns by half a circle or more.
+    Raises RuntimeError, a fault of ncgear, where a curve cannot be followed so, or does not begin where the last ends.
     """
-    closed, found, first = np.vstack([ring_mm, ring_mm[:1]]), [], 0
-    longest = max(1, len(ring_mm) // 3)
-    while first < len(ring_mm):
-        last, curve = first + 1, _through(closed[first : first + 2], within_mm)
-        while last < min(first + longest, len(ring_mm)):
-            farther = _through(closed[first : last + 2], within_mm)
-            if farther is None:
-                break
-            last, curve = last + 1, farther
-        assert curve is not None
-        found.append(curve)
-        first = last
-    return found
+    stretches = exact_curves(gear.tips, gear.sides)
+    placed = [one for stretch in stretches for one in _pieces(stretch, tolerance_mm)]
+    ordered = sorted(placed, key=lambda one: one.rank)
+    curves = [one.curve for one in ordered]
+    whole = _bridged(curves) if gear.flanks.equivalent else curves
+    return Contour(_joined(whole), max(one.deviation_mm for one in ordered))
 
 
-def _through(corners: Array, within: float) -> Line | Arc | None:
-    """The line or arc along the sides between corners (n, 2), if there is one."""
-    found = line_or_arc(corners, within)
-    if found is None or distances_mm(found[0], (corners[:-1] + corners[1:]) / 2.0).max() > 2.0 * within:
-        return None
-    return found[0]
+@dataclass(frozen=True, eq=False)
+class _Piece:
+    """A curve, its place along the outline, and how far it was found from the exact one."""
+
+    rank: float
+    curve: Curve
+    deviation_mm: float
+
+
+def _pieces(stretch: Stretch, tolerance: float) -> list[_Piece]:
+    """Every curve of a stretch that is long enough."""
+    probes = stretch.at(np.arange(stretch.owner.size)[:, None], LOOKED_AT)[0]
+    rows = np.nonzero(np.linalg.norm(np.diff(probes, axis=1), axis=2).sum(axis=1) > SHORTEST_MM)[0]
+    plain = {}
+    for row in rows:
+        found = line_or_arc(probes[row], SAME_MM)
+        if found is not None:
+            plain[int(row)] = _Piece(float(stretch.rank[row]), *found)
+    bent = np.setdiff1d(rows, list(plain))
+    splines = [
+        _Piece(float(stretch.rank[row]), Spline(group.knots, poles), float(deviation))
+        for group in fitted_splines(stretch, bent, tolerance)
+        for row, poles, deviation in zip(group.row, group.poles_mm, group.deviation_mm, strict=True)
+    ]
+    return [*plain.values(), *splines]
+
+
+def _bridged(curves: list[Curve]) -> list[Curve]:
+    """The curves with a line in each gap, where an outline has a chord.
+
+    Equivalent gears have gaps, since their flanks belong to other circles than the lands between them.
+    """
+    closed: list[Curve] = []
+    for one, after in zip(curves, [*curves[1:], curves[0]], strict=True):
+        closed.append(one)
+        if np.linalg.norm(after.start - one.end) > SHORTEST_MM:
+            closed.append(Line(one.end, after.start))
+    return closed
+
+
+def _joined(curves: list[Curve]) -> tuple[Curve, ...]:
+    """The curves, each ending exactly where the next begins."""
+    return tuple(_ending(one, after.start) for one, after in zip(curves, [*curves[1:], curves[0]], strict=True))
+
+
+def _ending(curve: Curve, end: Array) -> Curve:
+    """The curve with its end moved by a rounding error, or by as much as a curve that was left out."""
+    gap = float(np.linalg.norm(curve.end - end))
+    if not gap <= 2.0 * SHORTEST_MM:
+        raise RuntimeError(f"two curves of an outline are {gap:.3g} mm apart where they should meet")
+    if isinstance(curve, Spline):
+        return replace(curve, poles_mm=np.vstack([curve.poles_mm[:-1], end]))
+    return replace(curve, end=end)
 
 
 DEGREE = 3
 """Twice continuously differentiable, and what every program for solids works with."""
 
 SPANS = tuple(count for power in range(1, 10) for count in (2**power, 3 * 2 ** (power - 1)))
-"""Numbers of spans that are tried in turn, up to 768: a curve that takes more is no smooth curve."""
+"""Numbers of spans that are tried in turn, up to 768; a curve that takes more is not smooth."""
 
 PROBES = np.array([0.25, 0.5, 0.75])
-"""Shares of each span at which the spline is held against the curve: its error is largest near the middle."""
+"""Shares of each span at which the spline is compared with the curve; its error is largest near the middle."""
 
 INSIDE = np.array([1e-9, 1.0 - 1e-9])
-"""Shares at which slopes at the ends are taken: at a joint of the pitch curve itself the slope may be that of its other
-side, and so near to it a slope is wrong by a billionth."""
+"""Shares at which the slopes at both ends are taken.  At a joint of the pitch curve itself the slope may be that of the
+joint's other side; so near to it the slope is wrong by a billionth."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,114 +206,61 @@ def _interpolated(stretch: Stretch, rows: IndexArray, spans: int) -> Splines:
     return Splines(rows, spline.t, spline.c.swapaxes(0, 1), np.linalg.norm(apart, axis=2).max(axis=1))
 
 
-SAME_MM = 1e-7
-"""Distance at which programs for solids take two points as one: a curve this close to a line or a circle is one."""
+def line_or_arc(points_mm: Array, within_mm: float) -> tuple[Line | Arc, float] | None:
+    """The line or arc from the first to the last of points (n, 2), n >= 2, and how far the others are from it.
 
-SHORTEST_MM = 100.0 * SAME_MM
-"""Curves shorter than this are left out, and the next one's beginning is the last one's end: a face so narrow would be
-nothing but its own tolerances."""
-
-LOOKED_AT = np.linspace(0.0, 1.0, 9)
-"""Shares of a curve at which it is held against a line or a circle; it bends too little to wave between them."""
-
-
-@dataclass(frozen=True, eq=False)
-class Spline:
-    """A cubic B-spline: clamped knots (n + 4,), poles (n, 2) in mm."""
-
-    knots: Array
-    poles_mm: Array
-
-    @property
-    def start(self) -> Array:
-        """First point, shape (2,)."""
-        return np.asarray(self.poles_mm[0])
-
-    @property
-    def end(self) -> Array:
-        """Last point, shape (2,)."""
-        return np.asarray(self.poles_mm[-1])
-
-
-Curve = Line | Arc | Spline
-
-
-@dataclass(frozen=True, eq=False)
-class Contour:
-    """Curves one after the other round a gear, each beginning exactly where the last one ends.
-
-    ``deviation_mm`` is the largest distance found between points of them and of the exact curves.
+    None where neither passes all of them within a distance.
     """
-
-    curves: tuple[Curve, ...]
-    deviation_mm: float
-
-
-@dataclass(frozen=True, eq=False)
-class _Placed:
-    """A curve, its place along the outline, and how far it was found from the exact one."""
-
-    rank: float
-    curve: Curve
-    deviation_mm: float
+    start, middle, end = points_mm[0], points_mm[len(points_mm) // 2], points_mm[-1]
+    for curve in (Line(start, end), Arc(start, middle, end)):
+        if (off := float(distances_mm(curve, points_mm).max())) <= within_mm:
+            return curve, off
+    return None
 
 
-def contour_of(gear: ToothedGear, tolerance_mm: float) -> Contour:
-    """A gear's outline as curves within ``tolerance_mm`` of the exact ones, counter-clockwise or not.
+def distances_mm(curve: Line | Arc, points_mm: Array) -> Array:
+    """Distances of points (n, 2) from the whole line or circle, shape (n,); infinite where an arc has no circle."""
+    if isinstance(curve, Line):
+        chord = (curve.end - curve.start) / np.linalg.norm(curve.end - curve.start)
+        arm = points_mm - curve.start
+        return np.asarray(np.abs(chord[0] * arm[:, 1] - chord[1] * arm[:, 0]))
+    center, radius = _circle(curve)
+    return np.asarray(np.abs(np.linalg.norm(points_mm - center, axis=1) - radius))
 
-    Raises RuntimeError, a fault of ncgear, where a curve cannot be followed so, or does not begin where the last ends.
+
+def _circle(arc: Arc) -> tuple[Array, float]:
+    """Centre and radius of an arc's circle; a point infinitely far away where its points are in line."""
+    rows = np.array([arc.middle - arc.start, arc.end - arc.start])
+    if np.linalg.det(rows) == 0.0:
+        return np.full(2, np.inf), 0.0
+    arm = np.linalg.solve(rows, np.sum(rows**2, axis=1) / 2.0)
+    return arc.start + arm, float(np.linalg.norm(arm))
+
+
+def ring_of_arcs(ring_mm: Array, within_mm: float) -> list[Line | Arc]:
+    """A closed polygon (n, 2) as lines and arcs, each as long as it stays within a distance of all its corners.
+
+    They stay within twice that distance of the middles of its sides and so, taken as parabolas, within 17/8 of it
+    everywhere.  None takes more than a third of the corners, so that none turns by half a circle or more.
     """
-    stretches = exact_curves(gear.tips, gear.sides)
-    placed = [one for stretch in stretches for one in _placed(stretch, tolerance_mm)]
-    ordered = sorted(placed, key=lambda one: one.rank)
-    curves = [one.curve for one in ordered]
-    whole = _bridged(curves) if gear.flanks.equivalent else curves
-    return Contour(_joined(whole), max(one.deviation_mm for one in ordered))
+    closed, found, first = np.vstack([ring_mm, ring_mm[:1]]), [], 0
+    longest = max(1, len(ring_mm) // 3)
+    while first < len(ring_mm):
+        last, curve = first + 1, _through(closed[first : first + 2], within_mm)
+        while last < min(first + longest, len(ring_mm)):
+            farther = _through(closed[first : last + 2], within_mm)
+            if farther is None:
+                break
+            last, curve = last + 1, farther
+        assert curve is not None
+        found.append(curve)
+        first = last
+    return found
 
 
-def _placed(stretch: Stretch, tolerance: float) -> list[_Placed]:
-    """Every curve of a stretch that is long enough."""
-    probes = stretch.at(np.arange(stretch.owner.size)[:, None], LOOKED_AT)[0]
-    rows = np.nonzero(np.linalg.norm(np.diff(probes, axis=1), axis=2).sum(axis=1) > SHORTEST_MM)[0]
-    plain = {int(row): one for row in rows if (one := _plain(probes[row], float(stretch.rank[row])))}
-    return [*plain.values(), *_splines(stretch, np.setdiff1d(rows, list(plain)), tolerance)]
-
-
-def _plain(points: Array, rank: float) -> _Placed | None:
-    """The line or arc that a curve's points (n, 2) lie on; None where they lie on neither."""
-    found = line_or_arc(points, SAME_MM)
-    return found and _Placed(rank, *found)
-
-
-def _splines(stretch: Stretch, rows: IndexArray, tolerance: float) -> list[_Placed]:
-    return [
-        _Placed(float(stretch.rank[row]), Spline(group.knots, poles), float(deviation))
-        for group in fitted_splines(stretch, rows, tolerance)
-        for row, poles, deviation in zip(group.row, group.poles_mm, group.deviation_mm, strict=True)
-    ]
-
-
-def _bridged(curves: list[Curve]) -> list[Curve]:
-    """The curves with lines where they leave gaps, as outlines have chords: those of equivalent gears, whose flanks are
-    of other circles than the lands between them."""
-    pairs = zip(curves, [*curves[1:], curves[0]], strict=True)
-    return [part for one, after in pairs for part in (one, *_bridge(one.end, after.start))]
-
-
-def _bridge(end: Array, start: Array) -> list[Curve]:
-    return [Line(end, start)] if np.linalg.norm(start - end) > SHORTEST_MM else []
-
-
-def _joined(curves: list[Curve]) -> tuple[Curve, ...]:
-    """The curves with the end of each at the very beginning of the next."""
-    return tuple(_ending(one, after.start) for one, after in zip(curves, [*curves[1:], curves[0]], strict=True))
-
-
-def _ending(curve: Curve, end: Array) -> Curve:
-    """The curve with its end moved by a rounding error, or by as much as a curve that was left out."""
-    gap = float(np.linalg.norm(curve.end - end))
-    if not gap <= 2.0 * SHORTEST_MM:
-        raise RuntimeError(f"two curves of an outline are {gap:.3g} mm apart where they should meet")
-    if isinstance(curve, Spline):
-        return replace(curve, poles_mm=np.vstack([curve.poles_mm[:-1], end]))
-    return replace(curve, end=end)
+def _through(corners: Array, within: float) -> Line | Arc | None:
+    """The line or arc along the sides between corners (n, 2), if there is one."""
+    found = line_or_arc(corners, within)
+    if found is None or distances_mm(found[0], (corners[:-1] + corners[1:]) / 2.0).max() > 2.0 * within:
+        return None
+    return found[0]

@@ -1,4 +1,9 @@
-"""Spaces and tips of two gears fitted to each other: each gear's tips need the other's spaces, and conversely."""
+"""Spaces and tips of two gears fitted to each other, since each gear's tips need the other's spaces.
+
+A rack or a pinion cutter sets the depth of the spaces; tips are then as high as the mate's spaces allow.  Where the
+gears cut each other, tips are as high as regular flanks allow and do not foul the mate's on concave stretches; spaces
+are then as deep as the mate's tips reach.
+"""
 
 from __future__ import annotations
 
@@ -12,26 +17,27 @@ from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.curve import PitchCurve
 from ncgear.teeth.flank import CLEAR_OF_CUSPS, Flanks, mating_flanks, regular_depth
 from ncgear.teeth.form import WAYS, TipLimits
-from ncgear.teeth.fouling import Meeting, TipPaths, freed, paths_near_concave
+from ncgear.teeth.fouling import Mates, TipPaths, freed, paths_near_concave
 from ncgear.teeth.spaces import cut_spaces, mated_spaces
 from ncgear.teeth.tips import Bounds, Limit, Tips, fitted_tips, held_below, no_tip
 from ncgear.teeth.tool import PinionCircle
 
 FAR = 2.0
-"""Dedenda within which regular flanks are looked for when no tool sets the depth: deeper than any tip reaches."""
+"""Where no tool sets the depth, regular flanks are sought down to so many dedenda: deeper than any tip reaches."""
 
 BLUNT = 0.03
-"""Least land in modules of teeth that are tools as well: a quarter may be lost to its slope, the least flat is left."""
+"""Least land, in modules, of teeth that are tools as well: they may lose a quarter of it to the land's slope and still
+leave the least flat."""
 
 TURNS = 8
-"""Turns at being shortened before tips count as fouling whatever their height; three are the rule."""
+"""Turns of shortening one gear's tips after the other's, after which they count as fouling at any height; three do as a
+rule."""
 
-Both = tuple[Tips, Tips]
-Spaces = tuple[Array, Mask]
-"""Depths to which the spaces beside flanks may be cut, and which flanks are undercut at full depth."""
+PairTips = tuple[Tips, Tips]
+"""The driving and the driven gear's tips."""
 
 
-def fitted_pair(driving: Flanks, driven: Flanks, limits: TipLimits) -> Both:
+def fitted_pair(driving: Flanks, driven: Flanks, limits: TipLimits) -> PairTips:
     """Both gears with the heights and depths that their meeting allows, from flanks at full height and depth.
 
     Raises NoSuchMechanism, naming gear and tooth, where no tip or no space is left.
@@ -40,27 +46,58 @@ def fitted_pair(driving: Flanks, driven: Flanks, limits: TipLimits) -> Both:
     clearance = driving.rack.dedendum_mm - driving.rack.addendum_mm
     fit = _fitted_to_mates if isinstance(driving.tool, PitchCurve) else _fitted_to_cutter
     first, second = fit((driving, driven), (pairs, pairs[::-1]), limits, clearance)
-    return _met(first, second, pairs), _met(second, first, pairs[::-1])
+    return (
+        replace(first, met_depth_mm=_most(driving.count, pairs, second.height_mm)),
+        replace(second, met_depth_mm=_most(driven.count, pairs[::-1], first.height_mm)),
+    )
 
 
-def _met(own: Tips, mate: Tips, meeting: Meeting) -> Tips:
-    """Tips that know how deep their mates touch."""
-    return replace(own, met_depth_mm=_most(own.flanks.count, meeting, mate.height_mm))
+def _least(count: int, mates: Mates, of_mate: Array) -> Array:
+    """Least value over all mates of each flank, shape (count,)."""
+    least = np.full(count, np.inf)
+    np.minimum.at(least, mates[0], of_mate[mates[1]])
+    return least
+
+
+def _most(count: int, mates: Mates, of_mate: Array) -> Array:
+    """Greatest value over all mates of each flank, shape (count,)."""
+    return -_least(count, mates, -of_mate)
 
 
 def _fitted_to_cutter(
-    gears: tuple[Flanks, Flanks], meetings: tuple[Meeting, Meeting], limits: TipLimits, clearance: float
-) -> Both:
+    gears: tuple[Flanks, Flanks], mates: tuple[Mates, Mates], limits: TipLimits, clearance: float
+) -> PairTips:
     """Spaces as the cutter leaves them, then tips that fit into them."""
     (driving, undercut1), (driven, undercut2) = (cut_spaces(gear, limits.avoid_undercut) for gear in gears)
     tips = (
-        _tips_in(driving, driven, meetings[0], undercut1, undercut2, limits, clearance),
-        _tips_in(driven, driving, meetings[1], undercut2, undercut1, limits, clearance),
+        _tips_in(driving, driven, mates[0], undercut1, undercut2, limits, clearance),
+        _tips_in(driven, driving, mates[1], undercut2, undercut1, limits, clearance),
     )
-    return _held(tips, limits)
+    return _below_ceilings(tips, limits)
 
 
-def _held(tips: Both, limits: TipLimits) -> Both:
+def _tips_in(
+    own: Flanks,
+    mate: Flanks,
+    mates: Mates,
+    undercut: Mask,
+    mate_undercut: Mask,
+    limits: TipLimits,
+    clearance: float,
+) -> Tips:
+    """Tips that leave the clearance to the mate's roots and touch no deeper than the mate's flanks go."""
+    contact = _least(own.count, mates, mate.flank_depth_mm)
+    if isinstance(own.tool, PinionCircle):
+        # A pinion cutter's involute goes up to this height over the pitch curve: its base circle is at R sin^2(alpha).
+        contact = np.minimum(contact, own.tool.radius_mm * sin(own.rack.pressure_angle_rad) ** 2)
+    tip = _least(own.count, mates, mate.root_depth_mm) - clearance
+    # Rounding errors of the full depth must not count as a shorter tip.
+    tip = np.where(tip > own.tip_height_mm * (1.0 - 1e-9), np.inf, tip)
+    blamed = _least(own.count, mates, np.where(mate_undercut, 0.0, 1.0)) < 1.0
+    return fitted_tips(own, Bounds(contact, tip, blamed), undercut, limits.least_land_mm)
+
+
+def _below_ceilings(tips: PairTips, limits: TipLimits) -> PairTips:
     """Tips below the ceilings, if there are any."""
     if limits.ceilings is None:
         return tips
@@ -68,50 +105,32 @@ def _held(tips: Both, limits: TipLimits) -> Both:
     return driving, driven
 
 
-def _tips_in(
-    own: Flanks,
-    mate: Flanks,
-    meeting: Meeting,
-    undercut: Mask,
-    mate_undercut: Mask,
-    limits: TipLimits,
-    clearance: float,
-) -> Tips:
-    """Tips that leave the clearance to the mate's roots and touch no deeper than the mate's flanks go."""
-    contact = np.minimum(_least(own.count, meeting, mate.flank_depth_mm), _height_of_cutter(own))
-    tip = _least(own.count, meeting, mate.root_depth_mm) - clearance
-    # Rounding errors of the full depth must not count as a shorter tip.
-    tip = np.where(tip > own.tip_height_mm * (1.0 - 1e-9), np.inf, tip)
-    blamed = _least(own.count, meeting, np.where(mate_undercut, 0.0, 1.0)) < 1.0
-    return fitted_tips(own, Bounds(contact, tip, blamed), undercut, limits.least_land_mm)
-
-
-def _height_of_cutter(own: Flanks) -> float:
-    """Height over the pitch line up to which a pinion cutter's involute goes: its base circle is at R sin^2(alpha)."""
-    if not isinstance(own.tool, PinionCircle):
-        return np.inf
-    return own.tool.radius_mm * sin(own.rack.pressure_angle_rad) ** 2
+Spaces = tuple[Array, Mask]
+"""Depths to which the spaces beside flanks may be cut, and which flanks are undercut at full depth."""
 
 
 def _fitted_to_mates(
-    gears: tuple[Flanks, Flanks], meetings: tuple[Meeting, Meeting], limits: TipLimits, clearance: float
-) -> Both:
+    gears: tuple[Flanks, Flanks], mates: tuple[Mates, Mates], limits: TipLimits, clearance: float
+) -> PairTips:
     """Tips as high as regular flanks allow, then spaces as deep as the mates' tips reach.
 
-    Where tips foul each other on concave stretches, shortening one gear's or the other's, with or without raised tips,
-    leaves different contact: the best is kept.
+    Where tips foul each other on concave stretches, the contact that is left depends on whose tips are shortened, and
+    on whether tips are raised first: the best way is kept.
     """
     regular = (_regular_spaces(gears[0], limits.avoid_undercut), _regular_spaces(gears[1], limits.avoid_undercut))
-    plain = _regular_tips(gears, regular, meetings, limits)
-    raised = (_raised(gears[0], plain[1], meetings[0]), _raised(gears[1], plain[0], meetings[1]))
-    paths = _paths(gears, meetings)
-    found: list[Both] = []
+    plain = _regular_tips(gears, regular, mates, limits)
+    raised = (_raised(gears[0], plain[1], mates[0]), _raised(gears[1], plain[0], mates[1]))
+    paths = None
+    if min(gear.curve.curvature_bounds[0] for gear in gears) < 0.0:
+        paths = (paths_near_concave(*gears, mates[0]), paths_near_concave(*gears[::-1], mates[1]))
+    found: list[PairTips] = []
     refusals: list[NoSuchMechanism] = []
     for way in WAYS if limits.way is None else (limits.way,):
         try:
-            tips = _regular_tips(raised, regular, meetings, limits) if way.raised else plain
+            tips = _regular_tips(raised, regular, mates, limits) if way.raised else plain
             free = _freed(tips, paths, way.first)
-            found.append(_cleared(_held(free, limits), meetings, clearance))
+            first, second = _below_ceilings(free, limits)
+            found.append((_deepened(first, second, mates[0], clearance), _deepened(second, first, mates[1], clearance)))
         except NoSuchMechanism as refusal:
             refusals.append(refusal)
             continue
@@ -122,26 +141,42 @@ def _fitted_to_mates(
     return max(found, key=least_overlap)
 
 
-def _cleared(tips: Both, meetings: tuple[Meeting, Meeting], clearance: float) -> Both:
-    """Both gears with spaces for each other's tips."""
-    return (
-        _deepened(tips[0], tips[1], meetings[0], clearance),
-        _deepened(tips[1], tips[0], meetings[1], clearance),
-    )
+def _regular_spaces(gear: Flanks, avoid_undercut: bool) -> Spaces:
+    """Depths to which spaces may be cut, and which flanks are undercut at the rack's full depth."""
+    far = FAR * gear.rack.dedendum_mm
+    regular = regular_depth(gear, far)
+    allowed = np.where(regular < far, CLEAR_OF_CUSPS * regular, far)
+    return (allowed if avoid_undercut else np.full(gear.count, far)), regular < gear.flank_depth_mm
 
 
-def _paths(gears: tuple[Flanks, Flanks], meetings: tuple[Meeting, Meeting]) -> tuple[TipPaths, TipPaths] | None:
-    """TipPaths on which each gear's tips can foul the other's; none of convex gears."""
-    driving, driven = gears
-    if min(driving.curve.curvature_bounds[0], driven.curve.curvature_bounds[0]) >= 0.0:
-        return None
-    return paths_near_concave(driving, driven, meetings[0]), paths_near_concave(driven, driving, meetings[1])
+def _regular_tips(
+    gears: tuple[Flanks, Flanks], regular: tuple[Spaces, Spaces], mates: tuple[Mates, Mates], limits: TipLimits
+) -> PairTips:
+    """Tips that meet regular flanks only."""
+    tips = []
+    for number, own in enumerate(gears):
+        allowed, undercut = regular[1 - number]
+        contact = _least(own.count, mates[number], allowed)
+        blamed = _least(own.count, mates[number], np.where(undercut, 0.0, 1.0)) < 1.0
+        bounds = Bounds(contact, np.full(own.count, np.inf), blamed)
+        land = max(limits.least_land_mm, BLUNT * own.rack.module_mm)
+        tips.append(fitted_tips(own, bounds, regular[number][1], land))
+    return tips[0], tips[1]
 
 
-def _freed(tips: Both, paths: tuple[TipPaths, TipPaths] | None, first: int) -> Both:
-    """Tips that do not foul each other, those of the gear numbered ``first`` shortened rather than the other's.
+def _raised(own: Flanks, mate: Tips, mates: Mates) -> Flanks:
+    """The gear with tips longer by as much as the mate's tips have lost against undercut, to lose less contact."""
+    short = np.where(mate.limit == Limit.UNDERCUT, mate.flanks.rack.tip_height_mm - mate.flanks.tip_height_mm, 0.0)
+    missing = _most(own.count, mates, short)
+    # Contact passes from tooth to tooth: a tip also makes up for what the next tooth's pair has lost.
+    most = np.max([np.roll(missing, shift) for shift in range(-2, 3)], axis=0)
+    return replace(own, tip_height_mm=own.tip_height_mm + most)
 
-    The same pair where none does.  Raises NoSuchMechanism, naming the tooth, where that leaves no tip.
+
+def _freed(tips: PairTips, paths: tuple[TipPaths, TipPaths] | None, first: int) -> PairTips:
+    """Tips that do not foul each other, the tips of the gear numbered ``first`` being shortened first.
+
+    The very same pair where none fouls.  Raises NoSuchMechanism, naming the tooth, where that leaves no tip.
     """
     if paths is None:
         return tips
@@ -157,64 +192,20 @@ def _freed(tips: Both, paths: tuple[TipPaths, TipPaths] | None, first: int) -> B
     raise no_tip(worst.flanks, int(np.argmax(worst.limit == Limit.FOULING)))
 
 
-def least_overlap(tips: Both) -> float:
-    """Least rolled length, times sin(alpha) cos(alpha), by which a pair of flanks meets before the one ahead parts.
-
-    On front flanks contact runs from the driving tip, h / (sin(alpha) cos(alpha)) before the crossing, to the driven
-    tip's height after it; on back flanks the other way round.
-    """
-    meeting = mating_flanks(tips[0].flanks.count // 2, tips[1].flanks.count // 2)
-    front, back = (tip.height_mm[flank].reshape(2, -1) for tip, flank in zip(tips, meeting, strict=True))
-    return float(min(np.min(back[0] + np.roll(front[0], -1)), np.min(front[1] + np.roll(back[1], -1))))
-
-
-def _raised(own: Flanks, mate: Tips, meeting: Meeting) -> Flanks:
-    """The gear with tips longer by what is missing of the mate's against undercut, so that less contact is lost."""
-    short = np.where(mate.limit == Limit.UNDERCUT, mate.flanks.rack.tip_height_mm - mate.flanks.tip_height_mm, 0.0)
-    missing = _most(own.count, meeting, short)
-    # Contact passes from tooth to tooth: a tip makes up for what the next tooth's pair has lost, too.
-    most = np.max([np.roll(missing, shift) for shift in range(-2, 3)], axis=0)
-    return replace(own, tip_height_mm=own.tip_height_mm + most)
-
-
-def _regular_tips(
-    gears: tuple[Flanks, Flanks], regular: tuple[Spaces, Spaces], meetings: tuple[Meeting, Meeting], limits: TipLimits
-) -> Both:
-    """Tips that meet regular flanks only."""
-    tips = []
-    for number, own in enumerate(gears):
-        allowed, undercut = regular[1 - number]
-        contact = _least(own.count, meetings[number], allowed)
-        blamed = _least(own.count, meetings[number], np.where(undercut, 0.0, 1.0)) < 1.0
-        bounds = Bounds(contact, np.full(own.count, np.inf), blamed)
-        land = max(limits.least_land_mm, BLUNT * own.rack.module_mm)
-        tips.append(fitted_tips(own, bounds, regular[number][1], land))
-    return tips[0], tips[1]
-
-
-def _regular_spaces(gear: Flanks, avoid_undercut: bool) -> tuple[Array, Mask]:
-    """Depths to which spaces may be cut, and which flanks are undercut at the rack's full depth."""
-    far = FAR * gear.rack.dedendum_mm
-    regular = regular_depth(gear, far)
-    allowed = np.where(regular < far, CLEAR_OF_CUSPS * regular, far)
-    return (allowed if avoid_undercut else np.full(gear.count, far)), regular < gear.flank_depth_mm
-
-
-def _deepened(own: Tips, mate: Tips, meeting: Meeting, clearance: float) -> Tips:
-    """The gear with spaces for its mate's tips, rounded where they end: by so much that the clearance is left."""
+def _deepened(own: Tips, mate: Tips, mates: Mates, clearance: float) -> Tips:
+    """The gear with spaces for its mate's tips, rounded at the bottom by so much that the clearance is left."""
     rack = own.flanks.rack
-    touched = _most(own.flanks.count, meeting, mate.height_mm)
+    touched = _most(own.flanks.count, mates, mate.height_mm)
     radius = max(rack.root_radius_mm, clearance / (1.0 - sin(rack.pressure_angle_rad)))
     return replace(own, flanks=mated_spaces(own.flanks, touched, radius))
 
 
-def _least(count: int, meeting: Meeting, of_mate: Array) -> Array:
-    """Least value over all mates of each flank, shape (count,)."""
-    least = np.full(count, np.inf)
-    np.minimum.at(least, meeting[0], of_mate[meeting[1]])
-    return least
+def least_overlap(tips: PairTips) -> float:
+    """Least rolled length, times sin(alpha) cos(alpha), by which a pair of flanks meets before the pair ahead parts.
 
-
-def _most(count: int, meeting: Meeting, of_mate: Array) -> Array:
-    """Greatest value over all mates of each flank, shape (count,)."""
-    return -_least(count, meeting, -of_mate)
+    On front flanks contact runs from the driving tip, h / (sin(alpha) cos(alpha)) before the crossing, to the driven
+    tip's height after it; on back flanks the other way round.
+    """
+    mates = mating_flanks(tips[0].flanks.count // 2, tips[1].flanks.count // 2)
+    front, back = (tip.height_mm[flank].reshape(2, -1) for tip, flank in zip(tips, mates, strict=True))
+    return float(min(np.min(back[0] + np.roll(front[0], -1)), np.min(front[1] + np.roll(back[1], -1))))

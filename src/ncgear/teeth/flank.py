@@ -48,11 +48,11 @@ FLANK, FILLET = 0, 1
 class Flanks:
     """All flanks of a gear in the order of arc length: back and front flank of tooth 1, of tooth 2, and so on.
 
-    ``crossing_mm`` (shape (2 z,)) is where each crosses the pitch curve, ``side`` is -1 for back and +1 for front;
-    ``tip_height_mm`` (shape (2 z,)) is the distance of the tip land from the pitch curve, ``flank_depth_mm`` the height
-    below the rack's pitch line at which the flank passes into its fillet, left by ``tool`` with a tip rounded by
-    ``root_radius_mm``.  ``equivalent`` takes each flank from the circle of curvature at its crossing instead of from
-    the pitch curve.
+    The arrays have shape (2 z,), z being the number of teeth.  ``crossing_mm`` is the arc length at which a flank
+    crosses the pitch curve; ``side`` is -1 for back and +1 for front flanks.  ``tip_height_mm`` is the distance of the
+    tip land from the pitch curve; ``flank_depth_mm`` is the depth below the rack's pitch line at which the flank passes
+    into its fillet.  The fillet is left by ``tool``, with a tip rounded by ``root_radius_mm``.  With ``equivalent``
+    flanks roll on the circle of curvature at their crossing instead of on the pitch curve.
     """
 
     curve: PitchCurve

@@ -86,17 +86,17 @@ class BasicRack:
 
     @property
     def thinning_mm(self) -> float:
-        """What the backlash takes off this gear's tooth thickness on the pitch curve."""
+        """How much thinner the backlash makes this gear's teeth on the pitch curve."""
         return self.backlash_mm / (2.0 * cos(self.pressure_angle_rad))
 
     @property
     def loaded_half_width_mm(self) -> float:
-        """From the middle of the pitch to the flank that carries, along the pitch curve: no backlash is taken there."""
+        """From the middle of a tooth to its loaded flank along the pitch curve; no backlash is taken off that flank."""
         return self.pitch_mm / 4.0 + self.shift_mm * tan(self.pressure_angle_rad)
 
     @property
     def idle_half_width_mm(self) -> float:
-        """The same to the idle flank, which the backlash has thinned."""
+        """From the middle of a tooth to its idle flank along the pitch curve; backlash is taken off that flank."""
         return self.loaded_half_width_mm - self.thinning_mm
 
     @property
@@ -106,7 +106,7 @@ class BasicRack:
 
     @property
     def rounding_height_mm(self) -> float:
-        """What the rounding takes of the cutter tooth's height: from the end of its straight flank to its tip."""
+        """Height of the cutter tooth's rounding, from the end of its straight flank to its tip."""
         return self.root_radius_mm * (1.0 - sin(self.pressure_angle_rad))
 
     @property
@@ -116,14 +116,14 @@ class BasicRack:
 
     @property
     def tip_half_width_mm(self) -> float:
-        """Half the flat of the cutter's tip: where the rounding's centre stands from the cutter tooth's middle."""
+        """Half the flat of the cutter's tip: the distance of the rounding's centre from the cutter tooth's middle."""
         angle = self.pressure_angle_rad
         half_width = self.pitch_mm / 2.0 - self.tooth_half_width_mm
         return half_width - (self.dedendum_mm - self.root_radius_mm) * tan(angle) - self.root_radius_mm / cos(angle)
 
     @property
     def largest_root_radius_mm(self) -> float:
-        """Root radius at which the flat of the cutter's tip vanishes."""
+        """Root radius at which the cutter's tip has no flat left."""
         angle = self.pressure_angle_rad
         half_width = self.pitch_mm / 2.0 - self.tooth_half_width_mm
         return (half_width - self.dedendum_mm * tan(angle)) / (1.0 / cos(angle) - tan(angle))

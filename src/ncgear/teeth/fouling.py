@@ -24,7 +24,7 @@ from ncgear.teeth.flank import Flanks, tooth_name
 from ncgear.teeth.tips import Limit, Tips, even_heights, no_tip, tip_crossing
 from ncgear.teeth.tool import PinionCircle
 
-Meeting = tuple[IndexArray, IndexArray]
+Mates = tuple[IndexArray, IndexArray]
 """Numbers of a gear's own flanks and of the mate's flanks that they meet."""
 
 CLEAR = 1.5
@@ -41,7 +41,7 @@ STEPS, FLANK_POINTS = 32, 33
 """Points of a tip's path per pitch, and of a flank: chords stray by less than a five-thousandth of a module."""
 
 ASIDE = 0.02
-"""Share of a flank's height, from the pitch curve outwards, that is left out: there the flanks touch as they should."""
+"""Share of a flank's height, next to the pitch curve, that is left out: there flanks touch as they should."""
 
 HALVINGS = 14
 """Halvings of the interval in which a tip's height is sought: to a 16 000th of it."""
@@ -72,7 +72,7 @@ class TipPaths:
         return TipPaths(self.own[rows], self.other[rows], self.at.kept(rows), self.there.kept(rows))
 
     def in_mate(self, edge: Array) -> Array:
-        """Paths of the flanks' edges (shape (meetings, 2)) in the mate's frame, shape (meetings, points, 2)."""
+        """Paths of edges, given by points of shape (meetings, 2), in the mate's frame; shape (meetings, points, 2)."""
         arm = edge[:, None, :] - self.at.position
         along, outwards = np.sum(arm * self.at.tangent, axis=2), np.sum(arm * self.at.normal, axis=2)
         path: Array = self.there.position
@@ -80,13 +80,13 @@ class TipPaths:
         return path
 
 
-def paths_near_concave(own: Flanks, mate: Flanks, meeting: Meeting) -> TipPaths:
+def paths_near_concave(own: Flanks, mate: Flanks, mates: Mates) -> TipPaths:
     """The paths within reach of a concave stretch of either curve; tips foul nowhere else."""
     reach, pitch = _reach_mm(own, mate), own.rack.pitch_mm
     rolled = np.linspace(-reach, reach, 2 * ceil(STEPS * reach / pitch) + 1)
-    sigma = own.crossing_mm[meeting[0]][:, None] + rolled
+    sigma = own.crossing_mm[mates[0]][:, None] + rolled
     at, there = own.curve.at_length(sigma), mate.curve.at_length(sigma)
-    paths = TipPaths(*meeting, at, there)
+    paths = TipPaths(*mates, at, there)
     return paths.at_rows(np.any((at.curvature < 0.0) | (there.curvature < 0.0), axis=1))
 
 
@@ -104,7 +104,7 @@ def _reach_mm(own: Flanks, mate: Flanks) -> float:
 
 
 def _parted_mm(own: Flanks, mate: Flanks, met: Array, rolled: Array) -> Array:
-    """Distances of points of the pitch curves that met at arc lengths, after rolling on; shape (met, rolled)."""
+    """How far points of both pitch curves that met at arc lengths are apart after rolling on; shape (met, rolled)."""
     sigma, apart = met[:, None] + rolled, []
     for flanks in (own, mate):
         at, here = flanks.curve.at_length(sigma), as_complex(flanks.curve.at_length(met).position)
@@ -152,7 +152,7 @@ def _fouling(flanks: Flanks, top: Array, paths: TipPaths, teeth: Array) -> Mask:
 
 
 def _upper_teeth(gear: Tips) -> Array:
-    """What stands of a gear's teeth above the pitch curve: back flank, land, front flank; shape (z, points, 2)."""
+    """The teeth of a gear above the pitch curve, up the back flank and down the front flank; shape (z, points, 2)."""
     share = np.linspace(ASIDE, 1.0, FLANK_POINTS)
     upper = gear.flanks.flank(np.arange(gear.flanks.count)[:, None], gear.height_mm[:, None] * share)[0]
     return np.concatenate([upper[::2], upper[1::2, ::-1]], axis=1)

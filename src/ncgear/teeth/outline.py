@@ -1,6 +1,6 @@
-"""Whether an outline is a simple polygon: the last look at what no single tooth's side can see.
+"""The closed outline of a gear, sampled from its exact curves to a chord tolerance.
 
-The closed outline of a gear, sampled from its exact curves to a chord tolerance.
+The last check is whether the outline is a simple polygon: it sees what no single tooth's side can show.
 """
 
 from __future__ import annotations
@@ -22,36 +22,13 @@ from ncgear.teeth.flank import FILLET, FLANK, Flanks
 from ncgear.teeth.sides import Sides
 from ncgear.teeth.tips import Tips
 
-REMEDY = "more teeth, a smaller addendum or dedendum, or a less uneven ratio avoids that"
-
-
-def simple_polygon(outline_mm: Array, key: str) -> Polygon:
-    """The polygon of an outline in mm, shape (n, 2).
-
-    Raises NoSuchMechanism for ``key``, naming the place, where the outline crosses itself: both sides of one space may
-    meet where the pitch curve is deeply concave.
-    """
-    polygon = Polygon(outline_mm)
-    if not polygon.is_valid:
-        raise NoSuchMechanism(f"the tooth outline crosses itself{_place(polygon)}; {REMEDY}", key=key)
-    return polygon
-
-
-def _place(polygon: Polygon) -> str:
-    """Where a polygon is invalid, as far as GEOS says: its reason reads ``Self-intersection[x y]``."""
-    numbers = re.findall(r"-?\d[\d.e+-]*", shapely.is_valid_reason(polygon))
-    if len(numbers) < 2:
-        return ""
-    x, y = float(numbers[0]), float(numbers[1])
-    return f" at x = {x:.5g} mm, y = {y:.5g} mm (polar angle {degrees(atan2(y, x)):.4g} deg in the gear's frame)"
-
 
 @dataclass(frozen=True)
 class ChordTolerance:
     """How far chords may stray from the exact curve: on the working flanks, and on fillets and lands.
 
-    Flanks may be ``straddling``: their chords then stray to both sides, which takes fewer of them by the square root of
-    2, but flanks that touch overlap by as much as they gape.
+    With ``straddling`` the chords of flanks stray to both sides.  That takes fewer of them by the square root of 2, but
+    flanks that touch then overlap as much as they gape.
     """
 
     flanks_mm: float
@@ -62,21 +39,27 @@ class ChordTolerance:
 def outline_points(tips: Tips, sides: Sides, chords: ChordTolerance) -> Array:
     """The outline in mm, shape (n, 2), counter-clockwise, first point not repeated.
 
-    No chord is farther from the exact curve than its tolerance; points are on it, but for those of straddling flanks.
+    No chord strays farther from the exact curve than its tolerance.  The points are on the curve, but for those of
+    straddling flanks.
     """
     flanks = tips.flanks
-    working, others = _stretches(tips, sides)
+    runs, *others = whole_curves(tips, sides)
+    # A flank works no deeper than its mate reaches.
+    parts = parted(runs, -tips.met_depth_mm[runs.owner])
+    works = (parts.start + parts.end) / 2.0 > -tips.met_depth_mm[parts.owner]
     on_flanks = straddled if chords.straddling else sampled
-    found = [on_flanks(_real(flanks, working), chords.flanks_mm)]
-    found += [sampled(_real(flanks, other), chords.elsewhere_mm) for other in others]
+    found = [on_flanks(_real(flanks, parts.kept(works)), chords.flanks_mm)]
+    found += [sampled(_real(flanks, other), chords.elsewhere_mm) for other in (parts.kept(~works), *others)]
     points, keys = (np.concatenate(parts) for parts in zip(*found, strict=True))
     outline = points[np.argsort(keys, kind="stable")]
     return outline[::-1] if signed_area(outline) < 0.0 else outline
 
 
 def exact_curves(tips: Tips, sides: Sides) -> list[Stretch]:
-    """All curves of the outline in the sense of growing arc length, each smooth: whole between its corners, the joints
-    of the pitch curve and the beginning of a tip relief."""
+    """All curves of the outline in the sense of growing arc length, each of them smooth.
+
+    They are cut at the outline's corners, at the joints of the pitch curve and where a tip relief begins.
+    """
     flanks = tips.flanks
     runs, *others = whole_curves(tips, sides)
     if flanks.rack.relief is not None:
@@ -85,28 +68,16 @@ def exact_curves(tips: Tips, sides: Sides) -> list[Stretch]:
 
 
 def whole_curves(tips: Tips, sides: Sides) -> list[Stretch]:
-    """All curves of the outline, whole between its corners: flanks, fillets, tip lands and root lands."""
-    return [_side_runs(tips.flanks, sides, FLANK), *_off_flanks(tips, sides)]
+    """All curves of the outline, whole between its corners: flanks, fillets, tip lands, root lands, in this order."""
+    flanks = tips.flanks
+    sides_runs = [_side_runs(flanks, sides, kind) for kind in (FLANK, FILLET)]
+    return [*sides_runs, _tip_lands(flanks, sides), _root_lands(flanks, sides)]
 
 
 def _real(flanks: Flanks, stretch: Stretch) -> Stretch:
     """The stretch without empty curves, cut at the joints of the pitch curve."""
     real = stretch.kept(np.abs(stretch.end - stretch.start) > 1e-12 * flanks.rack.module_mm)
     return split(real, flanks.curve.joints_around_mm)
-
-
-def _stretches(tips: Tips, sides: Sides) -> tuple[Stretch, list[Stretch]]:
-    """What works of the flanks, and all other curves: a flank works no deeper than its mate reaches."""
-    runs = _side_runs(tips.flanks, sides, FLANK)
-    parts = parted(runs, -tips.met_depth_mm[runs.owner])
-    works = (parts.start + parts.end) / 2.0 > -tips.met_depth_mm[parts.owner]
-    return parts.kept(works), [parts.kept(~works), *_off_flanks(tips, sides)]
-
-
-def _off_flanks(tips: Tips, sides: Sides) -> list[Stretch]:
-    """Fillets, tip lands and root lands."""
-    flanks = tips.flanks
-    return [_side_runs(flanks, sides, FILLET), _tip_lands(flanks, sides), _root_lands(flanks, sides)]
 
 
 def _side_runs(flanks: Flanks, sides: Sides, kind: int) -> Stretch:
@@ -124,10 +95,10 @@ def _side_runs(flanks: Flanks, sides: Sides, kind: int) -> Stretch:
 
 
 def _tip_lands(flanks: Flanks, sides: Sides) -> Stretch:
-    """From each tooth's back to its front flank, after the last run of the back.
+    """From each tooth's back flank to its front flank, after the last run of the back flank.
 
-    Its height over the pitch curve changes evenly from one flank's end to the other's: parallel where they are equal,
-    and no jump where, from section to section of helical teeth, they cease to be.
+    A land's height over the pitch curve changes evenly from one flank's end to the other's: the land is parallel to the
+    curve where both are equal, and does not jump where they cease to be equal from section to section of helical teeth.
     """
     back = np.arange(0, flanks.count, 2)
     start, end = sides.tip_mm[back], sides.tip_mm[back + 1]
@@ -143,7 +114,7 @@ def _tip_lands(flanks: Flanks, sides: Sides) -> Stretch:
 
 
 def _root_lands(flanks: Flanks, sides: Sides) -> Stretch:
-    """From each tooth's front flank to the next one's back, after the last run of the front."""
+    """From each tooth's front flank to the next tooth's back flank, after the last run of the front flank."""
     start, end = sides.roots.lands()
     return _lands(
         lambda flank, sigma: sides.roots.land(flank // 2, sigma), sides, np.arange(1, flanks.count, 2), start, end
@@ -153,7 +124,31 @@ def _root_lands(flanks: Flanks, sides: Sides) -> Stretch:
 def _lands(
     curve: Callable[[IndexArray, Array], tuple[Array, Array]], sides: Sides, owner: IndexArray, start: Array, end: Array
 ) -> Stretch:
-    """Lands after the last runs of their owners, every other flank."""
+    """Lands that follow the last runs of their owners, which are every other flank."""
     last_run = np.searchsorted(sides.owner, owner, side="right") - 1
     rank, rolled = np.asarray(4.0 * last_run + 1.0, dtype=float), np.array([start, end])
     return Stretch(curve, owner, start, end, rolled, rank, np.ones(rank.size))
+
+
+REMEDY = "more teeth, a smaller addendum or dedendum, or a less uneven ratio avoids that"
+
+
+def simple_polygon(outline_mm: Array, key: str) -> Polygon:
+    """The polygon of an outline in mm, shape (n, 2).
+
+    Raises NoSuchMechanism for ``key``, naming the place, where the outline crosses itself: both sides of one space may
+    meet where the pitch curve is deeply concave.
+    """
+    polygon = Polygon(outline_mm)
+    if not polygon.is_valid:
+        raise NoSuchMechanism(f"the tooth outline crosses itself{_place(polygon)}; {REMEDY}", key=key)
+    return polygon
+
+
+def _place(polygon: Polygon) -> str:
+    """The place at which a polygon is invalid, if GEOS tells it: its reason reads ``Self-intersection[x y]``."""
+    numbers = re.findall(r"-?\d[\d.e+-]*", shapely.is_valid_reason(polygon))
+    if len(numbers) < 2:
+        return ""
+    x, y = float(numbers[0]), float(numbers[1])
+    return f" at x = {x:.5g} mm, y = {y:.5g} mm (polar angle {degrees(atan2(y, x)):.4g} deg in the gear's frame)"

@@ -167,7 +167,7 @@ def trimmed_sides(flanks: Flanks, sides: Sides, irregular: Mask) -> Sides:
 
 @dataclass(frozen=True, eq=False)
 class _Trimmed:
-    """What is left of paths: runs of curves (shape (runs,)), and which paths fold."""
+    """The runs of curves that are left of paths, shape (runs,), and which paths still fold."""
 
     row: IndexArray
     kind: IndexArray

@@ -135,6 +135,7 @@ def _largest_fitting(flats: Callable[[Array, IndexArray], Array], most_mm: Array
 
 
 def _pointed(flanks: Flanks, flank: int) -> NoSuchMechanism:
+    """The error for a tool's tooth that is pointed before it is as deep as the space beside a flank."""
     if not isinstance(flanks.tool, PinionCircle):
         return no_root(flanks, flank, "the mate's tooth is pointed before its depth")
     return NoSuchMechanism(
@@ -145,7 +146,7 @@ def _pointed(flanks: Flanks, flank: int) -> NoSuchMechanism:
 
 
 def no_root(flanks: Flanks, flank: int, problem: str) -> NoSuchMechanism:
-    """The refusal of the space beside a flank."""
+    """The error for a space that cannot be cut, named by a flank beside it."""
     return NoSuchMechanism(
         f"the space beside {tooth_name(flanks, flank)} cannot be cut: {problem}; more teeth of a smaller module are "
         "needed",

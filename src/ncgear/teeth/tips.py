@@ -1,8 +1,8 @@
 """How high tips can be, tooth by tooth, so that what is left of the flanks is exact, free and not pointed.
 
-A tip is shortened where its flank would end in a cusp (concave stretch), where it would reach deeper into the mate's
-space than the mate's flank is regular (it would undercut it) or than it is cut (it would foul the fillet: secondary
-interference), and where its land would be narrower than asked for.
+A tip is shortened where its flank would end in a cusp (on a concave stretch), where it would reach deeper into the
+mate's space than the mate's flank is regular (it would undercut the mate) or than the space is cut (it would foul the
+fillet: secondary interference), and where its land would be narrower than asked for.
 """
 
 from __future__ import annotations
@@ -24,24 +24,24 @@ AGREEMENT = 1e-11
 """Distance, in modules, at which two curves count as meeting: about 1000 rounding errors of a gear of 20 modules."""
 
 START = 0.5
-"""Share of the tip's height from which the contact's height is sought: from below, since on concave stretches a flank
-comes to the same height again beyond its cusp."""
+"""Share of the tip's height at which the search for the contact's height starts: from below, since on concave stretches
+a flank comes to the same height again beyond its cusp."""
 
 PROBES = 17
-"""Places on the way to a crossing at which the flank is seen to be regular; fitted tips are held to the exact cusp."""
+"""Places on the way to a crossing at which the flank must be regular; fitted tips are held to the exact cusp."""
 
 FAR = 3.0
-"""Tip heights up to which flanks are followed; they lean so much that they reach the tip land before."""
+"""Flanks are followed up to so many tip heights; they lean so much that they reach the tip land before."""
 
 LOWEST = 0.05
-"""Share of a pointed tip's height above which the height of the least land is sought."""
+"""Share of a pointed tip's height at which the search for the height of the least land begins."""
 
 MOST_SLOPE = 0.25
-"""Largest rise from edge to edge of a tip, in widths of its land when level: beyond it the higher edge is sharp."""
+"""Largest rise from edge to edge of a tip, in widths of its level land: beyond it the higher edge would be sharp."""
 
 
 class Limit(IntEnum):
-    """What a tooth's tip height is limited by; the greater number is the sharper reason when two hold."""
+    """What limits the height of a tooth's tip; of two reasons the one with the greater number is the sharper."""
 
     FULL = 0
     SLOPE = 1
@@ -55,9 +55,10 @@ class Limit(IntEnum):
 
 @dataclass(frozen=True, eq=False)
 class Bounds:
-    """What the mate allows each flank, shape (2 z,): contact height over the pitch line, and height of the tip land.
+    """What the mate allows each flank, shape (2 z,).
 
-    ``undercut`` marks flanks whose bound comes from a mate that a tool of full depth would undercut.
+    ``contact_mm`` is the greatest height of contact over the pitch line, ``tip_mm`` that of the tip land; ``undercut``
+    marks flanks whose bound comes from a mate that a tool of full depth would undercut.
     """
 
     contact_mm: Array
@@ -70,8 +71,8 @@ class Tips:
     """Where the tips of all flanks end, and why; shape (2 z,).
 
     ``height_mm`` is the contact's height over the pitch line at the end of the flank, ``at_mm`` the arc length under
-    the tip's edge, ``limit`` a number of ``Limit``; ``undercut`` marks flanks that a tool of full depth undercuts;
-    ``met_depth_mm`` is how far below the pitch line the mates' tips touch each flank.
+    the tip's edge, and ``limit`` the ``Limit`` of the tip's height.  ``undercut`` marks flanks that a tool of full
+    depth undercuts.  ``met_depth_mm`` is how far below the pitch line the mates' tips touch each flank.
     """
 
     flanks: Flanks
@@ -85,7 +86,7 @@ class Tips:
 def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: float) -> Tips:
     """Tips at the greatest heights that all bounds allow.
 
-    Raises NoSuchMechanism, naming the tooth, where none is left.
+    Raises NoSuchMechanism, naming the tooth, where no tip is left.
     """
     height = np.minimum(flanks.tip_height_mm, bounds.tip_mm)
     reason = np.where(bounds.undercut, Limit.UNDERCUT, Limit.FILLET)
@@ -108,9 +109,9 @@ def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: f
 
 
 def held_below(tips: Tips, ceiling_mm: Array) -> Tips:
-    """The tips, lowered where they are over a ceiling, shape (2 z,); what lower tips may do, the higher ones might.
+    """The tips, lowered to a ceiling, shape (2 z,).  Lower tips need no new bounds: they stay within the old ones.
 
-    Raises NoSuchMechanism, naming the tooth, where none is left.
+    Raises NoSuchMechanism, naming the tooth, where no tip is left.
     """
     full = tips.flanks.tip_height_mm
     height = even_heights(tips.flanks, np.minimum(full, ceiling_mm))
@@ -138,18 +139,13 @@ def _lowered(flanks: Flanks, allowed: Array) -> Array:
     chosen = np.nonzero(~met | (top > allowed))[0]
     if not chosen.size:
         return height
-    lowered = height.copy()
-    lowered[chosen] = np.minimum(height[chosen], _distance(flanks, chosen, allowed[chosen]))
-    return lowered
-
-
-def _distance(flanks: Flanks, flank: IndexArray, height: Array) -> Array:
-    """Distance from the pitch curve of the points where flanks touch at heights; shapes (n,)."""
-    distance = _foot(flanks, flank, height)[1]
+    distance = _foot(flanks, chosen, allowed[chosen])[1]
     lost = np.nonzero(np.isnan(distance))[0]
     if lost.size:
-        raise no_tip(flanks, int(flank[lost[0]]))
-    return distance
+        raise no_tip(flanks, int(chosen[lost[0]]))
+    lowered = height.copy()
+    lowered[chosen] = np.minimum(height[chosen], distance)
+    return lowered
 
 
 def _foot(flanks: Flanks, flank: IndexArray, height: Array) -> tuple[Array, Array]:
@@ -161,7 +157,7 @@ def _foot(flanks: Flanks, flank: IndexArray, height: Array) -> tuple[Array, Arra
 def tip_crossing(flanks: Flanks, chosen: IndexArray | None = None) -> tuple[Array, Array, Mask]:
     """Height at which flanks reach their tip lands, the arc length there, and whether they do so before any cusp.
 
-    Of all flanks, or of the chosen ones; shape (n,) each.
+    For the chosen flanks, or for all of them; shape (n,) each.
     """
     which = np.arange(flanks.count) if chosen is None else chosen
     height, sigma, met = _newton_crossing(flanks, which)
@@ -172,7 +168,7 @@ def tip_crossing(flanks: Flanks, chosen: IndexArray | None = None) -> tuple[Arra
 
 
 def _newton_crossing(flanks: Flanks, which: IndexArray) -> tuple[Array, Array, Mask]:
-    """Crossings by Newton's method, which may lead away, or beyond a cusp: then they do not count as met."""
+    """Crossings by Newton's method.  Where it leads far away or beyond a cusp they do not count as met."""
     rack, tip, crossing = flanks.rack, flanks.tip_height_mm[which], flanks.crossing_mm[which]
     height, sigma, met = refined_crossings(
         lambda h: flanks.flank(which, h),
@@ -220,7 +216,7 @@ def _with_lands(flanks: Flanks, least: float) -> tuple[Flanks, Mask]:
 
 
 def _height_of_land(flanks: Flanks, back: IndexArray, least: float) -> Array:
-    """Greatest tip heights of the teeth with back flanks ``back`` at which their lands have the width ``least``."""
+    """Greatest tip heights at which the lands of the teeth with back flanks ``back`` have the width ``least``."""
 
     def excess(height: Array, number: Array) -> Array:
         row = number.astype(int)
@@ -243,7 +239,7 @@ def _height_of_land(flanks: Flanks, back: IndexArray, least: float) -> Array:
 
 
 def _land(flanks: Flanks, back: IndexArray) -> Array:
-    """Width of tip lands in mm along the chord, negative where the flanks have crossed below; shape (n,)."""
+    """Width of tip lands in mm along the chord, negative where the flanks have crossed below it; shape (n,)."""
     both = np.stack([back, back + 1], axis=1).ravel()
     _, at, met = tip_crossing(flanks, both)
     edges = flanks.offset(at, flanks.tip_height_mm[both])[0].reshape(-1, 2, 2)
@@ -252,7 +248,7 @@ def _land(flanks: Flanks, back: IndexArray) -> Array:
 
 
 def no_tip(flanks: Flanks, flank: int) -> NoSuchMechanism:
-    """The refusal of a flank that cannot have a tip."""
+    """The error for a flank that cannot have a tip."""
     k = float(flanks.curve.at_length(flanks.crossing_mm[flank : flank + 1]).curvature[0])
     return NoSuchMechanism(
         f"{tooth_name(flanks, flank)} has no tip above the pitch curve that is regular and free of its mate (curvature "

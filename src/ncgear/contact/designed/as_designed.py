@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ncgear.contact.designed.clearance import TipClearance, tip_clearances
-from ncgear.contact.designed.curves import Contacts, SidePaths, seen_pair, side_paths
+from ncgear.contact.designed.curves import Contacts, SidePaths, side_paths
 from ncgear.contact.designed.edges import EdgeHits, edge_contacts, edge_hits
 from ncgear.contact.designed.flanks import flank_contacts
 from ncgear.contact.placement import BACK, PUSHING, Meetings, Placement, meetings
@@ -18,7 +18,7 @@ from ncgear.numerics.units import in_words
 from ncgear.teeth.gear import ToothedPair
 
 TOUCHING_MM = 1e-3
-"""Distance at which teeth count as touching beside the first ones: a micrometre, which the lightest load takes up."""
+"""Distance at which teeth count as touching along with the first ones: a micrometre, which the lightest load closes."""
 
 ALIKE_RAD = 1e-12
 """Difference of driven angles at which contacts count as equally first: a hundred rounding errors."""
@@ -28,9 +28,10 @@ ALIKE_RAD = 1e-12
 class SideContact:
     """Contact on one side of the teeth.
 
-    ``first`` has the first contact at each of the n positions, in order, of equal ones the nearest to the pitch point;
-    ``touching`` has all that touch along with it; ``arcs`` is how long each meeting's flanks touch, in pitches, shape
-    (m,); ``driving_tips`` and ``driven_tips`` are the clearances of these gears' tips.
+    ``first`` has the first contact at each of the n positions, in order; of several equally first ones, the one nearest
+    to the pitch point.  ``touching`` has all contacts that touch along with the first.  ``arcs`` (shape (m,)) is how
+    long the flanks of each meeting touch, in pitches.  ``driving_tips`` and ``driven_tips`` are the clearances of these
+    gears' tips.
     """
 
     meetings: Meetings
@@ -47,7 +48,7 @@ class SideContact:
 
     @property
     def transmission_error_rad(self) -> float:
-        """Peak to peak variation of that angle."""
+        """Peak to peak variation of ``error_rad``."""
         return float(np.ptp(self.error_rad))
 
     @cached_property
@@ -106,7 +107,7 @@ class AsDesigned:
 
     @property
     def longest_gap_pitches(self) -> float:
-        """Longest way without contact of flanks, on either side of the teeth, in pitches."""
+        """Longest rolled length without contact of flanks, on either side of the teeth, in pitches."""
         return max(self.pushing.longest_gap, self.back.longest_gap) / self.placement.per_tooth
 
     @property
@@ -123,8 +124,8 @@ def as_designed(teeth: ToothedPair, placement: Placement) -> AsDesigned:
 
     Raises NoSuchMechanism, with the angle, where no tooth touches another at all.
     """
-    paths = paths_of(teeth)
-    pushing, back = (candidates(teeth, paths, placement, side) for side in (PUSHING, BACK))
+    paths = _paths_of(teeth)
+    pushing, back = (_candidates(teeth, paths, placement, side) for side in (PUSHING, BACK))
     return AsDesigned(
         placement,
         _side_contact(pushing, back, placement, tip_clearances(*paths, pushing.meetings)),
@@ -133,15 +134,19 @@ def as_designed(teeth: ToothedPair, placement: Placement) -> AsDesigned:
 
 
 def contacts_within(teeth: ToothedPair, placement: Placement, within_mm: float) -> tuple[Contacts, Contacts]:
-    """What touches on pushing flanks and on their backs once first contacts are pressed in by a depth in mm."""
-    paths = paths_of(teeth)
-    pushing, back = (candidates(teeth, paths, placement, side) for side in (PUSHING, BACK))
-    return contacts_among(pushing, back, placement, within_mm), contacts_among(back, pushing, placement, within_mm)
+    """What touches on pushing flanks, and on their backs, once the first contacts are pressed in by ``within_mm``."""
+    paths = _paths_of(teeth)
+    pushing, back = (_candidates(teeth, paths, placement, side) for side in (PUSHING, BACK))
+    return _contacts_among(pushing, back, placement, within_mm), _contacts_among(back, pushing, placement, within_mm)
 
 
 @dataclass(frozen=True, eq=False)
-class Candidates:
-    """Contacts of flanks on one side of the teeth, how long each meeting's last in pitches, and corners near curves."""
+class _Candidates:
+    """What may touch on one side of the teeth.
+
+    ``flanks`` are the contacts of flanks, ``arcs`` (shape (m,)) how long each meeting's flanks touch, in pitches, and
+    ``hits`` the corners before curves.
+    """
 
     meetings: Meetings
     flanks: Contacts
@@ -149,30 +154,32 @@ class Candidates:
     hits: list[EdgeHits]
 
 
-def paths_of(teeth: ToothedPair) -> tuple[SidePaths, SidePaths]:
+def _paths_of(teeth: ToothedPair) -> tuple[SidePaths, SidePaths]:
     """The paths of the driving gear's flanks and of the driven gear's."""
     driving, driven = (side_paths(gear.flanks, gear.sides) for gear in (teeth.driving, teeth.driven))
     return driving, driven
 
 
-def candidates(teeth: ToothedPair, paths: tuple[SidePaths, SidePaths], placement: Placement, side: float) -> Candidates:
+def _candidates(
+    teeth: ToothedPair, paths: tuple[SidePaths, SidePaths], placement: Placement, side: float
+) -> _Candidates:
     """The candidates on the driving gear's flanks of ``side`` (PUSHING or BACK)."""
     met = meetings(teeth, placement, side)
-    return Candidates(met, *flank_contacts(teeth, placement, met), edge_hits(*seen_pair(*paths, placement, met), met))
+    return _Candidates(met, *flank_contacts(teeth, placement, met), edge_hits(*paths, placement, met))
 
 
-def contacts_among(own: Candidates, other: Candidates, placement: Placement, within_mm: float = 0.0) -> Contacts:
-    """All contacts of flanks on one side of the teeth, and those corners that come within a distance of the first.
+def _contacts_among(own: _Candidates, other: _Candidates, placement: Placement, within_mm: float = 0.0) -> Contacts:
+    """All contacts of flanks on one side of the teeth, and the corners that come so near to the first contact.
 
-    A corner in a notch or at the far side of its space is held by curves that are gathered on the other side of the
+    A corner in a notch, or at the far side of its space, is held by curves that are gathered with the other side of the
     teeth.
     """
     urge = own.meetings.urge
     hits = [found.kept(found.facing) for found in own.hits] + [found.kept(~found.facing) for found in other.hits]
-    return Contacts.joined([own.flanks, edge_contacts(hits, urge, first_of(own.flanks, urge, placement), within_mm)])
+    return Contacts.joined([own.flanks, edge_contacts(hits, urge, _first_of(own.flanks, urge, placement), within_mm)])
 
 
-def first_of(contacts: Contacts, urge: float, placement: Placement) -> Array:
+def _first_of(contacts: Contacts, urge: float, placement: Placement) -> Array:
     """First driven angle of contacts at each position, times the urge, -inf where there is none, shape (n,)."""
     first = np.full(placement.count, -np.inf)
     np.maximum.at(first, contacts.position, urge * contacts.error_rad)
@@ -180,12 +187,12 @@ def first_of(contacts: Contacts, urge: float, placement: Placement) -> Array:
 
 
 def _side_contact(
-    own: Candidates, other: Candidates, placement: Placement, tips: tuple[TipClearance, TipClearance]
+    own: _Candidates, other: _Candidates, placement: Placement, tips: tuple[TipClearance, TipClearance]
 ) -> SideContact:
     """The first contacts among all candidates."""
     urge = own.meetings.urge
-    contacts = contacts_among(own, other, placement)
-    later = first_of(contacts, urge, placement)[contacts.position] - urge * contacts.error_rad
+    contacts = _contacts_among(own, other, placement)
+    later = _first_of(contacts, urge, placement)[contacts.position] - urge * contacts.error_rad
     alike, touching = later <= ALIKE_RAD, later * contacts.lever_mm <= TOUCHING_MM
     return SideContact(
         own.meetings, _foremost(contacts.kept(alike), placement), contacts.kept(touching), own.arcs, *tips
@@ -198,13 +205,10 @@ def _foremost(alike: Contacts, placement: Placement) -> Contacts:
     order = np.lexsort((distance, ~alike.flanks, alike.position))
     position, first = np.unique(alike.position[order], return_index=True)
     if position.size < placement.count:
-        raise _nothing_carries(float(placement.phi1_rad[np.setdiff1d(np.arange(placement.count), position)[0]]))
+        phi1 = in_words(float(placement.phi1_rad[np.setdiff1d(np.arange(placement.count), position)[0]]))
+        raise NoSuchMechanism(
+            f"no tooth touches another at phi1 = {phi1}: the teeth are too short or too far apart there; "
+            "more teeth of a smaller module, less backlash or a larger addendum are needed",
+            key="gears.teeth",
+        )
     return alike.kept(order[first])
-
-
-def _nothing_carries(phi1_rad: float) -> NoSuchMechanism:
-    return NoSuchMechanism(
-        f"no tooth touches another at phi1 = {in_words(phi1_rad)}: the teeth are too short or too far apart there; "
-        "more teeth of a smaller module, less backlash or a larger addendum are needed",
-        key="gears.teeth",
-    )

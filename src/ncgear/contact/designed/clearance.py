@@ -21,23 +21,23 @@ from ncgear.numerics.plane import across, along, as_complex, square
 
 @dataclass(frozen=True)
 class TipClearance:
-    """Least distances in mm of a gear's tips from the other's roots, each with the number of the tooth, from 1.
+    """Least distances in mm of a gear's tips from the other's roots, negative where a tip is inside the other gear.
 
-    ``over_root_mm`` is that of tips over root lands, infinite where none comes over one, ``from_fillet_mm`` that of
-    their corners from fillets.  Negative where a tip is inside the other gear.
+    ``over_root_mm`` is the distance of tips over root lands, infinite where no tip comes over one; ``from_fillet_mm``
+    is the distance of tips' corners from fillets.
     """
 
     over_root_mm: float
-    over_root_tooth: int
     from_fillet_mm: float
-    from_fillet_tooth: int
 
 
 @dataclass(frozen=True, eq=False)
 class _Facing:
-    """Flanks of one gear over flanks of the other, shape (m,) each: the first cross the pitch point earlier by a lead.
+    """Tips of one gear over roots of the other, at m pairs of flanks.
 
-    ``side`` is the sense, +1 or -1 of the arc length, in which the first face.
+    ``flank`` (shape (m,)) numbers the flanks of the tips' gear, ``other`` (shape (m,)) those of the roots' gear.  The
+    first cross the pitch point earlier, by the rolled length ``lead_mm`` (shape (m,)).  ``side`` is the sense, +1 or -1
+    of the arc length, in which the first face.
     """
 
     tips: SidePaths
@@ -59,14 +59,11 @@ def tip_clearances(driving: SidePaths, driven: SidePaths, met: Meetings) -> tupl
 
 def _tip_clearance(facing: _Facing) -> TipClearance:
     tips = tip_lands(facing.tips)
-    over_root, from_fillet = _over_lands(facing, tips), _over_fillets(facing, tips)
-    places = int(np.argmin(over_root)), int(np.argmin(from_fillet))
-    teeth = [int(facing.flank[place]) // 2 + 1 for place in places]
-    return TipClearance(float(over_root[places[0]]), teeth[0], float(from_fillet[places[1]]), teeth[1])
+    return TipClearance(float(_over_lands(facing, tips).min()), float(_over_fillets(facing, tips).min()))
 
 
 def _over_lands(facing: _Facing, tips: Lands) -> Array:
-    """Distances of tip lands from root lands, infinite where none of the one comes over the other."""
+    """Distances of tip lands from root lands, infinite where the tip land does not come over the root land."""
     roots, back = root_lands(facing.roots), -facing.side
     tip_end = back * tips.from_crossing_mm[facing.flank]
     root_end = back * (roots.from_crossing_mm[facing.other] + facing.lead_mm)
@@ -88,14 +85,15 @@ def _over_fillets(facing: _Facing, tips: Lands) -> Array:
 ZOOM = np.linspace(-1.0, 1.0, 9)
 
 ZOOMS = 3
-"""Where the nearest point of a fillet is looked for, and how often again between its neighbours, a quarter as wide.  A
-thousandth of a module is then left of a chord, and the distance is off by some millionths of a module."""
+"""Places about a chord at which the nearest point of a fillet is looked for, and how often that is done, each time a
+quarter as wide.  A thousandth of a module is then left of a chord, and the distance is off by some millionths of a
+module."""
 
 
 def _from_fillets(paths: SidePaths, flank: IndexArray, point: ComplexArray, free: ComplexArray) -> Array:
     """Distances of points from the fillets of flanks, shape (n,), infinite where a flank has none.
 
-    Negative for points on the other side of the fillet than those of ``free``.
+    Negative where a point and its point of ``free`` are on different sides of the fillet.
     """
     chosen = np.where(paths.own_fillet[flank], square(paths.start[flank] - point[:, None]), np.nan)
     there = np.isfinite(chosen).any(axis=1)
@@ -110,7 +108,7 @@ def _from_fillets(paths: SidePaths, flank: IndexArray, point: ComplexArray, free
 def _nearest(
     paths: SidePaths, chord: tuple[IndexArray, IndexArray], point: ComplexArray
 ) -> tuple[ComplexArray, ComplexArray]:
-    """Points of the curves about the starts of chords that are nearest to given points, and the curves' directions."""
+    """Points of curves, about the starts of chords, that are nearest to given points, and the curves' slopes there."""
     run, middle = paths.run[chord], paths.first[chord]
     every, reach = np.arange(run.size), np.abs(paths.last[chord] - middle)
     ends = np.sort([paths.runs.start[run], paths.runs.end[run]], axis=0)
@@ -126,15 +124,16 @@ FOOT_STEPS = 12
 """Steps of Newton's method to a foot on the pitch curve; two do where a tooth has a tip land."""
 
 FOOT_IN_MODULES = 1e-9
-"""Distance along the pitch curve at which a foot counts as found; the height is off by its square."""
+"""Distance along the pitch curve at which a foot counts as found; the height is off by the square of it."""
 
 
 @dataclass(frozen=True, eq=False)
 class Lands:
     """The tip or root land at each of a gear's f flanks, shape (f,) each.
 
-    ``from_crossing_mm`` is the arc length from the flank's crossing of the pitch curve to the land's end there,
-    ``width_mm`` how far the land goes on from there, ``height_mm`` its height over the pitch curve, negative for roots.
+    ``from_crossing_mm`` is the arc length from the flank's crossing of the pitch curve to the land's end at this flank,
+    ``width_mm`` the land's length along the pitch curve, ``height_mm`` its height over the pitch curve, which is
+    negative for roots.
     """
 
     from_crossing_mm: Array

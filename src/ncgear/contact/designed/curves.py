@@ -15,7 +15,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ncgear.contact.placement import Meetings, Placement
+from ncgear.contact.placement import Placement
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import along, angle_between, as_complex
 from ncgear.teeth.flank import FILLET, Flanks
@@ -26,9 +26,9 @@ from ncgear.teeth.sides import Sides
 class Contacts:
     """n places of contact on one side of the teeth, all of shape (n,).
 
-    ``driving`` and ``driven`` number the flanks that meet in ``position``; ``error_rad`` is the driven angle beyond the
-    law's at which they touch; ``point`` and ``tangent`` (of any length) are in the driven gear's frame as it then
-    stands; ``flanks`` tells the contact of two flanks from that of an edge.
+    ``driving`` and ``driven`` number the flanks that meet in ``position``.  ``error_rad`` is how far the driven angle
+    at which they touch is beyond the law's; ``point`` and ``tangent`` (of any length) are in the frame of the driven
+    gear, which then stands there.  ``flanks`` is true where two flanks touch, and false at an edge.
     """
 
     driving: IndexArray
@@ -125,10 +125,10 @@ class SidePaths:
 
 @dataclass(frozen=True, eq=False)
 class _Runs:
-    """Runs of curves, in the order of the paths they belong to and along these from the tip inwards; shape (r,) each.
+    """Runs of curves in the order of their paths, and along a path from the tip inwards; shape (r,) each.
 
-    ``path`` numbers the flank that a path begins with, ``owner`` the flank that a curve belongs to, or the tooth that
-    its space comes after.
+    ``path`` numbers the flank that a path begins with.  ``owner`` numbers the flank that the curve belongs to; of a
+    root land, the tooth before the space.
     """
 
     path: IndexArray
@@ -176,12 +176,8 @@ def _runs(flanks: Flanks, sides: Sides) -> _Runs:
     fillet = np.nonzero(sides.kind == FILLET)[0][::-1]
     facing = (sides.owner[fillet] + flanks.side[sides.owner[fillet]].astype(int)) % flanks.count
     across = _Runs(facing, sides.kind[fillet], sides.owner[fillet], sides.end[fillet], sides.start[fillet])
-    return _in_order([own, lands, across])
-
-
-def _in_order(parts: Sequence[_Runs]) -> _Runs:
-    """Runs of several parts, path by path and within a path part by part."""
-    columns = [np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(_Runs)]
+    # Path by path, and within a path part by part.
+    columns = [np.concatenate([getattr(part, field.name) for part in (own, lands, across)]) for field in fields(_Runs)]
     order = np.argsort(columns[0], kind="stable")
     return _Runs(*(column[order] for column in columns))
 
@@ -239,13 +235,3 @@ class SeenGear:
         """Points of exact curves as seen, and derivatives; ``run`` has shape (n,), the others (n, ...)."""
         point, slope = (as_complex(array) for array in self.paths.curve(run, parameter))
         return self.points(point, position), self.directions(slope, position)
-
-
-def seen_pair(
-    driving: SidePaths, driven: SidePaths, placement: Placement, meetings: Meetings
-) -> tuple[SeenGear, SeenGear]:
-    """The driving and the driven gear in given meetings."""
-    return (
-        SeenGear(driving, meetings.driving, placement, moving=True),
-        SeenGear(driven, meetings.driven, placement, moving=False),
-    )

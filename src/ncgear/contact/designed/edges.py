@@ -1,7 +1,7 @@
 """Edge contact: corners of one gear's teeth against the curves of the other.
 
-As the driven gear turns, its corners run along circles about its axis.  Chords of the curves tell which corners come
-enough to matter; only for those the crossing of circle and exact curve is solved.
+As one gear turns against the other about the driven axis, its corners run along circles.  Chords of the curves tell
+which corners come near enough to matter; only for those the crossing of circle and exact curve is solved.
 """
 
 from __future__ import annotations
@@ -12,18 +12,18 @@ from dataclasses import dataclass, fields
 import numpy as np
 from scipy.optimize import elementwise
 
-from ncgear.contact.designed.curves import Contacts, SeenGear
-from ncgear.contact.placement import Meetings
+from ncgear.contact.designed.curves import Contacts, SeenGear, SidePaths
+from ncgear.contact.placement import Meetings, Placement
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.crossing import circle_crossings, refined_crossings
 from ncgear.numerics.plane import angle_between, as_points, square
-from ncgear.teeth.tips import AGREEMENT
+from ncgear.teeth.tool import AGREEMENT
 
 REACH_IN_PITCHES = 0.6
-"""How far along its circle a corner is followed: what is farther off is another tooth or another side of this one."""
+"""How far along its circle a corner is followed: beyond are another tooth or the other side of the same tooth."""
 
 NEAR_IN_MODULES = 0.02
-"""How much nearer than by its chords a corner may be by its curve: several times what those chords stray."""
+"""How much nearer a corner may be to a curve than to its chords: several times what those chords stray."""
 
 ON_CIRCLE = 1e-12
 """Relative error of the radius at which a point counts as on its corner's circle: rounding errors."""
@@ -33,11 +33,11 @@ ON_CIRCLE = 1e-12
 class EdgeHits:
     """Corners of one gear whose circles cross chords of the other's ``curves``, all of shape (n,).
 
-    ``driving`` and ``driven`` number the flanks that meet in ``position``.  ``corner`` is in the driven gear's frame;
-    ``chord`` is the chord's place in its flank's row of the paths' tables, ``share`` how far along it the crossing
-    lies, ``lever_mm`` the arm of a force across it.  ``turn_rad`` turns the corner onto it, the driven gear being then
-    ``error_rad`` ahead of the law.  ``facing`` is false where the curve holds the corner in the other sense than flanks
-    of its side do, as in the notch of an undercut tooth or at the far side of a space.
+    ``driving`` and ``driven`` number the flanks that meet in ``position``.  ``corner`` is in the driven gear's frame.
+    ``chord`` is the chord's place in its flank's row of the paths' tables, ``share`` how far along the chord the
+    crossing lies, ``lever_mm`` the arm of a force across it.  Turned by ``turn_rad`` the corner is on the chord; the
+    driven gear is then ``error_rad`` ahead of the law.  ``facing`` is false where the curve holds the corner in the
+    other sense than flanks of its side do, as in the notch of an undercut tooth or at the far side of a space.
     """
 
     curves: SeenGear
@@ -72,9 +72,11 @@ class EdgeHits:
         return EdgeHits(self.curves, *columns)
 
 
-def edge_hits(driving: SeenGear, driven: SeenGear, meetings: Meetings) -> list[EdgeHits]:
+def edge_hits(driving: SidePaths, driven: SidePaths, placement: Placement, meetings: Meetings) -> list[EdgeHits]:
     """Corners of the driving gear on the driven gear's curves, and the other way round, of the flanks that meet."""
-    return [_hits(driving, driven, meetings), _hits(driven, driving, meetings)]
+    moving = SeenGear(driving, meetings.driving, placement, moving=True)
+    resting = SeenGear(driven, meetings.driven, placement, moving=False)
+    return [_hits(moving, resting, meetings), _hits(resting, moving, meetings)]
 
 
 def _hits(corners: SeenGear, curves: SeenGear, meetings: Meetings) -> EdgeHits:
@@ -83,7 +85,9 @@ def _hits(corners: SeenGear, curves: SeenGear, meetings: Meetings) -> EdgeHits:
     corner = corners.points(corners.paths.corner[corners.flank][:, None], position)
     start = curves.points(curves.paths.start[curves.flank][:, None], position)
     step = curves.directions(curves.paths.step[curves.flank][:, None], position)
-    row, column, number, chord = np.nonzero(_crossed(square(corner), square(start), square(start + step)))
+    radius, before, after = square(corner)[..., None], square(start)[:, :, None], square(start + step)[:, :, None]
+    # Whether circles cross chords, shape (m, positions, corners, chords).
+    row, column, number, chord = np.nonzero((before <= radius) != (after <= radius))
     at = _picked(corner, row, column, number)
     begin, whole = _picked(start, row, column, chord), _picked(step, row, column, chord)
     outwards = square(begin) < square(begin + whole)
@@ -99,26 +103,17 @@ def _hits(corners: SeenGear, curves: SeenGear, meetings: Meetings) -> EdgeHits:
     return hits.kept(near).kept(_met_first(hits.kept(near), group[near], meetings.urge))
 
 
-def _crossed(radius: Array, before: Array, after: Array) -> Mask:
-    """Whether circles cross chords, shape (m, k, corners, chords).
-
-    Squared radii of the corners, shape (m, k or 1, corners), and of the chords' ends, shape (m, k or 1, chords).
-    """
-    crossed: Mask = (before[:, :, None] <= radius[..., None]) != (after[:, :, None] <= radius[..., None])
-    return crossed
-
-
 def _picked(table: ComplexArray, row: IndexArray, column: IndexArray, place: IndexArray) -> ComplexArray:
-    """Entries of a table whose second axis has the length 1 where nothing moves."""
+    """Entries of a table, the second axis of which has the length 1 where nothing moves."""
     picked: ComplexArray = table[row, column if table.shape[1] > 1 else 0, place]
     return picked
 
 
 def _met_first(hits: EdgeHits, corner: IndexArray, urge: float) -> Mask:
-    """Which hits of each corner hold it, the law's position being what it is.
+    """Which hits of each corner hold it, seen from the law's position.
 
-    A corner is inside the other gear where it would come out through the nearest curve; then that one holds it.  Else
-    those do through which it would go in.
+    A corner is inside the other gear where it would come out through the nearest curve; then that curve holds it.  Else
+    the curves hold it through which it would go in.
     """
     out = (urge * hits.error_rad > 0.0) == hits.facing
     order = np.lexsort((np.abs(hits.turn_rad), corner))
@@ -130,25 +125,22 @@ def _met_first(hits: EdgeHits, corner: IndexArray, urge: float) -> Mask:
 
 
 def edge_contacts(found: Sequence[EdgeHits], urge: float, first_rad: Array, within_mm: float = 0.0) -> Contacts:
-    """Corners that may touch before anything else does, or so far behind it.
+    """Corners that may touch before anything else does, or at most ``within_mm`` behind it.
 
-    ``urge`` is that of ``Meetings``, ``first_rad`` the first contact of flanks at each position, times the urge; -inf
-    where there is none.  Raises ArithmeticError if a corner that comes near is not found on its curve.
+    ``urge`` is that of ``Meetings``.  ``first_rad`` is the driven angle at which flanks first touch at each position,
+    times the urge; -inf where there are none.  Raises ArithmeticError if a corner that comes near is not found on its
+    curve.
     """
     first = first_rad.copy()
     for hits in found:
         np.maximum.at(first, hits.position, urge * hits.error_rad)
-    near = [hits.kept(_behind_mm(hits, urge, first) <= within_mm + _near_mm(hits)) for hits in found]
-    return Contacts.joined([_touching(hits) for hits in near])
-
-
-def _behind_mm(hits: EdgeHits, urge: float, first_rad: Array) -> Array:
-    """How far each corner is from its curve when the first of its position touches."""
-    return (first_rad[hits.position] - urge * hits.error_rad) * hits.lever_mm
-
-
-def _near_mm(hits: EdgeHits) -> float:
-    return NEAR_IN_MODULES * hits.curves.paths.flanks.rack.module_mm
+    touching = []
+    for hits in found:
+        # How far each corner is from its curve when the first contact of its position touches.
+        behind_mm = (first[hits.position] - urge * hits.error_rad) * hits.lever_mm
+        near_mm = NEAR_IN_MODULES * hits.curves.paths.flanks.rack.module_mm
+        touching.append(_touching(hits.kept(behind_mm <= within_mm + near_mm)))
+    return Contacts.joined(touching)
 
 
 def _touching(hits: EdgeHits) -> Contacts:
@@ -164,7 +156,7 @@ def _touching(hits: EdgeHits) -> Contacts:
 def _solved(hits: EdgeHits) -> tuple[Array, Array]:
     """Parameters of the curves at which they meet the corners' circles, and the angles that turn the corners there.
 
-    By Newton's method, which ends beyond its chord where the curve turns close by; there by bracketing on the chord.
+    By Newton's method.  It may end beyond the chord where the curve turns close by; there by bracketing on the chord.
     """
 
     def curve(parameter: Array) -> tuple[Array, Array]:
@@ -187,13 +179,13 @@ def _solved(hits: EdgeHits) -> tuple[Array, Array]:
 
 
 def _bracketed(hits: EdgeHits) -> tuple[Array, Array]:
-    """The same by bracketing the radius between the ends of the chords."""
+    """As ``_solved``, by bracketing the radius between the ends of the chords."""
 
     def missing(parameter: Array, row: IndexArray) -> Array:
         chosen = hits.kept(row)
         return square(chosen.curves.curve(chosen.run, parameter, chosen.position)[0]) - square(chosen.corner)
 
-    # Rows that are found drop out on the way, so each brings its number along.
+    # Rows that are found drop out on the way, so each row brings its number along.
     parameter = elementwise.find_root(missing, hits.ends, args=(np.arange(hits.position.size),)).x
     point, _ = hits.curves.curve(hits.run, parameter, hits.position)
     if not np.all(np.abs(np.abs(point) - np.abs(hits.corner)) <= ON_CIRCLE * np.abs(hits.corner)):
@@ -204,6 +196,6 @@ def _bracketed(hits: EdgeHits) -> tuple[Array, Array]:
 def _ahead(curves: SeenGear, turn_rad: Array) -> Array:
     """How far ahead the driven gear is when corners that are turned by angles lie on a gear's curves.
 
-    Corners of the driven gear rest: instead of them the driving gear's curves are turned back.
+    Corners of the driven gear are at rest: instead of them the driving gear's curves are turned back.
     """
     return curves.placement.ahead * (-turn_rad if curves.moving else turn_rad)

@@ -11,12 +11,12 @@ from ncgear.contact.designed.curves import Contacts
 from ncgear.contact.designed.tangency import FacingFlanks, tangencies
 from ncgear.contact.placement import BACK, PUSHING, Meetings, Placement, meetings
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.teeth.flank import FLANK, Flanks
+from ncgear.teeth.flank import FLANK
 from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 BEYOND_IN_PITCHES = 0.15
-"""Rolled length beyond the ends of flanks in which they are solved too, so that ends lie between solved positions:
-three positions, which also covers what backlash shifts."""
+"""Flanks are also solved over this rolled length beyond their ends, so that the ends lie between solved positions.  It
+is three positions long, which also covers what backlash shifts."""
 
 END_IN_MODULES = 1e-9
 """Height beyond its end at which a flank still counts as touching: rounding errors where an end meets a position."""
@@ -27,7 +27,10 @@ NOWHERE_MM = 1e9
 
 @dataclass(frozen=True, eq=False)
 class _Heights:
-    """What is left of each flank: up to r runs between heights in mm, shape (r, flanks), empty ones inside out."""
+    """What is left of each flank: up to r runs between heights in mm, shape (r, flanks).
+
+    A run that does not exist has its top below its bottom.
+    """
 
     top: Array
     bottom: Array
@@ -65,6 +68,7 @@ def least_arc(teeth: ToothedPair, placement: Placement) -> float:
 
 
 def _heights(gear: ToothedGear) -> _Heights:
+    """The heights between which flanks are left, from the runs of a gear's sides."""
     chosen = gear.sides.kind == FLANK
     owner = gear.sides.owner[chosen]
     number = np.arange(owner.size) - np.searchsorted(owner, owner)
@@ -77,22 +81,17 @@ def _heights(gear: ToothedGear) -> _Heights:
 def _near(
     teeth: ToothedPair, placement: Placement, meetings: Meetings, driving: _Heights, driven: _Heights
 ) -> tuple[IndexArray, IndexArray, FacingFlanks]:
-    """Places in the meetings' table at which both flanks are within or near what is left of them."""
-    first = _touching_heights(teeth.driving.flanks, meetings.side, meetings.driving_ahead_mm)
-    second = _touching_heights(teeth.driven.flanks, -meetings.side, meetings.driven_ahead_mm)
-    room = _room(driving.room(meetings.driving[:, None], first), driven.room(meetings.driven[:, None], second))
+    """Where in the meetings' table (row, column) both flanks are on or near what is left of them, and these flanks."""
     rack = teeth.driving.flanks.rack
+    # Heights, by the closed form, at which flanks touch before they cross the pitch point.
+    first = meetings.side * rack.height_per_rolled * meetings.driving_ahead_mm
+    second = -meetings.side * rack.height_per_rolled * meetings.driven_ahead_mm
+    room = _room(driving.room(meetings.driving[:, None], first), driven.room(meetings.driven[:, None], second))
     beyond = BEYOND_IN_PITCHES * rack.pitch_mm * sin(rack.pressure_angle_rad) * cos(rack.pressure_angle_rad)
     row, column = place = np.nonzero((room >= -beyond).all(axis=0).any(axis=0))
     numbers = meetings.driving[row], meetings.driven[row], meetings.position[place]
     urge = placement.ahead * meetings.urge
     return row, column, FacingFlanks(teeth, placement, urge, *numbers, first[place], second[place])
-
-
-def _touching_heights(flanks: Flanks, side: float, ahead_mm: Array) -> Array:
-    """Heights in mm, by the closed form, at which flanks touch that will cross the pitch point ``ahead_mm`` later."""
-    angle = flanks.rack.pressure_angle_rad
-    return side * sin(angle) * cos(angle) * ahead_mm
 
 
 def _room(driving: Array, driven: Array) -> Array:
@@ -103,9 +102,9 @@ def _room(driving: Array, driven: Array) -> Array:
 
 
 def _arcs(room: Array, row: IndexArray, column: IndexArray, shape: tuple[int, int]) -> Array:
-    """Positions, and fractions between them, for which each meeting has room, shape (m,).
+    """For how many positions, and fractions between them, each meeting has room; shape (m,).
 
-    Heights are linear in rolled length on exact flanks, so that their ends between two positions are exact there.
+    On exact flanks heights are linear in rolled length, so the fractions are exact there.
     """
     table = np.full((*room.shape[:2], *shape), -1.0)
     table[..., row, column] = room

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from math import cos, sin
+from typing import TypeVar
 
 import numpy as np
 
@@ -21,15 +22,15 @@ from ncgear.contact.placement import Placement
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import across, along, angle_between, as_complex, square
 from ncgear.teeth.gear import ToothedPair
-from ncgear.teeth.tips import AGREEMENT
+from ncgear.teeth.tool import AGREEMENT
 
 
 @dataclass(frozen=True, eq=False)
 class FacingFlanks:
     """n pairs of a driving and a driven flank, each in one position, shape (n,) each.
 
-    ``driving_mm`` and ``driven_mm`` are the heights at which they touch by the closed form.  ``urge`` is +1 where that
-    contact comes first for which the driving gear is seen turned the farthest up, -1 where it is the farthest down.
+    ``driving_mm`` and ``driven_mm`` are the heights at which they touch by the closed form.  Where ``urge`` is +1 the
+    first contact is the one for which the driving gear is seen turned the farthest up; where -1, the farthest down.
     """
 
     teeth: ToothedPair
@@ -72,8 +73,8 @@ def _rows(numbers: IndexArray, values: Array) -> IndexArray:
 class Touches:
     """Where n pairs of flanks touch: heights in mm, and the angle by which the driving gear is then seen turned.
 
-    ``point`` and ``tangent`` (up the driving flank, of any length) are in the driven gear's frame as it then stands;
-    where ``found`` is false the other figures mean nothing.  Shape (n,) each.
+    ``point`` and ``tangent`` (up the driving flank, of any length) are in the driven gear's frame as it then stands.
+    Where ``found`` is false the other values mean nothing.  Shape (n,) each.
     """
 
     driving_mm: Array
@@ -83,56 +84,31 @@ class Touches:
     tangent: ComplexArray
     found: Mask
 
-    def merged(self, rows: IndexArray, newer: Touches) -> Touches:
-        """These with the chosen rows replaced."""
-        columns = [getattr(self, field.name).copy() for field in fields(self)]
-        for column, field in zip(columns, fields(self), strict=True):
-            column[rows] = getattr(newer, field.name)
-        return Touches(*columns)
-
 
 PARALLEL_RAD = 1e-9
-"""Angle at which tangents count as parallel: the driven angle is off by less than its square."""
+"""Angle at which tangents count as parallel: the driven angle is off by less than the square of it."""
 
 NEWTON_STEPS = 8
 """Convergence is quadratic: from a tenth of a module four steps reach rounding errors."""
 
 TURNING_STEP = 1e-5
-"""Step, in modules, over which a tangent's turning is taken: it steers the search and is no part of its conditions."""
+"""Step, in modules, over which the turning of a tangent is measured.  The turning only steers the search."""
 
 LONGEST_STEP = 0.25
-"""Change of a height, in modules, that one step of the search may make."""
+"""Largest change of a height, in modules, in one step of the search."""
 
 ABOUT_JOINTS = 3.0
-"""Distance from a joint of the law, in lengths by which two flanks are rolled unequally, within which the flanks beyond
-the joint may touch first."""
-
-
-def tangencies(facing: FacingFlanks, limits_mm: Array) -> Touches:
-    """Where flanks touch near the heights that the closed form gives.
-
-    ``limits_mm`` (shape (2, 2, n)) are the least and the greatest height of the driving flanks and of the driven ones,
-    between which the first touch is searched where it is not the one tangency: about jumps of the curvature.
-    """
-    state = _state(facing, facing.driving_mm, facing.driven_mm, np.zeros(facing.position.size))
-    for _ in range(NEWTON_STEPS):
-        todo = np.nonzero(~_met(state, facing.module_mm))[0]
-        if not todo.size:
-            break
-        state = state.merged(todo, _stepped(facing.kept(todo), state.kept(todo)))
-    doubtful = np.nonzero(_doubtful(facing, state))[0]
-    touches = _touches(state)
-    if not doubtful.size:
-        return touches
-    return touches.merged(doubtful, first_touches(facing.kept(doubtful), limits_mm[..., doubtful]))
+"""The flanks beyond a joint of the law may touch first up to this distance from the joint, in lengths by which the two
+flanks are rolled unequally."""
 
 
 @dataclass(frozen=True, eq=False)
 class _State:
     """Where a search stands, shape (n,) each: heights in mm and the angle by which the driving gear is seen turned.
 
-    ``point`` and ``slope`` (by the height) are the driving flank's, ``other_slope`` is the driven one's; ``gap`` leads
-    from the driving point to the driven one, ``bend_rad`` is the angle from the driving tangent to the driven one.
+    ``point`` and ``slope`` (by the height) are those of the driving flank, ``other_slope`` that of the driven flank.
+    ``gap`` leads from the driving point to the driven point; ``bend_rad`` is the angle from the driving tangent to the
+    driven tangent.
     """
 
     driving_mm: Array
@@ -147,20 +123,14 @@ class _State:
     def kept(self, rows: IndexArray) -> _State:
         return _State(*(getattr(self, field.name)[rows] for field in fields(self)))
 
-    def merged(self, rows: IndexArray, newer: _State) -> _State:
-        columns = [getattr(self, field.name).copy() for field in fields(self)]
-        for column, field in zip(columns, fields(self), strict=True):
-            column[rows] = getattr(newer, field.name)
-        return _State(*columns)
-
 
 @dataclass(frozen=True, eq=False)
 class _Rates:
     """How the conditions change, in the directions along and across the driven tangent; shape (n,) each.
 
-    ``own`` and ``other`` are the points' speeds along it by their heights, ``slip`` is the driving point's across it;
-    ``spin_along`` and ``spin_across`` are the driving point's by the angle; ``own_bend`` and ``other_bend`` are how the
-    tangents turn by the heights.
+    ``own`` and ``other`` are the speeds of the driving and the driven point along the tangent, by their heights;
+    ``slip`` is the driving point's speed across it.  ``spin_along`` and ``spin_across`` are the driving point's speeds
+    by the angle.  ``own_bend`` and ``other_bend`` are how fast both tangents turn, by the heights.
     """
 
     own: Array
@@ -177,12 +147,42 @@ class _Rates:
         return self.own_bend - self.other_bend * self.own / self.other
 
 
+Columns = TypeVar("Columns", Touches, _State)
+
+
+def tangencies(facing: FacingFlanks, limits_mm: Array) -> Touches:
+    """Where flanks touch near the heights that the closed form gives.
+
+    About jumps of the curvature, where the first touch need not be the one tangency, it is searched between
+    ``limits_mm`` (shape (2, 2, n)): the least and the greatest height of the driving flanks and of the driven flanks.
+    """
+    state = _state(facing, facing.driving_mm, facing.driven_mm, np.zeros(facing.position.size))
+    for _ in range(NEWTON_STEPS):
+        todo = np.nonzero(~_met(state, facing.module_mm))[0]
+        if not todo.size:
+            break
+        state = _merged(state, todo, _stepped(facing.kept(todo), state.kept(todo)))
+    doubtful = np.nonzero(_doubtful(facing, state))[0]
+    touches = _touches(state)
+    if not doubtful.size:
+        return touches
+    return _merged(touches, doubtful, _first_touches(facing.kept(doubtful), limits_mm[..., doubtful]))
+
+
+def _merged(older: Columns, rows: IndexArray, newer: Columns) -> Columns:
+    """The older columns with the chosen rows replaced."""
+    columns = [getattr(older, field.name).copy() for field in fields(older)]
+    for column, field in zip(columns, fields(older), strict=True):
+        column[rows] = getattr(newer, field.name)
+    return type(older)(*columns)
+
+
 def _state(facing: FacingFlanks, driving_mm: Array, driven_mm: Array, turn_rad: Array) -> _State:
     (point, slope), (other, other_slope) = facing.driving_curve(driving_mm), facing.driven_curve(driven_mm)
     turned = np.exp(1j * turn_rad)
     point, slope = point * turned, slope * turned
     bend = angle_between(slope, other_slope)
-    # Parallel tangents may point either way: up the one flank is down the other, and beyond a cusp up again.
+    # Parallel tangents may point either way: up one flank is down the other, and beyond a cusp up again.
     bend = bend - np.pi * np.round(bend / np.pi)
     return _State(driving_mm, driven_mm, turn_rad, point, slope, other_slope, other - point, bend)
 
@@ -193,7 +193,7 @@ def _met(state: _State, module_mm: float) -> Mask:
 
 
 def _stepped(facing: FacingFlanks, at: _State) -> _State:
-    """One step of Newton's method, no longer than is safe."""
+    """One step of Newton's method, cut to the longest step."""
     rise, fall, turn = _correction(at, _rates(facing, at))
     longest = LONGEST_STEP * facing.module_mm
     share = longest / np.maximum(longest, np.maximum(np.abs(rise), np.abs(fall)))
@@ -235,7 +235,7 @@ def _rates(facing: FacingFlanks, at: _State) -> _Rates:
 
 
 def _doubtful(facing: FacingFlanks, state: _State) -> Mask:
-    """Whether a tangency is not found, is no first touch, or is near a joint that the flanks pass unequally.
+    """Whether a tangency is not found, is not the first touch, or is near a joint that the flanks pass unequally.
 
     Points beside a first touch have farther to go: the tangents turn apart on both sides of it.
     """
@@ -251,16 +251,16 @@ def _doubtful(facing: FacingFlanks, state: _State) -> Mask:
 
 def _about_joints(facing: FacingFlanks, state: _State) -> Mask:
     flanks = facing.teeth.driving.flanks
-    angle, joints = flanks.rack.pressure_angle_rad, flanks.curve.joints_around_mm
+    joints = flanks.curve.joints_around_mm
     unequal = np.maximum(np.abs(state.driving_mm - facing.driving_mm), np.abs(state.driven_mm - facing.driven_mm))
-    reach = ABOUT_JOINTS * unequal / (sin(angle) * cos(angle))
+    reach = ABOUT_JOINTS * unequal / flanks.rack.height_per_rolled
     rolled = flanks.rolled_mm(facing.driving, state.driving_mm)
     about: Mask = np.searchsorted(joints, rolled + reach) > np.searchsorted(joints, rolled - reach)
     return about
 
 
 def _touches(state: _State) -> Touches:
-    """The angle corrected by what is left of the gap across the tangent: never just taken from the start."""
+    """Where the search ended, with the angle corrected by what is left of the gap across the tangent."""
     lever = along(state.slope, state.point)
     found = lever != 0.0
     turn = state.turn_rad + across(state.slope, state.gap) / np.where(found, lever, 1.0)
@@ -273,8 +273,9 @@ REACH_IN_PITCHES = 0.15
 SHARES = np.linspace(-1.0, 1.0, 33)
 
 ROUNDS = 4
-"""Points per round and rounds, each a sixteenth as wide as the one before: the height comes out to some millionths of a
-module, and the driven angle, which is stationary there, to rounding errors."""
+"""Shares of the reach at which points are tried, and the number of rounds, each a sixteenth as wide as the one before.
+The height comes out to some millionths of a module, and the driven angle, which is stationary there, to rounding
+errors."""
 
 CIRCLE_STEPS = 8
 """Steps of Newton's method to a circle; four do on flanks, which cross circles about their axis steeply."""
@@ -283,7 +284,7 @@ ON_CIRCLE = 1e-11
 """Relative error of the squared radius at which a point counts as on its circle."""
 
 
-def first_touches(facing: FacingFlanks, limits_mm: Array) -> Touches:
+def _first_touches(facing: FacingFlanks, limits_mm: Array) -> Touches:
     """The first touch of each pair of flanks, between the least and the greatest height that each has.
 
     ``limits_mm`` has shape (2, 2, n): driving and driven flank, least and greatest height.

@@ -17,9 +17,9 @@ import numpy as np
 from ncgear.contact.placement import Placement
 from ncgear.contact.written.play import outline_play
 from ncgear.contact.written.polar import polar_outline
-from ncgear.numerics.arrays import Array, counted_up
+from ncgear.numerics.arrays import Array, ComplexArray, counted_up
 from ncgear.numerics.plane import across, along, as_complex
-from ncgear.pitch.internal import PlanePoints, passed_mm, plane
+from ncgear.pitch.internal import passed_mm
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.teeth.flank import Flanks
@@ -40,8 +40,8 @@ class AsWritten:
     """Contact of written outlines at n positions.
 
     ``pushing_rad`` and ``back_rad`` are the driven angles beyond the law's at which pushing flanks and their backs
-    touch, ``overlap_mm`` is how deep the outlines overlap at the law's angle, shape (n,) each; ``driving_tips_mm`` and
-    ``driven_tips_mm`` are the least clearances of these gears' tips over the other's roots.
+    touch; ``overlap_mm`` is how deep the outlines overlap at the law's angle, shape (n,) each.  ``driving_tips_mm`` and
+    ``driven_tips_mm`` are the least clearances of these gears' tips over the other gear's roots.
     """
 
     source: str
@@ -92,17 +92,17 @@ def _tip_clearances(outlines: Outlines, teeth: ToothedPair, placement: Placement
 
 
 SECTOR_IN_PITCHES = 1.0
-"""Arc to either side of a pitch point within which its normal is followed: farther than any tooth is high."""
+"""Arc to either side of a pitch point within which its normal is followed: longer than any tooth is high."""
 
 
 def tip_heights(outline_mm: Array, flanks: Flanks) -> Array:
-    """Where in mm beyond the pitch curve the outline is left at each tooth's middle, shape (z,)."""
+    """Height in mm of the outline over the pitch curve at each tooth's middle, shape (z,)."""
     crossing = flanks.crossing_mm
     return _along_normals(outline_mm, flanks, (crossing[0::2] + crossing[1::2]) / 2.0, 1.0)
 
 
 def root_depths(outline_mm: Array, flanks: Flanks) -> Array:
-    """Where in mm below the pitch curve the outline is met in the middle of the space after each tooth, shape (z,)."""
+    """Depth in mm of the outline below the pitch curve in the middle of the space after each tooth, shape (z,)."""
     crossing = flanks.crossing_mm
     following = np.append(crossing[2::2], crossing[0] + flanks.curve.length_mm)
     return _along_normals(outline_mm, flanks, (crossing[1::2] + following) / 2.0, -1.0)
@@ -129,17 +129,17 @@ def _along_normals(outline_mm: Array, flanks: Flanks, sigma_mm: Array, sense: fl
 
 
 BEYOND = 1.1
-"""How far beyond that outlines are compared: a tenth, for contact of edges."""
+"""Outlines are compared by a tenth farther than flanks can touch, for contact of edges."""
 
 BOWL = 2.5
-"""How many times as far tips can foul where a pitch curve is concave: teeth enter such a bowl two or three pitches from
-the pitch point."""
+"""How many times as far tips can foul where a pitch curve is concave: teeth enter such a bowl two or three pitches away
+from the pitch point."""
 
 POSITIONS = 64
 """Positions over a period of the law at which the tip curves are laid over each other; they differ smoothly."""
 
 POINTS_PER_TOOTH = 8
-"""Points of a tip curve: an eighth of a pitch is what the reach may miss, far less than the margin it is taken with."""
+"""Points of a tip curve per tooth: the reach may miss an eighth of a pitch, far less than its margin."""
 
 
 def reach_mm(pitch: PitchPair, teeth: ToothedPair) -> float:
@@ -160,7 +160,7 @@ def tips_overlap_mm(pitch: PitchPair, teeth: ToothedPair) -> float:
     return float(np.max(from_pitch_point, where=beyond, initial=0.0))
 
 
-def _tip_curve(gear: ToothedGear) -> PlanePoints:
-    """Where tips of full height end all around a gear, in mm in its own frame, shape (n,)."""
+def _tip_curve(gear: ToothedGear) -> ComplexArray:
+    """The curve on which tips of full height end all around a gear, in mm in its own frame, shape (n,)."""
     sigma = np.linspace(0.0, gear.flanks.curve.length_mm, POINTS_PER_TOOTH * gear.teeth, endpoint=False)
-    return plane(gear.flanks.offset(sigma, gear.flanks.rack.tip_height_mm)[0])
+    return as_complex(gear.flanks.offset(sigma, gear.flanks.rack.tip_height_mm)[0])

@@ -1,8 +1,8 @@
-"""Play of two outlines as written: how far the one can be turned against the other each way before they touch.
+"""Play of two outlines as written: how far one can be turned against the other each way before they touch.
 
-Every vertex of one outline near the mesh is followed along its circle about the driven axis to the chords of the other,
-and the other way round, which gives the exact play of two polygons.  The driven outline is cut into runs along which
-its radius grows; where a chord of the driving outline begins and ends on such a run is found by bisection, and tells
+Every vertex of one outline near the mesh is followed along its circle about the driven axis to the chords of the other
+outline, and the other way round.  That gives the exact play of two polygons.  The driven outline is cut into runs along
+which its radius grows; bisection finds where a chord of the driving outline begins and ends on such a run, which tells
 both which chord its vertex meets and which of the run's vertices meet the chord.
 """
 
@@ -19,10 +19,10 @@ from ncgear.numerics.crossing import circle_crossings
 from ncgear.numerics.plane import angle_between, as_complex, square
 
 REACH_IN_PITCHES = 0.6
-"""How far along its circle a vertex is followed: a tooth that it may be inside of is half a pitch thick."""
+"""How far along its circle a vertex is followed: a tooth that holds it inside is half a pitch thick."""
 
 BLOCK = 256
-"""Positions treated at once, so that what belongs to them stays in the processor's cache."""
+"""Positions treated at once, so few that their arrays stay in the processor's cache."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,7 @@ class Play:
     """Play at n positions, in rad, negative where the outlines overlap; shape (n,) each.
 
     ``up_rad`` and ``down_rad`` are how far the driving gear, as the driven gear sees it, can be turned up and down
-    about the driven axis from the law's position, infinite where nothing is in reach; ``overlap_mm`` is how deep the
+    about the driven axis from the law's position; infinite where nothing is in reach.  ``overlap_mm`` is how deep the
     deepest vertex is inside the other gear in the law's position.
     """
 
@@ -43,8 +43,9 @@ class Play:
 class _Setting:
     """What is the same at all positions: the driven outline's runs, the driving outline's vertices and longest chord.
 
-    ``reach_mm`` is how far vertices are followed; at each position the driving vertices are looked at that ``windows``
-    hold, and the ``core`` of them has everything within twice that reach around it (each first numbers and counts).
+    ``reach_mm`` is how far vertices are followed.  At each position ``windows`` hold the driving vertices that are
+    looked at; everything within twice that reach around the ``core`` of them is in the windows.  Both are first numbers
+    and counts.
     """
 
     placement: Placement
@@ -60,8 +61,8 @@ class _Setting:
 class _Chords:
     """Chords of the driving outline near the mesh in the driven gear's frame, shape (n,) each.
 
-    Along each its distance from the driven axis grows or falls all the way; ``position`` counts within the block,
-    ``core`` tells whether all chords within twice the reach around it are there as well.
+    Along each chord the distance from the driven axis grows or falls all the way.  ``position`` counts within the
+    block; ``core`` tells whether all chords within twice the reach around it are there as well.
     """
 
     position: IndexArray
@@ -205,8 +206,8 @@ def _of_driving_vertices(meets: _Meets, reach_mm: float) -> _Crossings:
 def _of_driven_vertices(meets: _Meets, reach_mm: float, positions: int) -> _Crossings:
     """Circles of the driven outline's vertices across the chords, as far as within reach.
 
-    Vertices that only meet chords at the edge of what is looked at may be inside for all that is known there, but
-    nearer chords may be missing: they count as outside.
+    A vertex that only meets chords at the edge of the windows may look as if it were inside, because nearer chords are
+    missing: it counts as outside.
     """
     runs, chords = meets.runs, meets.chords
     start, end = square(chords.start), square(chords.end)
@@ -242,8 +243,8 @@ def _numbered(position: IndexArray, entry: IndexArray, entries: int, positions: 
 def _free(crossings: _Crossings, positions: int) -> tuple[Array, Array, Array]:
     """Least angles by which the vertices of each position can move up and down, and the deepest one's depth.
 
-    A vertex is inside the other gear where it would come out of it before going in, either way; the other side of a
-    thick tooth may be out of reach.  It then counts as past the nearer side.
+    A vertex is inside the other gear if, turned one way or the other, it would come out of the gear before it goes in;
+    the other side of a thick tooth may be out of reach.  It then counts as past the nearer side.
     """
     least = np.full(4 * crossings.position.size, np.inf)
     kind = 2 * np.signbit(crossings.turn_rad) + crossings.entering

@@ -1,8 +1,8 @@
 """An outline as seen from its gear's own axis.
 
 ``PolarOutline`` tells which vertices lie in given directions.  ``RadialRuns`` cut an outline into runs along which the
-distance from the axis grows or falls all the way: on such a run a circle about the axis is crossed once, and where is
-found by bisection.
+distance from the axis grows or falls all the way.  A circle about the axis crosses such a run once, and bisection finds
+where.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ TURN = 2.0 * np.pi
 class PolarOutline:
     """An outline around the origin, with bounds by which vertices are found by their polar angle.
 
-    Over three turns, ``reached`` is the largest angle up to each vertex and ``left`` the smallest from it on; both grow
-    all along even where the outline turns back.
+    Over three turns, ``reached`` is the largest angle up to each vertex and ``left`` the smallest angle from it on;
+    both grow all along, even where the outline turns back.
     """
 
     outline: ComplexArray
@@ -32,7 +32,7 @@ class PolarOutline:
     left: Array
 
     def windows(self, direction: Array, half_width: Array) -> tuple[IndexArray, IndexArray]:
-        """Stretches of vertices, as first number and count, that hold all in sectors, and one more at either end.
+        """Stretches of vertices (first number and count) that hold all vertices in sectors, and one more at either end.
 
         Polar angles and half widths in rad, shape (n,).  Numbers may be negative: they count round the outline.
         """
@@ -52,9 +52,10 @@ def polar_outline(outline: ComplexArray) -> PolarOutline:
 
 
 SECTORS_PER_PITCH = 8
-"""Sectors by which runs are found from a direction; finer ones leave out few runs more."""
+"""Sectors per pitch by which runs are found from a direction; finer sectors hardly leave out more runs."""
 
 NO_RUN = -1
+"""Stands for no run in the tables of runs near sectors."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,9 +122,14 @@ class RadialRuns:
 def radial_runs(outline: ComplexArray, reach_mm: float, pitch_mm: float) -> RadialRuns:
     """The runs of an outline about the origin, shape (n,).
 
-    A run counts as near a sector from which it is no farther than ``reach_mm``, as an arc about the axis.
+    A run counts as near a sector if it is no farther from it than ``reach_mm``, along an arc about the axis.
     """
-    ring, rising = _from_a_turn(_with_feet(outline))
+    chord, foot = with_feet(outline, np.roll(outline, -1))
+    ring = np.insert(outline, chord + 1, foot)
+    rising = square(np.roll(ring, -1)) > square(ring)
+    # The ring begins where a run begins.
+    turn = int(np.argmax(rising != np.roll(rising, 1)))
+    ring, rising = np.roll(ring, -turn), np.roll(rising, -turn)
     start = np.nonzero(rising != np.roll(rising, 1))[0]
     count = np.diff(np.append(start, ring.size)) + 1
     first = np.cumsum(count) - count
@@ -132,26 +138,6 @@ def radial_runs(outline: ComplexArray, reach_mm: float, pitch_mm: float) -> Radi
     point = ring[(start[run] + np.where(outwards[run], step, count[run] - 1 - step)) % ring.size]
     near = _near_sectors(point, run, first, reach_mm, pitch_mm)
     return RadialRuns(point, square(point), first, first + count - 1, outwards, near)
-
-
-def _with_feet(outline: ComplexArray) -> ComplexArray:
-    chord, foot = with_feet(outline, np.roll(outline, -1))
-    return np.insert(outline, chord + 1, foot)
-
-
-def with_feet(start: ComplexArray, end: ComplexArray) -> tuple[IndexArray, ComplexArray]:
-    """Which chords are nearest to the origin between their ends, and where: there the radius turns."""
-    step = end - start
-    share = -along(step, start) / np.maximum(square(step), np.finfo(float).tiny)
-    inside = np.nonzero((share > 0.0) & (share < 1.0))[0]
-    return inside, start[inside] + share[inside] * step[inside]
-
-
-def _from_a_turn(ring: ComplexArray) -> tuple[ComplexArray, Mask]:
-    """The same ring from where a run begins, and whether it runs outwards after each point."""
-    rising = square(np.roll(ring, -1)) > square(ring)
-    turn = int(np.argmax(rising != np.roll(rising, 1)))
-    return np.roll(ring, -turn), np.roll(rising, -turn)
 
 
 def _near_sectors(
@@ -171,3 +157,11 @@ def _near_sectors(
     near = np.full((sectors, int(width.max())), NO_RUN)
     near[sector, np.arange(owner.size) - (np.cumsum(width) - width)[sector]] = owner
     return near
+
+
+def with_feet(start: ComplexArray, end: ComplexArray) -> tuple[IndexArray, ComplexArray]:
+    """Which chords are nearest to the origin between their ends, and the points at which they are (their feet)."""
+    step = end - start
+    share = -along(step, start) / np.maximum(square(step), np.finfo(float).tiny)
+    inside = np.nonzero((share > 0.0) & (share < 1.0))[0]
+    return inside, start[inside] + share[inside] * step[inside]
