@@ -11,6 +11,7 @@ import numpy as np
 from ezdxf import units
 from ezdxf.document import Drawing as Document
 from ezdxf.layouts import Modelspace
+from ezdxf.sections.classes import REQ_R2004
 
 from ncgear.files.workshop.drawing import (
     Circle,
@@ -73,6 +74,9 @@ def dxf_bytes(drawings: Mapping[str, Drawing], notes: Sequence[str]) -> bytes:
         _write(document, notes, *box_around(drawings.values()))
         if document.audit().has_issues:
             raise RuntimeError(f"the DXF file of {notes[0]} has faults")
+        # Left to itself the library writes the classes of what a file holds in the order of a set of words.
+        for name in (*REQ_R2004, *sorted(document.entitydb.dxf_types_in_use())):
+            document.classes.add_class(name)
         text = StringIO()
         document.write(text)
     return document.encode(text.getvalue())
