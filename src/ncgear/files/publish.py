@@ -111,16 +111,16 @@ def _write_and_exchange(folder: Path, files: Mapping[str, bytes], obsolete: Iter
             (staging / NEW / name).write_bytes(content)
         for name in (*files, *gone):
             if (folder / name).exists():
-                # A copy: a run killed at any moment leaves a file at each place.
+                # Copied, not moved: a run killed at any moment leaves a file at each place.
                 (staging / OLD / name).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy2(folder / name, staging / OLD / name)
         _exchange(folder, staging, [*files, *gone])
     finally:
-        # If this fails, what is behind links stays for the next run.
+        # If this fails, the files that links lead to stay for the next run.
         _settle(folder, staging)
         shutil.rmtree(staging, ignore_errors=True)
     for place in {(folder / name).parent for name in gone} - {folder}:
-        # Folders that have lost their last file.
+        # A folder goes if it has lost its last file.
         with suppress(OSError):
             place.rmdir()
 
@@ -153,7 +153,7 @@ def _point(staging: Path, side: str) -> None:
 
 
 def _exchange_one_by_one(folder: Path, staging: Path, names: list[str]) -> None:
-    """Where there are no symbolic links; what fails half way is taken back."""
+    """Exchange without symbolic links; where a move fails, those before it are taken back."""
     done: list[str] = []
     try:
         for name in names:
@@ -176,7 +176,7 @@ def _put(file: Path, place: Path) -> None:
 def _settle(folder: Path, staging: Path) -> None:
     """Put files into the places of all links that an exchange has left, or remove links to nothing."""
     for side in (staging / OLD, staging / NEW):
-        # Listed before any is settled, for then they leave.
+        # Listed first, since files leave this folder when they are settled.
         for file in [place for place in sorted(side.rglob("*")) if not place.is_dir()]:
             place = folder / file.relative_to(side)
             if not (place.is_symlink() and staging.name in place.readlink().parts):
