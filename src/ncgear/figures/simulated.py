@@ -55,7 +55,7 @@ def _load_columns(loads: Loads) -> dict[str, Array]:
 
 
 def _components(name: str, force: Vector) -> dict[str, Array]:
-    """Of a force whose components are jets."""
+    """The components of a force at each angle, from its jets."""
     return {f"{name}_x_n": force.x.value, f"{name}_y_n": force.y.value}
 
 
@@ -72,7 +72,7 @@ def rigid_figures(drive: Drive) -> dict[str, Any]:
 
 
 def _about(drive: Drive, level: Level) -> dict[str, Any]:
-    """What is simulated: the sections that the figures of every level begin with."""
+    """The sections that the figures of every level begin with: design, level and speed."""
     design = drive.design
     return {
         "design": {"name": design.name, "description": design.description, "level": level.value},
@@ -220,6 +220,6 @@ def _largest(values: Array) -> float:
 
 
 def force_size_n(force: Vector) -> Array:
-    """How large a force is at each instant, shape (n,)."""
+    """Size of a force at each instant, shape (n,)."""
     size: Array = np.hypot(force.x, force.y)
     return size

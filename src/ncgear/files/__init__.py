@@ -1,1 +1,1 @@
-"""What is written: tables, meshes, workshop formats, and how they reach a folder."""
+"""The files that commands write, in tables, meshes and workshop formats, and how they reach a folder."""

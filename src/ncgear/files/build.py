@@ -38,12 +38,12 @@ STEPS = {
 
 WRITTEN_STEPS = (*STEPS, "files", "written contact")
 PAIR_STEPS = (*WRITTEN_STEPS, "workshop files", "plots")
-"""What is told of one pair of gears until its contact as written is known, and until all its files are made."""
+"""Steps told for one pair of gears: until its contact as written is known, and until all its files are made."""
 
 
 @dataclass(frozen=True)
 class Built:
-    """What a build has done: the files it wrote and the summary of every pair of gears that it wrote among them."""
+    """The files that a build wrote, and the summary of every pair of gears, which is among them."""
 
     paths: list[Path]
     summaries: list[dict[str, Any]]
@@ -78,7 +78,7 @@ def build(
 
 
 def step_count(drive: Drive, *, report: bool) -> int:
-    """How often a build tells what is done."""
+    """How many steps a build tells."""
     return len(PAIR_STEPS) * drive.design.stages + report
 
 
@@ -88,12 +88,12 @@ def contacts_as_written(drive: Drive, on_step: Callable[[str], None]) -> list[Pa
 
 
 def _place(stage: int | None) -> str:
-    """What stands before the names of a pair's files."""
+    """The folder of a pair's files, as it stands before their names."""
     return "" if stage is None else f"stage-{stage}/"
 
 
 def _named(pair: Drive, on_step: Callable[[str], None]) -> Callable[[str], None]:
-    """Tell which of two pairs is at work."""
+    """``on_step`` that also says which of two pairs a step belongs to."""
     return on_step if pair.stage is None else lambda done: on_step(f"stage {pair.stage}: {done}")
 
 
@@ -113,7 +113,7 @@ def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Form
         files.update(workshop_files(drive, formats))
     with _timed(drive, "plots", on_step):
         files.update(pictures(drive, contact))
-    # Last: only now are the timings known, and a summary is then never newer in its folder than what it sums up.
+    # The summary comes last: only now all timings are known, and a new one never stands beside older files.
     summary = build_summary(drive, contact)
     return _Pair({**files, "summary.json": json_text(summary).encode()}, summary, contact)
 

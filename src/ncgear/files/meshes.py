@@ -1,6 +1,7 @@
-"""Binary STL and the proof, by reading it back, that the written file still holds the solid.
+"""Solids as binary STL, and what other programs find in a build's files: both are read back from the bytes written.
 
-Tooth outlines as other programs will find them: read back from the bytes of the files that a build writes.
+An STL file is handed out only if it still holds the closed solid that it was made from.  Tooth outlines are read back
+from tables and, as sections, from STL files, so that the contact is judged on what was written.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from trimesh import Trimesh
 from trimesh.exchange.stl import export_stl
 
 from ncgear.contact.written.as_written import Outlines
-from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.plane import signed_area
 from ncgear.solids.mesh.pair import SolidPair
 from ncgear.solids.mesh.slabs import require_sound
@@ -27,6 +28,17 @@ VOLUME_TOLERANCE = 1e-5
 
 BOUNDS_TOLERANCE = 1e-6
 """Single precision of a coordinate, relative to the largest one: 2^-24, rounded up generously."""
+
+STRAIGHT_MM = 1e-9
+"""Distance from the line through its neighbours at which a point counts as on it: where a section crosses the diagonal
+of a flat facet."""
+
+NEAR_MM = 1e-6
+"""Distance at which a point of a section is the one before it: next to a corner a diagonal crosses the section, and of
+two such points each would be on the line through the other and its other neighbour."""
+
+FOOT_MM = 1e-6
+"""Height at which the section of helical teeth is taken: there it is the outline, farther up it has turned."""
 
 
 def stl_bytes(mesh: Trimesh) -> bytes:
@@ -48,18 +60,6 @@ def read_back(data: bytes, original: Trimesh) -> Trimesh:
     if not np.allclose(mesh.bounds, original.bounds, rtol=0.0, atol=allowed):
         raise RuntimeError(f"a written solid spans {mesh.bounds.tolist()} instead of {original.bounds.tolist()} mm")
     return mesh
-
-
-STRAIGHT_MM = 1e-9
-"""Distance from the line through its neighbours at which a point counts as on it: where a section crosses the diagonal
-of a flat facet."""
-
-NEAR_MM = 1e-6
-"""Distance at which a point of a section is the one before it: next to a corner a diagonal crosses the section, and of
-two such points each would be on the line through the other and its other neighbour."""
-
-FOOT_MM = 1e-6
-"""Height at which the section of helical teeth is taken: there it is the outline, farther up it has turned."""
 
 
 def written_outlines(files: Mapping[str, bytes], bodies: SolidPair, *, helical: bool = False) -> list[Outlines]:
@@ -95,9 +95,10 @@ def outline_of_csv(data: bytes) -> Array:
 
 
 def outline_of_stl(data: bytes, height_mm: float | None = None, *, hole: bool = False) -> Array:
-    """The outer boundary of a solid's section, in mm, counter-clockwise, shape (n, 2); or that of its largest hole.
+    """The outer boundary of a solid's section, in mm, counter-clockwise, shape (n, 2), or that of its largest hole.
 
-    At a height over z = 0, or half way up where none is given.  Raises ValueError unless the mesh is closed there.
+    The section is at a height over z = 0, or half way up where none is given.  Raises ValueError unless the mesh is
+    closed there.
     """
     mesh = trimesh.load_mesh(BytesIO(data), file_type="stl")
     vertices = np.asarray(mesh.vertices)
@@ -113,35 +114,26 @@ def section_rings(vertices: Array, faces: IndexArray, height: float) -> list[Arr
     They are followed from facet to facet over the mesh's edges, not over coordinates: rounding can then neither open a
     ring nor join two.  Raises ValueError unless every edge that crosses the plane joins two facets.
     """
-    above = vertices[:, 2] > height
+    above, count = vertices[:, 2] > height, len(vertices)
     start, end = faces, np.roll(faces, -1, axis=1)
+    falling, rising = above[start] & ~above[end], ~above[start] & above[end]
     # Seen from outside, a facet's boundary runs down on the left of its section and up again on the right.
-    down, up = (_edge_keys(start[mask], end[mask], len(vertices)) for mask in _crossing(above, start, end))
+    down, up = (_edge_keys(start[mask], end[mask], count) for mask in (falling, rising))
     edges, place = np.unique(np.concatenate([down, up]), return_inverse=True)
     if edges.size != down.size or np.any(np.bincount(place) != 2):
         raise ValueError(f"the mesh is not closed at a height of {height:g}")
     following = np.empty(edges.size, dtype=int)
     following[place[: down.size]] = place[down.size :]
-    points = _at_height(vertices[edges // len(vertices)], vertices[edges % len(vertices)], height)
+    one, other = vertices[edges // count], vertices[edges % count]
+    share = (height - one[:, 2]) / (other[:, 2] - one[:, 2])
+    points: Array = one[:, :2] + share[:, None] * (other[:, :2] - one[:, :2])
     return [points[ring] for ring in _cycles(following.tolist())]
-
-
-def _crossing(above: Mask, start: IndexArray, end: IndexArray) -> tuple[Mask, Mask]:
-    """Which edges of facets run down through the plane, and which up."""
-    return above[start] & ~above[end], ~above[start] & above[end]
 
 
 def _edge_keys(start: IndexArray, end: IndexArray, count: int) -> IndexArray:
     """One number for each edge, the same for both facets that it joins."""
     keys: IndexArray = np.minimum(start, end) * count + np.maximum(start, end)
     return keys
-
-
-def _at_height(low: Array, high: Array, height: float) -> Array:
-    """Where edges between points of space cross a level, shape (n, 2)."""
-    share = (height - low[:, 2]) / (high[:, 2] - low[:, 2])
-    crossing: Array = low[:, :2] + share[:, None] * (high[:, :2] - low[:, :2])
-    return crossing
 
 
 def _cycles(following: list[int]) -> Iterator[list[int]]:
@@ -156,6 +148,7 @@ def _cycles(following: list[int]) -> Iterator[list[int]]:
 
 
 def _without_straight_points(ring: Array) -> Array:
+    """A ring without points that are the one before them, or on the line through their neighbours."""
     step = ring - np.roll(ring, 1, axis=0)
     ring = ring[np.hypot(step[:, 0], step[:, 1]) > NEAR_MM]
     before, after = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)

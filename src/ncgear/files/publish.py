@@ -1,15 +1,13 @@
-"""Several files of a folder are exchanged for new ones at one instant, although a file system moves one at a time.
+"""Files reach the output folder all together or not at all: a failed or killed run leaves the last good build.
 
-Every name first becomes a symbolic link through one pointer to a copy of its old file; then the pointer is turned to
-the new files, in one move; then the files themselves take the places of the links.  At each moment every name leads to
-the old file or every name to the new one, and whoever comes after a killed run can finish the last step.
+They are first written into a staging folder beside their places, then exchanged for the earlier ones at one instant,
+although a file system moves one file at a time.  Every name first becomes a symbolic link through one pointer to a copy
+of its old file; then the pointer is turned to the new files, in one move; then the files themselves take the places of
+the links.  At each moment every name leads to the old file or every name to the new one.
 
-    folder/a.csv -> .staging/current/a.csv        .staging/current -> old, then new
+    folder/a.csv -> .ncgear-xyz/current/a.csv        .ncgear-xyz/current -> old, then new
 
-Files reach the output folder all together or not at all: a failed or killed run leaves the last good build.
-
-They are first written into a staging folder beside their places, then exchanged for the earlier ones at one instant.
-What a killed run has left is cleared up by the next one.
+What a killed run has left, a staging folder with links into it, is finished and cleared up by the next run.
 """
 
 from __future__ import annotations
@@ -24,85 +22,10 @@ from pathlib import Path
 from ncgear.errors import WrongInput
 from ncgear.interrupts import uninterrupted
 
+STAGING_PREFIX = ".ncgear-"
+
 OLD, NEW = "old", "new"
 _POINTER, _LINK = "current", "link"
-
-
-def exchange(folder: Path, staging: Path, names: Iterable[str]) -> None:
-    """Show the files of ``staging/new`` at their places in ``folder``, and none at the places of other ``names``.
-
-    ``staging`` lies in ``folder``, with copies in ``staging/old`` of the files that are to go; ``names`` may have
-    folders in them, which exist.  Raises OSError when something is in the way: then the old files are shown.  Either
-    way ``settle`` must follow.  Where the file system has no symbolic links the files are moved one by one; a run that
-    is killed in between, and only that, leaves some of both there.
-    """
-    try:
-        _point(staging, OLD)
-    except (OSError, NotImplementedError):
-        _exchange_one_by_one(folder, staging, list(names))
-    else:
-        _exchange_linked(folder, staging, names)
-
-
-def settle(folder: Path, staging: Path) -> None:
-    """Put files into the places of all links that an exchange has left, or remove links to nothing."""
-    for name in _names_in(staging):
-        place = folder / name
-        if not _leads_into(place, staging):
-            continue
-        if place.exists():
-            place.resolve().replace(place)
-        else:
-            place.unlink()
-
-
-def _exchange_linked(folder: Path, staging: Path, names: Iterable[str]) -> None:
-    link = staging / _LINK
-    for name in names:
-        link.symlink_to(os.path.relpath(staging / _POINTER / name, (folder / name).parent))
-        link.replace(folder / name)
-    _point(staging, NEW)
-
-
-def _point(staging: Path, side: str) -> None:
-    """Turn the pointer to one side, in a single move."""
-    link = staging / _LINK
-    link.symlink_to(side, target_is_directory=True)
-    link.replace(staging / _POINTER)
-
-
-def _names_in(staging: Path) -> Iterator[str]:
-    """Relative paths of all files on both sides."""
-    for side in (staging / OLD, staging / NEW):
-        # Listed before any is settled, for then they leave.
-        yield from [str(place.relative_to(side)) for place in sorted(side.rglob("*")) if not place.is_dir()]
-
-
-def _leads_into(place: Path, staging: Path) -> bool:
-    return place.is_symlink() and staging.name in place.readlink().parts
-
-
-def _exchange_one_by_one(folder: Path, staging: Path, names: list[str]) -> None:
-    done: list[str] = []
-    try:
-        for name in names:
-            _put(staging / NEW / name, folder / name)
-            done.append(name)
-    except BaseException:
-        for name in done:
-            _put(staging / OLD / name, folder / name)
-        raise
-
-
-def _put(file: Path, place: Path) -> None:
-    """Move a file to a place; where there is no such file the place becomes empty."""
-    if file.exists():
-        file.replace(place)
-    else:
-        place.unlink(missing_ok=True)
-
-
-STAGING_PREFIX = ".ncgear-"
 
 REMEDY = "choose another folder with --out"
 
@@ -173,11 +96,12 @@ def _clear_up(folder: Path) -> None:
     """Finish the exchanges of killed runs, and remove what they have left."""
     for leftover in folder.glob(f"{STAGING_PREFIX}*"):
         if leftover.is_dir() and not leftover.is_symlink():
-            settle(folder, leftover)
+            _settle(folder, leftover)
             shutil.rmtree(leftover)
 
 
 def _write_and_exchange(folder: Path, files: Mapping[str, bytes], obsolete: Iterable[str]) -> None:
+    """Show files at their places in the folder, and none at those of obsolete ones."""
     gone = [name for name in obsolete if (folder / name).is_file()]
     staging = Path(tempfile.mkdtemp(prefix=STAGING_PREFIX, dir=folder))
     try:
@@ -185,25 +109,79 @@ def _write_and_exchange(folder: Path, files: Mapping[str, bytes], obsolete: Iter
             for place in (folder / name, staging / NEW / name, staging / OLD / name):
                 place.parent.mkdir(parents=True, exist_ok=True)
             (staging / NEW / name).write_bytes(content)
-        _keep_copies(folder, staging / OLD, [*files, *gone])
-        exchange(folder, staging, [*files, *gone])
+        for name in (*files, *gone):
+            if (folder / name).exists():
+                # Copied, not moved: a run killed at any moment leaves a file at each place.
+                (staging / OLD / name).parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy2(folder / name, staging / OLD / name)
+        _exchange(folder, staging, [*files, *gone])
     finally:
-        # If this fails, what is behind links stays for the next run.
-        settle(folder, staging)
+        # If this fails, the files that links lead to stay for the next run.
+        _settle(folder, staging)
         shutil.rmtree(staging, ignore_errors=True)
-    _remove_empty(folder, gone)
-
-
-def _keep_copies(folder: Path, earlier: Path, names: Iterable[str]) -> None:
-    """Copies, not moves: a run killed at any moment leaves a file at each place."""
-    for name in names:
-        if (folder / name).exists():
-            (earlier / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(folder / name, earlier / name)
-
-
-def _remove_empty(folder: Path, names: Iterable[str]) -> None:
-    """Remove the folders that have lost their last file."""
-    for place in {(folder / name).parent for name in names} - {folder}:
+    for place in {(folder / name).parent for name in gone} - {folder}:
+        # A folder goes if it has lost its last file.
         with suppress(OSError):
             place.rmdir()
+
+
+def _exchange(folder: Path, staging: Path, names: Iterable[str]) -> None:
+    """Show the files of ``staging/new`` at their places in ``folder``, and none at the places of other ``names``.
+
+    ``staging`` lies in ``folder``, with copies in ``staging/old`` of the files that are to go; ``names`` may have
+    folders in them, which exist.  Raises OSError when something is in the way: then the old files are shown.  Either
+    way ``_settle`` must follow.  Where the file system has no symbolic links the files are moved one by one; a run that
+    is killed in between, and only that, leaves some of both there.
+    """
+    try:
+        _point(staging, OLD)
+    except (OSError, NotImplementedError):
+        _exchange_one_by_one(folder, staging, list(names))
+        return
+    link = staging / _LINK
+    for name in names:
+        link.symlink_to(os.path.relpath(staging / _POINTER / name, (folder / name).parent))
+        link.replace(folder / name)
+    _point(staging, NEW)
+
+
+def _point(staging: Path, side: str) -> None:
+    """Turn the pointer to one side, in a single move."""
+    link = staging / _LINK
+    link.symlink_to(side, target_is_directory=True)
+    link.replace(staging / _POINTER)
+
+
+def _exchange_one_by_one(folder: Path, staging: Path, names: list[str]) -> None:
+    """Exchange without symbolic links; where a move fails, those before it are taken back."""
+    done: list[str] = []
+    try:
+        for name in names:
+            _put(staging / NEW / name, folder / name)
+            done.append(name)
+    except BaseException:
+        for name in done:
+            _put(staging / OLD / name, folder / name)
+        raise
+
+
+def _put(file: Path, place: Path) -> None:
+    """Move a file to a place; where there is no such file the place becomes empty."""
+    if file.exists():
+        file.replace(place)
+    else:
+        place.unlink(missing_ok=True)
+
+
+def _settle(folder: Path, staging: Path) -> None:
+    """Put files into the places of all links that an exchange has left, or remove links to nothing."""
+    for side in (staging / OLD, staging / NEW):
+        # Listed first, since files leave this folder when they are settled.
+        for file in [place for place in sorted(side.rglob("*")) if not place.is_dir()]:
+            place = folder / file.relative_to(side)
+            if not (place.is_symlink() and staging.name in place.readlink().parts):
+                continue
+            if place.exists():
+                place.resolve().replace(place)
+            else:
+                place.unlink()

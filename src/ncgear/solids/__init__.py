@@ -1,1 +1,1 @@
-"""Gear bodies: tooth outline, bore, keyway and index hole, extruded to a solid that is checked before it is used."""
+"""Gear bodies: planned from a tooth outline and what is asked of it, then made as checked meshes or exact solids."""

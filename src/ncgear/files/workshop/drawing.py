@@ -35,7 +35,7 @@ class Use(Enum):
 
 
 class Layer(Enum):
-    """What lines show, and what they are for; a layer's name in files is that of the member."""
+    """What lines show and what they are for; a layer has the member's name in files."""
 
     OUTLINE = "tooth outline", Use.THROUGH
     RIM = "outer circle of the ring", Use.THROUGH
@@ -52,7 +52,7 @@ class Layer(Enum):
 
     @property
     def words(self) -> str:
-        """What it shows and what it is for, for whoever looks at the file."""
+        """What the layer shows and what it is for, as files say it."""
         return f"{self.content}; {self.use.value}"
 
 
@@ -224,8 +224,11 @@ def pitch_points(curve: PitchCurve, tolerance_mm: float) -> Array:
 
 
 def gear_notes(drive: Drive, gear: Gear, plan: BodyPlan) -> tuple[str, ...]:
-    """What the gear is, its scale and frame, how far lines go up and down that are not cut through, and in what lines
-    differ from the gear as designed and the body from the lines."""
+    """What the gear is, its scale and frame, and what lines cannot show.
+
+    That is how deep or high the shapes are that are not cut through, how the lines differ from the gear as designed,
+    and how the body differs from the lines.
+    """
     notes = [
         f"{_title(drive)}: {gear.value} gear",
         _scale(drive),
@@ -246,7 +249,7 @@ def gear_notes(drive: Drive, gear: Gear, plan: BodyPlan) -> tuple[str, ...]:
 
 
 def pair_notes(drive: Drive) -> tuple[str, ...]:
-    """What the drawing of both gears is, as they go together."""
+    """What the drawing of both gears together is, its scale and frame."""
     return (
         f"{_title(drive)}: both gears assembled at phi1 = 0",
         _scale(drive),

@@ -11,6 +11,7 @@ import numpy as np
 from ezdxf import units
 from ezdxf.document import Drawing as Document
 from ezdxf.layouts import Modelspace
+from ezdxf.sections.classes import REQ_R2004
 
 from ncgear.files.workshop.drawing import (
     Circle,
@@ -31,7 +32,7 @@ VERSION = "R2010"
 """Read by every program of the last fifteen years, and the first version with all that is needed here."""
 
 COLORS = {Use.THROUGH: 7, Use.PART_WAY: 5, Use.REFERENCE: 1}
-"""By the AutoCAD colour index: black or white, blue, red."""
+"""Colours by the AutoCAD colour index: black or white, blue, red."""
 
 CENTER_LINE = [6.0, 4.0, -0.75, 0.5, -0.75]
 """Length in mm of the pattern, and its lines and gaps: what no machine should cut is drawn as centre lines are."""
@@ -43,7 +44,7 @@ NOTES = "NOTES"
 LETTERS_ACROSS = 80.0
 """Width of the drawing in heights of the notes' letters."""
 LINE_SPACING = 1.6
-"""In heights of letters."""
+"""Distance of two lines of notes in heights of letters."""
 SLACK = 1.1
 """Height of the view that the file opens with, over that of what is drawn."""
 
@@ -73,6 +74,9 @@ def dxf_bytes(drawings: Mapping[str, Drawing], notes: Sequence[str]) -> bytes:
         _write(document, notes, *box_around(drawings.values()))
         if document.audit().has_issues:
             raise RuntimeError(f"the DXF file of {notes[0]} has faults")
+        # Without this the library lists the classes in the order of a set, which differs from process to process.
+        for name in (*REQ_R2004, *sorted(document.entitydb.dxf_types_in_use())):
+            document.classes.add_class(name)
         text = StringIO()
         document.write(text)
     return document.encode(text.getvalue())

@@ -28,7 +28,7 @@ USUAL = (Format.DXF, Format.SVG, Format.THREEMF, Format.GLB)
 
 @dataclass(frozen=True)
 class Writer:
-    """Where the function is that makes a kind's files of a drive, and what they are called."""
+    """The function that makes a kind's files from a drive, by its module and name, and the names of the files."""
 
     module: str
     function: str

@@ -38,18 +38,18 @@ from ncgear.solids.plan.plan import outer_radius_mm
 from ncgear.teeth.contour import contour_of
 
 SHARE = 0.1
-"""Of the chord tolerance, which faces may stray from the exact ones: even where the working flanks of an outline get
-the least share of it, 0.15, the faces are the closer ones, so that gears made of them miss the law no more."""
+"""Share of the chord tolerance by which faces may stray from the exact ones.  The working flanks of an outline get a
+share of 0.15 at least, so that the faces are closer, and gears made of them miss the law by no more."""
 
 VOLUME_TOLERANCE = 2e-5
 """Relative difference allowed between a solid and the same one read back: the kernel's integrals are no better, since
 it finds the edges of faces anew (tests/test_step.py holds them against sections); faces are counted."""
 
 TIMESTAMP = "1970-01-01T00:00:00"
-"""Of every file: the same design gives the same bytes, whenever it is built."""
+"""Time in the header of every file: the same design gives the same bytes, whenever it is built."""
 
 SETTINGS = {
-    # Curves on surfaces follow from the curves in space; with them files are twice as large.
+    # No curves on surfaces: they follow from the curves in space, and files would be twice as large.
     "write.surfacecurve.mode": 0,
 }
 
@@ -63,7 +63,7 @@ class ExactSolid:
 
 
 def solids_of_drive(drive: Drive) -> dict[Gear, ExactSolid]:
-    """Both gears.
+    """The solids of both gears.
 
     Raises as the teeth's contact does, and WrongInput for helical teeth that do not go up smoothly.
     """

@@ -56,7 +56,7 @@ def _size(drawing: Drawing) -> dict[str, str]:
 
 
 def _path(shape: Shape) -> str:
-    """What a path element says to draw a shape."""
+    """The ``d`` attribute of a path that draws a shape."""
     match shape:
         case Polyline():
             points = shape.points.tolist()

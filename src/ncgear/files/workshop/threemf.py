@@ -15,7 +15,7 @@ from trimesh.exchange.threemf import export_3MF
 from ncgear.project.drive import Drive
 
 GAP_MM = 5.0
-"""Between the gears on the plate: they must not be printed as one."""
+"""Gap between the gears on the plate, so that they are not printed as one."""
 
 LONG_AGO = (1980, 1, 1, 0, 0, 0)
 """The first moment that a ZIP archive can name: the same design gives the same bytes, whenever it is built."""
@@ -41,12 +41,12 @@ def threemf_bytes(parts: dict[str, tuple[Trimesh, float]]) -> bytes:
         place = np.eye(4)
         place[0, 3] = x_mm
         scene.add_geometry(mesh, node_name=name, geom_name=name, transform=place)
-    # Packed once only, when it is as it shall be.
+    # Only stored for now: it is packed in its final form.
     return _reproducible(export_3MF(scene, compression=zipfile.ZIP_STORED))
 
 
 def _reproducible(archive: bytes) -> bytes:
-    """The archive as strict readers want it, without the time of writing, identities counted, not drawn by lot."""
+    """The archive as strict readers want it, with a fixed time of writing, and identities counted instead of random."""
     numbers, made = count(1), BytesIO()
     with zipfile.ZipFile(BytesIO(archive)) as old, zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as new:
         for name in old.namelist():

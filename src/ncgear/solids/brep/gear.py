@@ -27,7 +27,8 @@ from ncgear.solids.plan.body import BodyPlan
 from ncgear.teeth.contour import DEGREE, SAME_MM, Contour, Spline, ring_of_arcs
 
 AT_CORNERS = 8.0 / 17.0
-"""Of the chord tolerance, within which walls of pockets pass the corners: they are then within it everywhere."""
+"""Share of the chord tolerance within which walls of pockets pass the polygon's corners: they then keep to the whole of
+it everywhere."""
 
 SHORT_OF_HUB = 4.0
 """Chord tolerances: a pocket that goes round a hub stops three short of it, for its chords' sake."""

@@ -57,7 +57,7 @@ def _best_fits(pitch: PitchPair, form: ToothForm, helix: Helix, heights: Array) 
     """The way that leaves most contact in the worst section, and the sections fitted so; the first if none fouls."""
     found: list[tuple[Way, Fits]] = []
     refusals: list[NoSuchMechanism] = []
-    # Tips foul near concave stretches only: where there are none the ways do not differ.
+    # Tips foul near concave stretches only; without any the ways do not differ.
     for way in WAYS[:1] if all(pitch.convex(gear) for gear in Gear) else WAYS:
         try:
             found.append((way, _fits(pitch, form, helix, heights, way)))

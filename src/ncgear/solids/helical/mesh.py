@@ -48,7 +48,7 @@ def helical_pair(
 
 
 def _solid(sections: Sections, stack: Stack, gear: Gear, blank: Blank, tolerance: float) -> GearSolid:
-    """A gear's mesh; everything cut keeps its walls in every section."""
+    """A gear's mesh; bore, holes and pockets keep their walls in every section."""
     key, module = f"gears.{gear.value}", sections.form.rack.module_mm
     outlines = [sections.at(z).pieces[gear].points_mm[:-1] for z in stack.heights_mm]
     direction = meeting_direction_rad(gear, Mesh.EXTERNAL)
@@ -140,7 +140,7 @@ def _cap(tubes: Sequence[_Tube], layer: int) -> IndexArray:
     points = np.concatenate([tube.rings[layer, own] for tube, own in zip(tubes, kept, strict=True)])
     vertex = np.concatenate([tube.numbers[layer, own] for tube, own in zip(tubes, kept, strict=True)])
     ends = np.cumsum([own.size for own in kept]).astype(np.uint32)
-    # Earcut passes over points that stand exactly in line with their neighbours; shifted unevenly, none does.
+    # Earcut passes over points exactly in line with their neighbours; after uneven shifts there are none.
     uneven = points * (1.0 + UNEVEN * np.random.default_rng(0).random((len(points), 1)))
     corners = mapbox_earcut.triangulate_float64(uneven, ends).reshape(-1, 3).astype(np.intp)
     return np.asarray(vertex[corners if np.sum(signed_area(points[corners])) > 0.0 else corners[:, ::-1]])

@@ -56,8 +56,8 @@ TINY = float(np.finfo(float).tiny)
 
 @dataclass(frozen=True)
 class Limits:
-    """What columns are for: how far, in mm, a section's outline may be from its chords, and the middle of a
-    quadrilateral between neighbouring sections from its diagonals."""
+    """How far, in mm, a section's outline may be from the chords between columns, and the middle of a quadrilateral
+    between neighbouring sections from its diagonals."""
 
     sagitta_mm: float
     twist_mm: float
@@ -152,7 +152,7 @@ class Stack:
     rings_mm: Array
 
     def counter_clockwise(self) -> Array:
-        """The rings in that sense."""
+        """The rings, turned round where they run clockwise."""
         return self.rings_mm if signed_area(self.rings_mm[0]) > 0.0 else self.rings_mm[:, ::-1]
 
     def seems_to_stray_mm(self) -> Array:
@@ -232,7 +232,7 @@ class Columns:
         return np.stack([section.at(self.piece, self.share) for section in sections])
 
     def spread(self, wanted: Array) -> Columns:
-        """As many columns on each piece as its intervals together want, each interval divided alike.
+        """As many columns on each piece as all its intervals want, spread according to what each interval wants.
 
         ``wanted`` (c,) is into how many parts the interval after each column wants to be divided, whole or not.
         """
@@ -247,7 +247,7 @@ class Columns:
         return Columns(piece, np.where(step == 0, 0.0, place - piece))
 
     def halved(self, wide: Mask) -> Columns:
-        """With the intervals halved after the columns that are marked, shape (c,)."""
+        """The columns with another one half way after each that is marked, shape (c,)."""
         after = np.append(self.share[1:], 0.0)
         middle = (self.share + np.where(after > 0.0, after, 1.0)) / 2.0
         row, step = _numbered(np.where(wide, 2, 1))
@@ -299,9 +299,9 @@ def sagittas(columns: Columns, section: Pieces, ring: Array) -> Array:
 
 
 def twists(rings: Array) -> Array:
-    """How far the middle of the quadrilaterals after each column is from their diagonals', the most of all layers.
+    """Distance in mm of the middle of the quadrilateral after each column from those of its diagonals, largest of all.
 
-    Shape (c,), in mm; only what is across the chords counts, since what is along them lies in the surface.
+    Shape (c,); only the part across the chords counts, since the part along them lies in the surface.
     """
     chord = np.roll(rings, -1, axis=1) - rings
     lower, upper = chord[:-1], chord[1:]

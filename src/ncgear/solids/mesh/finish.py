@@ -26,10 +26,10 @@ SCREW_TOLERANCE = 1e-6
 quadrature errs at the hub's corners (tests/test_bodies.py)."""
 
 GAUSS_POINTS = 8
-"""Of the quadrature between two corners of the hole's polygon."""
+"""Points of the quadrature between the heights of two corners of the hole's polygon."""
 
 LEVEL_DIGITS = 9
-"""Decimals of a mm at which corners of the hole's polygon are at one height."""
+"""Corners of the hole's polygon whose heights in mm agree to so many decimals are at one height."""
 
 
 def finished(toothed: Trimesh, plan: BodyPlan) -> Trimesh:
@@ -43,12 +43,12 @@ def finished(toothed: Trimesh, plan: BodyPlan) -> Trimesh:
     if plan.web is not None:
         floor, top = plan.web.thickness_mm, plan.face_width_mm
         for pocket in plan.web.pockets:
-            # To beyond the upper face, so that no two faces lie in each other.
+            # The prism goes on beyond the upper face, so that no two faces lie in each other.
             solid -= _solid_of(slab_mesh((Slab(pocket, floor, 2.0 * top - floor),)))
             volume -= pocket.intersection(plan.section).area * (top - floor)
     if plan.hub is not None:
         hub = plan.slabs[-1]
-        # From within the gear, so that both have a volume in common and not just a face.
+        # The hub begins within the gear, so that both have a volume in common and not just a face.
         solid += _solid_of(slab_mesh((Slab(hub.section, plan.face_width_mm / 2.0, hub.high_mm),)))
         volume += hub.section.area * hub.thickness_mm
     made = _mesh_of(solid)
@@ -89,7 +89,7 @@ def screw_hole_mm3(section: BaseGeometry, screw: SetScrew, tolerance_mm: float) 
 
 
 def _strips(ring: Array) -> Iterator[tuple[float, float, float]]:
-    """From where to where a convex ring (n, 2) reaches across at Gauss points of its height, and their weights."""
+    """Ends of the line across a convex ring (n, 2) at each Gauss point of its height, with the point's weight."""
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
     start, end = ring, np.roll(ring, -1, axis=0)
     for low, high in pairwise(np.unique(np.round(ring[:, 1], LEVEL_DIGITS))):

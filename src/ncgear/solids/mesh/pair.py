@@ -25,7 +25,7 @@ class GearSolid:
 
     @property
     def index_hole(self) -> RoundHole | None:
-        """Where one was wanted and had room."""
+        """The index hole; None where none was wanted or had room."""
         return self.plan.index_hole
 
     def __repr__(self) -> str:

@@ -28,7 +28,7 @@ VOLUME_TOLERANCE = 1e-9
 """Relative difference allowed between the mesh's volume and section areas times heights: rounding only."""
 
 SHARES = (0.25, 0.5, 0.75)
-"""Of the height of a slope, where its section is held against the parallel."""
+"""Shares of a slope's height at which its section is held against the parallel."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +156,7 @@ def _complex(points: Array) -> Array:
 
 
 def _close(slope: Trimesh, area: BaseGeometry, height: float, top: float, tolerance: float) -> bool:
-    """Whether the slope's section at a height is the parallel of the area at its top, to the tolerance."""
+    """Whether the slope's section at a height agrees to the tolerance with the parallel of the area at its top."""
     section = _level_lines(np.asarray(slope.triangles), height)
     exact = np.concatenate([np.stack([ring[:-1], ring[1:]], axis=1) for ring in rings(parallel(area, height - top))])
     return _within(section, exact, tolerance) and _within(exact, section, tolerance)

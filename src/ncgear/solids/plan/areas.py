@@ -2,7 +2,7 @@
 
 An area is one shapely polygon or several.  Its parallel is the area with its edges moved along the normal by one
 distance everywhere.  The parallel of a polygon whose chords stray from a curve by a tolerance strays from the curve's
-parallel by no more: where one section lies within the other, so do their parallels.  Each edge keeps its direction, and
+parallel by no more; where one section lies within another, so do their parallels.  Each edge keeps its direction, and
 neighbouring ones are prolonged to meet (mitred), so that moving back gives the edges again.  In a hollow of radius r,
 by a distance d, the corners between prolonged edges stray by d / r of the tolerance: less than it up to the radius of
 the fillets.
@@ -23,10 +23,10 @@ from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
 
 SHARPEST = 10.0
-"""Length, in distances moved, up to which a corner is prolonged: corners down to 12 degrees stay corners."""
+"""A corner is prolonged by up to so many times the distance moved: corners down to 12 degrees stay corners."""
 
 RESOLUTION_MM = 1e-4
-"""How near the largest size is found: a hundredth of what is told of it."""
+"""Accuracy to which the largest size is found: a hundredth of the last digit in a message."""
 
 
 def polygons(area: BaseGeometry) -> list[Polygon]:
@@ -97,15 +97,15 @@ def _comes_back(section: Polygon, inner: BaseGeometry, distance: float, toleranc
     """Whether nothing is lost: the parallel is in one piece, and its own parallel is the section."""
     if inner.is_empty or len(shapely.get_parts(inner)) != 1 or len(inner.interiors) != len(section.interiors):
         return False
-    # Where a tip's land is lost its flanks, prolonged, meet beyond it: what is gained counts as well.
+    # Where a tip's land is lost, its prolonged flanks meet beyond it: material that is gained counts as well.
     changed = section.symmetric_difference(parallel(inner, distance))
     return bool(changed.buffer(-tolerance / 2.0).is_empty)
 
 
 def largest_fitting(fits: Callable[[float], bool], low_mm: float, high_mm: float) -> float:
-    """The largest size that fits between two in mm, by bisection; 0 where none does.
+    """The largest size in mm that fits between two, by bisection; 0 where none does.
 
-    What is smaller than a fitting size fits; ``low_mm`` itself is not tried.
+    Every size smaller than a fitting one must fit as well; ``low_mm`` itself is not tried.
     """
     fitting = 0.0
     while high_mm - low_mm > RESOLUTION_MM:
@@ -118,10 +118,10 @@ def largest_fitting(fits: Callable[[float], bool], low_mm: float, high_mm: float
 
 
 def floored(size_mm: float) -> float:
-    """Rounded down to 0.01 mm, so that the stated size itself fits; smaller ones as they are."""
+    """A size rounded down to 0.01 mm, so that the stated size itself fits; a size below 0.01 mm as it is."""
     return floor(size_mm * 100.0) / 100.0 or size_mm
 
 
 def said_largest(largest_mm: float, otherwise: str) -> str:
-    """The end of a refusal: the largest that fits, or what else would be right where none does."""
+    """The end of a refusal: the largest size that fits, or the other remedy where none does."""
     return f"the largest that fits is {floored(largest_mm):g} mm" if largest_mm > 0.0 else otherwise

@@ -107,10 +107,10 @@ class HoleSet:
 
 @dataclass(frozen=True)
 class Blank:
-    """What makes a tooth outline a body, before it is known what there is room for.
+    """What is asked of a gear's body beside its teeth, whether there is room for it or not.
 
-    ``clearance_mm`` is what the process wants outline and bore moved into the material by, ``chamfer_mm`` the bevel of
-    the lower edges.
+    The process wants outline and bore moved into the material by ``clearance_mm``; ``chamfer_mm`` is the bevel of the
+    lower edges.
     """
 
     face_width_mm: float
@@ -125,7 +125,7 @@ class Blank:
 
 @dataclass(frozen=True)
 class RingBlank:
-    """What makes a tooth outline a ring: face width, rim outside the roots, and whether an index hole is wanted.
+    """What is asked of a ring beside its teeth: face width, rim outside the roots, and whether it has an index hole.
 
     Chamfer and clearance are those of ``Blank``; the clearance is not taken off the outer circle.
     """
@@ -148,7 +148,7 @@ class RoundHole:
 
 @dataclass(frozen=True, eq=False)
 class Web:
-    """What is left between z = 0 and ``thickness_mm`` under pockets that are open to the upper face."""
+    """The material between z = 0 and ``thickness_mm`` under pockets that are open to the upper face."""
 
     thickness_mm: float
     pockets: tuple[Polygon, ...]
@@ -164,7 +164,7 @@ class Slab:
 
     @property
     def thickness_mm(self) -> float:
-        """From its lower to its upper face."""
+        """Distance from the lower to the upper face."""
         return self.high_mm - self.low_mm
 
 
@@ -172,8 +172,8 @@ class Slab:
 class BodyPlan:
     """One gear's body; see the module.
 
-    Curves become polygons whose chords stay within ``chord_tolerance_mm``.  ``clearance_mm`` is what outline and bore
-    have been moved by already.
+    Curves become polygons whose chords stay within ``chord_tolerance_mm``.  Outline and bore have
+    already been moved by ``clearance_mm``.
     """
 
     disc: Polygon
@@ -199,7 +199,7 @@ class BodyPlan:
 
     @property
     def height_mm(self) -> float:
-        """From z = 0 to the top of the hub, or to the upper face."""
+        """Height of the top of the hub, or of the upper face where there is no hub."""
         return self.face_width_mm + (self.hub.height_mm if self.hub else 0.0)
 
     @property

@@ -100,7 +100,7 @@ def _holes(places: Array, diameter: float) -> tuple[RoundHole, ...]:
 
 
 def _without_room(asked: HoleSet, largest: float, key: str) -> WrongInput:
-    """What is wrong with the holes asked for, and the largest diameter that would be right."""
+    """The refusal of holes that have no room, with the largest diameter that fits."""
     given = asked.diameter_mm is not None
     named = f"{asked.count} holes of {asked.diameter_mm:g} mm" if given else f"{asked.count} holes"
     right = said_largest(largest, "none fit; fewer holes, thinner walls, or a smaller hub are needed")
@@ -110,7 +110,7 @@ def _without_room(asked: HoleSet, largest: float, key: str) -> WrongInput:
 
 def _places(room: BaseGeometry, asked: HoleSet, diameter: float, tolerance: float) -> Array | None:
     """Centres of the holes, shape (count, 2), in the first turn in which they have room; None where there is none."""
-    # Chords of the parallel's arcs come nearer to the edge by a tolerance.
+    # Chords of the parallel's arcs come nearer to the edge by up to a tolerance.
     inset = diameter / 2.0 + asked.wall_mm + tolerance
     inside = room.buffer(-inset, quad_segs=quarter_chords(inset, tolerance))
     if inside.is_empty:
