@@ -41,9 +41,11 @@ class Pace:
 
 def paces(speed_rpm: float) -> list[Pace]:
     """The paces of a machine, the readable one first."""
-    multiples = [Pace(f"{times:g}\u00d7 ({shown(times * speed_rpm)} r/min)", times * speed_rpm) for times in PACES]
-    by_speed = [Pace(pace.name, pace.deg_s * DEG_S_PER_RPM) for pace in multiples]
-    return [Pace(f"readable ({READABLE_DEG_S:g}\u00b0/s)", READABLE_DEG_S), *by_speed]
+    made = [Pace(f"readable ({READABLE_DEG_S:g}\u00b0/s)", READABLE_DEG_S)]
+    for times in PACES:
+        speed = times * speed_rpm
+        made.append(Pace(f"{times:g}\u00d7 ({shown(speed)} r/min)", speed * DEG_S_PER_RPM))
+    return made
 
 
 TABLE_ERROR_RAD = 1e-7
