@@ -161,7 +161,7 @@ GridKey = tuple[bytes, float]
 
 def page_data(scene: Scene, figures: Sequence[ChartFigure]) -> dict[str, Any]:
     """All that moves; the angles that several lines share are there once, and called by their number."""
-    grids = {_grid_key(line, one.of.period_deg): line for one in figures for line in one.of.chart.lines}
+    grids = {_grid_key(line, one.page_chart.period_deg): line for one in figures for line in one.page_chart.chart.lines}
     numbers = {key: number for number, key in enumerate(grids)}
     return {
         "cycle_deg": degrees(scene.loop_rad),
@@ -178,19 +178,21 @@ def _grid_key(line: Line, period_deg: float) -> GridKey:
 
 
 def _chart(figure: ChartFigure, numbers: Mapping[GridKey, int]) -> dict[str, Any]:
-    of, decimals = figure.of, figure.of.decimals
+    page_chart = figure.page_chart
+    decimals, period = page_chart.decimals, page_chart.period_deg
+    lines = [
+        {"grid": numbers[_grid_key(line, period)], "values": _rounded(line.values, decimals + MORE_DECIMALS)}
+        for line in page_chart.chart.lines
+    ]
     return {
-        "key": of.key,
-        "angle": of.shaft,
+        "key": page_chart.key,
+        "angle": page_chart.shaft,
         "decimals": decimals,
         "angle_deg": figure.angle_deg,
         "x": figure.x,
         "values": figure.values,
         "y": figure.y,
-        "lines": [
-            {"grid": numbers[_grid_key(line, of.period_deg)], "values": _rounded(line.values, decimals + MORE_DECIMALS)}
-            for line in of.chart.lines
-        ],
+        "lines": lines,
     }
 
 

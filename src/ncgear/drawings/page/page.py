@@ -33,7 +33,7 @@ from ncgear.project.drive import Drive
 
 PACKAGE = "ncgear.drawings.page"
 
-SCENE_SCRIPTS = ("rising", "angles", "places", "gestures", "scene")
+SCENE_SCRIPTS = ("angles", "places", "gestures", "scene")
 PAGE_SCRIPTS = ("interpolation", "shafts", "clock", "charts", "readouts", "controls", "page")
 """Files of scene/ and of script/, in the order in which they build on each other."""
 

@@ -1,4 +1,4 @@
-"""The tables of the page as rows of text (comparison, data sheet, contact, versions), and the figures under its title."""
+"""Tables of the page as rows of text (comparison, data sheet, contact, versions) and the figures under its title."""
 
 from __future__ import annotations
 
