@@ -1,4 +1,4 @@
-"""Tables of the page as rows of text (comparison, data sheet, contact, versions) and the figures under its title."""
+"""The page's tables: comparison, contact, data sheet, versions; and what a designer wants to know first."""
 
 from __future__ import annotations
 
