@@ -1,10 +1,10 @@
-// Places in tables over an angle that rises, and repeats after a period.
+// Angles of the shafts by Hermite's cubics, from tables over an angle that rises and repeats after a period.
 
 function wrapped(x, period) {
   return x - period * Math.floor(x / period);
 }
 
-// The last place, but for the end's, at which rising numbers are not over x.
+// The last index, short of the end's, at which the rising numbers do not exceed x.
 function placeOf(rising, x) {
   let low = 0;
   let high = rising.length - 1;
@@ -16,9 +16,7 @@ function placeOf(rising, x) {
   return low;
 }
 
-// Angles of the shafts from their tables, by Hermite's cubics.
-
-// Value and slope of a table of angles, which repeats but for its rise.
+// Value and slope of a table of angles at x; each period begins where the one before it ended.
 function angleAt(table, x) {
   const turns = Math.floor(x / table.period);
   const local = x - turns * table.period;
@@ -34,7 +32,7 @@ function angleAt(table, x) {
   };
 }
 
-// Angles of all shafts and their speeds by phi1: the tables before the last tell the shafts between.
+// Angles of all shafts and their slopes by phi1: all tables but the last are those of the shafts between.
 function shaftsAt(tables, phi1) {
   const shafts = [{ value: phi1, slope: 1 }];
   for (const table of tables.slice(0, -1)) {

@@ -1,4 +1,4 @@
-// Cursors of the charts, which follow the angle, and the angle that a place on a chart stands for.
+// Cursors of the charts, which follow the angle, and the angle at a place on a chart.
 
 function between(x, from, to) {
   return to[0] + ((x - from[0]) / (from[1] - from[0])) * (to[1] - to[0]);
