@@ -15,10 +15,10 @@ from PIL import Image
 
 from commands import Run
 from ncgear import extras
+from ncgear.drawings.animation import Format, packing
 from ncgear.drawings.animation import artists as looks
-from ncgear.drawings.animation import packing
 from ncgear.drawings.animation.moving_picture import Frame, Picture, picture
-from ncgear.drawings.animation.packing import Format, Loop, Timing, animated
+from ncgear.drawings.animation.packing import Loop, Timing, animated
 from ncgear.drawings.scene.bodies import Kind
 from ncgear.drawings.scene.scene import Scene
 from ncgear.numerics.arrays import Array

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -13,34 +12,11 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from PIL import Image
 
+from ncgear.drawings.animation import Format
 from ncgear.drawings.animation import artists as looks
 from ncgear.drawings.animation.moving_picture import Frame, picture
 from ncgear.drawings.scene.scene import Scene
-from ncgear.errors import WrongInput
-from ncgear.extras import require
 from ncgear.numerics.arrays import Array
-
-
-class Format(StrEnum):
-    """What a file is packed as, by its suffix."""
-
-    GIF = ".gif"
-    MP4 = ".mp4"
-
-
-def format_of(path: Path) -> Format:
-    """The format of a file's suffix, which can be written here.
-
-    Raises WrongInput for another suffix, and where a library that the format needs is not installed.
-    """
-    suffix = path.suffix.lower()
-    if suffix not in set(Format):
-        given = f"{suffix!r} is" if suffix else "no suffix is"
-        raise WrongInput(f"{given} no moving picture; .gif or .mp4 is right", location=str(path))
-    if suffix == Format.MP4:
-        require("imageio_ffmpeg", "video", "an MP4")
-    return Format(suffix)
-
 
 COLORS = 128
 """Colours of a GIF's palette beside those of lines: enough for the shades at edges, in half the bytes of 256."""
