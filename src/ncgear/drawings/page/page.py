@@ -34,7 +34,7 @@ from ncgear.project.drive import Drive
 PACKAGE = "ncgear.drawings.page"
 
 SCENE_SCRIPTS = ("angles", "places", "gestures", "scene")
-PAGE_SCRIPTS = ("interpolation", "shafts", "clock", "charts", "readouts", "controls", "page")
+PAGE_SCRIPTS = ("shafts", "clock", "charts", "readouts", "controls", "page")
 """Files of scene/ and of script/, in the order in which they build on each other."""
 
 JSON_FORM = {"separators": (",", ":"), "sort_keys": False, "allow_nan": False}
