@@ -15,10 +15,10 @@ from PIL import Image
 
 from commands import Run
 from ncgear import extras
-from ncgear.drawings.animation import animate as animating
+from ncgear.drawings.animation import Format, packing
 from ncgear.drawings.animation import artists as looks
-from ncgear.drawings.animation.animate import Format, Loop, Timing, animated
-from ncgear.drawings.animation.picture import Frame, Picture, picture
+from ncgear.drawings.animation.moving_picture import Frame, Picture, picture
+from ncgear.drawings.animation.packing import Loop, Timing, animated
 from ncgear.drawings.scene.bodies import Kind
 from ncgear.drawings.scene.scene import Scene
 from ncgear.numerics.arrays import Array
@@ -225,7 +225,7 @@ def test_an_interrupted_run_leaves_the_last_picture(run: Run, gearless: str, mon
     def interrupted(*_: object) -> bytes:
         raise KeyboardInterrupt
 
-    monkeypatch.setitem(animating.PACKERS, Format.GIF, interrupted)
+    monkeypatch.setitem(packing.PACKERS, Format.GIF, interrupted)
     assert run("animate", gearless, *QUICK, "--out", "one.gif")[0] == 130
     assert Path("one.gif").read_bytes() == before
     assert [path.name for path in Path().iterdir() if path.name.startswith(".")] == []

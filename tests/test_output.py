@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import ncgear
-from ncgear.drawings.charts.chart import NONE, Line, Role
+from ncgear.drawings.charts.chart import EMPTY, Line, Role
 from ncgear.drawings.charts.drawer import MOTION_COLUMN, MOTION_LOOK, beside_png, column_png, mark_extreme
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, motion_chart, over_displacement
 from ncgear.drawings.plots import assembled_pair as gears
@@ -355,12 +355,12 @@ def test_gears_turn_opposite_ways() -> None:
     np.testing.assert_allclose(gears.turned(np.array([[1.0, 0.0]]), pi / 2.0), [[0.0, 1.0]], atol=1e-15)
 
 
-def motion_png(own: SliderMotion, uniform: SliderMotion, title: str, joints_deg: np.ndarray = NONE) -> bytes:
+def motion_png(own: SliderMotion, uniform: SliderMotion, title: str, joints_deg: np.ndarray = EMPTY) -> bytes:
     charts = [motion_chart(quantity, own, uniform, joints_deg) for quantity in MOTION]
     return column_png(charts, title, MOTION_LOOK, MOTION_COLUMN)
 
 
-def power_png(own: SliderMotion, uniform: SliderMotion, title: str, joints_deg: np.ndarray = NONE) -> bytes:
+def power_png(own: SliderMotion, uniform: SliderMotion, title: str, joints_deg: np.ndarray = EMPTY) -> bytes:
     charts = [motion_chart(quantity, own, uniform, joints_deg) for quantity in LOAD]
     return beside_png([(chart, over_displacement(chart, (own, uniform))) for chart in charts], title)
 

@@ -8,7 +8,7 @@ labels and limits can be changed:
 >>> ncgear.plots.acceleration(drive).get_ylabel()
 'acceleration in m/s\u00b2'
 
-Drawing computes the stages that it shows, and raises as they do.
+Drawing computes what it shows, and raises as that does in the drive.
 """
 
 from __future__ import annotations

@@ -117,7 +117,7 @@ def animate(
     width: Annotated[int, typer.Option(min=320, max=1920, help="Width in pixels, rounded to an even number.")] = 960,
 ) -> None:
     """Show the mechanism moving: gears, crank, rod and slider over a whole cycle, as a GIF or MP4."""
-    from ncgear.drawings.animation.animate import Format, format_of
+    from ncgear.drawings.animation import Format, format_of
     from ncgear.files.publish import prepare, publish
 
     kind = format_of(out) if out else Format.GIF
@@ -125,7 +125,7 @@ def animate(
         path = out or EXPORT / loaded.design.name / "mechanism.gif"
         prepare(path.parent)
 
-        from ncgear.drawings.animation.animate import Loop, Timing, animated
+        from ncgear.drawings.animation.packing import Loop, Timing, animated
         from ncgear.drawings.scene.scene import scene_of
         from ncgear.project.drive import Drive
 

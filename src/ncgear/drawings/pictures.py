@@ -10,7 +10,7 @@ import numpy as np
 
 from ncgear.contact.pair import PairContact
 from ncgear.drawings.charts import contact_charts, simulation_charts
-from ncgear.drawings.charts.chart import NONE, Chart, Line, Role, joints_up_to
+from ncgear.drawings.charts.chart import EMPTY, Chart, Line, Role, joints_up_to
 from ncgear.drawings.charts.drawer import (
     CONTACT_COLUMN,
     CONTACT_LOOK,
@@ -74,7 +74,7 @@ def _contact_picture(drive: Drive, contact: PairContact, title: str) -> bytes:
     errors = contact_charts.transmission_error(contact)
     # The key stands above the first row: an empty line there names the backs, which the other rows show.
     pushing, written = errors.lines
-    errors = replace(errors, lines=(pushing, Line(Role.OTHER, contact_charts.BACKS, NONE, NONE), written))
+    errors = replace(errors, lines=(pushing, Line(Role.OTHER, contact_charts.BACKS, EMPTY, EMPTY), written))
     joints = np.degrees(joints_up_to(drive.pair.transmission, designed.placement.cycle_rad))
     charts = [replace(chart, joints_deg=joints) for chart in (errors, *(kind(designed) for kind in kinds))]
     return column_png(charts, title, CONTACT_LOOK, CONTACT_COLUMN)

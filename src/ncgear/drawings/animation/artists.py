@@ -1,15 +1,12 @@
-"""Colours and lines of the moving picture, after those of all pictures.
+"""What moves, as artists of matplotlib, in the colours and lines of the moving picture.
 
-What moves, as artists of matplotlib: paths in a body's own frame, each under a transform of its own.
-
-A new pose changes six numbers of a transform, and no path.
+Each path is in its body's own frame, under a transform of its own: a new pose changes six numbers, and no path.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -21,7 +18,7 @@ from matplotlib.patches import Circle, PathPatch, Rectangle
 from matplotlib.path import Path
 from matplotlib.transforms import Affine2D, Transform
 
-from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, HIGHLIGHT, INK
+from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, HIGHLIGHT, INK, Style
 from ncgear.drawings.scene.bodies import Body, Kind, Places, pin_radius_mm
 from ncgear.drawings.scene.geared_pairs import SceneGear
 from ncgear.drawings.scene.scene import Poses, Scene
@@ -31,12 +28,10 @@ from ncgear.numerics.arrays import Array
 MATERIAL = "#C9A227"
 
 PURE = (INK, DRIVING, DRIVEN, HIGHLIGHT, MATERIAL)
-"""Colours of lines and dots, which a palette by areas would leave out."""
+"""Colours of lines and dots, which a palette made from the areas of colours would leave out."""
 
 TINT = 0.24
 """Share of a gear's colour in its filling; the rest is paper."""
-
-Style = dict[str, Any]
 
 
 def tinted(color: str, share: float = TINT) -> tuple[float, float, float]:
@@ -75,17 +70,15 @@ PITCH_POINT: Style = {"color": HIGHLIGHT, "marker": "o", "markersize": 4.2, "lin
 
 
 PIXEL_SHARE = 0.1
-"""How far a drawn outline may stray from the written one, in pixels: less than Agg's sixteenth levels of grey show."""
-
-Moved = Callable[[Poses, int], None]
+"""How far a drawn outline may stray from the written one, in pixels: less than shows in Agg's shades of grey."""
 
 
 @dataclass(frozen=True)
 class Moving:
-    """Artists in the order in which they are drawn, and what puts them into one of the poses."""
+    """Artists in the order in which they are drawn; ``pose`` puts them into the pose of a number."""
 
     artists: tuple[Artist, ...]
-    pose: Moved
+    pose: Callable[[Poses, int], None]
 
 
 def body_artist(axes: Axes, body: Body, pixel_mm: float, to_screen: Transform) -> Moving:

@@ -16,8 +16,9 @@ from ncgear.figures.numbers import THOUSANDS, readable
 from ncgear.numerics.arrays import Array
 from ncgear.ratio.transmission import Transmission
 
-NONE = np.empty(0)
-NOWHERE = np.empty((0, 2))
+EMPTY = np.empty(0)
+NO_STRETCHES = np.empty((0, 2))
+"""No places along the axis, and no stretches of it."""
 
 
 class Role(StrEnum):
@@ -72,8 +73,8 @@ class Chart:
     lines: tuple[Line, ...]
     end: float
     period: float | None = None
-    joints_deg: Array = field(default_factory=lambda: NONE)
-    apart_deg: Array = field(default_factory=lambda: NOWHERE)
+    joints_deg: Array = field(default_factory=lambda: EMPTY)
+    apart_deg: Array = field(default_factory=lambda: NO_STRETCHES)
     names_extreme: bool = False
     counts: bool = False
     axis_label: str = ""
@@ -110,7 +111,7 @@ def joints_up_to(transmission: Transmission, end_rad: float) -> Array:
     """
     starts = [piece.start_rad for piece in transmission.pieces]
     if len(starts) == 1:
-        return NONE
+        return EMPTY
     period = transmission.lobes.driving_period_rad
     cycles = np.arange(round(end_rad / period)) * period
     repeated: Array = (cycles[:, None] + np.array(starts)).ravel()

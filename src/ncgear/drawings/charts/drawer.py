@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,15 +18,13 @@ from ncgear.drawings.plots.canvas import (
     REFERENCE,
     SMALL,
     Margins,
+    Style,
     dress,
     figure,
     key_above,
     png,
 )
 from ncgear.numerics.arrays import Array
-
-Style = dict[str, Any]
-"""Keyword arguments of matplotlib's ``plot``."""
 
 DASHED = (0, (5, 2.5))
 

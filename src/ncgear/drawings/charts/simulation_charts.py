@@ -7,7 +7,7 @@ from math import degrees
 
 import numpy as np
 
-from ncgear.drawings.charts.chart import NONE, NOWHERE, Chart, Line, Role, joints_up_to
+from ncgear.drawings.charts.chart import EMPTY, NO_STRETCHES, Chart, Line, Role, joints_up_to
 from ncgear.drawings.charts.slider_charts import MOTION
 from ncgear.dynamics.history import History
 from ncgear.dynamics.rigid import Loads
@@ -23,8 +23,8 @@ def simulated_chart(
     phi1_rad: Array,
     own: tuple[str, Array],
     compared: tuple[str, Array] | None = None,
-    joints_deg: Array = NONE,
-    apart_deg: Array = NOWHERE,
+    joints_deg: Array = EMPTY,
+    apart_deg: Array = NO_STRETCHES,
 ) -> Chart:
     """A quantity at driving angles in rad, shape (n,): label and values of this design and of what it is compared with.
 

@@ -8,7 +8,7 @@ from math import degrees
 
 import numpy as np
 
-from ncgear.drawings.charts.chart import NONE, Across, Chart, Line, Role, joints_up_to
+from ncgear.drawings.charts.chart import EMPTY, Across, Chart, Line, Role, joints_up_to
 from ncgear.figures.numbers import THOUSANDS
 from ncgear.kinematics.motion import SliderMotion
 from ncgear.numerics.arrays import Array
@@ -53,7 +53,7 @@ def slider_chart(drive: Drive, quantity: Quantity) -> Chart:
 
 
 def motion_chart(
-    quantity: Quantity, own: SliderMotion, uniform: SliderMotion | None = None, joints_deg: Array = NONE
+    quantity: Quantity, own: SliderMotion, uniform: SliderMotion | None = None, joints_deg: Array = EMPTY
 ) -> Chart:
     """A quantity of a motion over the driving angle; None where there is no uniform crank beside it.
 
@@ -78,4 +78,4 @@ def over_displacement(chart: Chart, motions: Sequence[SliderMotion]) -> Chart:
     places = [motion.displacement_mm for motion in motions]
     lines = tuple(replace(line, x=x) for line, x in zip(chart.lines, places, strict=True))
     end = max(float(x.max()) for x in places)
-    return replace(chart, lines=lines, end=end, joints_deg=NONE, names_extreme=False, across=Across.DISPLACEMENT)
+    return replace(chart, lines=lines, end=end, joints_deg=EMPTY, names_extreme=False, across=Across.DISPLACEMENT)

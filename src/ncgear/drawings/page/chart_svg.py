@@ -97,7 +97,7 @@ class ChartFigure:
     ``angle_deg`` and over ``values``.
     """
 
-    of: PageChart
+    page_chart: PageChart
     drawing: str
     angle_deg: tuple[float, float]
     x: tuple[float, float]
@@ -110,7 +110,7 @@ class ChartFigure:
 
         The drawing is made of numbers and of words of this package only.
         """
-        places = reversed(list(enumerate(self.of.chart.lines)))
+        places = reversed(list(enumerate(self.page_chart.chart.lines)))
         dots = "".join(f'<circle class="{line.role}" data-line="{place}" r="3.6"/>' for place, line in places)
         low, high = self.y
         cursor = f'<g class="cursor"><line y1="{low:g}" y2="{high:g}"/>{dots}</g>'
@@ -119,13 +119,13 @@ class ChartFigure:
     @property
     def uniform(self) -> int | None:
         """Place of the uniform crank's line; None where there is none."""
-        roles = [line.role for line in self.of.chart.lines]
+        roles = [line.role for line in self.page_chart.chart.lines]
         return roles.index(Role.UNIFORM) if Role.UNIFORM in roles else None
 
     @property
     def extremes(self) -> str:
         """Least and greatest value of this design's line and where they are."""
-        line, decimals = self.of.chart.own, self.of.decimals
+        line, decimals = self.page_chart.chart.own, self.page_chart.decimals
         places = int(np.argmin(line.values)), int(np.argmax(line.values))
         texts = [f"{line.values[place]:.{decimals}f} at {line.x[place]:.0f}\u00b0" for place in places]
         return " to ".join(texts).replace("-", "\u2212")

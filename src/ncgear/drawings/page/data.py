@@ -41,9 +41,11 @@ class Pace:
 
 def paces(speed_rpm: float) -> list[Pace]:
     """The paces of a machine, the readable one first."""
-    multiples = [Pace(f"{times:g}\u00d7 ({shown(times * speed_rpm)} r/min)", times * speed_rpm) for times in PACES]
-    by_speed = [Pace(pace.name, pace.deg_s * DEG_S_PER_RPM) for pace in multiples]
-    return [Pace(f"readable ({READABLE_DEG_S:g}\u00b0/s)", READABLE_DEG_S), *by_speed]
+    made = [Pace(f"readable ({READABLE_DEG_S:g}\u00b0/s)", READABLE_DEG_S)]
+    for times in PACES:
+        speed = times * speed_rpm
+        made.append(Pace(f"{times:g}\u00d7 ({shown(speed)} r/min)", speed * DEG_S_PER_RPM))
+    return made
 
 
 TABLE_ERROR_RAD = 1e-7
@@ -159,7 +161,7 @@ GridKey = tuple[bytes, float]
 
 def page_data(scene: Scene, figures: Sequence[ChartFigure]) -> dict[str, Any]:
     """All that moves; the angles that several lines share are there once, and called by their number."""
-    grids = {_grid_key(line, one.of.period_deg): line for one in figures for line in one.of.chart.lines}
+    grids = {_grid_key(line, one.page_chart.period_deg): line for one in figures for line in one.page_chart.chart.lines}
     numbers = {key: number for number, key in enumerate(grids)}
     return {
         "cycle_deg": degrees(scene.loop_rad),
@@ -176,19 +178,21 @@ def _grid_key(line: Line, period_deg: float) -> GridKey:
 
 
 def _chart(figure: ChartFigure, numbers: Mapping[GridKey, int]) -> dict[str, Any]:
-    of, decimals = figure.of, figure.of.decimals
+    page_chart = figure.page_chart
+    decimals, period = page_chart.decimals, page_chart.period_deg
+    lines = [
+        {"grid": numbers[_grid_key(line, period)], "values": _rounded(line.values, decimals + MORE_DECIMALS)}
+        for line in page_chart.chart.lines
+    ]
     return {
-        "key": of.key,
-        "angle": of.shaft,
+        "key": page_chart.key,
+        "angle": page_chart.shaft,
         "decimals": decimals,
         "angle_deg": figure.angle_deg,
         "x": figure.x,
         "values": figure.values,
         "y": figure.y,
-        "lines": [
-            {"grid": numbers[_grid_key(line, of.period_deg)], "values": _rounded(line.values, decimals + MORE_DECIMALS)}
-            for line in of.chart.lines
-        ],
+        "lines": lines,
     }
 
 

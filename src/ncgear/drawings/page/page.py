@@ -1,6 +1,6 @@
 """The report of a drive as one file of HTML, which asks for nothing outside itself.
 
-What it shows is gathered from the stages of the drive and put into ``template.html.j2``, together with the style sheets
+What it shows is gathered from the drive and put into ``template.html.j2``, together with the style sheets
 and the scripts of this folder.
 """
 
@@ -33,8 +33,8 @@ from ncgear.project.drive import Drive
 
 PACKAGE = "ncgear.drawings.page"
 
-SCENE_SCRIPTS = ("rising", "angles", "places", "gestures", "scene")
-PAGE_SCRIPTS = ("interpolation", "shafts", "clock", "charts", "readouts", "controls", "page")
+SCENE_SCRIPTS = ("angles", "places", "gestures", "scene")
+PAGE_SCRIPTS = ("shafts", "clock", "charts", "readouts", "controls", "page")
 """Files of scene/ and of script/, in the order in which they build on each other."""
 
 JSON_FORM = {"separators": (",", ":"), "sort_keys": False, "allow_nan": False}
@@ -43,8 +43,7 @@ JSON_FORM = {"separators": (",", ":"), "sort_keys": False, "allow_nan": False}
 def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairContact]) -> bytes:
     """The whole page; ``contacts`` are those of the drive's pairs, none for a design without gears.
 
-    The same design gives the same bytes.  Raises WrongInput or NoSuchMechanism as the drive's stages do, and ValueError
-    where a chart holds a value that is not finite.
+    The same design gives the same bytes.  Raises WrongInput or NoSuchMechanism as the drive does.
     """
     pairs = list(zip(drive.by_stage, contacts, strict=True)) if contacts else []
     scene = scene_of(drive)

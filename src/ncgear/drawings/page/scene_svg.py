@@ -1,10 +1,9 @@
-"""Contours as path data of an SVG, in as few characters as their places need.
+"""The scene as an SVG element of the page; ``scene.js`` moves it, ``scene.css`` colours it.
 
-The scene as an SVG element, to stand in a page; ``scene.js`` moves it, ``scene.css`` colours it.
-
-All of it is in mm of the frame of the scene, y upwards within the group of class ``world``.  What moves is
-a group of id ``scene-NAME``, NAME being the body's; its paths are in steps of a grid, which an inner group scales.
-Outlines stray from the written ones by ``tolerance_mm`` and half a grid step at most.
+All of it is in mm of the frame of the scene, y upwards within the group of class ``world``.  Each body that moves is a
+group of id ``scene-NAME``, NAME being the body's.  Its paths are in whole steps of a grid, so that they take few
+characters, and an inner group scales them.  Outlines stray from the written ones by ``tolerance_mm`` and half a grid
+step at most.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from ncgear.drawings.scene.standing import hatches_mm, simplified, straws, views
 from ncgear.numerics.arrays import Array
 
 PLACES_PER_TOLERANCE = 5.0
-"""Grid lines to the tolerance, at least: rounding to the grid moves a point by a seventh of the tolerance."""
+"""Grid steps in the tolerance, at least: rounding to the grid moves a point by a seventh of the tolerance."""
 
 
 def grid_mm(tolerance_mm: float) -> float:
@@ -32,7 +31,7 @@ def grid_mm(tolerance_mm: float) -> float:
 def closed_path(contours: Sequence[Array], grid: float) -> str:
     """Path data of closed contours in whole steps of the grid.
 
-    Steps are told from point to point: browsers hold them in single precision, which whole numbers bear exactly.
+    Each step is given from the point before: browsers hold them in single precision, in which whole numbers are exact.
     """
     return "".join(_contour(np.rint(contour / grid).astype(int)) + "z" for contour in contours)
 
@@ -50,10 +49,10 @@ def _contour(points: np.ndarray) -> str:
 
 
 GEAR_TOLERANCE = 0.0025
-"""Of a gear's outline, in modules: a third of a pixel where 9 modules fill 1200 pixels."""
+"""Tolerance of a gear's outline in modules: a third of a pixel where 9 modules fill 1200 pixels."""
 
 LINK_TOLERANCE = 2e-4
-"""Of all that is as large as the machine, as a share of the crank's length."""
+"""Tolerance of all that is as large as the machine, as a share of the crank's length."""
 
 
 def gear_tolerance_mm(pair: ScenePair) -> float:

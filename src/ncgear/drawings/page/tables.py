@@ -77,26 +77,23 @@ def versions() -> Table:
 
 
 def facts(drive: Drive) -> list[tuple[str, str]]:
-    """Of the machine."""
+    """Names and values of the machine's main figures; the peak power where the design has a resistance."""
     low, high = drive.transmission.ratio_range
+    power = []
+    if drive.design.resistance is not None:
+        power = [("peak power", f"{shown(drive.check.peak_power_w.value)} W")]
     return [
         ("law", drive.design.motion.law.replace("_", " ")),
         ("speed", f"{shown(drive.design.operation.speed_rpm)} r/min"),
         ("stroke", f"{shown(drive.linkage.stroke_mm)} mm"),
         ("ratio", f"{low.value:.3g} to {high.value:.3g}"),
-        *_power(drive),
+        *power,
         ("peak acceleration", f"{shown(drive.check.peak_acceleration_cycle_mm_s2.value)} mm/s\u00b2"),
     ]
 
 
-def _power(drive: Drive) -> list[tuple[str, str]]:
-    if drive.design.resistance is None:
-        return []
-    return [("peak power", f"{shown(drive.check.peak_power_w.value)} W")]
-
-
 def gear_facts(drive: Drive, contact: PairContact) -> list[tuple[str, str]]:
-    """Of a pair of gears, named after its stage where there are two."""
+    """Names and values of the main figures of a pair of gears; the names begin with its stage where there are two."""
     size, stage = drive.pitch.size, f"stage {drive.stage}: " if drive.stage else ""
     steepest = drive.pitch.largest_pressure_angle_deg(drive.rack.pressure_angle_rad)
     return [

@@ -1,4 +1,4 @@
-"""Pictures of balance: shaking force round a cycle, tracks of the centre of mass, and a Campbell plot."""
+"""Pictures of balance: shaking forces round a cycle, tracks of the centre of mass, and a Campbell plot."""
 
 from __future__ import annotations
 
@@ -24,15 +24,19 @@ from ncgear.drawings.plots.canvas import (
 from ncgear.numerics.arrays import Array
 
 COLORS = (DRIVING, DRIVEN, HIGHLIGHT, REFERENCE)
+"""Colours of closed curves; a second round of them is dashed."""
+
+MOST_CURVES = 8
+"""Closed curves in one picture, evenly chosen: more cannot be told apart."""
 
 SLOWEST, FASTEST = 0.2, 1.25
 """Shares of the speed between which a Campbell plot goes."""
 
 SAMPLES = 61
-"""Points of a line of it, which the logarithmic scale bends."""
+"""Points of a line in a Campbell plot, which its logarithmic scale bends."""
 
-MOST_TRACKS = 8
-"""Tracks in one picture, evenly chosen: more cannot be told apart."""
+KINDS = {"rotation": DRIVING, "rollers and teeth": REFERENCE, "engine": HIGHLIGHT, "slider": DRIVEN}
+"""Colours of excitations in a Campbell plot, by what causes them."""
 
 
 def loops(curves: Mapping[str, Array], unit: str, title: str) -> bytes:
@@ -41,9 +45,11 @@ def loops(curves: Mapping[str, Array], unit: str, title: str) -> bytes:
     made = figure(width, height, title)
     made.subplots_adjust(**Margins(top=0.9).shares(width, height))
     axes = made.add_subplot()
-    for number, (name, curve) in enumerate(_chosen(curves).items()):
+    names = list(curves)
+    places = np.unique(np.linspace(0, len(names) - 1, min(len(names), MOST_CURVES)).round().astype(int))
+    for number, name in enumerate(names[place] for place in places):
         color, style = COLORS[number % len(COLORS)], "-" if number < len(COLORS) else "--"
-        axes.plot(curve[:, 0], curve[:, 1], color=color, linestyle=style, linewidth=1.5, label=name)
+        axes.plot(*curves[name].T, color=color, linestyle=style, linewidth=1.5, label=name)
     axes.set_aspect("equal", adjustable="datalim")
     dress(axes, f"along the slider's line in {unit}", f"across it in {unit}")
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False, fontsize=SMALL)
@@ -51,61 +57,53 @@ def loops(curves: Mapping[str, Array], unit: str, title: str) -> bytes:
 
 
 def campbell(excitations: Sequence[Excitation], natural_hz: Sequence[float], band: float, title: str) -> bytes:
-    """PNG of all excitations over the machine's speed, natural frequencies across, with the band in which they meet.
+    """PNG of the frequencies of excitations over the machine's speed, with the natural frequencies across.
 
-    All shafts are taken to go up and down with one another.
+    Around each natural frequency is the band, a share of it, in which an excitation counts as meeting it.  All shafts
+    are taken to speed up and slow down together.
     """
     width, height = 8.6, 6.2
     made = figure(width, height, title)
     made.subplots_adjust(**Margins(right=1.3, top=0.8).shares(width, height))
     axes = made.add_subplot()
-    _natural(axes, natural_hz, band)
-    top = 1.6 * max(natural_hz)
+    for natural in natural_hz:
+        _draw_natural(axes, natural, band)
     share = np.linspace(SLOWEST, FASTEST, SAMPLES)
     for excitation in excitations:
-        color = _color(excitation)
+        color = KINDS[_cause(excitation)]
         axes.plot(100.0 * share, share * excitation.frequency_hz, color=color, linewidth=0.9)
         axes.plot(100.0, excitation.frequency_hz, "o", color=color, markersize=3.0)
     lowest = min(excitation.frequency_hz for excitation in excitations)
-    axes.set_ylim(min(min(natural_hz) / 4.0, lowest / 2.0), top)
+    axes.set_ylim(min(min(natural_hz) / 4.0, lowest / 2.0), 1.6 * max(natural_hz))
     axes.set_yscale("log")
     axes.set_xlim(100.0 * SLOWEST, 100.0 * FASTEST)
     axes.axvline(100.0, color=INK, linewidth=0.8, linestyle=":")
-    for kind, color in KINDS.items():
-        axes.plot([], [], color=color, label=kind)
+    for cause, color in KINDS.items():
+        axes.plot([], [], color=color, label=cause)
     dress(axes, "speed in % of the one given", "frequency in Hz")
     key_above(axes)
     return png(made)
 
 
-KINDS = {"rotation": DRIVING, "rollers and teeth": REFERENCE, "engine": HIGHLIGHT, "slider": DRIVEN}
-
-
-def _color(excitation: Excitation) -> str:
+def _cause(excitation: Excitation) -> str:
     if excitation.kind.startswith("harmonic"):
-        return KINDS["slider"]
+        return "slider"
     if excitation.kind in ("combustion", "inertia"):
-        return KINDS["engine"]
-    return KINDS["rotation" if excitation.kind == "rotation" else "rollers and teeth"]
+        return "engine"
+    return "rotation" if excitation.kind == "rotation" else "rollers and teeth"
 
 
-def _natural(axes: Axes, natural_hz: Sequence[float], band: float) -> None:
-    for natural in natural_hz:
-        axes.axhspan((1.0 - band) * natural, (1.0 + band) * natural, color=INK, alpha=0.06, linewidth=0.0)
-        axes.axhline(natural, color=INK, linewidth=1.0)
-        axes.annotate(
-            f"{natural:.4g} Hz",
-            (1.0, natural),
-            xycoords=("axes fraction", "data"),
-            xytext=(4.0, 0.0),
-            textcoords="offset points",
-            size=SMALL,
-            color=INK,
-            va="center",
-        )
-
-
-def _chosen(curves: Mapping[str, Array]) -> dict[str, Array]:
-    names = list(curves)
-    places = np.unique(np.linspace(0, len(names) - 1, min(len(names), MOST_TRACKS)).round().astype(int))
-    return {names[place]: curves[names[place]] for place in places}
+def _draw_natural(axes: Axes, natural_hz: float, band: float) -> None:
+    """A natural frequency with its band, and its value at the right end."""
+    axes.axhspan((1.0 - band) * natural_hz, (1.0 + band) * natural_hz, color=INK, alpha=0.06, linewidth=0.0)
+    axes.axhline(natural_hz, color=INK, linewidth=1.0)
+    axes.annotate(
+        f"{natural_hz:.4g} Hz",
+        (1.0, natural_hz),
+        xycoords=("axes fraction", "data"),
+        xytext=(4.0, 0.0),
+        textcoords="offset points",
+        size=SMALL,
+        color=INK,
+        va="center",
+    )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from io import BytesIO
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -33,6 +34,9 @@ SMALL = 8.0
 NORMAL = 9.5
 LARGE = 12.0
 """Font sizes in points."""
+
+Style = dict[str, Any]
+"""Keyword arguments of a function of matplotlib that draws."""
 
 EDGE_IN = 0.12
 """Distance in inches of a heading from the figure's edges."""
@@ -76,7 +80,7 @@ def png(made: Figure) -> bytes:
 
 
 def dress(axes: Axes, x_label: str, y_label: str) -> None:
-    """Labels, a faint grid, and no frame where no scale is."""
+    """Labels, a faint grid, and no frame on the sides without a scale."""
     axes.set_xlabel(x_label, size=NORMAL, color=INK)
     axes.set_ylabel(y_label, size=NORMAL, color=INK)
     axes.tick_params(labelsize=SMALL, colors=INK, length=3.0)
@@ -112,10 +116,10 @@ def ring_area(
     line_width: float,
     label: str = "",
 ) -> None:
-    """The same between a circle and a closed outline within it (shape (n, 2))."""
+    """The area between a circle and a closed outline within it (shape (n, 2)), with a faint filling."""
     # Agg fills by winding: a hole is one where it runs the other way round than the circle.
     clockwise = hole if signed_area(hole) < 0.0 else hole[::-1]
     inner = Path(np.vstack([clockwise, clockwise[:1]]), closed=True)
     path = Path.make_compound_path(Path.circle(center, radius), inner)
-    style = {"facecolor": to_rgba(color, FILL), "edgecolor": color, "linewidth": line_width, "label": label}
+    style: Style = {"facecolor": to_rgba(color, FILL), "edgecolor": color, "linewidth": line_width, "label": label}
     axes.add_artist(PathPatch(path, **style))

@@ -1,12 +1,11 @@
-"""How pairs of gears lie in the machine: from each pair's own frame into that of the linkage.
+"""The pairs of gears of a scene, each where it lies in the machine and each gear on its shaft.
 
-A pair's frame has its driving axis at (0, 0) and its driven one at (a, 0), and its driving gear turns
-counter-clockwise.  The linkage's frame has the crank's axis at the origin, the slider moving along +x, and the crank
-turning clockwise.  The driven gear of the last pair turns with the crank, so that pair is seen from the side from
-which its driven gear turns clockwise: an external pair as it is, an internal one from behind.  Pairs before it are seen
-from the side on which the shaft that two pairs share turns alike.  All axes lie on one line.
-
-The toothed gears of a scene, each on its shaft.
+A pair's own frame has its driving axis at (0, 0) and its driven one at (a, 0), and its driving gear turns
+counter-clockwise.  The frame of the scene is that of the linkage: the crank's axis at the origin, the slider moving
+along +x, the crank turning clockwise.  The driven gear of the last pair turns with the crank.  That pair is therefore
+seen from the side from which its driven gear turns clockwise: an external pair as it is, an internal one from behind.
+Each pair before it is seen from the side from which the shaft that it shares with the next turns in the same sense.
+All axes lie on one line.
 """
 
 from __future__ import annotations
@@ -34,8 +33,8 @@ CRANK_SENSE = -1.0
 class Mounting:
     """Where one pair lies in the frame of the linkage.
 
-    ``turn_rad`` is the direction of the driven axis from the driving one; ``hand`` is -1 where the pair is seen from
-    behind, its own y axis pointing the other way.
+    ``turn_rad`` is the direction from the driving axis to the driven one.  ``hand`` is -1 where the pair is seen from
+    behind, so that its own y axis points the other way, and else 1.
     """
 
     mesh: Mesh
@@ -45,27 +44,27 @@ class Mounting:
     hand: float
 
     def axis_mm(self, gear: Gear) -> tuple[float, float]:
-        """The axis of one of its gears."""
+        """Where the axis of one of its gears is."""
         return self.driving_axis_mm if gear is Gear.DRIVING else self.driven_axis_mm
 
     def sense(self, gear: Gear) -> float:
-        """Sense in which one of its gears turns, counter-clockwise being +1."""
+        """Sense in which one of its gears turns: +1 counter-clockwise, -1 clockwise."""
         return self.hand if gear is Gear.DRIVING else self.hand * self.mesh.sense
 
     def seen(self, points_mm: Array) -> Array:
-        """Points of a gear's own frame as they are seen, before it is turned; shape (n, 2)."""
+        """Points of a gear's own frame (shape (n, 2)) as they are seen before the gear turns."""
         seen: Array = points_mm * np.array([1.0, self.hand])
         return seen
 
     def on_centres_mm(self, distance_mm: Array) -> Array:
-        """Points of the line of centres, so far from the driving axis towards the driven one; (n,) to (n, 2)."""
+        """Points of the line of centres at distances from the driving axis towards the driven one; (n,) to (n, 2)."""
         along = np.array([cos(self.turn_rad), sin(self.turn_rad)])
         points: Array = np.array(self.driving_axis_mm) + distance_mm[:, None] * along
         return points
 
 
 def mountings(meshes: Sequence[Mesh], center_distances_mm: Sequence[float], driving_axis_rad: float) -> list[Mounting]:
-    """The mountings of pairs in series, the one that turns the crank last.
+    """The mountings of pairs in series, in their order: the last one turns the crank.
 
     ``driving_axis_rad`` is the direction from the crank's axis to the driving one's, counter-clockwise from +x.
     """
@@ -84,7 +83,7 @@ CURVE_POINTS = 721
 
 @dataclass(frozen=True, eq=False)
 class SceneGear:
-    """A gear as it is seen, its shaft's number from the driving one on, and its closed pitch curve in mm, (n, 2)."""
+    """A gear as it is seen, the number of its shaft (0 the driving one), and its closed pitch curve in mm, (n, 2)."""
 
     body: Body
     gear: Gear
@@ -94,7 +93,7 @@ class SceneGear:
 
     @property
     def axis_mm(self) -> tuple[float, float]:
-        """Where it turns."""
+        """Where its axis is."""
         return self.mounting.axis_mm(self.gear)
 
     def places(self, shaft_angles_rad: Array) -> Places:
@@ -105,7 +104,7 @@ class SceneGear:
 
 @dataclass(frozen=True, eq=False)
 class ScenePair:
-    """Two gears in mesh; ``shaft`` is the number of the driving one's."""
+    """Two gears in mesh."""
 
     pitch: PitchPair
     module_mm: float
@@ -115,7 +114,7 @@ class ScenePair:
 
     @property
     def shaft(self) -> int:
-        """Number of the driving gear's shaft."""
+        """Number of the driving gear's shaft, 0 being the shaft that drives the machine."""
         return self.driving.shaft
 
     def pitch_point_mm(self, shaft_angles_rad: Array) -> Array:
@@ -124,7 +123,7 @@ class ScenePair:
 
 
 def scene_pairs(drive: Drive) -> tuple[ScenePair, ...]:
-    """The pairs of a drive from the driving shaft on, each found to mesh; none where its design has no gears.
+    """The pairs of a drive from the driving shaft on, their teeth found sound; none where its design has no gears.
 
     Raises WrongInput and NoSuchMechanism as the teeth do.
     """

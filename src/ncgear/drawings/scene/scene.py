@@ -1,9 +1,7 @@
-"""The scene: all that moves in a machine and all that stands, and where it is at any driving angle.
+"""The scene of a drive: all that moves in a machine and all that stands, and where it is at any driving angle.
 
-The frame is that of ``machine.linkage``: the crank's axis at the origin, the slider moving along +x, the crank turning
+The frame is that of the linkage: the crank's axis at the origin, the slider moving along +x, the crank turning
 clockwise.
-
-The scene of a drive.
 """
 
 from __future__ import annotations
@@ -27,11 +25,11 @@ from ncgear.ratio.transmission import Train
 
 @dataclass(frozen=True, eq=False)
 class Poses:
-    """The scene at n driving angles.
+    """Where everything is at n driving angles.
 
-    ``shaft_angles_rad`` (shape (shafts, n)) tells how far each shaft has turned, the driving one first, the crank's
-    last; ``places`` those of each body by its name; ``pitch_points_mm`` (shape (n, 2) each) that of every pair;
-    ``material_mm`` (shape (n,)) how deep the material before the chamber's end is.
+    ``shaft_angles_rad`` (shape (shafts, n)) is how far each shaft has turned, the driving one first, the crank's last.
+    ``places`` has the places of each body by its name, ``pitch_points_mm`` (shape (n, 2) each) the pitch point of each
+    pair.  ``material_mm`` (shape (n,)) is how deep the material before the chamber's end is.
     """
 
     motion: SliderMotion
@@ -43,7 +41,7 @@ class Poses:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What there is to see of one machine; ``pairs`` from the driving shaft on, none where no gears are told."""
+    """What there is to see of one machine; ``pairs`` are in the order from the driving shaft, none without gears."""
 
     name: str
     machine: Machine
@@ -53,7 +51,7 @@ class Scene:
 
     @property
     def loop_rad(self) -> float:
-        """Least driving angle after which every body is back in its pose: whole turns of both gears."""
+        """Least driving angle after which every body is back in its pose: every gear has made whole turns."""
         lobes = self.machine.transmission.lobes
         return 2.0 * pi * lobes.driven / gcd(lobes.driving, lobes.driven)
 
@@ -74,12 +72,12 @@ class Scene:
 
     @property
     def crank_is_behind(self) -> bool:
-        """Whether gears are drawn over the crank and not the other way round: what is smaller stays in sight."""
+        """Whether the gears are drawn over the crank, as where they are smaller than it: so both stay in sight."""
         return bool(self.pairs) and self.pairs[-1].driven.body.reach_mm < self.machine.linkage.crank_mm
 
     @property
     def axes_mm(self) -> tuple[tuple[float, float], ...]:
-        """Where shafts are borne, the driving one first and the crank's last."""
+        """Where the axes of the shafts are, the driving one first and the crank's last."""
         return (*(pair.mounting.driving_axis_mm for pair in self.pairs), (0.0, 0.0))
 
     def shaft_angles_rad(self, phi1_rad: Array) -> Array:
@@ -90,7 +88,7 @@ class Scene:
         return np.stack([*angles, self.train.whole.driven_angle(phi1_rad).value])
 
     def poses(self, phi1_rad: Array) -> Poses:
-        """The scene at any driving angles in rad, shape (n,), of any number of turns."""
+        """Where everything is at driving angles in rad, shape (n,), of any number of turns."""
         angles, motion = self.shaft_angles_rad(phi1_rad), self.machine.motion(phi1_rad)
         gears = {gear.body.name: gear.places(angles) for pair in self.pairs for gear in (pair.driving, pair.driven)}
         return Poses(
@@ -114,7 +112,7 @@ class Scene:
 
 
 def scene_of(drive: Drive) -> Scene:
-    """The machine of a design, with its gears where the design tells them; of two stages, both pairs.
+    """The scene of a drive, with its gears where the design has any; with both pairs of a design of two stages.
 
     Raises WrongInput or NoSuchMechanism where law, pitch curves or teeth cannot be made, or teeth do not mesh.
     """

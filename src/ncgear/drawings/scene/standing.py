@@ -1,8 +1,7 @@
-"""Contours with fewer points, for pictures: what is thinner than a line need not be drawn.
+"""What stands still in a scene, what each view shows of it, and contours with as many points as a picture needs.
 
-What stands still: walls with the hatching that marks the ground, and the grain of the material.
-
-Which part of a scene each view shows: boxes (left, bottom, width, height) in mm.
+The walls of the slider's way are hatched, as the ground is in a drawing; the material in front of the slider has a
+grain, which shows how it is pressed.
 """
 
 from __future__ import annotations
@@ -14,13 +13,13 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from ncgear.drawings.scene.bodies import CRANK_EYE, Body, Chamber
+from ncgear.drawings.scene.bodies import CRANK_EYE, Chamber
 from ncgear.drawings.scene.scene import Scene
 from ncgear.numerics.arrays import Array
 
 
 def simplified(contours_mm: Sequence[Array], tolerance_mm: float) -> list[Array]:
-    """Contours (shape (n, 2) each, outer one first) with fewer points, no dropped point farther than the tolerance."""
+    """Contours (shape (n, 2) each, outer one first) without points that lie within the tolerance of the rest."""
     polygon = Polygon(contours_mm[0], contours_mm[1:])
     fewer = shapely.simplify(polygon, tolerance_mm, preserve_topology=True)
     return [np.asarray(ring.coords)[:-1] for ring in (fewer.exterior, *fewer.interiors)]
@@ -34,11 +33,12 @@ HATCH_LENGTH = 0.07
 
 STRAWS = 150
 HALF_STRAW = np.array([0.03, 0.065])
-"""Half a straw's length where it lies along the chamber, and across it: shares of the depth and of the height."""
+"""Half the length of a straw that lies along the chamber, as a share of the material's depth, and of one that lies
+across it, as a share of the height."""
 
 SPREAD = np.array([0.8191725134, 0.6710436067, 0.5497004779])
-"""Powers of the inverse root of x^4 = x + 1, whose multiples, whole parts left out, fill a cube evenly without any
-random number (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018)."""
+"""Powers of the inverse root of x^4 = x + 1: the fractions of their multiples fill a cube evenly, without any random
+number (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018)."""
 
 
 def wall_mm(chamber: Chamber) -> Array:
@@ -50,18 +50,15 @@ def wall_mm(chamber: Chamber) -> Array:
 
 
 def hatches_mm(chamber: Chamber) -> Array:
-    """Strokes outside both sides, shape (n, 2, 2): the wall is part of the frame."""
+    """Slanting strokes outside both sides, shape (n, 2, 2), which mark the wall as part of the frame."""
     wall, length = wall_mm(chamber), HATCH_LENGTH * chamber.height_mm
     foot = np.linspace(chamber.start_mm, chamber.end_mm, HATCHES + 1)[1:]
     (_, low), (_, high) = wall[0], wall[2]
-    sides = ((low, -length), (high, length))
-    return np.concatenate([_strokes(foot, at, across, length) for at, across in sides])
-
-
-def _strokes(foot: Array, at: float, across: float, back: float) -> Array:
-    """Slanting strokes from points of a level line."""
-    level = np.full_like(foot, at)
-    return np.stack([np.stack([foot, level], -1), np.stack([foot - back, level + across], -1)], axis=1)
+    strokes = []
+    for side, across in ((low, -length), (high, length)):
+        level = np.full_like(foot, side)
+        strokes.append(np.stack([np.stack([foot, level], -1), np.stack([foot - length, level + across], -1)], axis=1))
+    return np.concatenate(strokes)
 
 
 def straws() -> Array:
@@ -84,36 +81,37 @@ MESH_IN_MODULES = 9.0
 """Width and height of the view on the mesh."""
 
 Box = tuple[float, float, float, float]
+"""Left, bottom, width and height in mm of the frame of the scene."""
 
 
 def views(scene: Scene) -> dict[str, Box]:
-    """The whole machine, and where there are gears all of them; ``mesh`` is about the origin, to follow a point."""
-    found = {"machine": _machine(scene)}
+    """The boxes of the whole machine, of all gears and of the mesh, the latter two where there are gears.
+
+    That of the mesh is about the origin, to be moved to the pitch point.
+    """
+    reach = scene.machine.linkage.crank_mm * (1.0 + CRANK_EYE)
+    crank = np.array([[-reach, -reach], [reach, reach]])
+    standing = np.vstack([wall_mm(scene.chamber), hatches_mm(scene.chamber).reshape(-1, 2)])
+    gears = _gear_corners(scene)
+    found = {"machine": _box_around(np.vstack([crank, standing, gears]))}
     if scene.pairs:
-        found["gears"] = _around(_gear_corners(scene))
+        found["gears"] = _box_around(gears)
         size = MESH_IN_MODULES * max(pair.module_mm for pair in scene.pairs)
         found["mesh"] = (-size / 2.0, -size / 2.0, size, size)
     return found
 
 
-def _machine(scene: Scene) -> Box:
-    reach = scene.machine.linkage.crank_mm * (1.0 + CRANK_EYE)
-    crank = np.array([[-reach, -reach], [reach, reach]])
-    standing = np.vstack([wall_mm(scene.chamber), hatches_mm(scene.chamber).reshape(-1, 2)])
-    return _around(np.vstack([crank, standing, _gear_corners(scene)]))
-
-
 def _gear_corners(scene: Scene) -> Array:
-    gears = [gear for pair in scene.pairs for gear in (pair.driving, pair.driven)]
-    return np.array([corner for gear in gears for corner in _corners(gear.body, gear.axis_mm)]).reshape(-1, 2)
+    """Two corners of the square in which each gear turns, shape (2 n, 2)."""
+    corners: list[Array] = []
+    for pair in scene.pairs:
+        for gear in (pair.driving, pair.driven):
+            axis, reach = np.array(gear.axis_mm), gear.body.reach_mm
+            corners += [axis - reach, axis + reach]
+    return np.array(corners).reshape(-1, 2)
 
 
-def _corners(body: Body, axis_mm: tuple[float, float]) -> Array:
-    reach, axis = body.reach_mm, np.array(axis_mm)
-    return np.stack([axis - reach, axis + reach])
-
-
-def _around(points: Array) -> Box:
+def _box_around(points: Array) -> Box:
     low, high = points.min(axis=0), points.max(axis=0)
     slack = SLACK * float(np.max(high - low))
     (left, bottom), (width, height) = low - slack, high - low + 2.0 * slack

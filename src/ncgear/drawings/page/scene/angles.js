@@ -1,6 +1,22 @@
-// Angles of the shafts from their tables, by Hermite's cubics.
+// Angles of the shafts by Hermite's cubics, from tables over an angle that rises and repeats after a period.
 
-// Value and slope of a table of angles, which repeats but for its rise.
+function wrapped(x, period) {
+  return x - period * Math.floor(x / period);
+}
+
+// The last index, short of the end's, at which the rising numbers do not exceed x.
+function placeOf(rising, x) {
+  let low = 0;
+  let high = rising.length - 1;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (rising[middle] <= x) low = middle;
+    else high = middle;
+  }
+  return low;
+}
+
+// Value and slope of a table of angles at x; each period begins where the one before it ended.
 function angleAt(table, x) {
   const turns = Math.floor(x / table.period);
   const local = x - turns * table.period;
@@ -16,7 +32,7 @@ function angleAt(table, x) {
   };
 }
 
-// Angles of all shafts and their speeds by phi1: the tables before the last tell the shafts between.
+// Angles of all shafts and their slopes by phi1: all tables but the last are those of the shafts between.
 function shaftsAt(tables, phi1) {
   const shafts = [{ value: phi1, slope: 1 }];
   for (const table of tables.slice(0, -1)) {

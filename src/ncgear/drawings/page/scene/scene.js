@@ -3,7 +3,7 @@
  *
  *   const scene = createScene(svgElement, data);
  *
- * svgElement is the <svg class="scene"> that ncgear.output.page.scene_svg writes, data what scene_data tells of it.
+ * svgElement is the <svg class="scene"> that scene_svg.py writes, data what scene_data of data.py tells of it.
  *
  *   scene.show(phi1)          put every body where it is at the driving angle phi1, in rad, of any number of turns
  *   scene.view(name)          look at "machine", "gears" or "mesh" (which follows the pitch point); without gears
@@ -32,7 +32,7 @@ function showMaterial(group, data, places, phi2) {
   group.setAttribute("transform", `translate(${data.chamber.end - depth} ${data.linkage.offset}) scale(${depth} 1)`);
 }
 
-// The box (left, top, width, height) that a view shows; of a moving one, about its point.
+// The box (left, top, width, height) that a view shows; the view of the mesh follows the pitch point.
 function boxOf(data, state) {
   const [left, bottom, width, height] = data.views[state.view];
   const center = { x: left + width / 2, y: bottom + height / 2 };

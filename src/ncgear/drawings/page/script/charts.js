@@ -1,4 +1,13 @@
-// Cursors of the charts, which follow the angle, and the angle that a place on a chart stands for.
+// Cursors of the charts, which follow the angle, and the angle at a place on a chart.
+
+// Straight lines between the samples of a table over an angle.
+function straight(grid, values, deg) {
+  const x = wrapped(deg, grid.period_deg);
+  const place = placeOf(grid.deg, x);
+  const width = grid.deg[place + 1] - grid.deg[place];
+  const share = width > 0 ? (x - grid.deg[place]) / width : 0;
+  return values[place] + share * (values[place + 1] - values[place]);
+}
 
 function between(x, from, to) {
   return to[0] + ((x - from[0]) / (from[1] - from[0])) * (to[1] - to[0]);

@@ -30,7 +30,7 @@ function createClock(cycle, onChange) {
     onChange(state.deg, false);
   }
 
-  // Time out of sight does not count.
+  // Time during which the page is out of sight does not count.
   function rest() {
     state.last = null;
   }

@@ -9,7 +9,7 @@ function createControls(clock, cycle) {
   button.addEventListener("click", clock.toggle);
   scrub.addEventListener("input", () => clock.set(scrub.valueAsNumber));
   angle.addEventListener("input", () => clock.set(angle.valueAsNumber));
-  // What was typed stays while it is typed; 725 of 720 degrees, or nothing, then becomes the angle that is shown.
+  // The field keeps what is being typed; once it is left, 725 of 720 degrees, or nothing, becomes the angle shown.
   angle.addEventListener("change", () => (angle.value = clock.deg().toFixed(2)));
   pace.addEventListener("change", () => clock.setPace(Number(pace.value)));
   clock.setPace(Number(pace.value));
@@ -39,7 +39,7 @@ function keyActions(clock, cycle, step) {
   };
 }
 
-// Keys that an element has a use of its own for are left to it.
+// Whether the element with the focus has a use of its own for a key.
 function isTaken(key, target) {
   if (target.id === "scrub") return false;
   if (target.closest("select, input")) return true;

@@ -1,15 +1,9 @@
-"""What a moving picture can be packed as; loads no library.
-
-Frames as the bytes of a file: an endless GIF by Pillow, or an MP4 by ffmpeg.
-
-A scene as the bytes of a moving picture.
-"""
+"""The moving picture packed as the bytes of a file: an endless GIF by Pillow, or an MP4 by ffmpeg."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -18,44 +12,21 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from PIL import Image
 
+from ncgear.drawings.animation import Format
 from ncgear.drawings.animation import artists as looks
-from ncgear.drawings.animation.picture import Frame, picture
+from ncgear.drawings.animation.moving_picture import Frame, picture
 from ncgear.drawings.scene.scene import Scene
-from ncgear.errors import WrongInput
-from ncgear.extras import require
 from ncgear.numerics.arrays import Array
 
-
-class Format(StrEnum):
-    """What a file is packed as, by its suffix."""
-
-    GIF = ".gif"
-    MP4 = ".mp4"
-
-
-def format_of(path: Path) -> Format:
-    """The format of a file's suffix, which can be written here.
-
-    Raises WrongInput for another suffix, and where a library that the format needs is not installed.
-    """
-    suffix = path.suffix.lower()
-    if suffix not in set(Format):
-        given = f"{suffix!r} is" if suffix else "no suffix is"
-        raise WrongInput(f"{given} no moving picture; .gif or .mp4 is right", location=str(path))
-    if suffix == Format.MP4:
-        require("imageio_ffmpeg", "video", "an MP4")
-    return Format(suffix)
-
-
 COLORS = 128
-"""Of a GIF's palette beside those of lines: shades at edges, in half the bytes of 256."""
+"""Colours of a GIF's palette beside those of lines: enough for the shades at edges, in half the bytes of 256."""
 
 PAPER = 244
-"""Least red, green and blue of a colour next to white: Pillow finds a colour of a palette to 4 of 255, and a median of
-many shades of white is up to 4 off as well."""
+"""Least red, green and blue of a colour that is made white: Pillow finds a colour of a palette to 4 of 255, and a
+median of many shades of white is up to 4 off as well."""
 
 TICK_MS = 10
-"""GIF tells times in hundredths of a second."""
+"""GIF counts time in hundredths of a second."""
 
 QUALITY = "20"
 """Constant rate factor of x264: lines stay sharp, and a loop takes less than the GIF does."""
@@ -70,7 +41,7 @@ class Timing:
 
     @property
     def durations_ms(self) -> list[int]:
-        """How long each frame is shown in whole ticks, which together are the whole time to a tick."""
+        """How long each frame is shown, in whole ticks; together they are the loop's time to within a tick."""
         ends = np.rint(np.arange(self.frames + 1) * (1000.0 * self.seconds / self.frames / TICK_MS)).astype(int)
         return [int(ticks) * TICK_MS for ticks in np.diff(ends)]
 
@@ -84,7 +55,7 @@ def gif_bytes(frames: Iterable[Frame], some: Sequence[Frame], timing: Timing) ->
 
 
 def _palette(frames: Sequence[Frame]) -> Image.Image:
-    """The colours of frames and those of lines; what is next to white is made white, so that the paper stays so."""
+    """The colours of frames and those of lines; what is nearly white is made white, so that the paper stays white."""
     made = Image.fromarray(np.concatenate(frames)).quantize(COLORS, method=Image.Quantize.MEDIANCUT)
     colors = np.array(made.getpalette()).reshape(-1, 3)
     colors[colors.min(axis=1) >= PAPER] = 255
@@ -95,7 +66,7 @@ def _palette(frames: Sequence[Frame]) -> Image.Image:
 
 def mp4_bytes(frames: Iterable[Frame], some: Sequence[Frame], timing: Timing) -> bytes:
     """An MP4 of one loop, H.264 as every player knows it, of the size of some of its frames."""
-    # Not installed by everyone: see formats.format_of.
+    # Not installed by everyone; format_of has asked for it.
     import imageio_ffmpeg
 
     height, width, _ = some[0].shape
@@ -113,7 +84,7 @@ def mp4_bytes(frames: Iterable[Frame], some: Sequence[Frame], timing: Timing) ->
 
 
 SAMPLES = 4
-"""Frames, spread over the loop, that tell its colours and its size beforehand; frames themselves are not kept."""
+"""Frames, spread over the loop, drawn beforehand for its colours and its size: not all frames are kept in memory."""
 
 PACKERS = {Format.GIF: gif_bytes, Format.MP4: mp4_bytes}
 
@@ -127,14 +98,14 @@ class Loop:
 
 
 def animated(scene: Scene, kind: Format, loop: Loop, on_frame: Callable[[int, int], None]) -> bytes:
-    """The scene over its whole loop as the bytes of a file; ``on_frame`` is told how many of how many are drawn."""
+    """The scene over its whole loop as the bytes of a file; ``on_frame`` gets the number of frames drawn and of all."""
     made, total = picture(scene, loop.width_px), loop.timing.frames
     frames, some = (made.frames(scene.poses(loop_angles_rad(scene, count))) for count in (total, SAMPLES))
     return PACKERS[kind](_counted(frames, total, on_frame), list(some), loop.timing)
 
 
 def loop_angles_rad(scene: Scene, frames: int) -> Array:
-    """Even driving angles over the loop; its end, which looks as its beginning, is left to the next round."""
+    """Even driving angles over the loop without its end, which looks as its beginning."""
     return np.linspace(0.0, scene.loop_rad, frames, endpoint=False)
 
 

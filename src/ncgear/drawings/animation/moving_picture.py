@@ -1,11 +1,8 @@
-"""A view of the scene on axes: what stands, and what moves from the back to the front.
+"""The moving picture of a machine: the machine beside its gears, and two charts below; frames as arrays of pixels.
 
-What the moving picture tells in figures: displacement and velocity over the angle, each with a dot that follows.
-
-The moving picture: the machine beside its gears, two charts below; frames as arrays of pixels.
-
-What stands is drawn once.  A frame is that background with what moves drawn over it: a tenth of the time of a figure
-drawn anew.
+What stands is drawn once.  A frame is that background with what moves drawn over it, from the back to the front, which
+takes a tenth of the time of a figure drawn anew.  The charts show displacement and velocity over the driving angle,
+each with a dot that follows and the present value in words.
 """
 
 from __future__ import annotations
@@ -42,11 +39,10 @@ from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, EDGE_IN, INK, NORMAL, 
 from ncgear.drawings.scene.scene import Poses, Scene
 from ncgear.drawings.scene.standing import Box, hatches_mm, views, wall_mm
 from ncgear.kinematics.motion import SliderMotion
-from ncgear.numerics.arrays import Array
 
 
 def look_at(axes: Axes, box: Box) -> float:
-    """Set the limits to a box, at equal scales; returns the size of a pixel in mm."""
+    """Show a box (left, bottom, width, height in mm) at equal scales; returns the size of a pixel in mm."""
     left, bottom, width, height = box
     axes.set_xlim(left, left + width)
     axes.set_ylim(bottom, bottom + height)
@@ -105,10 +101,10 @@ def _gears(axes: Axes, scene: Scene, pixel_mm: float, to_screen: Transform) -> I
 
 
 CURVE_POINTS = 721
-"""One every half degree of a turn."""
+"""Points of a chart's line: one every half degree of a turn."""
 
 TICKS = 4
-"""Steps of the scale of angles over the loop."""
+"""Steps of a chart's scale of angles over the loop."""
 
 
 def charts(both: Sequence[Axes], scene: Scene) -> list[Moving]:
@@ -121,7 +117,9 @@ def charts(both: Sequence[Axes], scene: Scene) -> list[Moving]:
 def _chart(axes: Axes, motion: SliderMotion, quantity: Quantity) -> Moving:
     chart = motion_chart(quantity, motion).readable
     draw(axes, chart, CHART_LOOK)
-    digits = _digits(chart.own.values)
+    # Digits after the point that tell the greatest value to three digits, which is as much as the eye follows.
+    largest = float(np.abs(chart.own.values).max())
+    digits = max(0, 2 - floor(log10(largest))) if largest > 0.0 else 0
     dot = Line2D([], [], zorder=4, **looks.PITCH_POINT)
     words = axes.text(0.0, 1.06, "", transform=axes.transAxes, size=SMALL, color=INK, va="bottom")
     axes.add_artist(dot)
@@ -159,12 +157,6 @@ def angles(figure: Figure, x: float, y: float) -> Moving:
     return Moving((words,), pose)
 
 
-def _digits(values: Array) -> int:
-    """Decimals that tell the greatest of the values to three digits, which is as much as the eye follows."""
-    largest = float(np.abs(values).max())
-    return max(0, 2 - floor(log10(largest))) if largest > 0.0 else 0
-
-
 Frame = NDArray[np.uint8]
 """Pixels, shape (height, width, 3)."""
 
@@ -172,10 +164,13 @@ WIDTH_IN = 9.6
 """Width in inches for which lines and letters are sized; pixels are what the resolution makes of it."""
 
 HEADING_IN = 0.52
+BELOW_IN = 0.42
 CHART_IN = 0.72
 FOOT_IN = 0.34
+"""From top to bottom, beside the views: heights of the heading, of the charts' words, of the charts, of their scale."""
+
 GAP_IN = 0.12
-"""Heights of the heading and of the charts, room below the charts, space between views."""
+"""Space between views."""
 
 NAME_PT = 42.0
 """Width of the name of a gear in points, with the space before it."""
@@ -184,10 +179,7 @@ LOWEST_IN, HIGHEST_IN = 2.2, 4.6
 """Bounds of the height of the views."""
 
 LARGE = 0.4
-"""Share of the machine's width from which on gears are large in its view."""
-
-BELOW_IN = 0.42
-"""Between views and charts, where the charts' words are."""
+"""Share of the machine's width from which the gears count as large in its view."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,7 +192,7 @@ class Picture:
 
     def frames(self, poses: Poses) -> Iterator[Frame]:
         """A frame for each pose."""
-        # Of what it draws on, matplotlib tells no types.
+        # Matplotlib has no type for the canvas of Agg and its buffers.
         canvas: Any = self.figure.canvas
         canvas.draw()
         background = canvas.copy_from_bbox(self.figure.bbox)
@@ -214,7 +206,7 @@ class Picture:
 
 
 def picture(scene: Scene, width_px: int) -> Picture:
-    """The picture of a scene, so many pixels wide; both its sides are even numbers of pixels, as videos want them."""
+    """The picture of a scene in a width in pixels; both its sides become even numbers, as videos want them."""
     boxes = _shown(scene)
     shapes = [width / height for _, _, width, height in boxes.values()]
     views_in = float(np.clip((WIDTH_IN - (len(boxes) + 1) * GAP_IN) / sum(shapes), LOWEST_IN, HIGHEST_IN))
@@ -226,28 +218,24 @@ def picture(scene: Scene, width_px: int) -> Picture:
     for name, view in (("gears", gears), ("mesh", mesh)):
         if name in panels:
             moving += view(panels[name], scene, pixel_mm[name])
-            _names(panels[name])
-    moving += charts(_charts(made), scene)
+            _name_gears(panels[name])
+    moving += charts(_chart_axes(made), scene)
     moving.append(angles(made, 1.0 - EDGE_IN / WIDTH_IN, 1.0 - EDGE_IN / made.get_figheight()))
-    return Picture(made, panels["machine"], tuple(_animated(moving)))
+    for one in moving:
+        for artist in one.artists:
+            # So that it is left out of the background.
+            artist.set_animated(True)
+    return Picture(made, panels["machine"], tuple(moving))
 
 
 def _shown(scene: Scene) -> dict[str, Box]:
-    """The machine, and beside it the gears or, where these are large in it already, their mesh."""
+    """The boxes of the machine and of what is beside it: the gears or, where these are large already, their mesh."""
     found = views(scene)
     if not scene.pairs:
         return found
     large = found["gears"][2] > LARGE * found["machine"][2]
     beside = "mesh" if large else "gears"
     return {name: found[name] for name in ("machine", beside)}
-
-
-def _animated(moving: list[Moving]) -> Iterator[Moving]:
-    """The same, left out of the background."""
-    for one in moving:
-        for artist in one.artists:
-            artist.set_animated(True)
-        yield one
 
 
 def _figure(views_in: float, width_px: int, title: str) -> Figure:
@@ -259,7 +247,7 @@ def _figure(views_in: float, width_px: int, title: str) -> Figure:
 
 
 def even(pixels: float) -> int:
-    """The even number next to it."""
+    """The nearest even number."""
     return 2 * round(pixels / 2.0)
 
 
@@ -273,14 +261,14 @@ def _panels(made: Figure, shapes: list[float], views_in: float) -> list[Axes]:
     return [made.add_axes((start / WIDTH_IN, bottom, width / WIDTH_IN, views_in / height)) for start, width in places]
 
 
-def _charts(made: Figure) -> tuple[Axes, Axes]:
+def _chart_axes(made: Figure) -> tuple[Axes, Axes]:
     height, left, middle = made.get_figheight(), 0.06, 0.555
     bottom, share, width = FOOT_IN / height, CHART_IN / height, 0.425
     return made.add_axes((left, bottom, width, share)), made.add_axes((middle, bottom, width, share))
 
 
-def _names(axes: Axes) -> None:
-    """Which colour is which gear, above the view's right end."""
+def _name_gears(axes: Axes) -> None:
+    """Both gears named in their colours, above the right end of the view."""
     for name, color, left_pt in (("driven", DRIVEN, 0.0), ("driving", DRIVING, NAME_PT)):
         words = axes.annotate(name, (1.0, 1.0), (-left_pt, 2.0), xycoords="axes fraction", textcoords="offset points")
         words.set(color=color, size=SMALL, weight="bold", ha="right", va="bottom")

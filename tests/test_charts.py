@@ -1,0 +1,75 @@
+"""One value for a chart: whoever draws it draws the same values."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import ncgear.plots
+import reports
+from ncgear.drawings.animation.moving_picture import CHART_LOOK
+from ncgear.drawings.charts.chart import Across, Chart, Line, Role
+from ncgear.drawings.charts.drawer import MOTION_LOOK, Look, draw
+from ncgear.drawings.charts.slider_charts import POWER, VELOCITY, motion_chart, over_displacement, slider_chart
+from ncgear.drawings.page.chart_svg import PAGE_LOOK
+
+JOINTS = np.array([90.0, 180.0])
+
+
+def ramp(period: float | None = None, joints: np.ndarray = JOINTS) -> Chart:
+    x = np.array([0.0, 90.0, 180.0])
+    lines = (Line(Role.OWN, "own", x, np.array([0.0, 1500.0, -2000.0])),)
+    return Chart("force", "N", lines, 360.0, period, joints, names_extreme=True)
+
+
+@pytest.mark.parametrize("look", [MOTION_LOOK, PAGE_LOOK, CHART_LOOK], ids=["picture", "page", "moving picture"])
+def test_every_look_draws_the_values_of_the_chart(look: Look) -> None:
+    axes = Figure().subplots()
+    draw(axes, ramp(), look)
+    assert axes.lines[0].get_xdata() == pytest.approx([0.0, 90.0, 180.0])
+    assert axes.lines[0].get_ydata() == pytest.approx([0.0, 1.5, -2.0])
+    marked = [text.get_text() for text in axes.texts]
+    assert marked == (["\u22122 kN at 180\u00b0"] if look.marks_extremes else [])
+
+
+def test_a_line_is_repeated_over_a_longer_chart() -> None:
+    axes = Figure().subplots()
+    draw(axes, ramp(period=180.0), MOTION_LOOK)
+    assert axes.lines[0].get_xdata() == pytest.approx([0.0, 90.0, 180.0, 180.0, 270.0, 360.0])
+    assert axes.lines[0].get_ydata() == pytest.approx([0.0, 1.5, -2.0, 0.0, 1.5, -2.0])
+
+
+@pytest.mark.parametrize(("count", "drawn"), [(12, 12), (13, 0)])
+def test_more_joints_than_can_be_told_apart_are_not_marked(count: int, drawn: int) -> None:
+    axes = Figure().subplots()
+    draw(axes, ramp(joints=np.linspace(10.0, 350.0, count)), MOTION_LOOK)
+    assert sum(line.get_color() == "#8A8A8A" for line in axes.lines) == drawn
+
+
+def test_a_chart_in_thousands_has_the_unit_to_match() -> None:
+    chart = ramp()
+    assert (chart.readable.unit, chart.in_thousands.unit) == ("kN", "kN")
+    assert chart.readable.readable.own.values == pytest.approx([0.0, 1.5, -2.0])
+    motion = reports.drive("baler").motion
+    of_velocity = motion_chart(VELOCITY, motion).readable
+    np.testing.assert_array_equal(of_velocity.own.values, VELOCITY.values_in(of_velocity.unit, motion))
+
+
+def test_the_notebook_and_the_page_draw_the_same_power() -> None:
+    """At the table's angles the page's own, closer samples give the notebook's values."""
+    drive = reports.drive("baler")
+    notebook = ncgear.plots.power(drive, Figure().subplots()).lines[0]
+    (page,) = (one.chart for one in reports.motion("baler") if one.key == "power_w")
+    between = np.interp(notebook.get_xdata(), page.own.x, page.own.values)
+    assert np.abs(between - notebook.get_ydata()).max() < 1e-3 * np.abs(page.own.values).max()
+
+
+def test_over_the_displacement_the_values_stay() -> None:
+    drive = reports.drive("baler")
+    chart, motions = slider_chart(drive, POWER), (drive.motion, drive.uniform_motion)
+    across = over_displacement(chart, motions)
+    assert (across.across, across.names_extreme, across.joints_deg.size) == (Across.DISPLACEMENT, False, 0)
+    for line, before, motion in zip(across.lines, chart.lines, motions, strict=True):
+        np.testing.assert_array_equal(line.values, before.values)
+        np.testing.assert_array_equal(line.x, motion.displacement_mm)
