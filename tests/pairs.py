@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from functools import cache
 from math import radians
-from pathlib import Path
 
-from ncgear.design.reading.design_file import load
-from ncgear.project.drive import Drive
+from drives import drive
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.form import BasicRack
-
-DESIGNS = Path(__file__).parents[1] / "designs"
 
 
 def rack(
@@ -34,7 +29,6 @@ def sine_law(depth: float, lobes: Lobes | None = None) -> Transmission:
     return driven_angle_expression_law(f"phi - {depth}*sin(2*phi)", lobes or Lobes())
 
 
-@cache
 def baler_law() -> Transmission:
     """The published baler's law."""
-    return Drive(load(DESIGNS / "baler.yaml").design).transmission
+    return drive("baler").transmission

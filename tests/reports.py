@@ -5,8 +5,9 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 
+from drives import drive, loaded
 from ncgear.contact.pair import PairContact
-from ncgear.design.reading.design_file import LoadedDesign, load
+from ncgear.design.reading.design_file import load
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.drawings.page.page import report_page
 from ncgear.drawings.page.page_charts import PageChart, motion_charts
@@ -14,18 +15,6 @@ from ncgear.files.build import contacts_as_written
 from ncgear.kinematics.motion import SliderMotion
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
-
-DESIGNS = Path(__file__).parents[1] / "designs"
-
-
-@cache
-def loaded(name: str) -> LoadedDesign:
-    return load(DESIGNS / f"{name}.yaml")
-
-
-@cache
-def drive(name: str) -> Drive:
-    return Drive(loaded(name).design)
 
 
 @cache

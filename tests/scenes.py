@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from functools import cache
-from pathlib import Path
-from tempfile import mkdtemp
 
 import numpy as np
 
-from ncgear.design.reading.design_file import load
+from drives import drive, drive_of_text
 from ncgear.drawings.scene.bodies import Places
 from ncgear.drawings.scene.scene import Scene, scene_of
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
-from test_designs import DESIGNS
 
 TWO_STAGES = "baler-66-two-stage"
 
@@ -57,10 +54,8 @@ TEXTS = {"askew": ASKEW, "gearless": GEARLESS, "webbed": WEBBED}
 def drive_of(name: str) -> Drive:
     """The drive of a file in designs, or of one of the texts above."""
     if name not in TEXTS:
-        return Drive(load(DESIGNS / f"{name}.yaml").design)
-    path = Path(mkdtemp()) / f"{name}.yaml"
-    path.write_text(TEXTS[name], encoding="utf-8")
-    return Drive(load(path).design)
+        return drive(name)
+    return drive_of_text(TEXTS[name])
 
 
 @cache

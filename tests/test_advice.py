@@ -5,19 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from copy import deepcopy
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import pytest
 
+from drives import loaded
 from ncgear.design.keys.design import Design, json_schema
-from ncgear.design.reading.design_file import load
 from ncgear.figures.advice.collected import build_advice, check_advice
 from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where
 from ncgear.project.drive import Drive
 from ncgear.project.improvement import Improvement
-
-DESIGNS = Path(__file__).parents[1] / "designs"
 
 Data = dict[str, Any]
 
@@ -75,7 +72,7 @@ def merged(data: Data, changes: Data) -> Data:
 
 
 def data_of(name: str) -> Data:
-    return merged(SMALL, CASES[name]) if name in CASES else load(DESIGNS / f"{name}.yaml").data
+    return merged(SMALL, CASES[name]) if name in CASES else loaded(name).data
 
 
 def drive_of(data: Data) -> Drive:

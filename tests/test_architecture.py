@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from ncgear.design.reading.design_file import load
+from drives import loaded
 from ncgear.figures.terminal import check_text
 from ncgear.project.drive import Drive
 
@@ -171,7 +171,7 @@ STAGES = ("law", "machine", "check", "uniform_check", "pitch", "teeth", "designe
 
 
 def test_a_check_makes_no_pitch_curve_and_no_tooth() -> None:
-    drive = Drive(load(ROOT / "designs" / "baler.yaml").design)
+    drive = Drive(loaded("baler").design)
     check_text(drive)
     made = [stage for stage in STAGES if stage in vars(drive)]
     assert made == ["law", "machine", "check", "uniform_check"]
@@ -179,7 +179,7 @@ def test_a_check_makes_no_pitch_curve_and_no_tooth() -> None:
 
 @pytest.mark.parametrize("stage", [stage for stage in STAGES if stage != "solids"])
 def test_asking_twice_for_a_stage_computes_once(stage: str) -> None:
-    drive = Drive(load(ROOT / "designs" / "ellipse.yaml").design)
+    drive = Drive(loaded("ellipse").design)
     first = getattr(drive, stage)
     counts = dict(drive.timing_s)
     assert getattr(drive, stage) is first

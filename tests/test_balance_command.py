@@ -15,15 +15,13 @@ import pytest
 import trimesh
 
 from commands import Run
+from drives import DESIGNS, drive
 from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.design import json_schema
 from ncgear.design.reading.balance_file import load_balance
-from ncgear.design.reading.design_file import load
 from ncgear.figures.balance import balance_text, figures_of
 from ncgear.files.balance import balance_files
 from ncgear.project.balancing import Balancing
-from ncgear.project.drive import Drive
-from pairs import DESIGNS
 
 WORKED = sorted((DESIGNS / "balance").glob("*.yaml"))
 
@@ -370,7 +368,7 @@ def test_gears_with_hubs_are_weighed_and_not_corrected(run: Run) -> None:
     Path("a.yaml").write_text(HELICAL.replace("helical-ellipse", "printed-pump"))
     status, out, _ = run("a.yaml", "--json")
     driving = json.loads(out)["gears"]["driving"]
-    solid = Drive(load(DESIGNS / "printed-pump.yaml").design).solids.driving
+    solid = drive("printed-pump").solids.driving
     assert (status, driving["mass_kg"]) == (0, pytest.approx(solid.mesh.volume * 7850e-9))
     Path("a.yaml").write_text(Path("a.yaml").read_text() + "  driven: {boss: {height_mm: 5, wall_mm: 2}}\n")
     status, _, err = run("a.yaml")

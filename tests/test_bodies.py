@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
 from math import cos, pi, radians, sin, sqrt
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -16,12 +13,11 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from shapely import Point, Polygon
 
+from drives import DESIGNS, drive, drive_of_text
 from engaged import read
 from ncgear.balance.gears import mesh_body
 from ncgear.contact.placement import placed
 from ncgear.contact.written.as_written import Outlines
-from ncgear.design.keys.design import Design
-from ncgear.design.reading.design_file import load
 from ncgear.errors import WrongInput
 from ncgear.figures.summary.build import bodies_summary
 from ncgear.files.meshes import outline_of_stl, read_back, section_rings, stl_bytes
@@ -51,7 +47,6 @@ from ncgear.solids.plan.room import require_hub_room
 from ncgear.teeth.gear import toothed_pair
 from speed_against_error.outlines import circular_gear, circular_pair, form
 
-DESIGNS = Path(__file__).parents[1] / "designs"
 TOLERANCE = 0.005
 FINE = 1e-4
 RADIUS, WIDTH = 40.0, 12.0
@@ -64,11 +59,6 @@ def disc(radius: float = RADIUS, tolerance: float = FINE) -> Array:
 
 def made(blank: Blank, tolerance: float = FINE, outline: Array | None = None) -> GearSolid:
     return driving_solid(disc() if outline is None else outline, blank, MODULE, tolerance)
-
-
-@cache
-def drive(name: str) -> Drive:
-    return Drive(load(DESIGNS / f"{name}.yaml").design)
 
 
 def sections(solid: GearSolid, height: float) -> list[Array]:
@@ -325,14 +315,7 @@ GEARS = BASE[: BASE.index("  first_layer_chamfer_mm")]
 
 def asked(text: str) -> Drive:
     """The printed pump with other bodies."""
-    return Drive(load_text(GEARS + text))
-
-
-def load_text(text: str) -> Design:
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "design.yaml"
-        path.write_text(text)
-        return load(path).design
+    return drive_of_text(GEARS + text)
 
 
 NO_ROOM = [
@@ -533,13 +516,13 @@ output: {chord_tolerance_mm: 0.02}
 
 def test_helical_gears_have_the_same_bodies() -> None:
     """Their cuts go straight through every section; volumes add up."""
-    solids = Drive(load_text(HELICAL)).solids
+    solids = drive_of_text(HELICAL).solids
     plan, mesh = solids.driving.plan, solids.driving.mesh
     assert plan.hub is not None
     assert plan.hub.set_screw is not None
     assert plan.web is not None
     pocket = sum(float(pocket.area) for pocket in plan.web.pockets)
-    bare = Drive(load_text(HELICAL[: HELICAL.index("    hub:")] + "output: {chord_tolerance_mm: 0.02}\n")).solids
+    bare = drive_of_text(HELICAL[: HELICAL.index("    hub:")] + "output: {chord_tolerance_mm: 0.02}\n").solids
     added = (pi * 7.0**2 - pi * 3.0**2) * 5.0 - hole_volume(1.25, 7.0, 3.0) - pocket * 3.0
     assert mesh.volume - bare.driving.mesh.volume == pytest.approx(added, rel=5e-3)
     assert mesh.is_watertight

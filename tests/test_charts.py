@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+import drives
 import ncgear.plots
 import reports
 from ncgear.drawings.animation.moving_picture import CHART_LOOK
@@ -51,14 +52,14 @@ def test_a_chart_in_thousands_has_the_unit_to_match() -> None:
     chart = ramp()
     assert (chart.readable.unit, chart.in_thousands.unit) == ("kN", "kN")
     assert chart.readable.readable.own.values == pytest.approx([0.0, 1.5, -2.0])
-    motion = reports.drive("baler").motion
+    motion = drives.drive("baler").motion
     of_velocity = motion_chart(VELOCITY, motion).readable
     np.testing.assert_array_equal(of_velocity.own.values, VELOCITY.values_in(of_velocity.unit, motion))
 
 
 def test_the_notebook_and_the_page_draw_the_same_power() -> None:
     """At the table's angles the page's own, closer samples give the notebook's values."""
-    drive = reports.drive("baler")
+    drive = drives.drive("baler")
     notebook = ncgear.plots.power(drive, Figure().subplots()).lines[0]
     (page,) = (one.chart for one in reports.motion("baler") if one.key == "power_w")
     between = np.interp(notebook.get_xdata(), page.own.x, page.own.values)
@@ -66,7 +67,7 @@ def test_the_notebook_and_the_page_draw_the_same_power() -> None:
 
 
 def test_over_the_displacement_the_values_stay() -> None:
-    drive = reports.drive("baler")
+    drive = drives.drive("baler")
     chart, motions = slider_chart(drive, POWER), (drive.motion, drive.uniform_motion)
     across = over_displacement(chart, motions)
     assert (across.across, across.names_extreme, across.joints_deg.size) == (Across.DISPLACEMENT, False, 0)

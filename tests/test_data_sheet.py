@@ -5,15 +5,14 @@ from __future__ import annotations
 import re
 from functools import cache
 from math import cos, radians
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from drives import drive, loaded
 from ncgear.design.keys.design import Design
-from ncgear.design.reading.design_file import load
 from ncgear.drawings.charts.chart import joints_up_to
 from ncgear.drawings.page.tables import sheet_tables
 from ncgear.figures.data_sheet.pitch_table import pitch_csv, turn_deg
@@ -21,13 +20,12 @@ from ncgear.figures.data_sheet.sheet import DataSheet, Entry, data_sheet, sheet_
 from ncgear.figures.tables import Table
 from ncgear.project.drive import Drive
 
-DESIGNS = Path(__file__).parents[1] / "designs"
-
 LIMITS = {"standard": "ISO 1328-1", "tooth_thickness_upper_mm": -0.05, "tooth_thickness_lower_mm": -0.1}
 
 
-def drive(name: str, **gears: Any) -> Drive:
-    data = load(DESIGNS / f"{name}.yaml").data
+def changed(name: str, **gears: Any) -> Drive:
+    """A design with other keys of its gears."""
+    data = loaded(name).data
     return Drive(Design.model_validate({**data, "gears": {**data["gears"], **gears}}))
 
 
@@ -38,7 +36,7 @@ def sheet(name: str) -> DataSheet:
 
 @cache
 def toleranced() -> DataSheet:
-    return data_sheet(drive("ellipse", tolerances=LIMITS))
+    return data_sheet(changed("ellipse", tolerances=LIMITS))
 
 
 def row(found: DataSheet, label: str) -> Entry:
@@ -103,7 +101,7 @@ def test_the_interpolation_of_the_pitch_table_is_as_good_as_it_says() -> None:
 
 
 def test_the_sheet_says_what_the_design_gives() -> None:
-    found = data_sheet(drive("ellipse", rack={"tip_relief": {"amount": 0.02}, "addendum": 0.9}))
+    found = data_sheet(changed("ellipse", rack={"tip_relief": {"amount": 0.02}, "addendum": 0.9}))
     assert row(found, "basic rack of ISO 53").pair == "profile A, coefficients as below"
     assert row(found, "addendum coefficient").pair == pytest.approx(0.9)
     assert row(found, "tip relief at 0.9 modules").pair == pytest.approx(0.04)
@@ -119,7 +117,7 @@ def test_a_ring_has_pins_and_says_that_it_has_no_span() -> None:
 
 
 def test_flanks_of_equivalent_gears_have_pins_and_no_span() -> None:
-    found = data_sheet(drive("ellipse", method="equivalent_gear", least_contact_ratio=0.0))
+    found = data_sheet(changed("ellipse", method="equivalent_gear", least_contact_ratio=0.0))
     assert "equivalent" in str(row(found, "places of a span").driving)
     assert row(found, "spaces in which they measure").driving == "all"
 
@@ -141,7 +139,7 @@ def test_limits_of_the_tooth_thickness_are_limits_of_spans_and_pins() -> None:
 
 
 def test_a_given_pin_is_taken_and_spaces_where_it_measures_nothing_are_named() -> None:
-    found = data_sheet(drive("ellipse", measuring_pin_mm=3.0))
+    found = data_sheet(changed("ellipse", measuring_pin_mm=3.0))
     assert row(found, "diameter of measuring pins").driving == 3.0
     notes = table(found, "Pins of 3 mm in the driving").notes
     assert any(note.startswith("not defined in the spaces after teeth") for note in notes)
@@ -156,7 +154,7 @@ def test_a_given_pin_is_taken_and_spaces_where_it_measures_nothing_are_named() -
 )
 def test_limits_of_the_tooth_thickness_that_are_no_range_are_refused(given: dict[str, float], key: str) -> None:
     with pytest.raises(ValidationError) as refused:
-        drive("ellipse", tolerances=given)
+        changed("ellipse", tolerances=given)
     assert refused.value.errors()[0]["ctx"]["key"] == key
 
 
@@ -188,7 +186,7 @@ HOSTILE = "</script><b>x'); DROP\nsecond line | third cell `code` *bold* \\| end
 
 def test_text_of_the_design_stays_within_its_cell() -> None:
     """A table's row is one line of as many cells as its heading, whatever the note says."""
-    text = sheet_text(data_sheet(drive("ellipse", tolerances={"note": HOSTILE})))
+    text = sheet_text(data_sheet(changed("ellipse", tolerances={"note": HOSTILE})))
     line = next(line for line in text.splitlines() if line.startswith("| note |"))
     cells = re.split(r"(?<!\\)(?:\\\\)*\|", line)[1:-1]
     assert len(cells) == 4

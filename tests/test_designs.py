@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import struct
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from math import pi, radians, tan
 from pathlib import Path
-from tempfile import mkdtemp
 from typing import Any
 
 import numpy as np
@@ -16,31 +14,10 @@ import pytest
 from scipy.special import ellipe
 from shapely import Polygon
 
-from ncgear.design.reading.design_file import load
+from drives import DESIGNS, FILES, Built, built, drive
 from ncgear.errors import NoSuchMechanism
 from ncgear.files.build import build
-from ncgear.project.drive import Drive
 from oracles import meshing
-
-DESIGNS = Path(__file__).parents[1] / "designs"
-
-FILES = {
-    "summary.json",
-    "assembly.json",
-    "law.csv",
-    "pitch.csv",
-    "data_sheet.md",
-    "contact.csv",
-    "driving.csv",
-    "driven.csv",
-    "driving.stl",
-    "driven.stl",
-    "pitch_curves.png",
-    "tooth_pair.png",
-    "contact.png",
-    "motion.png",
-    "power.png",
-}
 
 REFUSED = "baler-a1-at-law-speed"
 WITHOUT_GEARS = "baler-frontier"
@@ -49,29 +26,6 @@ SIMULATED = "baler-dynamics"
 """Pinned in tests/test_simulate_command.py; its gears are those of the baler."""
 OTHERS = {REFUSED, WITHOUT_GEARS, IN_STAGES, SIMULATED}
 BUILT = sorted({path.stem for path in DESIGNS.glob("*.yaml")} - OTHERS)
-
-
-@dataclass(frozen=True)
-class Built:
-    """A built design: its folder and its summary."""
-
-    folder: Path
-    summary: dict[str, Any]
-
-    def table(self, name: str) -> np.ndarray:
-        return np.genfromtxt(self.folder / name, delimiter=",", names=True)
-
-    def outline(self, gear: str) -> np.ndarray:
-        table = self.table(f"{gear}.csv")
-        return np.column_stack([table["x_mm"], table["y_mm"]])
-
-
-@cache
-def built(name: str) -> Built:
-    """Each design is built once for all the tests of one worker."""
-    folder = Path(mkdtemp(prefix="ncgear-test-")) / name
-    build(Drive(load(DESIGNS / f"{name}.yaml").design), folder, lambda stage: None)
-    return Built(folder, json.loads((folder / "summary.json").read_text()))
 
 
 PINNED = {
@@ -148,12 +102,12 @@ def test_every_design_has_a_pinned_number() -> None:
 
 
 def test_the_other_reading_of_the_baler_is_flagged_and_refused(tmp_path: Path) -> None:
-    drive = Drive(load(DESIGNS / f"{REFUSED}.yaml").design)
-    low, high = drive.transmission.ratio_range
-    assert abs(drive.law_speed_rpm - 51.31) < 0.005
+    refused = drive(REFUSED)
+    low, high = refused.transmission.ratio_range
+    assert abs(refused.law_speed_rpm - 51.31) < 0.005
     assert (round(low.value, 2), round(high.value, 1)) == (0.12, 7.6)
     with pytest.raises(NoSuchMechanism, match=r"tooth \d+ of the \w+ gear \(phi1 = "):
-        build(drive, tmp_path / "out", lambda stage: None)
+        build(refused, tmp_path / "out", lambda stage: None)
     assert not (tmp_path / "out").exists()
 
 
@@ -210,6 +164,7 @@ def is_internal(case: Built) -> bool:
     return bool(case.summary["pitch"]["mesh"] == "internal")
 
 
+@cache
 def judged(name: str) -> tuple[meshing.MeshingReport, dict[str, Any]]:
     case = built(name)
     distance = case.summary["pitch"]["center_distance_mm"]

@@ -13,8 +13,8 @@ from matplotlib.axes import Axes
 from PIL import Image
 
 import ncgear.project.frontier as of_design
+from drives import loaded
 from ncgear.design.keys.design import Design
-from ncgear.design.reading.design_file import load
 from ncgear.drawings.plots import frontier_plot as picture
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.frontier import frontier_csv, frontier_json, frontier_text, mechanisms
@@ -28,15 +28,12 @@ from ncgear.project.improvement import Improvement
 from ncgear.project.law import linkage_of
 from ncgear.project.wishes import task_of, wishes_of
 
-DESIGNS = Path(__file__).parents[1] / "designs"
-
-
 RESISTANCE = {"polynomial_n": (-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7)}
 
 
 def design(harmonics: int = 8) -> Design:
     """The baler with few harmonics, so that a point takes a fraction of a second."""
-    whole = load(DESIGNS / "baler-frontier.yaml").design
+    whole = loaded("baler-frontier").design
     assert whole.optimize is not None
     return whole.model_copy(update={"optimize": whole.optimize.model_copy(update={"harmonics": harmonics})})
 

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 from shapely import Point, Polygon
 
+from drives import drive
 from ncgear.balance.gears import (
     BossSize,
     Corrected,
@@ -25,13 +26,10 @@ from ncgear.balance.gears import (
     plate_body,
 )
 from ncgear.balance.rotor import grade_reached, permissible_unbalance_kg_mm
-from ncgear.design.reading.design_file import load
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.project.drive import Drive
 from ncgear.solids.mesh.slabs import slab_mesh
 from ncgear.solids.plan.areas import area_moments
 from ncgear.solids.plan.body import Slab, circle_points
-from pairs import DESIGNS
 
 STEEL = 7850.0
 TOLERANCE = 0.005
@@ -47,11 +45,6 @@ def disc(radius: float, center: complex = 0j, holes: Holes = (), chord_mm: float
         return np.array([at.real, at.imag]) + circle_points(r, chord_mm)
 
     return Polygon(circle(center, radius), [circle(at, r) for at, r in holes])
-
-
-@cache
-def drive(name: str) -> Drive:
-    return Drive(load(DESIGNS / f"{name}.yaml").design)
 
 
 @cache

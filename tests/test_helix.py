@@ -16,9 +16,9 @@ import shapely
 from shapely import Polygon, affinity
 from trimesh import Trimesh
 
+from drives import drive_of_text
 from ncgear.contact.designed.as_designed import as_designed
 from ncgear.contact.placement import placed
-from ncgear.design.reading.design_file import load
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.files.build import build
 from ncgear.files.meshes import read_back, stl_bytes
@@ -469,12 +469,6 @@ LOSING = "law: ratio_expression, driven_angle: phi - 0.3*sin(2*phi)"
 HELIX = "  helix: {angle_deg: 15, kind: helical, hand: left}\n"
 
 
-def drive_of(folder: Path, text: str) -> Drive:
-    path = folder / "a.yaml"
-    path.write_text(text, encoding="utf-8")
-    return Drive(load(path).design)
-
-
 @pytest.mark.parametrize(
     ("helix", "key", "words"),
     [
@@ -489,9 +483,9 @@ def drive_of(folder: Path, text: str) -> Drive:
         ("{angle_deg: 15, kind: helical, hand: left, module_mm: 2}", "gears.helix.module_mm", ""),
     ],
 )
-def test_what_a_design_file_may_not_say(tmp_path: Path, helix: str, key: str, words: str) -> None:
+def test_what_a_design_file_may_not_say(helix: str, key: str, words: str) -> None:
     with pytest.raises(DesignError) as caught:
-        drive_of(tmp_path, DESIGN + f"  helix: {helix}\n")
+        drive_of_text(DESIGN + f"  helix: {helix}\n")
     assert caught.value.key == key
     assert words in str(caught.value)
     assert "a.yaml:10:" in str(caught.value)
@@ -505,8 +499,8 @@ def summary_of(drive: Drive) -> dict[str, Any]:
         return build(drive, Path(folder), lambda stage: None).summaries[0]
 
 
-def test_the_summary_has_the_overlap_and_the_thrust(tmp_path: Path) -> None:
-    summary = summary_of(drive_of(tmp_path, DESIGN + HELIX))
+def test_the_summary_has_the_overlap_and_the_thrust() -> None:
+    summary = summary_of(drive_of_text(DESIGN + HELIX))
     teeth, contact = summary["teeth"], summary["contact"]
     assert (teeth["helix_angle_deg"], teeth["helix_kind"], teeth["hand_driving"]) == (
         pytest.approx(15.0),
@@ -519,20 +513,20 @@ def test_the_summary_has_the_overlap_and_the_thrust(tmp_path: Path) -> None:
     assert any("0.268 of the tangential force" in warning for warning in summary["warnings"])
 
 
-def test_herringbone_teeth_overlap_by_half_and_have_no_thrust(tmp_path: Path) -> None:
-    summary = summary_of(drive_of(tmp_path, DESIGN + HELIX.replace("helical,", "herringbone,")))
+def test_herringbone_teeth_overlap_by_half_and_have_no_thrust() -> None:
+    summary = summary_of(drive_of_text(DESIGN + HELIX.replace("helical,", "herringbone,")))
     assert summary["contact"]["overlap_ratio"] == pytest.approx(4.0 * tan(radians(15.0)) / (2.0 * pi), rel=1e-12)
     assert not any("thrust" in warning for warning in summary["warnings"])
 
 
-def test_straight_teeth_say_nothing_of_a_helix(tmp_path: Path) -> None:
-    summary = summary_of(drive_of(tmp_path, DESIGN))
+def test_straight_teeth_say_nothing_of_a_helix() -> None:
+    summary = summary_of(drive_of_text(DESIGN))
     assert not {"helix_angle_deg", "hand_driving", "overlap_ratio"} & {*summary["teeth"], *summary["contact"]}
     assert not any("thrust" in warning for warning in summary["warnings"])
 
 
-def test_the_least_contact_of_sections_is_found_among_them(tmp_path: Path) -> None:
-    drive = drive_of(tmp_path, DESIGN.replace("0.2}", "0.6}") + HELIX)
+def test_the_least_contact_of_sections_is_found_among_them() -> None:
+    drive = drive_of_text(DESIGN.replace("0.2}", "0.6}") + HELIX)
     found = []
     for height in np.linspace(0.0, 8.0, 25):
         assert drive.helix
@@ -545,18 +539,18 @@ def test_the_least_contact_of_sections_is_found_among_them(tmp_path: Path) -> No
     assert drive.section_contact_ratio <= found[0]
 
 
-def test_an_overlap_that_leaves_a_rest_to_the_sections_asks_for_it(tmp_path: Path) -> None:
+def test_an_overlap_that_leaves_a_rest_to_the_sections_asks_for_it() -> None:
     """A helix of a hundredth of a degree does not make up for flanks that lose contact."""
     text = DESIGN.replace("teeth: 23", "teeth: 24").replace("law: ellipse, eccentricity: 0.2", LOSING)
     with pytest.raises(NoSuchMechanism) as straight:
-        assert drive_of(tmp_path, text).designed_contact
+        assert drive_of_text(text).designed_contact
     with pytest.raises(NoSuchMechanism) as helical:
-        assert drive_of(tmp_path, text + HELIX.replace("15", "0.01")).designed_contact
+        assert drive_of_text(text + HELIX.replace("15", "0.01")).designed_contact
     assert helical.value.key == straight.value.key == "gears.least_contact_ratio"
 
 
 def test_a_build_writes_the_section_at_no_height_as_the_outline(tmp_path: Path) -> None:
-    build(drive_of(tmp_path, DESIGN + HELIX), tmp_path / "out", lambda stage: None)
+    build(drive_of_text(DESIGN + HELIX), tmp_path / "out", lambda stage: None)
     for gear in ("driving", "driven"):
         outline = np.genfromtxt(tmp_path / "out" / f"{gear}.csv", delimiter=",", skip_header=1)
         assert apart(meshing.read_outline(tmp_path / "out" / f"{gear}.stl", 1e-6), Polygon(outline)) <= 1.1 * TOLERANCE

@@ -14,6 +14,7 @@ from mpmath import mp
 from PIL import Image
 from shapely import Point, Polygon
 
+from drives import DESIGNS
 from engaged import outlines, read
 from ncgear.contact.designed.as_designed import as_designed
 from ncgear.contact.pair import pair_contact, refuse_bad_outlines
@@ -41,7 +42,7 @@ from ncgear.solids.plan.room import INNER_WALL_IN_MODULES, OUTER_WALL_IN_MODULES
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
 from oracles import meshing
-from pairs import DESIGNS, rack
+from pairs import rack
 from test_pitch import turned
 
 DISTANCE = 60.0

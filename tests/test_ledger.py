@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ncgear.design.reading.design_file import load
+import drives
 from ncgear.figures.ledger import PAGE, ledger_page
 from ncgear.papers.catalogue import PAPERS
 from ncgear.papers.entry import (
@@ -33,7 +33,6 @@ from ncgear.papers.gear_baler import published as gear_baler
 from ncgear.papers.judgement import Contradicted, judged, judgement
 from ncgear.papers.track_chassis import published as chassis
 from ncgear.papers.track_chassis.frequencies import LINE_HZ
-from ncgear.project.drive import Drive
 
 ROOT = Path(__file__).parents[1]
 
@@ -151,7 +150,7 @@ def test_numbers_in_words_are_todays() -> None:
 
 def test_the_gear_balers_reading_is_the_design_file() -> None:
     """The ledger's own Table 1 makes the law of designs/baler.yaml."""
-    drive = Drive(load(ROOT / "designs" / "baler.yaml").design)
+    drive = drives.drive("baler")
     assert gear_baler.law_rpm() == pytest.approx(drive.law_speed_rpm, rel=1e-12)
     speed = drive.design.operation.speed_rpm
     found, wanted = gear_baler.at_speed(speed), drive.check

@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import ncgear
+from drives import drive_of_text
 from ncgear.drawings.charts.chart import EMPTY, Line, Role
 from ncgear.drawings.charts.drawer import MOTION_COLUMN, MOTION_LOOK, beside_png, column_png, mark_extreme
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, motion_chart, over_displacement
@@ -405,19 +406,10 @@ gears:
 """
 
 
-def drive_of(text: str, folder: Path) -> Any:
-    from ncgear.design.reading.design_file import load
-    from ncgear.project.drive import Drive
-
-    path = folder / "small.yaml"
-    path.write_text(text)
-    return Drive(load(path).design)
-
-
 def test_build_writes_a_whole_set_of_files(tmp_path: Path) -> None:
     stages: list[str] = []
     out = tmp_path / "out"
-    paths = build(drive_of(DESIGN, tmp_path), out, stages.append).paths
+    paths = build(drive_of_text(DESIGN), out, stages.append).paths
     assert stages == [
         "motion",
         "pitch curves",
@@ -442,16 +434,16 @@ def test_build_into_a_file_is_refused_before_any_stage(tmp_path: Path) -> None:
     place, stages = tmp_path / "out", list[str]()
     place.write_bytes(b"")
     with pytest.raises(WrongInput):
-        build(drive_of(DESIGN, tmp_path), place, stages.append)
+        build(drive_of_text(DESIGN), place, stages.append)
     assert not stages
 
 
 def test_failing_build_leaves_the_last_good_one(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    build(drive_of(DESIGN, tmp_path), out, lambda _: None)
+    build(drive_of_text(DESIGN), out, lambda _: None)
     good = contents(out)
     with pytest.raises(WrongInput, match="largest that fits") as caught:
-        build(drive_of(DESIGN.replace("bore_mm: 16", "bore_mm: 70"), tmp_path), out, lambda _: None)
+        build(drive_of_text(DESIGN.replace("bore_mm: 16", "bore_mm: 70")), out, lambda _: None)
     assert caught.value.key == "gears.driving.bore_mm"
     assert contents(out) == good
 
@@ -466,8 +458,8 @@ def test_gears_that_are_written_wrong_never_replace_good_ones(tmp_path: Path, mo
     from ncgear.solids.plan.body import Slab
 
     out = tmp_path / "out"
-    build(drive_of(DESIGN, tmp_path), out, lambda _: None)
-    good, drive = contents(out), drive_of(DESIGN, tmp_path)
+    build(drive_of_text(DESIGN), out, lambda _: None)
+    good, drive = contents(out), drive_of_text(DESIGN)
 
     def thick(mesh: Any) -> bytes:
         if mesh is drive.solids.driven.mesh:
@@ -484,7 +476,7 @@ def test_gears_that_are_written_wrong_never_replace_good_ones(tmp_path: Path, mo
 
 def test_contact_table_has_a_row_per_position_and_agrees_with_the_summary(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    summary = build(drive_of(DESIGN, tmp_path), out, lambda _: None).summaries[0]["contact"]
+    summary = build(drive_of_text(DESIGN), out, lambda _: None).summaries[0]["contact"]
     table = np.genfromtxt(out / "contact.csv", delimiter=",", names=True)
     assert table.size == summary["positions"] == 480
     designed, written = summary["as_designed"], summary["as_written"]
@@ -515,9 +507,7 @@ def test_contact_table_has_a_row_per_position_and_agrees_with_the_summary(tmp_pa
 def test_contact_is_drawn_with_and_without_backlash(tmp_path: Path) -> None:
     plain, thin = (
         shades(
-            (
-                build(drive_of(text, tmp_path), tmp_path / name, lambda _: None).paths[0].parent / "contact.png"
-            ).read_bytes()
+            (build(drive_of_text(text), tmp_path / name, lambda _: None).paths[0].parent / "contact.png").read_bytes()
         )
         for name, text in (("plain", DESIGN), ("thin", DESIGN + "  backlash_mm: 0.1\n"))
     )

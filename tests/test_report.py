@@ -19,6 +19,7 @@ import pytest
 import shapely
 from lxml.html import HtmlElement
 
+import drives
 import reports
 from commands import Run
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION
@@ -226,7 +227,7 @@ def error_of_straight_lines(of: PageChart, own: np.ndarray, angles_deg: np.ndarr
 
 
 def motion_at(name: str, angles_deg: np.ndarray) -> SliderMotion:
-    return reports.drive(name).machine.motion(np.radians(angles_deg))
+    return drives.drive(name).machine.motion(np.radians(angles_deg))
 
 
 @pytest.mark.parametrize("name", ["baler", "pump-1-2", "ellipse"])
@@ -239,7 +240,7 @@ def test_what_is_read_out_is_the_motion(name: str) -> None:
 
 
 def test_the_force_is_read_out_on_both_sides_of_its_jump() -> None:
-    dead_centre = np.degrees(reports.drive("baler").machine.extended_rad)
+    dead_centre = np.degrees(drives.drive("baler").machine.extended_rad)
     angles = dead_centre + np.array([-1e-3, 1e-3])
     force = reports.motion("baler")[3]
     wanted = reports.in_unit_of(force, LOAD[0], motion_at("baler", angles))
@@ -248,7 +249,7 @@ def test_the_force_is_read_out_on_both_sides_of_its_jump() -> None:
 
 def test_even_samples_would_miss_the_jump() -> None:
     """So the test above can fail."""
-    machine = reports.drive("baler").machine
+    machine = drives.drive("baler").machine
     even, dead_centre = np.linspace(0.0, 2.0 * np.pi, 2001), machine.extended_rad
     angles = dead_centre + np.array([-2e-5, 2e-5])
     missed = np.interp(angles, even, machine.motion(even).force_n) - machine.motion(angles).force_n
@@ -286,7 +287,7 @@ def farthest_from_curve(of: PageChart, angle_deg: tuple[float, float]) -> float:
 
 @pytest.mark.parametrize("number", range(8))
 def test_the_cursor_runs_on_the_drawn_curve(number: int) -> None:
-    pair = reports.drive("baler"), reports.contacts("baler")[0]
+    pair = drives.drive("baler"), reports.contacts("baler")[0]
     chart = [*reports.motion("baler"), *gear_charts(*pair)][number]
     assert farthest_from_curve(chart, drawn(chart).angle_deg) < DRAWN_OFF
 

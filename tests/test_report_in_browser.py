@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import drives
 import reports
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION
 from ncgear.drawings.page.page_charts import PageChart, gear_charts
@@ -121,17 +122,17 @@ ANGLES_DEG = (0.0, 12.345, 72.0, 126.0, 180.0, 234.0, 301.7, 359.999)
 def test_the_driven_angle_is_the_laws(baler: Opened) -> None:
     phi1 = np.radians([*ANGLES_DEG, 725.0, -30.0])
     found = baler.page.evaluate("angles => angles.map(ncgear.drivenAngle)", phi1.tolist())
-    law = reports.drive("baler").transmission.driven_angle(phi1).value
+    law = drives.drive("baler").transmission.driven_angle(phi1).value
     np.testing.assert_allclose(found, law, rtol=0.0, atol=1e-6)
     for angle in ANGLES_DEG:
         baler.show(angle)
-        expected = degrees(float(reports.drive("baler").transmission.driven_angle(np.radians([angle])).value[0]))
+        expected = degrees(float(drives.drive("baler").transmission.driven_angle(np.radians([angle])).value[0]))
         assert float(baler.text("[data-angle=driven]")) == pytest.approx(expected, abs=0.00501)
         assert float(baler.text("[data-angle=driving]")) == pytest.approx(angle, abs=0.00501)
 
 
 def charts(name: str) -> dict[str, PageChart]:
-    drive = reports.drive(name)
+    drive = drives.drive(name)
     pairs = zip(drive.by_stage, reports.contacts(name), strict=True)
     return {one.key: one for one in (*reports.motion(name), *(one for pair in pairs for one in gear_charts(*pair)))}
 
@@ -139,7 +140,7 @@ def charts(name: str) -> dict[str, PageChart]:
 @pytest.mark.parametrize("angle_deg", [12.345, 190.0, 301.7])
 def test_readouts_are_the_motion_at_the_angle(baler: Opened, angle_deg: float) -> None:
     baler.show(angle_deg)
-    drive, known = reports.drive("baler"), charts("baler")
+    drive, known = drives.drive("baler"), charts("baler")
     for machine, line in ((drive.machine, 0), (drive.uniform_machine, 1)):
         motion = machine.motion(np.radians([angle_deg]))
         for quantity in (*MOTION, *LOAD):
@@ -341,10 +342,10 @@ def test_two_stages_run_together(opening: Open) -> None:
     """The second stage's charts go by its own angle, and a click on one turns the whole machine."""
     opened, name = opening(reports.page("baler-66-two-stage")), "baler-66-two-stage"
     opened.show(100.0)
-    first = reports.drive(name).by_stage[0].pair.transmission
+    first = drives.drive(name).by_stage[0].pair.transmission
     between = degrees(float(first.driven_angle(np.radians([100.0])).value[0]))
     assert float(opened.text("[data-angle=between]")) == pytest.approx(between, abs=0.00501)
-    ratio = 1.0 / reports.drive(name).by_stage[1].pair.transmission.driven_angle(np.radians([between]), 1).derivative(1)
+    ratio = 1.0 / drives.drive(name).by_stage[1].pair.transmission.driven_angle(np.radians([between]), 1).derivative(1)
     digit = 10.0 ** -charts(name)["ratio_2"].decimals
     assert float(opened.text("figure [data-now=ratio_2]")) == pytest.approx(float(ratio[0]), abs=0.6 * digit)
     plot = opened.page.locator("figure[data-key=ratio_2] .plot")
@@ -358,7 +359,7 @@ def test_two_stages_run_together(opening: Open) -> None:
 def test_a_cycle_of_two_turns(opening: Open) -> None:
     opened = opening(reports.page("pump-1-2"))
     opened.show(700.0)
-    law = reports.drive("pump-1-2").transmission.driven_angle(np.radians([700.0])).value
+    law = drives.drive("pump-1-2").transmission.driven_angle(np.radians([700.0])).value
     assert opened.page.evaluate("ncgear.drivenAngle(ncgear.drivingAngle())") == pytest.approx(float(law[0]), abs=1e-6)
     assert float(opened.text("[data-angle=uniform]")) == pytest.approx(350.0)
     opened.page.keyboard.press("End")

@@ -4,20 +4,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import pi, radians
-from pathlib import Path
 
 import numpy as np
 import pytest
 from shapely import LinearRing, Point, Polygon
 
-from ncgear.design.reading.design_file import load
+from drives import drive_of_text
 from ncgear.drawings.scene.bodies import REST, Places, chamber_of
 from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair, mountings
 from ncgear.drawings.scene.scene import Poses, Scene
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.shape import Gear, Mesh
-from ncgear.project.drive import Drive
 from scenes import ASKEW, TWO_STAGES, carried, drive_of, scene, standing
 
 GEARED = ["baler", "ellipse", "internal-1-2", "pump-1-2", "uniform-crank", TWO_STAGES, "askew"]
@@ -238,8 +236,6 @@ def test_slider_and_material_fill_the_chamber() -> None:
     assert face + poses.material_mm == pytest.approx(np.full(9, chamber.end_mm))
 
 
-def test_a_force_that_is_zero_everywhere_gives_no_material(tmp_path: Path) -> None:
-    path = tmp_path / "askew.yaml"
-    path.write_text(ASKEW.replace('expression_n: "500*(x - 20)"', "polynomial_n: [0]"))
-    drive = Drive(load(path).design)
+def test_a_force_that_is_zero_everywhere_gives_no_material() -> None:
+    drive = drive_of_text(ASKEW.replace('expression_n: "500*(x - 20)"', "polynomial_n: [0]"))
     assert chamber_of(drive.linkage, drive.machine.resistance).begins_mm is None

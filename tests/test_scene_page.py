@@ -19,13 +19,12 @@ import shapely
 from shapely import LinearRing
 from svgelements import Path as SvgPath
 
-from ncgear.design.reading.design_file import load
+from drives import drive_of_text
 from ncgear.drawings.page.data import TABLE_ERROR_RAD, angle_table, scene_data
 from ncgear.drawings.page.page import scene_script, scene_style
 from ncgear.drawings.page.scene_svg import closed_path, gear_tolerance_mm, grid_mm, scene_svg
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.numerics.arrays import Array
-from ncgear.project.drive import Drive
 from scenes import TWO_STAGES, scene
 
 SCENES = ["baler", "ellipse", "internal-1-2", "pump-1-2", TWO_STAGES, "askew", "gearless"]
@@ -119,10 +118,8 @@ LARGEST_BYTES = 1.5e6
 
 @pytest.mark.slow
 @pytest.mark.parametrize("module", [1.0, 20.0])
-def test_four_hundred_teeth_stay_small(tmp_path: Path, module: float) -> None:
-    path = tmp_path / "large.yaml"
-    path.write_text(LARGE.replace("MODULE", str(module)))
-    found = scene_of(Drive(load(path).design))
+def test_four_hundred_teeth_stay_small(module: float) -> None:
+    found = scene_of(drive_of_text(LARGE.replace("MODULE", str(module))))
     assert len(scene_svg(found)) + len(json.dumps(scene_data(found))) < LARGEST_BYTES
 
 

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from copy import deepcopy
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from drives import loaded
 from ncgear.design.keys.design import Design
-from ncgear.design.reading.design_file import load
 from ncgear.errors import DesignError
 from ncgear.numerics.arrays import Array
 from ncgear.screening import rows as figures_module
 from ncgear.screening.rows import single_figures
 from ncgear.screening.screen import CHECK_FIGURES, MADE, PITCH_FIGURES, Screened, screened
-
-DESIGNS = Path(__file__).parents[1] / "designs"
 
 AGREEMENT = 1e-9
 """Relative, of figures screened together and singly; both are exact to rounding, so that 2e-12 is what is found."""
@@ -26,7 +23,7 @@ RESIDUALS = ("closure.residual_rad", "closure.stroke_residual_mm")
 
 
 def data_of(name: str) -> dict[str, Any]:
-    return deepcopy(load(DESIGNS / f"{name}.yaml").source.document.data)
+    return deepcopy(loaded(name).source.document.data)
 
 
 def stroke_design(random: np.random.Generator) -> Design:
@@ -76,7 +73,7 @@ def difference(name: str, values: Array, figures: list[dict[str, float]]) -> flo
 
 @pytest.mark.parametrize("name", ["baler", "baler-a1-at-law-speed", "baler-66", "baler-smooth"])
 def test_shipped_designs_are_screened_together(name: str) -> None:
-    designs = [load(DESIGNS / f"{name}.yaml").design] * 2
+    designs = [loaded(name).design] * 2
     found = screened(designs)
     assert not found.one_by_one.any()
     assert disagreement(found, designs[:1] * 2) <= AGREEMENT
@@ -140,7 +137,7 @@ def test_hundreds_of_random_strokes_agree_with_single_designs(seed: int) -> None
 
 
 def test_too_few_points_send_every_design_the_single_way() -> None:
-    designs = [load(DESIGNS / f"{name}.yaml").design for name in ("baler", "baler-66")]
+    designs = [loaded(name).design for name in ("baler", "baler-66")]
     assert screened(designs, counts=(9,)).one_by_one.all()
 
 
@@ -148,7 +145,7 @@ def test_too_few_points_would_not_agree(monkeypatch: pytest.MonkeyPatch) -> None
     """Without the look at the last coefficients, figures would be wrong: the comparison above can fail."""
     monkeypatch.setattr(figures_module, "RESOLVED", np.inf)
     monkeypatch.setattr(figures_module, "CLOSED", np.inf)
-    designs = [load(DESIGNS / "baler.yaml").design]
+    designs = [loaded("baler").design]
     found = screened(designs, counts=(9,))
     assert not found.one_by_one.any()
     assert disagreement(found, designs) > 1e-6
@@ -212,7 +209,7 @@ def test_several_lobes_of_the_driving_gear() -> None:
 
 @pytest.mark.parametrize("name", ["ellipse", "feeder-table", "internal-1-2", "baler-66-two-stage", "uniform-crank"])
 def test_laws_without_a_batch_are_computed_by_themselves(name: str) -> None:
-    designs = [load(DESIGNS / f"{name}.yaml").design]
+    designs = [loaded(name).design]
     found = screened(designs)
     assert found.one_by_one.all()
     assert found.made.all()

@@ -15,6 +15,7 @@ import trimesh
 from ruamel.yaml import YAML
 
 from commands import Outcome, Run
+from drives import drive_of_text
 from ncgear.design.reading.design_file import load
 from ncgear.design.template import template
 from ncgear.project.drive import Drive
@@ -89,15 +90,13 @@ def test_its_gears_are_those_of_the_baler() -> None:
         assert ours[key] == built[key], key
 
 
-def test_the_templates_masses_hold_what_they_say(tmp_path: Path) -> None:
+def test_the_templates_masses_hold_what_they_say() -> None:
     text = template("mine").replace("\n# masses:", "\nmasses:")
     for mark in ("slider", "rod", "crank", "flywheel", "gravity"):
         text = text.replace(f"\n#   {mark}", f"\n  {mark}").replace(f"\n#   # {mark}", f"\n  {mark}")
     for gear in ("driving", "driven"):
         text = text.replace(f"\n#   # {gear}_gear_kg_mm2:", f"\n  {gear}_gear_kg_mm2: 1000")
-    path = tmp_path / "d.yaml"
-    path.write_text(text)
-    found = Drive(load(path).design).masses
+    found = drive_of_text(text).masses
     assert (found.slider_kg, found.driven_inertia_kg_mm2, found.crank_center_mm) == (150.0, 1000.0, 120.0)
     assert found.gravity_m_s2 == pytest.approx((0.0, -9.80665), abs=1e-15)
 
@@ -117,11 +116,9 @@ def test_what_is_written(run: Run, gears: str) -> None:
     assert bearing.max() == pytest.approx(own["peak_crank_bearing_force_n"], rel=1e-4)
 
 
-def test_gears_that_say_nothing_of_their_inertia_have_that_of_their_bodies(tmp_path: Path) -> None:
+def test_gears_that_say_nothing_of_their_inertia_have_that_of_their_bodies() -> None:
     """Against the moment of the written mesh about its axis."""
-    path = tmp_path / "d.yaml"
-    path.write_text(HEAD + GEARS + MASSES)
-    drive = Drive(load(path).design)
+    drive = drive_of_text(HEAD + GEARS + MASSES)
     for solid, found in (
         (drive.solids.driving, drive.masses.driving_inertia_kg_mm2),
         (drive.solids.driven, drive.masses.driven_inertia_kg_mm2),
@@ -133,12 +130,10 @@ def test_gears_that_say_nothing_of_their_inertia_have_that_of_their_bodies(tmp_p
         assert found == pytest.approx(about_axis, rel=1e-12)
 
 
-def test_a_rings_inertia_is_that_of_its_body(tmp_path: Path) -> None:
-    path = tmp_path / "d.yaml"
+def test_a_rings_inertia_is_that_of_its_body() -> None:
     motion = "motion: {law: ratio_expression, ratio: 2 + 0.4*cos(phi), scale_to_close: true}"
     gears = "gears: {mesh: internal, lobes: {driven: 2}, teeth: 24, module_mm: 1.5, face_width_mm: 5}\n"
-    path.write_text(HEAD.replace("motion: {law: ellipse, eccentricity: 0.3}", motion) + gears + MASSES)
-    drive = Drive(load(path).design)
+    drive = drive_of_text(HEAD.replace("motion: {law: ellipse, eccentricity: 0.3}", motion) + gears + MASSES)
     mesh = trimesh.Trimesh(drive.solids.driven.mesh.vertices, drive.solids.driven.mesh.faces)
     mesh.density = 7850.0 * 1e-9
     # Its outer circle is written by chords within 0.005 mm, on the inside
@@ -231,10 +226,8 @@ def test_the_rigid_level_makes_no_tooth_and_loads_no_solver_and_no_mesh() -> Non
     assert after_simulating(unmade) & {"trimesh", "casadi", "sympy"} == set()
 
 
-def test_a_tooth_that_was_made_would_be_seen(tmp_path: Path) -> None:
+def test_a_tooth_that_was_made_would_be_seen() -> None:
     """Negative control: it is made where the inertia is left out."""
-    path = tmp_path / "d.yaml"
-    path.write_text(HEAD + GEARS + MASSES)
-    drive = Drive(load(path).design)
+    drive = drive_of_text(HEAD + GEARS + MASSES)
     assert drive.rigid.peaks.mesh is not None
     assert "teeth" in vars(drive)

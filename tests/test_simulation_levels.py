@@ -92,7 +92,8 @@ def test_motion_in_time_with_a_motor_from_rest(run: Run) -> None:
 
 def test_a_stiffness_is_hertzs_or_the_one_given() -> None:
     """A quarter of the modulus is a quarter of the stiffness, and a stiffness that is given is taken."""
-    given, pitch = Drive(load(DESIGN).design).design.simulation, Drive(load(DESIGN).design).pitch
+    drive = Drive(load(DESIGN).design)
+    given, pitch = drive.design.simulation, drive.pitch
     soft = given.model_copy(update={"youngs_modulus_gpa": given.youngs_modulus_gpa / 4.0})
     assert impact_of(soft, pitch).stiffness == pytest.approx(impact_of(given, pitch).stiffness / 4.0, rel=1e-12)
     assert impact_of(given.model_copy(update={"stiffness_n_mm": 7.0}), pitch).stiffness == 7.0

@@ -18,7 +18,7 @@ pytest.importorskip("OCP", reason="python -m pip install 'ncgear[step]' installs
 
 from closeness import farthest, farthest_from_pieces
 from commands import Run
-from ncgear.design.reading.design_file import load
+from drives import DESIGNS, drive, drive_of_text, loaded
 from ncgear.errors import WrongInput
 from ncgear.files.workshop.step import step_files
 from ncgear.files.workshop.step_kernel import SHARE, VOLUME_TOLERANCE, Part, part_bytes, read_back, require_same
@@ -34,7 +34,6 @@ from ncgear.teeth.contour import Contour, Spline, contour_of
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.outline import ChordTolerance, outline_points
 from oracles.part21 import Entity, Part21
-from pairs import DESIGNS
 
 FINE = 1e-5
 """Chord tolerance of the outlines that files are held against."""
@@ -58,20 +57,8 @@ gears:
 
 
 @cache
-def drive(name: str) -> Drive:
-    return Drive(load(DESIGNS / f"{name}.yaml").design)
-
-
-@cache
 def files(name: str) -> dict[str, bytes]:
     return step_files(drive(name))
-
-
-def written(folder: Path, text: str) -> Drive:
-    """The drive of a design file's text."""
-    path = folder / "own.yaml"
-    path.write_text(text)
-    return Drive(load(path).design)
 
 
 def exact_ring(gear: ToothedGear) -> Array:
@@ -136,8 +123,8 @@ def test_the_ring_s_section_is_its_exact_outline() -> None:
 
 
 @pytest.mark.slow
-def test_concave_sections_are_the_exact_outlines(tmp_path: Path) -> None:
-    own = written(tmp_path, CONCAVE)
+def test_concave_sections_are_the_exact_outlines() -> None:
+    own = drive_of_text(CONCAVE)
     assert not own.pitch.convex(Gear.DRIVING)
     require_agreement(step_files(own)["driving.step"], own.teeth.driving, 5e-4, 6.0)
 
@@ -218,7 +205,7 @@ def test_the_header_says_how_close_and_nothing_of_clock_or_machine() -> None:
 
 
 def test_the_same_design_gives_the_same_bytes(capfd: pytest.CaptureFixture[str]) -> None:
-    assert step_files(Drive(load(DESIGNS / "ellipse.yaml").design)) == files("ellipse")
+    assert step_files(Drive(loaded("ellipse").design)) == files("ellipse")
     assert capfd.readouterr() == ("", "")
 
 
@@ -229,18 +216,18 @@ def test_the_same_design_gives_the_same_bytes(capfd: pytest.CaptureFixture[str])
         ("process_clearance_mm", "process_clearance_mm: 0.1"),
     ],
 )
-def test_what_only_meshes_have_is_refused(key: str, line: str, tmp_path: Path) -> None:
-    own = written(tmp_path, f"{CONCAVE}  {line}\n")
+def test_what_only_meshes_have_is_refused(key: str, line: str) -> None:
+    own = drive_of_text(f"{CONCAVE}  {line}\n")
     with pytest.raises(WrongInput, match=rf"gears\.{key}: given, but STEP files have no .*; leave it out"):
         step_files(own)
 
 
 @pytest.mark.slow
-def test_helical_teeth_that_do_not_go_up_smoothly_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_helical_teeth_that_do_not_go_up_smoothly_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of the baler's law, whose joints part flanks at other places in every section."""
     text = (DESIGNS / "baler.yaml").read_text(encoding="utf-8")
     helix = "  helix: {angle_deg: 10, kind: herringbone, hand: left}"
-    own = written(tmp_path, text.replace("  face_width_mm: 20", f"  face_width_mm: 4\n{helix}"))
+    own = drive_of_text(text.replace("  face_width_mm: 20", f"  face_width_mm: 4\n{helix}"))
     monkeypatch.setattr(patches, "GRIDS", patches.GRIDS[:2])
     with pytest.raises(WrongInput, match=r"gears\.helix: the helical teeth of the driving gear do not go up smoothly"):
         patches.patches_of(Sections(own.pitch, own.tooth_form, own.helix, 0.005), Gear.DRIVING, 5e-4)
@@ -285,10 +272,10 @@ BODIES = """\
 
 
 @pytest.fixture(scope="module")
-def bodied(tmp_path_factory: pytest.TempPathFactory) -> tuple[Drive, dict[str, bytes]]:
+def bodied() -> tuple[Drive, dict[str, bytes]]:
     """Hollow gears with all that can be made of their bodies."""
     text = CONCAVE.split("  driving:", 1)[0] + BODIES
-    own = written(tmp_path_factory.mktemp("bodies"), text)
+    own = drive_of_text(text)
     return own, step_files(own)
 
 
@@ -316,11 +303,11 @@ def test_hub_screw_and_holes_are_cylinders_of_one_face_each(bodied: tuple[Drive,
 
 
 @pytest.mark.slow
-def test_helical_gears_have_bodies_too(tmp_path: Path) -> None:
+def test_helical_gears_have_bodies_too() -> None:
     """Hub, screw and holes of straight gears, of one face each, on teeth that go round."""
     head = (DESIGNS / "helical-ellipse.yaml").read_text(encoding="utf-8").split("  driving:", 1)[0]
     body = "{bore_mm: 6, hub: {diameter_mm: 11, height_mm: 5, set_screw: {diameter_mm: 2}}}"
-    own = written(tmp_path, f"{head}  driving: {body}\n  driven: {{bore_mm: 6}}\n")
+    own = drive_of_text(f"{head}  driving: {body}\n  driven: {{bore_mm: 6}}\n")
     made = step_files(own)
     found = cylinders(made["driving.step"])
     assert found.count((1.0, [1.0, 0.0, 0.0])) == found.count((3.0, UP)) == found.count((5.5, UP)) == 1
@@ -362,9 +349,9 @@ def levels(data: bytes, height: float, samples: int) -> Array:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["helical", "herringbone"])
-def test_helical_sections_at_any_height_are_the_exact_ones(kind: str, tmp_path: Path) -> None:
+def test_helical_sections_at_any_height_are_the_exact_ones(kind: str) -> None:
     text = (DESIGNS / "helical-ellipse.yaml").read_text(encoding="utf-8")
-    own = written(tmp_path, text.replace("kind: helical", f"kind: {kind}"))
+    own = drive_of_text(text.replace("kind: helical", f"kind: {kind}"))
     made, exact_sections = step_files(own), Sections(own.pitch, own.tooth_form, own.helix, FINE)
     for gear in Gear:
         data, height = made[f"{gear.value}.step"], 8.3 if gear is Gear.DRIVING else 3.14

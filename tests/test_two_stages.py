@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from drives import DESIGNS, FILES, drive, loaded
 from ncgear.design.reading.design_file import load
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.summary.check import check_summary
@@ -34,12 +35,11 @@ from ncgear.project.improvement import Improvement
 from ncgear.ratio.laws.harmonic import staged_law
 from ncgear.ratio.transmission import Lobes
 from oracles import meshing
-from test_designs import DESIGNS, FILES
 
 if TYPE_CHECKING:
     from ncgear.optimum.makeable.law import MakeableLaw
 
-DESIGN = DESIGNS / "baler-66-two-stage.yaml"
+NAME = "baler-66-two-stage"
 
 STAGES = (1, 2)
 every_stage = pytest.mark.parametrize("stage", STAGES)
@@ -61,9 +61,8 @@ class Built:
 @cache
 def built() -> Built:
     folder, said = Path(mkdtemp(prefix="ncgear-test-")) / "two", []
-    drive = Drive(load(DESIGN).design)
-    done = build(drive, folder, said.append, formats=(Format.SVG,))
-    return Built(folder, done.summaries, said, build_text(done.summaries, done.paths) + timing_text(drive))
+    done = build(drive(NAME), folder, said.append, formats=(Format.SVG,))
+    return Built(folder, done.summaries, said, build_text(done.summaries, done.paths) + timing_text(drive(NAME)))
 
 
 def test_both_stages_are_written_in_full() -> None:
@@ -96,7 +95,7 @@ def test_the_check_is_that_of_the_whole_machine(stage: int) -> None:
     check = built().summaries[stage - 1]["check"]
     assert check["peak_power_w"] == pytest.approx(6300.0, abs=0.05)
     assert check["peak_acceleration_cycle_mm_s2"] == pytest.approx(30_891.3, abs=2.0)
-    assert check == check_summary(Drive(load(DESIGN).design))["check"]
+    assert check == check_summary(drive(NAME))["check"]
 
 
 @every_stage
@@ -125,8 +124,7 @@ def test_sliding_is_at_the_speed_of_the_shaft_between() -> None:
     driving, between = (np.append(first[name], 2.0 * pi) for name in ("phi1_rad", "phi2_rad"))
     rate = CubicSpline(driving, between).derivative()
     designed = [summary["contact"]["as_designed"] for summary in built().summaries]
-    drive = Drive(load(DESIGN).design).by_stage
-    for stage, found in zip(drive, designed, strict=True):
+    for stage, found in zip(drive(NAME).by_stage, designed, strict=True):
         angle = np.array([found["sliding_velocity_max_at_rad"]])
         exact = 2.0 * pi * (rate(CubicSpline(between, driving)(angle)) if stage.stage == 2 else np.ones(1))
         assert stage.pair_speed_rad_s(angle) == pytest.approx(exact, rel=1e-4)
@@ -137,23 +135,22 @@ def test_sliding_is_at_the_speed_of_the_shaft_between() -> None:
 
 
 def test_a_check_shows_both_stages_and_makes_no_pitch_curve() -> None:
-    drive = Drive(load(DESIGN).design)
-    text, stages = check_text(drive), check_summary(drive)["stages"]
+    fresh = Drive(loaded(NAME).design)
+    text, stages = check_text(fresh), check_summary(fresh)["stages"]
     assert "stage 2, max pressure angle" in text
     for stage, summary in zip(stages.values(), built().summaries, strict=True):
         angle = summary["pitch"]["max_pressure_angle_deg"]
         assert stage["max_pressure_angle_deg"] == pytest.approx(angle, rel=1e-14)
         assert (stage["ratio_min"], stage["ratio_max"]) == (summary["ratio"]["min"], summary["ratio"]["max"])
-    assert all("pitch" not in vars(one) for one in (drive, *drive.by_stage))
+    assert all("pitch" not in vars(one) for one in (fresh, *fresh.by_stage))
 
 
 def test_the_pair_of_a_design_in_stages_has_to_be_told() -> None:
-    drive = Drive(load(DESIGN).design)
+    two, one = drive(NAME), drive("ellipse")
     with pytest.raises(WrongInput, match="by_stage"):
-        _ = drive.pitch
-    assert [one.stage for one in drive.by_stage] == [1, 2]
-    assert drive.by_stage[1].by_stage == (drive.by_stage[1],)
-    one = Drive(load(DESIGNS / "ellipse.yaml").design)
+        _ = two.pitch
+    assert [stage.stage for stage in two.by_stage] == [1, 2]
+    assert two.by_stage[1].by_stage == (two.by_stage[1],)
     assert one.by_stage == (one,)
 
 
@@ -176,13 +173,15 @@ def test_a_stage_that_cannot_be_made_leaves_both_folders_as_they_were(tmp_path: 
 
 def test_stages_have_one_lobe_each(tmp_path: Path) -> None:
     design = tmp_path / "lobes.yaml"
-    design.write_text(DESIGN.read_text().replace("  teeth: 50", "  teeth: 50\n  lobes: {driving: 2}"))
+    design.write_text(
+        (DESIGNS / f"{NAME}.yaml").read_text().replace("  teeth: 50", "  teeth: 50\n  lobes: {driving: 2}")
+    )
     with pytest.raises(WrongInput, match="2:1 given, but two stages have one lobe each"):
         load(design)
 
 
 def test_the_pressure_angle_of_two_stages_is_not_one_of_the_whole() -> None:
-    wishes = Improvement(load(DESIGN).design).wishes
+    wishes = Improvement(loaded(NAME).design).wishes
     assert wishes.limits.pressure_angle_rad is None
     assert wishes.two_stages is not None
     assert wishes.two_stages.pressure_angle_rad == pytest.approx(radians(30.0), rel=1e-15)
@@ -195,7 +194,7 @@ SHARE, OTHER = np.array([-0.3, 0.15, 0.0]), np.array([0.1, 0.0, 0.03])
 
 def test_levels_of_stages_are_those_of_the_built_pairs() -> None:
     """Pressure angle, ratio, convexity and curvature on the optimiser's grid against the pitch curves' exact ones."""
-    improvement = Improvement(load(DESIGN).design)
+    improvement = Improvement(loaded(NAME).design)
     task, wishes = improvement.task, improvement.wishes
     on = grid(stations(task.linkage, task.resistance, 2000), 3)
     at = ratios(on, np.concatenate([COSINE, SINE, SHARE, OTHER]), task.cycle_rad)
@@ -293,7 +292,7 @@ def test_the_law_of_baler_66_shared_as_it_is() -> None:
     pytest.importorskip("casadi")
     from ncgear.optimum.makeable.law import shared_law
 
-    improvement = Improvement(load(DESIGNS / "baler-66.yaml").design)
+    improvement = Improvement(loaded("baler-66").design)
     wishes = replace(improvement.wishes, two_stages=TwoStages())
     motion = improvement.design.motion
     law = shared_law(improvement.task, wishes, np.array(motion.cosine), np.array(motion.sine))
@@ -307,7 +306,7 @@ def test_the_law_of_baler_66_shared_as_it_is() -> None:
 def test_the_optimiser_finds_the_design_again() -> None:
     """The same file gives the same law."""
     pytest.importorskip("casadi")
-    design = load(DESIGN).design
+    design = loaded(NAME).design
     law = Improvement(design).law
     assert law.second is not None
     assert law.cosine == pytest.approx(np.array(design.motion.cosine), abs=1e-6)

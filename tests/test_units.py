@@ -10,6 +10,7 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+import drives
 import reports
 from ncgear import plots
 from ncgear.drawings.charts.chart import Chart, Line, Role
@@ -60,21 +61,21 @@ DRAWN: dict[str, tuple[Draw, str, str, str]] = {
 @pytest.mark.parametrize("name", DRAWN)
 def test_plots_have_the_unit_of_their_machine(name: str) -> None:
     draw, words, small, large = DRAWN[name]
-    assert draw(reports.drive("pusher"), Figure().subplots()).get_ylabel() == f"{words} in {small}"
-    assert draw(reports.drive("baler"), Figure().subplots()).get_ylabel() == f"{words} in {large}"
+    assert draw(drives.drive("pusher"), Figure().subplots()).get_ylabel() == f"{words} in {small}"
+    assert draw(drives.drive("baler"), Figure().subplots()).get_ylabel() == f"{words} in {large}"
 
 
 def test_the_drawn_values_are_in_the_unit_told() -> None:
     for name, factor in (("pusher", 1.0), ("baler", 1e-3)):
-        drive = reports.drive(name)
+        drive = drives.drive(name)
         peak = max(plots.power(drive, Figure().subplots()).lines[0].get_ydata())
         assert peak == pytest.approx(factor * drive.check.peak_power_w.value, rel=1e-4)
 
 
 def test_a_second_machine_on_the_same_axes_has_the_unit_of_the_first() -> None:
-    axes = plots.power(reports.drive("baler"), Figure().subplots())
+    axes = plots.power(drives.drive("baler"), Figure().subplots())
     lines = len(axes.lines)
-    plots.power(reports.drive("pusher"), axes)
+    plots.power(drives.drive("pusher"), axes)
     assert axes.get_ylabel() == "driving power in kW"
     assert max(axes.lines[lines].get_ydata()) == pytest.approx(8.7023e-3, rel=1e-4)
 

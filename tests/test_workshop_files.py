@@ -23,7 +23,7 @@ from svgelements import Path as SvgPath
 from trimesh import Trimesh
 
 from commands import Run
-from ncgear.design.reading.design_file import load
+from drives import drive
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING
 from ncgear.files.workshop.drawing import Layer, Use, pitch_points
 from ncgear.files.workshop.formats import NAMES, USUAL, WRITERS, workshop_files
@@ -42,11 +42,6 @@ ROUNDING_MM = 2e-6
 
 ARC_MM = 1e-5
 """Of the readers' own chords of arcs: a radius of 10 mm in 1600 steps over half a turn."""
-
-
-@cache
-def drive(name: str) -> Drive:
-    return Drive(load(ROOT / "designs" / f"{name}.yaml").design)
 
 
 @cache

@@ -1,0 +1,86 @@
+"""The worked designs, loaded, computed and built once per process for all tests.
+
+A drive computes each value when it is first asked for, so tests that ask the same drive share its teeth and solids.  A
+test that looks at what a drive has not yet computed makes one of its own.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory, mkdtemp
+from typing import Any
+
+import numpy as np
+
+from ncgear.design.reading.design_file import LoadedDesign, load
+from ncgear.files.build import build
+from ncgear.project.drive import Drive
+
+DESIGNS = Path(__file__).parents[1] / "designs"
+
+FILES = {
+    "summary.json",
+    "assembly.json",
+    "law.csv",
+    "pitch.csv",
+    "data_sheet.md",
+    "contact.csv",
+    "driving.csv",
+    "driven.csv",
+    "driving.stl",
+    "driven.stl",
+    "pitch_curves.png",
+    "tooth_pair.png",
+    "contact.png",
+    "motion.png",
+    "power.png",
+}
+"""What a build of one pair writes when nothing else is asked for."""
+
+
+@cache
+def loaded(name: str) -> LoadedDesign:
+    """A file of designs/; whoever changes its data changes a copy."""
+    return load(DESIGNS / f"{name}.yaml")
+
+
+@cache
+def drive(name: str) -> Drive:
+    """The drive of a file of designs/."""
+    return Drive(loaded(name).design)
+
+
+def drive_of_text(text: str) -> Drive:
+    """The drive of a design file's text, computed by nobody else."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "own.yaml"
+        path.write_text(text, encoding="utf-8")
+        return Drive(load(path).design)
+
+
+@dataclass(frozen=True)
+class Built:
+    """A built design: its folder and its summary."""
+
+    folder: Path
+    summary: dict[str, Any]
+
+    def table(self, name: str) -> np.ndarray:
+        """A table of the folder, its columns by name."""
+        return np.genfromtxt(self.folder / name, delimiter=",", names=True)
+
+    def outline(self, gear: str) -> np.ndarray:
+        """The written outline of a gear, shape (n, 2)."""
+        table = self.table(f"{gear}.csv")
+        return np.column_stack([table["x_mm"], table["y_mm"]])
+
+
+@cache
+def built(name: str) -> Built:
+    """A file of designs/ as a user builds it."""
+    folder = Path(mkdtemp(prefix="ncgear-test-")) / name
+    build(drive(name), folder, lambda stage: None)
+    return Built(folder, json.loads((folder / "summary.json").read_text()))
