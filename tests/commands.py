@@ -1,4 +1,4 @@
-"""The type of the fixture that runs the command line in this process."""
+"""What tests of commands share: the type of the fixture that runs them in this process, and changed files."""
 
 from __future__ import annotations
 
@@ -8,3 +8,9 @@ Outcome = tuple[int, str, str]
 """Exit status, stdout and stderr."""
 
 Run = Callable[..., Outcome]
+
+
+def changed(text: str, old: str, new: str) -> str:
+    """``text`` with its only ``old`` replaced."""
+    assert text.count(old) == 1, f"{old!r} stands {text.count(old)} times"
+    return text.replace(old, new)

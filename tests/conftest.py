@@ -1,4 +1,7 @@
-"""One thread per worker: tests run on all cores already, and linear algebra on threads of its own would only wait."""
+"""What all tests share: their tiers, one thread per worker, and the command line in this process.
+
+Tests run on all cores already, and linear algebra on threads of its own would only wait.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +14,25 @@ import pytest
 
 import ncgear.cli
 from commands import Outcome, Run
+from tiers import Collected, tier_of
 
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Begin the list of all tests."""
+    config.stash[Collected] = []
+
+
+def pytest_itemcollected(item: pytest.Item) -> None:
+    """Mark each parameter of a test that has ``tiers`` by its id, unless it is slow already."""
+    item.config.stash[Collected].append(item)
+    tiers, callspec = item.get_closest_marker("tiers"), getattr(item, "callspec", None)
+    if tiers and callspec and not item.get_closest_marker("slow"):
+        tier = tier_of(callspec.id, **tiers.kwargs)
+        if tier != "quick":
+            item.add_marker(tier)
 
 
 @pytest.fixture

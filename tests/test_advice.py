@@ -122,6 +122,7 @@ NOT_REMOVED = {Kind.NEGATIVE_RESISTANCE}
 """Kinds that a remedy answers otherwise: the load is then what the file says, and stays so in the advice."""
 
 
+@pytest.mark.tiers(quick=["undercut-*", "loses contact*", "negative resistance*"], rest="thorough")
 @pytest.mark.parametrize(
     ("name", "kind", "gear", "said"),
     [
@@ -182,6 +183,7 @@ def test_every_advised_key_is_one_of_the_schema() -> None:
     assert not schema_at("gears.rack.height")
 
 
+@pytest.mark.tiers(quick=["pointed", "negative resistance", "undercut*"], slow=["wide expression"], rest="thorough")
 @pytest.mark.parametrize("name", CASES)
 def test_following_an_advice_removes_it(name: str) -> None:
     for kind, remedy in remedies(name, command=False):

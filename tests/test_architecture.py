@@ -151,16 +151,19 @@ def test_help_loads_no_library_at_all() -> None:
     assert loaded_by("--help") & (LIBRARIES | {"numpy", "pydantic", "ruamel", "rich"}) == set()
 
 
+@pytest.mark.tiers(slow=["baler-66", "ellipse"], rest="thorough")
 @pytest.mark.parametrize("name", ["baler", "baler-66", "ellipse", "uniform-crank"])
 def test_a_check_loads_neither_meshes_nor_plots_nor_solvers(name: str) -> None:
     assert loaded_by("check", f"designs/{name}.yaml") & LIBRARIES == set()
 
 
+@pytest.mark.thorough
 def test_a_check_of_a_table_loads_splines_and_nothing_more() -> None:
     """So the list above can be failed by what a design needs."""
     assert loaded_by("check", "designs/feeder-table.yaml") & LIBRARIES == {"scipy"}
 
 
+@pytest.mark.thorough
 def test_a_sweep_loads_neither_meshes_nor_plots_nor_solvers(tmp_path: Path) -> None:
     vary = ["--vary", "motion.v1_mm_s=1600:1610:2", "--out", str(tmp_path)]
     assert loaded_by("sweep", "designs/baler.yaml", *vary) & LIBRARIES == set()
@@ -186,6 +189,7 @@ def test_asking_twice_for_a_stage_computes_once(stage: str) -> None:
     assert drive.timing_s == counts
 
 
+@pytest.mark.thorough
 def test_nothing_is_lost_where_python_leaves_assertions_out() -> None:
     """``python -O`` skips them: they may tell a type checker what is known, and must not be what checks the teeth."""
     stated = [

@@ -35,6 +35,7 @@ def both(contact: AsDesigned) -> tuple[SideContact, SideContact]:
 # --- the sides as chords ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.tiers(quick=["sine-25"], rest="thorough")
 @pytest.mark.parametrize(("name", "teeth"), [("sine", 25), ("baler", 25), ("ring", 40)])
 def test_paths_lead_from_tip_to_tip_across_each_space(name: str, teeth: int) -> None:
     """Without a gap, down flank and fillet, over the root land, and up the fillet of the flank that faces it."""
@@ -51,6 +52,7 @@ def test_paths_lead_from_tip_to_tip_across_each_space(name: str, teeth: int) -> 
 # --- positions ---------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.tiers(thorough=["baler-86-86-1-1720"], rest="quick")
 @pytest.mark.parametrize(
     ("name", "teeth", "driven", "turns", "count"),
     [("uniform", 25, 25, 1, 500), ("uniform 1:2", 24, 48, 2, 960), ("uniform 3:2", 30, 20, 2, 1200),
@@ -78,6 +80,7 @@ def test_positions_cover_a_meeting_cycle_evenly(name: str, teeth: int, driven: i
 # --- exact flanks keep the law -------------------------------------------------------------------------------------
 
 
+@pytest.mark.tiers(quick=["uniform*", "sine-*", "ellipse-37"], rest="thorough")
 @pytest.mark.parametrize(
     ("name", "teeth"),
     [("uniform", 18), ("uniform 1:2", 24), ("uniform 3:2", 30), ("ellipse", 37), ("long ellipse", 60), ("sine", 25),
@@ -183,6 +186,7 @@ def test_backlash_of_a_circular_pair_is_its_angle(backlash: float) -> None:
     assert contact.pushing.arcs.min() == pytest.approx(transverse_contact_ratio(24, 48, ALPHA), abs=1e-9)
 
 
+@pytest.mark.judges("contact")
 @pytest.mark.parametrize("backlash", [0.0, 0.1])
 def test_contact_of_a_circular_pair_runs_along_the_line_of_action(backlash: float) -> None:
     """Through the pitch point at the pressure angle, from tip circle to tip circle; pressing at the base radius."""
@@ -287,6 +291,7 @@ def fine(name: str, teeth: int, backlash_mm: float = 0.0) -> tuple[meshing.Pair,
     return meshing.Pair(*polygons, placement.phi1_rad, placement.phi2_rad, pitch.center_distance_mm), placement
 
 
+@pytest.mark.tiers(quick=["uniform-8-0.0"], thorough=["long ellipse-18-0.0", "ellipse-24-0.1"], rest="slow")
 @pytest.mark.parametrize(
     ("name", "teeth", "backlash_mm"),
     [("uniform", 8, 0.0), ("ellipse", 8, 0.0), ("long ellipse", 18, 0.0), ("ellipse", 24, 0.1),
@@ -317,6 +322,7 @@ def test_edges_carry_where_contact_is_shorter_than_a_pitch() -> None:
     assert list(by_tooth.values()) == pytest.approx([contact.pushing.transmission_error_rad] * 8, rel=1e-6)
 
 
+@pytest.mark.tiers(quick=["uniform-8-0.0"], slow=["baler-25-0.0"], rest="thorough")
 @pytest.mark.parametrize(
     ("name", "teeth", "backlash_mm"), [("baler", 25, 0.1), ("baler", 25, 0.0), ("uniform", 8, 0.0)]
 )
@@ -430,6 +436,7 @@ def test_tip_relief_is_a_transmission_error_of_its_own_depth() -> None:
         assert found.transmission_error_rad > 0.1 * relief.amount_mm / base
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["sine", "ellipse"])
 def test_relieved_flanks_of_other_gears_touch_where_their_fine_outlines_do(name: str) -> None:
     relief = TipRelief(0.03, 0.2, MODULE)

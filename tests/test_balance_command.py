@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from commands import Run
+from commands import Run, changed
 from drives import DESIGNS, drive
 from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.design import json_schema
@@ -82,6 +82,7 @@ PINNED = {
 }
 
 
+@pytest.mark.tiers(quick=["track-chassis-*", "threshing-drum-*"], rest="thorough")
 @pytest.mark.parametrize(
     ("name", "key", "expected", "within"), [(name, *row) for name, rows in PINNED.items() for row in rows]
 )
@@ -166,6 +167,7 @@ TWO_CRANKS = CRANK + SECOND
 SMALL_CRANK = "crank: {mass_kg: 1, center_mm: 0.001, inertia_kg_mm2: 1}"
 
 
+@pytest.mark.thorough
 def test_cranks_of_other_lengths_share_by_mass_times_length(run: Run) -> None:
     """In phase nothing cancels; half a turn apart a third of the force is left, 20 - 10 of 30."""
     massive = TWO_CRANKS.replace("crank: {mass_kg: 0, center_mm: 0, inertia_kg_mm2: 0}", SMALL_CRANK)
@@ -175,11 +177,6 @@ def test_cranks_of_other_lengths_share_by_mass_times_length(run: Run) -> None:
         assert status == 0
         (pair,) = json.loads(out)["frame"]["pairs"]
         assert (pair["eta1"], pair["first"], pair["second"]) == (pytest.approx(left), "one", "two")
-
-
-def changed(text: str, old: str, new: str) -> str:
-    assert text.count(old) == 1, old
-    return text.replace(old, new)
 
 
 HEAVY_CRANK = """crank: {mass_kg: 9, center_mm: -90, inertia_kg_mm2: 1e6}
@@ -351,6 +348,7 @@ def test_a_boss_too_low_is_no_such_mechanism(run: Run) -> None:
 HELICAL = f"name: a\nspeed_rpm: 60\ngears:\n  design: {DESIGNS / 'helical-ellipse.yaml'}\n"
 
 
+@pytest.mark.slow
 def test_helical_gears_are_weighed_and_not_corrected(run: Run) -> None:
     """Sections that advance differ in their centroids: a couple, which straight teeth have not."""
     Path("a.yaml").write_text(HELICAL)
@@ -363,6 +361,7 @@ def test_helical_gears_are_weighed_and_not_corrected(run: Run) -> None:
     assert err.startswith("a.yaml:5:3: gears.driven: helical gears are not corrected")
 
 
+@pytest.mark.thorough
 def test_gears_with_hubs_are_weighed_and_not_corrected(run: Run) -> None:
     """Of steel where nothing else is said, by what their meshes hold."""
     Path("a.yaml").write_text(HELICAL.replace("helical-ellipse", "printed-pump"))

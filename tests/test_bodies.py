@@ -93,6 +93,7 @@ def hole_volume(screw_radius: float, outer: float, inner: float | None, floor: f
     return quad(lambda y: 2.0 * sqrt(screw_radius**2 - y**2) * length(y), -screw_radius, screw_radius)[0]
 
 
+@pytest.mark.tiers(quick=["0.0"], rest="thorough")
 @pytest.mark.parametrize("direction", [0.0, 90.0, -143.0])
 def test_a_set_screw_takes_the_volume_of_crossing_cylinders(direction: float) -> None:
     """The hole ends in the bore's far side nowhere: it is cut out of one side only."""
@@ -138,6 +139,7 @@ def test_pockets_of_a_round_gear_are_rings_between_hub_and_rim() -> None:
     assert len(sections(solid, 4.1)) == 4
 
 
+@pytest.mark.tiers(thorough=["baler-driving"], rest="quick")
 @pytest.mark.parametrize("gear", ["driving", "driven"])
 @pytest.mark.parametrize("name", ["baler", "pump-1-2"])
 def test_pockets_follow_the_outline_and_keep_the_rim(name: str, gear: str) -> None:
@@ -160,6 +162,7 @@ def test_few_holes_fill_the_way_from_bore_to_outline() -> None:
     assert [hole.diameter_mm for hole in holes] == pytest.approx([RADIUS - 5.0 - 2.0 * 4.0] * 3, abs=0.011)
 
 
+@pytest.mark.thorough
 def test_many_holes_leave_the_wall_to_each_other() -> None:
     """On the circle of centres R - w - d/2 neighbours stand 2 (R - w - d/2) sin(pi/n) apart, which is d + w."""
     holes = made(Blank(WIDTH, Bore(10.0), holes=HoleSet(12, 2.0))).plan.lightening_holes
@@ -176,6 +179,7 @@ ASKED = [
 ]
 
 
+@pytest.mark.tiers(thorough=["blank0", "blank2"], rest="quick")
 @pytest.mark.parametrize("blank", ASKED)
 def test_holes_keep_their_walls(blank: Blank) -> None:
     plan = made(blank, TOLERANCE, drive("printed-pump").teeth.driving.outline_mm).plan
@@ -199,6 +203,7 @@ def test_holes_keep_their_walls(blank: Blank) -> None:
 CHAMFERED = [("pump-1-2", "driven", 0.3), ("baler", "driving", 0.5)]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "gear", "chamfer"), CHAMFERED)
 def test_sections_of_the_chamfer_are_parallels_of_the_outline(name: str, gear: str, chamfer: float) -> None:
     """At every height, to the chord tolerance and both ways, judged by shapely on what was written."""
@@ -265,6 +270,7 @@ def test_bore_and_keyway_widen_by_the_clearance_on_every_side() -> None:
     assert bore.keyway.width_mm == pytest.approx(3.2)
 
 
+@pytest.mark.tiers(slow=["True"], rest="thorough")
 @pytest.mark.parametrize("internal", [False, True])
 def test_parts_just_as_written_lag_by_two_clearances_over_the_lever(internal: bool) -> None:
     """What the summary says of a process that takes nothing: measured on the drawn-in outlines themselves."""
@@ -338,6 +344,7 @@ NO_ROOM = [
 ]
 
 
+@pytest.mark.tiers(quick=["driving: {{hub*"], slow=["first_layer*"], rest="thorough")
 @pytest.mark.parametrize(("text", "given", "key", "problem"), NO_ROOM)
 def test_what_does_not_fit_is_refused_with_the_largest_that_does(
     text: str, given: float, key: str, problem: str
@@ -514,6 +521,7 @@ output: {chord_tolerance_mm: 0.02}
 """
 
 
+@pytest.mark.thorough
 def test_helical_gears_have_the_same_bodies() -> None:
     """Their cuts go straight through every section; volumes add up."""
     solids = drive_of_text(HELICAL).solids

@@ -17,6 +17,7 @@ def test_many_zeros_at_once() -> None:
     assert np.max(np.abs(found - np.arange(1, 51) * np.pi)) <= 1e-13  # 157 and its rounding
 
 
+@pytest.mark.judges("numerics")
 @pytest.mark.parametrize(
     ("function", "low", "high", "zero"),
     [

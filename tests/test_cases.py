@@ -22,12 +22,8 @@ PAGE = (Path(__file__).parents[1] / "docs" / "hard-cases.md").read_text(encoding
 ALL = {case.name: case for case in cases()}
 MADE = [name for name in ALL if name not in REFUSED]
 
-QUICK = ["baler", "rod-1-0001", "rod-1e6", "theta4-late", "lobes-5-1", "ratio-1-100", "near-zero", "ellipse-eccentric"]
-"""Judged against the reference every time; the others, which take longer together, when slow tests run."""
-
-
 SLOW = {LawName.THREE_SEGMENT_STROKE, LawName.HARMONIC_RATIO, LawName.TABLE}
-"""Laws whose reference takes seconds, and which quick cases judge as well."""
+"""Laws whose reference takes seconds, and which the cases judge as well."""
 
 
 @cache
@@ -56,6 +52,7 @@ def test_what_does_not_exist_is_refused_in_these_words(name: str) -> None:
     assert told(name)[-1] == f"refused ({refused.exit_status}): {refused.message}"
 
 
+@pytest.mark.tiers(quick=["uniform-crank", "lobes-*", "ratio-1-*"], rest="thorough")
 @pytest.mark.parametrize("name", MADE)
 def test_what_is_made_closes_and_no_peak_is_passed_by(name: str) -> None:
     drive = ALL[name].drive()
@@ -64,7 +61,10 @@ def test_what_is_made_closes_and_no_peak_is_passed_by(name: str) -> None:
     assert told(name)[-1] == "made"
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=[] if name in QUICK else pytest.mark.slow) for name in MADE])
+@pytest.mark.tiers(
+    quick=["lobes-5-1"], thorough=["ratio-1-100", "near-zero", "rod-1e6", "ellipse-eccentric"], rest="slow"
+)
+@pytest.mark.parametrize("name", MADE)
 def test_no_figure_is_off_by_more_than_the_page_tells(name: str) -> None:
     """Twice what it says, for another machine's rounding, or the same rounding errors where they are few."""
     made = verdict(name)
@@ -93,6 +93,7 @@ def test_every_law_is_the_law_of_its_reference(law: LawName) -> None:
     assert max(made.errors.values()) <= 1e-13
 
 
+@pytest.mark.slow
 def test_a_figure_off_by_more_than_its_condition_is_seen() -> None:
     """A thousandth of the crank's length is not in the last digits."""
     case = ALL["rod-1-2"]

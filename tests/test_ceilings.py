@@ -64,6 +64,7 @@ def along(ceiling: Ceiling, at: Array) -> Array:
     return np.interp(at, ceiling.at_mm[0], ceiling.height_mm[0], period=LENGTH)
 
 
+@pytest.mark.tiers(slow=["falling_up_to_a_jump"], rest="thorough")
 @pytest.mark.parametrize("heights", [jumping, falling_up_to_a_jump])
 def test_heights_under_their_ceiling_rise_no_more_steeply_than_it(heights: Heights) -> None:
     at = np.linspace(0.0, LENGTH, 40_001)
@@ -72,6 +73,7 @@ def test_heights_under_their_ceiling_rise_no_more_steeply_than_it(heights: Heigh
     assert np.max(np.abs(np.diff(heights(at)))) > 5.0 * RISE * (at[1] - at[0])
 
 
+@pytest.mark.thorough
 def test_a_ceiling_takes_nothing_but_the_way_up_to_the_jumps() -> None:
     at = np.linspace(0.0, LENGTH, 4001)
     lost = jumping(at) - np.minimum(jumping(at), along(ceiling_of(jumping), at))
@@ -80,6 +82,7 @@ def test_a_ceiling_takes_nothing_but_the_way_up_to_the_jumps() -> None:
     assert np.mean(lost) * LENGTH == pytest.approx(2 * 0.5 * 1.0 / 2.0, abs=2 * 2.0 * 0.5 * STEP)
 
 
+@pytest.mark.thorough
 def test_there_is_no_ceiling_over_smooth_heights() -> None:
     assert np.all(ceiling_of(waving).height_mm > 4.0 * MODULE)
 
@@ -125,6 +128,7 @@ def test_a_tip_land_hardly_changes_when_its_edges_come_to_one_height() -> None:
     assert 1e-7 < np.max(np.abs(level - sloping)) < 1e-5
 
 
+@pytest.mark.thorough
 def test_spaces_get_shallower_by_degrees_where_undercut_begins() -> None:
     """As the dedendum grows by steps past the one that undercuts 17 teeth, no depth leaps."""
     pitch, depths = sized_pair(uniform_law(Lobes()), 17, MODULE, None), []
@@ -138,6 +142,7 @@ def test_spaces_get_shallower_by_degrees_where_undercut_begins() -> None:
 # --- advanced teeth exist, or are refused with tooth and remedy ----------------------------------------------------
 
 
+@pytest.mark.tiers(slow=["0.3927"], rest="thorough")
 @pytest.mark.parametrize("advance", [0.3927, 0.7854])
 def test_a_space_that_no_tip_can_cut_is_refused_by_tooth(advance: float) -> None:
     """Between teeth 7 and 8 the mate's tip is so steep that no perpendicular from the pitch point meets its edge."""
@@ -147,6 +152,7 @@ def test_a_space_that_no_tip_can_cut_is_refused_by_tooth(advance: float) -> None
     assert caught.value.key == "gears.teeth"
 
 
+@pytest.mark.thorough
 def test_the_balers_outline_does_not_cross_itself_where_it_once_did() -> None:
     pitch = sized_pair(baler_law(), 25, 3.0, None)
     assert toothed_pair(pitch, ToothForm(rack(module=3.0)), 0.02, advance_mm=-1.0718).driving.teeth == 25

@@ -13,7 +13,7 @@ import pytest
 
 import ncgear
 import ncgear.cli
-from commands import Run
+from commands import Run, changed
 from ncgear.design.laws.registry import LawName
 from ncgear.design.template import template
 from ncgear.errors import NoSuchMechanism
@@ -29,12 +29,6 @@ def fresh(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]:
     source = str(Path(ncgear.__file__).parents[1])
     environment = {**os.environ, "PYTHONPATH": source}
     return subprocess.run(command, capture_output=True, text=True, cwd=folder, timeout=60, env=environment)
-
-
-def changed(text: str, old: str, new: str) -> str:
-    """``text`` with its only ``old`` replaced."""
-    assert text.count(old) == 1, f"{old!r} stands {text.count(old)} times in the template"
-    return text.replace(old, new)
 
 
 def spot(text: str, mark: str) -> str:
@@ -288,6 +282,7 @@ BAD: dict[str, tuple[str, str, str, str]] = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("text", "where", "key", "said"), BAD.values(), ids=BAD.keys())
 @pytest.mark.parametrize("command", ["check", "build"])
 def test_wrong_design_file(run: Run, tmp_path: Path, command: str, text: str, where: str, key: str, said: str) -> None:
@@ -467,6 +462,7 @@ def test_traceback_of_a_fault_on_demand(run: Run, monkeypatch: pytest.MonkeyPatc
     assert err.endswith("ncgear: internal fault: ZeroDivisionError: by zero, please report\n")
 
 
+@pytest.mark.thorough
 def test_in_a_process_of_its_own(tmp_path: Path) -> None:
     assert fresh("new", "mine", folder=tmp_path).returncode == 0
     Path(tmp_path, "mine.yaml").write_text(changed(template("mine"), "rod_mm", "rod_m"))

@@ -68,6 +68,7 @@ KINDS = ["0", "1", "-2", "least", "least inverse"]
 every_return = pytest.mark.parametrize(("name", "kind"), [(name, kind) for name in LINKAGES for kind in KINDS])
 
 
+@pytest.mark.thorough
 @every_return
 def test_value_and_slope_of_the_ratio_join_the_working_stroke(name: str, kind: str) -> None:
     ends = ends_of(name)
@@ -78,6 +79,7 @@ def test_value_and_slope_of_the_ratio_join_the_working_stroke(name: str, kind: s
     assert ratio_slope == pytest.approx([ends.start_ratio_slope, ends.end_ratio_slope], abs=1e-10)
 
 
+@pytest.mark.judges("ratio")
 @every_return
 def test_the_driven_angle_closes_by_exact_quadrature(name: str, kind: str) -> None:
     law, ends = law_of(name, kind), ends_of(name)
@@ -116,6 +118,7 @@ def test_the_constant_is_the_polynomial_extrapolated_to_zero(constant: float) ->
     assert in_tau.coef[0] == pytest.approx(constant, abs=1e-10)
 
 
+@pytest.mark.tiers(slow=["baler-0"], rest="thorough")
 @pytest.mark.parametrize(("name", "constant"), [("baler", "0"), ("offset", "0"), ("baler", "1")])
 def test_the_published_return_against_mpmath(name: str, constant: str) -> None:
     law, exact = law_of(name, constant), exact_stroke(name).return_polynomial(constant)
@@ -184,6 +187,7 @@ def test_no_neighbour_has_less_acceleration(name: str, kind: str, step: float) -
         assert min(others) > peak * (1.0 + ON_GRID)  # the comparison does tell a worse law
 
 
+@pytest.mark.tiers(thorough=["baler-least", "offset-least"], rest="quick")
 @pytest.mark.parametrize("kind", FARTHER)
 @pytest.mark.parametrize("name", LINKAGES)
 def test_the_best_of_a_scan_of_the_family_is_not_better(name: str, kind: str) -> None:
@@ -228,6 +232,7 @@ def reading(request: StrokeRequest) -> StrokeLaw:
     return stroke_law(solved_stroke(request), LINKAGES["baler"], Lobes(), constant=0.0)
 
 
+@pytest.mark.tiers(quick=["a1 at 20 r/min"], rest="slow")
 @pytest.mark.parametrize(
     ("request_", "reference", "low", "high"),
     [(BALER, SPEED, (0.44, 0.005), (2.05, 0.005)), (AT_LAW_SPEED, None, (0.12, 0.005), (7.5, 0.2))],
@@ -294,6 +299,7 @@ def test_the_same_ends_are_fine_in_the_ratio_basis() -> None:
     assert abs(law.closure_error_rad) <= 1e-12
 
 
+@pytest.mark.tiers(thorough=["20.0-5.0", "20.0-0.1", "0.0-15.0", "20.0-15.0"], rest="quick")
 @pytest.mark.parametrize("covered", [0.1, 0.5, 5.0, 15.0])
 @pytest.mark.parametrize("constant", [0.0, 20.0])
 def test_closure_holds_however_far_the_driven_gear_must_turn(covered: float, constant: float) -> None:

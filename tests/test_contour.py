@@ -93,6 +93,7 @@ def exact_ring(gear: ToothedGear) -> Array:
 SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in ("circle", "concave")]
 
 
+@pytest.mark.tiers(slow=["baler"], rest="thorough")
 @pytest.mark.parametrize("name", ["undercut", "baler", *SLOW])
 def test_curves_and_exact_outline_are_close_both_ways(name: str) -> None:
     for gear in (pair(name).driving, pair(name).driven):
@@ -103,6 +104,7 @@ def test_curves_and_exact_outline_are_close_both_ways(name: str) -> None:
         assert farthest(exact, ring_of(contour, 8 * DENSE)) <= 1.01 * TOLERANCE
 
 
+@pytest.mark.thorough
 def test_the_stated_deviation_is_about_what_is_found() -> None:
     gear = pair("ellipse").driving
     contour = contour_of(gear, TOLERANCE)
@@ -122,6 +124,7 @@ def test_a_curve_that_is_moved_by_two_tolerances_is_seen() -> None:
     assert farthest(ring_of(replace(contour, curves=curves)), exact_ring(gear)) > 1.5 * TOLERANCE
 
 
+@pytest.mark.thorough
 def test_each_curve_begins_exactly_where_the_last_one_ends() -> None:
     for name in PITCHES:
         curves = contour_of(pair(name).driving, TOLERANCE).curves
@@ -158,6 +161,7 @@ def test_tip_relief_parts_the_flanks_where_it_begins() -> None:
     assert farthest(ring_of(contour_of(gear, TOLERANCE)), exact_ring(gear)) <= TOLERANCE + FINE
 
 
+@pytest.mark.thorough
 def test_gaps_of_equivalent_gears_are_bridged_as_in_their_outlines() -> None:
     form = ToothForm(rack(), equivalent=True)
     gear = toothed_pair(PITCHES["ellipse"](), form, 0.005).driving

@@ -112,6 +112,10 @@ RACK_CUT = [
 ]
 
 
+@pytest.mark.judges("teeth")
+@pytest.mark.tiers(
+    quick=["Gear.DRIVEN-circle of 12"], thorough=["Gear.DRIVING-circle of 12", "Gear.DRIVEN-sine"], rest="slow"
+)
 @pytest.mark.parametrize("name", RACK_CUT)
 @pytest.mark.parametrize("gear", Gear)
 def test_outline_on_a_convex_curve_is_what_a_rack_cuts(name: str, gear: Gear) -> None:
@@ -120,6 +124,7 @@ def test_outline_on_a_convex_curve_is_what_a_rack_cuts(name: str, gear: Gear) ->
     assert rack_cut.outline_distance(Polygon(own.outline_mm), brute(own), 0.02) < TOLERANCE + CUTTER_FACETS + SCALLOPS
 
 
+@pytest.mark.tiers(thorough=["*-0.4-Gear.DRIVING"], rest="slow")
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize(("backlash_mm", "shift_mm"), [(0.1, 0.6), (0.1, -0.4)])
 def test_backlash_and_profile_shift_move_what_a_rack_cuts(gear: Gear, backlash_mm: float, shift_mm: float) -> None:
@@ -128,6 +133,7 @@ def test_backlash_and_profile_shift_move_what_a_rack_cuts(gear: Gear, backlash_m
     assert apart(own, brute(own)) < TOLERANCE + CUTTER_FACETS + SCALLOPS
 
 
+@pytest.mark.tiers(thorough=["wrong3"], rest="slow")
 @pytest.mark.parametrize(
     "wrong", [{"angle_deg": 20.1}, {"root_radius": 0.37}, {"dedendum": 1.251}, {"backlash_mm": 0.004}]
 )
@@ -137,6 +143,7 @@ def test_brute_force_tells_slightly_other_racks_apart(wrong: dict[str, float]) -
     assert apart(gears[0], brute(gears[1], 50), 0.05) > 1e-3
 
 
+@pytest.mark.tiers(thorough=["circle of 18-Gear.DRIVEN", "concave-Gear.DRIVING"], rest="slow")
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize(
     "name",
@@ -174,6 +181,7 @@ def test_few_teeth_are_what_a_rack_cuts(name: str, teeth: int) -> None:
 # --- which cutter ------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 def test_a_rack_is_chosen_where_both_curves_are_convex_and_the_mate_where_one_is_not() -> None:
     for name, kind in (("sine", CutterKind.RACK), ("concave", CutterKind.MATE), ("baler", CutterKind.MATE)):
         assert made(name, ToothForm(rack()), 0.01).cutter is kind
@@ -188,6 +196,7 @@ def test_a_rack_is_refused_on_a_concave_curve_with_radius_and_angle() -> None:
     assert "phi1 = " in caught.value.problem
 
 
+@pytest.mark.thorough
 def test_a_straight_rack_would_gouge_the_hollow_flanks() -> None:
     """Why it is refused: brute force with a rack leaves a tenth of a millimetre less than the flanks need."""
     own = made("concave", form(CutterKind.PINION, 20)).driving
@@ -227,6 +236,7 @@ def tip_inside_teeth(ring: ToothedGear, cutter_teeth: int) -> int:
     return int(np.sum(~free & ~own_space))
 
 
+@pytest.mark.thorough
 def test_a_pinion_that_fouls_on_its_way_out_of_a_ring_is_refused() -> None:
     """The rule of internal gears: a difference of about ten teeth at 20 degrees."""
     ring = toothed_pair(ring_pair(), form(CutterKind.PINION, 36), 0.001).driven
@@ -239,6 +249,7 @@ def test_a_pinion_that_fouls_on_its_way_out_of_a_ring_is_refused() -> None:
         assert "phi1 = " in caught.value.problem
 
 
+@pytest.mark.slow
 def test_short_hollows_let_even_large_pinions_out() -> None:
     """A cutter of 65 teeth fits a hollow of 65.9 modules: it is a few teeth long, and brute force agrees."""
     own = made("concave", form(CutterKind.PINION, 65), 0.001).driving
@@ -267,6 +278,7 @@ def test_pinions_of_few_teeth_are_pointed_and_refused_as_such(teeth: int) -> Non
     assert caught.value.key == "gears.cutter.teeth"
 
 
+@pytest.mark.tiers(quick=["20-ellipse"], thorough=["1000-*", "40-sine"], rest="slow")
 @pytest.mark.parametrize("name", ["ellipse", "sine", "concave"])
 @pytest.mark.parametrize("teeth", [20, 40, 1000])
 def test_pairs_that_pinions_cut_mesh(name: str, teeth: int) -> None:
@@ -284,6 +296,7 @@ def test_pairs_that_pinions_cut_mesh(name: str, teeth: int) -> None:
     assert report.gap.max() <= 2.0 * tolerance
 
 
+@pytest.mark.thorough
 def test_a_pinion_of_very_many_teeth_is_a_rack() -> None:
     """Its rolling circle is straight to 1 / R: the fillets of 10 000 teeth lie within a ten-thousandth of a rack's."""
     pairs = [made("sine", form(kind, teeth)) for kind, teeth in ((CutterKind.RACK, None), (CutterKind.PINION, 10_000))]

@@ -50,6 +50,7 @@ def table(found: DataSheet, title: str) -> Table:
 NAMES = ["ellipse", "internal-1-2", "helical-ellipse", "baler-66-two-stage", "uniform-crank"]
 
 
+@pytest.mark.tiers(quick=["uniform-crank", "ellipse"], slow=["helical-ellipse"], rest="thorough")
 @pytest.mark.parametrize("name", NAMES)
 def test_rows_fit_their_headings_and_every_number_is_finite(name: str) -> None:
     found = sheet(name)

@@ -28,6 +28,24 @@ OTHERS = {REFUSED, WITHOUT_GEARS, IN_STAGES, SIMULATED}
 BUILT = sorted({path.stem for path in DESIGNS.glob("*.yaml")} - OTHERS)
 
 
+every_design = pytest.mark.parametrize("name", BUILT)
+in_tiers = pytest.mark.tiers(
+    quick=["ellipse*"],
+    thorough=[
+        "baler",
+        "baler-check*",
+        "baler-d*",
+        "baler-pitch*",
+        "helical-ellipse*",
+        "internal-1-2*",
+        "printed-pump*",
+        "pusher*",
+    ],
+    rest="slow",
+)
+"""A build takes seconds; the slow ones resemble the others."""
+
+
 PINNED = {
     # Sources: the published 6300 W and 1500 mm/s^2 and the checked 16 675 W, 6315 W and 52.81 r/min; the pitch length
     # by the oracle (tests/test_pitch.py); 434.5 W per r/min and 20 940 mm/s^2 for the uniform crank; the others are
@@ -89,6 +107,8 @@ def value_of(summary: dict[str, Any], key: str) -> Any:
     return summary
 
 
+@pytest.mark.judges("project")
+@in_tiers
 @pytest.mark.parametrize(
     ("name", "key", "expected", "within"), [(name, *row) for name, rows in PINNED.items() for row in rows]
 )
@@ -101,6 +121,7 @@ def test_every_design_has_a_pinned_number() -> None:
     assert set(PINNED) == set(BUILT)
 
 
+@pytest.mark.slow
 def test_the_other_reading_of_the_baler_is_flagged_and_refused(tmp_path: Path) -> None:
     refused = drive(REFUSED)
     low, high = refused.transmission.ratio_range
@@ -111,12 +132,14 @@ def test_the_other_reading_of_the_baler_is_flagged_and_refused(tmp_path: Path) -
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("name", BUILT)
+@in_tiers
+@every_design
 def test_all_files_are_there(name: str) -> None:
     assert {path.name for path in built(name).folder.iterdir()} == FILES
 
 
-@pytest.mark.parametrize("name", BUILT)
+@in_tiers
+@every_design
 def test_closure_and_lengths(name: str) -> None:
     summary = built(name).summary
     assert summary["closure"]["residual_rad"] <= 1e-12
@@ -126,7 +149,9 @@ def test_closure_and_lengths(name: str) -> None:
     assert abs(driving / (np.pi * summary["teeth"]["module_mm"] * summary["teeth"]["driving"]) - 1.0) <= 1e-12
 
 
-@pytest.mark.parametrize("name", BUILT)
+@pytest.mark.judges("figures")
+@in_tiers
+@every_design
 def test_law_table_is_consistent_in_itself(name: str) -> None:
     """Columns against one another: trapezoid sums of a column give the next to the step's square."""
     case, table = built(name), built(name).table("law.csv")
@@ -146,7 +171,8 @@ def test_law_table_is_consistent_in_itself(name: str) -> None:
     assert table["power_w"] == pytest.approx(table["force_n"] * table["velocity_mm_s"] / 1000, rel=1e-12, abs=1e-9)
 
 
-@pytest.mark.parametrize("name", BUILT)
+@in_tiers
+@every_design
 def test_peaks_are_those_of_the_table(name: str) -> None:
     check, table = built(name).summary["check"], built(name).table("law.csv")
     for peak, column in (
@@ -179,7 +205,8 @@ def as_it_comes_out(case: Built, section: Polygon) -> Polygon:
     return section.buffer(case.summary["bodies"]["process_clearance_mm"], join_style="mitre")
 
 
-@pytest.mark.parametrize("name", BUILT)
+@in_tiers
+@every_design
 def test_written_solids_mesh(name: str) -> None:
     """Turned by the law, the two outlines of the STL files never overlap by more than their chords allow, and touch.
 
@@ -206,7 +233,8 @@ def test_a_wrong_law_or_distance_is_seen() -> None:
     )
 
 
-@pytest.mark.parametrize("name", BUILT)
+@in_tiers
+@every_design
 def test_contact_figures_agree_with_the_judge(name: str) -> None:
     report, summary = judged(name)
     # Ours is the deepest vertex at 20 positions a tooth, the judge's the widest circle in the overlap at 401 others.
@@ -214,8 +242,10 @@ def test_contact_figures_agree_with_the_judge(name: str) -> None:
     assert summary["contact"]["positions"] >= max(400, 20 * summary["teeth"]["driving"])
 
 
+@pytest.mark.judges("files")
+@in_tiers
 @pytest.mark.parametrize("gear", ["driving", "driven"])
-@pytest.mark.parametrize("name", BUILT)
+@every_design
 def test_stl_is_binary_and_has_its_outline(name: str, gear: str) -> None:
     """Helical teeth have it at z = 0, with chords of their own."""
     case = built(name)
@@ -239,14 +269,16 @@ def area(outline: np.ndarray) -> float:
     return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) / 2)
 
 
+@in_tiers
 @pytest.mark.parametrize("gear", ["driving", "driven"])
-@pytest.mark.parametrize("name", BUILT)
+@every_design
 def test_outline_runs_counter_clockwise_and_does_not_repeat(name: str, gear: str) -> None:
     outline = built(name).outline(gear)
     assert area(outline) > 0.0
     assert np.min(np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1)) > 1e-9
 
 
+@pytest.mark.slow
 def test_baler_at_25_teeth_names_its_undercut_and_what_frees_it() -> None:
     teeth = built("baler").summary["teeth"]
     assert 13 in teeth["undercut_driving"]
@@ -255,12 +287,14 @@ def test_baler_at_25_teeth_names_its_undercut_and_what_frees_it() -> None:
     assert built("baler-86").summary["teeth"]["undercut_driving"] == []
 
 
+@pytest.mark.thorough
 def test_a_ring_is_warned_of_and_an_external_gear_is_not() -> None:
     warnings = {name: " ".join(built(name).summary["warnings"]) for name in ("internal-1-2", "ellipse")}
     assert "driven gear is internal: no hob can cut it" in warnings["internal-1-2"]
     assert "internal" not in warnings["ellipse"]
 
 
+@pytest.mark.thorough
 def test_comparison_is_at_one_speed_and_mixed_speeds_are_marked() -> None:
     rows = built("baler").summary["comparison"]
     same = {row["name"]: row for row in rows if row["same_speed"]}
@@ -313,7 +347,8 @@ INTERFACE = [
 """Keys of summary.json that other programs may rely on."""
 
 
-@pytest.mark.parametrize("name", BUILT)
+@in_tiers
+@every_design
 def test_the_summary_has_every_key_of_the_interface(name: str) -> None:
     values = {key: value_of(built(name).summary, key) for key in INTERFACE}
     assert all(value is not None for value in values.values())

@@ -39,6 +39,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 with_code = [page for page in PAGES if blocks_of(page.read_text(encoding="utf-8"))]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("page", [marked(page) for page in with_code])
 def test_page(page: Path, folder: Path) -> None:
     prepare(folder)

@@ -48,6 +48,7 @@ def run(found: Mechanism, name: str, turns: float = 0.3, start: Start = Start.ON
 # Energy
 
 
+@pytest.mark.tiers(quick=["ring-24-rest"], thorough=["uniform 1:2-16-*", "sine-31-rest"], rest="slow")
 @pytest.mark.parametrize("start", list(Start))
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 24), ("sine", 31), ("uniform 1:2", 16), ("ring", 24)])
 def test_energy_balances(name: str, teeth: int, start: Start) -> None:

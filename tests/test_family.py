@@ -114,6 +114,7 @@ def returned(family: Family, shape: Array, skewness: float) -> ReturnSamples:
     return return_samples(returns_with_skewness(ends, *asked, inverse=family.inverse), family.linkage, RETURN_POINTS)
 
 
+@pytest.mark.tiers(quick=["in line-*-True"], rest="thorough")
 @pytest.mark.parametrize("inverse", [False, True])
 @pytest.mark.parametrize("lobes", [Lobes(), Lobes(2, 1)])
 @pytest.mark.parametrize("linkage", LINKAGES.values(), ids=LINKAGES)
@@ -184,6 +185,7 @@ def best(cap_w: float, *, inverse: bool, seed: int = 1) -> FamilyOptimum:
     return best_of_family(Family(IN_LINE, RESISTANCE, OMEGA, inverse), Peak.ACCELERATION, cap_w, seed=seed, starts=16)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("cap_w", "inverse", "at_most"),
     [
@@ -200,6 +202,7 @@ def test_the_reach_of_the_family_on_the_baler(cap_w: float, inverse: bool, at_mo
     assert abs(optimum.law.transmission.closure_error_rad) <= 1e-12
 
 
+@pytest.mark.thorough
 def test_the_same_seed_gives_the_same_law() -> None:
     again = best_of_family(Family(IN_LINE, RESISTANCE, OMEGA, True), Peak.ACCELERATION, 18750.0, starts=16)
     assert again.request == best(18750.0, inverse=True).request
@@ -214,6 +217,7 @@ def test_the_request_makes_the_law_again() -> None:
     assert np.array_equal(again.transmission.driven_angle(phi1).value, exact)
 
 
+@pytest.mark.thorough
 def test_least_power_under_the_acceleration_found_is_the_power_cap() -> None:
     """Both ways of asking lead to the same frontier."""
     optimum = best(12000.0, inverse=True)
@@ -223,6 +227,7 @@ def test_least_power_under_the_acceleration_found_is_the_power_cap() -> None:
     assert other.peak(Peak.POWER) == pytest.approx(12000.0, rel=0.02)
 
 
+@pytest.mark.tiers(slow=["short rod"], rest="thorough")
 @pytest.mark.parametrize("linkage", LINKAGES.values(), ids=LINKAGES)
 def test_without_resistance_any_cap_is_kept(linkage: CrankSlider) -> None:
     family = Family(linkage, PolynomialResistance(), OMEGA, True)

@@ -269,6 +269,7 @@ def crossed(one: Array, other: Array) -> Array:
     return one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
 
 
+@pytest.mark.tiers(quick=["*-sine-*"], rest="thorough")
 @pytest.mark.parametrize("backlash_mm", [0.0, 0.1])
 @pytest.mark.parametrize(("name", "tool"), CASES)
 @pytest.mark.parametrize("gear", Gear)

@@ -60,6 +60,7 @@ def assert_series(text: str, function: Function, points: Array) -> None:
     assert np.max(np.abs(found - exact) / (np.abs(exact).max(axis=0) + 1.0)) <= 1e-13
 
 
+@pytest.mark.judges("design")
 @pytest.mark.parametrize("text", EXPRESSIONS)
 def test_values_and_derivatives(text: str) -> None:
     assert_series(text, EXPRESSIONS[text], POINTS)

@@ -294,6 +294,7 @@ def involute(angle: Array) -> Array:
     return np.asarray(np.tan(angle) - angle)
 
 
+@pytest.mark.tiers(quick=["1:3"], rest="thorough")
 @pytest.mark.parametrize("law", ["1:2", "1:3"])
 def test_spaces_of_a_circular_ring_are_involute_teeth_of_its_base_circle(law: str) -> None:
     """At radius r a space is pi/z - 2 inv(alpha_r) + 2 inv(alpha) wide, cos(alpha_r) = r_b2/r, as a tooth would be."""
@@ -393,6 +394,7 @@ def contact_of(pair: Made) -> tuple[AsWritten, Placement]:
     return read(outlines(pair[1]), pair[0], pair[1], at), at
 
 
+@pytest.mark.tiers(slow=["variable"], rest="thorough")
 @pytest.mark.parametrize("law", ["1:2", "variable"])
 def test_play_is_what_shapely_finds(law: str) -> None:
     pair = made(law, 60, 0.05)
@@ -414,6 +416,7 @@ def test_transmission_error_is_that_of_the_chords() -> None:
 # --- fouling -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("law", "teeth"), [("1:2", 60), ("4:5", 40), pytest.param("10:11", 40, marks=pytest.mark.slow)]
 )
@@ -434,6 +437,7 @@ def full_height(monkeypatch: pytest.MonkeyPatch) -> Made:
     return made.__wrapped__("5:6", 20, 0.1)
 
 
+@pytest.mark.slow
 def test_fouling_far_from_the_line_of_action_is_seen_and_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """Tips run into each other 13 modules from the pitch point, where flanks are clear."""
     pitch, pair = full_height(monkeypatch)
@@ -447,6 +451,7 @@ def test_fouling_far_from_the_line_of_action_is_seen_and_refused(monkeypatch: py
     assert caught.value.key == "gears.teeth"
 
 
+@pytest.mark.slow
 def test_tips_that_would_foul_are_shortened() -> None:
     pair = made("5:6", 20, 0.1)
     found, at = contact_of(pair)
@@ -454,6 +459,7 @@ def test_tips_that_would_foul_are_shortened() -> None:
     assert judge_of(pair, at.phi1_rad[::40]).report(11).overlap_depth.max() <= 1.06 * TOLERANCE
 
 
+@pytest.mark.thorough
 def test_seven_teeth_more_on_the_ring_keep_clear() -> None:
     found, _ = contact_of(made("4:5", 28, 0.1))
     assert found.overlap_mm.max() <= TOLERANCE
@@ -528,6 +534,7 @@ def picture(png: bytes) -> Array:
     return np.asarray(Image.open(BytesIO(png)).convert("RGB"), dtype=float)
 
 
+@pytest.mark.tiers(quick=["-1"], rest="thorough")
 @pytest.mark.parametrize("sense", [1, -1])
 def test_the_ring_is_filled_outside_its_curve_and_the_driving_gear_inside(sense: int) -> None:
     """Whichever way the curve runs, as areas tell: a hole that is filled makes the ring nearly twice as large."""
@@ -541,6 +548,7 @@ def test_the_ring_is_filled_outside_its_curve_and_the_driving_gear_inside(sense:
     assert orange / blue == pytest.approx(20.0, rel=0.25)
 
 
+@pytest.mark.thorough
 def test_the_ring_is_drawn_turned_with_the_driving_gear() -> None:
     """By phi2 = 0.3: as one that stands at 0.3 with phi2 = 0.  Titles, which name phi2, are in the upper half."""
 
@@ -594,6 +602,7 @@ def test_a_ratio_too_small_is_refused_at_the_key_of_the_mesh(tmp_path: Path) -> 
     assert caught.value.key == "gears.mesh"
 
 
+@pytest.mark.thorough
 def test_the_rim_is_three_and_a_half_modules_where_the_file_says_nothing(tmp_path: Path) -> None:
     for path, rim in (
         (DESIGNS / "internal-1-2.yaml", 8.0),

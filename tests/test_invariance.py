@@ -122,6 +122,7 @@ def in_unit(motion: Data, unit: str) -> Data:
     return written | {f"{name}_{unit}": value * factor for name, value in angles.items()}
 
 
+@pytest.mark.tiers(thorough=["stroke-deg"], rest="quick")
 @pytest.mark.parametrize("unit", ["deg", "rad"])
 @pytest.mark.parametrize("law", ["stroke", "ellipse"])
 def test_angles_in_other_units(unit: str, law: str) -> None:
@@ -146,6 +147,7 @@ def scaled(data: Data, factor: float) -> Data:
     return {**result, "resistance": {"polynomial_n": force}}
 
 
+@pytest.mark.tiers(quick=["0.0-0.001"], rest="thorough")
 @pytest.mark.parametrize("factor", [1e-3, 1e3])
 @pytest.mark.parametrize("e", [0.0, -260.0])
 def test_a_stroke_a_thousand_times_larger(factor: float, e: float) -> None:
@@ -155,6 +157,7 @@ def test_a_stroke_a_thousand_times_larger(factor: float, e: float) -> None:
     assert driven(other) == pytest.approx(driven(one), rel=SAME)
 
 
+@pytest.mark.tiers(slow=["0.001-few"], rest="thorough")
 @quick_and_slow
 @pytest.mark.parametrize("factor", [1e-3, 1e3])
 def test_any_ratio_law_on_a_linkage_a_thousand_times_larger(examples: str, factor: float) -> None:
@@ -167,6 +170,7 @@ def test_any_ratio_law_on_a_linkage_a_thousand_times_larger(examples: str, facto
     same()
 
 
+@pytest.mark.tiers(quick=["0.1"], rest="thorough")
 @pytest.mark.parametrize("factor", [1e-3, 0.1, 7.0])
 def test_another_speed_scales_the_peaks(factor: float) -> None:
     data = design(STROKE)
@@ -214,6 +218,7 @@ def start_of(drive: Drive, driven_rad: float) -> float:
     return float(brentq(lambda at: driven(drive, np.array([at]))[0] - driven_rad, 0.0, 2.0 * pi - 1e-9, xtol=1e-15))
 
 
+@pytest.mark.tiers(quick=["harmonics-few"], rest="thorough")
 @quick_and_slow
 @pytest.mark.parametrize("law", ["harmonics", "expression", "table"])
 def test_the_seam_may_be_anywhere(examples: str, law: str) -> None:
@@ -243,6 +248,7 @@ def backwards(motion: Data) -> Data:
     return {**motion, "ratio": motion["ratio"].replace("phi", "(-phi)")}
 
 
+@pytest.mark.tiers(quick=["harmonics-few"], rest="thorough")
 @quick_and_slow
 @pytest.mark.parametrize("law", ["harmonics", "expression", "table"])
 def test_a_law_run_backwards(examples: str, law: str) -> None:
@@ -259,6 +265,7 @@ def test_a_law_run_backwards(examples: str, law: str) -> None:
     same()
 
 
+@pytest.mark.tiers(quick=["table-few"], rest="thorough")
 @quick_and_slow
 @pytest.mark.parametrize("law", ["harmonics", "expression", "table"])
 def test_a_mirrored_machine_run_backwards(examples: str, law: str) -> None:

@@ -74,6 +74,7 @@ def miss(found: Array, exact: Array) -> float:
     return float(np.max(np.abs(found - exact) / np.maximum(np.abs(exact).max(axis=0), 1e-3)))
 
 
+@pytest.mark.judges("numerics")
 @pytest.mark.parametrize("name", CASES)
 def test_every_operation_has_the_exact_taylor_series(name: str) -> None:
     function, oracle, low, high = CASES[name]

@@ -55,6 +55,7 @@ def test_uniform_crank_at_sixty() -> None:
     assert found.speed_rpm == pytest.approx(60.0, rel=1e-15)
 
 
+@pytest.mark.judges("kinematics")
 def test_the_published_headline_figures() -> None:
     """6315 W and 1500.0 mm/s^2 in the working stroke at 20 r/min; over the cycle about 7340 mm/s^2."""
     found = check(BALER_LAW, 20.0)
@@ -128,6 +129,7 @@ def assert_peak(exact: Extremum, phi1: Array, sampled: Array) -> None:
 LINKAGES = {"in line": BALER_LINKAGE, "offset": OFFSET, "offset back": CrankSlider(380.0, 960.0, -150.0)}
 
 
+@pytest.mark.tiers(quick=["uniform*"], rest="thorough")
 @pytest.mark.parametrize("linkage", LINKAGES)
 @pytest.mark.parametrize("name", LAWS)
 def test_peaks_bound_a_dense_sample_and_are_hardly_higher(name: str, linkage: str) -> None:
@@ -151,6 +153,7 @@ NARROW = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("linkage", NARROW)
 @pytest.mark.parametrize("name", [BALER_LAW, "uniform", "ellipse 1:2"])
 def test_no_sharp_corner_of_a_short_rod_is_passed_by(name: str, linkage: str) -> None:
@@ -224,6 +227,7 @@ def crossings(of: Machine, displacements: Array) -> list[float]:
     return found
 
 
+@pytest.mark.tiers(quick=["ellipse-*"], rest="thorough")
 @pytest.mark.parametrize("keep", [False, True])
 @pytest.mark.parametrize("linkage", LINKAGES)
 @pytest.mark.parametrize("name", ["uniform", BALER_LAW, "ellipse 1:2", "displacement table"])
@@ -252,6 +256,7 @@ def test_work_with_negative_resistance_kept_or_taken_as_zero() -> None:
     assert clamped == pytest.approx(trapezoid, rel=1e-8)  # steps of 2e-3 mm: (2e-3)^2 relative, kinks included
 
 
+@pytest.mark.judges("kinematics")
 @pytest.mark.parametrize(
     ("coefficients", "keep", "work"), [((400.0,), False, 24.0), ((-400.0,), False, 0.0), ((-400.0,), True, -24.0)]
 )

@@ -292,6 +292,8 @@ def test_uniform_law_is_a_straight_line(lobes: Lobes) -> None:
     assert not series.coefficients[2:].any()
 
 
+@pytest.mark.judges("ratio")
+@pytest.mark.tiers(quick=["0.05-*-lobes1"], slow=["*-lobes2", "*-lobes3"], rest="thorough")
 @pytest.mark.parametrize("lobes", [Lobes(), Lobes(1, 2), Lobes(2, 1), Lobes(2, 3)])
 @pytest.mark.parametrize(("eccentricity", "phase"), [(0.05, 0.0), (0.35, 3.49), (0.7, -1.0)])
 def test_elliptical_law_against_quadrature_of_its_radii(eccentricity: float, phase: float, lobes: Lobes) -> None:
@@ -330,6 +332,7 @@ def test_equal_ellipses_have_their_focal_distance_as_size() -> None:
 # --- expressions ---------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.judges("ratio")
 def test_ratio_expression_against_its_antiderivative() -> None:
     phi1 = np.linspace(0.0, 2.0 * pi, 51)
     assert np.max(np.abs(law("ratio expression").driven_angle(phi1).value - (phi1 + 0.3 * np.sin(phi1)))) <= 5e-15 * 6
@@ -544,6 +547,7 @@ def test_two_lobes_run_the_same_law_twice_as_often(single: str, double: str) -> 
     assert np.max(np.abs(2.0 * once.derivative(1) - twice.derivative(1))) <= 1e-11
 
 
+@pytest.mark.thorough
 def test_the_published_law_against_mpmath_over_the_whole_turn() -> None:
     angles = BALER.theta1_rad, BALER.theta2_rad, BALER.theta3_rad, BALER.theta4_rad
     speeds = BALER.v1_mm_s, BALER.v2_mm_s, BALER.a1_mm_s2

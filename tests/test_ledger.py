@@ -163,6 +163,7 @@ def test_the_gear_balers_reading_is_the_design_file() -> None:
 BALER, CHASSIS, DRUM, SIEVE = (paper.title for paper in PAPERS)
 
 
+@pytest.mark.judges("papers")
 @pytest.mark.parametrize(
     ("title", "what", "verdict", "values"),
     [
@@ -215,6 +216,7 @@ def test_spectra_have_lines() -> None:
         assert Printed((text,)).agrees(of(lines * LINE_HZ)), text
 
 
+@pytest.mark.thorough
 def test_the_command_writes_the_page(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "ncgear", "reproduce", "--out", str(tmp_path)]
     done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)

@@ -135,6 +135,7 @@ def test_two_lobes_are_twice_the_speed() -> None:
         Task(BALER_LINKAGE, PRESS, 1.0, Lobes(1, 2))
 
 
+@pytest.mark.thorough
 def test_more_freedom_never_costs() -> None:
     tight = Limits(0.4, 2.5, peak_power_w=15000.0, pressure_angle_rad=0.5, working_rad=3.6)
     freer = [
@@ -214,6 +215,8 @@ def assert_not_beaten(machine: Machine, mass_kg: float) -> None:
             assert Problem(task, kept, cells).is_open(peaks)
 
 
+@pytest.mark.judges("optimum")
+@pytest.mark.tiers(quick=["0-*", "1-*"], rest="thorough")
 @pytest.mark.parametrize("mass_kg", [0.0, 80.0])
 @pytest.mark.parametrize("seed", range(12))
 def test_random_laws_do_not_beat_the_limit(seed: int, mass_kg: float) -> None:
@@ -222,6 +225,7 @@ def test_random_laws_do_not_beat_the_limit(seed: int, mass_kg: float) -> None:
     assert_not_beaten(Machine(harmonic_law(seed), linkage, resistance, 5.0), mass_kg)
 
 
+@pytest.mark.tiers(quick=["*-uniform"], rest="thorough")
 @pytest.mark.parametrize("name", ["uniform", "stroke, e = 0"])
 @pytest.mark.parametrize("resistance", RESISTANCES)
 def test_known_laws_do_not_beat_the_limit(name: str, resistance: str) -> None:
@@ -304,6 +308,7 @@ def test_no_resistance_needs_no_power() -> None:
     assert least_power(Task(BALER_LINKAGE, NONE, 2.0 * pi), USUAL).value == 0.0
 
 
+@pytest.mark.tiers(quick=["expression-short rod", "fit-offset"], slow=["none-*"], rest="thorough")
 @pytest.mark.parametrize("linkage", LINKAGES)
 @pytest.mark.parametrize("resistance", RESISTANCES)
 def test_other_machines_are_enclosed(linkage: str, resistance: str) -> None:
@@ -317,6 +322,7 @@ def test_other_machines_are_enclosed(linkage: str, resistance: str) -> None:
         assert found.value <= coarse.attained
 
 
+@pytest.mark.thorough
 def test_pressure_angle_links_the_strokes() -> None:
     free = acceleration(60.0, 12000.0).value
     found = [
@@ -330,6 +336,7 @@ def test_pressure_angle_links_the_strokes() -> None:
     assert all(bound.gap < 0.02 for bound in found)
 
 
+@pytest.mark.thorough
 def test_weighted_sum_against_a_scan_of_powers() -> None:
     weights = Weights(1.0 / 20000.0, 1.0 / 9000.0)
     found = least_weighted_sum(AT_SIXTY, USUAL, weights)
@@ -340,6 +347,7 @@ def test_weighted_sum_against_a_scan_of_powers() -> None:
     assert weights.of(found.peaks.acceleration_mm_s2, found.peaks.power_w) == found.sum.attained
 
 
+@pytest.mark.thorough
 def test_weighted_sum_on_a_grid_too_coarse_for_its_tolerance() -> None:
     """Ends all the same, with an honest enclosure that holds the finer one's."""
     weights = Weights(1.0 / 20000.0, 1.0 / 9000.0)

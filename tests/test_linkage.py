@@ -57,6 +57,7 @@ def exact_taylor(linkage: oracle.Linkage, phi2: Any, order: int) -> list[Any]:
     return [value / mp.factorial(k) for k, value in enumerate(linkage.derivatives(phi2, order))]
 
 
+@pytest.mark.judges("mechanisms")
 @every_linkage
 def test_displacement_and_four_derivatives_against_the_vector_loop(lengths: Lengths) -> None:
     points = np.concatenate([np.linspace(0.0, 2.0 * pi, 25), [1e-9, 1e-5, 0.01, 3.0, 3.3, 6.2]])

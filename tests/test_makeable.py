@@ -87,6 +87,7 @@ KEPT: dict[str, Wishes] = {
 }
 
 
+@pytest.mark.tiers(thorough=["not convex"], rest="slow")
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=() if name in ("mass", "not convex") else pytest.mark.slow) for name in KEPT]
 )
@@ -109,6 +110,7 @@ def test_every_limit_is_kept_by_exact_figures(name: str) -> None:
         assert peak_moving_power(wishes, limits.mass_kg) <= limits.peak_power_w * ROUNDING
 
 
+@pytest.mark.thorough
 def test_each_of_those_limits_binds() -> None:
     """Control of the test above: without its limit the same law would break it."""
     free = judged(HALF)
@@ -122,6 +124,7 @@ def test_each_of_those_limits_binds() -> None:
     assert not judged(KEPT["not convex"]).convex
 
 
+@pytest.mark.tiers(quick=["power"], thorough=["not convex", "ratio range", "mass", "pressure angle"], rest="slow")
 @pytest.mark.parametrize("name", KEPT)
 def test_no_law_is_under_the_certified_limit(name: str) -> None:
     wishes = KEPT[name]
@@ -165,6 +168,7 @@ def gain_nearby(wishes: Wishes, found: MakeableLaw) -> float:
     return 1.0 - float(answer.fun) / float(values[sought].max())
 
 
+@pytest.mark.tiers(thorough=["power", "jerk"], rest="slow")
 @pytest.mark.parametrize("name", ["power", "pressure angle", "curvature of dents", "mass", "jerk"])
 def test_no_small_change_improves_it(name: str) -> None:
     """But for what it costs to hold the limits between the places of the programme."""
@@ -200,6 +204,7 @@ def test_more_harmonics_are_never_worse() -> None:
     assert found[-1] < 0.99 * found[0]
 
 
+@pytest.mark.thorough
 def test_the_same_input_gives_the_same_bits() -> None:
     first, again = (makeable_law(BALER, HALF, random_starts(8, 1, 3)) for _ in range(2))
     assert np.array_equal(first.cosine, again.cosine)
@@ -239,6 +244,7 @@ def test_a_weighted_sum_touches_the_frontier_from_no_side() -> None:
         assert weights.of(other.peak_acceleration_mm_s2, other.peak_power_w) >= value * (1.0 - 1e-5)
 
 
+@pytest.mark.thorough
 def test_weights_scale_away() -> None:
     wishes = replace(HALF, goal=Goal.WEIGHTED, weights=Weights(1.0 / 20_000.0, 1.0 / 9_000.0), limits=USUAL)
     twice = replace(wishes, weights=Weights(2.0 / 20_000.0, 2.0 / 9_000.0))
@@ -260,6 +266,7 @@ MACHINES: dict[str, Task] = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=() if name in ("offset", "table") else pytest.mark.slow) for name in MACHINES]
 )
@@ -282,6 +289,7 @@ def test_other_machines(name: str) -> None:
     assert found.peak_acceleration_mm_s2 >= free.peak_acceleration_mm_s2 * (1.0 - 1e-6)
 
 
+@pytest.mark.tiers(quick=["no resistance"], rest="thorough")
 @pytest.mark.parametrize("name", ["no resistance", "kept negative"])
 def test_least_power_of_other_machines(name: str) -> None:
     """Nothing to press: any law is best, and one is found."""
@@ -309,6 +317,7 @@ def test_size_scales_away() -> None:
     assert found.peak_acceleration_mm_s2 == pytest.approx(2.0 * judged(HALF).peak_acceleration_mm_s2, rel=1e-6)
 
 
+@pytest.mark.thorough
 def test_lobes_of_the_driving_gear_are_a_matter_of_speed() -> None:
     """Two lobes at half the speed: the same motion of the slider, at half the ratio."""
     two = Task(BALER_LINKAGE, PRESS, 30.0 * RPM, Lobes(2))
@@ -317,6 +326,7 @@ def test_lobes_of_the_driving_gear_are_a_matter_of_speed() -> None:
     assert judged(wishes, two).peak_acceleration_mm_s2 == pytest.approx(judged(one).peak_acceleration_mm_s2, rel=1e-5)
 
 
+@pytest.mark.thorough
 def test_next_to_no_mass_is_none() -> None:
     light = replace(HALF, limits=replace(HALF.limits, mass_kg=1e-6))
     assert judged(light).peak_acceleration_mm_s2 == pytest.approx(judged(HALF).peak_acceleration_mm_s2, rel=1e-5)

@@ -30,6 +30,7 @@ def placement_of(name: str, teeth: int) -> Placement:
     return designed(name, teeth).placement
 
 
+@pytest.mark.tiers(quick=["sine-24-*"], thorough=["baler-40-*"], rest="slow")
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(("name", "teeth"), PAIRS)
 def test_size_is_the_torque_over_the_arm_of_the_flanks_normal(name: str, teeth: int, sign: float) -> None:

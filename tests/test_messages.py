@@ -59,14 +59,17 @@ def unknown_keys(text: str) -> list[str]:
     return [word for word in UNITS.findall(text) if word not in names_of_keys()]
 
 
+@pytest.mark.thorough
 def test_there_are_messages() -> None:
     assert len(messages()) > 150
 
 
+@pytest.mark.thorough
 def test_keys_that_messages_name_are_keys_of_files() -> None:
     assert {where: wrong for where, text in messages().items() if (wrong := unknown_keys(text))} == {}
 
 
+@pytest.mark.thorough
 def test_messages_have_no_words_of_the_code() -> None:
     assert {where: text for where, text in messages().items() if JARGON.search(text)} == {}
 

@@ -64,6 +64,7 @@ def center_radius(teeth: int, diameter: float, thickness: float, cosine: float =
         return float(module * teeth * mpmath.cos(alpha) / (2 * mpmath.cos(found)))
 
 
+@pytest.mark.judges("metrology")
 @pytest.mark.parametrize(
     ("teeth", "shift", "backlash"), [(22, 0.0, 0.0), (21, 0.0, 0.0), (30, 0.3, 0.1), (45, -0.2, 0.0)]
 )
@@ -100,6 +101,7 @@ def test_balls_of_a_circular_helical_gear_are_the_closed_form() -> None:
     np.testing.assert_allclose(found.over_mm, center + 1.75, rtol=AGREEMENT)
 
 
+@pytest.mark.tiers(thorough=["ellipse-37", "ring-32"], rest="slow")
 @pytest.mark.parametrize(("name", "teeth"), [("ellipse", 37), ("baler", 60), ("ring", 32), ("deep sine", 60)])
 def test_a_pin_touches_both_flanks_of_its_space_and_nothing_else(name: str, teeth: int) -> None:
     """The outline, whose flanks stray by less than a tolerance, is as far from the centre as the pin's radius."""
@@ -202,6 +204,7 @@ def caliper(gear: ToothedGear, first: int, last: int, turn_rad: np.ndarray) -> n
     return (other @ direction).max(axis=0) - (one @ direction).min(axis=0)
 
 
+@pytest.mark.tiers(quick=["sine-30"], rest="thorough")
 @pytest.mark.parametrize(("name", "teeth"), [("ellipse", 37), ("sine", 30), ("baler", 60)])
 def test_a_span_is_where_the_reading_of_a_tilted_caliper_turns(name: str, teeth: int) -> None:
     gear = made(name, teeth)[1].driving

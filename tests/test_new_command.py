@@ -48,6 +48,7 @@ def at_terminal(arguments: Sequence[str], answers: Sequence[str], folder: Path) 
     return os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]), shown + since
 
 
+@pytest.mark.thorough
 def test_a_terminal_is_asked_and_told_what_is_wrong(tmp_path: Path) -> None:
     unknown, ellipse = str(len(LawName) + 1), str(list(LawName).index(LawName.ELLIPSE) + 1)
     answers = ["no name", "press", unknown, ellipse, "-3", "40", "x", "30", "", "60", "31", "~", " ", "2", "8"]
@@ -66,6 +67,7 @@ def test_a_terminal_is_asked_and_told_what_is_wrong(tmp_path: Path) -> None:
     assert (design.gears.teeth, design.gears.module_mm, design.gears.face_width_mm) == (31, 2, 8)
 
 
+@pytest.mark.thorough
 def test_what_flags_say_is_not_asked(tmp_path: Path) -> None:
     flags = ["--law", "uniform_crank", "--crank-mm", "20", "--speed-rpm", "9", "--teeth", "20", "--module-mm", "1"]
     status, shown = at_terminal(["new", "a", *flags], ["\n", "5\n"], tmp_path)
@@ -76,6 +78,7 @@ def test_what_flags_say_is_not_asked(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_answers_that_give_no_gears_are_asked_again(tmp_path: Path) -> None:
     """With the earlier ones as likely answers, of which only the wrong one need be changed."""
     flags = ["--stroke-mm", "300", "--rod-mm", "400", "--speed-rpm", "60", "--face-width-mm", "8"]
@@ -125,6 +128,7 @@ def test_sizes_that_no_design_can_have(run: Run, tmp_path: Path, flags: list[str
     assert os.listdir(tmp_path) == []
 
 
+@pytest.mark.thorough
 def test_gears_that_cannot_be_made_are_refused_before_the_file_is_written(run: Run, tmp_path: Path) -> None:
     status, out, err = run("new", "a", "--teeth", "5")
     assert (status, out) == (3, "")
@@ -151,6 +155,7 @@ def test_only_lines_of_other_values_differ_from_the_template(law: LawName) -> No
     assert filled(before, {}) == before
 
 
+@pytest.mark.thorough
 def test_the_template_keeps_its_proportions() -> None:
     """Twice the machine: the same law, the same force at each share of the stroke."""
     usual, twice = loads(template("a")), loads(begun("a", LawName.THREE_SEGMENT_STROKE, {"crank_mm": 760}))
@@ -202,6 +207,7 @@ def test_what_is_written_builds_and_the_rest_is_refused_with_a_reason(run: Run, 
         assert not Path("a.yaml").exists()
 
 
+@pytest.mark.thorough
 def test_no_file_is_touched_that_appears_while_answers_are_given(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "ncgear", "new", "a", "--teeth", "50"]
     (tmp_path / "a.yaml").write_text("precious")

@@ -51,6 +51,7 @@ def numbers(value: object) -> Iterator[float]:
         yield float(value)
 
 
+@pytest.mark.thorough
 def test_what_is_written(run: Run) -> None:
     """A design that loads and builds its law, comments kept, and a certificate of finite numbers."""
     status, out, err = run(HEAD + FEW)
@@ -74,6 +75,7 @@ def test_what_is_written(run: Run) -> None:
     assert found["uniform_crank"] == found["design_as_given"]
 
 
+@pytest.mark.thorough
 def test_the_written_file_gives_the_same_law_again(run: Run) -> None:
     run(HEAD + FEW)
     folder = Path("export/press-optimized")
@@ -84,12 +86,14 @@ def test_the_written_file_gives_the_same_law_again(run: Run) -> None:
     assert again["law"] == json.loads(certificate)["law"] == again["design_as_given"]
 
 
+@pytest.mark.thorough
 def test_without_a_block_the_least_acceleration_is_looked_for(run: Run) -> None:
     status, out, _ = run(HEAD)
     assert status == 0
     assert out.startswith("press: least acceleration at 60 r/min")
 
 
+@pytest.mark.thorough
 def test_a_long_name_stays_a_name(run: Run) -> None:
     name = "x" * 64
     assert run(HEAD.replace("name: press", f"name: {name}") + FEW)[0] == 0
@@ -98,6 +102,7 @@ def test_a_long_name_stays_a_name(run: Run) -> None:
     assert written.stem.endswith("-optimized")
 
 
+@pytest.mark.thorough
 def test_points_of_another_file_come_along(run: Run, tmp_path: Path) -> None:
     """The written design stands in another folder, where the file of points is not."""
     Path(tmp_path, "force.csv").write_text("displacement_mm,force_n\n0,0\n300,1000\n760,20000\n")
@@ -126,6 +131,7 @@ ncgear.cli.main()
 """
 
 
+@pytest.mark.tiers(thorough=["optimize"], rest="slow")
 @pytest.mark.parametrize("command", ["optimize", "frontier"])
 def test_a_missing_solver_is_named_with_the_command(command: str, tmp_path: Path) -> None:
     """In a process of its own, since what this one has already imported would hide an import made too early."""
@@ -138,6 +144,7 @@ def test_a_missing_solver_is_named_with_the_command(command: str, tmp_path: Path
     assert not list(Path(tmp_path, "export").glob("*/*"))
 
 
+@pytest.mark.tiers(slow=["driven_speed_rpm: 61*"], rest="quick")
 @pytest.mark.parametrize(
     ("limits", "status", "said"),
     [
@@ -219,6 +226,7 @@ def test_what_no_gears_can_keep_is_refused(run: Run, gears: str, limits: str, ke
     assert said in err
 
 
+@pytest.mark.thorough
 def test_a_pressure_angle_counts_the_rack(run: Run) -> None:
     block = "optimize: {harmonics: 6, limits: {pressure_angle_deg: 27}}\n"
     assert run(HEAD + GEARS + block)[0] == 0
@@ -252,12 +260,14 @@ def test_an_optimisation_loads_no_meshes(tmp_path: Path) -> None:
     assert loaded(tmp_path, ["optimize", "d.yaml"], heavy) == "loaded: ['casadi']"
 
 
+@pytest.mark.thorough
 def test_a_check_and_help_load_no_solver(tmp_path: Path) -> None:
     Path(tmp_path, "d.yaml").write_text(HEAD + FEW)
     assert loaded(tmp_path, ["check", "d.yaml"], ("casadi",)) == "loaded: []"
     assert loaded(tmp_path, ["optimize", "--help"], ("casadi", "numpy")) == "loaded: []"
 
 
+@pytest.mark.thorough
 def test_an_improvement_is_computed_once_and_starts_count(tmp_path: Path) -> None:
     """More starts are never worse, and what is asked for twice is the same."""
     path = Path(tmp_path, "d.yaml")

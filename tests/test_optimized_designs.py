@@ -16,6 +16,7 @@ TARGETS = {
 """Peak power in W, peak acceleration in mm/s2 and pressure angle in degrees, each at most, at 60 r/min."""
 
 every_design = pytest.mark.parametrize("name", TARGETS)
+pytestmark = pytest.mark.slow
 
 
 @every_design
@@ -60,7 +61,6 @@ def test_no_law_can_be_much_better(name: str) -> None:
     assert improvement.bound.value < found < 1.2 * improvement.bound.value
 
 
-@pytest.mark.slow
 @every_design
 def test_the_optimiser_finds_them_again(name: str) -> None:
     """The same file gives the same law, whatever law it holds; other builds of the solver end within its tolerance."""

@@ -127,6 +127,7 @@ def distances(points: Array, gear: ToothedGear) -> Array:
     return rack_cut.deviation_of_points(flat, Polygon(gear.outline_mm)).reshape(points.shape[:-1])
 
 
+@pytest.mark.tiers(quick=["undercut-12", "undercut ellipse-13"], thorough=["sine-25", "baler-25"], rest="slow")
 @pytest.mark.parametrize(("name", "teeth"), CASES)
 def test_no_exact_curve_is_farther_from_the_outline_than_the_tolerance(name: str, teeth: int) -> None:
     for gear in gears(name, teeth):
@@ -136,6 +137,7 @@ def test_no_exact_curve_is_farther_from_the_outline_than_the_tolerance(name: str
         assert max(distances(points, gear).max() for points in dense_lands(gear)) <= TOLERANCE
 
 
+@pytest.mark.tiers(quick=["undercut*"], rest="thorough")
 @pytest.mark.parametrize(("name", "teeth"), CASES)
 def test_vertices_are_on_the_exact_curves(name: str, teeth: int) -> None:
     for gear in gears(name, teeth):
@@ -146,6 +148,7 @@ def test_vertices_are_on_the_exact_curves(name: str, teeth: int) -> None:
         assert shapely.distance(exact, shapely.points(gear.outline_mm)).max() < TOLERANCE / 200.0
 
 
+@pytest.mark.tiers(quick=["*-undercut-12"], thorough=["0.02-*"], rest="slow")
 @pytest.mark.parametrize(("name", "teeth"), CASES)
 @pytest.mark.parametrize("tolerance", [0.02, 0.001])
 def test_flanks_use_the_tolerance(name: str, teeth: int, tolerance: float) -> None:
@@ -181,6 +184,7 @@ def test_outline_is_a_simple_counter_clockwise_polygon(name: str, teeth: int) ->
         assert turns(gear.outline_mm).sum() == pytest.approx(2.0 * pi, abs=1e-9)
 
 
+@pytest.mark.tiers(quick=["undercut-1*", "sine-25-*"], thorough=["*-0.005"], rest="slow")
 @pytest.mark.parametrize("tolerance", [TOLERANCE, TOLERANCE / 10.0])
 @pytest.mark.parametrize(
     ("name", "teeth"),
@@ -195,6 +199,7 @@ def test_outline_never_turns_back(name: str, teeth: int, tolerance: float) -> No
         assert np.abs(turns(gear.outline_mm)).max() < pi / 2.0 + atan(0.25)
 
 
+@pytest.mark.tiers(slow=["0.001"], rest="thorough")
 @pytest.mark.parametrize("tolerance", [0.02, 0.001, 0.0001])
 def test_the_tolerance_holds_across_jumps_of_the_curvature(tolerance: float) -> None:
     for gear in gears("baler", 25, 3.0, tolerance):
@@ -217,6 +222,7 @@ def test_circular_gear_has_its_tip_and_root_circles() -> None:
         assert (radius.max(), radius.min()) == pytest.approx((20.0, 15.5), rel=1e-13)
 
 
+@pytest.mark.tiers(thorough=["uniform-18", "sine-25"], rest="slow")
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 18), ("sine", 25), ("baler", 25)])
 def test_area_converges_linearly_with_the_tolerance(name: str, teeth: int) -> None:
     """Second order in the chord's length, which is the tolerance's square root."""
@@ -231,6 +237,7 @@ def test_area_converges_linearly_with_the_tolerance(name: str, teeth: int) -> No
 # --- symmetry ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.tiers(quick=["uniform-18"], rest="thorough")
 @pytest.mark.parametrize(("name", "teeth"), [("sine", 25), ("uniform", 18), ("3:1", 48)])
 def test_even_law_gives_outlines_that_are_their_own_mirror_image(name: str, teeth: int) -> None:
     for gear in gears(name, teeth):
@@ -247,6 +254,7 @@ def test_uneven_law_does_not() -> None:
     assert rack_cut.outline_distance(polygon, affinity.scale(polygon, 1.0, -1.0, origin=(0.0, 0.0))) > 1.0
 
 
+@pytest.mark.tiers(slow=["sine-24-repeats2"], rest="thorough")
 @pytest.mark.parametrize(("name", "teeth", "repeats"), [("3:1", 48, (3, 1)), ("1:2", 24, (1, 2)), ("sine", 24, (2, 2))])
 def test_lobed_gear_comes_back_to_itself_when_turned(name: str, teeth: int, repeats: tuple[int, int]) -> None:
     for gear, number in zip(gears(name, teeth), repeats, strict=True):
@@ -255,6 +263,7 @@ def test_lobed_gear_comes_back_to_itself_when_turned(name: str, teeth: int, repe
         assert rack_cut.outline_distance(polygon, turned) < 1e-9
 
 
+@pytest.mark.tiers(slow=["0.3"], rest="thorough")
 @pytest.mark.parametrize("module", [0.3, 20.0])
 def test_outlines_scale_with_the_module(module: float) -> None:
     unit, scaled = gears("baler", 25, 1.0, 0.0025), gears("baler", 25, module, 0.0025 * module)
@@ -271,6 +280,7 @@ def turned(polygon: Polygon, angle: float) -> Polygon:
     return affinity.rotate(polygon, angle, origin=(0.0, 0.0), use_radians=True)
 
 
+@pytest.mark.tiers(slow=["baler-25"], rest="thorough")
 @pytest.mark.parametrize(("name", "teeth"), [("baler", 25), ("1:2", 24)])
 def test_teeth_advanced_by_a_pitch_make_the_same_gears(name: str, teeth: int) -> None:
     """Tooth i has then gone where tooth i + 1 stood; by half a pitch, teeth stand where spaces were."""
@@ -286,6 +296,7 @@ def test_teeth_advanced_by_a_pitch_make_the_same_gears(name: str, teeth: int) ->
         assert np.roll(tips[0].height_mm, -2) == pytest.approx(tips[1].height_mm, abs=1e-9)
 
 
+@pytest.mark.tiers(quick=["0.2"], rest="thorough")
 @pytest.mark.parametrize("share", [0.2, 0.9])
 def test_a_circular_gear_is_the_same_wherever_its_teeth_begin(share: float) -> None:
     """Turned back by the advance; the seam at phi1 = 0 is then somewhere else on the teeth."""

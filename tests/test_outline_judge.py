@@ -43,6 +43,7 @@ def test_centre_distance_is_that_of_the_pitch_curves() -> None:
     assert sine_law(DEPTH).center_distance_mm(TEETH, MODULE) == pytest.approx(pitch.center_distance_mm, rel=1e-13)
 
 
+@pytest.mark.tiers(quick=["0.005"], rest="thorough")
 @pytest.mark.parametrize("tolerance", [0.005, 0.0005, 0.00005])
 def test_chords_inside_convex_flanks_leave_up_to_two_tolerances(tolerance: float) -> None:
     found = judged(*outlines(tolerance))
@@ -50,6 +51,7 @@ def test_chords_inside_convex_flanks_leave_up_to_two_tolerances(tolerance: float
     assert 1.4 * tolerance < found.gap * MODULE <= 2.0 * tolerance
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("tolerance", [0.0005, 0.00001])
 def test_chords_that_straddle_flanks_overlap_as_much_as_they_gape(tolerance: float) -> None:
     """With fewer points by the square root of 2; fillets and lands are the same."""
@@ -80,6 +82,7 @@ def test_backlash_is_gap_along_the_normal() -> None:
     assert 0.1 < found.gap * MODULE <= 0.1 + 2.0 * tolerance
 
 
+@pytest.mark.tiers(quick=["-0.0001"], rest="thorough")
 @pytest.mark.parametrize("angle", [1e-4, -1e-4])
 def test_a_driven_gear_turned_too_far_overlaps_on_one_side_and_gapes_on_the_other(angle: float) -> None:
     tolerance = 0.00005

@@ -366,6 +366,7 @@ def power_png(own: SliderMotion, uniform: SliderMotion, title: str, joints_deg: 
     return beside_png([(chart, over_displacement(chart, (own, uniform))) for chart in charts], title)
 
 
+@pytest.mark.tiers(thorough=["joints1-motion", "joints1-power"], rest="quick")
 @pytest.mark.parametrize("draw", [motion_png, power_png])
 @pytest.mark.parametrize("joints", [np.empty(0), np.array([57.0, 115.0])])
 def test_curves_are_drawn(draw: Any, joints: np.ndarray) -> None:
@@ -384,6 +385,7 @@ def test_pictures_are_the_same_bytes_each_time() -> None:
     assert motion_png(motion(), motion(), "a") == motion_png(motion(), motion(), "a")
 
 
+@pytest.mark.thorough
 def test_no_global_plotting_state_is_touched(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delitem(sys.modules, "matplotlib.pyplot", raising=False)
     motion_png(motion(), motion(), "a")
@@ -406,6 +408,7 @@ gears:
 """
 
 
+@pytest.mark.thorough
 def test_build_writes_a_whole_set_of_files(tmp_path: Path) -> None:
     stages: list[str] = []
     out = tmp_path / "out"
@@ -438,6 +441,7 @@ def test_build_into_a_file_is_refused_before_any_stage(tmp_path: Path) -> None:
     assert not stages
 
 
+@pytest.mark.thorough
 def test_failing_build_leaves_the_last_good_one(tmp_path: Path) -> None:
     out = tmp_path / "out"
     build(drive_of_text(DESIGN), out, lambda _: None)
@@ -448,6 +452,7 @@ def test_failing_build_leaves_the_last_good_one(tmp_path: Path) -> None:
     assert contents(out) == good
 
 
+@pytest.mark.thorough
 def test_gears_that_are_written_wrong_never_replace_good_ones(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What is judged is what is written: here a solid whose teeth are a little too thick, beside a true table."""
     from shapely import Polygon
@@ -474,6 +479,7 @@ def test_gears_that_are_written_wrong_never_replace_good_ones(tmp_path: Path, mo
     assert contents(out) == good
 
 
+@pytest.mark.thorough
 def test_contact_table_has_a_row_per_position_and_agrees_with_the_summary(tmp_path: Path) -> None:
     out = tmp_path / "out"
     summary = build(drive_of_text(DESIGN), out, lambda _: None).summaries[0]["contact"]
@@ -504,6 +510,7 @@ def test_contact_table_has_a_row_per_position_and_agrees_with_the_summary(tmp_pa
     assert designed["sliding_velocity_max_mm_s"] == pytest.approx(2.0 * speed * reach, rel=0.05)
 
 
+@pytest.mark.slow
 def test_contact_is_drawn_with_and_without_backlash(tmp_path: Path) -> None:
     plain, thin = (
         shades(

@@ -34,6 +34,9 @@ def grown(outline: Array, by_mm: float) -> Array:
 # --- what outlines within the chord tolerance keep -------------------------------------------------------------------
 
 
+@pytest.mark.tiers(
+    quick=["uniform-8", "sine-25"], thorough=["uniform*", "ellipse-37", "baler-25", "long ellipse-60"], rest="slow"
+)
 @pytest.mark.parametrize(("name", "teeth"), [*PAIRS, ("baler", 25), ("uniform", 8), ("deep sine", 72), ("ring", 40)])
 def test_written_outlines_touch_where_the_exact_curves_do(name: str, teeth: int) -> None:
     """Within three chord tolerances at the pitch radius, and none deeper than one inside the other."""
@@ -49,6 +52,7 @@ def test_written_outlines_touch_where_the_exact_curves_do(name: str, teeth: int)
     assert contact.contact_ratio == min(exact.pushing.arcs.min(), exact.back.arcs.min())
 
 
+@pytest.mark.tiers(slow=["uniform 1:2-24", "uniform 3:2-30"], rest="thorough")
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 25), ("uniform 1:2", 24), ("uniform 3:2", 30)])
 def test_transmission_error_of_circular_outlines_vanishes_with_the_tolerance(name: str, teeth: int) -> None:
     tolerances = 2e-2 * 10.0 ** -np.array([0.0, 0.5, 1.0, 1.5, 2.0])
@@ -63,6 +67,7 @@ def test_transmission_error_of_circular_outlines_vanishes_with_the_tolerance(nam
     assert errors[-1] < errors[0] / 25.0
 
 
+@pytest.mark.tiers(slow=["sine", "baler"], rest="thorough")
 @pytest.mark.parametrize("name", ["ellipse", "sine", "baler"])
 def test_transmission_error_of_other_outlines_vanishes_too(name: str) -> None:
     """Within three tolerances over the driven pitch radius at every position, and in proportion."""
@@ -84,6 +89,7 @@ def test_tips_clear_roots_by_what_the_rack_says(name: str, teeth: int) -> None:
 # --- negative controls -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.tiers(thorough=["ellipse"], slow=["baler"], rest="quick")
 @pytest.mark.parametrize("name", ["uniform", "ellipse", "sine", "baler"])
 def test_straight_sided_teeth_do_not_pass_for_conjugate_ones(name: str) -> None:
     """A tolerance so coarse that every curve is one chord; the bound that sampled exact flanks keep is missed."""

@@ -86,6 +86,7 @@ def focal_distances(positions: Array, eccentricity: float, direction: float) -> 
     return np.hypot(*positions.T), np.hypot(*(positions - other).T)
 
 
+@pytest.mark.judges("pitch")
 @every_ellipse
 @every_gear
 def test_elliptical_gears_are_ellipses_about_a_focus(eccentricity: float, phase: float, gear: Gear) -> None:
@@ -271,6 +272,7 @@ def test_tangent_and_curvature_are_derivatives_along_the_curve(name: str, gear: 
         assert bend == pytest.approx(-at.curvature[0] * at.normal[0], abs=1e-13 * 144.0 / half + 1e-9)
 
 
+@pytest.mark.tiers(quick=["driven-*"], rest="thorough")
 @every_law
 @every_gear
 def test_curvature_range_bounds_a_dense_sample(name: str, gear: Gear) -> None:
@@ -343,11 +345,13 @@ def exact_radii() -> list[tuple[tuple[float, float], Chebyshev]]:
     return parts
 
 
+@pytest.mark.thorough
 def test_the_interpolants_of_the_exact_radius_are_resolved() -> None:
     for _, radius in exact_radii():
         assert np.abs(radius.coef[-3:]).max() <= 1e-11 * DISTANCE
 
 
+@pytest.mark.judges("pitch")
 def test_baler_length_against_quadrature_of_the_exact_law() -> None:
     """629.2813 mm, not the 628.94 mm that a coarse sample gives."""
     unit, weights = legendre.leggauss(200)

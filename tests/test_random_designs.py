@@ -141,6 +141,7 @@ def judge_checks(folder: Path, count: int, number: int) -> Counter[str]:
     return each(count, number, spoiled_designs(), lambda data: verdict(folder, data, checked))
 
 
+@pytest.mark.thorough
 def test_random_designs_are_checked_or_refused(tmp_path: Path) -> None:
     found = judge_checks(tmp_path, 40, 10**6)
     assert min(found["made"], found["refused 2"], found["refused 3"]) >= 3, found
@@ -202,6 +203,7 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(build_module, "pictures", lambda *_: {})
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("undrawn")
 def test_random_designs_are_built_or_refused(tmp_path: Path) -> None:
     found = judge_builds(tmp_path, 4, 10**6)
@@ -226,6 +228,7 @@ SPOILERS: dict[str, Callable[[bytes], bytes]] = {
 }
 
 
+@pytest.mark.tiers(quick=["driven.stl"], rest="thorough")
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("name", SPOILERS)
 def test_the_judge_sees_what_is_wrong_in_a_file(name: str) -> None:

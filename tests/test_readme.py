@@ -69,6 +69,7 @@ def test_the_savings_are_todays(name: str, words: str) -> None:
     assert words in BALER
 
 
+@pytest.mark.thorough
 def test_what_is_possible_is_todays() -> None:
     """The table of docs/baler.md, whose thin spaces part thousands."""
     rows = re.findall(r"^\| `designs/([\w-]+)\.yaml`[^|]*\| ([\d ]+) \| ([\d ]+) \|", BALER, flags=re.MULTILINE)

@@ -1,4 +1,7 @@
-"""What a user sees when a design cannot be, by the real program: status, place, key, remedy; what stays untouched."""
+"""What a user sees when a design cannot be: status, place, key, remedy; what stays untouched.
+
+Refusals are told in this process; what goes to the pipes and what a failed build leaves, by the real program.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from commands import Run, changed
 from ncgear.design.laws.registry import LawName
 
 ROOT = Path(__file__).parents[1]
@@ -17,22 +21,19 @@ BALER = (ROOT / "designs" / "baler.yaml").read_text(encoding="utf-8")
 MOTION = "motion: {law: ellipse, eccentricity: 0.35, phase_deg: 200}"
 ELLIPSE = (ROOT / "designs" / "ellipse.yaml").read_text(encoding="utf-8")
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Program = Callable[..., subprocess.CompletedProcess[str]]
 
 
 @pytest.fixture
-def run(tmp_path: Path) -> Run:
+def program(tmp_path: Path) -> Program:
+    """Run the program in a process of its own, in an empty folder."""
+
     def ncgear(*arguments: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
             [sys.executable, "-m", "ncgear", *arguments], capture_output=True, text=True, cwd=tmp_path, timeout=120
         )
 
     return ncgear
-
-
-def changed(text: str, old: str, new: str) -> str:
-    assert text.count(old) == 1, f"{old!r} stands {text.count(old)} times"
-    return text.replace(old, new)
 
 
 def line_of(text: str, word: str) -> int:
@@ -178,17 +179,18 @@ IMPOSSIBLE = {
 }
 
 
+@pytest.mark.judges("cli")
 @pytest.mark.parametrize("case", WRONG)
 def test_wrong_input(case: str, run: Run, tmp_path: Path) -> None:
     command, text, place, key, says = WRONG[case]
     (tmp_path / "d.yaml").write_text(text, encoding="utf-8")
-    done = run(command, "d.yaml")
-    assert done.returncode == 2
-    assert done.stderr.startswith(f"d.yaml:{line_of(text, place)}:")
-    assert f" {key}: " in done.stderr
-    assert says in done.stderr
-    assert done.stdout == ""
-    assert "Traceback" not in done.stderr
+    status, out, err = run(command, "d.yaml")
+    assert status == 2
+    assert err.startswith(f"d.yaml:{line_of(text, place)}:")
+    assert f" {key}: " in err
+    assert says in err
+    assert out == ""
+    assert "Traceback" not in err
     assert {path.name for path in tmp_path.iterdir()} == {"d.yaml"}
 
 
@@ -196,49 +198,53 @@ def test_wrong_input(case: str, run: Run, tmp_path: Path) -> None:
 def test_no_such_mechanism(case: str, run: Run, tmp_path: Path) -> None:
     command, text, key, says = IMPOSSIBLE[case]
     (tmp_path / "d.yaml").write_text(text, encoding="utf-8")
-    done = run(command, "d.yaml")
-    assert done.returncode == 3
-    assert done.stderr.startswith("d.yaml:")
-    assert key in done.stderr
-    assert says in done.stderr
-    assert done.stdout == ""
-    assert "Traceback" not in done.stderr
+    status, out, err = run(command, "d.yaml")
+    assert status == 3
+    assert err.startswith("d.yaml:")
+    assert key in err
+    assert says in err
+    assert out == ""
+    assert "Traceback" not in err
 
 
-def test_a_failed_build_leaves_the_last_good_one(run: Run, tmp_path: Path) -> None:
+@pytest.mark.thorough
+def test_a_failed_build_leaves_the_last_good_one(program: Program, tmp_path: Path) -> None:
     design = tmp_path / "d.yaml"
     design.write_text(ELLIPSE, encoding="utf-8")
-    assert run("build", "d.yaml", "--out", "out").returncode == 0
+    assert program("build", "d.yaml", "--out", "out").returncode == 0
     before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
     design.write_text(changed(ELLIPSE, "bore_mm: 10}\n  driven", "bore_mm: 60}\n  driven"), encoding="utf-8")
-    assert run("build", "d.yaml", "--out", "out").returncode == 2
+    assert program("build", "d.yaml", "--out", "out").returncode == 2
     assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
 
 
-def test_results_go_to_the_pipe_and_nothing_else(run: Run, tmp_path: Path) -> None:
+@pytest.mark.thorough
+def test_results_go_to_the_pipe_and_nothing_else(program: Program, tmp_path: Path) -> None:
     (tmp_path / "d.yaml").write_text(BALER, encoding="utf-8")
-    done = run("check", "d.yaml", "--json")
+    done = program("check", "d.yaml", "--json")
     assert done.stderr == ""
     assert json.loads(done.stdout)["check"]["peak_power_w"] == pytest.approx(6315.1, abs=0.1)
-    built = run("build", "d.yaml", "--out", "out")
+    built = program("build", "d.yaml", "--out", "out")
     assert built.stderr == ""
     assert "out/driving.stl" in built.stdout
 
 
-def test_timing_is_reported_beside_the_results(run: Run, tmp_path: Path) -> None:
+@pytest.mark.thorough
+def test_timing_is_reported_beside_the_results(program: Program, tmp_path: Path) -> None:
     (tmp_path / "d.yaml").write_text(ELLIPSE, encoding="utf-8")
-    done = run("build", "d.yaml", "--out", "out", "--timing")
+    done = program("build", "d.yaml", "--out", "out", "--timing")
     assert "teeth" in done.stderr
     timing = json.loads((tmp_path / "out" / "summary.json").read_text())["timing_s"]
     assert {"law", "pitch curves", "teeth", "contact", "solids", "plots"} <= set(timing)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "law",
-    [law if law is LawName.ELLIPSE else pytest.param(law, marks=pytest.mark.slow) for law in LawName],
+    LawName,
 )
-def test_a_new_design_builds(law: LawName, run: Run, tmp_path: Path) -> None:
-    assert run("new", "mine", "--law", law).returncode == 0
-    done = run("build", "mine.yaml")
+def test_a_new_design_builds(law: LawName, program: Program, tmp_path: Path) -> None:
+    assert program("new", "mine", "--law", law).returncode == 0
+    done = program("build", "mine.yaml")
     assert (done.returncode, done.stderr) == (0, "")
     assert (tmp_path / "export" / "mine" / "summary.json").exists()

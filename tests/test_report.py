@@ -73,6 +73,7 @@ def asked_for(page: str) -> list[str]:
     return attributes + [found for style in styles for found in re.findall(r"@import.*|url\((?!#)[^)]*\)", style)]
 
 
+@pytest.mark.thorough
 def test_the_page_asks_for_nothing() -> None:
     page = reports.page("baler")
     assert asked_for(page) == []

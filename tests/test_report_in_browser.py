@@ -97,12 +97,14 @@ def outside(opened: Opened) -> list[str]:
 # --- loading
 
 
+@pytest.mark.thorough
 def test_it_loads_without_an_error_or_a_request(baler: Opened) -> None:
     assert baler.errors == []
     assert len(baler.requests) == 1
     assert outside(baler) == []
 
 
+@pytest.mark.thorough
 def test_requests_and_errors_are_seen(opening: Open) -> None:
     """The policy turns pictures into errors; without it they are requests; and the script's own faults are heard."""
     page = reports.page("baler")
@@ -324,6 +326,7 @@ def test_it_prints_without_controls_and_in_light_colours(baler: Opened) -> None:
     assert pdf.count(b"/Type /Page\n") < 15
 
 
+@pytest.mark.thorough
 def test_hostile_text_stays_text(opening: Open, tmp_path: Path) -> None:
     from test_report import DESIGN
 

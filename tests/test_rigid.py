@@ -113,6 +113,7 @@ def values(loads: Loads) -> dict[str, float]:
     return {name: float(value.value[0]) for name, value in found.items()}
 
 
+@pytest.mark.judges("dynamics")
 @pytest.mark.parametrize("phi1", [0.1, 1.3, 2.2, 3.0, 3.5, 4.4, 5.9])
 @pytest.mark.parametrize("internal", [False, True])
 @pytest.mark.parametrize("rpm", [20.0, 200.0])
@@ -292,6 +293,7 @@ def test_no_mass_and_no_resistance_ask_for_nothing() -> None:
 # --- peaks and flywheel --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.tiers(quick=["uniform"], rest="thorough")
 @pytest.mark.parametrize("name", ["uniform", "stroke, e = 0", "ratio table", "ellipse 1:2"])
 def test_peaks_are_those_of_dense_samples(name: str) -> None:
     rigid = RigidMachine(machine(name, 60.0), HEAVY, OUTSIDE)

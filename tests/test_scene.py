@@ -38,6 +38,8 @@ def rounding_mm(found: Scene) -> float:
     return 1e-14 * (linkage.crank_mm + linkage.rod_mm) * 10.0
 
 
+@pytest.mark.judges("drawings")
+@pytest.mark.tiers(quick=["gearless", "askew", "pump-1-2"], slow=["baler-66-two-stage"], rest="thorough")
 @every_scene
 def test_the_linkage_stays_joined(name: str) -> None:
     found = scene(name)

@@ -71,6 +71,8 @@ def difference(name: str, values: Array, figures: list[dict[str, float]]) -> flo
     return float(np.max(np.abs(values - [row[name] for row in figures]) / size))
 
 
+@pytest.mark.judges("screening")
+@pytest.mark.tiers(quick=["baler-66", "ellipse"], rest="thorough")
 @pytest.mark.parametrize("name", ["baler", "baler-a1-at-law-speed", "baler-66", "baler-smooth"])
 def test_shipped_designs_are_screened_together(name: str) -> None:
     designs = [loaded(name).design] * 2
@@ -85,6 +87,7 @@ def random_strokes(seed: int, count: int) -> list[Design]:
     return [stroke_design(random) for _ in range(count)]
 
 
+@pytest.mark.thorough
 def test_random_strokes_agree_with_single_designs() -> None:
     designs = random_strokes(11, 20)
     found = screened(designs)
@@ -115,6 +118,7 @@ def random_harmonics(seed: int, count: int) -> list[Design]:
     return [harmonic_design(random) for _ in range(count)]
 
 
+@pytest.mark.thorough
 def test_random_harmonics_agree_with_single_designs() -> None:
     designs = random_harmonics(1, 15)
     found = screened(designs)
@@ -151,6 +155,7 @@ def test_too_few_points_would_not_agree(monkeypatch: pytest.MonkeyPatch) -> None
     assert disagreement(found, designs) > 1e-6
 
 
+@pytest.mark.thorough
 def test_the_order_of_designs_and_their_neighbours_do_not_matter() -> None:
     designs = [*random_strokes(8, 10), *random_harmonics(8, 10)]
     whole, half = screened(designs), screened(designs[::-2])
@@ -159,6 +164,7 @@ def test_the_order_of_designs_and_their_neighbours_do_not_matter() -> None:
         assert half.figures[name][::-1] == pytest.approx(whole.figures[name][mirrored], rel=1e-12, abs=1e-12)
 
 
+@pytest.mark.thorough
 def test_figures_hold_no_gap() -> None:
     found = screened([*random_strokes(9, 10), *random_harmonics(9, 10)])
     assert all(np.isfinite(values).all() for values in found.figures.values())
@@ -183,6 +189,7 @@ RESISTANCES: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.tiers(thorough=["with a pole"], rest="quick")
 @pytest.mark.parametrize("resistance", RESISTANCES.values(), ids=RESISTANCES)
 def test_resistances_of_other_forms(resistance: dict[str, Any]) -> None:
     designs = [Design.model_validate({**data_of("baler"), "resistance": resistance})]

@@ -35,6 +35,7 @@ MECHANISMS = {
 }
 
 
+@pytest.mark.judges("balance")
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_force_and_moment_are_rates_of_momentum(name: str) -> None:
     mechanism, amplitude = MECHANISMS[name]
@@ -107,6 +108,7 @@ PAN = JointMasses(11.9, 12.86)
 SIEVE = Masses(slider_kg=0.26, rod_kg=90.4, rod_center_mm=1378.0 - 448.0, crank_kg=1.0, crank_center_mm=12.3)
 
 
+@pytest.mark.judges("balance")
 def test_the_published_partial_balance() -> None:
     crank = CrankSlider(15.0, 1045.0)
     pan = [partial_counterweight_kg(crank, PAN, 45.0, k) for k in (1 / 3, 1 / 2)]

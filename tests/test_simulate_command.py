@@ -55,6 +55,7 @@ def table(folder: str) -> np.ndarray:
     return np.genfromtxt(Path(folder, "simulation.csv"), delimiter=",", names=True)
 
 
+@pytest.mark.thorough
 def test_the_published_baler_with_masses(run: Run) -> None:
     """Pinned: peaks of torque and mesh force beside the uniform crank's; the mean torque is the work's over 2 pi."""
     status, out, err = run(DESIGN.read_text(encoding="utf-8"))
@@ -101,6 +102,7 @@ def test_the_templates_masses_hold_what_they_say() -> None:
     assert found.gravity_m_s2 == pytest.approx((0.0, -9.80665), abs=1e-15)
 
 
+@pytest.mark.tiers(quick=["no gears"], rest="thorough")
 @pytest.mark.parametrize("gears", [GEARS, ""], ids=["gears", "no gears"])
 def test_what_is_written(run: Run, gears: str) -> None:
     status, out, _ = run(HEAD + gears + MASSES, "--out", "here", "--level", "rigid")
@@ -130,6 +132,7 @@ def test_gears_that_say_nothing_of_their_inertia_have_that_of_their_bodies() -> 
         assert found == pytest.approx(about_axis, rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_a_rings_inertia_is_that_of_its_body() -> None:
     motion = "motion: {law: ratio_expression, ratio: 2 + 0.4*cos(phi), scale_to_close: true}"
     gears = "gears: {mesh: internal, lobes: {driven: 2}, teeth: 24, module_mm: 1.5, face_width_mm: 5}\n"
@@ -221,6 +224,7 @@ print(json.dumps(sorted({{name.split('.')[0] for name in sys.modules}})))
     return set(json.loads(done.stdout))
 
 
+@pytest.mark.thorough
 def test_the_rigid_level_makes_no_tooth_and_loads_no_solver_and_no_mesh() -> None:
     unmade = "assert not {'teeth', 'designed_contact', 'solids', 'rack'} & set(vars(drive)), vars(drive)"
     assert after_simulating(unmade) & {"trimesh", "casadi", "sympy"} == set()

@@ -47,6 +47,7 @@ def table() -> np.ndarray:
     return np.genfromtxt("here/simulation.csv", delimiter=",", names=True)
 
 
+@pytest.mark.thorough
 def test_loaded_contact_of_the_published_baler(run: Run) -> None:
     """Pinned: what its teeth give way and bear under the rigid level's torque, with chosen masses."""
     status, _, err = run(DESIGN.read_text(encoding="utf-8"), "quasi_static")
@@ -80,6 +81,7 @@ def test_motion_in_time_of_the_published_baler(run: Run) -> None:
     assert all(Path("here", name).read_bytes().startswith(b"\x89PNG") for name in names)
 
 
+@pytest.mark.thorough
 def test_motion_in_time_with_a_motor_from_rest(run: Run) -> None:
     motor = "simulation: {start: rest, turns: 0.1, motor: {no_load_speed_rpm: 60, stall_torque_n_m: 200}}\n"
     status, out, err = run(HEAD + motor, "dynamic")

@@ -73,6 +73,9 @@ def test_a_study_is_known_by_its_own_key(key: str) -> None:
     assert STUDIES[key]().key == key
 
 
+@pytest.mark.tiers(
+    slow=["curvature-baler", "closure"], thorough=["pitch-length-baler", "driven-angle-ellipse"], rest="quick"
+)
 @pytest.mark.parametrize(
     "key",
     [pytest.param(key, marks=pytest.mark.slow if key == "driven-angle-return" else ()) for key in BOUNDS],
@@ -81,6 +84,7 @@ def test_what_ncgear_does_is_exact(key: str) -> None:
     assert of(key).chosen[1].error <= BOUNDS[key]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", RATED)
 def test_rates_are_the_theorys(key: str) -> None:
     found = rates(of(key))

@@ -114,12 +114,14 @@ def test_eccentric_anomalies_are_those_of_elliptic_integrals_to_fifty_digits() -
 OUTLINES = ["outlines-circle", "outlines-ellipse"]
 
 
+@pytest.mark.tiers(quick=["outlines-circle"], rest="thorough")
 @pytest.mark.parametrize("key", OUTLINES)
 def test_vertices_of_outlines_are_on_the_closed_form(key: str) -> None:
     gear = CIRCLE if key == "outlines-circle" else ELLIPSE
     assert np.max(gear.distance_mm(outline(key))) < ROUNDING_MM
 
 
+@pytest.mark.tiers(thorough=["*-ellipse"], rest="slow")
 @pytest.mark.parametrize("key", OUTLINES)
 @pytest.mark.parametrize("method", [outlines.CHORDS, pytest.param(outlines.BOTH_SIDES, marks=pytest.mark.slow)])
 def test_outlines_stray_by_their_tolerance_with_points_that_grow_by_its_square_root(key: str, method: str) -> None:
@@ -131,6 +133,7 @@ def test_outlines_stray_by_their_tolerance_with_points_that_grow_by_its_square_r
     assert order_by_size(measured) == pytest.approx(2.0, abs=0.35)
 
 
+@pytest.mark.tiers(slow=["outlines-circle"], rest="thorough")
 @pytest.mark.parametrize("key", OUTLINES)
 def test_even_parameters_are_of_second_order_and_need_more_points(key: str) -> None:
     measured = found(key, outlines.EVEN, 8, 16, 32)
@@ -140,6 +143,7 @@ def test_even_parameters_are_of_second_order_and_need_more_points(key: str) -> N
     assert measured[0].error > 1.5 * chords[1].error
 
 
+@pytest.mark.thorough
 def test_equivalent_gears_miss_an_elliptical_gear_however_many_points_they_have() -> None:
     astray = found("outlines-ellipse", outlines.EQUIVALENT, 5e-4, 5e-5)
     assert all(point.error > 1.5e-3 for point in astray)
@@ -148,6 +152,7 @@ def test_equivalent_gears_miss_an_elliptical_gear_however_many_points_they_have(
     assert study("outlines-circle").error(teeth.driving.outline_mm) <= 5e-5
 
 
+@pytest.mark.tiers(quick=["outlines-circle"], rest="thorough")
 @pytest.mark.parametrize("key", OUTLINES)
 def test_an_outline_displaced_by_a_tenth_of_the_tolerance_is_told(key: str) -> None:
     fine = toothed_pair(study_pair(key), form(), 0.05 * TOLERANCE_MM).driving.outline_mm
@@ -225,12 +230,14 @@ def test_volumes_of_even_parameters_are_of_second_order() -> None:
     assert order(found("solid-volume", solids.EVEN, 8, 16, 32), 0.0) == pytest.approx(2.0, abs=0.06)
 
 
+@pytest.mark.thorough
 def test_facets_of_straight_and_helical_teeth_keep_to_the_tolerance() -> None:
     for method in (solids.STRAIGHT, solids.HELICAL):
         for point in found("solid-surface", method, 0.05, 0.016):
             assert 0.3 * point.level < point.error <= point.level
 
 
+@pytest.mark.thorough
 def test_helical_volumes_fall_with_the_tolerance_and_triangles_with_its_inverse() -> None:
     """Sections and chords both grow by the square root."""
     measured = found("solid-volume", solids.HELICAL, 0.05, 0.016, TOLERANCE_MM)
@@ -249,6 +256,7 @@ def test_a_solid_without_one_of_its_teeth_is_told() -> None:
     assert solids.surface_error_mm(without) > 0.1 * MODULE_MM
 
 
+@pytest.mark.tiers(quick=["0.001"], rest="thorough")
 @pytest.mark.parametrize("share", [1e-3, -1e-3])
 def test_a_solid_of_another_size_or_another_helix_is_told(share: float) -> None:
     solid = study("solid-volume").method(solids.STRAIGHT).run(TOLERANCE_MM)

@@ -147,6 +147,7 @@ def moved(contour: Contour, off: float) -> Contour:
     return replace(contour, curves=curves)
 
 
+@pytest.mark.thorough
 def test_a_face_that_is_moved_by_two_tolerances_is_seen() -> None:
     gear = drive("ellipse").teeth.driving
     contour = contour_of(gear, 5e-4)
@@ -184,6 +185,7 @@ def test_a_ring_stands_within_a_cylinder() -> None:
     assert abs(signed_area(mark)) == pytest.approx(np.pi / 4.0, rel=1e-6)
 
 
+@pytest.mark.thorough
 def test_the_pair_stands_as_it_goes_together() -> None:
     file = Part21(files("ellipse")["pair.step"])
     names = [product.arguments[0] for product in file.of("PRODUCT")]
@@ -204,6 +206,7 @@ def test_the_header_says_how_close_and_nothing_of_clock_or_machine() -> None:
     assert header.endswith("'ncgear',''); FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));")
 
 
+@pytest.mark.thorough
 def test_the_same_design_gives_the_same_bytes(capfd: pytest.CaptureFixture[str]) -> None:
     assert step_files(Drive(loaded("ellipse").design)) == files("ellipse")
     assert capfd.readouterr() == ("", "")
@@ -239,6 +242,7 @@ def test_a_missing_library_is_named_with_its_remedy(monkeypatch: pytest.MonkeyPa
         step_files(drive("ellipse"))
 
 
+@pytest.mark.thorough
 def test_a_file_of_another_solid_is_a_fault() -> None:
     contour = contour_of(drive("ellipse").teeth.driving, 5e-4)
     own, wider = (gear_shape(contour, plate(width)) for width in (12.0, 12.001))
@@ -389,6 +393,7 @@ def test_a_build_writes_the_kind_that_is_asked_for(run: Run, tmp_path: Path) -> 
     assert not list((tmp_path / "made").glob("*.dxf"))
 
 
+@pytest.mark.thorough
 def test_nothing_but_steps_needs_the_library() -> None:
     """The module that others import loads it only when it is asked for files."""
     code = "import sys, ncgear.files.build, ncgear.files.workshop.step; sys.exit('OCP' in sys.modules)"

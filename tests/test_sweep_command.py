@@ -33,6 +33,7 @@ def table() -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
+@pytest.mark.thorough
 def test_a_sweep_writes_a_row_for_every_combination(run: Run) -> None:
     status, out, err = run(SPEEDS, "operation.speed_rpm=20:40:2")
     assert (status, err) == (0, "")
@@ -42,6 +43,7 @@ def test_a_sweep_writes_a_row_for_every_combination(run: Run) -> None:
     assert "export/press-sweep/sweep.csv" in out
 
 
+@pytest.mark.thorough
 def test_a_row_has_the_figures_of_its_design(run: Run) -> None:
     run(SPEEDS)
     row = table()[1]
@@ -50,6 +52,7 @@ def test_a_row_has_the_figures_of_its_design(run: Run) -> None:
     assert row["verdict"] == "made"
 
 
+@pytest.mark.thorough
 def test_the_best_are_named_first(run: Run) -> None:
     _, out, _ = run("motion.a1_mm_s2=-3000:-1000:9")
     by_acceleration = min(table(), key=lambda row: float(row["check.peak_acceleration_cycle_mm_s2"]))
@@ -77,6 +80,7 @@ def test_designs_that_cannot_be_made_have_a_verdict_and_no_figures(run: Run) -> 
     assert "      1  motion.v1_mm_s: the slider stops or reverses inside the working stroke" in out
 
 
+@pytest.mark.thorough
 def test_values_that_the_schema_refuses_are_verdicts_too(run: Run) -> None:
     """Teeth are whole, and angles rise."""
     run("gears.teeth=25:26:3", "motion.theta2_pi=0.7:1.1:2")

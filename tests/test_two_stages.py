@@ -65,6 +65,7 @@ def built() -> Built:
     return Built(folder, done.summaries, said, build_text(done.summaries, done.paths) + timing_text(drive(NAME)))
 
 
+@pytest.mark.thorough
 def test_both_stages_are_written_in_full() -> None:
     assert {path.name for path in built().folder.iterdir()} == {"stage-1", "stage-2"}
     for stage in STAGES:
@@ -248,6 +249,7 @@ def angle_and_dents(task: Task, law: MakeableLaw, moved: np.ndarray) -> tuple[fl
     return max(top for wish, top in tops if wish == "pressure_angle_deg"), max(t for w, t in tops if w == "convex")
 
 
+@pytest.mark.tiers(slow=["True"], rest="thorough")
 @pytest.mark.parametrize("joint", [True, False])
 def test_the_larger_angle_is_least(tmp_path: Path, joint: bool) -> None:
     """No small change of the second stage's share lowers it and keeps all curves convex."""
@@ -270,6 +272,7 @@ def test_the_larger_angle_is_least(tmp_path: Path, joint: bool) -> None:
 GIVEN = np.array([-0.5, 0.15, 0.02, 0.0])
 
 
+@pytest.mark.thorough
 def test_two_pairs_have_far_less_angle_than_one(tmp_path: Path) -> None:
     pytest.importorskip("casadi")
     from ncgear.optimum.makeable.law import shared_law

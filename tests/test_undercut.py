@@ -50,6 +50,7 @@ def full_flank(angle_deg: float, radius: float = 0.2) -> BasicRack:
 # --- the textbook ------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.tiers(quick=["True-basic2-*", "True-basic6-*"], rest="thorough")
 @pytest.mark.parametrize(
     ("basic", "least"),
     [
@@ -151,6 +152,7 @@ def test_free_of_undercut_does_not_depend_on_the_teeth_at_hand() -> None:
     assert found == {86}
 
 
+@pytest.mark.judges("teeth")
 @pytest.mark.parametrize("eccentricity", [0.0, 0.2, 0.35, 0.5, 0.7])
 def test_free_of_undercut_on_ellipses_in_closed_form(eccentricity: float) -> None:
     """Sharpest curvature 1 / (A (1 - e^2)), perimeter 4 A E(e^2) = pi m z, A being the greater half axis."""
@@ -185,6 +187,7 @@ def undercut_by_closed_form(gear: ToothedGear) -> list[int]:
     return sorted({int(number) for number in own.tooth[regular.min(axis=1) <= 0.0]})
 
 
+@pytest.mark.tiers(quick=["ellipse", "3:1"], rest="thorough")
 @pytest.mark.parametrize(
     ("law", "teeth"),
     [

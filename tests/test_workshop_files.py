@@ -83,6 +83,8 @@ def cut_area(data: bytes, prefix: str = "") -> Polygon:
     return largest.difference(shapely.union_all([ring for ring in rings if ring is not largest]))
 
 
+@pytest.mark.judges("files")
+@pytest.mark.tiers(quick=["ellipse-*"], rest="thorough")
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize("name", DESIGNS)
 def test_a_drawing_has_the_outline_to_rounding(name: str, gear: Gear) -> None:
@@ -137,6 +139,7 @@ def test_the_axis_is_marked_across() -> None:
     assert np.allclose(np.diff(ends, axis=1)[:, 0], [[6.0, 0.0], [0.0, 6.0]])
 
 
+@pytest.mark.tiers(quick=["ellipse"], slow=["helical-ellipse"], rest="thorough")
 @pytest.mark.parametrize("name", [*DESIGNS, "printed-pump", "helical-ellipse"])
 def test_the_pair_is_drawn_as_assembled(name: str) -> None:
     """Clear of each other but for the chord tolerance of each; not so where one is turned by half a tooth."""
@@ -237,6 +240,7 @@ def test_an_image_has_bore_and_holes() -> None:
         assert apart_mm(ours, other) <= ARC_MM
 
 
+@pytest.mark.thorough
 def test_an_image_says_what_each_layer_is_for() -> None:
     text = files("printed-pump")["driving.svg"].decode()
     for layer in (Layer.OUTLINE, Layer.BORE, Layer.INDEX_HOLE, Layer.POCKETS, Layer.HUB, Layer.PITCH_CURVE, Layer.AXIS):
@@ -275,6 +279,7 @@ def printed(data: bytes) -> tuple[str, dict[str, Trimesh]]:
     return unit.name, parts
 
 
+@pytest.mark.tiers(quick=["ellipse"], slow=["helical-ellipse"], rest="thorough")
 @pytest.mark.parametrize("name", [*DESIGNS, "helical-ellipse"])
 def test_prints_are_the_solids_side_by_side(name: str) -> None:
     unit, parts = printed(files(name)["gears.3mf"])
@@ -289,6 +294,7 @@ def test_prints_are_the_solids_side_by_side(name: str) -> None:
     assert parts["driven"].bounds[0][0] - parts["driving"].bounds[1][0] == pytest.approx(5.0, abs=1e-4)
 
 
+@pytest.mark.tiers(quick=["ellipse"], rest="thorough")
 @pytest.mark.parametrize("name", DESIGNS)
 def test_assembled_prints_are_sections_of_the_drawings_times_the_face_width(name: str) -> None:
     """To the tolerance along the circles, which are chords in the solid; a gear a thousandth larger is far off."""
@@ -398,6 +404,7 @@ gears: {teeth: 12, module_mm: 2, face_width_mm: 5, driving: {bore_mm: 5}}
 """
 
 
+@pytest.mark.thorough
 def test_a_build_writes_the_kinds_asked_for_and_clears_the_others(run: Run) -> None:
     Path("wheel.yaml").write_text(WHEEL)
     assert run("build", "wheel.yaml")[0] == 0

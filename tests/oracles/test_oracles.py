@@ -178,6 +178,7 @@ def flank_points(teeth: int, tooth_at_zero: bool = True, thinning: float = 0.0) 
     return shapely.points((radius * np.cos(angle)).ravel(), (radius * np.sin(angle)).ravel())
 
 
+@pytest.mark.tiers(thorough=["clockwise-False", "counter-clockwise-True"], rest="quick")
 @pytest.mark.parametrize("tooth_at_zero", [True, False])
 @pytest.mark.parametrize("turn", [lambda curve: curve, mirrored], ids=["counter-clockwise", "clockwise"])
 def test_rack_on_a_circle_leaves_the_involute(
@@ -240,6 +241,7 @@ def test_rack_on_a_convex_curve_leaves_conjugate_flanks() -> None:
     assert rack_cut.deviation_of_points(conjugate_flank_points(curve, 40), gear).max() < 5e-5
 
 
+@pytest.mark.thorough
 def test_on_a_concave_curve_the_pinion_is_right_and_the_rack_gouges() -> None:
     curve = lobed_curve(0.3, 60)
     flanks = conjugate_flank_points(curve, 60)
@@ -350,6 +352,7 @@ def test_written_files_are_read_back(tmp_path: Path) -> None:
     assert pair.report(97).overlap_depth.max() < 1e-5
 
 
+@pytest.mark.thorough
 def test_a_cut_pair_meshes() -> None:
     driving = rack_cut.cut(circle_curve(25.0), TOOTH, 25, True)
     driven = affinity.rotate(rack_cut.cut(circle_curve(30.0), TOOTH, 30, False), 180, (0, 0))

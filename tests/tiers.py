@@ -1,0 +1,39 @@
+"""Three tiers of tests: quick ones, thorough ones that the README's command runs too, slow ones.
+
+A test without a mark is quick.  One marked ``thorough`` takes longer than half a second or so; ``make quick`` leaves it
+out.  One marked ``slow`` is left to .ci/run, and one that is also marked ``long`` to ``make slow``.  Where the
+parameters of a test belong to different tiers, the mark ``tiers`` says which::
+
+    @pytest.mark.tiers(quick=["ellipse"], slow=["baler-*"], rest="thorough")
+
+Each is a list of ids of parameters, where * is any text; the first that fits counts, and ``rest`` is for the others.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import pytest
+
+Collected = pytest.StashKey[list[pytest.Item]]()
+"""All tests that pytest found, whether or not they are asked for."""
+
+TIERS = ("quick", "thorough", "slow")
+
+
+def fits(pattern: str, name: str) -> bool:
+    """Whether a pattern means the id of a parameter."""
+    return re.fullmatch(".*".join(map(re.escape, pattern.split("*"))), name) is not None
+
+
+def tier_of(
+    name: str, rest: str, quick: Sequence[str] = (), thorough: Sequence[str] = (), slow: Sequence[str] = ()
+) -> str:
+    """The tier of a parameter by its id."""
+    if rest not in TIERS:
+        raise ValueError(f"{rest!r} is no tier; there are {', '.join(TIERS)}")
+    for tier, patterns in zip(TIERS, (quick, thorough, slow), strict=True):
+        if any(fits(pattern, name) for pattern in patterns):
+            return tier
+    return rest
