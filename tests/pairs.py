@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from math import radians
+from typing import Any
 
 from drives import drive
+from ncgear.pitch.pair import PitchPair, sized_pair
+from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.form import BasicRack
+from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 
 def rack(
@@ -32,3 +36,18 @@ def sine_law(depth: float, lobes: Lobes | None = None) -> Transmission:
 def baler_law() -> Transmission:
     """The published baler's law."""
     return drive("baler").transmission
+
+
+def pitch_pair(law: Transmission, teeth: int) -> PitchPair:
+    """Pitch curves of module 2 for so many driving teeth."""
+    return sized_pair(law, teeth, 2.0, None)
+
+
+def one_of(pair: Any, gear: Gear) -> Any:
+    """What a pair of pitch curves, toothed gears or solids has for one gear."""
+    return pair.driving if gear is Gear.DRIVING else pair.driven
+
+
+def both(pair: ToothedPair) -> tuple[ToothedGear, ToothedGear]:
+    """The driving and the driven gear."""
+    return pair.driving, pair.driven

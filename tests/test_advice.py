@@ -146,6 +146,7 @@ def test_an_advice_says_what_there_is_and_where(name: str, kind: Kind, gear: str
     assert said in advice.line
 
 
+@pytest.mark.thorough
 def test_every_kind_is_seen_in_a_test() -> None:
     names = [*CASES, "baler", "internal-1-2"]
     assert {advice.kind for name in names for advice in advices(name)} == set(Kind)
@@ -174,6 +175,7 @@ def plain(one: Data, schema: Data) -> list[Data]:
     return [found for choice in choices for found in plain(choice, schema)] if choices else [one]
 
 
+@pytest.mark.thorough
 def test_every_advised_key_is_one_of_the_schema() -> None:
     advised = {
         change.key for name in CASES for advice in advices(name) for r in advice.remedies for change in r.changes
@@ -183,7 +185,7 @@ def test_every_advised_key_is_one_of_the_schema() -> None:
     assert not schema_at("gears.rack.height")
 
 
-@pytest.mark.tiers(quick=["pointed", "negative resistance", "undercut*"], slow=["wide expression"], rest="thorough")
+@pytest.mark.tiers(slow=["wide expression"], rest="thorough")
 @pytest.mark.parametrize("name", CASES)
 def test_following_an_advice_removes_it(name: str) -> None:
     for kind, remedy in remedies(name, command=False):
@@ -202,6 +204,7 @@ def test_the_law_that_is_found_within_the_advised_limit_removes_the_advice(name:
         assert kind not in kinds(followed(data_of(name), remedy)), remedy
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "kind", "less"),
     [

@@ -59,6 +59,7 @@ def marked_pins(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(looks, "PIN", {"facecolor": MARK, "edgecolor": "none"})
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("marked_pins")
 def test_the_pins_are_drawn_where_the_law_has_them() -> None:
     """To a third of a pixel; the law tells the crank's angle, plane trigonometry the rest."""
@@ -109,6 +110,7 @@ def test_the_words_tell_the_pose() -> None:
     assert words == ["displacement 302 mm", "velocity 2.39 m/s", "phi1  90.0\u00b0  phi2  90.0\u00b0"]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["baler", "pump-1-2"])
 def test_the_loop_closes(name: str) -> None:
     """After the last frame comes the first: all that moves is where it was, to the pixel."""
@@ -126,7 +128,7 @@ def gif(name: str, frames: int = 5, seconds: float = 0.37, width: int = 401) -> 
     return Image.open(BytesIO(animated(scene(name), Format.GIF, loop, lambda done, total: None)))
 
 
-@pytest.mark.tiers(thorough=["webbed"], rest="quick")
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "name", ["baler", "internal-1-2", pytest.param(TWO_STAGES, marks=pytest.mark.slow), "gearless", "webbed"]
 )
@@ -146,6 +148,7 @@ def test_a_gif_has_its_frames_its_time_and_its_size(name: str) -> None:
     assert papers == [(255, 255, 255)] * 5
 
 
+@pytest.mark.thorough
 def test_the_same_scene_gives_the_same_bytes() -> None:
     loop = Loop(Timing(3, 1.0), 320)
     once, again = (animated(scene("ellipse"), Format.GIF, loop, lambda done, total: None) for _ in range(2))
@@ -189,6 +192,7 @@ def gearless(tmp_path: Path) -> str:
 QUICK = ["--frames", "2", "--width", "320"]
 
 
+@pytest.mark.thorough
 def test_the_command_writes_where_it_is_told(run: Run, gearless: str) -> None:
     status, out, _ = run("animate", gearless, *QUICK)
     assert status == 0

@@ -80,6 +80,7 @@ def package_imports() -> dict[str, set[str]]:
     return found
 
 
+@pytest.mark.thorough
 def test_imports_go_down_only() -> None:
     assert upward_imports(package_imports()) == []
 
@@ -88,6 +89,7 @@ def test_an_import_that_goes_up_is_seen() -> None:
     assert upward_imports({"numerics": {"ncgear.teeth.flank"}}) == ["numerics imports ncgear.teeth.flank"]
 
 
+@pytest.mark.thorough
 def test_every_room_has_a_layer() -> None:
     assert set(package_imports()) == set(HEIGHT)
 
@@ -105,6 +107,7 @@ def writes_to_paths(text: str) -> bool:
     return any(isinstance(call, ast.Attribute) and call.attr in WRITES for call in calls)
 
 
+@pytest.mark.thorough
 def test_files_are_written_in_few_places() -> None:
     assert writes_to_paths("path.write_text(text)")
     found = {str(path.relative_to(SOURCE)) for path in SOURCE.rglob("*.py") if writes_to_paths(path.read_text())}

@@ -80,7 +80,7 @@ def test_positions_cover_a_meeting_cycle_evenly(name: str, teeth: int, driven: i
 # --- exact flanks keep the law -------------------------------------------------------------------------------------
 
 
-@pytest.mark.tiers(quick=["uniform*", "sine-*", "ellipse-37"], rest="thorough")
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "teeth"),
     [("uniform", 18), ("uniform 1:2", 24), ("uniform 3:2", 30), ("ellipse", 37), ("long ellipse", 60), ("sine", 25),
@@ -145,6 +145,7 @@ def transverse_contact_ratio(first: float, second: float, angle: float) -> float
     return float(length / (pi * MODULE * cos(angle)))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "teeth", "angle_deg"),
     [("uniform", 18, 20.0), ("uniform", 25, 20.0), ("uniform 1:2", 24, 20.0), ("uniform 3:2", 30, 20.0),
@@ -385,6 +386,7 @@ def height(one: FlankPair, rolled: Array, cycle: float) -> Array:
 COUNTED = [("uniform 3:2", 30), ("ellipse", 37), ("sine", 25), ("baler", 86), ("baler", 25)]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "teeth"), COUNTED)
 def test_arcs_of_contact_are_those_of_the_heights_that_are_left(name: str, teeth: int) -> None:
     pairs, _ = flank_pairs(name, teeth)

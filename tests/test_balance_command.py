@@ -82,7 +82,7 @@ PINNED = {
 }
 
 
-@pytest.mark.tiers(quick=["track-chassis-*", "threshing-drum-*"], rest="thorough")
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "key", "expected", "within"), [(name, *row) for name, rows in PINNED.items() for row in rows]
 )
@@ -94,6 +94,7 @@ def test_every_worked_file_has_pinned_numbers() -> None:
     assert {path.stem for path in WORKED} == set(PINNED) == set(PICTURES)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", PINNED)
 def test_files_and_text(name: str) -> None:
     figures, files = worked(name)

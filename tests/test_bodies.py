@@ -224,6 +224,7 @@ def test_volume_of_the_chamfer_is_the_integral_of_its_sections() -> None:
     assert whole.area * WIDTH - solid.mesh.volume == pytest.approx(lost, rel=1e-6)
 
 
+@pytest.mark.thorough
 def test_a_round_chamfer_is_a_cone() -> None:
     solid = made(Blank(WIDTH, Bore(10.0), chamfer_mm=1.0))
     outer = pi * (RADIUS**2 - (RADIUS**2 + RADIUS * (RADIUS - 1.0) + (RADIUS - 1.0) ** 2) / 3.0)
@@ -299,6 +300,7 @@ def test_what_moves_in_comes_back() -> None:
 # --- masses ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("blank", ASKED)
 def test_moments_of_inertia_count_all_that_is_cut(blank: Blank) -> None:
     """Slab by slab, against the mesh's own volume integrals."""
@@ -306,6 +308,7 @@ def test_moments_of_inertia_count_all_that_is_cut(blank: Blank) -> None:
     assert body_kg_mm2(solid.plan, 7850.0) == pytest.approx(mesh_body(solid.mesh, 7850.0).inertia_kg_mm2, rel=1e-9)
 
 
+@pytest.mark.thorough
 def test_chamfer_and_set_screw_that_are_not_counted_are_small() -> None:
     solid = drive("printed-pump").solids.driving
     counted, whole = body_kg_mm2(solid.plan, 7850.0), mesh_body(solid.mesh, 7850.0).inertia_kg_mm2

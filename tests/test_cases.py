@@ -84,6 +84,7 @@ def test_errors_are_the_problems(name: str) -> None:
     assert condition[worst] == pytest.approx(float(told(name)[3]), rel=1.0) or condition[worst] <= 1e6
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("law", [pytest.param(law, marks=pytest.mark.slow if law in SLOW else []) for law in LawName])
 def test_every_law_is_the_law_of_its_reference(law: LawName) -> None:
     """By its template; a law that is added is judged by its line in ``oracles.laws.REFERENCES``."""

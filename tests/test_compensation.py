@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 from math import pi
-from re import search
 
 import numpy as np
 import pytest
@@ -13,6 +12,7 @@ from mpmath import mp
 from numpy.polynomial import Polynomial
 from scipy.integrate import cumulative_simpson
 
+from commands import stated_angle
 from ncgear.errors import NoSuchMechanism
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.numerics.arrays import Array
@@ -232,7 +232,7 @@ def reading(request: StrokeRequest) -> StrokeLaw:
     return stroke_law(solved_stroke(request), LINKAGES["baler"], Lobes(), constant=0.0)
 
 
-@pytest.mark.tiers(quick=["a1 at 20 r/min"], rest="slow")
+@pytest.mark.tiers(rest="slow")
 @pytest.mark.parametrize(
     ("request_", "reference", "low", "high"),
     [(BALER, SPEED, (0.44, 0.005), (2.05, 0.005)), (AT_LAW_SPEED, None, (0.12, 0.005), (7.5, 0.2))],
@@ -263,13 +263,6 @@ def test_the_law_hands_over_the_ends_that_the_oracle_has() -> None:
 
 LEVEL = ReturnEnds(4.0, 6.0, 3.0, 5.0, 1.0, 0.0, 1.0, 0.0)
 """A return that is a straight line: 2 rad of both gears, ratio 1."""
-
-
-def stated_angle(fault: NoSuchMechanism) -> float:
-    """The angle that the message names, in rad."""
-    found = search(r"phi1 = ([-0-9.e]+) rad", fault.problem)
-    assert found is not None, fault.problem
-    return float(found.group(1))
 
 
 @pytest.mark.parametrize("inverse", [False, True])

@@ -21,7 +21,7 @@ from ncgear.teeth.form import BasicRack, Cutter, CutterKind, TipLimits, ToothFor
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 from ncgear.teeth.tool import PinionCircle, most_teeth
 from oracles import meshing, rack_cut
-from pairs import baler_law, rack, sine_law
+from pairs import baler_law, one_of, rack, sine_law
 
 MODULE = 2.0
 TOLERANCE = 2e-4
@@ -62,10 +62,6 @@ def form(
 def made(name: str, wanted: ToothForm, tolerance: float = TOLERANCE) -> ToothedPair:
     """A pair of gears."""
     return toothed_pair(pitch_pair(name), wanted, tolerance)
-
-
-def of(pair: ToothedPair, gear: Gear) -> ToothedGear:
-    return pair.driving if gear is Gear.DRIVING else pair.driven
 
 
 # --- brute force -------------------------------------------------------------------------------------------------
@@ -119,7 +115,7 @@ RACK_CUT = [
 @pytest.mark.parametrize("name", RACK_CUT)
 @pytest.mark.parametrize("gear", Gear)
 def test_outline_on_a_convex_curve_is_what_a_rack_cuts(name: str, gear: Gear) -> None:
-    own = of(made(name, form(CutterKind.RACK)), gear)
+    own = one_of(made(name, form(CutterKind.RACK)), gear)
     # No tip is shortened here, so the whole outline agrees.
     assert rack_cut.outline_distance(Polygon(own.outline_mm), brute(own), 0.02) < TOLERANCE + CUTTER_FACETS + SCALLOPS
 
@@ -129,7 +125,7 @@ def test_outline_on_a_convex_curve_is_what_a_rack_cuts(name: str, gear: Gear) ->
 @pytest.mark.parametrize(("backlash_mm", "shift_mm"), [(0.1, 0.6), (0.1, -0.4)])
 def test_backlash_and_profile_shift_move_what_a_rack_cuts(gear: Gear, backlash_mm: float, shift_mm: float) -> None:
     wanted = ToothForm(rack(backlash_mm=backlash_mm), shift_mm, -shift_mm, limits=TipLimits(avoid_undercut=False))
-    own = of(made("sine", wanted), gear)
+    own = one_of(made("sine", wanted), gear)
     assert apart(own, brute(own)) < TOLERANCE + CUTTER_FACETS + SCALLOPS
 
 
@@ -154,7 +150,7 @@ def test_brute_force_tells_slightly_other_racks_apart(wrong: dict[str, float]) -
     ],
 )
 def test_outline_is_what_a_pinion_cutter_leaves(name: str, gear: Gear) -> None:
-    own = of(made(name, form(CutterKind.PINION, 20)), gear)
+    own = one_of(made(name, form(CutterKind.PINION, 20)), gear)
     # At half the positions scallops are four times as high.
     assert apart(own, brute(own, 50, 2.0, rack_cut.Pinion(20))) < TOLERANCE + CUTTER_FACETS + 4.0 * SCALLOPS
 
@@ -307,11 +303,12 @@ def test_a_pinion_of_very_many_teeth_is_a_rack() -> None:
 # --- tools against each other ------------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("gear", Gear)
 def test_mated_spaces_contain_what_the_mates_tip_sweeps(gear: Gear) -> None:
     """The mate's tip land, carried through the space by the two rolling frames, stays clear of the root."""
     pair = made("baler", ToothForm(rack(), limits=TipLimits(0.2 * MODULE)), 0.001)
-    own, mate = of(pair, gear), of(pair, next(other for other in Gear if other is not gear))
+    own, mate = one_of(pair, gear), one_of(pair, next(other for other in Gear if other is not gear))
     outline = Polygon(own.outline_mm)
     shapely.prepare(outline)
     for tooth in (0, 17, 43, 61):

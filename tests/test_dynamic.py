@@ -48,7 +48,7 @@ def run(found: Mechanism, name: str, turns: float = 0.3, start: Start = Start.ON
 # Energy
 
 
-@pytest.mark.tiers(quick=["ring-24-rest"], thorough=["uniform 1:2-16-*", "sine-31-rest"], rest="slow")
+@pytest.mark.tiers(thorough=["uniform 1:2-16-*", "sine-31-rest"], rest="slow")
 @pytest.mark.parametrize("start", list(Start))
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 24), ("sine", 31), ("uniform 1:2", 16), ("ring", 24)])
 def test_energy_balances(name: str, teeth: int, start: Start) -> None:
@@ -64,6 +64,7 @@ class Giving(Impact):
         return super().force_n(depth_mm, -rate_mm_s)
 
 
+@pytest.mark.thorough
 def test_a_wrong_sign_of_the_damping_is_told_by_the_energy() -> None:
     found = meshing("uniform", 24)
     wrong = replace(found, impact=Giving(*vars(replace(found.impact, damping_n_s_mm=1.0)).values()))
@@ -97,6 +98,7 @@ def test_a_constant_torque_settles_at_the_closed_forms_depth() -> None:
     np.testing.assert_allclose(teeth.depth_mm[teeth.normal_n > 0.0], depth, rtol=1e-4)
 
 
+@pytest.mark.thorough
 def test_small_vibrations_have_the_closed_forms_frequency() -> None:
     """w^2 = N n k d^(n - 1) r^2 / M about the depth d at rest, the driving gear standing still."""
     smooth = frictionless(meshing("uniform", 24), damping_n_s_mm=0.0)
@@ -195,6 +197,7 @@ def test_a_fast_drive_reverses_the_load_of_the_teeth_and_a_slow_one_does_not() -
         assert (out.back_s.size > 0) is reverses
 
 
+@pytest.mark.thorough
 def test_an_undercut_pair_bears_load_on_its_shorter_contact() -> None:
     kinds = {"undercut": True}
     _, pair = made("uniform", 12, **kinds)
@@ -225,6 +228,7 @@ def test_a_motor_without_load_has_the_closed_forms_run_up() -> None:
     assert out.states[1, -1] == pytest.approx(expected, rel=2e-3)
 
 
+@pytest.mark.thorough
 def test_a_motor_that_cannot_is_told() -> None:
     weak = Motor(SPEED, 2e3, 50.0)
     with pytest.raises(NoSuchMechanism, match="does not get round") as caught:
@@ -272,6 +276,7 @@ def test_a_history_is_the_motion_beside_its_law() -> None:
     assert np.quantile(np.abs(acceleration - shown.slide.acceleration_mm_s2[1:-1]), 0.9) < 1e-2 * typical
 
 
+@pytest.mark.thorough
 def test_joints_bear_what_newton_and_euler_ask_of_the_simulated_motion() -> None:
     """The torque asked of the crank shaft is what the teeth bring, though the motion came from Lagrange's equation."""
     machine = RigidMachine(Machine(LAWS["sine"](), LINKAGE, PolynomialResistance((500.0,)), SPEED), MASSES, PLACE)

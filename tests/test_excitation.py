@@ -88,7 +88,7 @@ def test_critical_speeds_of_the_drum() -> None:
 ONE = Masses(slider_kg=1.0)
 
 
-@pytest.mark.tiers(quick=["mechanism1-0.3"], rest="thorough")
+@pytest.mark.thorough
 @pytest.mark.parametrize(("mechanism", "amplitude"), [(even(masses=ONE), 0.0), (uneven(masses=ONE), AMPLITUDE)])
 def test_harmonics_against_quadrature(mechanism: Mechanism, amplitude: float) -> None:
     """With 1 kg at the slider the shaking force of the oracle is minus the acceleration; trapezoidal, 240 points."""

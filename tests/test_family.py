@@ -208,6 +208,7 @@ def test_the_same_seed_gives_the_same_law() -> None:
     assert again.request == best(18750.0, inverse=True).request
 
 
+@pytest.mark.thorough
 def test_the_request_makes_the_law_again() -> None:
     """As a design file would, with v2 to be found."""
     optimum = best(18750.0, inverse=True)

@@ -21,6 +21,7 @@ from ncgear.teeth.form import BasicRack, TipLimits
 from ncgear.teeth.spaces import Roots, roots_of
 from ncgear.teeth.tool import PinionCircle, RackLine, Tool
 from pairs import baler_law, rack, sine_law
+from plane import cross, fourth_order
 
 MODULE = 2.0
 ALPHA = radians(20.0)
@@ -191,12 +192,6 @@ def test_a_circular_mate_leaves_what_a_pinion_cutter_with_its_teeth_does(gear: G
 # --- envelopes by definition -------------------------------------------------------------------------------------
 
 
-def fourth_order(function: Callable[[Array], Array], at: Array, step: float) -> Array:
-    """Central difference of order 4."""
-    near, far = (function(at + k * step) - function(at - k * step) for k in (1, 2))
-    return (8.0 * near - far) / (12.0 * step)
-
-
 def in_gear(own: Flanks, number: Array, sigma: Array) -> Array:
     """The rounding's centre, which rests in the tool, carried into the gear's frame by the two rolling frames."""
     at, tool = own.curve.at_length(sigma), own.tool.at_length(sigma)
@@ -265,10 +260,6 @@ def directions(slope: Array) -> Array:
     return slope / np.linalg.norm(slope, axis=-1, keepdims=True)
 
 
-def crossed(one: Array, other: Array) -> Array:
-    return one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
-
-
 @pytest.mark.tiers(quick=["*-sine-*"], rest="thorough")
 @pytest.mark.parametrize("backlash_mm", [0.0, 0.1])
 @pytest.mark.parametrize(("name", "tool"), CASES)
@@ -280,7 +271,7 @@ def test_flank_passes_into_fillet_tangentially(name: str, tool: str, gear: Gear,
     assert np.linalg.norm(flank[0] - fillet[0], axis=1).max() < 1e-11 * MODULE
     # Front fillets run outwards with the arc length, as the height does; back fillets against it.
     facing = np.sum(directions(flank[1]) * directions(fillet[1]), axis=1) * own.side
-    assert np.abs(crossed(directions(flank[1]), directions(fillet[1]))).max() < 1e-9
+    assert np.abs(cross(directions(flank[1]), directions(fillet[1]))).max() < 1e-9
     assert facing.min() > 0.0
 
 
@@ -302,7 +293,7 @@ def test_fillet_passes_into_the_root_land_tangentially(name: str, tool: str, gea
     back = np.roll(every[::2], -1)
     for fillets, land in ((every[1::2], begin), (back, end)):
         assert np.linalg.norm(point[fillets] - land[0], axis=1).max() < 1e-9 * MODULE
-        assert np.abs(crossed(directions(slope[fillets]), directions(land[1]))).max() < 1e-8
+        assert np.abs(cross(directions(slope[fillets]), directions(land[1]))).max() < 1e-8
         # The tool's edge touches ahead of where it comes from: lands run with the arc length, fillets against it.
         assert np.sum(slope[fillets] * land[1], axis=1).max() < 0.0
 

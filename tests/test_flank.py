@@ -21,6 +21,7 @@ from ncgear.teeth.flank import FILLET, FLANK, Flanks, flanks_of
 from ncgear.teeth.form import BasicRack, TipRelief
 from ncgear.teeth.tool import RackLine
 from pairs import baler_law, rack
+from plane import cross, fourth_order
 
 MODULE = 2.0
 ALPHA = radians(20.0)
@@ -149,11 +150,6 @@ class Meeting:
         return np.column_stack([radius, np.zeros_like(radius)])
 
 
-def cross(a: Array, b: Array) -> Array:
-    """Plane cross product of rows."""
-    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-
-
 @pytest.mark.parametrize("name", LAWS)
 def test_flanks_of_both_gears_touch_in_the_fixed_frame(name: str) -> None:
     meeting = Meeting(name)
@@ -192,12 +188,6 @@ def test_a_wrong_driven_angle_parts_the_flanks() -> None:
 
 
 # --- derivatives -------------------------------------------------------------------------------------------------
-
-
-def fourth_order(function: Callable[[Array], Array], at: Array, step: float) -> Array:
-    """Central difference of order 4."""
-    near, far = (function(at + k * step) - function(at - k * step) for k in (1, 2))
-    return (8.0 * near - far) / (12.0 * step)
 
 
 def smooth_places(own: Flanks, height: float) -> tuple[Array, Array]:

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
@@ -21,14 +20,9 @@ from ncgear.teeth.sides import refuse_folded_lands, regular_sides
 from ncgear.teeth.spaces import roots_of
 from ncgear.teeth.tips import Tips, tip_crossing
 from ncgear.teeth.tool import RackLine
-from pairs import baler_law, rack, sine_law
+from pairs import baler_law, pitch_pair, rack, sine_law
 
 MODULE = 2.0
-
-
-def pitch_pair(law: Transmission, teeth: int) -> PitchPair:
-    """Pitch curves for so many driving teeth."""
-    return sized_pair(law, teeth, MODULE, None)
 
 
 def ended(own: Flanks) -> Tips:
@@ -78,6 +72,7 @@ def test_tip_land_folds_at_the_hollows_radius(share: float) -> None:
         assert "of tooth 1 there" in caught.value.problem
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("law", "teeth"),
     [(baler_law(), 6), (elliptical_law(0.3, 0.0, Lobes(3, 1)), 9), (sine_law(0.3), 6)],

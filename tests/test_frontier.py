@@ -190,6 +190,7 @@ def test_mechanisms_are_at_one_speed() -> None:
         assert at_30[name].peak_acceleration_mm_s2 == pytest.approx(one.peak_acceleration_mm_s2 / 4.0, rel=1e-9)
 
 
+@pytest.mark.thorough
 def test_the_picture_and_the_text(tmp_path: Path) -> None:
     files = frontier_files(found(), Improvement(design()))
     assert set(files) == {"frontier.csv", "frontier.json", "frontier.png"}

@@ -72,6 +72,7 @@ def test_the_known_slope_is_that_of_the_touching_angle(name: str, teeth: int) ->
     np.testing.assert_allclose(change[near.urge != 0.0], nodes.slopes[0][near.urge != 0.0], atol=1e-2)
 
 
+@pytest.mark.thorough
 def test_slopes_of_corners_match_differences_of_contacts() -> None:
     """The common normal against two solved positions: the error of a corner that scrapes along a flank."""
     pitch, pair = made("sine", 31)

@@ -192,6 +192,7 @@ def test_a_balanced_gear_is_left_as_it_is() -> None:
     assert found.mesh.volume == pytest.approx(round_gear.area * 15.0, rel=1e-9)
 
 
+@pytest.mark.thorough
 @settings(max_examples=15, deadline=None)
 @example(offset=0.15038146635252092, direction=1.875, oval=0.0, bore=0.17254488767752046)  # three points in line
 @given(

@@ -123,9 +123,7 @@ def judge(case: Case, *, parted: bool = False) -> None:
 
 
 @pytest.mark.tiers(
-    quick=["8:8*", "8:40", "8 teeth*"],
-    thorough=["eccentricity*", "3:1", "25 degrees", "backlash", "baler, 25", "no root radius"],
-    rest="slow",
+    thorough=["eccentricity*", "3:1", "25 degrees", "backlash", "baler, 25", "no root radius"], rest="slow"
 )
 @pytest.mark.parametrize("name", CASES)
 def test_hard_pairs_mesh(name: str) -> None:
@@ -138,7 +136,7 @@ def test_more_hard_pairs_mesh(name: str) -> None:
     judge(SLOW[name], parted=name in PARTED)
 
 
-@pytest.mark.tiers(thorough=["baler, 25-1.0", "deep sine, 72-1.1"], rest="quick")
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "least"),
     [
@@ -170,7 +168,7 @@ def jumps() -> Array:
     return sized_pair(baler_law(), 25, 1.0, None).driving.joints_mm
 
 
-@pytest.mark.tiers(quick=["tooth-1"], thorough=["tooth-*"], rest="slow")
+@pytest.mark.tiers(thorough=["tooth-*"], rest="slow")
 @pytest.mark.parametrize("joint", range(4))
 @pytest.mark.parametrize("at_tooth", [True, False], ids=["tooth", "space"])
 def test_a_jump_of_the_curvature_in_the_middle_of_a_tooth_or_a_space(joint: int, at_tooth: bool) -> None:

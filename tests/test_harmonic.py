@@ -227,6 +227,7 @@ def test_all_derivatives_run_on_over_the_seam(name: str) -> None:
 coefficients = st.lists(st.floats(-0.4, 0.4), max_size=8)
 
 
+@pytest.mark.thorough
 @settings(max_examples=60, deadline=None)
 @given(coefficients, coefficients, st.sampled_from([Lobes(), Lobes(2, 1), Lobes(1, 2), Lobes(3, 2)]))
 def test_any_coefficients_close_and_invert(cosine: list[float], sine: list[float], lobes: Lobes) -> None:

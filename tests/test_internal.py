@@ -26,7 +26,7 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.assembly import Placed, assembly_report
 from ncgear.files.meshes import read_back, stl_bytes
 from ncgear.numerics.arrays import Array
-from ncgear.pitch.curve import CurvePoints, PitchCurve
+from ncgear.pitch.curve import CurvePoints
 from ncgear.pitch.internal import LEAST_RATIO, require_ring
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear, Mesh
@@ -42,7 +42,7 @@ from ncgear.solids.plan.room import INNER_WALL_IN_MODULES, OUTER_WALL_IN_MODULES
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
 from oracles import meshing
-from pairs import rack
+from pairs import one_of, rack
 from test_pitch import turned
 
 DISTANCE = 60.0
@@ -76,11 +76,6 @@ def table() -> PitchPair:
 every_pair = pytest.mark.parametrize("of", [variable, table])
 
 
-def curve(of: PitchPair, gear: Gear) -> PitchCurve:
-    """One of the two curves."""
-    return of.driving if gear is Gear.DRIVING else of.driven
-
-
 # --- circles -------------------------------------------------------------------------------------------------------
 
 
@@ -93,7 +88,7 @@ def test_a_constant_ratio_makes_a_circle_in_a_circle(lobes: Lobes) -> None:
     }
     for gear, outward in ((Gear.DRIVING, 1.0), (Gear.DRIVEN, -1.0)):
         radius = radii[gear]
-        points = curve(found, gear).at_angle(np.linspace(0.0, 9.0, 31))
+        points = one_of(found, gear).at_angle(np.linspace(0.0, 9.0, 31))
         assert np.hypot(*points.position.T) == pytest.approx(np.full(31, radius), rel=1e-13)
         assert points.normal == pytest.approx(outward * points.position / radius, abs=1e-14)
         # The ring's material lies outside its curve and is concave
@@ -172,7 +167,7 @@ def test_tangents_agree_and_the_normals_point_away_from_each_gears_material(of: 
 @every_gear
 def test_derivatives_along_the_curve_are_tangent_and_curvature(gear: Gear) -> None:
     """dX/dsigma = T and dT/dsigma = -k N by central differences, whose error of h^2 is extrapolated away."""
-    of = curve(variable(), gear)
+    of = one_of(variable(), gear)
     sigma, tangents, bends = np.linspace(1.0, of.length_mm - 1.0, 37), [], []
     for step in (0.02, 0.01):
         before, after = of.at_length(sigma - step), of.at_length(sigma + step)
@@ -294,7 +289,7 @@ def involute(angle: Array) -> Array:
     return np.asarray(np.tan(angle) - angle)
 
 
-@pytest.mark.tiers(quick=["1:3"], rest="thorough")
+@pytest.mark.thorough
 @pytest.mark.parametrize("law", ["1:2", "1:3"])
 def test_spaces_of_a_circular_ring_are_involute_teeth_of_its_base_circle(law: str) -> None:
     """At radius r a space is pi/z - 2 inv(alpha_r) + 2 inv(alpha) wide, cos(alpha_r) = r_b2/r, as a tooth would be."""
@@ -313,6 +308,7 @@ def test_spaces_of_a_circular_ring_are_involute_teeth_of_its_base_circle(law: st
     assert np.ptp(radius[0]) > MODULE
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("law", ["1:2", "variable"])
 def test_mating_flanks_touch_where_their_normal_goes_through_the_pitch_point(law: str) -> None:
     """A driving flank at height h and the ring's flank of the same crossing at -h, in the fixed frame."""
@@ -477,6 +473,7 @@ def wavy(points: int = 40_000) -> Array:
     return np.asarray(radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)]), dtype=float)
 
 
+@pytest.mark.thorough
 def test_the_volume_of_a_ring_is_that_of_the_closed_form() -> None:
     solid = ring_solid(wavy(), RingBlank(20.0, 8.0), MODULE, 1e-4)
     outer = RADIUS + WAVE + 8.0

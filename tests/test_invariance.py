@@ -122,7 +122,7 @@ def in_unit(motion: Data, unit: str) -> Data:
     return written | {f"{name}_{unit}": value * factor for name, value in angles.items()}
 
 
-@pytest.mark.tiers(thorough=["stroke-deg"], rest="quick")
+@pytest.mark.thorough
 @pytest.mark.parametrize("unit", ["deg", "rad"])
 @pytest.mark.parametrize("law", ["stroke", "ellipse"])
 def test_angles_in_other_units(unit: str, law: str) -> None:

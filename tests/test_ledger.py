@@ -45,6 +45,7 @@ def name(entry: Entry) -> str:
     return f"{entry.places[0]} {entry.what}"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("paper", PAPERS, ids=lambda paper: paper.title)
 def test_every_verdict_is_borne_out(paper: Paper) -> None:
     assert len(judgement(paper).entries) == len(paper.entries) > 0
@@ -199,6 +200,7 @@ def test_figures_that_were_computed_independently(title: str, what: str, verdict
     assert Printed(texts(values)).agrees(Computed(found.computed.values))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("title", "counts"),
     [(BALER, (8, 8, 10, 5)), (CHASSIS, (17, 7, 10, 6)), (DRUM, (12, 7, 7, 10)), (SIEVE, (7, 9, 16, 9))],

@@ -46,6 +46,7 @@ def acceleration(rpm: float, power_w: float | None, cells: int = 1600) -> Bound:
     return least_acceleration(baler(rpm), replace(USUAL, peak_power_w=power_w), cells)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("power_w", "at_law_speed", "at_sixty"),
     [
@@ -105,6 +106,7 @@ def test_power_alone_in_closed_form() -> None:
     assert least_power(task, replace(WIDE, working_rad=pi)).value == pytest.approx(500.0 * 0.760 * 2.0, rel=1e-5)
 
 
+@pytest.mark.thorough
 def test_a_ratio_of_one_is_the_uniform_crank() -> None:
     near = Limits(1.0 - 1e-7, 1.0 + 1e-7)
     uniform = kinematic_check(Machine(uniform_law(Lobes()), BALER_LINKAGE, PRESS, 60.0 * RPM))
@@ -294,6 +296,7 @@ def pushed_seconds(peaks: Peaks, mass_kg: float) -> float:
     return float((2.0 * np.diff(x) / (speeds[1:] + speeds[:-1])).sum())
 
 
+@pytest.mark.thorough
 def test_a_mass_alone_needs_its_kinetic_power() -> None:
     """No resistance, acceleration and ratios free: at constant power P over a stroke in t, 8/9 P t^3 = m H^2, at once
     stopped; half the cycle each."""
@@ -358,6 +361,7 @@ def test_weighted_sum_on_a_grid_too_coarse_for_its_tolerance() -> None:
     assert fine.value <= coarse.attained
 
 
+@pytest.mark.thorough
 def test_weighted_sum_where_one_peak_is_all() -> None:
     dear_power = least_weighted_sum(AT_SIXTY, USUAL, Weights(1e-9, 1.0))
     assert dear_power.sum.value == pytest.approx(least_power(AT_SIXTY, USUAL).value, rel=6e-3)
@@ -414,6 +418,7 @@ def test_the_nearest_values_are_enough_and_no_more() -> None:
             fastest_motion(AT_SIXTY, replace(limits, **{key: 0.999 * enough}))
 
 
+@pytest.mark.thorough
 def test_a_pressure_angle_too_small_is_refused_with_what_would_do() -> None:
     narrow = Limits(0.2, 5.0, pressure_angle_rad=radians(20.0), peak_power_w=9000.0)
     with pytest.raises(NoSuchMechanism, match="or a pressure angle of") as caught:

@@ -124,7 +124,7 @@ def test_each_of_those_limits_binds() -> None:
     assert not judged(KEPT["not convex"]).convex
 
 
-@pytest.mark.tiers(quick=["power"], thorough=["not convex", "ratio range", "mass", "pressure angle"], rest="slow")
+@pytest.mark.tiers(thorough=["not convex", "ratio range", "mass", "pressure angle"], rest="slow")
 @pytest.mark.parametrize("name", KEPT)
 def test_no_law_is_under_the_certified_limit(name: str) -> None:
     wishes = KEPT[name]
@@ -175,6 +175,7 @@ def test_no_small_change_improves_it(name: str) -> None:
     assert -1e-9 < gain_nearby(KEPT[name], law(KEPT[name])) < 2e-3
 
 
+@pytest.mark.thorough
 def test_a_law_for_tighter_limits_is_improved_by_small_changes() -> None:
     """Negative control of the test above: a power of 4 % less is given back."""
     tighter = replace(HALF, limits=replace(USUAL, peak_power_w=9_000.0))
@@ -299,6 +300,7 @@ def test_least_power_of_other_machines(name: str) -> None:
     assert found.peak_power_w >= least_power(task, replace(USUAL, peak_acceleration_mm_s2=3e4)).value
 
 
+@pytest.mark.thorough
 def test_speed_scales_away() -> None:
     """Three times the speed: nine times the acceleration, three times the power, and the same law."""
     fast = replace(BALER, speed_rad_s=3.0 * BALER.speed_rad_s)

@@ -204,7 +204,7 @@ def caliper(gear: ToothedGear, first: int, last: int, turn_rad: np.ndarray) -> n
     return (other @ direction).max(axis=0) - (one @ direction).min(axis=0)
 
 
-@pytest.mark.tiers(quick=["sine-30"], rest="thorough")
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "teeth"), [("ellipse", 37), ("sine", 30), ("baler", 60)])
 def test_a_span_is_where_the_reading_of_a_tilted_caliper_turns(name: str, teeth: int) -> None:
     gear = made(name, teeth)[1].driving
@@ -225,6 +225,7 @@ def test_elsewhere_the_reading_of_a_tilted_caliper_does_not_turn() -> None:
     assert np.all(np.diff(reading) > 0.0) or np.all(np.diff(reading) < 0.0)
 
 
+@pytest.mark.thorough
 def test_chords_begin_and_end_where_the_curve_is_convex() -> None:
     pitch = made("deep sine", 60)[0]
     chords = measuring_chords(pitch.driving, ANGLE)

@@ -20,6 +20,7 @@ from ncgear.teeth.form import Cutter, CutterKind, TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 from oracles import rack_cut
 from pairs import baler_law, rack, sine_law
+from plane import steps, turns
 
 TOLERANCE = 0.005
 DENSE = 400
@@ -127,7 +128,7 @@ def distances(points: Array, gear: ToothedGear) -> Array:
     return rack_cut.deviation_of_points(flat, Polygon(gear.outline_mm)).reshape(points.shape[:-1])
 
 
-@pytest.mark.tiers(quick=["undercut-12", "undercut ellipse-13"], thorough=["sine-25", "baler-25"], rest="slow")
+@pytest.mark.tiers(thorough=["sine-25", "baler-25"], rest="slow")
 @pytest.mark.parametrize(("name", "teeth"), CASES)
 def test_no_exact_curve_is_farther_from_the_outline_than_the_tolerance(name: str, teeth: int) -> None:
     for gear in gears(name, teeth):
@@ -161,18 +162,7 @@ def test_flanks_use_the_tolerance(name: str, teeth: int, tolerance: float) -> No
 # --- the polygon -------------------------------------------------------------------------------------------------
 
 
-def steps(outline: Array) -> Array:
-    """Chords of a closed outline."""
-    return np.roll(outline, -1, axis=0) - outline
-
-
-def turns(outline: Array) -> Array:
-    """Angle turned at each vertex, -pi to pi."""
-    after = steps(outline)
-    before = np.roll(after, 1, axis=0)
-    return np.arctan2(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0], np.sum(before * after, axis=1))
-
-
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "teeth"), CASES)
 def test_outline_is_a_simple_counter_clockwise_polygon(name: str, teeth: int) -> None:
     for gear in gears(name, teeth):
@@ -296,7 +286,7 @@ def test_teeth_advanced_by_a_pitch_make_the_same_gears(name: str, teeth: int) ->
         assert np.roll(tips[0].height_mm, -2) == pytest.approx(tips[1].height_mm, abs=1e-9)
 
 
-@pytest.mark.tiers(quick=["0.2"], rest="thorough")
+@pytest.mark.thorough
 @pytest.mark.parametrize("share", [0.2, 0.9])
 def test_a_circular_gear_is_the_same_wherever_its_teeth_begin(share: float) -> None:
     """Turned back by the advance; the seam at phi1 = 0 is then somewhere else on the teeth."""

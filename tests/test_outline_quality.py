@@ -18,6 +18,7 @@ from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.form import BasicRack, ToothForm
 from ncgear.teeth.gear import ToothedGear, toothed_pair
 from pairs import baler_law, rack, sine_law
+from plane import steps, turns
 
 pytestmark = pytest.mark.slow
 
@@ -85,18 +86,6 @@ def gears(name: str, tolerance: float) -> tuple[ToothedGear, ToothedGear]:
         sized_pair(law(), teeth, basic.module_mm, None), ToothForm(basic), tolerance, flank_tolerance_mm=tolerance
     )
     return pair.driving, pair.driven
-
-
-def steps(outline: Array) -> Array:
-    """Chords of a closed outline."""
-    return np.roll(outline, -1, axis=0) - outline
-
-
-def turns(outline: Array) -> Array:
-    """Angle turned at each vertex, -pi to pi, to the left positive."""
-    after = steps(outline)
-    before = np.roll(after, 1, axis=0)
-    return np.arctan2(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0], np.sum(before * after, axis=1))
 
 
 def reversals(outline: Array) -> int:

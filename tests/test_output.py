@@ -334,6 +334,7 @@ def near(pixels: np.ndarray, color: tuple[int, int, int]) -> int:
 DRIVING, DRIVEN, HIGHLIGHT = (0x00, 0x72, 0xB2), (0xD5, 0x5E, 0x00), (0xCC, 0x79, 0xA7)
 
 
+@pytest.mark.thorough
 def test_pitch_curves_show_both_gears_and_concave_stretches_only_where_there_are_any() -> None:
     driving, driven = wavy(50.0, 0.0), wavy(50.0, pi)
     pair = gears.Assembled(driving, driven, 100.0)
@@ -366,7 +367,7 @@ def power_png(own: SliderMotion, uniform: SliderMotion, title: str, joints_deg: 
     return beside_png([(chart, over_displacement(chart, (own, uniform))) for chart in charts], title)
 
 
-@pytest.mark.tiers(thorough=["joints1-motion", "joints1-power"], rest="quick")
+@pytest.mark.thorough
 @pytest.mark.parametrize("draw", [motion_png, power_png])
 @pytest.mark.parametrize("joints", [np.empty(0), np.array([57.0, 115.0])])
 def test_curves_are_drawn(draw: Any, joints: np.ndarray) -> None:

@@ -34,9 +34,7 @@ def grown(outline: Array, by_mm: float) -> Array:
 # --- what outlines within the chord tolerance keep -------------------------------------------------------------------
 
 
-@pytest.mark.tiers(
-    quick=["uniform-8", "sine-25"], thorough=["uniform*", "ellipse-37", "baler-25", "long ellipse-60"], rest="slow"
-)
+@pytest.mark.tiers(thorough=["uniform*", "ellipse-37", "baler-25", "long ellipse-60"], rest="slow")
 @pytest.mark.parametrize(("name", "teeth"), [*PAIRS, ("baler", 25), ("uniform", 8), ("deep sine", 72), ("ring", 40)])
 def test_written_outlines_touch_where_the_exact_curves_do(name: str, teeth: int) -> None:
     """Within three chord tolerances at the pitch radius, and none deeper than one inside the other."""
@@ -79,6 +77,7 @@ def test_transmission_error_of_other_outlines_vanishes_too(name: str) -> None:
     assert off[2].max() < off[1].max() / 2.0 < off[0].max() / 4.0
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 25), ("ellipse", 37), ("sine", 100)])
 def test_tips_clear_roots_by_what_the_rack_says(name: str, teeth: int) -> None:
     found = written(name, teeth)
@@ -101,6 +100,7 @@ def test_straight_sided_teeth_do_not_pass_for_conjugate_ones(name: str) -> None:
         refuse_bad_outlines(contact, TOLERANCE)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["uniform", "baler"])
 @pytest.mark.parametrize("gear", ["driving", "driven"])
 def test_an_outline_grown_by_a_fiftieth_of_a_millimetre_is_refused(name: str, gear: str) -> None:

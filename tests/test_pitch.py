@@ -13,13 +13,14 @@ from numpy.polynomial import Chebyshev, legendre
 
 from ncgear.numerics.arrays import Array
 from ncgear.pitch import shape
-from ncgear.pitch.curve import CurvePoints, PitchCurve
+from ncgear.pitch.curve import CurvePoints
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from oracles import stroke as oracle
+from pairs import one_of
 from test_laws import LAWS, law
 
 DISTANCE = 200.0
@@ -40,11 +41,6 @@ every_law = pytest.mark.parametrize("name", LAWS)
 every_gear = pytest.mark.parametrize("gear", list(Gear), ids=lambda gear: gear.value)
 
 
-def curve(of: PitchPair, gear: Gear) -> PitchCurve:
-    """One of the two curves."""
-    return of.driving if gear is Gear.DRIVING else of.driven
-
-
 def turned(vectors: Array, angles: Array) -> Array:
     """Vectors (n, 2) turned counter-clockwise by angles (n,)."""
     c, s = np.cos(angles), np.sin(angles)
@@ -60,11 +56,11 @@ def test_a_constant_ratio_makes_circles(lobes: Lobes) -> None:
     radii = {Gear.DRIVING: lobes.driving, Gear.DRIVEN: lobes.driven}
     for gear, share in radii.items():
         radius = DISTANCE * share / (lobes.driving + lobes.driven)
-        points = curve(found, gear).at_angle(np.linspace(0.0, 9.0, 31))
+        points = one_of(found, gear).at_angle(np.linspace(0.0, 9.0, 31))
         assert np.hypot(*points.position.T) == pytest.approx(np.full(31, radius), rel=1e-14)
         assert points.curvature == pytest.approx(np.full(31, 1.0 / radius), rel=1e-14)
         assert points.normal == pytest.approx(points.position / radius, abs=1e-14)
-        assert curve(found, gear).length_mm == pytest.approx(2.0 * pi * radius, rel=1e-14)
+        assert one_of(found, gear).length_mm == pytest.approx(2.0 * pi * radius, rel=1e-14)
         assert found.length_mm(gear) == pytest.approx(2.0 * pi * radius, rel=1e-14)
         assert found.convex(gear)
         assert found.least_radius_mm(gear) == pytest.approx(radius, rel=1e-14)
@@ -97,7 +93,7 @@ def test_elliptical_gears_are_ellipses_about_a_focus(eccentricity: float, phase:
     """
     transmission = elliptical_law(eccentricity, phase, Lobes())
     phi1 = np.linspace(0.0, 2.0 * pi, 61)
-    points = curve(pair_of(transmission), gear).at_angle(phi1)
+    points = one_of(pair_of(transmission), gear).at_angle(phi1)
     if gear is Gear.DRIVING:
         direction = -phase
     else:
@@ -115,7 +111,7 @@ def test_elliptical_gears_are_ellipses_about_a_focus(eccentricity: float, phase:
 def test_perimeter_and_curvature_range_of_the_ellipse(eccentricity: float, phase: float, gear: Gear) -> None:
     found = pair_of(elliptical_law(eccentricity, phase, Lobes()))
     perimeter = float(4 * mp.mpf(DISTANCE) / 2 * mp.ellipe(mp.mpf(eccentricity) ** 2))
-    assert curve(found, gear).length_mm == pytest.approx(perimeter, rel=1e-13)
+    assert one_of(found, gear).length_mm == pytest.approx(perimeter, rel=1e-13)
     assert found.length_mm(gear) == pytest.approx(perimeter, rel=1e-13)
     half = DISTANCE / 2.0
     low, high = found.curvature_range[gear]
@@ -178,7 +174,7 @@ def test_the_curves_roll_without_slip(name: str, gear: Gear) -> None:
     end = piece.knots_rad[0] if piece.knots_rad else piece.end_rad
     start, lengths = 0.1 * end, []
     for count in (512, 1024, 2048):
-        points = curve(found, gear).at_angle(np.linspace(start, 0.9 * end, count + 1)).position
+        points = one_of(found, gear).at_angle(np.linspace(start, 0.9 * end, count + 1)).position
         lengths.append(float(np.hypot(*np.diff(points, axis=0).T).sum()))
     once = [(4.0 * fine - coarse) / 3.0 for coarse, fine in itertools.pairwise(lengths)]
     extrapolated = (16.0 * once[1] - once[0]) / 15.0
@@ -193,7 +189,7 @@ def test_both_gears_have_lengths_in_the_ratio_of_their_lobes(name: str) -> None:
     driving, driven = found.length_mm(Gear.DRIVING), found.length_mm(Gear.DRIVEN)
     assert driving / lobes.driving == pytest.approx(driven / lobes.driven, rel=1e-12)  # the agreement promised
     for gear in Gear:
-        assert curve(found, gear).length_mm == pytest.approx(found.length_mm(gear), rel=1e-12)
+        assert one_of(found, gear).length_mm == pytest.approx(found.length_mm(gear), rel=1e-12)
     assert found.size.module_mm * pi * found.size.driven_teeth == pytest.approx(driven, rel=1e-12)
 
 
@@ -212,7 +208,7 @@ def test_arc_length_and_its_inverse(name: str) -> None:
 @every_law
 @every_gear
 def test_the_curve_closes_after_its_own_turn(name: str, gear: Gear) -> None:
-    of = curve(pair(name), gear)
+    of = one_of(pair(name), gear)
     turn = of.turn_rad
     assert turn == pytest.approx(2.0 * pi if gear is Gear.DRIVING else pair(name).transmission.cycle_rad, rel=1e-15)
     phi1 = np.linspace(0.003, 0.997, 23) * turn
@@ -226,7 +222,7 @@ def test_the_curve_closes_after_its_own_turn(name: str, gear: Gear) -> None:
 @every_law
 @every_gear
 def test_lobes_repeat_by_rotation(name: str, gear: Gear) -> None:
-    of, lobes = curve(pair(name), gear), law(name).lobes
+    of, lobes = one_of(pair(name), gear), law(name).lobes
     count = lobes.driving if gear is Gear.DRIVING else lobes.driven
     side = -1.0 if gear is Gear.DRIVING else 1.0
     phi1 = np.linspace(0.01, 0.99, 17) * lobes.driving_period_rad
@@ -243,7 +239,7 @@ def stacked(points: CurvePoints, size: float) -> Array:
 @every_law
 @every_gear
 def test_points_by_length_are_points_by_angle(name: str, gear: Gear) -> None:
-    of = curve(pair(name), gear)
+    of = one_of(pair(name), gear)
     sigma = np.linspace(0.003, 0.997, 47) * of.length_mm
     by_length = stacked(of.at_length(sigma), DISTANCE)
     by_angle = stacked(of.at_angle(of.driving_angle(sigma)), DISTANCE)
@@ -257,7 +253,7 @@ def test_points_by_length_are_points_by_angle(name: str, gear: Gear) -> None:
 @every_gear
 def test_tangent_and_curvature_are_derivatives_along_the_curve(name: str, gear: Gear) -> None:
     """Interpolants of position and tangent over a short stretch by arc length, differentiated in its middle."""
-    of, joints = curve(pair(name), gear), pair(name).transmission.joints_rad
+    of, joints = one_of(pair(name), gear), pair(name).transmission.joints_rad
     for low, high in list(itertools.pairwise(joints))[::7]:
         ends = of.arc.length(np.array([low, high])) * DISTANCE
         centre, half = float(ends.mean()), min(0.3 * float(ends[1] - ends[0]), 4.0)
@@ -278,7 +274,7 @@ def test_tangent_and_curvature_are_derivatives_along_the_curve(name: str, gear: 
 def test_curvature_range_bounds_a_dense_sample(name: str, gear: Gear) -> None:
     found = pair(name)
     phi1 = np.linspace(0.0, found.transmission.lobes.driving_period_rad, 8009)[:-1]
-    sampled = curve(found, gear).at_angle(phi1).curvature
+    sampled = one_of(found, gear).at_angle(phi1).curvature
     low, high = found.curvature_range[gear]
     slack = 1e-11 * max(abs(low.value), abs(high.value))  # rounding of two derivatives, one evaluation against another
     assert low.value <= sampled.min() + slack
@@ -296,7 +292,7 @@ def test_concave_ranges_are_where_curvature_is_negative(name: str, gear: Gear) -
     found = pair(name)
     period = found.transmission.lobes.driving_period_rad
     phi1 = np.linspace(0.0, period, 3001)[:-1]
-    curvature = curve(found, gear).at_angle(phi1).curvature * DISTANCE
+    curvature = one_of(found, gear).at_angle(phi1).curvature * DISTANCE
     ranges, step = found.concave_ranges(gear), period / 2000.0
     inside = np.zeros(phi1.size, dtype=bool)
     near = np.zeros(phi1.size, dtype=bool)
@@ -351,7 +347,7 @@ def test_the_interpolants_of_the_exact_radius_are_resolved() -> None:
         assert np.abs(radius.coef[-3:]).max() <= 1e-11 * DISTANCE
 
 
-@pytest.mark.judges("pitch")
+@pytest.mark.thorough
 def test_baler_length_against_quadrature_of_the_exact_law() -> None:
     """629.2813 mm, not the 628.94 mm that a coarse sample gives."""
     unit, weights = legendre.leggauss(200)

@@ -116,6 +116,7 @@ REPRS = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("stage", REPRS)
 def test_stages_say_in_a_few_lines_what_they_are_and_compute_nothing_more(drive: ncgear.Drive, stage: str) -> None:
     value = getattr(drive, stage)

@@ -38,6 +38,7 @@ def test_circular_gears_give_way_by_the_closed_form() -> None:
     np.testing.assert_array_equal(loaded.pairs[alone], pairs[alone])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "teeth"), PAIRS)
 def test_the_teeth_bring_the_torque(name: str, teeth: int) -> None:
     torque = 2e4 * np.sin(3.0 * ANGLES)
@@ -49,7 +50,7 @@ def test_the_teeth_bring_the_torque(name: str, teeth: int) -> None:
     assert np.all(pushed[torque < -100.0] < held[torque < -100.0])
 
 
-@pytest.mark.tiers(quick=["uniform-24"], rest="thorough")
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "teeth"), PAIRS)
 def test_without_friction_the_drive_puts_in_what_the_load_takes(name: str, teeth: int) -> None:
     """What the contact stores is given back over a turn: the work of both torques is the same."""
@@ -74,6 +75,7 @@ def test_friction_costs_work() -> None:
     assert 1.0 - efficiency == pytest.approx(pi * 0.05 * (2.0 / 24.0) * 0.7, rel=0.25)
 
 
+@pytest.mark.thorough
 def test_the_rigid_limit_is_reached_as_the_stiffness_to_the_power_of_minus_one_over_the_exponent() -> None:
     torque = np.full_like(ANGLES, 100.0)
     errors = [
@@ -91,6 +93,7 @@ def test_without_torque_the_teeth_just_touch() -> None:
     np.testing.assert_array_equal(loaded.error_rad, found.gaps.play_rad(ANGLES)[0])
 
 
+@pytest.mark.thorough
 def test_a_reversed_torque_takes_the_play_up() -> None:
     found = meshing("uniform", 24, backlash_mm=0.1)
     ahead, behind = (
@@ -100,7 +103,7 @@ def test_a_reversed_torque_takes_the_play_up() -> None:
     assert np.median(ahead - behind) == pytest.approx(0.1 / BASE, rel=0.05)
 
 
-@pytest.mark.tiers(quick=["1.0", "3.0"], rest="thorough")
+@pytest.mark.thorough
 @pytest.mark.parametrize("exponent", [1.0, 1.5, 3.0])
 def test_a_stiffer_law_of_impact_gives_way_less(exponent: float) -> None:
     torque = np.full_like(ANGLES, 2e4)

@@ -47,6 +47,7 @@ def table_rows() -> dict[str, tuple[float, float]]:
     return {name: (float(power), float(acceleration)) for name, power, acceleration in rows}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("row", "name"),
     [

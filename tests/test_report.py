@@ -80,6 +80,7 @@ def test_the_page_asks_for_nothing() -> None:
     assert re.findall(r"https?:|//[a-z]+\.", page) == []
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "added",
     ['<img src="//example.org/a.png">', "<style>@import 'a.css'</style>", '<p style="background: url(a.png)"></p>'],
@@ -286,6 +287,7 @@ def farthest_from_curve(of: PageChart, angle_deg: tuple[float, float]) -> float:
     return float(max(shapely.distance(cursor, shapely.points(points_of_own_line(figure.drawing)))))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("number", range(8))
 def test_the_cursor_runs_on_the_drawn_curve(number: int) -> None:
     pair = drives.drive("baler"), reports.contacts("baler")[0]

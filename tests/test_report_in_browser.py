@@ -311,6 +311,7 @@ VISIBLE_CONTROLS = """() => [...document.querySelectorAll("button, input, select
 GROUND = "getComputedStyle(document.documentElement).getPropertyValue('--paper')"
 
 
+@pytest.mark.thorough
 def test_it_prints_without_controls_and_in_light_colours(baler: Opened) -> None:
     assert baler.page.evaluate(VISIBLE_CONTROLS) > 8
     baler.page.emulate_media(media="screen", color_scheme="dark")

@@ -122,7 +122,7 @@ def test_a_straight_table_is_the_straight_line() -> None:
     assert table.fitted_n(CURVE).coefficients == pytest.approx(line.fitted_n(CURVE).coefficients)
 
 
-@pytest.mark.tiers(quick=["waves", "table with gaps"], rest="thorough")
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["table", "waves", "table with gaps"])
 def test_peak_of_power_against_dense_samples(name: str) -> None:
     machine = Machine(uniform_law(Lobes()), BALER_LINKAGE, FORMS[name], 2.0 * pi)

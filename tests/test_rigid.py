@@ -313,6 +313,7 @@ def test_peaks_are_those_of_dense_samples(name: str) -> None:
         assert sampled.max() >= peak * (1.0 - 2e-3)
 
 
+@pytest.mark.thorough
 def test_a_narrow_peak_of_a_table_is_neither_passed_over_nor_missed_in_the_work() -> None:
     """Half a millimetre of a stroke of 760 mm: 5000 N over a plain 100 N, on a slider alone."""
     spike = TableResistance((0.0, 400.0, 400.25, 400.5, 760.0), (100.0, 100.0, 5000.0, 100.0, 100.0))

@@ -52,6 +52,7 @@ def test_the_linkage_stays_joined(name: str) -> None:
     assert np.ptp(slider.angle_rad) == 0.0
 
 
+@pytest.mark.thorough
 @every_scene
 def test_the_slider_moves_as_the_drive_says(name: str) -> None:
     found, motion = scene(name), drive_of(name).motion

@@ -189,7 +189,7 @@ RESISTANCES: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.tiers(thorough=["with a pole"], rest="quick")
+@pytest.mark.thorough
 @pytest.mark.parametrize("resistance", RESISTANCES.values(), ids=RESISTANCES)
 def test_resistances_of_other_forms(resistance: dict[str, Any]) -> None:
     designs = [Design.model_validate({**data_of("baler"), "resistance": resistance})]

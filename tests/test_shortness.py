@@ -37,6 +37,7 @@ def test_a_pair_that_loses_contact_is_refused_with_its_teeth_and_limits(teeth: i
     assert caught.value.key == "gears.least_contact_ratio"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "teeth"),
     [
@@ -56,6 +57,7 @@ def test_hard_pairs_that_are_made_keep_the_law_on_both_sides(name: str, teeth: i
     assert contact.overlap_mm.max() == 0.0
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("teeth", [24, 37])
 def test_flanks_that_are_refused_do_stand_apart(teeth: int) -> None:
     """By shapely on fine outlines, where the refusal says that no flanks touch: corners hold the gears, off the law."""
@@ -82,6 +84,7 @@ def test_a_least_ratio_over_one_names_the_shortest_contact() -> None:
         refuse("baler", 25, float(shortest) + 0.1)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("teeth", [24, 37])
 def test_below_one_nothing_is_asked(teeth: int) -> None:
     refuse("deep sine", teeth, 0.99)

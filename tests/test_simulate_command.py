@@ -75,6 +75,7 @@ def test_the_published_baler_with_masses(run: Run) -> None:
     assert cells == ["peak mesh force", "94295 N at phi1 = 201 deg", "113071 N at phi1 = 153.3 deg"]
 
 
+@pytest.mark.thorough
 def test_the_optimised_baler_with_the_same_masses() -> None:
     """At 60 r/min, with its own gears' inertia, its peak torque is half the uniform crank's, and is in the return."""
     drive = Drive(load(DESIGN.with_name("baler-half.yaml")).design)
@@ -102,7 +103,7 @@ def test_the_templates_masses_hold_what_they_say() -> None:
     assert found.gravity_m_s2 == pytest.approx((0.0, -9.80665), abs=1e-15)
 
 
-@pytest.mark.tiers(quick=["no gears"], rest="thorough")
+@pytest.mark.thorough
 @pytest.mark.parametrize("gears", [GEARS, ""], ids=["gears", "no gears"])
 def test_what_is_written(run: Run, gears: str) -> None:
     status, out, _ = run(HEAD + gears + MASSES, "--out", "here", "--level", "rigid")

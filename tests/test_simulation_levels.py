@@ -155,6 +155,7 @@ def test_a_motor_whose_shaft_has_no_inertia_is_refused(run: Run) -> None:
     assert "masses.driving_gear_kg_mm2: 0 given" in err
 
 
+@pytest.mark.thorough
 def test_a_load_too_heavy_for_the_teeth_is_refused(run: Run) -> None:
     status, _, err = run(HEAD + "simulation: {stiffness_n_mm: 10}\n", "quasi_static")
     assert status == 3

@@ -106,6 +106,7 @@ def test_a_planted_error_of_an_inversion_is_told(row: int) -> None:
     assert inversion_error(planted) >= 5e-11
 
 
+@pytest.mark.thorough
 def test_a_planted_error_of_phi2_is_told() -> None:
     stretch = return_of_baler()
     planted = read(stretch, lambda at: panels(stretch, 24)(at + 1e-10))
@@ -122,6 +123,7 @@ def test_a_return_in_powers_of_phi1_loses_half_its_digits() -> None:
     assert basis_error(by_linear_system(global_powers)) >= 1e-9
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("curve", [ellipse_curve(), baler_curve()], ids=lambda curve: curve.name)
 def test_planted_errors_of_pitch_curves_are_told(curve: Curve) -> None:
     length, bent = length_by_panels(curve, 24), curvature_by_derivatives(curve)
@@ -255,6 +257,7 @@ def test_the_page_says_whether_the_choice_is_the_knee(chosen: Point, said: str) 
 # --- run and page ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 def test_a_run_writes_page_and_pictures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run(["--out", str(tmp_path), "--only", "return-basis", "--only", "inversion"], timed_s=0.0)
     keys = ["inversion", "return-basis"]
@@ -326,6 +329,7 @@ def test_the_page_in_docs_has_the_methods_levels_and_choices_of_today(key: str) 
     assert study.reference in section
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("key", BOUNDS)
 def test_the_errors_in_the_page_are_todays(key: str) -> None:
     """What ncgear works at: rounding errors differ between machines, their size does not."""

@@ -205,6 +205,7 @@ def test_the_default_positions_find_what_outlines_do_and_half_of_them_do_not() -
     assert half < 0.7 * more
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("turn", [1e-5, -1e-5])
 def test_a_pair_whose_driven_gear_stands_elsewhere_is_told(turn: float) -> None:
     exact = contact.play_of_curves(6)

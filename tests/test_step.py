@@ -199,6 +199,7 @@ def test_the_pair_stands_as_it_goes_together() -> None:
     assert {tuple(unit.arguments) for unit in units if unit.name == "SI_UNIT"} >= {(".MILLI.", ".METRE.")}
 
 
+@pytest.mark.thorough
 def test_the_header_says_how_close_and_nothing_of_clock_or_machine() -> None:
     header = " ".join(files("ellipse")["driving.step"].decode().split("ENDSEC", 1)[0].split())
     assert "'ellipse: tooth faces within 3.4e-04 mm of the exact ones'" in header

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import permutations
 from math import pi
-from re import search
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
 
+from commands import stated_angle
 from ncgear.design.laws.three_segment_stroke import ThreeSegmentStroke
 from ncgear.errors import NoSuchMechanism
 from ncgear.ratio.working_stroke import StrokeRequest, WorkingStroke, solved_stroke
@@ -174,13 +174,6 @@ def refusal(request: StrokeRequest) -> NoSuchMechanism:
     with pytest.raises(NoSuchMechanism) as caught:
         solved_stroke(request)
     return caught.value
-
-
-def stated_angle(fault: NoSuchMechanism) -> float:
-    """The angle that the message names, in rad."""
-    found = search(r"phi1 = ([-0-9.e]+) rad", fault.problem)
-    assert found is not None, fault.problem
-    return float(found.group(1))
 
 
 def approach_velocity(t1: float, t2: float, v1: float, v2: float) -> Polynomial:

@@ -25,7 +25,7 @@ from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 from ncgear.teeth.tips import Limit, Tips, tip_crossing
 from ncgear.teeth.tool import RackLine
 from oracles import meshing
-from pairs import baler_law, rack, sine_law
+from pairs import baler_law, both, rack, sine_law
 
 pytestmark = pytest.mark.slow
 
@@ -57,10 +57,6 @@ def pitch_pair(name: str) -> PitchPair:
 def made(name: str, form: ToothForm) -> ToothedPair:
     """A pair of gears."""
     return toothed_pair(pitch_pair(name), form, TOLERANCE)
-
-
-def both(pair: ToothedPair) -> tuple[ToothedGear, ToothedGear]:
-    return pair.driving, pair.driven
 
 
 def judged(pitch: PitchPair, pair: ToothedPair, positions: int = 211) -> meshing.MeshingReport:

@@ -78,6 +78,7 @@ def test_both_stages_are_written_in_full() -> None:
         assert f"stage {stage}: teeth" in built().text
 
 
+@pytest.mark.thorough
 @every_stage
 def test_each_stage_is_within_its_pressure_angle_and_free_of_undercut(stage: int) -> None:
     summary = built().summaries[stage - 1]
@@ -164,6 +165,7 @@ gears: {teeth: 12, module_mm: 3, face_width_mm: 5}
 """
 
 
+@pytest.mark.thorough
 def test_a_stage_that_cannot_be_made_leaves_both_folders_as_they_were(tmp_path: Path) -> None:
     design = tmp_path / "bad.yaml"
     design.write_text(STEEP)

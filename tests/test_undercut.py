@@ -9,7 +9,6 @@ import pytest
 from scipy.special import ellipe
 
 from ncgear.pitch.curve import PitchCurve
-from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
@@ -19,7 +18,7 @@ from ncgear.teeth.form import BasicRack, TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, shift_against_undercut, teeth_free_of_undercut, toothed_pair
 from ncgear.teeth.tips import Limit
 from ncgear.teeth.tool import RackLine
-from pairs import baler_law, rack, sine_law
+from pairs import baler_law, both, pitch_pair, rack, sine_law
 
 MODULE = 2.0
 TOLERANCE = 0.01
@@ -27,19 +26,10 @@ TOLERANCE = 0.01
 Array = np.ndarray
 
 
-def pitch_pair(law: Transmission, teeth: int) -> PitchPair:
-    """Pitch curves for so many driving teeth."""
-    return sized_pair(law, teeth, MODULE, None)
-
-
 def made(law: Transmission, teeth: int, basic: BasicRack | None = None, *, avoid: bool = True) -> ToothedPair:
     """A pair of gears."""
     form = ToothForm(basic or rack(), limits=TipLimits(avoid_undercut=avoid))
     return toothed_pair(pitch_pair(law, teeth), form, TOLERANCE)
-
-
-def both(pair: ToothedPair) -> tuple[ToothedGear, ToothedGear]:
-    return pair.driving, pair.driven
 
 
 def full_flank(angle_deg: float, radius: float = 0.2) -> BasicRack:
@@ -75,6 +65,7 @@ def test_undercut_of_circular_gears_begins_at_the_classical_number(basic: BasicR
         assert teeth_free_of_undercut(pair, basic, basic) == least
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("angle_deg", [14.5, 20.0, 25.0])
 @pytest.mark.parametrize("teeth", [9, 11])
 def test_undercut_ends_at_the_classical_profile_shift(angle_deg: float, teeth: int) -> None:
@@ -187,7 +178,7 @@ def undercut_by_closed_form(gear: ToothedGear) -> list[int]:
     return sorted({int(number) for number in own.tooth[regular.min(axis=1) <= 0.0]})
 
 
-@pytest.mark.tiers(quick=["ellipse", "3:1"], rest="thorough")
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("law", "teeth"),
     [
@@ -216,6 +207,7 @@ UNDERCUT = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", UNDERCUT)
 def test_avoiding_undercut_leaves_regular_flanks_down_to_their_fillets(name: str) -> None:
     for gear in both(made(*UNDERCUT[name])):
@@ -255,6 +247,7 @@ def test_flank_kinds_left_by_undercut_are_in_order() -> None:
         assert np.all(np.diff(gear.sides.owner) >= 0)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("nudge", [-4, -1, 0, 1, 2, 3, 4])
 def test_a_joint_just_before_the_end_of_a_range_is_its_end(nudge: int) -> None:
     """Between them there are no numbers left to tell both sides of the jump apart."""

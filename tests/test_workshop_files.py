@@ -115,6 +115,7 @@ def test_the_keyway_is_exact() -> None:
     assert Polygon(points).area == pytest.approx(Polygon(section("baler", Gear.DRIVING).interiors[0]).area, abs=0.2)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", DESIGNS)
 def test_drawings_are_in_mm_with_every_layer_declared(name: str) -> None:
     for file, data in files(name).items():
@@ -159,6 +160,7 @@ def cut_layers(data: bytes) -> dict[str, int]:
     return {layer: sum(one.layer == layer for one in found) for layer in sorted({one.layer for one in found})}
 
 
+@pytest.mark.thorough
 def test_all_of_a_body_is_drawn() -> None:
     """Everything that printing asks for; what is not cut through is on layers of its own."""
     driving, driven = (files("printed-pump")[f"{gear.value}.dxf"] for gear in Gear)
@@ -183,6 +185,7 @@ def test_a_clearance_is_taken_off_all_along_the_outline(gear: Gear) -> None:
     assert designed.area - cleared.area == pytest.approx(0.05 * designed.length, rel=0.01)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("gear", Gear)
 def test_a_helical_gear_is_drawn_at_its_foot(gear: Gear) -> None:
     """Its section there and the outline in the table are two polylines of the same curves: a tolerance each."""
@@ -225,6 +228,7 @@ def points_of(path: SvgPath) -> Array:
     return np.array([(point[0], point[1]) for row in rows for point in row])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize("name", DESIGNS)
 def test_an_image_has_the_outline_at_its_size(name: str, gear: Gear) -> None:
@@ -232,6 +236,7 @@ def test_an_image_has_the_outline_at_its_size(name: str, gear: Gear) -> None:
     assert apart_mm(rings[0], outline(name, gear)) <= ROUNDING_MM
 
 
+@pytest.mark.thorough
 def test_an_image_has_bore_and_holes() -> None:
     data = files("baler")["driven.svg"]
     rings = [svg_rings(data, layer)[0] for layer in ("BORE", "INDEX_HOLE")]
@@ -361,6 +366,7 @@ def test_the_gears_have_the_colours_of_the_pictures() -> None:
 # --- command ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 def test_the_same_design_gives_the_same_bytes() -> None:
     again = workshop_files(Drive(drive("ellipse").design), USUAL)
     assert again == files("ellipse")
@@ -380,6 +386,7 @@ sys.stdout.buffer.write(dxf_bytes({"": drawing}, drawing.notes))
 """
 
 
+@pytest.mark.thorough
 def test_drawings_do_not_hang_on_how_a_process_orders_words() -> None:
     """Of these two seeds the library's own order of the classes in a file's head differs."""
     seeds = ({**os.environ, "PYTHONHASHSEED": seed} for seed in ("1", "7"))

@@ -40,6 +40,7 @@ def return_angles(baler: stroke.Cycle) -> list[stroke.Real]:
     return [baler.working.theta4 + (2 * mp.pi - baler.working.theta4) * k / 120 for k in range(1, 121)]
 
 
+@pytest.mark.thorough
 def test_baler_closes_at_the_known_law_speed(baler: stroke.Cycle) -> None:
     assert float(baler.working.omega) == pytest.approx(5.5301, abs=5e-5)
     assert abs(baler.working.displacement("13*pi/10") - 760) < mp.mpf(10) ** -50
@@ -60,6 +61,7 @@ def test_segments_meet_every_condition(baler: stroke.Cycle) -> None:
             assert abs(s(angle, order) - value) < mp.mpf(10) ** -50
 
 
+@pytest.mark.thorough
 def test_ratio_range_over_the_turn(
     baler: stroke.Cycle, working_angles: list[stroke.Real], return_angles: list[stroke.Real]
 ) -> None:
@@ -68,6 +70,7 @@ def test_ratio_range_over_the_turn(
     assert max(ratios) == pytest.approx(2.05, abs=0.01)
 
 
+@pytest.mark.thorough
 def test_peak_power_and_acceleration(
     baler: stroke.Cycle, working_angles: list[stroke.Real], return_angles: list[stroke.Real]
 ) -> None:
@@ -178,7 +181,7 @@ def flank_points(teeth: int, tooth_at_zero: bool = True, thinning: float = 0.0) 
     return shapely.points((radius * np.cos(angle)).ravel(), (radius * np.sin(angle)).ravel())
 
 
-@pytest.mark.tiers(thorough=["clockwise-False", "counter-clockwise-True"], rest="quick")
+@pytest.mark.thorough
 @pytest.mark.parametrize("tooth_at_zero", [True, False])
 @pytest.mark.parametrize("turn", [lambda curve: curve, mirrored], ids=["counter-clockwise", "clockwise"])
 def test_rack_on_a_circle_leaves_the_involute(
@@ -190,18 +193,21 @@ def test_rack_on_a_circle_leaves_the_involute(
     assert (tip, root) == pytest.approx((27.0, 22.5), abs=2e-5)
 
 
+@pytest.mark.thorough
 def test_scallops_shrink_with_the_square_of_the_step() -> None:
     gears = [rack_cut.cut(circle_curve(25.0), TOOTH, 25, True, positions_per_pitch=n) for n in (13, 52)]
     coarse, fine = (rack_cut.deviation_of_points(flank_points(25), gear).max() for gear in gears)
     assert 10 < coarse / fine < 22
 
 
+@pytest.mark.thorough
 def test_thinning_is_taken_at_the_pitch_line() -> None:
     thin = rack_cut.Proportions(MODULE, ALPHA, MODULE, 1.25 * MODULE, 0.38 * MODULE, thinning=0.1)
     gear = rack_cut.cut(circle_curve(25.0), thin, 25, True)
     assert rack_cut.deviation_of_points(flank_points(25, thinning=0.1), gear).max() < 2e-5
 
 
+@pytest.mark.thorough
 def test_pinion_cutter_leaves_the_same_flanks() -> None:
     gear = rack_cut.cut(circle_curve(25.0), TOOTH, 25, True, rack_cut.Pinion(20), 40)
     assert rack_cut.deviation_of_points(flank_points(25), gear).max() < 5e-4
@@ -235,6 +241,7 @@ def conjugate_flank_points(curve: rack_cut.PitchCurve, teeth: int) -> np.ndarray
     return shapely.points(np.vstack(found))
 
 
+@pytest.mark.thorough
 def test_rack_on_a_convex_curve_leaves_conjugate_flanks() -> None:
     curve = lobed_curve(0.1, 40)
     gear = rack_cut.cut(curve, TOOTH, 40, True, positions_per_pitch=50)
@@ -257,6 +264,7 @@ def test_wrong_phase_is_seen() -> None:
     assert rack_cut.deviation_of_points(flank_points(25, True), gear).max() > 0.5
 
 
+@pytest.mark.thorough
 def test_outline_distance_of_known_shapes() -> None:
     one = shapely.Point(0, 0).buffer(10, quad_segs=200)
     assert rack_cut.outline_distance(one, affinity.translate(one, 0.3)) == pytest.approx(0.3, abs=1e-3)
@@ -289,6 +297,7 @@ def involute_pair(distance: float = 55.0, turned: float = 0.0, samples: int = 60
     return meshing.Pair(involute_gear(25, 0.0, samples), driven, PHI1, PHI1 * 25 / 30, distance)
 
 
+@pytest.mark.thorough
 def test_exact_involutes_neither_overlap_nor_leave_a_gap() -> None:
     coarse, fine = (involute_pair(samples=samples).report() for samples in (30, 60))
     assert len(fine.phi1) == 401
@@ -303,6 +312,7 @@ def test_a_turned_gear_overlaps_by_its_base_radius_times_the_angle() -> None:
         assert report.overlap_depth == pytest.approx(0.01 * 30 * np.cos(ALPHA), rel=5e-3)
 
 
+@pytest.mark.thorough
 def test_too_near_overlaps_and_too_far_leaves_a_gap() -> None:
     near, far = involute_pair(54.9).report(97), involute_pair(55.5).report(97)
     assert near.overlap_depth == pytest.approx(0.1 * np.sin(ALPHA), rel=0.02)
@@ -338,6 +348,7 @@ def test_width_of_known_regions() -> None:
     assert meshing.width(shapely.Point(0, 0).buffer(2)) == pytest.approx(4, rel=0.02)
 
 
+@pytest.mark.thorough
 def test_written_files_are_read_back(tmp_path: Path) -> None:
     gears = involute_gear(25), involute_gear(30, np.pi + np.pi / 30)
     paths = tmp_path / "driving.stl", tmp_path / "driven.stl"
