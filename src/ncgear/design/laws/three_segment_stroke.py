@@ -227,7 +227,7 @@ class ThreeSegmentStroke(LawKeys):
         from ncgear.ratio.laws.three_segment import stroke_law
 
         if not self.gives_stroke:
-            self._refuse_other_stroke(linkage.stroke_mm)
+            self._refuse_other_stroke(linkage)
         return stroke_law(
             self._stroke(None if self.gives_stroke else linkage.stroke_mm),
             linkage,
@@ -255,13 +255,13 @@ class ThreeSegmentStroke(LawKeys):
         )
         return solved_stroke(request)
 
-    def _refuse_other_stroke(self, stroke_mm: float) -> None:
+    def _refuse_other_stroke(self, linkage: CrankSlider) -> None:
         """Refuse a stroke in the file that differs from that of the linkage."""
-        if self.stroke_mm is not None and not isclose(self.stroke_mm, stroke_mm, rel_tol=SAME_STROKE):
-            relation = "longer" if self.stroke_mm > stroke_mm else "shorter"
+        if self.stroke_mm is not None and not isclose(self.stroke_mm, linkage.stroke_mm, rel_tol=SAME_STROKE):
+            relation = "longer" if self.stroke_mm > linkage.stroke_mm else "shorter"
             raise WrongInput(
-                f"{self.stroke_mm:.9g} mm is {relation} than the linkage's stroke of {stroke_mm:.9g} mm; give that "
-                "one, leave the key out, or change linkage.crank_mm",
+                f"{self.stroke_mm:.9g} mm is {relation} than the linkage's stroke of {linkage.stroke_mm:.9g} mm; give "
+                "that one, leave the key out, or change linkage.crank_mm",
                 key="motion.stroke_mm",
             )
 

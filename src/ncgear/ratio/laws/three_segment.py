@@ -1,10 +1,9 @@
-"""Inversion of the working stroke through the linkage: displacement of the slider to angle of the crank.
+"""The published law: a three-segment working stroke, inverted through the linkage, and a return that closes the cycle.
 
-Both dead centres are zero divided by zero in the textbook form.  Here the double zeros of the displacement at
-phi1 = 0 and of the rest of the stroke at theta4 are divided out of the polynomials before anything is evaluated, so
-phi2 and all its derivatives are regular up to and including both ends.
-
-The published law: three-segment working stroke, inverted through the linkage, and a compensating return.
+The inversion leads from the slider's displacement to the angle of the crank.  In the textbook form both dead centres
+are zero divided by zero.  Here the double zeros of the displacement at phi1 = 0 and of the rest of the stroke at theta4
+are divided out of the polynomials before anything is evaluated, so phi2 and all its derivatives are regular up to and
+including both ends.
 """
 
 from __future__ import annotations
