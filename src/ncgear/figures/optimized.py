@@ -21,8 +21,8 @@ from ncgear.design.keys.design import Design
 from ncgear.design.naming import LONGEST_NAME
 from ncgear.figures.numbers import shown
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.figures import Figures
 from ncgear.optimum.makeable.wishes import Goal
+from ncgear.optimum.task import Figures
 from ncgear.project.improvement import Improvement
 
 UNITS = {Goal.ACCELERATION: "mm/s2", Goal.POWER: "W", Goal.WEIGHTED: "1"}

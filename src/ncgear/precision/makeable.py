@@ -13,9 +13,8 @@ from ncgear.extras import require
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.makeable.levels import levels
 from ncgear.optimum.makeable.reached import Grid, Stations, grid, lengths, ratios, reached, stations
-from ncgear.optimum.makeable.wishes import Wishes
+from ncgear.optimum.makeable.wishes import Wishes, levels
 from ncgear.optimum.task import Limits, Task
 from ncgear.precision.limit import COEFFICIENTS_N
 from ncgear.precision.periodic_spline import periodic_spline
@@ -78,7 +77,7 @@ def kept_mm_s2(form: Form, count: int) -> float:
 
     Raises ArithmeticError where none is found.
     """
-    from ncgear.optimum.makeable.kept import kept, scales, searched
+    from ncgear.optimum.makeable.search import kept, scales, searched
 
     search = searched(BALER, Wishes(LIMITS, harmonics=count), form)
     found = kept(search, np.zeros(2 * count))
@@ -101,7 +100,7 @@ class AtPlaces:
 
 def at_places_mm_s2(form: Form, count: int) -> float:
     """Least peak acceleration at the programme's places, for ln i12 of 2 ``count`` coefficients in some form."""
-    from ncgear.optimum.makeable.kept import PLACES_PER_HARMONIC
+    from ncgear.optimum.makeable.search import PLACES_PER_HARMONIC
 
     return at_places(form, count, PLACES_PER_HARMONIC).level_mm_s2
 
@@ -111,8 +110,8 @@ def at_places(form: Form, count: int, places_per_count: int) -> AtPlaces:
 
     Raises ArithmeticError where the optimiser finds none.
     """
-    from ncgear.optimum.makeable.kept import scales
     from ncgear.optimum.makeable.programme import programme
+    from ncgear.optimum.makeable.search import scales
 
     at = stations(BALER.linkage, BALER.resistance, places_per_count * count)
     on, units = form(at, count), scales(BALER, at)

@@ -7,8 +7,8 @@ at one of them: what is left falls with the square, but not evenly, and no rate 
 from __future__ import annotations
 
 from ncgear.extras import require
-from ncgear.optimum.figures import figures
 from ncgear.optimum.makeable.reached import grid
+from ncgear.optimum.task import figures
 from ncgear.precision.makeable import BALER, HARMONICS, POWER_W, AtPlaces, at_places
 from ncgear.precision.study import Method, Study
 from ncgear.ratio.laws.harmonic import harmonic_law
@@ -27,7 +27,7 @@ def study() -> Study:
     Raises WrongInput where the optimiser is not installed.
     """
     require("casadi", "optimize", "ncgear bench --only makeable-places")
-    from ncgear.optimum.makeable.kept import PLACES_PER_HARMONIC
+    from ncgear.optimum.makeable.search import PLACES_PER_HARMONIC
 
     return Study(
         key="makeable-places",
