@@ -7,12 +7,12 @@ import json
 from io import BytesIO, StringIO
 from pathlib import Path
 
-import ncgear.project.frontier as of_design
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from PIL import Image
 
+import ncgear.project.frontier as of_design
 from ncgear.design.keys.design import Design
 from ncgear.design.reading.design_file import load
 from ncgear.drawings.plots import frontier as picture
