@@ -17,9 +17,9 @@ from pathlib import Path
 from time import perf_counter
 
 from ncgear.design.reading.design_file import load
-from ncgear.optimum.figures import figures
 from ncgear.optimum.makeable.law import shared_law
 from ncgear.optimum.makeable.wishes import TwoStages
+from ncgear.optimum.task import figures
 from ncgear.project.improvement import Improvement
 from ncgear.ratio.transmission import Lobes, Train
 

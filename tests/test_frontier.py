@@ -21,8 +21,8 @@ from ncgear.figures.frontier import frontier_csv, frontier_json, frontier_text, 
 from ncgear.files.frontier import frontier_files
 from ncgear.optimum.certified.limit import Bound
 from ncgear.optimum.family import Family, Peak, best_of_family
-from ncgear.optimum.figures import Figures
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, law_point, motion_of
+from ncgear.optimum.task import Figures
 from ncgear.project.frontier import KEPT, Frontier, Kept, frontier
 from ncgear.project.improvement import Improvement
 from ncgear.project.law import linkage_of

@@ -19,14 +19,18 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.summary.check import check_summary
 from ncgear.figures.terminal import build_text, check_text, timing_text
 from ncgear.files.build import build
+<<<<<<< HEAD
 from ncgear.files.workshop.formats import Format
 from ncgear.optimum.figures import figures as figures_of
+=======
+from ncgear.files.workshop.kinds import Format
+>>>>>>> optimum
 from ncgear.optimum.makeable import quantities
-from ncgear.optimum.makeable.levels import Scales, levels
 from ncgear.optimum.makeable.quantities import pairs
 from ncgear.optimum.makeable.reached import grid, lengths, ratios, reached, stations
-from ncgear.optimum.makeable.wishes import TwoStages
+from ncgear.optimum.makeable.wishes import Scales, TwoStages, levels
 from ncgear.optimum.task import Task
+from ncgear.optimum.task import figures as figures_of
 from ncgear.pitch.pair import largest_tangent_angle_rad, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive

@@ -20,8 +20,8 @@ from ncgear.figures.numbers import shown
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import written_lines
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.figures import Figures
 from ncgear.optimum.makeable.wishes import Goal
+from ncgear.optimum.task import Figures
 from ncgear.project.improvement import Improvement
 
 UNITS = {Goal.ACCELERATION: "mm/s2", Goal.POWER: "W", Goal.WEIGHTED: "1"}

@@ -19,8 +19,8 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.extras import require
 from ncgear.interrupts import deaf_processes, end_processes, uninterrupted
 from ncgear.optimum.certified.limit import Bound
-from ncgear.optimum.figures import Figures
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, family_point, law_point
+from ncgear.optimum.task import Figures
 from ncgear.project.law import linkage_of
 from ncgear.project.wishes import task_of, wishes_of
 

@@ -8,10 +8,14 @@ from typing import TYPE_CHECKING
 from ncgear.design.keys.design import Design
 from ncgear.errors import DesignError
 from ncgear.extras import require
-from ncgear.optimum.figures import Figures, figures
 from ncgear.optimum.makeable.wishes import Goal, Wishes
+<<<<<<< HEAD
 from ncgear.optimum.task import Task
 from ncgear.project.law import law_of, linkage_of
+=======
+from ncgear.optimum.task import Figures, Task, figures
+from ncgear.project.law import Law, law_of, linkage_of
+>>>>>>> optimum
 from ncgear.project.wishes import task_of, wishes_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Train, single
@@ -47,7 +51,7 @@ class Improvement:
     @cached_property
     def bound(self) -> Bound:
         """What no law can be below: of acceleration in mm/s2, power in W, or the weighted sum."""
-        from ncgear.optimum.certified import limit, weighted
+        from ncgear.optimum.certified import limit
 
         task, wishes = self.task, self.wishes
         match wishes.goal:
@@ -56,13 +60,14 @@ class Improvement:
             case Goal.POWER:
                 return limit.least_power(task, wishes.limits)
         assert wishes.weights is not None
-        return weighted.least_weighted_sum(task, wishes.limits, wishes.weights).sum
+        return limit.least_weighted_sum(task, wishes.limits, wishes.weights).sum
 
     @cached_property
     def law(self) -> MakeableLaw:
         """The best makeable law; raises WrongInput where the optimiser is not installed."""
         require("casadi", "optimize", "ncgear optimize")
-        from ncgear.optimum.makeable.law import makeable_law, random_starts, rough_start
+        from ncgear.optimum.makeable.law import makeable_law
+        from ncgear.optimum.makeable.search import random_starts, rough_start
 
         asked, wishes = self.design.optimize, self.wishes
         random = random_starts(wishes.harmonics, asked.starts - 1, asked.seed) if asked else ()

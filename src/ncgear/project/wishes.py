@@ -13,7 +13,7 @@ from ncgear.errors import WrongInput
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum import task
-from ncgear.optimum.certified.weighted import Weights
+from ncgear.optimum.certified.limit import Weights
 from ncgear.optimum.makeable.wishes import CurvatureWish, Goal, TwoStages, Wishes
 from ncgear.project.gears import rack_of
 from ncgear.project.law import lobes_of, resistance_of

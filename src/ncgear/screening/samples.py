@@ -21,16 +21,22 @@ from ncgear.design.laws.harmonic_ratio import HarmonicRatio
 from ncgear.design.laws.three_segment_stroke import SAME_STROKE, ThreeSegmentStroke
 from ncgear.mechanisms.crank_slider import Linkages
 from ncgear.mechanisms.resistance import Resistance
-from ncgear.numerics.arrays import Array, Mask
+from ncgear.numerics.arrays import Array, Mask, repeated
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.sampled import extremes, integration, shares
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.makeable.quantities import Place, Slider, acceleration, velocity
+<<<<<<< HEAD
 from ncgear.project.law import lobes_of, resistance_of
 from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle, return_ends
+=======
+from ncgear.project.law import SAME_STROKE, lobes_of, resistance_of
+from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle
+>>>>>>> optimum
 from ncgear.ratio.sampled_strokes import (
-    Returns,
-    repeated,
+    Motion,
+    Points,
+    ReturnSamples,
     return_samples,
     returns_with_constant,
     working_motions,
@@ -136,13 +142,13 @@ def _strokes(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
     linkage = _linkages(designs)
     stroke_mm, period = linkage.stroke_mm, kind.lobes.driving_period_rad
     strokes = closed_strokes(_requests(designs, stroke_mm))
-    ends, points = return_ends(strokes, linkage, kind.lobes), (RETURN_PIECES, count)
-    returns = returns_with_constant(ends, _column(designs, "motion.return_.e"), points, CLOSING_STEPS)
+    points = Points(RETURN_PIECES, count, CLOSING_STEPS)
+    returns = returns_with_constant(strokes, linkage, period, _column(designs, "motion.return_.e"), points)
     turning = linkage.rod_mm - linkage.crank_mm > np.abs(linkage.offset_mm)
     sound = turning & (strokes.theta4_rad < period)
     if kind.law[-1] is False:
         sound &= np.isclose(_column(designs, "motion.stroke_mm"), stroke_mm, rtol=SAME_STROKE / 2.0, atol=0.0)
-    samples = stroke_samples(strokes, linkage, returns, count)
+    samples = _stroke_samples(strokes, linkage, return_samples(returns, linkage, points, 2), returns.length_rad)
     return Sampled(samples, sound, stroke_mm, strokes.law_speed_rad_s / RAD_S_PER_RPM, strokes.closing_error_mm)
 
 
@@ -169,8 +175,11 @@ def _given(designs: Sequence[Design], name: str, unit: float = 1.0) -> Array | N
     return _column(designs, f"motion.{name}") * unit
 
 
-def stroke_samples(strokes: WorkingStrokes[Array], linkage: Linkages[Array], returns: Returns, count: int) -> Samples:
-    """The working stroke's segments and the return's pieces, ``count`` points each."""
+def _stroke_samples(
+    strokes: WorkingStrokes[Array], linkage: Linkages[Array], back: ReturnSamples, length_rad: Array
+) -> Samples:
+    """The working stroke's segments and the pieces of a return of ``length_rad``, as many points each."""
+    pieces, count = back.velocity.shape[1:]
     width2, width3 = strokes.theta3_rad - strokes.theta2_rad, strokes.theta4_rad - strokes.theta3_rad
     starts, widths = (0.0 * width2, strokes.theta2_rad, strokes.theta3_rad), (strokes.theta2_rad, width2, width3)
     angles = (approach_angle, pressing_angle, braking_angle)
@@ -180,20 +189,21 @@ def stroke_samples(strokes: WorkingStrokes[Array], linkage: Linkages[Array], ret
         phi1 = start[:, None] + width[:, None] * shares(count)
         driven = angle(many, linkages, phi1.ravel(), 3)
         places.append(_place_of(*(driven.derivative(k).reshape(phi1.shape) for k in (1, 2, 3))))
-    out = [np.stack(parts, axis=1) for parts in zip(*working_motions(strokes, (count, count, count)), strict=True)]
-    back = return_samples(returns, linkage, (RETURN_PIECES, count))
-    stacked = (np.stack(column, axis=1) for column in zip(*places, strict=True))
-    home = _place_of(back.slope, back.slope_first, back.slope_second)
-    at = Place(*(np.concatenate(columns, axis=1) for columns in zip(stacked, home, strict=True)))
-    every = np.stack([*widths, *[returns.ends.length_rad / RETURN_PIECES] * RETURN_PIECES], axis=1)
+    out = (np.stack(column, axis=1) for column in zip(*places, strict=True))
+    home = _place_of(*back.slopes)
+    at = Place(*(np.concatenate(columns, axis=1) for columns in zip(out, home, strict=True)))
+    approach, pressing, braking = working_motions(strokes, (count, count, count))
+    forwards = Motion(*(values[:, ::-1] for values in braking))
+    displacement, speed, change = (np.stack(parts, axis=1) for parts in zip(approach, pressing, forwards, strict=True))
+    every = np.stack([*widths, *[length_rad / pieces] * pieces], axis=1)
     return Samples(
-        at,
-        np.concatenate([out[1], back.velocity], axis=1),
-        np.concatenate([out[2], back.acceleration], axis=1),
-        out[0],
-        at.slope * every[..., None],
-        every > 0.0,
-        _sound(strokes, count),
+        at=at,
+        velocity=np.concatenate([speed, back.velocity], axis=1),
+        acceleration=np.concatenate([change, back.acceleration], axis=1),
+        displacement_mm=displacement,
+        turning=at.slope * every[..., None],
+        there=every > 0.0,
+        sound=_sound(strokes, count),
     )
 
 

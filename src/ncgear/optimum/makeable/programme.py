@@ -22,9 +22,9 @@ import numpy as np
 from scipy import sparse
 
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.makeable.levels import Level
 from ncgear.optimum.makeable.quantities import Place, Slider, length_rates
 from ncgear.optimum.makeable.reached import Grid, basis, lengths, ratios, reached
+from ncgear.optimum.makeable.wishes import Level
 
 SOLVED = {"Solve_Succeeded", "Solved_To_Acceptable_Level"}
 STOPPED = "User_Requested_Stop"

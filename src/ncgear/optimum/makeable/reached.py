@@ -17,8 +17,8 @@ from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
-from ncgear.optimum.makeable.levels import Level
 from ncgear.optimum.makeable.quantities import Place, Slider, length_rates
+from ncgear.optimum.makeable.wishes import Level
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from math import degrees
-from typing import Any
 
 import numpy as np
 
@@ -20,13 +19,7 @@ from ncgear.mechanisms.crank_slider import CrankSlider, Linkages
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Number
 from ncgear.numerics.jet import Jet
-from ncgear.ratio.return_stroke import (
-    EndsOfReturns,
-    ReturnEnds,
-    ReturnLaw,
-    return_of_least_acceleration,
-    return_with_constant,
-)
+from ncgear.ratio.return_stroke import ReturnEnds, ReturnLaw, return_of_least_acceleration, return_with_constant
 from ncgear.ratio.transmission import Lobes, Piece, Transmission
 from ncgear.ratio.working_stroke import WorkingStroke, WorkingStrokes
 
@@ -94,8 +87,7 @@ def stroke_law(
             key="motion",
         )
     working = working_pieces(stroke, linkage)
-    many = return_ends(stroke, linkage, lobes)
-    ends = ReturnEnds(**{name: float(value[0]) for name, value in vars(many).items()})
+    ends = _return_ends(working, lobes)
     if constant is None:
         return_law = return_of_least_acceleration(ends, linkage, inverse=inverse_basis)
     else:
@@ -104,19 +96,18 @@ def stroke_law(
     return StrokeLaw(Transmission((*working, closing), lobes), stroke, return_law)
 
 
-def return_ends(strokes: WorkingStrokes[Number], linkage: Linkages[Any], lobes: Lobes) -> EndsOfReturns[Array]:
-    """What the returns of strokes must join; shape (n,), for one stroke (1,)."""
-    theta4 = np.atleast_1d(strokes.theta4_rad)
-    extended = braking_angle(strokes, linkage, theta4, 2)
-    retracted = approach_angle(strokes, linkage, np.zeros_like(theta4), 2)
+def _return_ends(working: tuple[Piece, ...], lobes: Lobes) -> ReturnEnds:
+    first, last = working[0], working[-1]
+    extended = last.driven_angle(np.array([last.end_rad]), 2)
+    retracted = first.driven_angle(np.array([first.start_rad]), 2)
     start, end = 1.0 / extended.differentiated(), 1.0 / retracted.differentiated()
-    return EndsOfReturns(
-        start_rad=theta4,
-        end_rad=np.full_like(theta4, lobes.driving_period_rad),
-        start_driven_rad=extended.value,
-        end_driven_rad=np.full_like(theta4, lobes.driven_period_rad),
-        start_ratio=start.value,
-        start_ratio_slope=start.derivative(1),
-        end_ratio=end.value,
-        end_ratio_slope=end.derivative(1),
+    return ReturnEnds(
+        start_rad=last.end_rad,
+        end_rad=lobes.driving_period_rad,
+        start_driven_rad=float(extended.value[0]),
+        end_driven_rad=lobes.driven_period_rad,
+        start_ratio=float(start.value[0]),
+        start_ratio_slope=float(start.derivative(1)[0]),
+        end_ratio=float(end.value[0]),
+        end_ratio_slope=float(end.derivative(1)[0]),
     )
