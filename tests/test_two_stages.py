@@ -19,12 +19,7 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.summary.check import check_summary
 from ncgear.figures.terminal import build_text, check_text, timing_text
 from ncgear.files.build import build
-<<<<<<< HEAD
 from ncgear.files.workshop.formats import Format
-from ncgear.optimum.figures import figures as figures_of
-=======
-from ncgear.files.workshop.kinds import Format
->>>>>>> optimum
 from ncgear.optimum.makeable import quantities
 from ncgear.optimum.makeable.quantities import pairs
 from ncgear.optimum.makeable.reached import grid, lengths, ratios, reached, stations

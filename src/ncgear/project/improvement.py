@@ -9,13 +9,8 @@ from ncgear.design.keys.design import Design
 from ncgear.errors import DesignError
 from ncgear.extras import require
 from ncgear.optimum.makeable.wishes import Goal, Wishes
-<<<<<<< HEAD
-from ncgear.optimum.task import Task
-from ncgear.project.law import law_of, linkage_of
-=======
 from ncgear.optimum.task import Figures, Task, figures
-from ncgear.project.law import Law, law_of, linkage_of
->>>>>>> optimum
+from ncgear.project.law import law_of, linkage_of
 from ncgear.project.wishes import task_of, wishes_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Train, single

@@ -115,20 +115,9 @@ def _integral(values: Array) -> Array:
 def single_figures(design: Design) -> dict[str, float]:
     """Every figure of a design; raises WrongInput or NoSuchMechanism where it cannot be made."""
     drive = Drive(design)
-<<<<<<< HEAD
-    figures = {**_law(drive), **_check(drive)}
-    # Of two stages the curves are those of each pair, and a build alone tells them apart.
-    return figures if design.gears is None or design.stages > 1 else {**figures, **_pitch(drive)}
-
-
-def _law(drive: Drive) -> dict[str, float]:
     stroke, (low, high) = drive.law.stroke, drive.transmission.ratio_range
-    return {
-=======
-    stroke, (low, high) = drive.law.stroke_law, drive.transmission.ratio_range
     check = drive.check
     figures = {
->>>>>>> optimum
         "drive.law_speed_rpm": drive.law_speed_rpm,
         "closure.residual_rad": abs(drive.transmission.closure_error_rad),
         "closure.stroke_residual_mm": abs(stroke.closing_error_mm) if stroke else 0.0,

@@ -26,13 +26,8 @@ from ncgear.numerics.jet import Jet
 from ncgear.numerics.sampled import extremes, integration, shares
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.makeable.quantities import Place, Slider, acceleration, velocity
-<<<<<<< HEAD
 from ncgear.project.law import lobes_of, resistance_of
-from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle, return_ends
-=======
-from ncgear.project.law import SAME_STROKE, lobes_of, resistance_of
 from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle
->>>>>>> optimum
 from ncgear.ratio.sampled_strokes import (
     Motion,
     Points,
