@@ -185,7 +185,7 @@ def balance(
     folder = out or EXPORT / f"{loaded.balance.name}-balance"
     prepare(folder)
 
-    from ncgear.figures.balance import balance_text, figures_of
+    from ncgear.figures.balance.parts import balance_text, figures_of
     from ncgear.files.balance import balance_files
     from ncgear.project.balancing import Balancing
 

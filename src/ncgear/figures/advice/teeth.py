@@ -89,10 +89,8 @@ def shortened(drive: Drive) -> list[Advice]:
     for reason, words in MEANINGS.items():
         places = _places(drive, partial(ToothedGear.shortened, reason=reason))
         if places:
-            what, remedy = (
-                f"tips shortened that {words}: {_named(places)}",
-                LESS_HELIX if reason is Limit.HELIX else FINER,
-            )
+            what = f"tips shortened that {words}: {_named(places)}"
+            remedy = LESS_HELIX if reason is Limit.HELIX else FINER
             advices.append(Advice(Kind.SHORTENED, places, what, "the contact of these teeth is shorter", (remedy,)))
     return advices
 

@@ -11,7 +11,7 @@ from ncgear.extras import require
 from ncgear.optimum.figures import Figures, figures
 from ncgear.optimum.makeable.wishes import Goal, Wishes
 from ncgear.optimum.task import Task
-from ncgear.project.law import Law, law_of, linkage_of
+from ncgear.project.law import law_of, linkage_of
 from ncgear.project.wishes import task_of, wishes_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Train, single
@@ -24,7 +24,7 @@ LIMIT_POINTS = 30
 """Of the limit's curve: a smooth one, in half a second."""
 
 
-class Improvement:
+class BestLaw:
     """A design's machine with the best law that its wishes allow.
 
     Whatever is asked for first may raise: WrongInput for wishes that contradict each other or the design,
@@ -95,8 +95,7 @@ class Improvement:
     def given_figures(self) -> Figures | None:
         """Exact figures of the design's own law at the same speed; None where it has none that can be built."""
         try:
-            given: Law = law_of(self.design)
-            return figures(self.task, given.train)
+            return figures(self.task, law_of(self.design).train)
         except DesignError:
             return None
 
