@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 
 from ncgear.design.reading.design_file import load
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.figures.summary.check import check_summary
+from ncgear.figures.summary.check_summary import check_summary
 from ncgear.figures.terminal import build_text, check_text, timing_text
 from ncgear.files.build import build
 from ncgear.files.workshop.kinds import Format

@@ -8,9 +8,9 @@ import typer
 
 from ncgear import __version__
 from ncgear.cli.bench import bench
+from ncgear.cli.lookup import explain, reproduce, schema
 from ncgear.cli.machine import animate, balance, build, check, report, simulate
 from ncgear.cli.new import new
-from ncgear.cli.reference import explain, reproduce, schema
 from ncgear.cli.search import frontier, optimize, sweep
 
 app = typer.Typer(

@@ -22,7 +22,7 @@ def check(
     """Check a design: kinematics and power only, no teeth, no files."""
     with opened(design_file) as loaded:
         from ncgear.figures.numbers import json_text
-        from ncgear.figures.summary.check import check_summary
+        from ncgear.figures.summary.check_summary import check_summary
         from ncgear.figures.terminal import check_text, timing_text
         from ncgear.project.drive import Drive
 

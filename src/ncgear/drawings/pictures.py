@@ -13,8 +13,8 @@ from ncgear.drawings.plots.curves import motion, power
 from ncgear.drawings.plots.gears import Assembled, Position, pitch_curves, tooth_pair
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.curve import CurvePoints, PitchCurve
-from ncgear.project.bodies import rim_mm_of
 from ncgear.project.drive import Drive
+from ncgear.project.gear_solids import rim_mm_of
 from ncgear.solids.mesh.ring import outer_radius_mm
 
 CURVE_POINTS = 1500

@@ -1,9 +1,4 @@
-"""The unit in which a quantity is read, by its size.
-
-Numbers and keys of a summary as a person reads them.
-
-Results as JSON.
-"""
+"""Numbers as a person reads them, in units that fit their size, and results as JSON."""
 
 from __future__ import annotations
 

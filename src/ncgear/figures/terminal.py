@@ -9,7 +9,7 @@ from textwrap import wrap
 from typing import Any
 
 from ncgear.figures.numbers import shown
-from ncgear.figures.summary.check import check_summary
+from ncgear.figures.summary.check_summary import check_summary
 from ncgear.figures.tables import Column, aligned
 from ncgear.numerics.units import label_and_unit
 from ncgear.project.drive import Drive

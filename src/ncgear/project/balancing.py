@@ -1,6 +1,6 @@
-"""What a balance file says, as the values that balance computes with.
+"""A balance file and all that follows from it, each part computed when it is first asked for.
 
-A balance file and all that follows from it; each part is computed when it is first asked for.
+Its functions make of what the file says the values that balance computes with.
 """
 
 from __future__ import annotations

@@ -19,8 +19,8 @@ from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.project.computed import computed
-from ncgear.project.gears import helix_of, mesh_place, rack_of, tooth_form
 from ncgear.project.law import Law, law_of, resistance_of
+from ncgear.project.tooth_form import helix_of, mesh_place, rack_of, tooth_form_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Pair, Transmission
 from ncgear.stopwatch import Stopwatch
@@ -192,7 +192,7 @@ class Drive:
         """Everything asked of the teeth, at the module; of helical ones, that their tips do not jump with height."""
         from ncgear.solids.helical.even_tips import with_even_tips
 
-        form, pitch = tooth_form(self.gears, self.pitch.size.module_mm), self.pitch
+        form, pitch = tooth_form_of(self.gears, self.pitch.size.module_mm), self.pitch
         if self.helix is None:
             return form
         with self.stopwatch("teeth"):
@@ -264,7 +264,7 @@ class Drive:
     @computed
     def solids(self) -> SolidPair:
         """Both gears as closed meshes."""
-        from ncgear.project.bodies import helical_solids, straight_solids
+        from ncgear.project.gear_solids import helical_solids, straight_solids
 
         gears, pitch, tolerance = self.gears, self.pitch, self.design.output.chord_tolerance_mm
         if self.helix is not None:

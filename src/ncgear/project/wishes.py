@@ -15,8 +15,8 @@ from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum import task
 from ncgear.optimum.certified.weighted import Weights
 from ncgear.optimum.makeable.wishes import CurvatureWish, Goal, TwoStages, Wishes
-from ncgear.project.gears import rack_of
 from ncgear.project.law import lobes_of, resistance_of
+from ncgear.project.tooth_form import rack_of
 
 RACK_ANGLE_DEG = 20.0
 """Pressure angle of the rack where a design has no gears: that of ISO 53."""

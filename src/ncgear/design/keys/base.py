@@ -1,8 +1,7 @@
-"""What all models of the design file share: strict types, no unknown keys, no changes, no nan or infinity.
+"""What all models of keys share: strict types, no unknown keys, no changes, no nan or infinity; faults; angles.
 
-A fault that a model finds between its own fields, carrying the key it belongs to.
-
-Angles that a design file may give in radians, in degrees or in multiples of pi, the unit being part of the key.
+A fault that a model finds between its own fields carries the key it belongs to.  An angle may be given in radians, in
+degrees or in multiples of pi, the unit being part of its key.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""The machine around the gears: linkage, operation, published machines to compare with, output.
-
-The force against the slider as a design file gives it: a polynomial, a table, or an expression.
-"""
+"""The keys of the machine around the gears: linkage, operation, resistance, mechanisms to compare with, output."""
 
 from __future__ import annotations
 

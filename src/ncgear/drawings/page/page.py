@@ -96,7 +96,7 @@ def _asset(name: str) -> str:
 def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairContact]) -> bytes:
     """The whole page; ``contacts`` are those of the drive's pairs, none for a design without gears.
 
-    The same design gives the same bytes.  Raises WrongInput or NoSuchMechanism as the drive's stages do.
+    The same design gives the same bytes.  Raises WrongInput or NoSuchMechanism as the drive does.
     """
     pairs = list(zip(drive.by_stage, contacts, strict=True)) if contacts else []
     scene = scene_of(drive)

@@ -8,7 +8,7 @@ from math import degrees, isclose
 from typing import TYPE_CHECKING
 
 from ncgear.design.keys.bodies import GearBody, Hub, LighteningHoles, Web
-from ncgear.figures.data_sheet.measured import pin_tables, span_table
+from ncgear.figures.data_sheet.measured_tables import pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import shown
 from ncgear.figures.tables import Cells, Table, Value, markdown, markdown_text
@@ -16,8 +16,8 @@ from ncgear.metrology.working import root_radii_mm, tip_radii_mm
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
-from ncgear.project.bodies import rim_mm_of
 from ncgear.project.drive import Drive
+from ncgear.project.gear_solids import rim_mm_of
 from ncgear.project.measured import MeasuredGear, measured_gears
 from ncgear.teeth.form import CutterKind
 from ncgear.teeth.tips import Limit

@@ -209,7 +209,7 @@ CROSS_IN_MODULES = 2.0
 
 
 def gear_drawing(drive: Drive, gear: Gear) -> Drawing:
-    """A gear in its own frame; raises as the drive's stages do."""
+    """A gear in its own frame; raises as the drive does."""
     plan = drive.solids.of(gear).plan
     curve = drive.pitch.of(gear)
     shapes = {

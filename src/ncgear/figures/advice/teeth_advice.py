@@ -7,7 +7,7 @@ from functools import partial
 from math import degrees
 
 from ncgear.contact.designed.sides import AsDesigned, SideContact
-from ncgear.figures.advice.law import STEEPEST_DEG
+from ncgear.figures.advice.law_advice import STEEPEST_DEG
 from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where, changed
 from ncgear.project.alternatives import (
     blunt_addendum,
