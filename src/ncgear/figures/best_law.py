@@ -18,7 +18,6 @@ from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
 from ncgear import __version__
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.machine import Published
 from ncgear.design.naming import LONGEST_NAME
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import json_text, shown
@@ -195,19 +194,10 @@ def mechanisms(best: BestLaw) -> list[OtherMechanism]:
     comparison = best.design.comparison
     speed = best.design.operation.speed_rpm
     for published in comparison.published if comparison else ():
-        mechanism = _at_speed(published, speed)
-        if mechanism is not None:
-            found.append(mechanism)
+        one = published.at_speed(speed)
+        if one.peak_power_w is not None and one.peak_acceleration_mm_s2 is not None:
+            found.append(OtherMechanism(one.name, one.peak_power_w, one.peak_acceleration_mm_s2))
     return found
-
-
-def _at_speed(published: Published, speed_rpm: float) -> OtherMechanism | None:
-    """Power goes with the speed, acceleration with its square."""
-    power, acceleration = published.peak_power_w, published.peak_acceleration_mm_s2
-    if power is None or acceleration is None:
-        return None
-    faster = speed_rpm / published.speed_rpm
-    return OtherMechanism(published.name, power * faster, acceleration * faster**2)
 
 
 def frontier_csv(found: Frontier) -> str:

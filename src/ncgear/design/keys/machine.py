@@ -60,6 +60,14 @@ class Published(Model):
         default=None, description="driving speed in r/min that quoted_power_w belongs to"
     )
 
+    def at_speed(self, speed_rpm: float) -> Published:
+        """The same at another driving speed: power and velocities go with the speed, acceleration with its square."""
+        factor = speed_rpm / self.speed_rpm
+        powers = {"peak_power_w": 1, "peak_acceleration_mm_s2": 2, "peak_speed_mm_s": 1, "compression_speed_mm_s": 1}
+        found = {key: getattr(self, key) for key in powers}
+        scaled = {key: None if value is None else value * factor ** powers[key] for key, value in found.items()}
+        return self.model_copy(update={"speed_rpm": speed_rpm, **scaled})
+
     @model_validator(mode="after")
     def _figures(self) -> Self:
         if not given(self, FIGURES):

@@ -13,13 +13,18 @@ from ncgear.project.drive import Drive
 
 
 def check_summary(drive: Drive) -> dict[str, Any]:
-    """Kinematics and power; needs no pitch curve."""
+    """Kinematics and power; needs no pitch curve.  The ratio is that of one pair where the drive is one, else of all."""
+    law, of_ratio = drive.law.stroke_law, drive.transmission if drive.stage is None else drive.pair.transmission
+    low, high = of_ratio.ratio_range
     return {
         "design": {"name": drive.design.name, "description": drive.design.description, "law": drive.design.motion.law},
         "drive": _drive(drive),
         **_stages(drive),
-        "closure": _closure(drive),
-        "ratio": _ratio(drive),
+        "closure": {
+            "residual_rad": abs(drive.transmission.closure_error_rad),
+            "stroke_residual_mm": abs(law.stroke.closing_error_mm) if law else 0.0,
+        },
+        "ratio": {"min": low.value, "max": high.value, "min_at_rad": low.at, "max_at_rad": high.at},
         "check": _check(drive),
         "comparison": comparison_rows(drive),
         "warnings": [advice.line for advice in check_advice(drive)],
@@ -88,20 +93,6 @@ def _range_and_angle(drive: Drive) -> dict[str, Any]:
     if drive.design.gears is None:
         return found
     return {**found, "max_pressure_angle_deg": tangent + drive.design.gears.rack.pressure_angle_deg}
-
-
-def _closure(drive: Drive) -> dict[str, Any]:
-    law = drive.law.stroke_law
-    return {
-        "residual_rad": abs(drive.transmission.closure_error_rad),
-        "stroke_residual_mm": abs(law.stroke.closing_error_mm) if law else 0.0,
-    }
-
-
-def _ratio(drive: Drive) -> dict[str, Any]:
-    """The range of the ratio of one pair, or of the whole drive where no pair is told."""
-    low, high = (drive.transmission if drive.stage is None else drive.pair.transmission).ratio_range
-    return {"min": low.value, "max": high.value, "min_at_rad": low.at, "max_at_rad": high.at}
 
 
 def _check(drive: Drive) -> dict[str, Any]:
@@ -186,20 +177,12 @@ def _row(
     }
 
 
-def _times(value: float | None, factor: float) -> float | None:
-    return None if value is None else value * factor
-
-
 def _scaled(drive: Drive, published: Published) -> dict[str, Any]:
-    """Published figures at the operating speed: power and velocity go with the speed, acceleration with its square."""
-    speed = drive.design.operation.speed_rpm
-    factor = speed / published.speed_rpm
-    power = _times(published.peak_power_w, factor)
-    acceleration = _times(published.peak_acceleration_mm_s2, factor**2)
-    velocity = _times(published.peak_speed_mm_s, factor)
-    pressing = _times(published.compression_speed_mm_s, factor)
+    """Published figures at the operating speed."""
+    found = published.at_speed(drive.design.operation.speed_rpm)
+    power, pressing = found.peak_power_w, found.compression_speed_mm_s
     notes = [_against(drive, power), f"compression speed {pressing:.4g} mm/s" if pressing else ""]
-    row = _row(published.name, speed, power, acceleration, velocity)
+    row = _row(found.name, found.speed_rpm, power, found.peak_acceleration_mm_s2, found.peak_speed_mm_s)
     return {**row, "same_speed": True, "note": "; ".join(note for note in notes if note)}
 
 
