@@ -53,7 +53,7 @@ def _listed(items: list[Any]) -> str:
     if all(isinstance(item, int) and not isinstance(item, bool) for item in items):
         return ", ".join(_runs(sorted(items)))
     if any(isinstance(item, Mapping) for item in items):
-        # A table in the summary's file; a report has no room for it.
+        # A table in the summary's file; a terminal has no room for it.
         return str(len(items))
     texts = ["..".join(map(shown, item)) if _is_range(item) else shown(item) for item in items[:LONG_LIST]]
     left = len(items) - len(texts)

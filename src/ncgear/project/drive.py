@@ -234,12 +234,6 @@ class Drive:
         """Raise WrongInput or NoSuchMechanism where the contact of the exact teeth is not sound."""
         _ = self.designed_contact
 
-    @property
-    def sound_teeth(self) -> ToothedPair:
-        """Both toothed gears, once their contact is found sound."""
-        self.require_sound_teeth()
-        return self.teeth
-
     def contact(self, written: Sequence[Outlines]) -> PairContact:
         """Contact of the exact teeth and of outlines that were written, which must touch where the teeth do."""
         from ncgear.contact.pair import pair_contact, refuse_bad_outlines
@@ -318,7 +312,8 @@ class Drive:
 
         if self.helix is not None:
             raise WrongInput("helical teeth are not followed under load; leave it out", key="gears.helix")
-        pitch, teeth = self.pitch, self.sound_teeth
+        self.require_sound_teeth()
+        pitch, teeth = self.pitch, self.teeth
         with self.stopwatch("gaps"):
             return meshing_of(self.design.simulation, pitch, teeth)
 

@@ -86,17 +86,6 @@ class Comparison(Model):
     )
 
 
-class Output(Model):
-    """How finely the results are written."""
-
-    chord_tolerance_mm: float = Field(
-        default=0.005,
-        ge=1e-5,
-        le=0.5,
-        description="greatest distance in mm of a written outline's chords from the exact curve",
-    )
-
-
 MOST_POINTS = 1000
 FEWEST_POINTS = 2
 
@@ -162,3 +151,14 @@ class Resistance(Model):
     def _one_form(self) -> Self:
         require_one(self, ("polynomial_n", "table", "expression_n"))
         return self
+
+
+class Output(Model):
+    """How finely the results are written."""
+
+    chord_tolerance_mm: float = Field(
+        default=0.005,
+        ge=1e-5,
+        le=0.5,
+        description="greatest distance in mm of a written outline's chords from the exact curve",
+    )

@@ -13,7 +13,7 @@ from ncgear.project.drive import Drive
 
 
 def check_summary(drive: Drive) -> dict[str, Any]:
-    """Kinematics and power; needs no pitch curve.  The ratio is that of one pair where the drive is one, else of all."""
+    """Kinematics and power; needs no pitch curve.  The ratio is that of the pair that is told, or of all."""
     law, of_ratio = drive.law.stroke_law, drive.transmission if drive.stage is None else drive.pair.transmission
     low, high = of_ratio.ratio_range
     return {
