@@ -25,7 +25,6 @@ from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import written_lines
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.figures import Figures
-from ncgear.optimum.frontier import FamilyPoint, LawPoint
 from ncgear.optimum.makeable.wishes import Goal
 from ncgear.project.best_law import BestLaw
 from ncgear.project.frontier_run import Frontier
@@ -203,13 +202,12 @@ def mechanisms(best: BestLaw) -> list[OtherMechanism]:
 def frontier_csv(found: Frontier) -> str:
     """One line for each cap on the power; empty cells where nothing was found."""
     families = {point.cap_w: point for point in found.families}
-    return rows_text(FRONTIER_COLUMNS, [_cells(point, families[point.cap_w]) for point in found.laws])
-
-
-def _cells(point: LawPoint, family: FamilyPoint) -> list[float | None]:
-    law = figures_summary(point.law)
-    figures = law["peak_power_w"], law["peak_acceleration_mm_s2"], law["tangent_deg"]
-    return [point.cap_w, point.bound.value, *figures, family.peak_power_w, family.peak_acceleration_mm_s2]
+    rows = []
+    for point in found.laws:
+        law, family = point.law, families[point.cap_w]
+        figures = law.peak_power_w, law.peak_acceleration_mm_s2, degrees(law.tangent_rad)
+        rows.append([point.cap_w, point.bound.value, *figures, family.peak_power_w, family.peak_acceleration_mm_s2])
+    return rows_text(FRONTIER_COLUMNS, rows)
 
 
 def frontier_json(found: Frontier, best: BestLaw) -> str:

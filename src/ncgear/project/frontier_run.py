@@ -145,14 +145,11 @@ def _point(design: Design, kind: str, cap_w: float) -> dict[str, Any]:
 
 
 def _assembled(caps: list[float], found: dict[tuple[str, float], dict[str, Any]]) -> Frontier:
-    laws = [_law_point(found["law", cap]) for cap in caps if "refused" not in found["law", cap]]
+    results = [found["law", cap] for cap in caps if "refused" not in found["law", cap]]
+    laws = [LawPoint(one["cap_w"], Bound(**one["bound"]), Figures(**one["law"])) for one in results]
     if not laws:
         raise NoSuchMechanism(found["law", caps[0]]["refused"], key="optimize.limits")
     return Frontier(laws, _best_so_far([FamilyPoint(**found["family", cap]) for cap in caps]))
-
-
-def _law_point(result: dict[str, Any]) -> LawPoint:
-    return LawPoint(result["cap_w"], Bound(**result["bound"]), Figures(**result["law"]))
 
 
 def _best_so_far(points: list[FamilyPoint]) -> list[FamilyPoint]:

@@ -61,13 +61,9 @@ def quantity(name: str) -> str:
 def folded(names: Iterable[str]) -> list[str]:
     """``names`` once each, an angle that has all units as one: theta1_rad/_deg/_pi."""
     known = set(names := list(names))
-    return list(
-        dict.fromkeys(_all_units(name) if known.issuperset(spellings(quantity(name))) else name for name in names)
-    )
-
-
-def _all_units(name: str) -> str:
-    return f"{quantity(name)}_{'/_'.join(UNITS)}"
+    units = "/_".join(UNITS)
+    shown = (f"{quantity(one)}_{units}" if known.issuperset(spellings(quantity(one))) else one for one in names)
+    return list(dict.fromkeys(shown))
 
 
 def given(model: BaseModel, names: Iterable[str]) -> list[str]:

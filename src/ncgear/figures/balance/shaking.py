@@ -7,7 +7,7 @@ from itertools import combinations
 from math import degrees
 from typing import Any
 
-from ncgear.balance.counterweights import BestCounterweight, least_squares, minimax, sweep
+from ncgear.balance.counterweights import least_squares, minimax, sweep
 from ncgear.balance.excitation import Excitation, margins, of_engine, of_shaft, of_slider
 from ncgear.balance.frame import (
     Crank,
@@ -140,14 +140,16 @@ def _partial(asked: given_as.Partial, mechanism: Mechanism) -> list[dict[str, fl
 
 def _best(asked: given_as.Best, mechanism: Mechanism) -> dict[str, Any]:
     known = accelerations(mechanism)
-    found = {"least_squares": least_squares(mechanism, known), "least_peak": minimax(mechanism, known)}
-    return {name: _best_figures(one, asked.arm_mm, mechanism) for name, one in found.items()}
-
-
-def _best_figures(found: BestCounterweight, arm_mm: float, mechanism: Mechanism) -> dict[str, float]:
-    added = found.at(arm_mm)
-    figures = {"counterweight_kg": added.mass_kg, "angle_deg": degrees(added.angle_rad), **_left(mechanism, added)}
-    return figures if found.bound_n is None else {**figures, "certified_bound_n": found.bound_n}
+    figures: dict[str, Any] = {}
+    for name, found in ("least_squares", least_squares(mechanism, known)), ("least_peak", minimax(mechanism, known)):
+        added = found.at(asked.arm_mm)
+        figures[name] = {
+            "counterweight_kg": added.mass_kg,
+            "angle_deg": degrees(added.angle_rad),
+            **_left(mechanism, added),
+            **({} if found.bound_n is None else {"certified_bound_n": found.bound_n}),
+        }
+    return figures
 
 
 def _left(mechanism: Mechanism, added: Counterweight) -> dict[str, float]:

@@ -55,6 +55,7 @@ def _gear(gear: BalancedGear, grade: float) -> dict[str, Any]:
 def _body(body: GearBody, speed_rad_s: float, grade: float) -> dict[str, Any]:
     permissible = permissible_unbalance_kg_mm(grade, body.mass_kg, speed_rad_s)
     unbalance = abs(body.unbalance_kg_mm)
+    reached = grade_reached(unbalance, body.mass_kg, speed_rad_s)
     return {
         "mass_kg": body.mass_kg,
         "eccentricity_mm": body.eccentricity_mm,
@@ -64,13 +65,9 @@ def _body(body: GearBody, speed_rad_s: float, grade: float) -> dict[str, Any]:
         "couple_kg_mm2": abs(body.couple_kg_mm2),
         "permissible_kg_mm": permissible,
         "permitted": unbalance <= permissible,
-        "grade_reached": _finite(grade_reached(unbalance, body.mass_kg, speed_rad_s)),
+        # JSON knows no infinity: none of the grades.
+        "grade_reached": reached if reached < float("inf") else None,
     }
-
-
-def _finite(grade: float) -> float | None:
-    """JSON knows no infinity: none of the grades."""
-    return grade if grade < float("inf") else None
 
 
 def rotor_figures(balancing: Balancing) -> dict[str, Any]:

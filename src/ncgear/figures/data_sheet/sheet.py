@@ -248,17 +248,14 @@ def tolerances(drive: Drive) -> tuple[Group, ...]:
 def measurements(drive: Drive, gears: tuple[MeasuredGear, MeasuredGear]) -> Group:
     """What is measured with, and in how many places it can be."""
     driving, driven = gears
+    tool = "pins" if driving.working.base_cosine == 1.0 else "balls"
     rows = (
         *([Entry("section that is measured, z", "mm", pair=drive.helix.rise_mm / 2.0)] if drive.helix else []),
-        Entry(_tool(driving), "mm", driving=driving.pins.diameter_mm, driven=driven.pins.diameter_mm),
+        Entry(f"diameter of measuring {tool}", "mm", driving=driving.pins.diameter_mm, driven=driven.pins.diameter_mm),
         Entry("spaces in which they measure", driving=_spaces(driving), driven=_spaces(driven)),
         Entry("places of a span", driving=_places(driving), driven=_places(driven)),
     )
     return Group("Measurements of the teeth", rows)
-
-
-def _tool(gear: MeasuredGear) -> str:
-    return "diameter of measuring pins" if gear.working.base_cosine == 1.0 else "diameter of measuring balls"
 
 
 def _spaces(gear: MeasuredGear) -> Value:

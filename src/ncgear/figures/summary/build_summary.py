@@ -23,7 +23,7 @@ from ncgear.numerics.extrema import Extremum
 from ncgear.project.drive import Drive
 
 if TYPE_CHECKING:
-    from ncgear.pitch.pair import CurvatureJump, PitchPair
+    from ncgear.pitch.pair import PitchPair
     from ncgear.solids.mesh.pair import GearSolid
     from ncgear.solids.plan.body import BodyPlan, Hub
     from ncgear.teeth.gear import ToothedGear
@@ -83,22 +83,21 @@ def pitch_summary(drive: Drive) -> dict[str, Any]:
 
 
 def _jumps(pitch: PitchPair) -> list[dict[str, float]]:
-    return [
-        {
-            "phi1_rad": jump.phi1_rad,
-            "driving_before_1_mm": jump.driving_before,
-            "driving_after_1_mm": jump.driving_after,
-            "driven_before_1_mm": jump.driven_before,
-            "driven_after_1_mm": jump.driven_after,
-        }
-        for jump in pitch.curvature_jumps()
-        if _height(jump) * pitch.center_distance_mm > LEAST_JUMP
-    ]
-
-
-def _height(jump: CurvatureJump) -> float:
-    """The larger of both gears' jumps, in 1/mm."""
-    return max(abs(jump.driving_after - jump.driving_before), abs(jump.driven_after - jump.driven_before))
+    """Where the curvature of one of the gears jumps."""
+    found = []
+    for jump in pitch.curvature_jumps():
+        height = max(abs(jump.driving_after - jump.driving_before), abs(jump.driven_after - jump.driven_before))
+        if height * pitch.center_distance_mm > LEAST_JUMP:
+            found.append(
+                {
+                    "phi1_rad": jump.phi1_rad,
+                    "driving_before_1_mm": jump.driving_before,
+                    "driving_after_1_mm": jump.driving_after,
+                    "driven_before_1_mm": jump.driven_before,
+                    "driven_after_1_mm": jump.driven_after,
+                }
+            )
+    return found
 
 
 def teeth_summary(drive: Drive) -> dict[str, Any]:
