@@ -38,7 +38,7 @@ COMMANDS = (
     reproduce,
     schema,
 )
-"""In the order of the help."""
+"""All commands, in the order in which the help lists them."""
 
 for command in COMMANDS:
     app.command()(command)

@@ -12,7 +12,7 @@ from ncgear.design.reference import Key, allowed, default_words, example, unit_o
 
 WIDTH = 100
 PATH_WIDTH, NAME_WIDTH = 36, 13
-"""Of the column before the words: for whole names of keys, and for what is said of one."""
+"""Widths of the column before the words: whole names of keys, and what is said about one key."""
 
 MOST_EXPLAINED = 4
 """Different keys of one name up to which each is explained; more are listed."""
@@ -57,7 +57,7 @@ def _one(keys: Sequence[Key], alike: Sequence[Key], root: type[Any]) -> str:
 
 
 def _meaning(keys: Sequence[Key], alike: Sequence[Key]) -> str:
-    """Of what tells laws apart, the meaning of the group whose laws they are; of an angle, without the unit."""
+    """The meaning of the keys; an angle's is told without its unit, and the key ``law`` has that of its group."""
     first = alike[0]
     if not first.told_apart:
         return first.meaning.replace(", in rad", "").replace(" in rad", "") if _is_angle(alike) else first.meaning

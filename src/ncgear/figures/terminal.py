@@ -62,7 +62,7 @@ MIXED_SPEEDS = "At other driving speeds: mixes speeds, so this proves nothing ab
 
 NAME_WIDTH = 36
 LEAST_WIDTH = 8
-"""Of the first column of a comparison at the most, and of the others at the least."""
+"""A comparison's first column is at most NAME_WIDTH wide, and each other one at least LEAST_WIDTH."""
 
 
 def check_text(drive: Drive) -> str:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ncgear.optimum.makeable.law import MakeableLaw
 
 LIMIT_POINTS = 30
-"""Of the limit's curve: a smooth one, in half a second."""
+"""Points of the limit's curve: enough for a smooth one, in half a second."""
 
 
 class BestLaw:

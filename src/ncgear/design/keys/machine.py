@@ -86,13 +86,13 @@ class Comparison(Model):
     )
 
 
-MOST_POINTS = 1000
+MOST_RESISTANCE_POINTS = 1000
 FEWEST_POINTS = 2
 
 STRONGEST_N = 1e15
 """Far beyond any machine, and far below where slopes between two points overflow."""
 
-Points = Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)
+Points = Field(min_length=FEWEST_POINTS, max_length=MOST_RESISTANCE_POINTS)
 Displacement = Annotated[float, Field(ge=-LONGEST_MM, le=LONGEST_MM)]
 Displacements = Annotated[tuple[Displacement, ...], Strict(False), Points]
 Forces = Annotated[tuple[Annotated[float, Field(ge=-STRONGEST_N, le=STRONGEST_N)], ...], Strict(False), Points]

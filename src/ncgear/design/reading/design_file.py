@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.machine import MOST_POINTS as MOST_RESISTANCE_POINTS
+from ncgear.design.keys.machine import MOST_RESISTANCE_POINTS
 from ncgear.design.keys.motion import ANGLE_COLUMNS, MOST_POINTS, VALUE_COLUMNS
 from ncgear.design.reading.messages import checked
 from ncgear.design.reading.places import Source

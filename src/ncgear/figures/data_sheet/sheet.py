@@ -64,7 +64,7 @@ class DataSheet:
 
 
 def data_sheet(pair: Drive) -> DataSheet:
-    """The sheet of one pair of gears; of a design in two stages, of one of ``by_stage``.
+    """The sheet of one pair of gears; a design in two stages has one for each drive in ``by_stage``.
 
     Raises WrongInput or NoSuchMechanism as the drive does up to the contact of the teeth.
     """
@@ -264,7 +264,7 @@ def _spaces(gear: MeasuredGear) -> Value:
 
 
 def _places(gear: MeasuredGear) -> Value:
-    """In how many places a span is defined, or why it is not."""
+    """The number of places in which a span is defined, or why there is none."""
     spans = gear.spans
     if gear.working.is_ring:
         return "not defined: plates do not reach the flanks of a ring"

@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from ncgear.teeth.gear import ToothedGear
 
 LEAST_JUMP = 1e-6
-"""Of curvature times the centre distance: joints that go on smoothly differ by rounding, 1e-8 at the most; those that
-jump, by 1e-3 and more."""
+"""The least jump of curvature that is told, times the centre distance: smooth joints differ by rounding, at most 1e-8,
+others by 1e-3 and more."""
 
 
 def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
@@ -190,7 +190,7 @@ def _ratios(side: SideContact, suffix: str) -> dict[str, Any]:
 
 
 def _clearances(designed: AsDesigned) -> dict[str, Any]:
-    """None where no tip of a gear stands over a root of the other."""
+    """The least clearances of tips; that over roots is None where no tip of a gear stands over a root of the other."""
     least = {}
     for gear in ("driving", "driven"):
         both = [getattr(side, f"{gear}_tips") for side in (designed.pushing, designed.back)]
