@@ -11,7 +11,7 @@ from ncgear.design.keys.balance import Balance
 from ncgear.design.reading.design_file import LARGEST_MB, LoadedDesign, load
 from ncgear.design.reading.messages import checked
 from ncgear.design.reading.places import Document, Place, Source, named_by
-from ncgear.design.reading.points import Columns, FileKind, PointsFile, values_from_files
+from ncgear.design.reading.points import Columns, CsvKind, PointsFile, values_from_files
 from ncgear.design.reading.text import read_text
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.errors import WrongInput
@@ -124,8 +124,8 @@ def _all_of(*names: str) -> Columns:
 
 
 FILES = {
-    "chain_drive": FileKind(_all_of("weight_deg", "amplitude", "phase_deg"), ("runs",), chain_runs),
-    "rotor": FileKind(
+    "chain_drive": CsvKind(_all_of("weight_deg", "amplitude", "phase_deg"), ("runs",), chain_runs),
+    "rotor": CsvKind(
         _all_of("plane", "mass_g", "angle_deg", "sensor", "amplitude", "phase_deg"), ("first", "trials"), rotor_runs
     ),
 }
