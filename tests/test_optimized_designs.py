@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ncgear.design.reading.design_file import load
-from ncgear.project.improvement import Improvement
+from ncgear.project.best_law import BestLaw
 from test_designs import DESIGNS, built
 
 TARGETS = {
@@ -58,9 +58,9 @@ def test_the_gears_are_convex_free_of_undercut_and_in_contact(name: str) -> None
 @every_design
 def test_no_law_can_be_much_better(name: str) -> None:
     """The certified limit is below, by no more than convex curves cost."""
-    improvement = Improvement(load(DESIGNS / f"{name}.yaml").design)
+    best = BestLaw(load(DESIGNS / f"{name}.yaml").design)
     found = built(name).summary["check"]["peak_acceleration_cycle_mm_s2"]
-    assert improvement.bound.value < found < 1.2 * improvement.bound.value
+    assert best.bound.value < found < 1.2 * best.bound.value
 
 
 @pytest.mark.slow
@@ -68,14 +68,14 @@ def test_no_law_can_be_much_better(name: str) -> None:
 def test_the_optimiser_finds_them_again(name: str) -> None:
     """The same file gives the same law, whatever law it holds; other builds of the solver end within its tolerance."""
     design = load(Path(DESIGNS / f"{name}.yaml")).design
-    law = Improvement(design).law
+    law = BestLaw(design).law
     assert law.cosine == pytest.approx(np.array(design.motion.cosine), abs=1e-6)
     assert law.sine == pytest.approx(np.array(design.motion.sine), abs=1e-6)
 
 
 def test_the_published_mechanism_saves_nothing_at_equal_productivity() -> None:
     """It needs more power than the earlier one, and three times the uniform crank's acceleration."""
-    figures = Improvement(load(DESIGNS / "baler-frontier.yaml").design).given_figures
+    figures = BestLaw(load(DESIGNS / "baler-frontier.yaml").design).given_figures
     assert figures is not None
     assert figures.peak_power_w == pytest.approx(18_945.4, abs=0.5)
     assert figures.peak_acceleration_mm_s2 == pytest.approx(9.0 * 7341.14, rel=1e-5)

@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 
 from ncgear.design.reading.design_file import load
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.figures.summary.check import check_summary
+from ncgear.figures.summary.check_summary import check_summary
 from ncgear.figures.terminal import build_text, check_text, timing_text
 from ncgear.files.build import build
 from ncgear.files.workshop.formats import Format
@@ -28,8 +28,8 @@ from ncgear.optimum.task import Task
 from ncgear.optimum.task import figures as figures_of
 from ncgear.pitch.pair import largest_tangent_angle_rad, sized_pair
 from ncgear.pitch.shape import Gear
+from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive
-from ncgear.project.improvement import Improvement
 from ncgear.ratio.laws.harmonic import staged_law
 from ncgear.ratio.transmission import Lobes
 from oracles import meshing
@@ -181,7 +181,7 @@ def test_stages_have_one_lobe_each(tmp_path: Path) -> None:
 
 
 def test_the_pressure_angle_of_two_stages_is_not_one_of_the_whole() -> None:
-    wishes = Improvement(load(DESIGN).design).wishes
+    wishes = BestLaw(load(DESIGN).design).wishes
     assert wishes.limits.pressure_angle_rad is None
     assert wishes.two_stages is not None
     assert wishes.two_stages.pressure_angle_rad == pytest.approx(radians(30.0), rel=1e-15)
@@ -194,8 +194,8 @@ SHARE, OTHER = np.array([-0.3, 0.15, 0.0]), np.array([0.1, 0.0, 0.03])
 
 def test_levels_of_stages_are_those_of_the_built_pairs() -> None:
     """Pressure angle, ratio, convexity and curvature on the optimiser's grid against the pitch curves' exact ones."""
-    improvement = Improvement(load(DESIGN).design)
-    task, wishes = improvement.task, improvement.wishes
+    best = BestLaw(load(DESIGN).design)
+    task, wishes = best.task, best.wishes
     on = grid(stations(task.linkage, task.resistance, 2000), 3)
     at = ratios(on, np.concatenate([COSINE, SINE, SHARE, OTHER]), task.cycle_rad)
     made = [sized_pair(one.transmission, 100, 1.0, None) for one in staged_law(COSINE, SINE, SHARE, OTHER).train.pairs]
@@ -230,10 +230,10 @@ resistance: {polynomial_n: [20000]}
 """
 
 
-def improved(folder: Path, stages: int) -> Improvement:
+def improved(folder: Path, stages: int) -> BestLaw:
     path = folder / "easy.yaml"
     path.write_text(EASY % stages)
-    return Improvement(load(path).design)
+    return BestLaw(load(path).design)
 
 
 def angle_and_dents(task: Task, law: MakeableLaw, moved: np.ndarray) -> tuple[float, float]:
@@ -254,9 +254,9 @@ def test_the_larger_angle_is_least(tmp_path: Path, joint: bool) -> None:
     pytest.importorskip("casadi")
     from ncgear.optimum.makeable.law import shared_law
 
-    improvement = improved(tmp_path, 2)
-    task = improvement.task
-    law = improvement.law if joint else shared_law(task, improvement.wishes, GIVEN, -0.5 * GIVEN)
+    best = improved(tmp_path, 2)
+    task = best.task
+    law = best.law if joint else shared_law(task, best.wishes, GIVEN, -0.5 * GIVEN)
     least, dents = angle_and_dents(task, law, np.zeros(8))
     assert dents <= 1e-6
     random = np.random.default_rng(0)
@@ -275,8 +275,8 @@ def test_two_pairs_have_far_less_angle_than_one(tmp_path: Path) -> None:
     from ncgear.optimum.makeable.law import shared_law
 
     assert improved(tmp_path, 2).figures.tangent_rad < 0.7 * improved(tmp_path, 1).figures.tangent_rad
-    improvement = improved(tmp_path, 2)
-    law = shared_law(improvement.task, improvement.wishes, GIVEN, -0.5 * GIVEN)
+    best = improved(tmp_path, 2)
+    law = shared_law(best.task, best.wishes, GIVEN, -0.5 * GIVEN)
     assert np.array_equal(law.cosine, GIVEN)
     train = law.train(Lobes())
     whole, *pairs = (
@@ -292,11 +292,11 @@ def test_the_law_of_baler_66_shared_as_it_is() -> None:
     pytest.importorskip("casadi")
     from ncgear.optimum.makeable.law import shared_law
 
-    improvement = Improvement(load(DESIGNS / "baler-66.yaml").design)
-    wishes = replace(improvement.wishes, two_stages=TwoStages())
-    motion = improvement.design.motion
-    law = shared_law(improvement.task, wishes, np.array(motion.cosine), np.array(motion.sine))
-    figures = figures_of(improvement.task, law.train(Lobes()))
+    best = BestLaw(load(DESIGNS / "baler-66.yaml").design)
+    wishes = replace(best.wishes, two_stages=TwoStages())
+    motion = best.design.motion
+    law = shared_law(best.task, wishes, np.array(motion.cosine), np.array(motion.sine))
+    figures = figures_of(best.task, law.train(Lobes()))
     assert np.degrees(figures.tangent_rad) == pytest.approx(25.2, abs=0.1)
     assert figures.peak_acceleration_mm_s2 == pytest.approx(33_990.3, abs=1.0)
     assert figures.convex
@@ -307,7 +307,7 @@ def test_the_optimiser_finds_the_design_again() -> None:
     """The same file gives the same law."""
     pytest.importorskip("casadi")
     design = load(DESIGN).design
-    law = Improvement(design).law
+    law = BestLaw(design).law
     assert law.second is not None
     assert law.cosine == pytest.approx(np.array(design.motion.cosine), abs=1e-6)
     assert law.second.sine == pytest.approx(np.array(design.motion.second_stage.sine), abs=1e-6)

@@ -11,7 +11,7 @@ from ncgear.balance.counterweights import least_squares, minimax
 from ncgear.balance.mechanism import Counterweight, Mechanism, accelerations
 from ncgear.balance.shaking import Shaking, shaking, track
 from ncgear.drawings.plots.balance_plots import campbell, loops
-from ncgear.figures.balance import excitations_of
+from ncgear.figures.balance.shaking import excitations_of
 from ncgear.figures.numbers import json_text
 from ncgear.files.meshes import stl_bytes
 from ncgear.numerics.arrays import Array

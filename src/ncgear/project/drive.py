@@ -19,8 +19,8 @@ from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.project.computed import computed
-from ncgear.project.gears import helix_of, mesh_place, rack_of, tooth_form
 from ncgear.project.law import law_of, resistance_of
+from ncgear.project.tooth_form import helix_of, mesh_place, rack_of, tooth_form_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Law, Pair, Transmission
 from ncgear.stopwatch import Stopwatch
@@ -192,7 +192,7 @@ class Drive:
         """Everything asked of the teeth, at the module; of helical ones, that their tips do not jump with height."""
         from ncgear.solids.helical.even_tips import with_even_tips
 
-        form, pitch = tooth_form(self.gears, self.pitch.size.module_mm), self.pitch
+        form, pitch = tooth_form_of(self.gears, self.pitch.size.module_mm), self.pitch
         if self.helix is None:
             return form
         with self.stopwatch("teeth"):
@@ -234,12 +234,6 @@ class Drive:
         """Raise WrongInput or NoSuchMechanism where the contact of the exact teeth is not sound."""
         _ = self.designed_contact
 
-    @property
-    def sound_teeth(self) -> ToothedPair:
-        """Both toothed gears, once their contact is found sound."""
-        self.require_sound_teeth()
-        return self.teeth
-
     def contact(self, written: Sequence[Outlines]) -> PairContact:
         """Contact of the exact teeth and of outlines that were written, which must touch where the teeth do."""
         from ncgear.contact.pair import pair_contact, refuse_bad_outlines
@@ -264,7 +258,7 @@ class Drive:
     @computed
     def solids(self) -> SolidPair:
         """Both gears as closed meshes."""
-        from ncgear.project.bodies import helical_solids, straight_solids
+        from ncgear.project.gear_solids import helical_solids, straight_solids
 
         gears, pitch, tolerance = self.gears, self.pitch, self.design.output.chord_tolerance_mm
         if self.helix is not None:
@@ -318,7 +312,8 @@ class Drive:
 
         if self.helix is not None:
             raise WrongInput("helical teeth are not followed under load; leave it out", key="gears.helix")
-        pitch, teeth = self.pitch, self.sound_teeth
+        self.require_sound_teeth()
+        pitch, teeth = self.pitch, self.teeth
         with self.stopwatch("gaps"):
             return meshing_of(self.design.simulation, pitch, teeth)
 

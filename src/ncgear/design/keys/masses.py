@@ -1,10 +1,9 @@
-"""The moving masses of the machine, and which way is down.
+"""The keys of forces: masses that move, which way is down, how the teeth bear load and what turns them.
 
-How the teeth bear load and what turns them; the defaults are those of the published baler's simulation.
-
-The publication gives elastic constants, exponent, damping with its depth, and both coefficients of friction.  It does
-not give a stiffness: Hertz's for two spheres as large as circular gears of the same length is taken, as users of
-multi-body programs do.  Nor does it give the speeds at which friction changes over.
+Defaults of the simulation are those of the published baler.  The publication gives elastic constants, exponent, damping
+with its depth, and both coefficients of friction.  It does not give a stiffness: Hertz's for two spheres as large as
+circular gears of the same length is taken, as users of multi-body programs do.  Nor does it give the speeds at which
+friction changes over.
 """
 
 from __future__ import annotations

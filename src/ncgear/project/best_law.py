@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     from ncgear.optimum.makeable.law import MakeableLaw
 
 LIMIT_POINTS = 30
-"""Of the limit's curve: a smooth one, in half a second."""
+"""Points of the limit's curve: enough for a smooth one, in half a second."""
 
 
-class Improvement:
+class BestLaw:
     """A design's machine with the best law that its wishes allow.
 
     Whatever is asked for first may raise: WrongInput for wishes that contradict each other or the design,
