@@ -17,11 +17,11 @@ from pathlib import Path
 from time import perf_counter
 
 from ncgear.design.reading.design_file import load
-from ncgear.optimum.makeable.law import shared_law
 from ncgear.optimum.makeable.wishes import TwoStages
 from ncgear.optimum.task import figures
 from ncgear.project.best_law import BestLaw
 from ncgear.ratio.transmission import Lobes, Train
+from shared_law import shared_law
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 PAGE = Path(__file__).parent / "makeable.md"

@@ -252,7 +252,7 @@ def angle_and_dents(task: Task, law: MakeableLaw, moved: np.ndarray) -> tuple[fl
 def test_the_larger_angle_is_least(tmp_path: Path, joint: bool) -> None:
     """No small change of the second stage's share lowers it and keeps all curves convex."""
     pytest.importorskip("casadi")
-    from ncgear.optimum.makeable.law import shared_law
+    from shared_law import shared_law
 
     best = improved(tmp_path, 2)
     task = best.task
@@ -272,7 +272,7 @@ GIVEN = np.array([-0.5, 0.15, 0.02, 0.0])
 
 def test_two_pairs_have_far_less_angle_than_one(tmp_path: Path) -> None:
     pytest.importorskip("casadi")
-    from ncgear.optimum.makeable.law import shared_law
+    from shared_law import shared_law
 
     assert improved(tmp_path, 2).figures.tangent_rad < 0.7 * improved(tmp_path, 1).figures.tangent_rad
     best = improved(tmp_path, 2)
@@ -290,7 +290,7 @@ def test_two_pairs_have_far_less_angle_than_one(tmp_path: Path) -> None:
 def test_the_law_of_baler_66_shared_as_it_is() -> None:
     """25.2 deg and the rack's 20, where its one pair has 51.7 and 20."""
     pytest.importorskip("casadi")
-    from ncgear.optimum.makeable.law import shared_law
+    from shared_law import shared_law
 
     best = BestLaw(load(DESIGNS / "baler-66.yaml").design)
     wishes = replace(best.wishes, two_stages=TwoStages())

@@ -82,27 +82,6 @@ def makeable_law(task: Task, wishes: Wishes, starts: Sequence[Array]) -> Makeabl
     return min(found, key=lambda law: law.goal) if found else _kept_at_last(search, task, wishes, shared[0])
 
 
-def shared_law(task: Task, wishes: Wishes, cosine: Array, sine: Array) -> MakeableLaw:
-    """A law as it stands, shared over two pairs so that the larger pressure angle is least.
-
-    Coefficients of ln i12 have shape (wishes.harmonics,), and of the wishes only those count that concern each pair.
-    Raises NoSuchMechanism where no share keeps them.
-    """
-    alone = replace(wishes, limits=replace(wishes.limits, working_rad=None))
-    search = searched(task, alone)
-    named = [(level.of_pairs, level.wish == "pressure_angle_deg") for level in search.programme.levels]
-    of_pairs, angle = np.array(named).T
-    whole = np.concatenate([cosine, sine])
-    split = replace(
-        search,
-        programme=replace(search.programme, held=whole),
-        caps=np.where(of_pairs, search.caps, np.inf),
-        weights=angle.astype(float),
-    )
-    start = np.concatenate([whole, whole / 2.0])
-    return _kept(split, start) or _kept_at_last(split, task, alone, start)
-
-
 def _kept_at_last(search: Search, task: Task, wishes: Wishes, start: Array) -> MakeableLaw:
     """The law from the one that comes nearest to keeping all limits; raises NoSuchMechanism where there is none."""
     near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, start)
@@ -119,10 +98,11 @@ def _kept_at_last(search: Search, task: Task, wishes: Wishes, start: Array) -> M
 def _kept(search: Search, start: Array) -> MakeableLaw | None:
     """The law from one start; None where none is found."""
     found = kept(search, start)
-    return None if found is None else _law(search, found)
+    return None if found is None else law_of(search, found)
 
 
-def _law(search: Search, found: Kept) -> MakeableLaw:
+def law_of(search: Search, found: Kept) -> MakeableLaw:
+    """The law that a search has found."""
     cosine, sine, *second = found.coefficients.reshape(2 * search.programme.pairs, -1)
     return MakeableLaw(cosine, sine, search.programme.levels, found.reached, LogSeries(*second) if second else None)
 
