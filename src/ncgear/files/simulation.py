@@ -52,7 +52,7 @@ def rigid_pictures(drive: Drive, own: Loads, uniform: Loads) -> dict[str, bytes]
     """Driving torque, forces in the joints and between the teeth, as PNG by file name."""
     pictures = {
         "driving_torque.png": _picture(drive, [_torque(drive, own, uniform)], "driving torque"),
-        "bearing_forces.png": _picture(drive, _forces(own, uniform), "forces in the joints"),
+        "bearing_forces.png": _picture(drive, _forces(drive, own, uniform), "forces in the joints"),
     }
     if own.mesh is None or uniform.mesh is None:
         return pictures
@@ -74,11 +74,11 @@ def _torque(drive: Drive, own: Loads, uniform: Loads) -> LoadRow:
     return LoadRow("driving torque", "N m", curves[0], curves[1], mean=mean)
 
 
-def _forces(own: Loads, uniform: Loads) -> list[LoadRow]:
+def _forces(drive: Drive, own: Loads, uniform: Loads) -> list[LoadRow]:
+    joints = reversed([*drive.linkage.JOINTS.items()])
     return [
         LoadRow("crank bearing", "N", _size(own.crank_bearing), _size(uniform.crank_bearing)),
-        LoadRow("crank pin", "N", _size(own.pin), _size(uniform.pin)),
-        LoadRow("wrist", "N", _size(own.wrist), _size(uniform.wrist)),
+        *(LoadRow(words, "N", _size(own.joints[name]), _size(uniform.joints[name])) for name, words in joints),
         LoadRow("guide", "N", own.guide.value, uniform.guide.value),
     ]
 
@@ -113,8 +113,7 @@ def _columns(loads: Loads) -> dict[str, Array]:
     columns = {
         "driving_torque_n_m": N_M_PER_N_MM * loads.driving_torque.value,
         "driven_torque_n_m": N_M_PER_N_MM * loads.driven_torque.value,
-        **_components("wrist", loads.wrist),
-        **_components("pin", loads.pin),
+        **{key: column for name, force in loads.joints.items() for key, column in _components(name, force).items()},
         **_components("crank_bearing", loads.crank_bearing),
         "guide_n": loads.guide.value,
     }
@@ -160,11 +159,18 @@ def _loads(rigid: Rigid, coefficient: float) -> dict[str, Any]:
         "speed_fluctuation": coefficient,
         "inertia_for_speed_fluctuation_kg_m2": KG_M2 * swing.flywheel_kg_mm2(coefficient),
         **_mesh(rigid),
-        **_peak("peak_wrist_force", "n", peaks.wrist_n),
-        **_peak("peak_crank_pin_force", "n", peaks.pin_n),
+        **_joint_peaks(rigid),
         **_peak("peak_crank_bearing_force", "n", peaks.crank_bearing_n),
         **_peak("peak_guide_force", "n", peaks.guide_n),
     }
+
+
+def _joint_peaks(rigid: Rigid) -> dict[str, float]:
+    """Of each joint of the mechanism, by its words."""
+    words, found = rigid.machine.machine.linkage.JOINTS, {}
+    for name, peak in rigid.peaks.joints_n.items():
+        found.update(_peak(f"peak_{words[name].replace(' ', '_')}_force", "n", peak))
+    return found
 
 
 def _mesh(rigid: Rigid) -> dict[str, Any]:
@@ -269,7 +275,7 @@ def _table_of_dynamic(shown: History) -> dict[str, Array]:
 
 def _joints(shown: History) -> dict[str, Vector]:
     joints = shown.joints
-    return {"wrist": joints.wrist, "pin": joints.pin, "crank_bearing": shown.crank_bearing, "mesh": shown.mesh}
+    return {**joints.joints, "crank_bearing": shown.crank_bearing, "mesh": shown.mesh}
 
 
 def _figures_of_dynamic(drive: Drive, shown: History, apart_s: Array) -> dict[str, Any]:
@@ -320,7 +326,7 @@ def _pictures(drive: Drive, shown: History, apart_s: Array) -> dict[str, bytes]:
         "tooth_force.png": time_rows(
             shown.phi1_rad, _forces_of_dynamic(shown), f"{name}: teeth and torque {speed}", apart
         ),
-        "bearing_forces.png": time_rows(shown.phi1_rad, _bearings(shown), f"{name}: bearings {speed}", apart),
+        "bearing_forces.png": time_rows(shown.phi1_rad, _bearings(drive, shown), f"{name}: bearings {speed}", apart),
     }
 
 
@@ -341,8 +347,8 @@ def _forces_of_dynamic(shown: History) -> list[TimeRow]:
     ]
 
 
-def _bearings(shown: History) -> list[TimeRow]:
-    names = {"wrist": "wrist", "pin": "crank pin", "crank_bearing": "crank bearing", "mesh": "mesh force"}
+def _bearings(drive: Drive, shown: History) -> list[TimeRow]:
+    names = {**drive.linkage.JOINTS, "crank_bearing": "crank bearing", "mesh": "mesh force"}
     return [TimeRow(names[key], "N", _size_of_dynamic(force)) for key, force in _joints(shown).items()]
 
 

@@ -19,7 +19,7 @@ from math import pi
 
 import numpy as np
 
-from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
@@ -51,7 +51,7 @@ class Machine:
     """A transmission that drives a crank-slider against a resistance at constant driving speed."""
 
     transmission: Transmission
-    linkage: CrankSlider
+    linkage: Mechanism
     resistance: Resistance
     speed_rad_s: float
 
@@ -157,7 +157,7 @@ class Stretch:
     start_rad: float
     end_rad: float
     working: bool
-    linkage: CrankSlider
+    linkage: Mechanism
     piece: Piece
     turned: tuple[float, float]
 

@@ -8,7 +8,7 @@ from math import degrees, inf, isfinite, pi, tan
 import numpy as np
 
 from ncgear.errors import WrongInput
-from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.ratio.transmission import Lobes
 
@@ -20,7 +20,7 @@ class Task:
     Raises WrongInput for a speed that is not positive and for a driven gear of several lobes.
     """
 
-    linkage: CrankSlider
+    linkage: Mechanism
     resistance: Resistance
     speed_rad_s: float
     lobes: Lobes = field(default_factory=Lobes)

@@ -16,17 +16,18 @@ from typing import TYPE_CHECKING
 from ncgear.balance.excitation import Engine, Shaft
 from ncgear.balance.frame import Chassis, Mounted
 from ncgear.balance.gears import BossSize, Drills, Means
-from ncgear.balance.mechanism import Carrier, Counterweight, JointMasses, Mechanism, joint_masses
+from ncgear.balance.mechanism import Carrier, Counterweight, DrivenCrank, JointMasses, joint_masses
 from ncgear.balance.rotor import ChainPhases, TrialRun, WeightRun
 from ncgear.design.keys import balance as balance_excitation
 from ncgear.design.keys import balance as balance_mechanism
 from ncgear.design.keys import balance as balance_rotor
 from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.balance import Mechanism as Given
+from ncgear.design.mechanisms import mechanism_of
 from ncgear.design.reading.balance_file import LoadedBalance
 from ncgear.errors import DesignError, WrongInput
-from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.masses import Masses, RodMasses
+from ncgear.mechanisms.mechanism import RodMechanism, require_rod
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.project.drive import Drive
 from ncgear.project.forces import masses_of
@@ -37,26 +38,27 @@ if TYPE_CHECKING:
     from ncgear.balance.gears import Corrected, GearBody
 
 
-def mechanism_of(
+def driven_crank_of(
     given: balance_mechanism.Mechanism,
-    drive: tuple[CrankSlider, Transmission],
+    drive: tuple[RodMechanism, Transmission],
     masses: Masses,
     speed_rpm: float,
-) -> Mechanism:
+) -> DrivenCrank:
     """The mechanism with the counterweights that are there."""
     added = tuple(
         Counterweight(Carrier(one.on), one.mass_kg, one.arm_mm, radians(one.angle_deg)) for one in given.counterweights
     )
-    return Mechanism(*drive, speed_rpm * RAD_S_PER_RPM, masses, added)
+    assert isinstance(masses, RodMasses)
+    return DrivenCrank(*drive, speed_rpm * RAD_S_PER_RPM, masses, added)
 
 
-def mounted_of(given: balance_mechanism.Mechanism, mechanism: Mechanism) -> Mounted:
+def mounted_of(given: balance_mechanism.Mechanism, mechanism: DrivenCrank) -> Mounted:
     """The mechanism in its place."""
     place = complex(given.x_mm, given.y_mm)
     return Mounted(mechanism, radians(given.direction_deg), radians(given.phase_deg), given.mirrored, place)
 
 
-def joint_masses_of(given: balance_mechanism.Partial, mechanism: Mechanism) -> JointMasses:
+def joint_masses_of(given: balance_mechanism.Partial, mechanism: DrivenCrank) -> JointMasses:
     """The masses at the joints: those given, else those of the parts."""
     parts = joint_masses(mechanism.linkage, mechanism.masses)
     return JointMasses(
@@ -159,14 +161,16 @@ class Balancing:
         assert self.balance.speed_rpm is not None
         if given.linkage is not None and given.linkage.crank_mm is not None and given.masses is not None:
             with under(f"mechanisms.{number}"):
-                linkage = CrankSlider(given.linkage.crank_mm, given.linkage.rod_mm, given.linkage.offset_mm)
+                linkage = require_rod(mechanism_of(given.linkage), "balance", "linkage")
             driven_by = linkage, uniform_law(Lobes())
-            masses = masses_of(given.masses, 0.0, given.masses.driven_gear_kg_mm2 or 0.0)
+            masses = masses_of(given.masses, linkage, 0.0, given.masses.driven_gear_kg_mm2 or 0.0)
         else:
             drive = self._drive(f"mechanisms.{number}.design")
-            driven_by = drive.linkage, drive.transmission
-            masses = drive.masses if given.masses is None else masses_of(given.masses, 0.0, 0.0)
-        return mounted_of(given, mechanism_of(given, driven_by, masses, self.balance.speed_rpm))
+            with drive.locating():
+                linkage = require_rod(drive.linkage, "balance", "linkage")
+            driven_by = linkage, drive.transmission
+            masses = drive.masses if given.masses is None else masses_of(given.masses, linkage, 0.0, 0.0)
+        return mounted_of(given, driven_crank_of(given, driven_by, masses, self.balance.speed_rpm))
 
     def _drive(self, key: str) -> Drive:
         """The drive of a design that the file names; its faults are told with their place in that design's file."""

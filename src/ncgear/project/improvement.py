@@ -6,12 +6,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from ncgear.design.keys.design import Design
+from ncgear.design.mechanisms import mechanism_of
 from ncgear.errors import DesignError
 from ncgear.extras import require
 from ncgear.optimum.figures import Figures, figures
 from ncgear.optimum.makeable.wishes import Goal, Wishes
 from ncgear.optimum.task import Task
-from ncgear.project.law import Law, law_of, linkage_of
+from ncgear.project.law import Law, law_of
 from ncgear.project.wishes import task_of, wishes_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Train, single
@@ -42,7 +43,7 @@ class Improvement:
     @cached_property
     def task(self) -> Task:
         """The machine that the law is for."""
-        return task_of(self.design, linkage_of(self.design))
+        return task_of(self.design, mechanism_of(self.design.linkage))
 
     @cached_property
     def bound(self) -> Bound:

@@ -17,8 +17,9 @@ from ncgear.design.keys.motion import (
     ThreeSegmentStroke,
     UniformCrank,
 )
+from ncgear.design.mechanisms import mechanism_of, mechanism_of_stroke
 from ncgear.errors import WrongInput
-from ncgear.mechanisms.crank_slider import CrankSlider, crank_of_stroke_mm
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.ratio.laws.ellipse import elliptical_law
@@ -27,7 +28,7 @@ from ncgear.ratio.laws.harmonic import harmonic_law, staged_law
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Train, Transmission, single
-from ncgear.ratio.working_stroke import StrokeRequest, WorkingStroke, solved_stroke
+from ncgear.ratio.working_stroke import StrokeRequest, solved_stroke
 
 SAME_STROKE = 1e-6
 """Relative difference of the file's stroke from the linkage's that counts as rounding in the file: seven digits."""
@@ -37,7 +38,7 @@ SAME_STROKE = 1e-6
 class Law:
     """A closed law on its linkage with the pairs that make it, and the stroke it came from where one was given."""
 
-    linkage: CrankSlider
+    linkage: Mechanism
     train: Train
     stroke_law: StrokeLaw | None = None
 
@@ -59,7 +60,7 @@ def law_of(design: Design) -> Law:
     motion, lobes = design.motion, lobes_of(design)
     if isinstance(motion, ThreeSegmentStroke):
         return _stroke_law(design, motion, lobes)
-    linkage = linkage_of(design)
+    linkage = mechanism_of(design.linkage)
     if isinstance(motion, HarmonicRatio) and motion.second_stage is not None:
         return Law(linkage, _staged(motion, motion.second_stage))
     return Law(linkage, single(_direct_law(motion, linkage, lobes)))
@@ -86,15 +87,8 @@ def resistance_of(design: Design) -> Resistance:
     return PolynomialResistance(given.polynomial_n or (0.0,), keep)
 
 
-def linkage_of(design: Design) -> CrankSlider:
-    """The linkage of a design that gives its crank; raises WrongInput where it does not."""
-    if design.linkage.crank_mm is None:
-        raise WrongInput("missing; only a stroke that is solved for gives the crank", key="linkage.crank_mm")
-    return CrankSlider(design.linkage.crank_mm, design.linkage.rod_mm, design.linkage.offset_mm)
-
-
 def _direct_law(
-    motion: RatioExpression | HarmonicRatio | Ellipse | TableLaw | UniformCrank, linkage: CrankSlider, lobes: Lobes
+    motion: RatioExpression | HarmonicRatio | Ellipse | TableLaw | UniformCrank, linkage: Mechanism, lobes: Lobes
 ) -> Transmission:
     match motion:
         case UniformCrank():
@@ -112,7 +106,7 @@ def _direct_law(
     raise AssertionError(f"no law for {motion.law}")
 
 
-def _table_law(motion: TableLaw, linkage: CrankSlider, lobes: Lobes) -> Transmission:
+def _table_law(motion: TableLaw, linkage: Mechanism, lobes: Lobes) -> Transmission:
     from ncgear.ratio.laws.table import displacement_table_law, ratio_table_law
 
     match motion:
@@ -131,9 +125,9 @@ def _staged(motion: HarmonicRatio, second: SecondStage) -> Train:
 def _stroke_law(design: Design, motion: ThreeSegmentStroke, lobes: Lobes) -> Law:
     if motion.solve_for == "stroke":
         stroke = solved_stroke(_request(motion, None))
-        linkage = _linkage_of_stroke(design, stroke)
+        linkage = mechanism_of_stroke(design.linkage, stroke.stroke_mm)
     else:
-        linkage = linkage_of(design)
+        linkage = mechanism_of(design.linkage)
         _refuse_other_stroke(motion.stroke_mm, linkage)
         stroke = solved_stroke(_request(motion, linkage.stroke_mm))
     law = stroke_law(
@@ -161,29 +155,11 @@ def _request(motion: ThreeSegmentStroke, stroke_mm: float | None) -> StrokeReque
     )
 
 
-def _refuse_other_stroke(stroke_mm: float | None, linkage: CrankSlider) -> None:
+def _refuse_other_stroke(stroke_mm: float | None, linkage: Mechanism) -> None:
     if stroke_mm is not None and not isclose(stroke_mm, linkage.stroke_mm, rel_tol=SAME_STROKE):
         relation = "longer" if stroke_mm > linkage.stroke_mm else "shorter"
         raise WrongInput(
             f"{stroke_mm:.9g} mm is {relation} than the linkage's stroke of {linkage.stroke_mm:.9g} mm; give that one, "
-            "leave the key out, or change linkage.crank_mm",
+            f"leave the key out, or change linkage.{linkage.STROKE_KEY}",
             key="motion.stroke_mm",
         )
-
-
-def _linkage_of_stroke(design: Design, stroke: WorkingStroke) -> CrankSlider:
-    """The linkage whose crank gives the stroke that the law came out with."""
-    rod, offset, wanted = design.linkage.rod_mm, design.linkage.offset_mm, stroke.stroke_mm
-    if design.linkage.crank_mm is not None:
-        raise WrongInput(
-            f"{design.linkage.crank_mm:g} mm is given, but the crank follows from the stroke that is "
-            "solved for; leave it out",
-            key="linkage.crank_mm",
-        )
-    longest = (rod - abs(offset)) * (1.0 - 1e-9)
-    if not 0.0 < wanted < CrankSlider(longest, rod, offset).stroke_mm:
-        raise WrongInput(
-            f"a rod of {rod:g} mm cannot give the stroke of {wanted:.6g} mm that follows from the law",
-            key="linkage.rod_mm",
-        )
-    return CrankSlider(crank_of_stroke_mm(wanted, rod, offset), rod, offset)

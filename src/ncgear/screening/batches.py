@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.design.keys.base import Model
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.motion import HarmonicRatio, ThreeSegmentStroke
-from ncgear.mechanisms.crank_slider import Linkages
+from ncgear.design.mechanisms import mechanisms_of
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import RAD_S_PER_RPM
@@ -22,13 +23,12 @@ from ncgear.screening.samples import Sampled, harmonic_samples, returns_with_con
 
 STROKE, HARMONIC = "three_segment_stroke", "harmonic_ratio"
 
-LENGTHS = ("crank_mm", "rod_mm", "offset_mm")
-
 
 @dataclass(frozen=True)
 class Kind:
-    """What the designs of one batch share."""
+    """What the designs of one batch share; ``linkage`` are the keys of its mechanism."""
 
+    linkage: type[Model]
     law: tuple[Hashable, ...]
     lobes: Lobes
     resistance: Resistance
@@ -42,7 +42,7 @@ def kind_of(design: Design) -> Kind | None:
     if design.resistance is not None and design.resistance.table is not None:
         # The bend of a table's force jumps at its points, which no series along a piece resolves.
         return None
-    return Kind(law, lobes_of(design), resistance_of(design))
+    return Kind(type(design.linkage), law, lobes_of(design), resistance_of(design))
 
 
 def sampled(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
@@ -57,24 +57,23 @@ def _law(design: Design) -> tuple[Hashable, ...] | None:
             return None
         return STROKE, motion.solve_for, motion.a1_speed_rpm is None, motion.stroke_mm is None
     if isinstance(motion, HarmonicRatio) and motion.second_stage is None and (motion.cosine or motion.sine):
-        return HARMONIC, _tilts(design)
+        return HARMONIC, _working_angle_rad(design)
     return None
 
 
-def _tilts(design: Design) -> tuple[float, ...]:
-    """What the working angle of the linkage follows from; nothing where there is no offset."""
-    crank, rod, offset = (getattr(design.linkage, name) for name in LENGTHS)
-    return (offset / (rod + crank), offset / (rod - crank)) if offset and rod > crank else ()
+def _working_angle_rad(design: Design) -> float | None:
+    """That of the linkage, which a batch of harmonic laws shares; None where the crank cannot turn."""
+    linkage = mechanisms_of([design.linkage])
+    return float(linkage.working_angle_rad[0]) if linkage.turns_fully[0] else None
 
 
 def _strokes(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
     """As ``recipe/law.py`` makes one; what it would refuse is not ``sound``."""
-    linkage = _linkages(designs)
+    linkage = mechanisms_of([design.linkage for design in designs])
     stroke_mm, period = linkage.stroke_mm, kind.lobes.driving_period_rad
     strokes = closed_strokes(_requests(designs, stroke_mm))
     returns = returns_with_constant(strokes, linkage, period, _column(designs, "motion.return_.e"), count)
-    turning = linkage.rod_mm - linkage.crank_mm > np.abs(linkage.offset_mm)
-    sound = turning & (strokes.theta4_rad < period)
+    sound = linkage.turns_fully & (strokes.theta4_rad < period)
     if kind.law[-1] is False:
         sound &= np.isclose(_column(designs, "motion.stroke_mm"), stroke_mm, rtol=SAME_STROKE / 2.0, atol=0.0)
     samples = stroke_samples(strokes, linkage, returns, count)
@@ -84,11 +83,10 @@ def _strokes(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
 def _harmonics(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
     """As ``recipe/law.py`` makes one; the law holds at any speed, and so at that of operation."""
     cosine, sine = _padded(designs, "motion.cosine", "motion.sine")
-    linkage = _linkages(designs)
+    linkage = mechanisms_of([design.linkage for design in designs])
     samples = harmonic_samples(cosine, sine, linkage, kind.lobes, count)
-    sound = linkage.rod_mm - linkage.crank_mm > np.abs(linkage.offset_mm)
     speed = _column(designs, "operation.speed_rpm")
-    return Sampled(samples, sound, linkage.stroke_mm, speed, 0.0 * speed)
+    return Sampled(samples, linkage.turns_fully, linkage.stroke_mm, speed, 0.0 * speed)
 
 
 def _padded(designs: Sequence[Design], *names: str) -> list[Array]:
@@ -96,10 +94,6 @@ def _padded(designs: Sequence[Design], *names: str) -> list[Array]:
     lists = [[attrgetter(name)(design) for design in designs] for name in names]
     longest = max(len(values) for column in lists for values in column)
     return [np.array([[*values, *[0.0] * (longest - len(values))] for values in column]) for column in lists]
-
-
-def _linkages(designs: Sequence[Design]) -> Linkages[Array]:
-    return Linkages(*(_column(designs, f"linkage.{name}") for name in LENGTHS))
 
 
 def _requests(designs: Sequence[Design], stroke_mm: Array) -> StrokeRequests[Array]:

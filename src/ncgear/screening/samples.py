@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ncgear.mechanisms.crank_slider import Linkages
+from ncgear.mechanisms.mechanism import Mechanisms
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
@@ -119,7 +119,7 @@ class Returns:
 
 
 def returns_with_constant(
-    strokes: WorkingStrokes[Array], linkage: Linkages[Array], period_rad: float, constant: Array, count: int
+    strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], period_rad: float, constant: Array, count: int
 ) -> Returns:
     """i12 polynomials whose value extrapolated to phi1 = 0 is ``constant`` (shape (n,)), the published method's e."""
     length = period_rad - strokes.theta4_rad
@@ -131,13 +131,13 @@ def returns_with_constant(
     return _closed(base, direction, length, linkage, count)
 
 
-def _with_ends(strokes: WorkingStrokes[Array], linkage: Linkages[Array], length: Array) -> Array:
+def _with_ends(strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], length: Array) -> Array:
     """The Hermite cubic of the end conditions, shape (6, n)."""
     cubic = hermite(ends_of(strokes.approach_slope, strokes.braking_slope, linkage), length, inverse=False)
     return np.vstack([cubic, np.zeros((2, length.size))])
 
 
-def _closed(base: Array, direction: Array, length: Array, linkage: Linkages[Array], count: int) -> Returns:
+def _closed(base: Array, direction: Array, length: Array, linkage: Mechanisms[Array], count: int) -> Returns:
     """i12 = base + c direction, c from the driven angle that the return must cover."""
     mean = length / (2.0 * pi - linkage.working_angle_rad)
     powers = _powers(count)
@@ -170,10 +170,10 @@ CLEAR = 1e-9
 """Share of its largest value by which v/phi1 must stay over zero: a million rounding errors.  What is nearer to zero is
 left to the solver of one stroke."""
 
-AngleFunction = Callable[[WorkingStrokes[Array], Linkages[Array], Array, int], Jet]
+AngleFunction = Callable[[WorkingStrokes[Array], Mechanisms[Array], Array, int], Jet]
 
 
-def stroke_samples(strokes: WorkingStrokes[Array], linkage: Linkages[Array], returns: Returns, count: int) -> Samples:
+def stroke_samples(strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], returns: Returns, count: int) -> Samples:
     """The working stroke's segments and the return, ``count`` points each."""
     width2, width3 = strokes.theta3_rad - strokes.theta2_rad, strokes.theta4_rad - strokes.theta3_rad
     starts = (0.0 * width2, strokes.theta2_rad, strokes.theta3_rad)
@@ -204,7 +204,7 @@ def _across(start: Array, width: Array, count: int) -> Array:
     return start[:, None] + width[:, None] * shares(count)
 
 
-def _place(angle: AngleFunction, strokes: WorkingStrokes[Array], linkage: Linkages[Array], phi1: Array) -> Place:
+def _place(angle: AngleFunction, strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], phi1: Array) -> Place:
     """The ratio on one segment, from the inversion through the linkage."""
     count = phi1.shape[1]
     driven = angle(repeated(strokes, count), repeated(linkage, count), phi1.ravel(), 3)
@@ -230,7 +230,7 @@ def _motion(strokes: WorkingStrokes[Array], phi1: list[Array]) -> tuple[list[Arr
     return displacement, velocity, acceleration
 
 
-def _return(returns: Returns, linkage: Linkages[Array], count: int) -> tuple[Place, tuple[Array, Array]]:
+def _return(returns: Returns, linkage: Mechanisms[Array], count: int) -> tuple[Place, tuple[Array, Array]]:
     """Ratio, velocity and acceleration on the return."""
     slope, first, second = returns.slopes(count)
     turned = slope @ integration(count).T * returns.length_rad[:, None, None] / PIECES
@@ -258,7 +258,7 @@ HARMONIC_PIECES = 4
 """Equal pieces of the working stroke, and of the return."""
 
 
-def harmonic_samples(cosine: Array, sine: Array, linkage: Linkages[Array], lobes: Lobes, count: int) -> Samples:
+def harmonic_samples(cosine: Array, sine: Array, linkage: Mechanisms[Array], lobes: Lobes, count: int) -> Samples:
     """Laws of coefficients of shape (n, harmonics) at ``count`` points a piece.
 
     The linkages (shape (n,)) must all have the first one's working angle, as those without offset have.

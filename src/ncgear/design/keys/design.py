@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Self
+from collections.abc import Mapping
+from functools import cache, reduce
+from operator import or_
+from typing import Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, TypeAdapter, create_model, model_validator
 
 from ncgear.design.keys.base import Model, fault
 from ncgear.design.keys.gears import Gears
@@ -12,6 +15,7 @@ from ncgear.design.keys.machine import Comparison, Linkage, Operation, Output, R
 from ncgear.design.keys.masses import Masses, Simulation
 from ncgear.design.keys.motion import HarmonicRatio, Motion, TableLaw, ThreeSegmentStroke
 from ncgear.design.keys.optimize import Optimize
+from ncgear.design.mechanisms import KINDS, kind_named, kind_of
 from ncgear.design.naming import NAME_PATTERN
 
 JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -55,8 +59,9 @@ class Design(Model):
     @model_validator(mode="after")
     def _crank_is_known(self) -> Self:
         solved = isinstance(self.motion, ThreeSegmentStroke) and self.motion.solve_for == "stroke"
-        if self.linkage.crank_mm is None and not solved:
-            raise fault("linkage.crank_mm", "missing; only motion.solve_for: stroke can do without the crank's length")
+        key = kind_of(self.linkage).stroke_key
+        if getattr(self.linkage, key) is None and not solved:
+            raise fault(f"linkage.{key}", "missing; only motion.solve_for: stroke can do without the crank's length")
         return self
 
     @model_validator(mode="after")
@@ -77,7 +82,39 @@ class Design(Model):
         return self
 
 
+def design_model(data: Any) -> type[Design]:
+    """The model of a design file's data, whose keys are those of the mechanism that ``linkage.kind`` names.
+
+    While there is but one mechanism, design files have no such key, and the model is ``Design`` itself.
+    """
+    if len(KINDS) == 1:
+        return Design
+    named = kind_named(data.get("linkage") if isinstance(data, Mapping) else None)
+    return _design_of(named if named in KINDS else next(iter(KINDS)), tuple(KINDS))
+
+
+@cache
+def _design_of(name: str, names: tuple[str, ...]) -> type[Design]:
+    kind, usual, fields = KINDS[name], names[0], Design.model_fields
+    named: Any = Literal[names]
+    masses_keys: Any = kind.masses | None
+    told: Any = Field(description=f"which mechanism the driven gear turns; left out: {usual}")
+    if name == usual:
+        told.default = usual
+    linkage = create_model("Linkage", __base__=kind.linkage, kind=(named, told))
+    masses = fields["masses"]
+    return create_model(
+        "Design",
+        __base__=Design,
+        linkage=(linkage, Field(description=fields["linkage"].description)),
+        masses=(masses_keys, Field(default=None, description=masses.description)),
+    )
+
+
 def json_schema(of: type[Model] = Design) -> dict[str, Any]:
     """The JSON Schema of a design file or another one, for editors that complete and check while typing."""
     title = f"ncgear {of.__name__.lower()} file"
+    if of is Design and len(KINDS) > 1:
+        either: Any = reduce(or_, (_design_of(name, tuple(KINDS)) for name in KINDS))
+        return {"$schema": JSON_SCHEMA_DIALECT, **TypeAdapter(either).json_schema(), "title": title}
     return {"$schema": JSON_SCHEMA_DIALECT, **of.model_json_schema(), "title": title}

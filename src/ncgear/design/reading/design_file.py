@@ -11,7 +11,7 @@ from typing import Any, Protocol
 from pydantic import ValidationError
 
 from ncgear.design.keys.base import spellings
-from ncgear.design.keys.design import Design
+from ncgear.design.keys.design import Design, design_model
 from ncgear.design.keys.machine import MOST_POINTS as MOST_RESISTANCE_POINTS
 from ncgear.design.keys.motion import ANGLE_COLUMNS, MOST_POINTS, VALUE_COLUMNS
 from ncgear.design.reading.messages import Problem, problems
@@ -102,9 +102,9 @@ def parsed(text: str, path: Path) -> LoadedDesign:
         raise WrongInput(_no_mapping(document.data), location=str(document.place("")))
     source = Source(document, dict(_points(document, path)))
     try:
-        design = Design.model_validate(_with_points(document.data, source.points))
+        design = design_model(document.data).model_validate(_with_points(document.data, source.points))
     except ValidationError as error:
-        raise wrong_input(problems(error, Design), source) from error
+        raise wrong_input(problems(error, design_model(document.data)), source) from error
     return LoadedDesign(design, path, source, text)
 
 

@@ -22,7 +22,7 @@ from scipy.stats import qmc
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.check import KinematicCheck, kinematic_check
 from ncgear.kinematics.motion import Machine
-from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.family.samples import BOUNDS, Strokes, return_samples, strokes_of, working_samples
@@ -69,7 +69,7 @@ class Peak(Enum):
 class Family:
     """The family on a linkage at an operating speed; ``inverse`` is the return's basis, as in a design file."""
 
-    linkage: CrankSlider
+    linkage: Mechanism
     resistance: Resistance
     speed_rad_s: float
     inverse: bool = False

@@ -23,7 +23,7 @@ from math import pi
 
 import numpy as np
 
-from ncgear.mechanisms.crank_slider import CrankSlider, Linkages
+from ncgear.mechanisms.mechanism import Mechanism, Mechanisms
 from ncgear.numerics.arrays import Array, Mask, Number
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.sampled import integration, shares
@@ -160,7 +160,7 @@ class ReturnSamples:
 
 
 def return_samples(
-    strokes: Strokes, skewness: Array, linkage: CrankSlider, period_rad: float, *, inverse: bool
+    strokes: Strokes, skewness: Array, linkage: Mechanism, period_rad: float, *, inverse: bool
 ) -> ReturnSamples:
     """The returns of strokes with their free number, ``skewness`` (shape (n,)), in means of the polynomial."""
     length = period_rad - strokes.theta_rad[:, 3]
@@ -184,7 +184,7 @@ def return_samples(
     return ReturnSamples(acceleration, (value.min(axis=1) > 0.0) & (miss <= CLOSED * driven))
 
 
-def ends_of(approach: Array, braking: Array, linkage: Linkages[Number]) -> Ends:
+def ends_of(approach: Array, braking: Array, linkage: Mechanisms[Number]) -> Ends:
     """From x(phi1) and x(phi2) to third order at their common double zeros.
 
     ``approach`` and ``braking`` are v/phi1 in powers of phi1 and v/delta in powers of delta, shape (m, n).
