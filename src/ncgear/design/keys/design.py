@@ -98,9 +98,8 @@ def _design_of(name: str, names: tuple[str, ...]) -> type[Design]:
     kind, usual, fields = KINDS[name], names[0], Design.model_fields
     named: Any = Literal[names]
     masses_keys: Any = kind.masses | None
-    told: Any = Field(description=f"which mechanism the driven gear turns; left out: {usual}")
-    if name == usual:
-        told.default = usual
+    description = f"which mechanism the driven gear turns; left out: {usual}"
+    told: Any = Field(default=usual, description=description) if name == usual else Field(description=description)
     linkage = create_model("Linkage", __base__=kind.linkage, kind=(named, told))
     masses = fields["masses"]
     return create_model(

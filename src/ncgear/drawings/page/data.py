@@ -60,6 +60,10 @@ FIRST_STEPS = 16
 """Steps on each piece of a law before they are halved where they have to be."""
 
 
+LINK_DECIMALS = 9
+"""Of places in mm and angles in rad of links: far below the error that their tables may have."""
+
+
 def scene_data(scene: Scene) -> dict[str, Any]:
     """All that moves the SVG of ``scene_svg``, as JSON can hold it; angles in rad, lengths in mm."""
     shafts = [pair.transmission for pair in scene.train.pairs[:-1]] + [scene.train.whole]
@@ -162,7 +166,7 @@ def _link_tables(linkage: Mechanism, name: str) -> dict[str, Any]:
             at, value, slope = (column[[0, -1]] for column in (at, value, slope))
         value, slope = scale * value, scale * slope
         rise = float(value[-1] - value[0])
-        columns = {"at": at.tolist(), "value": value.tolist(), "slope": slope.tolist()}
+        columns = {"at": at.tolist(), "value": _rounded(value, LINK_DECIMALS), "slope": _rounded(slope, LINK_DECIMALS)}
         return {"period": 2.0 * pi, "rise": rise, **columns}
 
     crank = linkage.crank_mm
