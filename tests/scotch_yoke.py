@@ -1,6 +1,6 @@
 """A second mechanism, which ncgear itself has not: a Scotch yoke, whose slider a pin moves in a slot across its line.
 
-The displacement is r (1 - cos phi2).  ``KINDS["scotch_yoke"] = SCOTCH_YOKE`` is the one line that makes it known.
+The displacement is r (1 - cos phi2).  ``MECHANISMS["scotch_yoke"] = SCOTCH_YOKE`` is the one line that makes it known.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import Field
 
 from ncgear.design.keys.base import Length, Model
-from ncgear.design.mechanisms import Kind
+from ncgear.design.mechanisms import Entry
 from ncgear.mechanisms.forces import JointForces, Pace, crank_forces, moving_force
 from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Link, Mechanism, MovingMass, Shape
@@ -99,4 +99,4 @@ class ScotchYoke(Mechanism):
         return JointForces({"pin": pin}, crank_axis, slider.y, torque)
 
 
-SCOTCH_YOKE = Kind(ScotchYoke, YokeKeys)
+SCOTCH_YOKE = Entry(ScotchYoke, YokeKeys)

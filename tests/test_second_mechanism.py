@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import csv
 import json
+import pickle
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,7 +17,7 @@ import pytest
 
 from commands import Run
 from ncgear.design.keys.design import Design, design_model, json_schema
-from ncgear.design.mechanisms import KINDS
+from ncgear.design.mechanisms import MECHANISMS
 from ncgear.design.reading.design_file import load, parsed
 from ncgear.design.template import Law
 from ncgear.drawings.page.data import scene_data
@@ -71,9 +72,9 @@ masses:
 @pytest.fixture(autouse=True)
 def known() -> Iterator[None]:
     """The one line."""
-    KINDS["scotch_yoke"] = SCOTCH_YOKE
+    MECHANISMS["scotch_yoke"] = SCOTCH_YOKE
     yield
-    del KINDS["scotch_yoke"]
+    del MECHANISMS["scotch_yoke"]
 
 
 def text(law: str, *others: str, linkage: str = LINKAGE) -> str:
@@ -159,12 +160,12 @@ def test_many_yokes_are_as_each_by_itself() -> None:
 
 def test_without_the_yoke_there_is_no_key_for_the_kind() -> None:
     with_two = json_schema()
-    del KINDS["scotch_yoke"]
+    del MECHANISMS["scotch_yoke"]
     try:
         assert "kind" not in json_schema()["$defs"]["Linkage"]["properties"]
         assert design_model({"linkage": {"kind": "scotch_yoke"}}) is Design
     finally:
-        KINDS["scotch_yoke"] = SCOTCH_YOKE
+        MECHANISMS["scotch_yoke"] = SCOTCH_YOKE
     assert "scotch_yoke" in json.dumps(with_two)
 
 
@@ -191,6 +192,17 @@ def test_wrong_keys_are_refused_at_their_place(linkage: str, key: str, said: str
     assert "yoke.yaml:2:" in str(caught.value)
     assert key in str(caught.value)
     assert said in str(caught.value)
+
+
+@every_law
+def test_a_design_can_be_sent_to_another_process(law: str) -> None:
+    made = drive(law, GEARS, MASSES).design
+    assert pickle.loads(pickle.dumps(made)) == made
+
+
+def test_keys_of_both_mechanisms_are_explained(run: Run) -> None:
+    for key in ("linkage.radius_mm", "linkage.rod_mm", "linkage.kind", "masses.rod"):
+        assert run("explain", key)[0] == 0
 
 
 def test_another_stroke_than_the_yokes_is_refused_by_its_own_key() -> None:

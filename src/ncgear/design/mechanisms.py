@@ -22,7 +22,7 @@ from ncgear.numerics.arrays import Array
 
 
 @dataclass(frozen=True)
-class Kind:
+class Entry:
     """A mechanism of design files: its class, its keys under ``linkage``, and those under ``masses``."""
 
     mechanism: type[Mechanism]
@@ -40,35 +40,35 @@ class Kind:
         return ["slider_kg", *self.mechanism.RODS, "crank"]
 
 
-KINDS: dict[str, Kind] = {
-    "crank_slider": Kind(CrankSlider, Linkage, Masses),
+MECHANISMS: dict[str, Entry] = {
+    "crank_slider": Entry(CrankSlider, Linkage, Masses),
 }
 """Every mechanism by the name that ``linkage.kind`` has; the first is the usual one."""
 
 
-def kind_of(linkage: Model) -> Kind:
-    """The kind of mechanism that a group of keys describes."""
-    return next(kind for kind in KINDS.values() if isinstance(linkage, kind.linkage))
+def entry_of(linkage: Model) -> Entry:
+    """The entry of the mechanism that a group of keys describes."""
+    return next(entry for entry in MECHANISMS.values() if isinstance(linkage, entry.linkage))
 
 
 def usual_mechanism(**lengths: float) -> Mechanism:
     """The usual mechanism of some lengths; raises WrongInput where they make none."""
-    return next(iter(KINDS.values())).mechanism(**lengths)
+    return next(iter(MECHANISMS.values())).mechanism(**lengths)
 
 
 def lengths_of(linkage: Model) -> dict[str, Any]:
     """All lengths of a group of keys, None where one is left out."""
-    made: Any = kind_of(linkage).mechanism
+    made: Any = entry_of(linkage).mechanism
     return {field.name: getattr(linkage, field.name) for field in fields(made)}
 
 
 def mechanism_of(linkage: Model) -> Mechanism:
     """The mechanism of a group of keys; raises WrongInput where a length is missing or it cannot turn."""
-    kind, lengths = kind_of(linkage), lengths_of(linkage)
-    if lengths[kind.stroke_key] is None:
-        key = f"linkage.{kind.stroke_key}"
+    entry, lengths = entry_of(linkage), lengths_of(linkage)
+    if lengths[entry.stroke_key] is None:
+        key = f"linkage.{entry.stroke_key}"
         raise WrongInput("missing; only a stroke that is solved for gives the crank", key=key)
-    return kind.mechanism(**lengths)
+    return entry.mechanism(**lengths)
 
 
 def mechanism_of_stroke(linkage: Model, stroke_mm: float) -> Mechanism:
@@ -76,24 +76,24 @@ def mechanism_of_stroke(linkage: Model, stroke_mm: float) -> Mechanism:
 
     Raises WrongInput where the crank is given besides, and where no crank gives that stroke.
     """
-    kind, lengths = kind_of(linkage), lengths_of(linkage)
-    crank_mm = lengths.pop(kind.stroke_key)
+    entry, lengths = entry_of(linkage), lengths_of(linkage)
+    crank_mm = lengths.pop(entry.stroke_key)
     if crank_mm is not None:
         raise WrongInput(
             f"{crank_mm:g} mm is given, but the crank follows from the stroke that is solved for; leave it out",
-            key=f"linkage.{kind.stroke_key}",
+            key=f"linkage.{entry.stroke_key}",
         )
-    return kind.mechanism.of_stroke(stroke_mm, **lengths)
+    return entry.mechanism.of_stroke(stroke_mm, **lengths)
 
 
 def mechanisms_of(linkages: Sequence[Model]) -> Mechanisms[Array]:
     """The mechanisms of many groups of keys of one kind; where their crank cannot turn fully they are not refused."""
     lengths = [lengths_of(linkage) for linkage in linkages]
     columns = {name: np.array([one[name] for one in lengths], dtype=float) for name in lengths[0]}
-    return kind_of(linkages[0]).mechanism.many(**columns)
+    return entry_of(linkages[0]).mechanism.many(**columns)
 
 
 def kind_named(linkage: Any) -> str:
     """The name of the mechanism that the group ``linkage`` of a file asks for, as the file has it."""
     kind = linkage.get("kind") if isinstance(linkage, Mapping) else None
-    return kind if isinstance(kind, str) else next(iter(KINDS))
+    return kind if isinstance(kind, str) else next(iter(MECHANISMS))

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar, overload
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import Gears
-from ncgear.design.mechanisms import kind_of
+from ncgear.design.mechanisms import entry_of
 from ncgear.design.reading.design_file import LoadedDesign, parsed
 from ncgear.design.reading.design_file import load as load_design
 from ncgear.errors import WrongInput
@@ -332,7 +332,7 @@ class ForceStages(SolidStages):
 
         given, gears = self.design.masses, self.design.gears
         if given is None:
-            needed = listed(kind_of(self.design.linkage).needed_masses, "and")
+            needed = listed(entry_of(self.design.linkage).needed_masses, "and")
             raise WrongInput(f"missing; forces need {needed}", key="masses")
         if gears is None or given.tells_gears:
             return masses_of(given, self.linkage)

@@ -15,7 +15,7 @@ from ncgear.design.keys.machine import Comparison, Linkage, Operation, Output, R
 from ncgear.design.keys.masses import Masses, Simulation
 from ncgear.design.keys.motion import HarmonicRatio, Motion, TableLaw, ThreeSegmentStroke
 from ncgear.design.keys.optimize import Optimize
-from ncgear.design.mechanisms import KINDS, kind_named, kind_of
+from ncgear.design.mechanisms import MECHANISMS, entry_of, kind_named
 from ncgear.design.naming import NAME_PATTERN
 
 JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -44,6 +44,12 @@ class Design(Model):
     )
     output: Output = Field(default_factory=Output, description="how finely the results are written")
 
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        """Models that are made for a mechanism cannot be found by their name; their data can be read again."""
+        if type(self) is Design:
+            return super().__reduce_ex__(protocol)
+        return _restored, (self.model_dump(by_alias=True, exclude_unset=True),)
+
     @property
     def law_gives_slider(self) -> bool:
         """Whether the motion law prescribes the slider's motion itself, not the ratio of the gears."""
@@ -59,7 +65,7 @@ class Design(Model):
     @model_validator(mode="after")
     def _crank_is_known(self) -> Self:
         solved = isinstance(self.motion, ThreeSegmentStroke) and self.motion.solve_for == "stroke"
-        key = kind_of(self.linkage).stroke_key
+        key = entry_of(self.linkage).stroke_key
         if getattr(self.linkage, key) is None and not solved:
             raise fault(f"linkage.{key}", "missing; only motion.solve_for: stroke can do without the crank's length")
         return self
@@ -87,33 +93,42 @@ def design_model(data: Any) -> type[Design]:
 
     While there is but one mechanism, design files have no such key, and the model is ``Design`` itself.
     """
-    if len(KINDS) == 1:
-        return Design
-    named = kind_named(data.get("linkage") if isinstance(data, Mapping) else None)
-    return _design_of(named if named in KINDS else next(iter(KINDS)), tuple(KINDS))
+    models = design_models()
+    return models.get(
+        kind_named(data.get("linkage") if isinstance(data, Mapping) else None), next(iter(models.values()))
+    )
+
+
+def design_models() -> dict[str, type[Design]]:
+    """The model of design files for each mechanism, by its name."""
+    names = tuple(MECHANISMS)
+    return {name: Design if len(names) == 1 else _design_of(name, names) for name in names}
+
+
+def _restored(data: dict[str, Any]) -> Design:
+    return design_model(data).model_validate(data)
 
 
 @cache
 def _design_of(name: str, names: tuple[str, ...]) -> type[Design]:
-    kind, usual, fields = KINDS[name], names[0], Design.model_fields
+    entry, usual = MECHANISMS[name], names[0]
     named: Any = Literal[names]
-    masses_keys: Any = kind.masses | None
+    masses: Any = entry.masses | None
     description = f"which mechanism the driven gear turns; left out: {usual}"
     told: Any = Field(default=usual, description=description) if name == usual else Field(description=description)
-    linkage = create_model("Linkage", __base__=kind.linkage, kind=(named, told))
-    masses = fields["masses"]
+    linkage = create_model("Linkage", __base__=entry.linkage, kind=(named, told))
     return create_model(
         "Design",
         __base__=Design,
-        linkage=(linkage, Field(description=fields["linkage"].description)),
-        masses=(masses_keys, Field(default=None, description=masses.description)),
+        linkage=(linkage, Field(description="the mechanism that the driven gear turns")),
+        masses=(masses, Field(default=None, description=Design.model_fields["masses"].description)),
     )
 
 
 def json_schema(of: type[Model] = Design) -> dict[str, Any]:
     """The JSON Schema of a design file or another one, for editors that complete and check while typing."""
     title = f"ncgear {of.__name__.lower()} file"
-    if of is Design and len(KINDS) > 1:
-        either: Any = reduce(or_, (_design_of(name, tuple(KINDS)) for name in KINDS))
+    if of is Design and len(MECHANISMS) > 1:
+        either: Any = reduce(or_, design_models().values())
         return {"$schema": JSON_SCHEMA_DIALECT, **TypeAdapter(either).json_schema(), "title": title}
     return {"$schema": JSON_SCHEMA_DIALECT, **of.model_json_schema(), "title": title}
