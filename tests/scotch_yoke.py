@@ -99,4 +99,4 @@ class ScotchYoke(Mechanism):
         return JointForces({"pin": pin}, crank_axis, slider.y, torque)
 
 
-SCOTCH_YOKE = Entry(ScotchYoke, YokeKeys)
+SCOTCH_YOKE = Entry(lambda: ScotchYoke, YokeKeys)
