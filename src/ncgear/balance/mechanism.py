@@ -8,7 +8,7 @@ sieve and return pan of a rice combine harvester", Int. J. Agric. & Biol. Eng. 1
 
 A crank-slider with masses and counterweights, driven at constant speed through any law, and how its places change.
 
-Frame and pose as in ``machine.linkage``.  Points of the plane are complex numbers x + i y.
+Frame and pose as in ``mechanisms.mechanism``.  Points of the plane are complex numbers x + i y.
 
 The few functions of the driving angle of which all shaking forces and moments of a crank-slider are sums.
 

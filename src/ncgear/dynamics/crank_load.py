@@ -1,15 +1,12 @@
-"""The moving masses as one inertia on the crank shaft, which changes with the crank's angle.
+"""What a mechanism asks of its crank shaft in any motion: inertia that changes with the angle, resistance and weight.
 
-With q the crank's angle and primes by it, the kinetic energy is M(q) q'^2 / 2 and
+With q the crank's angle and primes by it, the kinetic energy is M(q) q.^2 / 2 with the reduced inertia
 
     M = J_crank + sum over the other bodies of m (x_G'^2 + y_G'^2) + J beta'^2
 
-The torque that moves the masses is M q.. + M' q.^2 / 2 (Lagrange's equation of one degree of freedom, Eksergian's
-equation of motion; e.g. B. Paul, "Kinematics and Dynamics of Planar Machinery", Prentice-Hall 1979, chapter 9).
-
-What the linkage asks of its crank shaft in any motion: inertia that changes with the angle, resistance and weight.
-
-With q the crank's angle, M the reduced inertia and U the work against the resistance plus the potential of the weights,
+With U the work against the resistance plus the potential of the weights, Lagrange's equation of one degree of freedom
+(Eksergian's equation of motion; e.g. B. Paul, "Kinematics and Dynamics of Planar Machinery", Prentice-Hall 1979,
+chapter 9) is
 
     M(q) q.. + M'(q) q.^2 / 2 + U'(q) = moment of the teeth
 
@@ -108,12 +105,19 @@ def crank_load(linkage: Mechanism, masses: Masses, resistance: Resistance) -> Cr
     """The linkage's load; raises WrongInput where nothing has inertia, as without a gear at a dead centre."""
     working = linkage.working_angle_rad
     parts = [_knots(0.0, working), _knots(working, 2.0 * pi)]
-    work = [_working(linkage, resistance, parts[0]), _returning(linkage, resistance, parts[1])]
+    whole = resistance.work_n_mm(np.array([linkage.stroke_mm]), linkage.stroke_mm)
+    back = np.broadcast_to(whole, parts[1].shape), np.zeros_like(parts[1])
+    work = [_working(linkage, resistance, parts[0]), back]
     knots = np.concatenate([parts[0], parts[1][1:]])
     angle = Jet.variable(knots, 2)
     moving = linkage.moving_masses(angle, masses)
     inertia = reduced_inertia(moving, masses)
-    _require_inertia(float(inertia.inertia_kg_mm2.min()))
+    if not float(inertia.inertia_kg_mm2.min()) > 0.0:
+        raise WrongInput(
+            "nothing that turns with the crank has inertia, and at the dead centres nothing else has: give "
+            "driven_gear_kg_mm2 or the crank's inertia_kg_mm2",
+            key="masses",
+        )
     crank = linkage.crank_body(angle, masses.crank_center_mm).center
     weight = _potential([*moving, MovingMass(masses.crank_kg, crank, angle)], masses)
     work_value, work_slope = (np.concatenate([work[0][row], work[1][row][1:]]) for row in (0, 1))
@@ -134,11 +138,6 @@ def _working(linkage: Mechanism, resistance: Resistance, angle: Array) -> tuple[
     return resistance.work_n_mm(place, linkage.stroke_mm), resistance.force_n(place) * slide.derivative(1)
 
 
-def _returning(linkage: Mechanism, resistance: Resistance, angle: Array) -> tuple[Array, Array]:
-    whole = resistance.work_n_mm(np.array([linkage.stroke_mm]), linkage.stroke_mm)
-    return np.broadcast_to(whole, angle.shape), np.zeros_like(angle)
-
-
 def _potential(moving: Sequence[MovingMass], masses: Masses) -> Jet:
     """Potential energy of the weights in N mm."""
     along, across = masses.gravity_m_s2
@@ -146,12 +145,3 @@ def _potential(moving: Sequence[MovingMass], masses: Masses) -> Jet:
     for one in moving:
         total = total - one.mass_kg * (along * one.center.x + across * one.center.y)
     return total
-
-
-def _require_inertia(least_kg_mm2: float) -> None:
-    if not least_kg_mm2 > 0.0:
-        raise WrongInput(
-            "nothing that turns with the crank has inertia, and at the dead centres nothing else has: give "
-            "driven_gear_kg_mm2 or the crank's inertia_kg_mm2",
-            key="masses",
-        )

@@ -1,19 +1,9 @@
-"""The law phi2(phi1) as a table for integrators.
+"""The motion of the toothed machine in time: two shafts that only their teeth join, by a solver for stiff equations.
 
-What turns the driving gear: a speed that nothing changes, or a motor with a flywheel.
-
-The toothed mechanism as a system of first order in time: two shafts that only their teeth join.
-
-The state is (phi1, phi1', phi2, phi2', work of the drive, losses of the teeth); the last two are what an energy balance
-needs, integrated along with the motion.
-
-How a motion starts: on the law under its load, or from rest.
-
-What the solver of the motion in time looks out for: the end, dead centres, flanks that meet and part.
-
-The motion of the toothed mechanism in time, by a solver for stiff equations.
-
-The solver starts anew at each dead centre, where the resistance goes on or off.
+What turns the driving gear is a speed that nothing changes, or a motor with a flywheel.  The state is (phi1, phi1',
+phi2, phi2', work of the drive, losses of the teeth); the last two are what an energy balance needs, integrated along
+with the motion.  It starts on the law under its load, or from rest.  The solver starts anew at each dead centre, where
+the resistance goes on or off.
 """
 
 from __future__ import annotations
@@ -111,7 +101,7 @@ class Motor:
 
     @property
     def starting_rad_s(self) -> float:
-        """None."""
+        """0: a motor starts from rest."""
         return 0.0
 
     def answer(self, speed_rad_s: Array, moment_n_mm: Array) -> tuple[Array, Array]:
@@ -161,7 +151,7 @@ class ToothedMachine:
 
 
 class Start(StrEnum):
-    """On the law, or at rest."""
+    """How a motion starts: on the law, or at rest."""
 
     ON_LAW = "on_law"
     REST = "rest"

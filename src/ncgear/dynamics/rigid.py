@@ -1,20 +1,16 @@
-"""Inverse dynamics: the forces and the driving torque that a motion at constant driving speed needs.
+"""The rigid level: the forces and the driving torque that a motion at constant driving speed needs (inverse dynamics).
 
-Closed forms throughout: the law gives the crank's angle with its derivatives, Newton and Euler the forces in the
-joints, the pitch curves the force between the teeth.
+The law gives the crank's angle with its derivatives, the mechanism the forces in its joints, the pitch curves the force
+between the teeth; all are closed forms, so peaks are located exactly: at stationary points, and on both sides of every
+joint of the law.
 
-Mean driving torque, what the torque swings about it, and the flywheel that keeps the speed even.
-
-The driving shaft takes in the mean torque M evenly; what it stores over the cycle is E(phi1), the integral of M - T.  A
-flywheel of inertia J keeps the coefficient of speed fluctuation C = (largest - smallest speed) / mean speed where
+The mean driving torque M, what the torque T swings about it, and the flywheel that keeps the speed even follow: the
+driving shaft takes in M evenly, and what it stores over the cycle is E(phi1), the integral of M - T.  A flywheel of
+inertia J keeps the coefficient of speed fluctuation C = (largest - smallest speed) / mean speed where
 J C w^2 = E_max - E_min (e.g. R. L. Norton, "Design of Machinery", 5th edition, 2012, section 11.11).  That takes the
 torque at constant speed, so it holds for small C.
 
-Refusal of gears whose carrying flanks cannot hold the torque: their pressure angle reaches 90 degrees.
-
-The largest loads of a cycle, located exactly: stationary points of the closed forms, both sides of every joint.
-
-The rigid level: all that inverse dynamics tells of a machine at constant driving speed.
+Gears whose carrying flanks cannot hold the torque, because their pressure angle reaches 90 degrees, are refused.
 """
 
 from __future__ import annotations
@@ -261,14 +257,11 @@ def _largest(rigid: RigidMachine, cycle: Sequence[Broken], vector: Callable[[Loa
 
 def _range(rigid: RigidMachine, cycle: Sequence[Broken], quantity: Callable[[Loads], Jet]) -> tuple[Extremum, Extremum]:
     """Smallest and largest value over the stretches."""
-    ranges = [_extremes(rigid, stretch, breaks, quantity) for stretch, breaks in cycle]
+    ranges = [
+        extremes(partial(_along, rigid, stretch, quantity), stretch.start_rad, stretch.end_rad, breaks)
+        for stretch, breaks in cycle
+    ]
     return min((low for low, _ in ranges), key=_value), max((high for _, high in ranges), key=_value)
-
-
-def _extremes(
-    rigid: RigidMachine, stretch: Stretch, breaks: Array, quantity: Callable[[Loads], Jet]
-) -> tuple[Extremum, Extremum]:
-    return extremes(partial(_along, rigid, stretch, quantity), stretch.start_rad, stretch.end_rad, breaks)
 
 
 def _along(rigid: RigidMachine, stretch: Stretch, quantity: Callable[[Loads], Jet], phi1: Array) -> Jet:
