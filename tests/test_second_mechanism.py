@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import ncgear
 from commands import Run
 from ncgear.design.keys.design import Design, design_model, json_schema
 from ncgear.design.mechanisms import MECHANISMS
@@ -92,6 +93,13 @@ every_law = pytest.mark.parametrize("law", LAWS)
 
 def test_the_laws_are_all_there_are() -> None:
     assert set(LAWS) == {law.value for law in Law}
+
+
+def test_nothing_but_its_module_the_list_and_the_papers_names_the_crank_slider() -> None:
+    source = Path(ncgear.__file__).parent
+    found = {str(path.relative_to(source)) for path in source.rglob("*.py") if "CrankSlider" in path.read_text("utf-8")}
+    elsewhere = {name for name in found if not name.startswith(("papers/", "precision/"))}
+    assert elsewhere == {"mechanisms/crank_slider.py", "design/mechanisms.py"}
 
 
 # --- the contract itself

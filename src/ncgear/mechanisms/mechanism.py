@@ -6,8 +6,8 @@ the retracted dead centre in the sense of turning, the displacement from the ret
 one working stroke (retracted to extended) and one return.
 
 A mechanism is a frozen dataclass whose fields are its lengths, by the names of their keys under ``linkage`` in design
-files.  Its formulas (``Mechanisms``) hold for one mechanism and for many at once.  The list of mechanisms, with the
-keys of each, is in ``ncgear.design.mechanisms``.
+files.  Its formulas (``Mechanisms``) hold for one mechanism and for many at once.  A new mechanism is a class in a
+module of its own, a model of its keys, and one line in ``ncgear.design.mechanisms``; tests/scotch_yoke.py is one.
 """
 
 from __future__ import annotations
