@@ -11,11 +11,11 @@ from ruamel.yaml import YAML
 
 from ncgear.design.keys.design import Design
 from ncgear.design.laws.registry import LawName, design_law
+from ncgear.design.mechanisms import usual_mechanism
 from ncgear.design.reading.messages import problems
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.template import template
 from ncgear.errors import WrongInput
-from ncgear.mechanisms.crank_slider import CrankSlider
 
 ANSWERS = {
     "stroke_mm": "motion.stroke_mm",
@@ -52,7 +52,7 @@ def fault_together(answers: Mapping[str, float]) -> str | None:
     if "stroke_mm" in answers and own["stroke_mm"] != answers["stroke_mm"]:
         return f"a crank of {own['crank_mm']:g} mm has a stroke of {own['stroke_mm']:g} mm; give one of the two"
     try:
-        CrankSlider(own["crank_mm"], own["rod_mm"])
+        usual_mechanism(crank_mm=own["crank_mm"], rod_mm=own["rod_mm"])
     except WrongInput as error:
         return error.problem
     return None

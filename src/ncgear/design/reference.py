@@ -17,7 +17,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from ncgear.design.keys.base import listed, spellings
-from ncgear.design.keys.design import Design
+from ncgear.design.keys.design import Design, design_models
 from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
 from ncgear.design.naming import NAME_PATTERN, NAME_RULE
 from ncgear.design.reading.messages import fields_of, models_in
@@ -74,8 +74,10 @@ class Key:
 
 
 def keys_of(root: type[BaseModel]) -> list[Key]:
-    """All keys of a file whose model is ``root``, groups before what is in them."""
-    return list(_keys(root, "", ""))
+    """All keys of a file whose model is ``root``, groups before what is in them; of designs, with any mechanism."""
+    models = design_models().values() if root is Design else [root]
+    found = {(key.path, key.law): key for model in models for key in _keys(model, "", "")}
+    return list(found.values())
 
 
 def _keys(model: type[BaseModel], above: str, law: str) -> Iterator[Key]:

@@ -30,7 +30,7 @@ from scipy.stats import qmc
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.check import KinematicCheck, kinematic_check
 from ncgear.kinematics.motion import Machine
-from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
@@ -86,7 +86,7 @@ class Peak(Enum):
 class Family:
     """The family on a linkage at an operating speed; ``inverse`` is the return's basis, as in a design file."""
 
-    linkage: CrankSlider
+    linkage: Mechanism
     resistance: Resistance
     speed_rad_s: float
     inverse: bool = False

@@ -10,7 +10,7 @@ import numpy as np
 from ncgear.errors import WrongInput
 from ncgear.kinematics.check import kinematic_check
 from ncgear.kinematics.motion import Machine
-from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
@@ -24,7 +24,7 @@ class Task:
     Raises WrongInput for a speed that is not positive and for a driven gear of several lobes.
     """
 
-    linkage: CrankSlider
+    linkage: Mechanism
     resistance: Resistance
     speed_rad_s: float
     lobes: Lobes = field(default_factory=Lobes)

@@ -14,12 +14,14 @@ from typing import TYPE_CHECKING
 from ncgear.balance.excitation import Engine, Shaft
 from ncgear.balance.frame import Chassis, Mounted
 from ncgear.balance.gears import BossSize, Drills, Means
-from ncgear.balance.mechanism import Carrier, Counterweight, JointMasses, Mechanism, joint_masses
+from ncgear.balance.mechanism import Carrier, Counterweight, DrivenCrank, JointMasses, joint_masses
 from ncgear.balance.rotor import ChainPhases, TrialRun, WeightRun
 from ncgear.design.keys import balance as keys
+from ncgear.design.mechanisms import mechanism_of
 from ncgear.design.reading.balance_file import LoadedBalance
-from ncgear.errors import WrongInput, below
-from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.errors import WrongInput, below, located
+from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.mechanism import require_rod
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.project.drive import Drive
 from ncgear.project.forces import masses_of
@@ -72,18 +74,21 @@ class Balancing:
         """A mechanism with the counterweights that are there, in its place."""
         if given.linkage is not None and given.linkage.crank_mm is not None and given.masses is not None:
             with below(f"mechanisms.{number}"):
-                linkage = CrankSlider(given.linkage.crank_mm, given.linkage.rod_mm, given.linkage.offset_mm)
+                linkage = require_rod(mechanism_of(given.linkage), "balance", "linkage")
             driven_by = linkage, uniform_law(Lobes())
-            masses = masses_of(given.masses, 0.0, given.masses.driven_gear_kg_mm2 or 0.0)
+            masses = masses_of(given.masses, linkage, 0.0, given.masses.driven_gear_kg_mm2 or 0.0)
         else:
             drive = self._drive(f"mechanisms.{number}.design")
-            driven_by = drive.linkage, drive.transmission
-            masses = drive.masses if given.masses is None else masses_of(given.masses, 0.0, 0.0)
+            with located(drive.places):
+                linkage = require_rod(drive.linkage, "balance", "linkage")
+            driven_by = linkage, drive.transmission
+            masses = drive.masses if given.masses is None else masses_of(given.masses, linkage, 0.0, 0.0)
         added = tuple(
             Counterweight(Carrier(one.on), one.mass_kg, one.arm_mm, radians(one.angle_deg))
             for one in given.counterweights
         )
-        mechanism = Mechanism(*driven_by, self._speed_rad_s, masses, added)
+        assert isinstance(masses, RodMasses)
+        mechanism = DrivenCrank(*driven_by, self._speed_rad_s, masses, added)
         place = complex(given.x_mm, given.y_mm)
         return Mounted(mechanism, radians(given.direction_deg), radians(given.phase_deg), given.mirrored, place)
 
@@ -115,7 +120,7 @@ class Balancing:
         return BalancedGear(body, speed_rad_s, made)
 
 
-def joint_masses_of(given: keys.Partial, mechanism: Mechanism) -> JointMasses:
+def joint_masses_of(given: keys.Partial, mechanism: DrivenCrank) -> JointMasses:
     """The masses at the joints: those given, else those of the parts."""
     parts = joint_masses(mechanism.linkage, mechanism.masses)
     return JointMasses(

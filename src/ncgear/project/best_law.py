@@ -6,11 +6,12 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from ncgear.design.keys.design import Design
+from ncgear.design.mechanisms import mechanism_of
 from ncgear.errors import DesignError
 from ncgear.extras import require
 from ncgear.optimum.makeable.wishes import Goal, Wishes
 from ncgear.optimum.task import Figures, Task, figures
-from ncgear.project.law import law_of, linkage_of
+from ncgear.project.law import law_of
 from ncgear.project.wishes import task_of, wishes_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Train, single
@@ -41,7 +42,7 @@ class BestLaw:
     @cached_property
     def task(self) -> Task:
         """The machine that the law is for."""
-        return task_of(self.design, linkage_of(self.design))
+        return task_of(self.design, mechanism_of(self.design.linkage))
 
     @cached_property
     def bound(self) -> Bound:

@@ -7,15 +7,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import Gears
+from ncgear.design.mechanisms import entry_of
 from ncgear.design.reading.design_file import LoadedDesign, parsed
 from ncgear.design.reading.design_file import load as load_design
 from ncgear.errors import Places, WrongInput, located
 from ncgear.kinematics.check import KinematicCheck, kinematic_check
 from ncgear.kinematics.motion import Machine, SliderMotion, sample_angles
-from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.project.computed import computed
@@ -89,7 +91,7 @@ class Drive:
             return law_of(self.design)
 
     @property
-    def linkage(self) -> CrankSlider:
+    def linkage(self) -> Mechanism:
         """The crank-slider."""
         return self.law.linkage
 
@@ -276,14 +278,15 @@ class Drive:
 
         given, gears = self.design.masses, self.design.gears
         if given is None:
-            raise WrongInput("missing; forces need slider_kg, rod and crank", key="masses")
+            needed = listed(entry_of(self.design.linkage).needed_masses, "and")
+            raise WrongInput(f"missing; forces need {needed}", key="masses")
         if gears is None or given.tells_gears:
-            return masses_of(given)
+            return masses_of(given, self.linkage)
         from ncgear.solids.plan.body import body_kg_mm2
 
         plans, density = (self.solids.driving.plan, self.solids.driven.plan), given.density_kg_m3
         driving, driven = (body_kg_mm2(plan, density) for plan in plans)
-        return masses_of(given, driving, driven)
+        return masses_of(given, self.linkage, driving, driven)
 
     @computed
     def rigid(self) -> Rigid:
@@ -331,13 +334,13 @@ class Drive:
     def course(self) -> Course:
         """The motion of the toothed mechanism in time."""
         from ncgear.dynamics.crank_load import crank_load
-        from ncgear.dynamics.motion_in_time import Mechanism, Start, course, started
+        from ncgear.dynamics.motion_in_time import Start, ToothedMachine, course, started
         from ncgear.project.forces import drive_line_of
 
         given, masses, meshing = self.design.simulation, self.masses, self.meshing
         driving = drive_line_of(given, masses, self.machine.speed_rad_s)
         with self.stopwatch("motion in time"):
-            mechanism = Mechanism(driving, meshing, crank_load(self.linkage, masses, self.machine.resistance))
+            mechanism = ToothedMachine(driving, meshing, crank_load(self.linkage, masses, self.machine.resistance))
             return course(mechanism, started(mechanism, self.transmission, Start(given.start)), given.turns)
 
 

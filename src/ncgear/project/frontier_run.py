@@ -18,13 +18,13 @@ from typing import Any
 
 from ncgear import __version__
 from ncgear.design.keys.design import Design
+from ncgear.design.mechanisms import mechanism_of
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.extras import require
 from ncgear.interrupts import deaf_processes, end_processes, uninterrupted
 from ncgear.optimum.certified.limit import Bound
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, family_point, law_point
 from ncgear.optimum.task import Figures
-from ncgear.project.law import linkage_of
 from ncgear.project.wishes import task_of, wishes_of
 
 POINTS_FILE = "frontier-points.jsonl"
@@ -98,7 +98,7 @@ def _caps(design: Design, count: int, kept: FinishedPoints) -> list[float]:
     found = kept.found()
     if ("caps", float(count)) in found:
         return list(found["caps", float(count)]["caps_w"])
-    caps = caps_w(task_of(design, linkage_of(design)), wishes_of(design), count)
+    caps = caps_w(task_of(design, mechanism_of(design.linkage)), wishes_of(design), count)
     kept.add("caps", float(count), {"caps_w": caps})
     return caps
 
@@ -134,7 +134,7 @@ def _one_thread_each() -> Iterator[None]:
 
 def _point(design: Design, kind: str, cap_w: float) -> dict[str, Any]:
     """One point, in a process of its own; a point at which nothing is found is one, too."""
-    task, wishes = task_of(design, linkage_of(design)), wishes_of(design)
+    task, wishes = task_of(design, mechanism_of(design.linkage)), wishes_of(design)
     seed = design.optimize.seed if design.optimize else 0
     if kind == "family":
         return asdict(family_point(task, cap_w, seed))

@@ -10,7 +10,7 @@ from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.optimize import Limits, Optimize
 from ncgear.errors import WrongInput
-from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum import task
 from ncgear.optimum.certified.limit import Weights
@@ -22,7 +22,7 @@ RACK_ANGLE_DEG = 20.0
 """Pressure angle of the rack where a design has no gears: that of ISO 53."""
 
 
-def task_of(design: Design, linkage: CrankSlider) -> task.Task:
+def task_of(design: Design, linkage: Mechanism) -> task.Task:
     """The machine: linkage, resistance, speed and lobes."""
     return task.Task(linkage, resistance_of(design), design.operation.speed_rpm * RAD_S_PER_RPM, lobes_of(design))
 

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.polynomial import Polynomial, legendre
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics import chebyshev, jet
 from ncgear.numerics.arrays import Array, Number
 from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
@@ -322,7 +322,7 @@ def inverse_family(ends: ReturnEnds) -> Callable[[float], ReturnLaw]:
     return closed
 
 
-def return_of_least_acceleration(ends: ReturnEnds, linkage: CrankSlider, *, inverse: bool) -> ReturnLaw:
+def return_of_least_acceleration(ends: ReturnEnds, linkage: Mechanism, *, inverse: bool) -> ReturnLaw:
     """The return whose peak slider acceleration is least within its basis.
 
     The skewness of the polynomial is scanned, and the best of the scan refined by a bounded minimisation.
@@ -359,7 +359,7 @@ class _ReturnAcceleration:
 
     DEGREE = 128
 
-    def __init__(self, ends: ReturnEnds, linkage: CrankSlider) -> None:
+    def __init__(self, ends: ReturnEnds, linkage: Mechanism) -> None:
         self._start = ends.start_driven_rad
         self._linkage = linkage
         start, end = np.array([ends.start_rad]), np.array([ends.end_rad])

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ncgear.mechanisms.crank_slider import Linkages
+from ncgear.mechanisms.mechanism import Mechanisms
 from ncgear.numerics.arrays import Array, repeated
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.sampled import integration, shares
@@ -149,7 +149,7 @@ def _basis(pieces: int, count: int) -> Basis:
 
 def returns_with_skewness(
     strokes: WorkingStrokes[Array],
-    linkage: Linkages[Any],
+    linkage: Mechanisms[Any],
     period_rad: float,
     skewness: Array,
     points: Points,
@@ -170,7 +170,7 @@ def returns_with_skewness(
 
 
 def returns_with_constant(
-    strokes: WorkingStrokes[Array], linkage: Linkages[Any], period_rad: float, constant: Array, points: Points
+    strokes: WorkingStrokes[Array], linkage: Mechanisms[Any], period_rad: float, constant: Array, points: Points
 ) -> Returns:
     """Returns in the ratio whose polynomial is ``constant`` (shape (n,)) at phi1 = 0, the published method's e."""
     length, driven = period_rad - strokes.theta4_rad, 2.0 * pi - linkage.working_angle_rad
@@ -182,7 +182,7 @@ def returns_with_constant(
     return Returns(cubic, given + lift * (0.5 - origin), lift / 2.0, length)
 
 
-def return_samples(returns: Returns, linkage: Linkages[Any], points: Points, order: int) -> ReturnSamples:
+def return_samples(returns: Returns, linkage: Mechanisms[Any], points: Points, order: int) -> ReturnSamples:
     """The returns, dphi2/dphi1 with derivatives up to ``order`` (1 or 2), and the slider's motion at all points."""
     shape, length = (-1, points.pieces, points.count), returns.length_rad[:, None, None]
     slope = returns.polynomial(points, order)
@@ -198,7 +198,7 @@ def return_samples(returns: Returns, linkage: Linkages[Any], points: Points, ord
     return ReturnSamples(slopes, velocity, acceleration, driven[:, -1, -1])
 
 
-def _cubic(strokes: WorkingStrokes[Array], linkage: Linkages[Any], length: Array, *, inverse: bool) -> Array:
+def _cubic(strokes: WorkingStrokes[Array], linkage: Mechanisms[Any], length: Array, *, inverse: bool) -> Array:
     """The cubic in tau with the values and slopes of the two ends, shape (4, n)."""
     far = _rate(-strokes.braking_slope[0] / 2.0, strokes.braking_slope[1] / 3.0, linkage, linkage.working_angle_rad)
     near = _rate(strokes.approach_slope[0] / 2.0, strokes.approach_slope[1] / 3.0, linkage, 0.0)
@@ -208,7 +208,7 @@ def _cubic(strokes: WorkingStrokes[Array], linkage: Linkages[Any], length: Array
     return np.stack(hermite(*start, *end, length))
 
 
-def _rate(second: Array, third: Array, linkage: Linkages[Any], centre_rad: Any) -> tuple[Array, Array]:
+def _rate(second: Array, third: Array, linkage: Mechanisms[Any], centre_rad: Any) -> tuple[Array, Array]:
     """dphi2/dphi1 and its derivative by phi1 at a dead centre, where x = b phi1^2 + c phi1^3 = k phi2^2 + m phi2^3.
 
     So phi2 = w phi1 + w'/2 phi1^2 with w^2 = b/k and w' = (c - m w^3)/(k w).

@@ -17,7 +17,7 @@ from operator import attrgetter
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum, extremes
@@ -196,7 +196,7 @@ class PrescribedStroke:
 class Law:
     """A closed law on its linkage, the pairs of gears that make it, and its stroke where the law prescribes one."""
 
-    linkage: CrankSlider
+    linkage: Mechanism
     train: Train
     stroke: PrescribedStroke | None = None
 

@@ -19,7 +19,8 @@ import numpy as np
 from ncgear.design.keys.design import Design
 from ncgear.design.laws.harmonic_ratio import HarmonicRatio
 from ncgear.design.laws.three_segment_stroke import SAME_STROKE, ThreeSegmentStroke
-from ncgear.mechanisms.crank_slider import Linkages
+from ncgear.design.mechanisms import mechanisms_of
+from ncgear.mechanisms.mechanism import Mechanisms
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array, Mask, repeated
 from ncgear.numerics.jet import Jet
@@ -40,8 +41,6 @@ from ncgear.ratio.transmission import Lobes
 from ncgear.ratio.working_stroke import StrokeRequests, WorkingStrokes, closed_strokes, polynomial_at
 
 STROKE, HARMONIC = "three_segment_stroke", "harmonic_ratio"
-
-LENGTHS = ("crank_mm", "rod_mm", "offset_mm")
 
 RETURN_PIECES = 3
 """Equal pieces that a return is cut into: where its ratio is small, a polynomial's inverse varies fast."""
@@ -84,14 +83,14 @@ def _law(design: Design) -> tuple[Hashable, ...] | None:
             return None
         return STROKE, motion.solve_for, motion.a1_speed_rpm is None, motion.stroke_mm is None
     if isinstance(motion, HarmonicRatio) and motion.second_stage is None and (motion.cosine or motion.sine):
-        return HARMONIC, _tilts(design)
+        return HARMONIC, _working_angle_rad(design)
     return None
 
 
-def _tilts(design: Design) -> tuple[float, ...]:
-    """What the working angle of the linkage follows from; nothing where there is no offset."""
-    crank, rod, offset = (getattr(design.linkage, name) for name in LENGTHS)
-    return (offset / (rod + crank), offset / (rod - crank)) if offset and rod > crank else ()
+def _working_angle_rad(design: Design) -> float | None:
+    """That of the linkage, which a batch of harmonic laws shares; None where the crank cannot turn."""
+    linkage = mechanisms_of([design.linkage])
+    return float(linkage.working_angle_rad[0]) if linkage.turns_fully[0] else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,13 +133,12 @@ def sampled(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
 
 def _strokes(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
     """Three-segment strokes; what ``project/law.py`` would refuse of one is not ``sound``."""
-    linkage = _linkages(designs)
+    linkage = mechanisms_of([design.linkage for design in designs])
     stroke_mm, period = linkage.stroke_mm, kind.lobes.driving_period_rad
     strokes = closed_strokes(_requests(designs, stroke_mm))
     points = Points(RETURN_PIECES, count, CLOSING_STEPS)
     returns = returns_with_constant(strokes, linkage, period, _column(designs, "motion.return_.e"), points)
-    turning = linkage.rod_mm - linkage.crank_mm > np.abs(linkage.offset_mm)
-    sound = turning & (strokes.theta4_rad < period)
+    sound = linkage.turns_fully & (strokes.theta4_rad < period)
     if kind.law[-1] is False:
         sound &= np.isclose(_column(designs, "motion.stroke_mm"), stroke_mm, rtol=SAME_STROKE / 2.0, atol=0.0)
     samples = _stroke_samples(strokes, linkage, return_samples(returns, linkage, points, 2), returns.length_rad)
@@ -171,7 +169,7 @@ def _given(designs: Sequence[Design], name: str, unit: float = 1.0) -> Array | N
 
 
 def _stroke_samples(
-    strokes: WorkingStrokes[Array], linkage: Linkages[Array], back: ReturnSamples, length_rad: Array
+    strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], back: ReturnSamples, length_rad: Array
 ) -> Samples:
     """The working stroke's segments and the pieces of a return of ``length_rad``, as many points each."""
     pieces, count = back.velocity.shape[1:]
@@ -228,9 +226,9 @@ def _sound(strokes: WorkingStrokes[Array], count: int) -> Mask:
 def _harmonics(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
     """Harmonics of the ratio; the law holds at any speed, and so at that of operation."""
     cosine, sine = _padded(designs, "motion.cosine", "motion.sine")
-    linkage = _linkages(designs)
+    linkage = mechanisms_of([design.linkage for design in designs])
     samples = harmonic_samples(cosine, sine, linkage, kind.lobes, count)
-    sound = linkage.rod_mm - linkage.crank_mm > np.abs(linkage.offset_mm)
+    sound = linkage.turns_fully
     speed = _column(designs, "operation.speed_rpm")
     return Sampled(samples, sound, linkage.stroke_mm, speed, 0.0 * speed)
 
@@ -242,7 +240,7 @@ def _padded(designs: Sequence[Design], *names: str) -> list[Array]:
     return [np.array([[*values, *[0.0] * (longest - len(values))] for values in column]) for column in lists]
 
 
-def harmonic_samples(cosine: Array, sine: Array, linkage: Linkages[Array], lobes: Lobes, count: int) -> Samples:
+def harmonic_samples(cosine: Array, sine: Array, linkage: Mechanisms[Array], lobes: Lobes, count: int) -> Samples:
     """Laws of coefficients of shape (n, harmonics) at ``count`` points a piece.
 
     The linkages (shape (n,)) must all have the first one's working angle, as those without offset have.
@@ -285,10 +283,6 @@ def _places(cosine: Array, sine: Array, lobes: Lobes, phi2: Array, width: Array)
     mean = (np.exp(series) @ integration(phi2.shape[1])[-1]) @ width / (2.0 * pi)
     log_ratio = series + (log(lobes.driven / lobes.driving) - np.log(mean))[:, None, None]
     return Place(log_ratio, np.exp(log_ratio), np.exp(-log_ratio), first, second)
-
-
-def _linkages(designs: Sequence[Design]) -> Linkages[Array]:
-    return Linkages(*(_column(designs, f"linkage.{name}") for name in LENGTHS))
 
 
 def _column(designs: Sequence[Design], name: str) -> Array:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ncgear.design.keys.design import Design
+from ncgear.design.keys.design import Design, design_model
 from ncgear.design.keys.machine import MOST_RESISTANCE_POINTS
 from ncgear.design.laws.table import ANGLE_COLUMNS, MOST_POINTS, VALUE_COLUMNS
 from ncgear.design.reading.messages import checked
@@ -57,4 +57,4 @@ def parsed(text: str, path: Path) -> LoadedDesign:
         form = "a design file is lines of `key: value`, and begins with `name:` (`ncgear new NAME` writes one)"
         raise WrongInput(f"{given}; {form}", location=str(document.place("")))
     source = Source(document, values_from_files(document, path, FILES))
-    return LoadedDesign(checked(Design, source), path, source, text)
+    return LoadedDesign(checked(design_model(document.data), source), path, source, text)

@@ -23,8 +23,8 @@ from ncgear.balance.frame import (
 from ncgear.balance.mechanism import (
     Carrier,
     Counterweight,
+    DrivenCrank,
     JointMasses,
-    Mechanism,
     accelerations,
     complete_balance,
     joint_masses,
@@ -50,7 +50,7 @@ EVEN = 1e-12
 """Relative difference of the crank's speeds below which it turns evenly: rounding."""
 
 
-def mechanism_figures(given: given_as.Mechanism, mechanism: Mechanism) -> dict[str, Any]:
+def mechanism_figures(given: given_as.Mechanism, mechanism: DrivenCrank) -> dict[str, Any]:
     """All that is asked about one mechanism, keys with units."""
     joints = joint_masses(mechanism.linkage, mechanism.masses)
     figures: dict[str, Any] = {
@@ -92,7 +92,7 @@ def statistics_figures(of: Statistics) -> dict[str, float]:
     }
 
 
-def _classical(mechanism: Mechanism) -> dict[str, Any]:
+def _classical(mechanism: DrivenCrank) -> dict[str, Any]:
     """Textbook formulas beside the truth; of an uneven crank also the same linkage on an even one, as often."""
     if mechanism.linkage.offset_mm != 0.0:
         return {}
@@ -103,7 +103,7 @@ def _classical(mechanism: Mechanism) -> dict[str, Any]:
     return {"two_terms": figures, "even_crank": shaking_figures(shaking(even))}
 
 
-def turns_evenly(mechanism: Mechanism) -> bool:
+def turns_evenly(mechanism: DrivenCrank) -> bool:
     """Whether the crank's speed is constant."""
     slowest, fastest = mechanism.transmission.slope_range
     return fastest.value <= slowest.value * (1.0 + EVEN)
@@ -113,7 +113,7 @@ def _failure_figures(of: Failure) -> dict[str, float]:
     return {"max_n": of.peak_n, "largest_error_percent": 100.0 * of.largest_error}
 
 
-def _complete(asked: given_as.Complete, mechanism: Mechanism) -> dict[str, float]:
+def _complete(asked: given_as.Complete, mechanism: DrivenCrank) -> dict[str, float]:
     with below("complete"):
         found = complete_balance(mechanism.linkage, mechanism.masses, asked.rod_arm_mm, asked.crank_arm_mm)
     added = (
@@ -129,7 +129,7 @@ def _complete(asked: given_as.Complete, mechanism: Mechanism) -> dict[str, float
     }
 
 
-def _partial(asked: given_as.Partial, mechanism: Mechanism) -> list[dict[str, float]]:
+def _partial(asked: given_as.Partial, mechanism: DrivenCrank) -> list[dict[str, float]]:
     joints, rows = joint_masses_of(asked, mechanism), []
     for share in asked.shares:
         mass = partial_counterweight_kg(mechanism.linkage, joints, asked.arm_mm, share)
@@ -138,7 +138,7 @@ def _partial(asked: given_as.Partial, mechanism: Mechanism) -> list[dict[str, fl
     return rows
 
 
-def _best(asked: given_as.Best, mechanism: Mechanism) -> dict[str, Any]:
+def _best(asked: given_as.Best, mechanism: DrivenCrank) -> dict[str, Any]:
     known = accelerations(mechanism)
     figures: dict[str, Any] = {}
     for name, found in ("least_squares", least_squares(mechanism, known)), ("least_peak", minimax(mechanism, known)):
@@ -152,12 +152,12 @@ def _best(asked: given_as.Best, mechanism: Mechanism) -> dict[str, Any]:
     return figures
 
 
-def _left(mechanism: Mechanism, added: Counterweight) -> dict[str, float]:
+def _left(mechanism: DrivenCrank, added: Counterweight) -> dict[str, float]:
     left = shaking(replace(mechanism, counterweights=(*mechanism.counterweights, added))).force
     return {"max_n": left.maximum, "rms_n": left.rms}
 
 
-def _sweep(asked: given_as.Sweep, mechanism: Mechanism) -> list[dict[str, float]]:
+def _sweep(asked: given_as.Sweep, mechanism: DrivenCrank) -> list[dict[str, float]]:
     tried = sweep(mechanism, crank_counterweight(asked), asked.masses_kg)
     return [
         {

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from ncgear.errors import WrongInput
-from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
 from ncgear.ratio.laws.integrated import integrated_law
@@ -26,7 +26,7 @@ AT_DEAD_CENTRE = 1e-6
 """Share of the stroke within which a point counts as the dead centre: a micrometre a metre, finer than tables are."""
 
 
-def displacement_table_law(phi1_rad: Array, displacement_mm: Array, linkage: CrankSlider, lobes: Lobes) -> Transmission:
+def displacement_table_law(phi1_rad: Array, displacement_mm: Array, linkage: Mechanism, lobes: Lobes) -> Transmission:
     """The law through displacements (shape (n,)) at driving angles within one cycle.
 
     The first point must be phi1 = 0 at the retracted end, one point the extended end, displacements rising before and
@@ -77,7 +77,7 @@ def _without_closing_row(phi1: Array, values: Array, lobes: Lobes, key: str) -> 
     return phi1[:-1], values[:-1]
 
 
-def _strokes(phi1: Array, displacement: Array, linkage: CrankSlider, key: str) -> tuple[Array, Mask]:
+def _strokes(phi1: Array, displacement: Array, linkage: Mechanism, key: str) -> tuple[Array, Mask]:
     """Displacements snapped to the dead centres, and which of them belong to the return."""
     stroke, near = linkage.stroke_mm, AT_DEAD_CENTRE * linkage.stroke_mm
     top = int(np.argmax(displacement))

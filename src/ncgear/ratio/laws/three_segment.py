@@ -15,7 +15,7 @@ from math import degrees
 import numpy as np
 
 from ncgear.errors import WrongInput
-from ncgear.mechanisms.crank_slider import CrankSlider, Linkages
+from ncgear.mechanisms.mechanism import Mechanism, Mechanisms
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Number
 from ncgear.numerics.jet import Jet
@@ -24,7 +24,7 @@ from ncgear.ratio.transmission import Lobes, Piece, Transmission
 from ncgear.ratio.working_stroke import WorkingStroke, WorkingStrokes
 
 
-def working_pieces(stroke: WorkingStroke, linkage: CrankSlider) -> tuple[Piece, ...]:
+def working_pieces(stroke: WorkingStroke, linkage: Mechanism) -> tuple[Piece, ...]:
     """The driven angle on the three segments (two, when the constant-speed part is empty)."""
     pieces = [
         Piece(0.0, stroke.theta2_rad, partial(approach_angle, stroke, linkage)),
@@ -34,7 +34,7 @@ def working_pieces(stroke: WorkingStroke, linkage: CrankSlider) -> tuple[Piece, 
     return tuple(piece for piece in pieces if piece.end_rad > piece.start_rad)
 
 
-def approach_angle(stroke: WorkingStrokes[Number], linkage: Linkages[Number], phi1: Array, order: int) -> Jet:
+def approach_angle(stroke: WorkingStrokes[Number], linkage: Mechanisms[Number], phi1: Array, order: int) -> Jet:
     """phi2 in rad on [0, theta2], with derivatives, of one stroke or of one for each point."""
     angle = Jet.variable(phi1, order)
     quotient = jet.polynomial(stroke.approach_root, angle)
@@ -42,14 +42,14 @@ def approach_angle(stroke: WorkingStrokes[Number], linkage: Linkages[Number], ph
     return linkage.working_angle(displacement, angle * jet.sqrt(quotient), jet.sqrt(stroke.stroke_mm - displacement))
 
 
-def pressing_angle(stroke: WorkingStrokes[Number], linkage: Linkages[Number], phi1: Array, order: int) -> Jet:
+def pressing_angle(stroke: WorkingStrokes[Number], linkage: Mechanisms[Number], phi1: Array, order: int) -> Jet:
     """The same on [theta2, theta3]."""
     beyond = Jet.variable(phi1 - stroke.theta2_rad, order)
     displacement = stroke.pressing_mm_rad * beyond + stroke.pressing_start_mm
     return linkage.working_angle(displacement, jet.sqrt(displacement), jet.sqrt(stroke.stroke_mm - displacement))
 
 
-def braking_angle(stroke: WorkingStrokes[Number], linkage: Linkages[Number], phi1: Array, order: int) -> Jet:
+def braking_angle(stroke: WorkingStrokes[Number], linkage: Mechanisms[Number], phi1: Array, order: int) -> Jet:
     """The same on [theta3, theta4]."""
     before_end = -Jet.variable(phi1 - stroke.theta4_rad, order)
     quotient = jet.polynomial(stroke.braking_root, before_end)
@@ -68,7 +68,7 @@ class StrokeLaw:
 
 def stroke_law(
     stroke: WorkingStroke,
-    linkage: CrankSlider,
+    linkage: Mechanism,
     lobes: Lobes,
     *,
     constant: float | None = None,
