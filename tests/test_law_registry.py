@@ -6,7 +6,6 @@ import ast
 from pathlib import Path
 
 import pytest
-from ncgear.figures.summary.check import check_summary
 
 from ncgear.design.keys.design import Design
 from ncgear.design.laws.registry import LawName, design_law
@@ -14,6 +13,7 @@ from ncgear.design.laws.uniform_crank import UniformCrank
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.reference import law_of
 from ncgear.design.template import template
+from ncgear.figures.summary.check_summary import check_summary
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.project.drive import Drive
 from ncgear.ratio.transmission import Law, Lobes, PrescribedStroke, single

@@ -18,9 +18,9 @@ import pytest
 import ncgear
 from commands import Run
 from ncgear.design.keys.design import Design, design_model, json_schema
+from ncgear.design.laws.registry import LawName as Law
 from ncgear.design.mechanisms import MECHANISMS
 from ncgear.design.reading.design_file import load, parsed
-from ncgear.design.template import Law
 from ncgear.drawings.page.data import scene_data
 from ncgear.drawings.page.page import scene_script
 from ncgear.drawings.page.scene_svg import scene_svg
@@ -98,7 +98,7 @@ def test_the_laws_are_all_there_are() -> None:
 def test_nothing_but_its_module_the_list_and_the_papers_names_the_crank_slider() -> None:
     source = Path(ncgear.__file__).parent
     found = {str(path.relative_to(source)) for path in source.rglob("*.py") if "CrankSlider" in path.read_text("utf-8")}
-    elsewhere = {name for name in found if not name.startswith(("papers/", "precision/"))}
+    elsewhere = {name for name in found if not name.startswith("papers/")}
     assert elsewhere == {"mechanisms/crank_slider.py", "design/mechanisms.py"}
 
 

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.design.keys.base import Model
 from ncgear.design.keys.design import Design
 from ncgear.design.laws.harmonic_ratio import HarmonicRatio
 from ncgear.design.laws.three_segment_stroke import SAME_STROKE, ThreeSegmentStroke
@@ -58,8 +59,9 @@ HARMONIC_PIECES = 4
 
 @dataclass(frozen=True)
 class Kind:
-    """What the designs of one batch share."""
+    """What the designs of one batch share; ``linkage`` is the model of its mechanism's keys."""
 
+    linkage: type[Model]
     law: tuple[Hashable, ...]
     lobes: Lobes
     resistance: Resistance
@@ -73,7 +75,7 @@ def kind_of(design: Design) -> Kind | None:
     if design.resistance is not None and design.resistance.table is not None:
         # The bend of a table's force jumps at its points, which no series along a piece resolves.
         return None
-    return Kind(law, lobes_of(design), resistance_of(design))
+    return Kind(type(design.linkage), law, lobes_of(design), resistance_of(design))
 
 
 def _law(design: Design) -> tuple[Hashable, ...] | None:
@@ -228,9 +230,8 @@ def _harmonics(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
     cosine, sine = _padded(designs, "motion.cosine", "motion.sine")
     linkage = mechanisms_of([design.linkage for design in designs])
     samples = harmonic_samples(cosine, sine, linkage, kind.lobes, count)
-    sound = linkage.turns_fully
     speed = _column(designs, "operation.speed_rpm")
-    return Sampled(samples, sound, linkage.stroke_mm, speed, 0.0 * speed)
+    return Sampled(samples, linkage.turns_fully, linkage.stroke_mm, speed, 0.0 * speed)
 
 
 def _padded(designs: Sequence[Design], *names: str) -> list[Array]:
