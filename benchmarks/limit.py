@@ -16,8 +16,7 @@ from time import perf_counter
 
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import PolynomialResistance
-from ncgear.optimum.certified.limit import Bound, least_acceleration, least_power
-from ncgear.optimum.certified.weighted import Weights, least_weighted_sum
+from ncgear.optimum.certified.limit import Bound, Weights, least_acceleration, least_power, least_weighted_sum
 from ncgear.optimum.task import Limits, Task
 
 ROOT = Path(__file__).parents[1]

@@ -17,20 +17,20 @@ from pathlib import Path
 from time import perf_counter
 
 from ncgear.design.reading.design_file import load
-from ncgear.optimum.figures import figures
-from ncgear.optimum.makeable.law import shared_law
 from ncgear.optimum.makeable.wishes import TwoStages
-from ncgear.project.improvement import Improvement
+from ncgear.optimum.task import figures
+from ncgear.project.best_law import BestLaw
 from ncgear.ratio.transmission import Lobes, Train
+from shared_law import shared_law
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 PAGE = Path(__file__).parent / "makeable.md"
 
 
-def stages_row(name: str, improvement: Improvement, train: Train, seconds: float) -> str:
+def stages_row(name: str, best: BestLaw, train: Train, seconds: float) -> str:
     """One line of the table of stages: peak acceleration, larger pressure angle, ranges of the ratios, time."""
-    found = figures(improvement.task, train)
-    angle = degrees(found.tangent_rad + improvement.wishes.rack_angle_rad)
+    found = figures(best.task, train)
+    angle = degrees(found.tangent_rad + best.wishes.rack_angle_rad)
     ranges = ", ".join(
         f"{lowest.value:.2f} to {highest.value:.2f}"
         for lowest, highest in (one.transmission.ratio_range for one in train.pairs)
@@ -55,13 +55,13 @@ def stages_rows() -> list[str]:
     return rows
 
 
-def improvement_of(name: str, **limits: float | None) -> Improvement:
+def improvement_of(name: str, **limits: float | None) -> BestLaw:
     """A shipped design's best law, some of its limits changed."""
     design = load(DESIGNS / f"{name}.yaml").design
     asked = design.optimize
     assert asked is not None
     changed = asked.model_copy(update={"limits": asked.limits.model_copy(update=limits)})
-    return Improvement(design.model_copy(update={"optimize": changed}))
+    return BestLaw(design.model_copy(update={"optimize": changed}))
 
 
 def frontier_seconds() -> float:

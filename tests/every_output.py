@@ -39,7 +39,14 @@ PROCESSES = 2
 TOGETHER = {"build": 5, "varied build": 25, "varied balance": 60}
 """How many runs share an interpreter at most; 150 where nothing is said."""
 
-SETTING = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "COLUMNS": "100", "TERM": "dumb", "PYTHONUTF8": "1"}
+SETTING = {
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "COLUMNS": "100",
+    "TERM": "dumb",
+    "PYTHONUTF8": "1",
+    "PYTHONHASHSEED": "0",
+}
 
 LIBRARIES = "ncgear|python|numpy|scipy|sympy|shapely|trimesh|mapbox-earcut|matplotlib|pydantic|ruamel.yaml"
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")

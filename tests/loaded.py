@@ -13,9 +13,9 @@ from engaged import LAWS, RINGS, made
 from ncgear.dynamics.crank_load import CrankLoad, crank_load
 from ncgear.dynamics.gaps import Gaps, gaps_of
 from ncgear.dynamics.meshing import Friction, Impact, Meshing
-from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, Mechanism, law_table
+from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, ToothedMachine, law_table
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.masses import RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.numerics.periodic_table import PeriodicTable
 
@@ -24,7 +24,7 @@ Array = np.ndarray
 IMPACT = Impact(5e5, 2.2, 100.0, 0.1)
 FRICTION = Friction(0.08, 0.05, 1.0, 10.0)
 SMOOTH = Friction(0.0, 0.0, 1.0, 10.0)
-MASSES = Masses(
+MASSES = RodMasses(
     slider_kg=5.0,
     rod_kg=1.5,
     rod_center_mm=90.0,
@@ -65,11 +65,11 @@ def even_load(inertia_kg_mm2: float, torque_n_mm: float) -> CrankLoad:
     return CrankLoad(table, (0.0, pi))
 
 
-def slider_load(force_n: tuple[float, ...] = (500.0,), masses: Masses = MASSES) -> CrankLoad:
+def slider_load(force_n: tuple[float, ...] = (500.0,), masses: RodMasses = MASSES) -> CrankLoad:
     """A small crank-slider against a polynomial resistance."""
     return crank_load(LINKAGE, masses, PolynomialResistance(force_n))
 
 
-def mechanism(found: Meshing, load: CrankLoad, drive: DriveLine | None = None) -> Mechanism:
+def mechanism(found: Meshing, load: CrankLoad, drive: DriveLine | None = None) -> ToothedMachine:
     """Teeth and load, driven evenly at a turn a second if nothing is said."""
-    return Mechanism(drive or EvenDrive(SPEED), found, load)
+    return ToothedMachine(drive or EvenDrive(SPEED), found, load)

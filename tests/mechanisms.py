@@ -7,9 +7,9 @@ from math import pi
 import mpmath
 import numpy as np
 
-from ncgear.balance.mechanism import Carrier, Counterweight, Mechanism
+from ncgear.balance.mechanism import Carrier, Counterweight, DrivenCrank
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.masses import RodMasses
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from pairs import sine_law
@@ -17,7 +17,7 @@ from pairs import sine_law
 RPM = pi / 30.0
 LINKAGE = CrankSlider(265.0, 560.0)
 OFFSET = CrankSlider(265.0, 560.0, 90.0)
-MASSES = Masses(65.0, 20.0, 300.0, 4e5, 30.0, 60.0, 5e5)
+MASSES = RodMasses(65.0, 20.0, 300.0, 4e5, 30.0, 60.0, 5e5)
 ASIDE = (
     Counterweight(Carrier.CRANK, 40.0, 200.0, 2.8),
     Counterweight(Carrier.ROD, 25.0, 150.0, -2.5),
@@ -26,19 +26,19 @@ AMPLITUDE = 0.3
 """Of the non-circular law phi2 = phi1 - 0.3 sin 2 phi1."""
 
 
-def even(linkage: CrankSlider = LINKAGE, masses: Masses = MASSES, rpm: float = 96.5) -> Mechanism:
-    return Mechanism(linkage, uniform_law(Lobes()), rpm * RPM, masses)
+def even(linkage: CrankSlider = LINKAGE, masses: RodMasses = MASSES, rpm: float = 96.5) -> DrivenCrank:
+    return DrivenCrank(linkage, uniform_law(Lobes()), rpm * RPM, masses)
 
 
-def uneven(linkage: CrankSlider = LINKAGE, masses: Masses = MASSES, rpm: float = 96.5) -> Mechanism:
-    return Mechanism(linkage, uneven_law(), rpm * RPM, masses)
+def uneven(linkage: CrankSlider = LINKAGE, masses: RodMasses = MASSES, rpm: float = 96.5) -> DrivenCrank:
+    return DrivenCrank(linkage, uneven_law(), rpm * RPM, masses)
 
 
 def uneven_law() -> Transmission:
     return sine_law(AMPLITUDE)
 
 
-def oracle(mechanism: Mechanism, amplitude: float, phi1: float) -> tuple[complex, float]:
+def oracle(mechanism: DrivenCrank, amplitude: float, phi1: float) -> tuple[complex, float]:
     """Shaking force in N and moment in N mm: time derivatives of momentum and angular momentum of every single mass.
 
     The law is phi2 = phi1 - amplitude sin 2 phi1; places are from the vector loop alone.
@@ -74,6 +74,6 @@ def oracle(mechanism: Mechanism, amplitude: float, phi1: float) -> tuple[complex
         return complex(scale * force), float(scale * moment)
 
 
-def sampled(mechanism: Mechanism, count: int = 7) -> np.ndarray:
+def sampled(mechanism: DrivenCrank, count: int = 7) -> np.ndarray:
     """Angles over a cycle that are nothing special."""
     return (np.arange(count) + 0.37) / count * mechanism.transmission.cycle_rad

@@ -13,8 +13,8 @@ from drives import loaded
 from ncgear.design.keys.design import Design, json_schema
 from ncgear.figures.advice.collected import build_advice, check_advice
 from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where
+from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive
-from ncgear.project.improvement import Improvement
 
 Data = dict[str, Any]
 
@@ -93,7 +93,7 @@ def followed(data: Data, remedy: Remedy) -> Data:
         assert remedy.command == "ncgear optimize"
         # The law alone counts here: few harmonics, and nothing that the law's own goal needs beside it.
         wished = merged(data, {"optimize": {"harmonics": 6}})
-        law = Improvement(Design.model_validate(wished)).law
+        law = BestLaw(Design.model_validate(wished)).law
         motion = {"law": "harmonic_ratio", "cosine": law.cosine.tolist(), "sine": law.sine.tolist()}
         data = {**data, "motion": motion}
     return data

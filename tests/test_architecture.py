@@ -96,7 +96,7 @@ def test_every_room_has_a_layer() -> None:
 
 WRITES = {"write_bytes", "write_text", "write", "savetxt", "tofile", "export"}
 
-WRITERS = {"files/publish.py", "cli/new.py", "project/frontier.py", "files/workshop/dxf.py"}
+WRITERS = {"files/publish.py", "cli/new.py", "project/frontier_run.py", "files/workshop/dxf.py"}
 """What may write files: whole sets of files; a new design file, of which the path is free; lines of finished points.
 And what calls the same of a library, for a text in memory."""
 

@@ -19,7 +19,7 @@ from drives import DESIGNS, drive
 from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.design import json_schema
 from ncgear.design.reading.balance_file import load_balance
-from ncgear.figures.balance import balance_text, figures_of
+from ncgear.figures.balance.parts import balance_text, figures_of
 from ncgear.files.balance import balance_files
 from ncgear.project.balancing import Balancing
 

@@ -19,7 +19,7 @@ from ncgear.balance.gears import mesh_body
 from ncgear.contact.placement import placed
 from ncgear.contact.written.as_written import Outlines
 from ncgear.errors import WrongInput
-from ncgear.figures.summary.build import bodies_summary
+from ncgear.figures.summary.build_summary import bodies_summary
 from ncgear.files.meshes import outline_of_stl, read_back, section_rings, stl_bytes
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear

@@ -9,7 +9,8 @@ from math import pi, radians
 import pytest
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.optimum.makeable.law import makeable_law, rough_start
+from ncgear.optimum.makeable.law import makeable_law
+from ncgear.optimum.makeable.search import rough_start
 from ncgear.optimum.makeable.wishes import CurvatureWish, Wishes
 from ncgear.optimum.task import Limits, Task
 from test_kinematics import PRESS

@@ -29,30 +29,31 @@ from ncgear.balance.frame import (
     rotating_share,
     static_counterweight_kg,
 )
-from ncgear.balance.mechanism import Carrier, Counterweight, JointMasses, Mechanism, joint_masses
+from ncgear.balance.mechanism import Carrier, Counterweight, DrivenCrank, JointMasses, joint_masses
 from ncgear.balance.shaking import failure, shaking, track
-from ncgear.dynamics.joints import EvenPace, joint_forces
 from ncgear.errors import WrongInput
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import EvenPace
+from ncgear.mechanisms.masses import RodMasses
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.transmission import Lobes
 from pairs import baler_law, sine_law
 
-BALER = Mechanism(CrankSlider(380.0, 960.0), baler_law(), 52.81 * RPM, MASSES)
+BALER = DrivenCrank(CrankSlider(380.0, 960.0), baler_law(), 52.81 * RPM, MASSES)
 MECHANISMS = {"even": even(), "uneven": uneven(), "offset": uneven(OFFSET), "baler": BALER}
 
 
-def forces(mechanism: Mechanism, phi1: np.ndarray) -> np.ndarray:
+def forces(mechanism: DrivenCrank, phi1: np.ndarray) -> np.ndarray:
     """Shaking force as complex numbers, by the joints' forces and not by the forms."""
-    at = mechanism.bodies(phi1)
-    joints = joint_forces(at, mechanism.masses, EvenPace(mechanism.speed_rad_s), 0.0)
+    joints = mechanism.linkage.joint_forces(
+        mechanism.transmission.driven_angle(phi1, 2), mechanism.masses, EvenPace(mechanism.speed_rad_s), 0.0
+    )
     return -(joints.crank_axis.x.value + 1j * (joints.crank_axis.y + joints.guide_n).value)
 
 
-def of_one_kg_mm(mechanism: Mechanism, phi1: np.ndarray) -> np.ndarray:
+def of_one_kg_mm(mechanism: DrivenCrank, phi1: np.ndarray) -> np.ndarray:
     """The force of a first moment of 1 kg mm on the crank, towards the pin."""
-    pin = mechanism.bodies(phi1).pin
+    pin = mechanism.rod(phi1).pin
     return (
         -1e-3 * mechanism.speed_rad_s**2 / mechanism.linkage.crank_mm * (pin.x.derivative(2) + 1j * pin.y.derivative(2))
     )
@@ -107,7 +108,7 @@ def test_the_least_peak_is_that_of_a_cone_programme(name: str) -> None:
 
 def test_evenly_driven_with_a_long_rod_half_the_slider_is_best() -> None:
     """Both ways: m_B + m_C/2, which leaves a force of constant size that turns against the crank."""
-    long = even(CrankSlider(10.0, 1e5), Masses(slider_kg=8.0, crank_kg=3.0, crank_center_mm=10.0))
+    long = even(CrankSlider(10.0, 1e5), RodMasses(slider_kg=8.0, crank_kg=3.0, crank_center_mm=10.0))
     exact = -10.0 * (3.0 + 8.0 / 2.0)
     assert least_squares(long).moment_kg_mm == pytest.approx(exact, rel=1e-12)
     found = minimax(long)
@@ -135,8 +136,8 @@ def test_no_neighbour_is_better(name: str) -> None:
 @pytest.mark.parametrize("grams", [1e-3, 1e9])
 def test_the_least_peak_does_not_depend_on_the_size(grams: float) -> None:
     """A toy and a giant: forces go with the mass."""
-    sized = replace(uneven(), masses=Masses(slider_kg=grams / 1000.0))
-    one = replace(uneven(), masses=Masses(slider_kg=1.0))
+    sized = replace(uneven(), masses=RodMasses(slider_kg=grams / 1000.0))
+    one = replace(uneven(), masses=RodMasses(slider_kg=1.0))
     small, known = minimax(sized), minimax(one)
     assert small.moment_kg_mm / (grams / 1000.0) == pytest.approx(known.moment_kg_mm, rel=1e-3)
     assert small.bound_n == pytest.approx(known.bound_n * grams / 1000.0, rel=2e-7)
@@ -154,8 +155,8 @@ def test_the_least_peak_does_not_depend_on_the_size(grams: float) -> None:
 def test_the_least_peak_is_found_for_any_mechanism(
     rod: float, depth: float, crank_kg: float, rod_kg: float, place: float
 ) -> None:
-    masses = Masses(1.0, rod_kg, place * rod * 100.0, 0.0, crank_kg, 50.0, 1e6)
-    mechanism = Mechanism(CrankSlider(100.0, rod * 100.0), sine_law(depth), 5.0, masses)
+    masses = RodMasses(1.0, rod_kg, place * rod * 100.0, 0.0, crank_kg, 50.0, 1e6)
+    mechanism = DrivenCrank(CrankSlider(100.0, rod * 100.0), sine_law(depth), 5.0, masses)
     found = minimax(mechanism)
     left = shaking(replace(mechanism, counterweights=(found.at(100.0),))).peak.value
     assert left <= shaking(mechanism).peak.value * (1.0 + 1e-9)
@@ -166,7 +167,7 @@ def test_the_least_peak_is_found_for_any_mechanism(
 def test_a_balanced_rod_leaves_nothing_to_the_crank() -> None:
     """A mass beyond the pin that balances the slider: the crank's counterweight then takes all that is left."""
     rod = Counterweight(Carrier.ROD, 182.0, 200.0)
-    mechanism = replace(even(masses=Masses(slider_kg=65.0)), counterweights=(rod,))
+    mechanism = replace(even(masses=RodMasses(slider_kg=65.0)), counterweights=(rod,))
     found = minimax(mechanism)
     assert found.bound_n == 0.0
     balanced = replace(mechanism, counterweights=(rod, found.at(250.0)))
@@ -183,7 +184,7 @@ def test_a_counterweight_that_is_there_counts() -> None:
 
 # --- counterweights tried ----------------------------------------------------------------------------------------
 
-PAN = Masses(
+PAN = RodMasses(
     slider_kg=0.26, rod_kg=23.7, rod_center_mm=555.6, crank_kg=1.0, crank_center_mm=12.3, gravity_m_s2=(0.0, -9.81)
 )
 OPPOSITE = Counterweight(Carrier.CRANK, 0.0, 45.0)
@@ -221,7 +222,7 @@ def test_a_sweep_against_samples() -> None:
 
 def test_the_track_with_a_long_rod_is_an_ellipse() -> None:
     """Half axes (P + S) r/m along and P r/m across."""
-    mechanism = even(CrankSlider(10.0, 1e6), Masses(slider_kg=8.0, crank_kg=3.0, crank_center_mm=10.0))
+    mechanism = even(CrankSlider(10.0, 1e6), RodMasses(slider_kg=8.0, crank_kg=3.0, crank_center_mm=10.0))
     found = track(mechanism)
     assert found.extent_mm == pytest.approx((20.0, 60.0 / 11.0), rel=1e-5)
     assert found.area_mm2 == pytest.approx(pi * 10.0 * 30.0 / 11.0, rel=1e-4)
@@ -268,7 +269,7 @@ def test_the_published_best_phase_and_counterweight() -> None:
     assert masses == pytest.approx([11.4, 13.7], abs=0.1)
 
 
-PAN_SIEVE = Masses(slider_kg=0.26, rod_kg=90.4, rod_center_mm=930.0, crank_kg=1.0, crank_center_mm=12.3)
+PAN_SIEVE = RodMasses(slider_kg=0.26, rod_kg=90.4, rod_center_mm=930.0, crank_kg=1.0, crank_center_mm=12.3)
 
 
 def test_the_best_phase_of_the_exact_forces() -> None:
@@ -312,7 +313,7 @@ def test_opposed_mechanisms_cancel() -> None:
 
 def test_four_in_line_leave_the_even_harmonics() -> None:
     """Cranks 0, 180, 180, 0: the second one fourfold, 4 m r w^2 r/l and small change."""
-    slider = even(CrankSlider(10.0, 100.0), Masses(slider_kg=2.0))
+    slider = even(CrankSlider(10.0, 100.0), RodMasses(slider_kg=2.0))
     four = frame_shaking([Mounted(slider, phase_rad=phase) for phase in (0.0, pi, pi, 0.0)])
     waves, one = four.along.harmonics(4), shaking(slider).along.harmonics(4)
     assert np.abs(waves[[1, 3]]).max() <= 1e-13 * abs(one[1])
@@ -321,7 +322,7 @@ def test_four_in_line_leave_the_even_harmonics() -> None:
 
 
 def test_a_force_off_the_origin_has_a_moment() -> None:
-    slider = even(masses=Masses(slider_kg=65.0))
+    slider = even(masses=RodMasses(slider_kg=65.0))
     moved = frame_shaking([Mounted(slider, direction_rad=0.5, place_mm=300j)])
     still = frame_shaking([Mounted(slider, direction_rad=0.5)])
     phi1 = sampled(slider)
@@ -373,7 +374,7 @@ CHASSIS = Chassis(support_mm=370.0, counterweight_mm=1000.0, tilt_rad=radians(8.
 
 def test_the_published_chassis() -> None:
     """The paper's 5 kg are those of one dead centre; the other, and the worst case, need 13.6 kg."""
-    found = dynamic_counterweights(CHASSIS, even(masses=Masses(slider_kg=65.0)))
+    found = dynamic_counterweights(CHASSIS, even(masses=RodMasses(slider_kg=65.0)))
     assert found.retracted_kg == pytest.approx(4.86, abs=5e-3)
     assert found.extended_kg == pytest.approx(13.60, abs=5e-3)
     assert found.worst_kg.value == pytest.approx(found.extended_kg, rel=1e-12)
@@ -382,8 +383,8 @@ def test_the_published_chassis() -> None:
 
 
 def test_an_uneven_drive_has_its_worst_case_elsewhere() -> None:
-    found = dynamic_counterweights(CHASSIS, replace(BALER, masses=Masses(slider_kg=65.0)))
+    found = dynamic_counterweights(CHASSIS, replace(BALER, masses=RodMasses(slider_kg=65.0)))
     assert found.worst_kg.value > 1.05 * max(found.extended_kg, found.retracted_kg)
-    force = forces(replace(BALER, masses=Masses(slider_kg=65.0)), np.array([found.worst_kg.at]))
+    force = forces(replace(BALER, masses=RodMasses(slider_kg=65.0)), np.array([found.worst_kg.at]))
     vertical = abs(force.real[0]) * np.sin(radians(8.0)) * 0.370
     assert found.worst_kg.value * 9.81 * 1.0 == pytest.approx(vertical, rel=1e-9)

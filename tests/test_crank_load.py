@@ -10,11 +10,10 @@ import pytest
 
 from loaded import LINKAGE, MASSES, slider_load
 from ncgear.dynamics.crank_load import crank_load
-from ncgear.dynamics.joints import CrankPace, joint_forces
 from ncgear.errors import WrongInput
-from ncgear.mechanisms.bodies import bodies
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import CrankPace
+from ncgear.mechanisms.masses import RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.numerics.jet import Jet
 
@@ -28,8 +27,8 @@ def test_torque_of_any_motion_is_that_of_the_joint_forces(linkage: CrankSlider) 
     angle, speed, acceleration = random.uniform([0.0, -9.0, -50.0], [2.0 * pi, 9.0, 50.0], (500, 3)).T
     slide = linkage.displacement(Jet.variable(angle, 0)).value
     resisting = np.where(angle < linkage.working_angle_rad, RESISTANCE.force_n(slide), 0.0)
-    at = bodies(linkage, Jet.variable(angle, 2))
-    expected = joint_forces(at, WEIGHT, CrankPace(speed, acceleration), resisting).torque_n_mm
+    pace = CrankPace(speed, acceleration)
+    expected = linkage.joint_forces(Jet.variable(angle, 2), WEIGHT, pace, resisting).torque_n_mm
     found = crank_load(linkage, WEIGHT, RESISTANCE).torque_n_mm(angle, speed, acceleration)
     assert np.abs(found - expected).max() < 1e-6 * np.abs(expected).max()
 
@@ -61,5 +60,5 @@ def test_the_power_of_the_torque_is_the_change_of_energy() -> None:
 
 def test_a_shaft_without_inertia_is_refused() -> None:
     with pytest.raises(WrongInput, match="nothing that turns with the crank has inertia") as caught:
-        slider_load(masses=Masses(slider_kg=5.0))
+        slider_load(masses=RodMasses(slider_kg=5.0))
     assert caught.value.key == "masses"

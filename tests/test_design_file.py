@@ -15,13 +15,12 @@ from ncgear.design.keys.design import Design, json_schema
 from ncgear.design.keys.gears import PROFILES, Rack
 from ncgear.design.laws.ellipse import Ellipse
 from ncgear.design.laws.ratio_expression import RatioExpression
-from ncgear.design.laws.registry import LawName, law_models
+from ncgear.design.laws.registry import LawName
 from ncgear.design.laws.table import MOST_POINTS, TableLaw
 from ncgear.design.laws.three_segment_stroke import SOLVED_KEY, ThreeSegmentStroke
 from ncgear.design.reading.design_file import LoadedDesign, load
 from ncgear.design.reading.text import plain_value
 from ncgear.design.reading.yaml import read_yaml
-from ncgear.design.reference import law_of
 from ncgear.design.template import template
 from ncgear.errors import NoSuchMechanism, WrongInput, located
 
@@ -61,10 +60,6 @@ def test_every_template_loads(tmp_path: Path, law: LawName) -> None:
     design = loaded(tmp_path, template("mine", law)).design
     assert (design.name, design.motion.law) == ("mine", law.value)
     assert design.gears is not None
-
-
-def test_every_law_is_described_by_the_module_of_its_name() -> None:
-    assert {name: law_of(model) for name, model in law_models().items()} == {name: name for name in LawName}
 
 
 def test_defaults(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from made import command_heads, drawings, figures, key_pages
 from speed_against_error.run import STUDIES
 
 DOCS = ROOT / "docs"
+PACKAGE = ROOT / "src" / "ncgear"
 TEXTS = {str(page.relative_to(ROOT)): page.read_text(encoding="utf-8") for page in PAGES}
 
 LINK = re.compile(r"\]\(([^)\s]+)\)")
@@ -121,3 +122,20 @@ class TestFaults:
 
     def test_anchors(self) -> None:
         assert anchors("# What is: 3.5?\n```sh\n# no\n```\n## `motion`, law\n") == {"what-is-35", "motion-law"}
+
+
+NAMED = re.compile(r"`([a-z_]+(?:/[a-z_]+)*/(?:[a-z_]+\.py)?)`")
+"""A file or folder that a page names: of the package, or of the repository."""
+
+
+def named_and_missing(text: str) -> list[str]:
+    return [name for name in NAMED.findall(text) if not any((root / name).exists() for root in (PACKAGE, ROOT))]
+
+
+@pytest.mark.parametrize("page", TEXTS)
+def test_files_that_pages_name_are_there(page: str) -> None:
+    assert named_and_missing(TEXTS[page]) == []
+
+
+def test_a_file_that_is_gone_is_seen() -> None:
+    assert named_and_missing("`teeth/flank.py` and `teeth/flunk.py`") == ["teeth/flunk.py"]

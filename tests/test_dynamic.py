@@ -24,12 +24,21 @@ from loaded import (
 from ncgear.dynamics.history import history, parted_s
 from ncgear.dynamics.mesh_force import MeshPlace, mesh_force
 from ncgear.dynamics.meshing import Impact, force_on_driven, tangent
-from ncgear.dynamics.motion_in_time import Course, EvenDrive, Mechanism, Motor, Start, course, law_torque_n_mm, started
+from ncgear.dynamics.motion_in_time import (
+    Course,
+    EvenDrive,
+    Motor,
+    Start,
+    ToothedMachine,
+    course,
+    law_torque_n_mm,
+    started,
+)
 from ncgear.dynamics.quasi_static import loaded_contact
 from ncgear.dynamics.rigid import RigidMachine
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.masses import RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.numerics.jet import Jet
 from ncgear.pitch.shape import Mesh
@@ -41,7 +50,7 @@ HEAVY = 2e4
 """Inertia in kg mm2 of the closed forms' shaft."""
 
 
-def run(found: Mechanism, name: str, turns: float = 0.3, start: Start = Start.ON_LAW, **kinds: Any) -> Course:
+def run(found: ToothedMachine, name: str, turns: float = 0.3, start: Start = Start.ON_LAW, **kinds: Any) -> Course:
     return course(found, started(found, (LAWS | RINGS)[name](), start), turns, **kinds)
 
 
@@ -315,6 +324,6 @@ def test_stiff_teeth_push_as_the_rigid_levels_mesh_force(name: str, teeth: int, 
 
 @pytest.mark.slow
 def test_unbalanced_weights_alone_do_no_work_over_a_turn() -> None:
-    heavy = Masses(**{**vars(MASSES), "gravity_m_s2": (0.0, -9.81)})
+    heavy = RodMasses(**{**vars(MASSES), "gravity_m_s2": (0.0, -9.81)})
     out = run(mechanism(meshing("uniform", 24), slider_load((0.0,), heavy), EvenDrive(1.0)), "uniform", 1.0)
     assert out.states[4, -1] - out.states[5, -1] == pytest.approx(0.0, abs=2.0)

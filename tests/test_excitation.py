@@ -19,9 +19,9 @@ from ncgear.balance.excitation import (
     of_shaft,
     of_slider,
 )
-from ncgear.balance.mechanism import Mechanism
+from ncgear.balance.mechanism import DrivenCrank
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.masses import RodMasses
 from pairs import baler_law
 
 TABLE_1 = (
@@ -85,12 +85,12 @@ def test_critical_speeds_of_the_drum() -> None:
 
 # --- harmonics of the slider -------------------------------------------------------------------------------------
 
-ONE = Masses(slider_kg=1.0)
+ONE = RodMasses(slider_kg=1.0)
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize(("mechanism", "amplitude"), [(even(masses=ONE), 0.0), (uneven(masses=ONE), AMPLITUDE)])
-def test_harmonics_against_quadrature(mechanism: Mechanism, amplitude: float) -> None:
+def test_harmonics_against_quadrature(mechanism: DrivenCrank, amplitude: float) -> None:
     """With 1 kg at the slider the shaking force of the oracle is minus the acceleration; trapezoidal, 240 points."""
     angles = np.arange(240) / 240 * 2.0 * pi
     acceleration = np.array([-oracle(mechanism, amplitude, float(angle))[0].real for angle in angles])
@@ -112,7 +112,7 @@ def test_an_even_crank_has_two_strong_harmonics() -> None:
 
 def test_the_baler_shakes_at_high_harmonics() -> None:
     """Parseval: 400 harmonics hold all of the mean square, twenty leave a hundred-thousandth."""
-    baler = Mechanism(CrankSlider(380.0, 960.0), baler_law(), 20.0 * pi / 30.0, ONE)
+    baler = DrivenCrank(CrankSlider(380.0, 960.0), baler_law(), 20.0 * pi / 30.0, ONE)
     harmonics = np.array([one.amplitude for one in of_slider("slider", baler, 400)])
     phi1 = np.linspace(0.0, 2.0 * pi, 400_001)
     driven = baler.linkage.displacement(baler.transmission.driven_angle(phi1, 2)).derivative(2)

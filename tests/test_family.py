@@ -19,7 +19,6 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.sampled import shares
 from ncgear.optimum.family import (
     BOX,
-    CLOSING_STEPS,
     RETURN_POINTS,
     SEGMENT_POINTS,
     Family,
@@ -30,7 +29,7 @@ from ncgear.optimum.family import (
     request_at,
     strokes_at,
 )
-from ncgear.ratio.laws.three_segment import StrokeLaw, return_ends, stroke_law
+from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.sampled_strokes import (
     BUMP_HEIGHT,
     ReturnSamples,
@@ -92,12 +91,12 @@ def test_working_strokes_are_those_of_the_laws(linkage: CrankSlider) -> None:
     assert np.isfinite(figures(family, points_of(SHAPES)).power).all()
     for number, shape in enumerate(SHAPES):
         machine = Machine(made(shape, family).transmission, linkage, RESISTANCE, OMEGA)
-        joints = [0.0, *(getattr(strokes, f"theta{k}_rad")[number] for k in (2, 3, 4))]
-        segments = zip(joints[:-1], np.diff(joints), SEGMENT_POINTS, strict=True)
-        phi1 = np.concatenate([start + width * shares(count) for start, width, count in segments])
+        theta2, theta3, theta4 = (getattr(strokes, f"theta{k}_rad")[number] for k in (2, 3, 4))
+        out, steady, back = (shares(count) for count in SEGMENT_POINTS)
+        phi1 = np.concatenate([theta2 * out, theta2 + (theta3 - theta2) * steady, theta4 - (theta4 - theta3) * back])
         # A joint belongs to what follows it, so the ends of each segment are left out; the second may have no length
         approach, pressing, _ = SEGMENT_POINTS
-        ends = [0, approach - 1, *range(approach - 1, approach + pressing + 1), phi1.size - 1]
+        ends = [0, *range(approach - 1, approach + pressing + 1), phi1.size - 1]
         kept = np.setdiff1d(np.arange(phi1.size), ends)
         exact = machine.displacement(phi1[kept], 2)
         assert np.max(np.abs(displacement[number, kept] - exact.value)) <= 1e-10 * linkage.stroke_mm
@@ -108,10 +107,9 @@ def test_working_strokes_are_those_of_the_laws(linkage: CrankSlider) -> None:
 
 def returned(family: Family, shape: Array, skewness: float) -> ReturnSamples:
     """Samples of the return of one shape."""
-    strokes, _ = strokes_at(family, points_of(shape[None]))
-    ends = return_ends(strokes, family.linkage, family.lobes)
-    asked = np.array([skewness]), RETURN_POINTS, CLOSING_STEPS
-    return return_samples(returns_with_skewness(ends, *asked, inverse=family.inverse), family.linkage, RETURN_POINTS)
+    strokes, found = strokes_at(family, points_of(shape[None], skewness))
+    asked = strokes, family.linkage, family.lobes.driving_period_rad, found, RETURN_POINTS
+    return return_samples(returns_with_skewness(*asked, inverse=family.inverse), family.linkage, RETURN_POINTS, 1)
 
 
 @pytest.mark.tiers(quick=["in line-*-True"], rest="thorough")
@@ -127,9 +125,9 @@ def test_returns_are_those_of_the_laws(linkage: CrankSlider, lobes: Lobes, inver
         mean = ends.driven_length_rad / ends.length_rad if inverse else ends.length_rad / ends.driven_length_rad
         skewness = law.return_law.polynomial.coef[5] / 2.0 * BUMP_HEIGHT / mean
         found = returned(family, shape, skewness)
-        assert found.slope.min() > 0.0
+        assert found.slopes[0].min() > 0.0
         assert found.end_driven_rad[0] == pytest.approx(2.0 * pi, abs=1e-6)
-        phi1 = ends.start_rad + ends.length_rad * shares(RETURN_POINTS[1])
+        phi1 = ends.start_rad + ends.length_rad * shares(RETURN_POINTS.count)
         turned = law.transmission.pieces[-1].driven_angle(phi1, 2)
         exact = linkage.displacement(turned).derivative(2)
         assert np.max(np.abs(found.acceleration[0, 0] - exact)) <= 1e-6 * np.abs(exact).max()

@@ -12,20 +12,20 @@ import pytest
 from matplotlib.axes import Axes
 from PIL import Image
 
-import ncgear.project.frontier as of_design
+import ncgear.project.frontier_run as of_design
 from drives import loaded
 from ncgear.design.keys.design import Design
+from ncgear.design.mechanisms import mechanism_of
 from ncgear.drawings.plots import frontier_plot as picture
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.figures.frontier import frontier_csv, frontier_json, frontier_text, mechanisms
+from ncgear.figures.best_law import frontier_csv, frontier_json, frontier_text, mechanisms
 from ncgear.files.frontier import frontier_files
 from ncgear.optimum.certified.limit import Bound
 from ncgear.optimum.family import Family, Peak, best_of_family
-from ncgear.optimum.figures import Figures
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, law_point, motion_of
-from ncgear.project.frontier import KEPT, Frontier, Kept, frontier
-from ncgear.project.improvement import Improvement
-from ncgear.project.law import linkage_of
+from ncgear.optimum.task import Figures
+from ncgear.project.best_law import BestLaw
+from ncgear.project.frontier_run import POINTS_FILE, FinishedPoints, Frontier, frontier
 from ncgear.project.wishes import task_of, wishes_of
 
 RESISTANCE = {"polynomial_n": (-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7)}
@@ -58,7 +58,7 @@ def found() -> Frontier:
 
 @pytest.mark.thorough
 def test_caps_run_from_the_least_power_to_where_more_is_of_no_use() -> None:
-    task, wishes = task_of(design(), linkage_of(design())), wishes_of(design())
+    task, wishes = task_of(design(), mechanism_of(design().linkage)), wishes_of(design())
     caps = caps_w(task, wishes, 3)
     assert caps == sorted(caps)
     assert caps[1] ** 2 == pytest.approx(caps[0] * caps[2], rel=1e-12)
@@ -82,12 +82,12 @@ def test_a_law_allowed_under_one_cap_is_allowed_under_every_higher_one() -> None
 @pytest.mark.thorough
 def test_the_familys_motion_makes_the_law_it_says() -> None:
     """As the motion of a design file, by way of the schema; cheap starts, for any law will do."""
-    task = task_of(design(), linkage_of(design()))
+    task = task_of(design(), mechanism_of(design().linkage))
     family = Family(task.linkage, task.resistance, task.speed_rad_s)
     best = best_of_family(family, Peak.ACCELERATION, 15_000.0, starts=1)
     said = {"motion": motion_of(best), "name": "again", "linkage": {"crank_mm": 380.0, "rod_mm": 960.0}}
     again = Design.model_validate({**said, "operation": {"speed_rpm": 60.0}, "resistance": RESISTANCE})
-    found = Improvement(again).given_figures
+    found = BestLaw(again).given_figures
     assert found is not None
     assert found.peak_acceleration_mm_s2 == pytest.approx(best.peak(Peak.ACCELERATION), rel=1e-9)
     assert found.peak_power_w == pytest.approx(best.peak(Peak.POWER), rel=1e-9)
@@ -97,7 +97,10 @@ def test_the_familys_motion_makes_the_law_it_says() -> None:
 
 
 def test_kept_points_are_those_of_the_same_design(tmp_path: Path) -> None:
-    kept, other = Kept(tmp_path / "new" / KEPT, design()), Kept(tmp_path / "new" / KEPT, design(9))
+    kept, other = (
+        FinishedPoints(tmp_path / "new" / POINTS_FILE, design()),
+        FinishedPoints(tmp_path / "new" / POINTS_FILE, design(9)),
+    )
     assert kept.found() == {}
     kept.add("family", 6000.0, {"cap_w": 6000.0})
     other.add("family", 7000.0, {"cap_w": 7000.0})
@@ -106,7 +109,7 @@ def test_kept_points_are_those_of_the_same_design(tmp_path: Path) -> None:
 
 
 def test_a_line_cut_off_by_a_kill_is_passed_over(tmp_path: Path) -> None:
-    kept = Kept(tmp_path / KEPT, design())
+    kept = FinishedPoints(tmp_path / POINTS_FILE, design())
     kept.add("law", 6000.0, {"a": 1})
     with kept.path.open("a", encoding="utf-8") as file:
         file.write('{"key": "' + kept.key)
@@ -116,7 +119,7 @@ def test_a_line_cut_off_by_a_kill_is_passed_over(tmp_path: Path) -> None:
 
 
 def test_what_is_no_entry_is_passed_over(tmp_path: Path) -> None:
-    kept = Kept(tmp_path / KEPT, design())
+    kept = FinishedPoints(tmp_path / POINTS_FILE, design())
     kept.path.write_bytes(b'12\n[]\n{}\n\xff\n"key"\nnull\n')
     assert kept.found() == {}
 
@@ -174,7 +177,7 @@ def test_tables_hold_the_points() -> None:
     rows = list(csv.DictReader(StringIO(frontier_csv(found()))))
     assert [float(row["limit_acceleration_mm_s2"]) for row in rows] == [30_000.0, 14_000.0]
     assert [row["family_acceleration_mm_s2"] for row in rows] == ["", "18500.0"]
-    content = json.loads(frontier_json(found(), Improvement(design())))
+    content = json.loads(frontier_json(found(), BestLaw(design())))
     assert content["points"][1]["gap"] == pytest.approx(1.0 / 7.0, rel=1e-12)
     assert content["speed_rpm"] == 60.0
 
@@ -182,7 +185,7 @@ def test_tables_hold_the_points() -> None:
 def test_mechanisms_are_at_one_speed() -> None:
     """The earlier mechanism's figures at 30 r/min: half the power, a quarter of the acceleration."""
     slow = design().model_copy(update={"operation": design().operation.model_copy(update={"speed_rpm": 30.0})})
-    at_60, at_30 = ({one.name: one for one in mechanisms(Improvement(of))} for of in (design(), slow))
+    at_60, at_30 = ({one.name: one for one in mechanisms(BestLaw(of))} for of in (design(), slow))
     assert set(at_60) == {"design as given", "uniform crank", "Lei et al. 2012"}
     assert at_60["Lei et al. 2012"].peak_power_w == 18_750.0
     for name, one in at_60.items():
@@ -192,12 +195,12 @@ def test_mechanisms_are_at_one_speed() -> None:
 
 @pytest.mark.thorough
 def test_the_picture_and_the_text(tmp_path: Path) -> None:
-    files = frontier_files(found(), Improvement(design()))
+    files = frontier_files(found(), BestLaw(design()))
     assert set(files) == {"frontier.csv", "frontier.json", "frontier.png"}
     pixels = np.asarray(Image.open(BytesIO(files["frontier.png"])).convert("RGB")).reshape(-1, 3)
     for colour in ((0x00, 0x72, 0xB2), (0xD5, 0x5E, 0x00), (0xCC, 0x79, 0xA7)):
         assert np.any(np.all(pixels == colour, axis=1))
-    text = frontier_text(found(), Improvement(design()), [tmp_path / "frontier.csv"])
+    text = frontier_text(found(), BestLaw(design()), [tmp_path / "frontier.csv"])
     assert "33.3" in text
     assert "uniform crank" in text
 
@@ -207,7 +210,7 @@ def test_small_powers_keep_their_digits_in_the_text() -> None:
     small = Frontier(
         [LawPoint(8.7023, Bound(635.52, 635.6, 1600), figures(8.7, 656.51))], [FamilyPoint(8.7023, 8.69, 702.18)]
     )
-    row = frontier_text(small, Improvement(design()), []).splitlines()[2].split()
+    row = frontier_text(small, BestLaw(design()), []).splitlines()[2].split()
     assert row == ["8.7023", "635.52", "656.51", "3.3", "702.18"]
 
 
@@ -230,7 +233,7 @@ def test_the_picture_has_the_units_of_its_size(
 @pytest.mark.slow
 def test_points_come_from_processes_and_are_those_of_one(tmp_path: Path) -> None:
     whole = frontier(design(6), 2, tmp_path, lambda done, total: None)
-    task, wishes = task_of(design(6), linkage_of(design(6))), wishes_of(design(6))
+    task, wishes = task_of(design(6), mechanism_of(design(6).linkage)), wishes_of(design(6))
     alone = law_point(task, wishes, whole.laws[0].cap_w)
     assert whole.laws[0].law.peak_acceleration_mm_s2 == pytest.approx(alone.law.peak_acceleration_mm_s2, rel=1e-9)
-    assert sum(bool(line) for line in (tmp_path / KEPT).read_text(encoding="utf-8").splitlines()) == 5
+    assert sum(bool(line) for line in (tmp_path / POINTS_FILE).read_text(encoding="utf-8").splitlines()) == 5

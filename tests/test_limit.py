@@ -18,11 +18,17 @@ from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
-from ncgear.optimum.certified.limit import Bound, least_acceleration, least_power, turning_point
+from ncgear.optimum.certified.limit import (
+    Bound,
+    Weights,
+    fastest_motion,
+    least_acceleration,
+    least_power,
+    least_weighted_sum,
+)
 from ncgear.optimum.certified.problem import Problem
-from ncgear.optimum.certified.profile import fastest_motion
+from ncgear.optimum.certified.refusals import turning_point
 from ncgear.optimum.certified.road import Peaks
-from ncgear.optimum.certified.weighted import Weights, least_weighted_sum
 from ncgear.optimum.task import Limits, Task
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Piece, Transmission

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 
 from ncgear.errors import WrongInput
-from ncgear.mechanisms.crank_slider import CrankSlider, crank_of_stroke_mm
+from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
@@ -55,6 +55,12 @@ def loop_derivatives(lengths: Lengths) -> tuple[Callable[[Any], Any], ...]:
 def exact_taylor(linkage: oracle.Linkage, phi2: Any, order: int) -> list[Any]:
     """Taylor coefficients of the exact displacement."""
     return [value / mp.factorial(k) for k, value in enumerate(linkage.derivatives(phi2, order))]
+
+
+def crank_pins_mm(linkage: CrankSlider, crank_angle_rad: Array) -> Array:
+    """Crank pin (x, y) from the crank axis, shape (n, 2)."""
+    pin = linkage.rod(Jet.variable(crank_angle_rad, 0)).pin
+    return np.column_stack([pin.x.value, pin.y.value])
 
 
 @pytest.mark.judges("mechanisms")
@@ -120,7 +126,7 @@ def test_dead_centres_are_where_the_slider_stands_and_crank_and_rod_align(length
     series = linkage.displacement(Jet.variable(ends, 1))
     assert series.value == pytest.approx([0.0, linkage.stroke_mm], abs=1e-13 * linkage.stroke_mm)
     assert series.derivative(1) == pytest.approx([0.0, 0.0], abs=1e-13 * linkage.stroke_mm)
-    pins = linkage.crank_pin_mm(ends)
+    pins = crank_pins_mm(linkage, ends)
     sliders = np.column_stack([[linkage.nearest_mm, linkage.farthest_mm], [lengths[2]] * 2])
     areas = pins[:, 0] * sliders[:, 1] - pins[:, 1] * sliders[:, 0]
     assert areas == pytest.approx([0.0, 0.0], abs=1e-14 * lengths[0] * lengths[1] * 4)
@@ -147,7 +153,7 @@ def test_sign_of_the_offset_decides_which_stroke_is_longer() -> None:
 def test_the_rod_keeps_its_length_and_the_crank_turns_clockwise(lengths: Lengths) -> None:
     linkage = CrankSlider(*lengths)
     angles = np.linspace(0.0, 2.0 * pi, 73)
-    pins = linkage.crank_pin_mm(angles)
+    pins = crank_pins_mm(linkage, angles)
     position = linkage.displacement(Jet.variable(angles, 0)).value + linkage.nearest_mm
     rods = np.hypot(position - pins[:, 0], lengths[2] - pins[:, 1])
     assert rods == pytest.approx(np.full(73, lengths[1]), rel=1e-14)
@@ -253,7 +259,7 @@ def test_the_slider_stays_between_its_ends(lengths: Lengths, angle: float) -> No
     linkage = CrankSlider(*lengths)
     moved = float(linkage.displacement(Jet.variable(angle, 0)).value[0])
     assert -1e-12 * linkage.stroke_mm <= moved <= linkage.stroke_mm * (1.0 + 1e-12)
-    pin: Array = linkage.crank_pin_mm(np.array([angle]))[0]
+    pin: Array = crank_pins_mm(linkage, np.array([angle]))[0]
     rod = hypot(linkage.nearest_mm + moved - pin[0], linkage.offset_mm - pin[1])
     assert rod == pytest.approx(linkage.rod_mm, rel=1e-12)
 
@@ -284,4 +290,5 @@ def test_the_crank_follows_from_the_stroke(rod: float, share: float, offset: flo
     """In closed form, back from the stroke that the dead centres give."""
     crank = share * rod * (1.0 - abs(offset))
     linkage = CrankSlider(crank, rod, offset * rod * (1.0 - share))
-    assert crank_of_stroke_mm(linkage.stroke_mm, rod, linkage.offset_mm) == pytest.approx(crank, rel=1e-12)
+    found = CrankSlider.of_stroke(linkage.stroke_mm, rod_mm=rod, offset_mm=linkage.offset_mm)
+    assert found.crank_mm == pytest.approx(crank, rel=1e-12)

@@ -14,15 +14,12 @@ from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance, TableResistance
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.certified.limit import least_acceleration, least_power
-from ncgear.optimum.certified.weighted import Weights, least_weighted_sum
-from ncgear.optimum.figures import Figures, figures
-from ncgear.optimum.makeable.kept import scales
-from ncgear.optimum.makeable.law import MakeableLaw, makeable_law, random_starts, rough_start
-from ncgear.optimum.makeable.levels import levels
+from ncgear.optimum.certified.limit import Weights, least_acceleration, least_power, least_weighted_sum
+from ncgear.optimum.makeable.law import MakeableLaw, makeable_law
 from ncgear.optimum.makeable.reached import grid, lengths, ratios, stations
-from ncgear.optimum.makeable.wishes import Goal, Wishes
-from ncgear.optimum.task import Limits, Task
+from ncgear.optimum.makeable.search import random_starts, rough_start, scales
+from ncgear.optimum.makeable.wishes import Goal, Wishes, levels
+from ncgear.optimum.task import Figures, Limits, Task, figures
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.transmission import Lobes
 from test_kinematics import FIT, PRESS

@@ -13,8 +13,8 @@ import pytest
 
 from commands import Outcome, Run
 from ncgear.design.reading.design_file import load
+from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive
-from ncgear.project.improvement import Improvement
 
 HEAD = """\
 # the press of hall 2
@@ -272,8 +272,8 @@ def test_an_improvement_is_computed_once_and_starts_count(tmp_path: Path) -> Non
     """More starts are never worse, and what is asked for twice is the same."""
     path = Path(tmp_path, "d.yaml")
     path.write_text(HEAD + FEW)
-    one = Improvement(load(path).design)
+    one = BestLaw(load(path).design)
     assert one.law is one.law
     path.write_text(HEAD + FEW.replace("harmonics: 6", "harmonics: 6, starts: 2"))
-    two = Improvement(load(path).design)
+    two = BestLaw(load(path).design)
     assert two.goal <= one.goal * (1.0 + 1e-12)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drives import built, loaded
-from ncgear.project.improvement import Improvement
+from ncgear.project.best_law import BestLaw
 
 TARGETS = {
     "baler-66": (6300.0, 38_500.0, 90.0),
@@ -16,9 +16,9 @@ TARGETS = {
 """Peak power in W, peak acceleration in mm/s2 and pressure angle in degrees, each at most, at 60 r/min."""
 
 every_design = pytest.mark.parametrize("name", TARGETS)
-pytestmark = pytest.mark.slow
 
 
+@pytest.mark.slow
 @every_design
 def test_power_acceleration_and_pressure_angle_are_within_the_targets(name: str) -> None:
     power, acceleration, angle = TARGETS[name]
@@ -29,6 +29,7 @@ def test_power_acceleration_and_pressure_angle_are_within_the_targets(name: str)
     assert summary["pitch"]["max_pressure_angle_deg"] <= angle
 
 
+@pytest.mark.slow
 @every_design
 def test_the_samples_of_the_law_keep_them_too(name: str) -> None:
     """Differences of the written displacements, which share nothing with the exact peaks."""
@@ -41,6 +42,7 @@ def test_the_samples_of_the_law_keep_them_too(name: str) -> None:
     assert (table["force_n"] * speed).max() / 1000.0 <= power * (1.0 + 1e-4)
 
 
+@pytest.mark.slow
 @every_design
 def test_the_gears_are_convex_free_of_undercut_and_in_contact(name: str) -> None:
     summary = built(name).summary
@@ -53,26 +55,29 @@ def test_the_gears_are_convex_free_of_undercut_and_in_contact(name: str) -> None
     assert summary["contact"]["penetration_max_mm"] <= 0.005
 
 
+@pytest.mark.slow
 @every_design
 def test_no_law_can_be_much_better(name: str) -> None:
     """The certified limit is below, by no more than convex curves cost."""
-    improvement = Improvement(loaded(name).design)
+    best = BestLaw(loaded(name).design)
     found = built(name).summary["check"]["peak_acceleration_cycle_mm_s2"]
-    assert improvement.bound.value < found < 1.2 * improvement.bound.value
+    assert best.bound.value < found < 1.2 * best.bound.value
 
 
+@pytest.mark.slow
 @every_design
 def test_the_optimiser_finds_them_again(name: str) -> None:
     """The same file gives the same law, whatever law it holds; other builds of the solver end within its tolerance."""
     design = loaded(name).design
-    law = Improvement(design).law
+    law = BestLaw(design).law
     assert law.cosine == pytest.approx(np.array(design.motion.cosine), abs=1e-6)
     assert law.sine == pytest.approx(np.array(design.motion.sine), abs=1e-6)
 
 
+@pytest.mark.thorough
 def test_the_published_mechanism_saves_nothing_at_equal_productivity() -> None:
     """It needs more power than the earlier one, and three times the uniform crank's acceleration."""
-    figures = Improvement(loaded("baler-frontier").design).given_figures
+    figures = BestLaw(loaded("baler-frontier").design).given_figures
     assert figures is not None
     assert figures.peak_power_w == pytest.approx(18_945.4, abs=0.5)
     assert figures.peak_acceleration_mm_s2 == pytest.approx(9.0 * 7341.14, rel=1e-5)

@@ -25,7 +25,7 @@ from ncgear.drawings.plots import assembled_pair as gears
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.csv_text import LAW_COLUMNS, law_csv, outline_csv
 from ncgear.figures.numbers import shown
-from ncgear.figures.summary.build import pitch_summary
+from ncgear.figures.summary.build_summary import pitch_summary
 from ncgear.figures.terminal import MIXED_SPEEDS, SAME_SPEED, WIDTH, summary_text, timing_text
 from ncgear.files.build import build
 from ncgear.files.publish import STAGING_PREFIX, prepare, publish

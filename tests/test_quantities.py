@@ -11,12 +11,11 @@ import pytest
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.figures import figures
 from ncgear.optimum.makeable import quantities
-from ncgear.optimum.makeable.levels import Level
 from ncgear.optimum.makeable.quantities import Place
 from ncgear.optimum.makeable.reached import Grid, grid, lengths, ratios, reached, stations
-from ncgear.optimum.task import Task
+from ncgear.optimum.makeable.wishes import Level
+from ncgear.optimum.task import Task, figures
 from ncgear.pitch import shape
 from ncgear.pitch.curve import arc_length
 from ncgear.pitch.shape import Gear, Mesh

@@ -29,7 +29,7 @@ from ncgear.cli.arguments import opened
 from ncgear.design.keys.design import Design
 from ncgear.errors import DesignError
 from ncgear.figures.csv_text import outline_csv
-from ncgear.figures.summary.check import check_summary
+from ncgear.figures.summary.check_summary import check_summary
 from ncgear.files import build as build_module
 from ncgear.files.meshes import outline_of_csv
 from ncgear.files.workshop.formats import USUAL

@@ -14,14 +14,13 @@ from mpmath import mp
 from scipy.optimize import brentq
 
 from ncgear.dynamics.crank_load import reduced_inertia
-from ncgear.dynamics.joints import CrankPace, joint_forces
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.dynamics.rigid import Fluctuation, Loads, RigidMachine, fluctuation, load_peaks, rigid_level
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
-from ncgear.mechanisms.bodies import bodies
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import CrankPace
+from ncgear.mechanisms.masses import RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance, Resistance, TableResistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
@@ -33,7 +32,7 @@ from oracles import newton_euler
 from test_kinematics import PRESS, RPM, machine
 from test_laws import LAWS
 
-HEAVY = Masses(
+HEAVY = RodMasses(
     slider_kg=150.0,
     rod_kg=30.0,
     rod_center_mm=430.0,
@@ -98,10 +97,10 @@ def values(loads: Loads) -> dict[str, float]:
     """What the oracle calls it, at the only angle."""
     mesh = loads.gripped
     found = {
-        "wrist_x": loads.wrist.x,
-        "wrist_y": loads.wrist.y,
-        "pin_x": loads.pin.x,
-        "pin_y": loads.pin.y,
+        "wrist_x": loads.joints["wrist"].x,
+        "wrist_y": loads.joints["wrist"].y,
+        "pin_x": loads.joints["pin"].x,
+        "pin_y": loads.joints["pin"].y,
         "crank_x": loads.crank_bearing.x,
         "crank_y": loads.crank_bearing.y,
         "guide": loads.guide,
@@ -167,15 +166,17 @@ def test_work_up_to_any_angle_is_the_energy_gained(name: str) -> None:
     made = machine(name, 50.0)
     phi1 = np.linspace(0.0, made.transmission.cycle_rad, 40)[:-1]
     driven = made.transmission.driven_angle(phi1, 1)
-    at = bodies(made.linkage, Jet.variable(driven.value, 2))
-    kinetic = reduced_inertia(at, HEAVY).energy_n_mm(driven.derivative(1) * made.speed_rad_s)
+    angle = Jet.variable(driven.value, 2)
+    rod, crank = made.linkage.rod(angle), made.linkage.crank_body(angle, -120.0).center
+    moving = made.linkage.moving_masses(angle, HEAVY)
+    kinetic = reduced_inertia(moving, HEAVY).energy_n_mm(driven.derivative(1) * made.speed_rad_s)
     position = made.linkage.displacement(driven).value
     forth = made.working(driven.value)
     stroke = np.full(phi1.shape, made.linkage.stroke_mm)
     pressed = made.resistance.work_n_mm(np.where(forth, position, stroke), made.linkage.stroke_mm)
-    energy = kinetic - weight_work(at.on_rod(430.0).x.value, at.on_rod(430.0).y.value, HEAVY.rod_kg)
-    energy -= weight_work(at.on_crank(-120.0).x.value, at.on_crank(-120.0).y.value, HEAVY.crank_kg)
-    energy -= weight_work(at.wrist.x.value, at.wrist.y.value, HEAVY.slider_kg)
+    energy = kinetic - weight_work(rod.at(430.0).x.value, rod.at(430.0).y.value, HEAVY.rod_kg)
+    energy -= weight_work(crank.x.value, crank.y.value, HEAVY.crank_kg)
+    energy -= weight_work(rod.wrist.x.value, rod.wrist.y.value, HEAVY.slider_kg)
     gained = energy - energy[0] + pressed
     assert np.max(np.abs(swing(name).work(phi1) - gained)) <= 1e-12 * swing(name).work_n_mm
 
@@ -203,14 +204,17 @@ def test_torque_is_lagranges_with_any_turning_of_the_crank(
     speed: float,
     acceleration: float,
 ) -> None:
-    at = bodies(CrankSlider(380.0, rod_mm, offset_mm), Jet.variable(np.linspace(0.0, 2.0 * pi, 41), 2))
+    linkage, angle = CrankSlider(380.0, rod_mm, offset_mm), Jet.variable(np.linspace(0.0, 2.0 * pi, 41), 2)
     pace, press = (np.full(41, speed), np.full(41, acceleration)), np.linspace(0.0, 1000.0, 41)
     varied = {"rod_kg": rod_kg, "rod_center_mm": rod_center_mm, "slider_kg": slider_kg}
     masses = replace(HEAVY, gravity_m_s2=(0.0, 0.0), **varied)
-    newton = joint_forces(at, masses, CrankPace(*pace), press)
-    lagrange = reduced_inertia(at, masses).torque_n_mm(*pace) + press * at.wrist.x.derivative(1)
+    newton = linkage.joint_forces(angle, masses, CrankPace(*pace), press)
+    moving = linkage.moving_masses(angle, masses)
+    lagrange = reduced_inertia(moving, masses).torque_n_mm(*pace) + press * linkage.rod(angle).wrist.x.derivative(1)
     # Rounding errors are those of the pin's force times the crank, which the torque may be far below
-    largest = 380.0 * np.max(np.hypot(newton.pin.x, newton.pin.y)) + np.max(np.abs(newton.torque_n_mm))
+    largest = 380.0 * np.max(np.hypot(newton.joints["pin"].x, newton.joints["pin"].y)) + np.max(
+        np.abs(newton.torque_n_mm)
+    )
     assert np.max(np.abs(newton.torque_n_mm - lagrange)) <= 1e-12 * largest
 
 
@@ -225,7 +229,7 @@ def test_reduced_inertia_by_differences_of_places() -> None:
         rod_part = unit.rod_kg * abs(rod) ** 2 + unit.rod_inertia * turn**2
         return unit.slider_kg * abs(wrist) ** 2 + rod_part + unit.shaft_inertia
 
-    found = reduced_inertia(bodies(rigid.machine.linkage, Jet.variable([1.1], 2)), HEAVY)
+    found = reduced_inertia(rigid.machine.linkage.moving_masses(Jet.variable([1.1], 2), HEAVY), HEAVY)
     with mp.workdps(50):
         exact, change = float(inertia(mp.mpf(1.1))), float(mp.diff(inertia, mp.mpf(1.1)))
     assert found.inertia_kg_mm2[0] == pytest.approx(exact, rel=1e-14)
@@ -235,7 +239,7 @@ def test_reduced_inertia_by_differences_of_places() -> None:
 # --- closed forms and scaling --------------------------------------------------------------------------------------
 
 
-def even(masses: Masses, resistance: Resistance, rpm: float = 60.0) -> RigidMachine:
+def even(masses: RodMasses, resistance: Resistance, rpm: float = 60.0) -> RigidMachine:
     """A uniform crank in line."""
     linkage = CrankSlider(380.0, 960.0)
     return RigidMachine(Machine(uniform_law(Lobes()), linkage, resistance, rpm * RPM), masses, OUTSIDE)
@@ -243,7 +247,7 @@ def even(masses: Masses, resistance: Resistance, rpm: float = 60.0) -> RigidMach
 
 def test_uniform_crank_without_a_rods_mass() -> None:
     """With s = sin q, c = cos q, L = sqrt(l^2 - r^2 s^2): x' = r s (1 + r c / L), torque = (R + m x'' w^2) x'."""
-    loads = even(Masses(slider_kg=100.0), PolynomialResistance((400.0,))).at(q := np.linspace(0.05, 6.2, 60))
+    loads = even(RodMasses(slider_kg=100.0), PolynomialResistance((400.0,))).at(q := np.linspace(0.05, 6.2, 60))
     r, rod, w = 380.0, 960.0, 2.0 * pi
     s, c = np.sin(q), np.cos(q)
     along = np.sqrt(rod**2 - (r * s) ** 2)
@@ -252,7 +256,7 @@ def test_uniform_crank_without_a_rods_mass() -> None:
     second = r * c - r**2 * (c**2 - s**2) / along - r**4 * s**2 * c**2 / along**3
     push = np.where(q < pi, 400.0, 0.0) + 100.0 * second * w**2 / 1000.0
     assert loads.driving_torque.value == pytest.approx(push * first, rel=1e-12, abs=1e-8)
-    assert loads.wrist.x.value == pytest.approx(push, rel=1e-12, abs=1e-10)
+    assert loads.joints["wrist"].x.value == pytest.approx(push, rel=1e-12, abs=1e-10)
     assert np.abs(loads.guide.value) == pytest.approx(np.abs(push * r * s / along), rel=1e-12, abs=1e-10)
 
 
@@ -285,7 +289,7 @@ def test_forces_of_inertia_go_with_mass_and_speed_squared(name: str) -> None:
 
 
 def test_no_mass_and_no_resistance_ask_for_nothing() -> None:
-    level = rigid_level(even(Masses(), PolynomialResistance()))
+    level = rigid_level(even(RodMasses(), PolynomialResistance()))
     assert level.peaks.most_torque_n_mm.value == level.peaks.crank_bearing_n.value == 0.0
     assert level.fluctuation.swing_n_mm == 0.0
 
@@ -303,8 +307,8 @@ def test_peaks_are_those_of_dense_samples(name: str) -> None:
         (peaks.most_torque_n_mm.value, loads.driving_torque.value),
         (-peaks.least_torque_n_mm.value, -loads.driving_torque.value),
         (peaks.mesh.force_n.value, loads.gripped.size_n.value),
-        (peaks.wrist_n.value, np.hypot(loads.wrist.x.value, loads.wrist.y.value)),
-        (peaks.pin_n.value, np.hypot(loads.pin.x.value, loads.pin.y.value)),
+        (peaks.joints_n["wrist"].value, np.hypot(loads.joints["wrist"].x.value, loads.joints["wrist"].y.value)),
+        (peaks.joints_n["pin"].value, np.hypot(loads.joints["pin"].x.value, loads.joints["pin"].y.value)),
         (peaks.crank_bearing_n.value, np.hypot(loads.crank_bearing.x.value, loads.crank_bearing.y.value)),
         (peaks.guide_n.value, np.abs(loads.guide.value)),
     ):
@@ -317,15 +321,15 @@ def test_peaks_are_those_of_dense_samples(name: str) -> None:
 def test_a_narrow_peak_of_a_table_is_neither_passed_over_nor_missed_in_the_work() -> None:
     """Half a millimetre of a stroke of 760 mm: 5000 N over a plain 100 N, on a slider alone."""
     spike = TableResistance((0.0, 400.0, 400.25, 400.5, 760.0), (100.0, 100.0, 5000.0, 100.0, 100.0))
-    rigid = RigidMachine(machine("stroke, e = 0", 20.0, resistance=spike), Masses(slider_kg=1.0), OUTSIDE)
+    rigid = RigidMachine(machine("stroke, e = 0", 20.0, resistance=spike), RodMasses(slider_kg=1.0), OUTSIDE)
     level = rigid_level(rigid)
     made = rigid.machine
     at = brentq(lambda phi1: made.displacement(np.array([phi1]), 0).value[0] - 400.25, 0.1, 3.0, xtol=1e-15)
     push = 5000.0 + 1e-3 * made.motion(np.array([at])).acceleration_mm_s2[0]
     slant = np.hypot(1.0, rigid.at(np.array([at])).guide.value[0] / push)
-    assert level.peaks.wrist_n.value == pytest.approx(push * slant, rel=1e-9)
+    assert level.peaks.joints_n["wrist"].value == pytest.approx(push * slant, rel=1e-9)
     # The rod's slant changes at the peak, which moves the top of the wrist's force by 5e-9 rad
-    assert level.peaks.wrist_n.at == pytest.approx(at, abs=2e-8)
+    assert level.peaks.joints_n["wrist"].at == pytest.approx(at, abs=2e-8)
     work = float(spike.work_n_mm(np.array([760.0]), 760.0)[0])
     assert level.fluctuation.work_n_mm == pytest.approx(work, rel=1e-12)
 
@@ -344,7 +348,7 @@ def test_flanks_change_where_the_torque_changes_its_sign(name: str, rpm: float) 
 
 
 def test_flanks_never_change_under_a_load_without_inertia() -> None:
-    assert fluctuation(even(Masses(), PolynomialResistance((400.0,)))).flank_changes_rad.size == 0
+    assert fluctuation(even(RodMasses(), PolynomialResistance((400.0,)))).flank_changes_rad.size == 0
 
 
 def test_flywheel_keeps_the_speed_as_even_as_asked() -> None:

@@ -11,10 +11,37 @@ import pytest
 from drives import loaded
 from ncgear.design.keys.design import Design
 from ncgear.errors import DesignError
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, Mask
 from ncgear.screening import rows as figures_module
 from ncgear.screening.rows import single_figures
-from ncgear.screening.screen import CHECK_FIGURES, MADE, PITCH_FIGURES, Screened, screened
+from ncgear.screening.screen import COUNTS, MADE, Screened, computed_together, screened
+
+CHECK_FIGURES = (
+    "drive.law_speed_rpm",
+    "closure.residual_rad",
+    "closure.stroke_residual_mm",
+    "ratio.min",
+    "ratio.max",
+    "check.peak_power_w",
+    "check.mean_power_w",
+    "check.peak_speed_mm_s",
+    "check.peak_acceleration_working_mm_s2",
+    "check.peak_acceleration_cycle_mm_s2",
+)
+"""Keys of ``summary.json`` that every design has."""
+
+PITCH_FIGURES = (
+    "pitch.center_distance_mm",
+    "pitch.length_driving_mm",
+    "pitch.length_driven_mm",
+    "pitch.driving_convex",
+    "pitch.driven_convex",
+    "pitch.min_radius_driving_mm",
+    "pitch.min_radius_driven_mm",
+    "pitch.max_tangent_angle_deg",
+    "pitch.max_pressure_angle_deg",
+)
+"""Those of designs that say how their gears are; convex is 1 or 0."""
 
 AGREEMENT = 1e-9
 """Relative, of figures screened together and singly; both are exact to rounding, so that 2e-12 is what is found."""
@@ -49,6 +76,14 @@ def stroke_design(random: np.random.Generator) -> Design:
     return Design.model_validate(data)
 
 
+def together(designs: list[Design], counts: tuple[int, ...] = COUNTS) -> Mask:
+    """Which of the designs a batch is sure of."""
+    found: dict[int, Any] = {}
+    computed_together(designs, counts, found.update)
+    sure: Mask = np.isin(np.arange(len(designs)), list(found))
+    return sure
+
+
 def singly(design: Design) -> dict[str, float] | str:
     try:
         return single_figures(design)
@@ -77,7 +112,7 @@ def difference(name: str, values: Array, figures: list[dict[str, float]]) -> flo
 def test_shipped_designs_are_screened_together(name: str) -> None:
     designs = [loaded(name).design] * 2
     found = screened(designs)
-    assert not found.one_by_one.any()
+    assert together(designs).all()
     assert disagreement(found, designs[:1] * 2) <= AGREEMENT
     assert tuple(found.figures) == CHECK_FIGURES + PITCH_FIGURES
 
@@ -92,7 +127,7 @@ def test_random_strokes_agree_with_single_designs() -> None:
     designs = random_strokes(11, 20)
     found = screened(designs)
     assert disagreement(found, designs) <= AGREEMENT
-    assert (found.made & ~found.one_by_one).sum() >= 6
+    assert (found.made & together(designs)).sum() >= 6
     assert (~found.made).sum() >= 4
 
 
@@ -123,7 +158,7 @@ def test_random_harmonics_agree_with_single_designs() -> None:
     designs = random_harmonics(1, 15)
     found = screened(designs)
     assert disagreement(found, designs) <= AGREEMENT
-    assert (found.made & ~found.one_by_one).sum() >= 10
+    assert (found.made & together(designs)).sum() >= 10
 
 
 @pytest.mark.slow
@@ -142,7 +177,7 @@ def test_hundreds_of_random_strokes_agree_with_single_designs(seed: int) -> None
 
 def test_too_few_points_send_every_design_the_single_way() -> None:
     designs = [loaded(name).design for name in ("baler", "baler-66")]
-    assert screened(designs, counts=(9,)).one_by_one.all()
+    assert not together(designs, counts=(9,)).any()
 
 
 def test_too_few_points_would_not_agree(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -151,7 +186,7 @@ def test_too_few_points_would_not_agree(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(figures_module, "CLOSED", np.inf)
     designs = [loaded("baler").design]
     found = screened(designs, counts=(9,))
-    assert not found.one_by_one.any()
+    assert together(designs, counts=(9,)).all()
     assert disagreement(found, designs) > 1e-6
 
 
@@ -177,7 +212,7 @@ def test_teeth_that_do_not_fit_are_refused_as_a_build_refuses_them() -> None:
     design = Design.model_validate(data)
     found = screened([design])
     assert found.verdicts == (singly(design),)
-    assert not found.one_by_one.any()
+    assert together([design]).all()
 
 
 RESISTANCES: dict[str, dict[str, Any]] = {
@@ -202,7 +237,7 @@ def test_no_part_at_constant_speed() -> None:
     designs = [Design.model_validate(data)]
     found = screened(designs)
     assert disagreement(found, designs) <= AGREEMENT
-    assert not found.one_by_one.any()
+    assert together(designs).all()
 
 
 def test_several_lobes_of_the_driving_gear() -> None:
@@ -218,7 +253,7 @@ def test_several_lobes_of_the_driving_gear() -> None:
 def test_laws_without_a_batch_are_computed_by_themselves(name: str) -> None:
     designs = [loaded(name).design]
     found = screened(designs)
-    assert found.one_by_one.all()
+    assert not together(designs).any()
     assert found.made.all()
     assert disagreement(found, designs) == 0.0
 

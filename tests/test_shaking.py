@@ -12,20 +12,20 @@ from mechanisms import AMPLITUDE, ASIDE, LINKAGE, MASSES, OFFSET, RPM, even, ora
 from ncgear.balance.mechanism import (
     Carrier,
     Counterweight,
+    DrivenCrank,
     JointMasses,
-    Mechanism,
     complete_balance,
     joint_masses,
     partial_counterweight_kg,
 )
 from ncgear.balance.shaking import Shaking, Speed, classical_accelerations, failure, shaking
-from ncgear.dynamics.joints import EvenPace, joint_forces
 from ncgear.errors import WrongInput
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import EvenPace
+from ncgear.mechanisms.masses import RodMasses
 from pairs import baler_law
 
-SLIDER = Masses(slider_kg=65.0)
+SLIDER = RodMasses(slider_kg=65.0)
 
 MECHANISMS = {
     "even": (even(), 0.0),
@@ -47,12 +47,14 @@ def test_force_and_moment_are_rates_of_momentum(name: str) -> None:
         assert abs(found.moment(at)[0] - moment) <= 1e-12 * peak * 1000.0
 
 
-@pytest.mark.parametrize("mechanism", [uneven(OFFSET), Mechanism(LINKAGE, baler_law(), 52.81 * RPM, MASSES)])
-def test_the_frame_feels_what_the_joints_bear(mechanism: Mechanism) -> None:
+@pytest.mark.parametrize("mechanism", [uneven(OFFSET), DrivenCrank(LINKAGE, baler_law(), 52.81 * RPM, MASSES)])
+def test_the_frame_feels_what_the_joints_bear(mechanism: DrivenCrank) -> None:
     """Newton and Euler body by body: bearing, guide and the reaction of the drive."""
     phi1 = sampled(mechanism, 50)
-    at, found = mechanism.bodies(phi1), shaking(mechanism)
-    joints = joint_forces(at, mechanism.masses, EvenPace(mechanism.speed_rad_s), 0.0)
+    at, found = mechanism.rod(phi1), shaking(mechanism)
+    joints = mechanism.linkage.joint_forces(
+        mechanism.transmission.driven_angle(phi1, 2), mechanism.masses, EvenPace(mechanism.speed_rad_s), 0.0
+    )
     peak = found.peak.value
     assert np.allclose(found.along(phi1), -joints.crank_axis.x.value, rtol=0.0, atol=1e-11 * peak)
     assert np.allclose(found.across(phi1), -(joints.crank_axis.y + joints.guide_n).value, rtol=0.0, atol=1e-11 * peak)
@@ -61,7 +63,7 @@ def test_the_frame_feels_what_the_joints_bear(mechanism: Mechanism) -> None:
     assert np.allclose(found.moment(phi1), moment, rtol=0.0, atol=1e-11 * np.abs(moment).max())
 
 
-def completely_balanced(mechanism: Mechanism, more: float = 1.0) -> Mechanism:
+def completely_balanced(mechanism: DrivenCrank, more: float = 1.0) -> DrivenCrank:
     found = complete_balance(mechanism.linkage, mechanism.masses, 200.0, 250.0)
     added = Counterweight(Carrier.ROD, more * found.rod_kg, 200.0), Counterweight(Carrier.CRANK, found.crank_kg, 250.0)
     return replace(mechanism, counterweights=added)
@@ -75,7 +77,7 @@ def test_the_published_complete_balance() -> None:
 
 
 @pytest.mark.parametrize("mechanism", [even(), uneven(OFFSET), even(masses=SLIDER)])
-def test_complete_balance_leaves_no_force_whatever_the_drive(mechanism: Mechanism) -> None:
+def test_complete_balance_leaves_no_force_whatever_the_drive(mechanism: DrivenCrank) -> None:
     bare, balanced = shaking(mechanism), shaking(completely_balanced(mechanism))
     assert balanced.peak.value <= 1e-12 * bare.peak.value
     # One per cent of the rod's counterweight is felt
@@ -97,7 +99,7 @@ def test_arms_must_be_positive(rod: float, crank: float, key: str) -> None:
 
 
 def test_a_crank_too_heavy_behind_is_refused() -> None:
-    heavy = Masses(slider_kg=1.0, crank_kg=100.0, crank_center_mm=-100.0)
+    heavy = RodMasses(slider_kg=1.0, crank_kg=100.0, crank_center_mm=-100.0)
     with pytest.raises(WrongInput, match="too heavy by 8993 kg mm"):
         complete_balance(LINKAGE, heavy, 200.0, 250.0)
 
@@ -105,7 +107,7 @@ def test_a_crank_too_heavy_behind_is_refused() -> None:
 # --- partial balance ----------------------------------------------------------------------------------------------
 
 PAN = JointMasses(11.9, 12.86)
-SIEVE = Masses(slider_kg=0.26, rod_kg=90.4, rod_center_mm=1378.0 - 448.0, crank_kg=1.0, crank_center_mm=12.3)
+SIEVE = RodMasses(slider_kg=0.26, rod_kg=90.4, rod_center_mm=1378.0 - 448.0, crank_kg=1.0, crank_center_mm=12.3)
 
 
 @pytest.mark.judges("balance")
@@ -152,7 +154,7 @@ def test_two_terms_become_exact_with_a_long_rod() -> None:
 
 def test_classical_formulas_fail_for_an_uneven_crank() -> None:
     """The baler: what a textbook's formula gives at the mean or the momentary speed, beside the truth."""
-    mechanism = Mechanism(CrankSlider(380.0, 960.0), baler_law(), 20.0 * RPM, SLIDER)
+    mechanism = DrivenCrank(CrankSlider(380.0, 960.0), baler_law(), 20.0 * RPM, SLIDER)
     mean, momentary = failure(mechanism, Speed.MEAN), failure(mechanism, Speed.MOMENTARY)
     true = shaking(mechanism).peak.value
     assert true == pytest.approx(65.0 * 7.3411, rel=1e-4)  # the slider's peak acceleration in m/s^2

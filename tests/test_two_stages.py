@@ -17,21 +17,20 @@ from scipy.interpolate import CubicSpline
 from drives import DESIGNS, FILES, drive, loaded
 from ncgear.design.reading.design_file import load
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.figures.summary.check import check_summary
+from ncgear.figures.summary.check_summary import check_summary
 from ncgear.figures.terminal import build_text, check_text, timing_text
 from ncgear.files.build import build
 from ncgear.files.workshop.formats import Format
-from ncgear.optimum.figures import figures as figures_of
 from ncgear.optimum.makeable import quantities
-from ncgear.optimum.makeable.levels import Scales, levels
 from ncgear.optimum.makeable.quantities import pairs
 from ncgear.optimum.makeable.reached import grid, lengths, ratios, reached, stations
-from ncgear.optimum.makeable.wishes import TwoStages
+from ncgear.optimum.makeable.wishes import Scales, TwoStages, levels
 from ncgear.optimum.task import Task
+from ncgear.optimum.task import figures as figures_of
 from ncgear.pitch.pair import largest_tangent_angle_rad, sized_pair
 from ncgear.pitch.shape import Gear
+from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive
-from ncgear.project.improvement import Improvement
 from ncgear.ratio.laws.harmonic import staged_law
 from ncgear.ratio.transmission import Lobes
 from oracles import meshing
@@ -184,7 +183,7 @@ def test_stages_have_one_lobe_each(tmp_path: Path) -> None:
 
 
 def test_the_pressure_angle_of_two_stages_is_not_one_of_the_whole() -> None:
-    wishes = Improvement(loaded(NAME).design).wishes
+    wishes = BestLaw(loaded(NAME).design).wishes
     assert wishes.limits.pressure_angle_rad is None
     assert wishes.two_stages is not None
     assert wishes.two_stages.pressure_angle_rad == pytest.approx(radians(30.0), rel=1e-15)
@@ -197,8 +196,8 @@ SHARE, OTHER = np.array([-0.3, 0.15, 0.0]), np.array([0.1, 0.0, 0.03])
 
 def test_levels_of_stages_are_those_of_the_built_pairs() -> None:
     """Pressure angle, ratio, convexity and curvature on the optimiser's grid against the pitch curves' exact ones."""
-    improvement = Improvement(loaded(NAME).design)
-    task, wishes = improvement.task, improvement.wishes
+    best = BestLaw(loaded(NAME).design)
+    task, wishes = best.task, best.wishes
     on = grid(stations(task.linkage, task.resistance, 2000), 3)
     at = ratios(on, np.concatenate([COSINE, SINE, SHARE, OTHER]), task.cycle_rad)
     made = [sized_pair(one.transmission, 100, 1.0, None) for one in staged_law(COSINE, SINE, SHARE, OTHER).train.pairs]
@@ -233,10 +232,10 @@ resistance: {polynomial_n: [20000]}
 """
 
 
-def improved(folder: Path, stages: int) -> Improvement:
+def improved(folder: Path, stages: int) -> BestLaw:
     path = folder / "easy.yaml"
     path.write_text(EASY % stages)
-    return Improvement(load(path).design)
+    return BestLaw(load(path).design)
 
 
 def angle_and_dents(task: Task, law: MakeableLaw, moved: np.ndarray) -> tuple[float, float]:
@@ -256,11 +255,11 @@ def angle_and_dents(task: Task, law: MakeableLaw, moved: np.ndarray) -> tuple[fl
 def test_the_larger_angle_is_least(tmp_path: Path, joint: bool) -> None:
     """No small change of the second stage's share lowers it and keeps all curves convex."""
     pytest.importorskip("casadi")
-    from ncgear.optimum.makeable.law import shared_law
+    from shared_law import shared_law
 
-    improvement = improved(tmp_path, 2)
-    task = improvement.task
-    law = improvement.law if joint else shared_law(task, improvement.wishes, GIVEN, -0.5 * GIVEN)
+    best = improved(tmp_path, 2)
+    task = best.task
+    law = best.law if joint else shared_law(task, best.wishes, GIVEN, -0.5 * GIVEN)
     least, dents = angle_and_dents(task, law, np.zeros(8))
     assert dents <= 1e-6
     random = np.random.default_rng(0)
@@ -277,11 +276,11 @@ GIVEN = np.array([-0.5, 0.15, 0.02, 0.0])
 @pytest.mark.thorough
 def test_two_pairs_have_far_less_angle_than_one(tmp_path: Path) -> None:
     pytest.importorskip("casadi")
-    from ncgear.optimum.makeable.law import shared_law
+    from shared_law import shared_law
 
     assert improved(tmp_path, 2).figures.tangent_rad < 0.7 * improved(tmp_path, 1).figures.tangent_rad
-    improvement = improved(tmp_path, 2)
-    law = shared_law(improvement.task, improvement.wishes, GIVEN, -0.5 * GIVEN)
+    best = improved(tmp_path, 2)
+    law = shared_law(best.task, best.wishes, GIVEN, -0.5 * GIVEN)
     assert np.array_equal(law.cosine, GIVEN)
     train = law.train(Lobes())
     whole, *pairs = (
@@ -295,13 +294,13 @@ def test_two_pairs_have_far_less_angle_than_one(tmp_path: Path) -> None:
 def test_the_law_of_baler_66_shared_as_it_is() -> None:
     """25.2 deg and the rack's 20, where its one pair has 51.7 and 20."""
     pytest.importorskip("casadi")
-    from ncgear.optimum.makeable.law import shared_law
+    from shared_law import shared_law
 
-    improvement = Improvement(loaded("baler-66").design)
-    wishes = replace(improvement.wishes, two_stages=TwoStages())
-    motion = improvement.design.motion
-    law = shared_law(improvement.task, wishes, np.array(motion.cosine), np.array(motion.sine))
-    figures = figures_of(improvement.task, law.train(Lobes()))
+    best = BestLaw(loaded("baler-66").design)
+    wishes = replace(best.wishes, two_stages=TwoStages())
+    motion = best.design.motion
+    law = shared_law(best.task, wishes, np.array(motion.cosine), np.array(motion.sine))
+    figures = figures_of(best.task, law.train(Lobes()))
     assert np.degrees(figures.tangent_rad) == pytest.approx(25.2, abs=0.1)
     assert figures.peak_acceleration_mm_s2 == pytest.approx(33_990.3, abs=1.0)
     assert figures.convex
@@ -312,7 +311,7 @@ def test_the_optimiser_finds_the_design_again() -> None:
     """The same file gives the same law."""
     pytest.importorskip("casadi")
     design = loaded(NAME).design
-    law = Improvement(design).law
+    law = BestLaw(design).law
     assert law.second is not None
     assert law.cosine == pytest.approx(np.array(design.motion.cosine), abs=1e-6)
     assert law.second.sine == pytest.approx(np.array(design.motion.second_stage.sine), abs=1e-6)

@@ -16,13 +16,11 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.figures import figures
-from ncgear.optimum.makeable.kept import PLACES_PER_HARMONIC, kept, scales, searched
-from ncgear.optimum.makeable.levels import levels
 from ncgear.optimum.makeable.programme import programme
 from ncgear.optimum.makeable.reached import Basis, Grid, Stations, grid, lengths, ratios, reached, stations
-from ncgear.optimum.makeable.wishes import Wishes
-from ncgear.optimum.task import Limits
+from ncgear.optimum.makeable.search import PLACES_PER_HARMONIC, kept, scales, searched
+from ncgear.optimum.makeable.wishes import Wishes, levels
+from ncgear.optimum.task import Limits, figures
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.transmission import single
 from speed_against_error.baler import TASK

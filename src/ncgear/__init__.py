@@ -1,7 +1,7 @@
 """ncgear: non-circular gears from the motion of a slider.
 
-``ncgear.load("design.yaml")`` gives the drive of a design file, whose stages are attributes; ``ncgear.plots`` draws
-them.  Everything is imported when it is first used, so that ``import ncgear`` costs nothing.
+``ncgear.load("design.yaml")`` gives the drive of a design file, with its law, motion, teeth and more as attributes;
+``ncgear.plots`` draws them.  Everything is imported when it is first used, so that ``import ncgear`` costs nothing.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ from ruamel.yaml import YAML
 
 from ncgear.design.reading.balance_file import load_balance
 from ncgear.design.reading.design_file import load
-from ncgear.figures.balance import figures_of
+from ncgear.figures.balance.parts import figures_of
 from ncgear.project.balancing import Balancing
 from ncgear.project.drive import Drive
 

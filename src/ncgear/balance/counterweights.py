@@ -29,14 +29,14 @@ from ncgear.balance.mechanism import (
     Accelerations,
     Carrier,
     Counterweight,
-    Mechanism,
+    DrivenCrank,
     accelerations,
     as_complex,
     require_arm,
 )
 from ncgear.balance.shaking import Track, shaking, track
 from ncgear.balance.waveform import Statistics, Waveform, gauss_points, magnitude_statistics
-from ncgear.dynamics.joints import EvenPace, joint_forces
+from ncgear.mechanisms.forces import EvenPace
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
@@ -78,7 +78,7 @@ class BestCounterweight:
         )
 
 
-def least_squares(mechanism: Mechanism, known: Accelerations | None = None) -> BestCounterweight:
+def least_squares(mechanism: DrivenCrank, known: Accelerations | None = None) -> BestCounterweight:
     """The counterweight beside those there that makes the mean square of the shaking force least."""
     breaks, pin, slider = _parts(mechanism, known or accelerations(mechanism))
     weights = gauss_points(breaks)[1]
@@ -86,7 +86,7 @@ def least_squares(mechanism: Mechanism, known: Accelerations | None = None) -> B
     return BestCounterweight(complex(best - mechanism.pin_kg) * mechanism.linkage.crank_mm)
 
 
-def minimax(mechanism: Mechanism, known: Accelerations | None = None) -> BestCounterweight:
+def minimax(mechanism: DrivenCrank, known: Accelerations | None = None) -> BestCounterweight:
     """The counterweight beside those there that makes the largest shaking force least.
 
     Raises ArithmeticError, a fault of ncgear, where peak and bound do not meet within ``GAP``.
@@ -140,20 +140,20 @@ class _Planes:
         return complex(found.x[0], found.x[1]), float(found.x[2])
 
 
-def _parts(mechanism: Mechanism, known: Accelerations) -> tuple[Array, ComplexArray, ComplexArray]:
+def _parts(mechanism: DrivenCrank, known: Accelerations) -> tuple[Array, ComplexArray, ComplexArray]:
     """Breaks, and c''/r and S x''/r at their Gauss points."""
     breaks = known.form.breaks
     return breaks, *_at_angles(mechanism, known, gauss_points(breaks)[0])
 
 
-def _at_angles(mechanism: Mechanism, known: Accelerations, angles: Array) -> tuple[ComplexArray, ComplexArray]:
+def _at_angles(mechanism: DrivenCrank, known: Accelerations, angles: Array) -> tuple[ComplexArray, ComplexArray]:
     values = known.form(angles)
     pin: ComplexArray = values[:, PIN_X] + 1j * values[:, PIN_Y]
     slider: ComplexArray = np.asarray(mechanism.wrist_kg * values[:, WRIST], dtype=np.complex128)
     return pin, slider
 
 
-def _with_moment(mechanism: Mechanism, moment_kg_mm: complex) -> Mechanism:
+def _with_moment(mechanism: DrivenCrank, moment_kg_mm: complex) -> DrivenCrank:
     """With a first moment added to the crank, at the crank's own length; of no use but for the force."""
     crank = mechanism.linkage.crank_mm
     added = Counterweight(Carrier.CRANK, abs(moment_kg_mm) / crank, crank, phase(moment_kg_mm))
@@ -171,7 +171,7 @@ class Tried:
     track: Track
 
 
-def sweep(mechanism: Mechanism, counterweight: Counterweight, masses_kg: Sequence[float]) -> list[Tried]:
+def sweep(mechanism: DrivenCrank, counterweight: Counterweight, masses_kg: Sequence[float]) -> list[Tried]:
     """A counterweight on the crank with each of the masses, beside those there.
 
     The bearing carries the rod's pull and the crank's parts, with their weight where the masses have gravity.
@@ -183,14 +183,14 @@ def sweep(mechanism: Mechanism, counterweight: Counterweight, masses_kg: Sequenc
     ]
 
 
-def bearing_force(mechanism: Mechanism) -> tuple[Waveform, Waveform]:
+def bearing_force(mechanism: DrivenCrank) -> tuple[Waveform, Waveform]:
     """Force in N on the crank at its bearing, along the slider's line and across it, without resistance."""
 
     def force(phi1: Array) -> Array:
-        at, pace = mechanism.bodies(phi1), EvenPace(mechanism.speed_rad_s)
-        rod = joint_forces(at, mechanism.masses, pace, 0.0).crank_axis
+        linkage, driven = mechanism.linkage, mechanism.transmission.driven_angle(phi1, 2)
+        rod = linkage.joint_forces(driven, mechanism.masses, EvenPace(mechanism.speed_rad_s), 0.0).crank_axis
         gravity = complex(*mechanism.masses.gravity_m_s2)
-        pin = N_PER_KG_MM_S2 * mechanism.speed_rad_s**2 * as_complex(at.pin, 2) / mechanism.linkage.crank_mm
+        pin = N_PER_KG_MM_S2 * mechanism.speed_rad_s**2 * as_complex(linkage.rod(driven).pin, 2) / linkage.crank_mm
         added = sum((w.mass_kg * (w.arm * pin - gravity) for w in mechanism.counterweights), np.zeros(phi1.shape))
         return np.column_stack([rod.x.value + added.real, rod.y.value + added.imag])
 
@@ -199,6 +199,6 @@ def bearing_force(mechanism: Mechanism) -> tuple[Waveform, Waveform]:
     return along, across
 
 
-def _tried(mechanism: Mechanism, one: Counterweight, known: Accelerations) -> Tried:
+def _tried(mechanism: DrivenCrank, one: Counterweight, known: Accelerations) -> Tried:
     bearing = magnitude_statistics(*bearing_force(mechanism))
     return Tried(one.mass_kg, bearing, shaking(mechanism, known).force, track(mechanism))

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncgear.balance.mechanism import WRIST, Mechanism, accelerations
+from ncgear.balance.mechanism import WRIST, DrivenCrank, accelerations
 from ncgear.balance.waveform import Waveform
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
 
@@ -96,7 +96,7 @@ def of_engine(engine: Engine) -> list[Excitation]:
     ]
 
 
-def of_slider(name: str, mechanism: Mechanism, count: int) -> list[Excitation]:
+def of_slider(name: str, mechanism: DrivenCrank, count: int) -> list[Excitation]:
     """The first ``count`` harmonics of the slider's acceleration in m/s^2, but for those that are nothing."""
     form = accelerations(mechanism).form
     scale = mechanism.linkage.crank_mm * mechanism.speed_rad_s**2 / 1000.0

@@ -25,7 +25,7 @@ from math import pi, sin
 import numpy as np
 from scipy.special import ellipe
 
-from ncgear.balance.mechanism import Counterweight, JointMasses, Mechanism
+from ncgear.balance.mechanism import Counterweight, DrivenCrank, JointMasses
 from ncgear.balance.shaking import TRACK_POINTS, Shaking, Track, shaking
 from ncgear.balance.waveform import Waveform
 from ncgear.errors import WrongInput
@@ -54,7 +54,7 @@ class Mounted:
     the driving angle by which it is ahead of the shaft.  A mirrored one has its crank turning counter-clockwise.
     """
 
-    mechanism: Mechanism
+    mechanism: DrivenCrank
     direction_rad: float = 0.0
     phase_rad: float = 0.0
     mirrored: bool = False
@@ -253,7 +253,7 @@ class DynamicCounterweights:
     worst_kg: Extremum
 
 
-def dynamic_counterweights(chassis: Chassis, mechanism: Mechanism) -> DynamicCounterweights:
+def dynamic_counterweights(chassis: Chassis, mechanism: DrivenCrank) -> DynamicCounterweights:
     """What the shaking force along the slider's line asks for, from the exact motion.
 
     The paper's weight is that of the retracted dead centre; evenly driven, the force is larger at the extended one.

@@ -8,7 +8,7 @@ sieve and return pan of a rice combine harvester", Int. J. Agric. & Biol. Eng. 1
 
 A crank-slider with masses and counterweights, driven at constant speed through any law, and how its places change.
 
-Frame and pose as in ``machine.linkage``.  Points of the plane are complex numbers x + i y.
+Frame and pose as in ``mechanisms.mechanism``.  Points of the plane are complex numbers x + i y.
 
 The few functions of the driving angle of which all shaking forces and moments of a crank-slider are sums.
 
@@ -32,9 +32,8 @@ from math import pi
 import numpy as np
 
 from ncgear.errors import WrongInput
-from ncgear.mechanisms.bodies import Bodies, bodies
-from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.mechanism import Rod, RodMechanism
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
@@ -60,14 +59,16 @@ class CompleteBalance:
     crank_kg: float
 
 
-def joint_masses(linkage: CrankSlider, masses: Masses) -> JointMasses:
+def joint_masses(linkage: RodMechanism, masses: RodMasses) -> JointMasses:
     """m_B = m_crank c/r + m_rod (1 - d/l), m_C = m_rod d/l + m_slider."""
     share = masses.rod_center_mm / linkage.rod_mm
     crank = masses.crank_kg * masses.crank_center_mm / linkage.crank_mm
     return JointMasses(crank + masses.rod_kg * (1.0 - share), masses.rod_kg * share + masses.slider_kg)
 
 
-def complete_balance(linkage: CrankSlider, masses: Masses, rod_arm_mm: float, crank_arm_mm: float) -> CompleteBalance:
+def complete_balance(
+    linkage: RodMechanism, masses: RodMasses, rod_arm_mm: float, crank_arm_mm: float
+) -> CompleteBalance:
     """The two counterweights that keep the common centre of mass on the crank axis, at arms in mm beyond pin and axis.
 
     The one on the rod brings slider and rod to the pin, the one on the crank brings that to the axis.  They hold for
@@ -84,7 +85,7 @@ def complete_balance(linkage: CrankSlider, masses: Masses, rod_arm_mm: float, cr
     return CompleteBalance(rod, pin, _required(about_axis, crank_arm_mm, "crank_arm_mm"))
 
 
-def partial_counterweight_kg(linkage: CrankSlider, at_joints: JointMasses, arm_mm: float, share: float) -> float:
+def partial_counterweight_kg(linkage: RodMechanism, at_joints: JointMasses, arm_mm: float, share: float) -> float:
     """m_D = (r/r') (m_B + k m_C) opposite the pin at an arm r' in mm, k being the share of the reciprocating mass.
 
     The rotating mass is balanced wholly; k = 1 would move all of the reciprocating mass's first harmonic across the
@@ -138,13 +139,13 @@ class Counterweight:
 
 
 @dataclass(frozen=True, eq=False)
-class Mechanism:
+class DrivenCrank:
     """A driven crank-slider with its masses."""
 
-    linkage: CrankSlider
+    linkage: RodMechanism
     transmission: Transmission
     speed_rad_s: float
-    masses: Masses
+    masses: RodMasses
     counterweights: tuple[Counterweight, ...] = ()
 
     @property
@@ -184,13 +185,13 @@ class Mechanism:
         starts = np.arange(transmission.lobes.driven)[:, None] * transmission.lobes.driving_period_rad
         return np.append((starts + np.array(inner)).ravel(), transmission.cycle_rad)
 
-    def bodies(self, phi1_rad: Array) -> Bodies:
-        """Places with two derivatives by the driving angle, at driving angles of shape (n,)."""
-        return bodies(self.linkage, self.transmission.driven_angle(phi1_rad, 2))
+    def rod(self, phi1_rad: Array) -> Rod:
+        """The rod with two derivatives by the driving angle, at driving angles of shape (n,)."""
+        return self.linkage.rod(self.transmission.driven_angle(phi1_rad, 2))
 
     def center_of_mass_mm(self, phi1_rad: Array) -> ComplexArray:
         """The common centre of all that moves, shape (n,)."""
-        at = self.bodies(phi1_rad)
+        at = self.rod(phi1_rad)
         return (self.pin_kg * as_complex(at.pin, 0) + self.wrist_kg * as_complex(at.wrist, 0)) / self.total_kg
 
 
@@ -217,7 +218,7 @@ class Accelerations:
         return PiecewiseChebyshev(self.form.breaks, self.form.coefficients @ weights)
 
 
-def accelerations(mechanism: Mechanism) -> Accelerations:
+def accelerations(mechanism: DrivenCrank) -> Accelerations:
     """The functions of a mechanism, resolved to rounding error; its masses do not matter.
 
     Raises NotSmooth where the law's second derivative is not finite.
@@ -225,12 +226,13 @@ def accelerations(mechanism: Mechanism) -> Accelerations:
     return Accelerations(chebyshev.fitted(lambda phi1: functions_at(mechanism, phi1), mechanism.breaks_rad))
 
 
-def functions_at(mechanism: Mechanism, phi1_rad: Array) -> Array:
+def functions_at(mechanism: DrivenCrank, phi1_rad: Array) -> Array:
     """The functions at driving angles of shape (n,), shape (n, 7)."""
-    crank, rod, at = mechanism.linkage.crank_mm, mechanism.linkage.rod_mm, mechanism.bodies(phi1_rad)
+    linkage, driven = mechanism.linkage, mechanism.transmission.driven_angle(phi1_rad, 2)
+    crank, rod, at = linkage.crank_mm, linkage.rod_mm, linkage.rod(driven)
     pin, wrist = (as_complex(place, 0) for place in (at.pin, at.wrist))
     pin_2, wrist_2 = (as_complex(place, 2) for place in (at.pin, at.wrist))
     one, other = np.conj(pin) * wrist_2, np.conj(wrist) * pin_2
     both = (one + other).imag / (crank * rod), (one - other).real / (crank * rod)
-    alone = at.crank_angle.derivative(2), at.rod_angle.derivative(2)
+    alone = driven.derivative(2), at.angle.derivative(2)
     return np.column_stack([pin_2.real / crank, pin_2.imag / crank, wrist_2.real / crank, *alone, *both])

@@ -33,7 +33,7 @@ from ncgear.balance.mechanism import (
     TOGETHER,
     WRIST,
     Accelerations,
-    Mechanism,
+    DrivenCrank,
     accelerations,
     functions_at,
 )
@@ -67,7 +67,7 @@ class Shaking:
         return Extremum(float(np.sqrt(max(highest.value, 0.0))), highest.at)
 
 
-def shaking(mechanism: Mechanism, of: Accelerations | None = None) -> Shaking:
+def shaking(mechanism: DrivenCrank, of: Accelerations | None = None) -> Shaking:
     """Shaking force and moment; ``of`` are the accelerations of the same linkage and law, if they are known."""
     known = of or accelerations(mechanism)
     forms = known.combined(np.column_stack([*_force_weights(mechanism), _moment_weights(mechanism)]))
@@ -75,7 +75,7 @@ def shaking(mechanism: Mechanism, of: Accelerations | None = None) -> Shaking:
     return Shaking(*map(Waveform, parts))
 
 
-def _force_weights(mechanism: Mechanism) -> tuple[Array, Array]:
+def _force_weights(mechanism: DrivenCrank) -> tuple[Array, Array]:
     """-(P c'' + S w'') W^2, real and imaginary part."""
     factor = -N_PER_KG_MM_S2 * mechanism.speed_rad_s**2 * mechanism.linkage.crank_mm
     pin, wrist = factor * mechanism.pin_kg, factor * mechanism.wrist_kg
@@ -85,7 +85,7 @@ def _force_weights(mechanism: Mechanism) -> tuple[Array, Array]:
     return along, across
 
 
-def _moment_weights(mechanism: Mechanism) -> Array:
+def _moment_weights(mechanism: DrivenCrank) -> Array:
     linkage, masses = mechanism.linkage, mechanism.masses
     crank, rod, offset = linkage.crank_mm, linkage.rod_mm, linkage.offset_mm
     places = [(mass, place / rod) for mass, place in mechanism.on_rod]
@@ -124,7 +124,7 @@ class Track:
         return abs(float(signed_area(self.points_mm[:-1])))
 
 
-def track(mechanism: Mechanism) -> Track:
+def track(mechanism: DrivenCrank) -> Track:
     """The way of the common centre of mass over one cycle."""
     center = mechanism.center_of_mass_mm(np.linspace(0.0, mechanism.transmission.cycle_rad, TRACK_POINTS))
     return Track(np.column_stack([center.real, center.imag]))
@@ -152,7 +152,7 @@ class Failure:
     largest_error: float
 
 
-def classical_accelerations(mechanism: Mechanism, speed: Speed = Speed.MEAN) -> Accelerations:
+def classical_accelerations(mechanism: DrivenCrank, speed: Speed = Speed.MEAN) -> Accelerations:
     """What the formulas take for the accelerations of pin and slider; moments they do not give (nothing there).
 
     For linkages in line; raises WrongInput with an offset.
@@ -161,7 +161,7 @@ def classical_accelerations(mechanism: Mechanism, speed: Speed = Speed.MEAN) -> 
     return Accelerations(chebyshev.fitted(lambda phi1: _formula(mechanism, speed, phi1), mechanism.breaks_rad))
 
 
-def failure(mechanism: Mechanism, speed: Speed = Speed.MEAN) -> Failure:
+def failure(mechanism: DrivenCrank, speed: Speed = Speed.MEAN) -> Failure:
     """By how much the formula fails for the shaking force of a mechanism in line; raises WrongInput with an offset."""
     _require_in_line(mechanism)
     # In one form, so that the difference is taken of coefficients: what two forms evaluate to differs by noise
@@ -177,12 +177,12 @@ def failure(mechanism: Mechanism, speed: Speed = Speed.MEAN) -> Failure:
     return Failure(given, error / true if true > BALANCED * unit else 0.0)
 
 
-def _require_in_line(mechanism: Mechanism) -> None:
+def _require_in_line(mechanism: DrivenCrank) -> None:
     if mechanism.linkage.offset_mm != 0.0:
         raise WrongInput("the two-term formula is for linkages in line; leave the offset out", key="linkage.offset_mm")
 
 
-def _formula(mechanism: Mechanism, speed: Speed, phi1: Array) -> Array:
+def _formula(mechanism: DrivenCrank, speed: Speed, phi1: Array) -> Array:
     """What the formula gives for each of the functions, shape (n, 7)."""
     driven = mechanism.transmission.driven_angle(phi1, 1)
     mean = 2.0 * pi / mechanism.transmission.cycle_rad

@@ -7,9 +7,9 @@ from typing import Annotated
 import typer
 
 from ncgear import __version__
+from ncgear.cli.lookup import explain, reproduce, schema
 from ncgear.cli.machine import animate, balance, build, check, report, simulate
 from ncgear.cli.new import new
-from ncgear.cli.reference import explain, reproduce, schema
 from ncgear.cli.search import frontier, optimize, sweep
 
 app = typer.Typer(
@@ -36,7 +36,7 @@ COMMANDS = (
     reproduce,
     schema,
 )
-"""In the order of the help."""
+"""All commands, in the order in which the help lists them."""
 
 for command in COMMANDS:
     app.command()(command)

@@ -31,7 +31,7 @@ def files_to_complete(incomplete: str) -> list[str]:
 
 def keys_to_complete(context: typer.Context, incomplete: str) -> list[str]:
     """Keys of the kind of file that is asked about, by their whole path or their last part."""
-    from ncgear.cli.reference import FileKind, model_of
+    from ncgear.cli.lookup import FileKind, model_of
     from ncgear.design.reference import keys_of
 
     keys = keys_of(model_of(FileKind(context.params.get("of") or FileKind.DESIGN)))

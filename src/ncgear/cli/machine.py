@@ -22,7 +22,7 @@ def check(
     """Check a design: kinematics and power only, no teeth, no files."""
     with opened(design_file) as loaded:
         from ncgear.figures.numbers import json_text
-        from ncgear.figures.summary.check import check_summary
+        from ncgear.figures.summary.check_summary import check_summary
         from ncgear.figures.terminal import check_text, timing_text
         from ncgear.project.drive import Drive
 
@@ -185,7 +185,7 @@ def balance(
     folder = out or EXPORT / f"{loaded.balance.name}-balance"
     prepare(folder)
 
-    from ncgear.figures.balance import balance_text, figures_of
+    from ncgear.figures.balance.parts import balance_text, figures_of
     from ncgear.files.balance import balance_files
     from ncgear.project.balancing import Balancing
 

@@ -1,7 +1,4 @@
-"""The questions that a new design begins with, for a person at a terminal.
-
-``ncgear new``: a design file to begin with.
-"""
+"""``ncgear new``: a design file to begin with, from options or from a person's answers at a terminal."""
 
 from __future__ import annotations
 
@@ -18,76 +15,8 @@ from ncgear.design.naming import NAME_RULE, is_name
 from ncgear.design.reading.text import plain_value
 from ncgear.errors import DesignError, WrongInput
 
-QUESTIONS = {
-    "stroke_mm": "stroke of the slider in mm",
-    "crank_mm": "length of the crank in mm",
-    "rod_mm": "length of the connecting rod in mm",
-    "speed_rpm": "speed of the driving gear in r/min",
-    "teeth": "teeth of the driving gear",
-    "module_mm": "module in mm",
-    "face_width_mm": "face width of the gears in mm",
-}
-
-
-def can_ask() -> bool:
-    """Whether a person sees what is asked and can answer."""
-    return sys.stdin.isatty() and sys.stderr.isatty()
-
-
-def asked_name() -> str:
-    """A name that a design can have."""
-    return _asked("name of the design", "mine", lambda name: None if is_name(name) else f"{NAME_RULE}, are right")
-
-
-def asked_law() -> LawName:
-    """One of the laws, by its number or its name."""
-    for number, law in enumerate(LawName, 1):
-        typer.echo(f"  {number}  {law:<22}{design_law(law).choice}", err=True)
-    laws = {str(number): law for number, law in enumerate(LawName, 1)} | {law.value: law for law in LawName}
-    return laws[_asked("motion law", "1", lambda told: None if told in laws else "its number or its name is right")]
-
-
-def asked_sizes(law: LawName, given: Mapping[str, float], before: Mapping[str, float]) -> dict[str, float]:
-    """All sizes, those ``given`` unasked; likely are the answers of ``before``, or what follows from those so far."""
-    from ncgear.design.beginning import proportioned
-
-    found = dict(given)
-    for answer in _needed(law, given):
-        found[answer] = _asked_number(answer, before.get(answer, proportioned(found)[answer]), found)
-    return found
-
-
-def _needed(law: LawName, given: Mapping[str, float]) -> list[str]:
-    """A law of the slider's motion has a stroke, the others a crank; one of them gives the other."""
-    first = [] if {"stroke_mm", "crank_mm"} & set(given) else [design_law(law).asked_length]
-    return [*first, *(one for one in QUESTIONS if one not in ("stroke_mm", "crank_mm") and one not in given)]
-
-
-def _asked_number(answer: str, likely: float, found: Mapping[str, float]) -> float:
-    from ncgear.design.beginning import fault_of, fault_together, whole
-
-    def fault(text: str) -> str | None:
-        value = plain_value(text)
-        return fault_of(answer, value) or fault_together({**found, answer: float(text)})
-
-    return whole(float(_asked(QUESTIONS[answer], f"{likely}", fault)))
-
-
-def _asked(question: str, likely: str, fault: Callable[[str], str | None]) -> str:
-    """The first answer without a fault; faults are told, and the question is asked again."""
-    while True:
-        try:
-            answer = str(typer.prompt(question, default=likely, err=True)).strip()
-        except typer.Abort as error:
-            raise KeyboardInterrupt from error
-        wrong = fault(answer)
-        if wrong is None:
-            return answer
-        typer.echo(f"  {wrong}", err=True)
-
-
 BUILDABLE = ("check", "designed_contact", "solids")
-"""Stages of a drive that between them need all others that a build can be refused for."""
+"""Steps of a drive that need all other steps for which a build can be refused."""
 
 
 def new(
@@ -120,7 +49,8 @@ def new(
         "face_width_mm": face_width_mm,
     }
     given = _sound({answer: value for answer, value in sizes.items() if value is not None})
-    if can_ask() and not yes:
+    person_can_answer = sys.stdin.isatty() and sys.stderr.isatty()
+    if person_can_answer and not yes:
         _ask_and_write(name, law, given)
     else:
         _write(_free(name), law or DEFAULT_LAW, given)
@@ -143,10 +73,10 @@ def _sound(given: dict[str, float]) -> dict[str, float]:
 
 def _ask_and_write(name: str | None, law: LawName | None, given: dict[str, float]) -> None:
     """Ask until the answers give gears."""
-    path = _free(name or asked_name())
-    law, sizes = law or asked_law(), given
+    path = _free(name or _asked_name())
+    law, sizes = law or _asked_law(), given
     while True:
-        sizes = asked_sizes(law, given, sizes)
+        sizes = _asked_sizes(law, given, sizes)
         try:
             return _write(path, law, sizes)
         except DesignError as error:
@@ -166,6 +96,7 @@ def _free(name: str | None) -> Path:
 
 
 def _taken(path: Path) -> WrongInput:
+    """The refusal of a path at which there is a file."""
     return WrongInput("exists already; choose another name, or remove it", location=str(path))
 
 
@@ -198,3 +129,68 @@ def _buildable(name: str, law: LawName, sizes: dict[str, float]) -> str:
             on_step(stage.replace("_", " "))
             getattr(drive, stage)
     return text
+
+
+# The questions.
+
+QUESTIONS = {
+    "stroke_mm": "stroke of the slider in mm",
+    "crank_mm": "length of the crank in mm",
+    "rod_mm": "length of the connecting rod in mm",
+    "speed_rpm": "speed of the driving gear in r/min",
+    "teeth": "teeth of the driving gear",
+    "module_mm": "module in mm",
+    "face_width_mm": "face width of the gears in mm",
+}
+
+
+def _asked_name() -> str:
+    """A name that a design can have."""
+    return _asked("name of the design", "mine", lambda name: None if is_name(name) else f"{NAME_RULE}, are right")
+
+
+def _asked_law() -> LawName:
+    """One of the laws, by its number or its name."""
+    for number, law in enumerate(LawName, 1):
+        typer.echo(f"  {number}  {law:<22}{design_law(law).choice}", err=True)
+    laws = {str(number): law for number, law in enumerate(LawName, 1)} | {law.value: law for law in LawName}
+    return laws[_asked("motion law", "1", lambda told: None if told in laws else "its number or its name is right")]
+
+
+def _asked_sizes(law: LawName, given: Mapping[str, float], before: Mapping[str, float]) -> dict[str, float]:
+    """All sizes: those ``given`` are not asked for.
+
+    The likely answer to a question is the one of ``before``, or else what follows from the answers so far.
+    """
+    from ncgear.design.beginning import proportioned
+
+    lengths = "stroke_mm", "crank_mm"
+    # Stroke and crank give each other, so that only one of them is asked for.
+    first = [] if set(lengths) & set(given) else [design_law(law).asked_length]
+    found = dict(given)
+    for answer in [*first, *(one for one in QUESTIONS if one not in lengths and one not in given)]:
+        found[answer] = _asked_number(answer, before.get(answer, proportioned(found)[answer]), found)
+    return found
+
+
+def _asked_number(answer: str, likely: float, found: Mapping[str, float]) -> float:
+    from ncgear.design.beginning import fault_of, fault_together, whole
+
+    def fault(text: str) -> str | None:
+        value = plain_value(text)
+        return fault_of(answer, value) or fault_together({**found, answer: float(text)})
+
+    return whole(float(_asked(QUESTIONS[answer], f"{likely}", fault)))
+
+
+def _asked(question: str, likely: str, fault: Callable[[str], str | None]) -> str:
+    """The first answer without a fault; faults are told, and the question is asked again."""
+    while True:
+        try:
+            answer = str(typer.prompt(question, default=likely, err=True)).strip()
+        except typer.Abort as error:
+            raise KeyboardInterrupt from error
+        wrong = fault(answer)
+        if wrong is None:
+            return answer
+        typer.echo(f"  {wrong}", err=True)

@@ -21,28 +21,28 @@ def optimize(
     from ncgear.files.publish import prepare, publish
 
     with opened(design_file) as loaded:
+        from ncgear.figures.best_law import certificate, optimized_design, optimized_name, optimized_text
         from ncgear.figures.numbers import json_text
-        from ncgear.figures.optimized import certificate, optimized_design, optimized_name, optimized_text
         from ncgear.files.frontier import LIMIT_PICTURE, limit_picture
-        from ncgear.project.improvement import Improvement
+        from ncgear.project.best_law import BestLaw
 
-        improvement = Improvement(loaded.design)
-        name = optimized_name(improvement)
+        best = BestLaw(loaded.design)
+        name = optimized_name(best)
         folder = out or EXPORT / name
         prepare(folder)
         with steps_shown(4) as on_step:
             on_step("certified limit")
-            improvement.bound  # noqa: B018
+            best.bound  # noqa: B018
             on_step("makeable law")
-            written = optimized_design(loaded.text, improvement)
+            written = optimized_design(loaded.text, best)
             on_step("figures")
-            certified = json_text(certificate(improvement)).encode()
+            certified = json_text(certificate(best)).encode()
             files = {f"{name}.yaml": written.encode(), "certificate.json": certified}
-            if improvement.limit_points:
+            if best.limit_points:
                 on_step("picture")
-                files[LIMIT_PICTURE] = limit_picture(improvement)
+                files[LIMIT_PICTURE] = limit_picture(best)
         paths = publish(folder, files, obsolete=[LIMIT_PICTURE])
-        typer.echo(optimized_text(improvement, paths))
+        typer.echo(optimized_text(best, paths))
 
 
 def frontier(
@@ -59,17 +59,17 @@ def frontier(
     from ncgear.files.publish import prepare, publish
 
     with opened(design_file) as loaded:
-        from ncgear.figures.frontier import frontier_text
+        from ncgear.figures.best_law import frontier_text
         from ncgear.files.frontier import frontier_files
-        from ncgear.project.frontier import frontier as frontier_of
-        from ncgear.project.improvement import Improvement
+        from ncgear.project.best_law import BestLaw
+        from ncgear.project.frontier_run import frontier as frontier_of
 
         folder = out or EXPORT / f"{loaded.design.name}-frontier"
         prepare(folder)
         with counted("points") as on_point:
             found = frontier_of(loaded.design, points, folder, on_point)
-        improvement = Improvement(loaded.design)
-        typer.echo(frontier_text(found, improvement, publish(folder, frontier_files(found, improvement))))
+        best = BestLaw(loaded.design)
+        typer.echo(frontier_text(found, best, publish(folder, frontier_files(found, best))))
 
 
 def sweep(

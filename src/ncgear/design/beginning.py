@@ -1,4 +1,4 @@
-"""What a new design begins with: a few answers, and the template in their proportions for all the rest."""
+"""A new design from a few answers: the template of its law, with everything else in proportion to what was answered."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from ruamel.yaml import YAML
 
 from ncgear.design.keys.design import Design
 from ncgear.design.laws.registry import LawName, design_law
+from ncgear.design.mechanisms import usual_mechanism
 from ncgear.design.reading.messages import problems
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.template import template
 from ncgear.errors import WrongInput
-from ncgear.mechanisms.crank_slider import CrankSlider
 
 ANSWERS = {
     "stroke_mm": "motion.stroke_mm",
@@ -26,10 +26,10 @@ ANSWERS = {
     "module_mm": "gears.module_mm",
     "face_width_mm": "gears.face_width_mm",
 }
-"""What can be answered, and the key whose rules an answer must keep."""
+"""What can be answered, and the key of the design file whose rules an answer must keep."""
 
 LONGEST_LINE = 10_000
-"""So that no line of the template is broken."""
+"""Longer than any line of the template, so that none is broken."""
 
 
 def fault_of(answer: str, value: object) -> str | None:
@@ -52,17 +52,17 @@ def fault_together(answers: Mapping[str, float]) -> str | None:
     if "stroke_mm" in answers and own["stroke_mm"] != answers["stroke_mm"]:
         return f"a crank of {own['crank_mm']:g} mm has a stroke of {own['stroke_mm']:g} mm; give one of the two"
     try:
-        CrankSlider(own["crank_mm"], own["rod_mm"])
+        usual_mechanism(crank_mm=own["crank_mm"], rod_mm=own["rod_mm"])
     except WrongInput as error:
         return error.problem
     return None
 
 
 def begun(name: str, law: LawName, answers: Mapping[str, float]) -> str:
-    """The design file of some answers; what is not answered keeps the template's proportions to what is.
+    """The text of a design file with some answers; everything else keeps the template's proportions to them.
 
-    Speeds and acceleration of the slider, and the resistance, go with the stroke, so that laws keep their form; bores
-    go with the gears.
+    The speeds and the acceleration of the slider, and the resistance, grow with the stroke, so that the law keeps its
+    form; the bores grow with the gears.
     """
     text = template(name, law)
     return filled(text, dict(_values(read_yaml(text, "template").data, answers))) if answers else text
@@ -80,7 +80,7 @@ def filled(text: str, values: Mapping[str, Any]) -> str:
 
 
 def _put(group: Any, key: str, value: Any) -> None:
-    """A list is filled anew item by item, so that it stays as it was written."""
+    """Set a value; the items of a list are replaced one by one, so that the list keeps the style it is written in."""
     if isinstance(value, list):
         group[key][:] = value
     else:
@@ -88,7 +88,7 @@ def _put(group: Any, key: str, value: Any) -> None:
 
 
 def proportioned(answers: Mapping[str, float]) -> dict[str, float]:
-    """Every answer: those given, and the template's; of stroke, crank and rod any one gives the others."""
+    """Every answer: those given, else the template's; any one of stroke, crank and rod gives the other two."""
     usual = template_answers()
     crank = _crank_mm(answers, usual)
     rod = answers.get("rod_mm", _rounded(crank / usual["crank_mm"] * usual["rod_mm"]))
@@ -118,7 +118,7 @@ def _crank_mm(answers: Mapping[str, float], usual: Mapping[str, float]) -> float
 
 
 def _values(data: Any, answers: Mapping[str, float]) -> Iterator[tuple[str, Any]]:
-    """Values by dotted key; those that keep the template's need no telling."""
+    """The values that differ from the template's, by dotted key."""
     usual, own = template_answers(), proportioned(answers)
     keys = {answer: key for answer, key in ANSWERS.items() if answer != "stroke_mm" or "stroke_mm" in data["motion"]}
     yield from ((key, own[answer]) for answer, key in keys.items() if own[answer] != usual[answer])
@@ -130,7 +130,7 @@ def _values(data: Any, answers: Mapping[str, float]) -> Iterator[tuple[str, Any]
 
 
 def _of_stroke(data: Any, scale: float) -> Iterator[tuple[str, Any]]:
-    """What goes with the stroke: the slider's speeds, and the displacement that the resistance is a polynomial of."""
+    """What grows with the stroke: the law's own keys, and the displacement that the resistance is a polynomial of."""
     law = design_law(LawName(data["motion"]["law"]))
     yield from ((f"motion.{key}", _rounded(scale * data["motion"][key])) for key in law.grows_with_stroke)
     powers = enumerate(data["resistance"]["polynomial_n"])
@@ -146,12 +146,12 @@ BORES = (
 
 
 def _rounded(value: float, digits: int = 4) -> float:
-    """Few digits are enough for what nobody has given."""
+    """Rounded to a few digits, which are enough for what nobody has given."""
     return whole(float(f"{value:.{digits}g}"))
 
 
 def whole(value: float) -> float:
-    """Whole numbers as such, which the file shows without a point."""
+    """The number, as an integer where it is one: the file then shows it without a point."""
     return int(value) if float(value).is_integer() else value
 
 

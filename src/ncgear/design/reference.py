@@ -1,10 +1,8 @@
-"""Every key of a file: where it stands, what it means, which laws have it.
+"""What there is to say of every key of a file, taken from the models of its keys.
 
-The keys that a person may mean: a dotted key, its last parts, or a quantity without its unit.
-
-What may stand at a key, its unit, and what holds where it is left out, in words.
-
-An example for every key: the template's value, or else one that is allowed there.
+``keys_of`` lists the keys, ``looked_up`` finds those that a person may mean.  Of a key there are: its meaning and the
+laws that have it, its unit, what may stand there and what holds where it is left out, in words, and an example, which
+is the template's value or else one that is allowed there.
 """
 
 from __future__ import annotations
@@ -19,7 +17,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from ncgear.design.keys.base import listed, spellings
-from ncgear.design.keys.design import Design
+from ncgear.design.keys.design import Design, design_models
 from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
 from ncgear.design.naming import NAME_PATTERN, NAME_RULE
 from ncgear.design.reading.messages import fields_of, models_in
@@ -59,25 +57,27 @@ class Key:
 
     @property
     def group(self) -> list[type[BaseModel]]:
-        """The models of its value: none of a plain value, several of motion."""
+        """The models of its value: none where it is a plain value, several for motion."""
         return models_in(self.field.annotation)
 
     @property
     def told_apart(self) -> bool:
-        """Whether the value is the name by which laws are told apart."""
+        """Whether the value is the name that tells laws apart."""
         return "const" in self.rule
 
     @property
     def default(self) -> Any:
-        """The value of a key that is left out; factories that look at other keys see their defaults."""
+        """The value that holds where the key is left out, and so are the other keys that it follows from."""
         if self.field.default_factory is None:
             return self.field.default
         return self.field.get_default(call_default_factory=True, validated_data=_defaults(self.model))
 
 
 def keys_of(root: type[BaseModel]) -> list[Key]:
-    """All keys of a file whose model is ``root``, groups before what is in them."""
-    return list(_keys(root, "", ""))
+    """All keys of a file whose model is ``root``, groups before what is in them; of designs, with any mechanism."""
+    models = design_models().values() if root is Design else [root]
+    found = {(key.path, key.law): key for model in models for key in _keys(model, "", "")}
+    return list(found.values())
 
 
 def _keys(model: type[BaseModel], above: str, law: str) -> Iterator[Key]:
@@ -90,7 +90,7 @@ def _keys(model: type[BaseModel], above: str, law: str) -> Iterator[Key]:
 
 
 def law_of(model: type[BaseModel]) -> str:
-    """The law that a model of motion is told by."""
+    """The name of the law whose keys are in ``model``."""
     name: str = _schema(model)["properties"]["law"]["const"]
     return name
 
@@ -101,7 +101,7 @@ def _schema(model: type[BaseModel]) -> dict[str, Any]:
 
 
 def _defaults(model: type[BaseModel]) -> dict[str, Any]:
-    """Plain defaults of a model, which a factory may look at."""
+    """The plain defaults of a model, from which a default factory may start."""
     return {name: field.default for name, field in model.model_fields.items() if field.default_factory is None}
 
 
@@ -127,7 +127,7 @@ def _ending_in(keys: Sequence[Key], names: Sequence[str]) -> list[Key]:
 
 
 def _unknown(keys: Sequence[Key], wanted: str) -> str:
-    """Paths whose last part begins with the word asked for, then those of which a part, or the whole, is like it."""
+    """What to say of an unknown key: first the keys that begin with the word, then those spelt like it."""
     begun = [key.path for key in keys if key.name.startswith(f"{wanted.lower()}_")]
     by_name = {key.name: key.path for key in keys}
     by_quantity = {name.rpartition("_")[0]: path for name, path in by_name.items() if "_" in name}
@@ -152,7 +152,7 @@ def unit_of(name: str) -> str:
 
 
 def allowed(key: Key) -> str:
-    """What may stand there."""
+    """What may stand at a key, in words."""
     rule = key.rule
     if key.group:
         return f"a list{_count(choices(rule)[0])} of groups of keys" if is_list(rule) else "a group of keys"
@@ -160,7 +160,7 @@ def allowed(key: Key) -> str:
 
 
 def choices(rule: dict[str, Any]) -> list[dict[str, Any]]:
-    """The rules of a value that may be of several kinds; nothing at all is no choice of its own."""
+    """The rules of each kind of value that is allowed; a key left blank is none of them."""
     return [one for one in rule.get("anyOf", [rule]) if one.get("type") != "null"]
 
 
@@ -198,7 +198,7 @@ def _range(rule: dict[str, Any]) -> str:
 
 
 def default_words(key: Key) -> str:
-    """What holds where the key is left out."""
+    """What holds where the key is left out, in words."""
     if key.field.is_required():
         return "none: it must be given"
     value = key.default
@@ -221,11 +221,11 @@ def plain(value: Any) -> str:
     return f'"{value}"' if not value or set(value) & set(" *+(){}[]:,#") else str(value)
 
 
-SAMPLES = {"mm": 40.0, "degrees": 30.0, "radians": 0.5, "multiples of pi": 0.5, "r/min": 60.0, "W": 5000.0, "kg": 12.0}
-"""Values that are likely for a unit."""
+LIKELY = {"mm": 40.0, "degrees": 30.0, "radians": 0.5, "multiples of pi": 0.5, "r/min": 60.0, "W": 5000.0, "kg": 12.0}
+"""Values for examples, by their unit."""
 
-ANY = (0.1, 1.0, 10.0, -10.0)
-"""Values for other units, and for where the likely one is out of range."""
+OTHERWISE = (0.1, 1.0, 10.0, -10.0)
+"""Values for other units, and for where the most likely one is out of range."""
 
 KNOWN = {
     "file": "points.csv",
@@ -251,8 +251,11 @@ KNOWN = {
     "lightening_holes.least_wall_mm": "4",
     "lightening_holes.diameter_mm": "12",
 }
-"""Values, as a file has them, by the ends of paths where one that is only allowed would make no sense with the keys
-beside it: a table whose points are all the same, a set screw as wide as the hub."""
+"""Values as a file has them, by the ends of paths.
+
+They are for keys at which a value that is merely allowed would make no sense with the keys beside it: a table whose
+points are all the same, a set screw as wide as the hub.
+"""
 
 
 def example(key: Key, root: type[Any]) -> str:
@@ -275,7 +278,7 @@ def _value(key: Key, root: type[Any]) -> str:
 
 
 def _known(key: Key) -> str:
-    """The longest end of the path that is known; empty for none."""
+    """The value of a key that the law or KNOWN has an example of, by the longest end of its path; empty for none."""
     if key.law and key.name in (examples := design_law(LawName(key.law)).examples):
         return examples[key.name]
     ends = [end for end in KNOWN if f".{key.path}".endswith(f".{end}")]
@@ -283,7 +286,7 @@ def _known(key: Key) -> str:
 
 
 def _in_template(key: Key) -> Any:
-    """What the template has at a key, None where it has nothing."""
+    """What the template of the key's law has there; None where it has nothing."""
     data = _template_data(LawName(key.law) if key.law else DEFAULT_LAW)
     for part in key.path.split("."):
         data = data.get(part) if isinstance(data, dict) else None
@@ -296,7 +299,7 @@ def _template_data(law: LawName) -> Any:
 
 
 def _group(key: Key, root: type[Any]) -> str:
-    """A group of the keys that it must have, or of the first one; of several kinds, the one of fewest keys."""
+    """A group with the keys that must be in it, or else its first key; of several models, the one of fewest keys."""
     model = min(key.group, key=lambda one: len(fields_of(one)))
     law = law_of(model) if len(key.group) > 1 else key.law
     keys = [Key(f"{key.path}.{name}", law, model, field) for name, field in fields_of(model).items()]
@@ -323,9 +326,9 @@ def _allowed(rule: dict[str, Any], name: str) -> str:
 
 
 def _number(rule: dict[str, Any], name: str) -> str:
-    likely = SAMPLES.get(unit_of(name))
-    fitting = [value for value in ((likely,) if likely else ()) + ANY if _within(rule, value)]
-    return plain(fitting[0])
+    likely = LIKELY.get(unit_of(name))
+    candidates = OTHERWISE if likely is None else (likely, *OTHERWISE)
+    return plain(next(value for value in candidates if _within(rule, value)))
 
 
 def _within(rule: dict[str, Any], value: float) -> bool:

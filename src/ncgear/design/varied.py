@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ncgear.design.keys.design import Design
+from ncgear.design.keys.design import Design, design_model
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.reading.messages import problems
 from ncgear.design.reading.text import plain_number, shown
@@ -103,7 +103,7 @@ def _with(data: Any, keys: Sequence[str], value: float) -> Any:
 
 def _checked(data: dict[str, Any]) -> Design | WrongInput:
     try:
-        return Design.model_validate(data)
+        return design_model(data).model_validate(data)
     except ValidationError as error:
-        first = problems(error, Design)[0]
+        first = problems(error, design_model(data))[0]
         return WrongInput(first.text, key=first.key)

@@ -108,7 +108,7 @@ def dynamic_pictures(drive: Drive, shown: History, apart_rad: Array) -> dict[str
     made = {
         "slider_motion.png": (simulation_charts.slider_in_time(shown, apart), "slider"),
         "tooth_force.png": (simulation_charts.teeth_in_time(shown, apart), "teeth and torque"),
-        "bearing_forces.png": (simulation_charts.bearings_in_time(shown, apart), "bearings"),
+        "bearing_forces.png": (simulation_charts.bearings_in_time(drive, shown, apart), "bearings"),
     }
     return {
         file: column_png(charts, f"{drive.design.name}: {what} {speed}", TIME_LOOK, SIMULATION_COLUMN)

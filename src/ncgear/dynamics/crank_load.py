@@ -1,15 +1,12 @@
-"""The moving masses as one inertia on the crank shaft, which changes with the crank's angle.
+"""What a mechanism asks of its crank shaft in any motion: inertia that changes with the angle, resistance and weight.
 
-With q the crank's angle and primes by it, the kinetic energy is M(q) q'^2 / 2 and
+With q the crank's angle and primes by it, the kinetic energy is M(q) q.^2 / 2 with the reduced inertia
 
-    M = J_crank + m_rod (x_G'^2 + y_G'^2) + J_rod beta'^2 + m_slider x'^2
+    M = J_crank + sum over the other bodies of m (x_G'^2 + y_G'^2) + J beta'^2
 
-The torque that moves the masses is M q.. + M' q.^2 / 2 (Lagrange's equation of one degree of freedom, Eksergian's
-equation of motion; e.g. B. Paul, "Kinematics and Dynamics of Planar Machinery", Prentice-Hall 1979, chapter 9).
-
-What the linkage asks of its crank shaft in any motion: inertia that changes with the angle, resistance and weight.
-
-With q the crank's angle, M the reduced inertia and U the work against the resistance plus the potential of the weights,
+With U the work against the resistance plus the potential of the weights, Lagrange's equation of one degree of freedom
+(Eksergian's equation of motion; e.g. B. Paul, "Kinematics and Dynamics of Planar Machinery", Prentice-Hall 1979,
+chapter 9) is
 
     M(q) q.. + M'(q) q.^2 / 2 + U'(q) = moment of the teeth
 
@@ -19,15 +16,17 @@ little within the stroke is pushed back with the force it had there.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
 from math import ceil, pi
+from operator import add
 
 import numpy as np
 
 from ncgear.errors import WrongInput
-from ncgear.mechanisms.bodies import Bodies, bodies
-from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.mechanism import Mechanism, MovingMass
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
@@ -53,11 +52,13 @@ class ReducedInertia:
         return N_PER_KG_MM_S2 * 0.5 * self.inertia_kg_mm2 * speed_rad_s**2
 
 
-def reduced_inertia(at: Bodies, masses: Masses) -> ReducedInertia:
-    """The moving masses at the bodies' places, which need derivatives of order 2 by the crank's angle."""
-    center = at.on_rod(masses.rod_center_mm)
-    rod = masses.rod_kg * (_squared(center.x) + _squared(center.y)) + masses.rod_inertia_kg_mm2 * _squared(at.rod_angle)
-    whole = rod + masses.slider_kg * _squared(at.wrist.x) + masses.crank_shaft_kg_mm2
+def reduced_inertia(moving: Sequence[MovingMass], masses: Masses) -> ReducedInertia:
+    """The moving masses, whose places need derivatives of order 2 by the crank's angle, and what turns with it."""
+    each = [
+        one.mass_kg * (_squared(one.center.x) + _squared(one.center.y)) + one.inertia_kg_mm2 * _squared(one.angle)
+        for one in moving
+    ]
+    whole = reduce(add, each) + masses.crank_shaft_kg_mm2
     return ReducedInertia(whole.value, whole.derivative(1))
 
 
@@ -100,16 +101,25 @@ class CrankLoad:
         return energy
 
 
-def crank_load(linkage: CrankSlider, masses: Masses, resistance: Resistance) -> CrankLoad:
+def crank_load(linkage: Mechanism, masses: Masses, resistance: Resistance) -> CrankLoad:
     """The linkage's load; raises WrongInput where nothing has inertia, as without a gear at a dead centre."""
     working = linkage.working_angle_rad
     parts = [_knots(0.0, working), _knots(working, 2.0 * pi)]
-    work = [_working(linkage, resistance, parts[0]), _returning(linkage, resistance, parts[1])]
+    whole = resistance.work_n_mm(np.array([linkage.stroke_mm]), linkage.stroke_mm)
+    back = np.broadcast_to(whole, parts[1].shape), np.zeros_like(parts[1])
+    work = [_working(linkage, resistance, parts[0]), back]
     knots = np.concatenate([parts[0], parts[1][1:]])
-    at = bodies(linkage, Jet.variable(knots, 2))
-    inertia = reduced_inertia(at, masses)
-    _require_inertia(float(inertia.inertia_kg_mm2.min()))
-    weight = _potential(at, masses)
+    angle = Jet.variable(knots, 2)
+    moving = linkage.moving_masses(angle, masses)
+    inertia = reduced_inertia(moving, masses)
+    if not float(inertia.inertia_kg_mm2.min()) > 0.0:
+        raise WrongInput(
+            "nothing that turns with the crank has inertia, and at the dead centres nothing else has: give "
+            "driven_gear_kg_mm2 or the crank's inertia_kg_mm2",
+            key="masses",
+        )
+    crank = linkage.crank_body(angle, masses.crank_center_mm).center
+    weight = _potential([*moving, MovingMass(masses.crank_kg, crank, angle)], masses)
     work_value, work_slope = (np.concatenate([work[0][row], work[1][row][1:]]) for row in (0, 1))
     values = np.column_stack([N_PER_KG_MM_S2 * inertia.inertia_kg_mm2, work_value + weight.value])
     slopes = np.column_stack([N_PER_KG_MM_S2 * inertia.change_kg_mm2_rad, work_slope + weight.derivative(1)])
@@ -121,36 +131,17 @@ def _knots(low: float, high: float) -> Array:
     return np.linspace(low, high, ceil((high - low) * INTERVALS / (2.0 * pi)) + 1)
 
 
-def _working(linkage: CrankSlider, resistance: Resistance, angle: Array) -> tuple[Array, Array]:
+def _working(linkage: Mechanism, resistance: Resistance, angle: Array) -> tuple[Array, Array]:
     """Work against the resistance from the retracted end, and its slope by the crank's angle."""
     slide = linkage.displacement(Jet.variable(angle, 1))
     place = np.minimum(slide.value, linkage.stroke_mm)
     return resistance.work_n_mm(place, linkage.stroke_mm), resistance.force_n(place) * slide.derivative(1)
 
 
-def _returning(linkage: CrankSlider, resistance: Resistance, angle: Array) -> tuple[Array, Array]:
-    whole = resistance.work_n_mm(np.array([linkage.stroke_mm]), linkage.stroke_mm)
-    return np.broadcast_to(whole, angle.shape), np.zeros_like(angle)
-
-
-def _potential(at: Bodies, masses: Masses) -> Jet:
+def _potential(moving: Sequence[MovingMass], masses: Masses) -> Jet:
     """Potential energy of the weights in N mm."""
     along, across = masses.gravity_m_s2
-    places = (
-        (masses.slider_kg, at.wrist),
-        (masses.rod_kg, at.on_rod(masses.rod_center_mm)),
-        (masses.crank_kg, at.on_crank(masses.crank_center_mm)),
-    )
-    total = 0.0 * at.crank_angle
-    for mass, place in places:
-        total = total - mass * (along * place.x + across * place.y)
+    total = 0.0 * moving[0].angle
+    for one in moving:
+        total = total - one.mass_kg * (along * one.center.x + across * one.center.y)
     return total
-
-
-def _require_inertia(least_kg_mm2: float) -> None:
-    if not least_kg_mm2 > 0.0:
-        raise WrongInput(
-            "nothing that turns with the crank has inertia, and at the dead centres nothing else has: give "
-            "driven_gear_kg_mm2 or the crank's inertia_kg_mm2",
-            key="masses",
-        )

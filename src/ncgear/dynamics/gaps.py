@@ -1,10 +1,9 @@
-"""Each pair's contacts in rows along the positions, and the intervals between positions that a row reaches into.
-
-When pairs of teeth touch, as tables over the driving angle.
+"""When pairs of teeth touch, as tables over the driving angle.
 
 A pair touches at the law's driven angle along its path of contact; where only a corner of its teeth would touch, the
 driven gear has a way to go first.  The slope of the touching angle is no difference of samples: the common normal gives
-the speeds at which both gears pass along it.
+the speeds at which both gears pass along it.  The contacts of each pair stand in rows along the positions; a row
+reaches into the intervals between its positions and one interval beyond either end.
 """
 
 from __future__ import annotations

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncgear.dynamics.joints import CrankPace, JointForces
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.dynamics.meshing import force_on_driven
 from ncgear.dynamics.motion_in_time import Course
 from ncgear.dynamics.rigid import RigidMachine
+from ncgear.mechanisms.forces import CrankPace, JointForces
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Vector

@@ -26,7 +26,7 @@ class MeshPlace:
     """How the gears lie: distance of their axes, angle of the rack, kind of mesh.
 
     ``driving_axis_rad`` is the direction from the crank's axis to the driving gear's, in the frame of
-    ``machine.linkage``, counter-clockwise from the slider's line.
+    the mechanism, counter-clockwise from the slider's line.
     """
 
     center_distance_mm: float
@@ -39,10 +39,9 @@ class MeshPlace:
 class MeshForce:
     """Force in N on the driven gear, its size, and its pressure angle in rad, as jets by the driving angle.
 
-    Of helical teeth it is the part across the axes.
-
-    The pressure angle is counted from the normal to the line of centres, positive where the force drives the axes
-    apart (of a ring: together).  From 90 degrees on no force can hold the torque, and the size is negative.
+    Of helical teeth it is the part across the axes.  The pressure angle is counted from the normal to the line of
+    centres, positive where the force drives the axes apart (of a ring: together).  From 90 degrees on no force can hold
+    the torque, and the size is negative.
     """
 
     force: Vector

@@ -1,4 +1,4 @@
-"""Force between two bodies that are pressed or knocked into each other, and the friction that goes with it.
+"""Forces of the teeth for any motion of both gears: which pairs touch, how deep, and what that does to either gear.
 
 The law of impact is the one that multi-body programs use (MSC, "Adams/Solver" documentation, function IMPACT; after
 K. H. Hunt, F. R. E. Crossley, J. Appl. Mech. 42 (1975), 440-445):
@@ -7,18 +7,15 @@ K. H. Hunt, F. R. E. Crossley, J. Appl. Mech. 42 (1975), 440-445):
 
 at the depth d > 0, with d' its rate.  Friction is Coulomb's with a coefficient that depends on the speed of sliding.
 
-Forces of the teeth for any motion of both gears: which pairs touch, how deep, and what that does to either gear.
-
 The depth of a pair is a function of both angles, d = u l(phi1) (law(phi1) + e(phi1) - phi2), with e and the lever l
 from the tables and u = +1 on pushing flanks, -1 on their backs.  Its normal force acts on either gear along the
 gradient of d, so that no energy comes from the tables: what the gears lose is what the contact stores and what its
 damping and friction take.
 
-The force of all teeth on the driven gear as a vector, from the speeds at which both gears pass along the tangent.
-
-With t the unit tangent, z the place of contact, both axes on the line of centres a apart and s = -1, of a ring +1: the
-arm t.(z - a) is the lever, t.z = s t.(z - a) dphi2/dphi1 by the law of gearing, so that t.a is known from them; in the
-same way a across t from the tangential speeds.
+The force of all teeth on the driven gear as a vector follows from the speeds at which both gears pass along the
+tangent.  With t the unit tangent, z the place of contact, both axes on the line of centres a apart and s = -1, of a
+ring +1: the arm t.(z - a) is the lever, t.z = s t.(z - a) dphi2/dphi1 by the law of gearing, so that t.a is known from
+them; in the same way a across t from the tangential speeds.
 """
 
 from __future__ import annotations
@@ -179,7 +176,7 @@ def _column(values: Array | float) -> Array:
 
 
 def force_on_driven(teeth: ToothForces, ratio: Array, place: MeshPlace) -> Vector:
-    """Force in N in the frame of ``machine.linkage``, shape (n,); ``ratio`` is the law's dphi2/dphi1, shape (n,)."""
+    """Force in N in the frame of the mechanism, shape (n,); ``ratio`` is the law's dphi2/dphi1, shape (n,)."""
     along = tangent(teeth.near, ratio, place)
     across = 1j * along * place.mesh.sense * teeth.near.urge
     force = np.sum(teeth.normal_n * across + teeth.rubbing_n * along, axis=-1)

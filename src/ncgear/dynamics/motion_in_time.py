@@ -1,19 +1,9 @@
-"""The law phi2(phi1) as a table for integrators.
+"""The motion of the toothed machine in time: two shafts that only their teeth join, by a solver for stiff equations.
 
-What turns the driving gear: a speed that nothing changes, or a motor with a flywheel.
-
-The toothed mechanism as a system of first order in time: two shafts that only their teeth join.
-
-The state is (phi1, phi1', phi2, phi2', work of the drive, losses of the teeth); the last two are what an energy balance
-needs, integrated along with the motion.
-
-How a motion starts: on the law under its load, or from rest.
-
-What the solver of the motion in time looks out for: the end, dead centres, flanks that meet and part.
-
-The motion of the toothed mechanism in time, by a solver for stiff equations.
-
-The solver starts anew at each dead centre, where the resistance goes on or off.
+What turns the driving gear is a speed that nothing changes, or a motor with a flywheel.  The state is (phi1, phi1',
+phi2, phi2', work of the drive, losses of the teeth); the last two are what an energy balance needs, integrated along
+with the motion.  It starts on the law under its load, or from rest.  The solver starts anew at each dead centre, where
+the resistance goes on or off.
 """
 
 from __future__ import annotations
@@ -111,7 +101,7 @@ class Motor:
 
     @property
     def starting_rad_s(self) -> float:
-        """None."""
+        """0: a motor starts from rest."""
         return 0.0
 
     def answer(self, speed_rad_s: Array, moment_n_mm: Array) -> tuple[Array, Array]:
@@ -131,7 +121,7 @@ class Answer:
 
 
 @dataclass(frozen=True, eq=False)
-class Mechanism:
+class ToothedMachine:
     """What turns the driving gear, the teeth, and what the driven gear turns."""
 
     drive: DriveLine
@@ -161,19 +151,19 @@ class Mechanism:
 
 
 class Start(StrEnum):
-    """On the law, or at rest."""
+    """How a motion starts: on the law, or at rest."""
 
     ON_LAW = "on_law"
     REST = "rest"
 
 
-def law_torque_n_mm(mechanism: Mechanism, transmission: Transmission, phi1_rad: Array) -> Array:
+def law_torque_n_mm(mechanism: ToothedMachine, transmission: Transmission, phi1_rad: Array) -> Array:
     """Torque in N mm that the driven shaft takes where it keeps the law at the drive's speed, shape (n,)."""
     angle, speed = transmission.driven_angle(phi1_rad, 2), mechanism.drive.speed_rad_s
     return mechanism.load.torque_n_mm(angle.value, angle.derivative(1) * speed, angle.derivative(2) * speed**2)
 
 
-def started(mechanism: Mechanism, transmission: Transmission, start: Start) -> Array:
+def started(mechanism: ToothedMachine, transmission: Transmission, start: Start) -> Array:
     """The state at phi1 = 0, shape (6,).
 
     On the law both shafts have its speeds, and the teeth are pressed as deep as the load at that speed asks.  At rest
@@ -205,7 +195,7 @@ def passing(row: int, angle_rad: float) -> Callable[[float, Array], float]:
     return beyond
 
 
-def pressed_rad(mechanism: Mechanism, states: Array, urge: float) -> Array:
+def pressed_rad(mechanism: ToothedMachine, states: Array, urge: float) -> Array:
     """How far the driven gear is pressed beyond the first contact of one side in states (shape (6, n)), shape (n,)."""
     angle, _ = mechanism.meshing.law.at(states[0])
     pushing, back = mechanism.meshing.gaps.play_rad(states[0])
@@ -214,7 +204,7 @@ def pressed_rad(mechanism: Mechanism, states: Array, urge: float) -> Array:
     return pressed
 
 
-def meetings_s(mechanism: Mechanism, time_s: Array, at: Callable[[Array], Array], urge: float) -> Array:
+def meetings_s(mechanism: ToothedMachine, time_s: Array, at: Callable[[Array], Array], urge: float) -> Array:
     """Times at which flanks of one side meet or part between the steps at ``time_s``; states are ``at`` times.
 
     Not left to the solver's own search for events: that compares the states of its steps with the interpolation between
@@ -230,7 +220,7 @@ def meetings_s(mechanism: Mechanism, time_s: Array, at: Callable[[Array], Array]
     return zeros_between(pressed, time_s[change], time_s[change + 1]) if change.size else np.empty(0)
 
 
-def next_dead_centre_rad(mechanism: Mechanism, phi2_rad: float) -> float:
+def next_dead_centre_rad(mechanism: ToothedMachine, phi2_rad: float) -> float:
     """The first dead centre beyond a crank angle."""
     turn, local = divmod(phi2_rad + CLEAR_RAD, 2.0 * pi)
     beyond = [angle for angle in mechanism.load.dead_centres_rad if angle > local]
@@ -257,7 +247,7 @@ class Course:
     ``pushing_s`` and ``back_s`` are the times at which pushing flanks and their backs meet or part.
     """
 
-    mechanism: Mechanism
+    mechanism: ToothedMachine
     time_s: Array
     states: Array
     pushing_s: Array
@@ -282,7 +272,7 @@ class Course:
 
 
 def course(
-    mechanism: Mechanism, state: Array, turns: float, accuracy: float = ACCURACY, method: str = METHOD
+    mechanism: ToothedMachine, state: Array, turns: float, accuracy: float = ACCURACY, method: str = METHOD
 ) -> Course:
     """The motion from a state (shape (6,)) over so many turns of the driving gear, by one of scipy's solvers.
 
@@ -304,7 +294,7 @@ def course(
 
 
 def _leg(
-    mechanism: Mechanism, span_s: tuple[float, float], state: Array, target_rad: float, how: tuple[float, str]
+    mechanism: ToothedMachine, span_s: tuple[float, float], state: Array, target_rad: float, how: tuple[float, str]
 ) -> Any:
     """From one dead centre to the next, or to the end of the course."""
     events = passing(0, target_rad), passing(2, next_dead_centre_rad(mechanism, float(state[2])))
@@ -316,7 +306,7 @@ def _leg(
     return leg
 
 
-def _scales(mechanism: Mechanism) -> Array:
+def _scales(mechanism: ToothedMachine) -> Array:
     """What counts as small in each row of the state: a hundredth of a radian, of the speed, and of a turn's work."""
     speed = mechanism.drive.speed_rad_s
     moving = float(mechanism.load.energy_n_mm(np.array(0.0), np.array(speed)))
@@ -324,7 +314,7 @@ def _scales(mechanism: Mechanism) -> Array:
     return 1e-2 * np.array([1.0, speed, 1.0, speed, work, work])
 
 
-def _joined(mechanism: Mechanism, legs: list[Any]) -> Course:
+def _joined(mechanism: ToothedMachine, legs: list[Any]) -> Course:
     """Legs end to end; a leg's first state is the last one of the leg before."""
     time_s = np.concatenate([legs[0].t[:1], *(leg.t[1:] for leg in legs)])
     states = np.concatenate([legs[0].y[:, :1], *(leg.y[:, 1:] for leg in legs)], axis=1)
@@ -343,7 +333,7 @@ def _checked(found: Course) -> Course:
     return found
 
 
-def _stalled(mechanism: Mechanism, state: Array) -> NoSuchMechanism:
+def _stalled(mechanism: ToothedMachine, state: Array) -> NoSuchMechanism:
     return NoSuchMechanism(
         f"the drive does not get round in {SLOWEST:g} times the time that it takes without load: it is at phi1 = "
         f"{in_words(float(state[0]))}; more torque or a heavier flywheel is needed",

@@ -1,36 +1,31 @@
-"""Inverse dynamics: the forces and the driving torque that a motion at constant driving speed needs.
+"""The rigid level: the forces and the driving torque that a motion at constant driving speed needs (inverse dynamics).
 
-Closed forms throughout: the law gives the crank's angle with its derivatives, Newton and Euler the forces in the
-joints, the pitch curves the force between the teeth.
+The law gives the crank's angle with its derivatives, the mechanism the forces in its joints, the pitch curves the force
+between the teeth; all are closed forms, so peaks are located exactly: at stationary points, and on both sides of every
+joint of the law.
 
-Mean driving torque, what the torque swings about it, and the flywheel that keeps the speed even.
-
-The driving shaft takes in the mean torque M evenly; what it stores over the cycle is E(phi1), the integral of M - T.  A
-flywheel of inertia J keeps the coefficient of speed fluctuation C = (largest - smallest speed) / mean speed where
+The mean driving torque M, what the torque T swings about it, and the flywheel that keeps the speed even follow: the
+driving shaft takes in M evenly, and what it stores over the cycle is E(phi1), the integral of M - T.  A flywheel of
+inertia J keeps the coefficient of speed fluctuation C = (largest - smallest speed) / mean speed where
 J C w^2 = E_max - E_min (e.g. R. L. Norton, "Design of Machinery", 5th edition, 2012, section 11.11).  That takes the
 torque at constant speed, so it holds for small C.
 
-Refusal of gears whose carrying flanks cannot hold the torque: their pressure angle reaches 90 degrees.
-
-The largest loads of a cycle, located exactly: stationary points of the closed forms, both sides of every joint.
-
-The rigid level: all that inverse dynamics tells of a machine at constant driving speed.
+Gears whose carrying flanks cannot hold the torque, because their pressure angle reaches 90 degrees, are refused.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from math import degrees, pi, sqrt
 
 import numpy as np
 
-from ncgear.dynamics.joints import CrankPace, EvenPace, JointForces, joint_forces
 from ncgear.dynamics.mesh_force import MeshForce, MeshPlace, mesh_force
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine, Stretch, angles_at, stretches
-from ncgear.mechanisms.bodies import bodies
+from ncgear.mechanisms.forces import CrankPace, EvenPace, JointForces
 from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.chebyshev import PiecewiseChebyshev, fitted
@@ -45,16 +40,16 @@ from ncgear.numerics.zeros import all_zeros
 class Loads:
     """What a motion needs, as jets by the driving angle; forces in N, torques in N mm.
 
-    ``driving_torque`` is asked of the driving shaft, ``driven_torque`` of the driven gear.  ``wrist`` acts on the
-    slider, ``pin`` on the rod, ``crank_bearing`` on the crank shaft, ``guide`` on the slider across its line, the mesh
-    force on the driven gear.  The driving shaft's bearings bear the mesh force as it is: ``mesh`` too is what they
-    exert.  Without gears (``mesh`` None) the crank's bearing holds the linkage alone.
+    ``driving_torque`` is asked of the driving shaft, ``driven_torque`` of the driven gear.  ``joints`` are the forces
+    between the bodies of the mechanism, by its names for them and on the body nearer to the slider; ``crank_bearing``
+    acts on the crank shaft, ``guide`` on the slider across its line, the mesh force on the driven gear.  The driving
+    shaft's bearings exert the mesh force as it is.  Without gears (``mesh`` None) the crank's bearing holds the linkage
+    alone.
     """
 
     driving_torque: Jet
     driven_torque: Jet
-    wrist: Vector
-    pin: Vector
+    joints: Mapping[str, Vector]
     crank_bearing: Vector
     guide: Jet
     mesh: MeshForce | None
@@ -76,15 +71,14 @@ class RigidMachine:
 
     def loads(self, driven_angle: Jet, resistance_n: Jet) -> Loads:
         """The loads where the crank's angle is a jet by the driving angle; of two orders less, as the resistance is."""
-        at = bodies(self.machine.linkage, driven_angle)
-        joints = joint_forces(at, self.masses, EvenPace(self.machine.speed_rad_s), resistance_n)
+        pace = EvenPace(self.machine.speed_rad_s)
+        joints = self.machine.linkage.joint_forces(driven_angle, self.masses, pace, resistance_n)
         slope, torque = driven_angle.differentiated(), joints.torque_n_mm
         mesh = None if self.place is None else mesh_force(self.place, slope, torque)
         return Loads(
             driving_torque=slope.truncated(torque.order) * torque,
             driven_torque=torque,
-            wrist=joints.wrist,
-            pin=joints.pin,
+            joints=joints.joints,
             crank_bearing=joints.crank_axis if mesh is None else joints.crank_axis - mesh.force,
             guide=joints.guide_n,
             mesh=mesh,
@@ -99,7 +93,7 @@ class RigidMachine:
         """Forces in the joints as the crank happens to turn, at crank angles in rad, shape (n,)."""
         angle = Jet.variable(crank_angle_rad, 2)
         resistance = self._resistance_n(angle.truncated(0), self.machine.working(crank_angle_rad))
-        return joint_forces(bodies(self.machine.linkage, angle), self.masses, pace, resistance.value)
+        return self.machine.linkage.joint_forces(angle, self.masses, pace, resistance.value)
 
     def on(self, stretch: Stretch, phi1: Array) -> Loads:
         """The loads with their slopes at driving angles on a stretch, shape (n,); one-sided at its ends."""
@@ -224,8 +218,7 @@ class LoadPeaks:
 
     most_torque_n_mm: Extremum
     least_torque_n_mm: Extremum
-    wrist_n: Extremum
-    pin_n: Extremum
+    joints_n: Mapping[str, Extremum]
     crank_bearing_n: Extremum
     guide_n: Extremum
     mesh: MeshPeak | None
@@ -238,12 +231,15 @@ def load_peaks(rigid: RigidMachine) -> LoadPeaks:
     return LoadPeaks(
         most_torque_n_mm=most,
         least_torque_n_mm=least,
-        wrist_n=_largest(rigid, cycle, lambda loads: loads.wrist),
-        pin_n=_largest(rigid, cycle, lambda loads: loads.pin),
+        joints_n={name: _largest(rigid, cycle, _joint(name)) for name in rigid.machine.linkage.JOINTS},
         crank_bearing_n=_largest(rigid, cycle, lambda loads: loads.crank_bearing),
         guide_n=_largest(rigid, cycle, lambda loads: Vector(loads.guide, loads.guide * 0.0)),
         mesh=None if rigid.place is None else _mesh_peak(rigid, cycle),
     )
+
+
+def _joint(name: str) -> Callable[[Loads], Vector]:
+    return lambda loads: loads.joints[name]
 
 
 def _mesh_peak(rigid: RigidMachine, cycle: Sequence[Broken]) -> MeshPeak:
@@ -261,14 +257,11 @@ def _largest(rigid: RigidMachine, cycle: Sequence[Broken], vector: Callable[[Loa
 
 def _range(rigid: RigidMachine, cycle: Sequence[Broken], quantity: Callable[[Loads], Jet]) -> tuple[Extremum, Extremum]:
     """Smallest and largest value over the stretches."""
-    ranges = [_extremes(rigid, stretch, breaks, quantity) for stretch, breaks in cycle]
+    ranges = [
+        extremes(partial(_along, rigid, stretch, quantity), stretch.start_rad, stretch.end_rad, breaks)
+        for stretch, breaks in cycle
+    ]
     return min((low for low, _ in ranges), key=_value), max((high for _, high in ranges), key=_value)
-
-
-def _extremes(
-    rigid: RigidMachine, stretch: Stretch, breaks: Array, quantity: Callable[[Loads], Jet]
-) -> tuple[Extremum, Extremum]:
-    return extremes(partial(_along, rigid, stretch, quantity), stretch.start_rad, stretch.end_rad, breaks)
 
 
 def _along(rigid: RigidMachine, stretch: Stretch, quantity: Callable[[Loads], Jet], phi1: Array) -> Jet:

@@ -12,7 +12,7 @@ from ncgear.design.reference import Key, allowed, default_words, example, unit_o
 
 WIDTH = 100
 PATH_WIDTH, NAME_WIDTH = 36, 13
-"""Of the column before the words: for whole names of keys, and for what is said of one."""
+"""Widths of the column before the words: whole names of keys, and what is said about one key."""
 
 MOST_EXPLAINED = 4
 """Different keys of one name up to which each is explained; more are listed."""
@@ -46,7 +46,7 @@ def _one(keys: Sequence[Key], alike: Sequence[Key], root: type[Any]) -> str:
         "value": listed(dict.fromkeys(allowed(key) for key in alike)),
         "default": "one of them is given, in each other's place" if _is_angle(alike) else default_words(first),
         "laws": listed(dict.fromkeys(key.law for key in alike if key.law), "and"),
-        "keys": listed(folded(key.name for key in _inside(keys, first)), "and"),
+        "keys": listed(folded(key.name for key in keys if _above(key) == first.path), "and"),
         "example": example(alike[-1], root),
         "beside it": listed(folded(key.name for key in _beside(keys, alike)), "and"),
     }
@@ -57,25 +57,26 @@ def _one(keys: Sequence[Key], alike: Sequence[Key], root: type[Any]) -> str:
 
 
 def _meaning(keys: Sequence[Key], alike: Sequence[Key]) -> str:
-    """Of what tells laws apart, the meaning of the group whose laws they are; of an angle, without the unit."""
+    """The meaning of the keys; an angle's is told without its unit, and the key ``law`` has that of its group."""
     first = alike[0]
     if not first.told_apart:
         return first.meaning.replace(", in rad", "").replace(" in rad", "") if _is_angle(alike) else first.meaning
-    return next(key.meaning for key in keys if key.path == first.path.rpartition(".")[0])
+    return next(key.meaning for key in keys if key.path == _above(first))
 
 
 def _is_angle(alike: Sequence[Key]) -> bool:
     return len({key.name for key in alike}) > 1
 
 
-def _inside(keys: Sequence[Key], group: Key) -> list[Key]:
-    return [key for key in keys if key.path.rpartition(".")[0] == group.path]
+def _above(key: Key) -> str:
+    """The path of the group that a key is in."""
+    return key.path.rpartition(".")[0]
 
 
 def _beside(keys: Sequence[Key], alike: Sequence[Key]) -> list[Key]:
     """The other keys of their group and their law."""
-    above, law, names = alike[0].path.rpartition(".")[0], alike[0].law, {key.name for key in alike}
-    within = [key for key in keys if key.path.rpartition(".")[0] == above and key.law == law]
+    above, law, names = _above(alike[0]), alike[0].law, {key.name for key in alike}
+    within = [key for key in keys if _above(key) == above and key.law == law]
     return [] if alike[0].told_apart else [key for key in within if key.name not in names]
 
 
@@ -87,7 +88,7 @@ def _entry(name: str, text: str, column: int) -> str:
 
 def _level(keys: Sequence[Key], above: str, depth: int) -> Iterator[str]:
     """The keys of a group, law by law where they belong to laws, and the groups in it."""
-    own = [key for key in keys if key.path.rpartition(".")[0] == above]
+    own = [key for key in keys if _above(key) == above]
     for law, of_law in groupby(own, lambda key: key.law):
         members = list(of_law)
         plain = ", ".join(folded(key.name for key in members if not key.group and not key.told_apart))

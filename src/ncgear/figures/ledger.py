@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from ncgear.figures.tables import markdown
-from ncgear.papers.entry import Given, Verdict
+from ncgear.papers.entry import Verdict
 from ncgear.papers.judgement import Judged, Judgement
 
 PAGE = "reproduction.md"
@@ -32,8 +32,9 @@ COLUMNS = ("place", "figure", "published", "computed", "difference", "verdict", 
 
 def ledger_page(judgements: Sequence[Judgement]) -> str:
     """The whole page."""
-    sections = ["\n".join(_section(one)) for one in judgements]
-    return "\n\n".join([HEAD, "\n".join(_overview(judgements)), *sections]) + "\n"
+    counts = [(one.paper.title, *(str(one.count(verdict)) for verdict in Verdict)) for one in judgements]
+    overview = "\n".join(markdown(("paper", *Verdict), counts))
+    return "\n\n".join([HEAD, overview, *map(_section, judgements)]) + "\n"
 
 
 def ledger_text(judgements: Sequence[Judgement], paths: Iterable[Path]) -> str:
@@ -45,14 +46,11 @@ def ledger_text(judgements: Sequence[Judgement], paths: Iterable[Path]) -> str:
     return "\n\n".join([*blocks, *map(str, paths)])
 
 
-def _overview(judgements: Sequence[Judgement]) -> list[str]:
-    rows = [(one.paper.title, *(str(one.count(verdict)) for verdict in Verdict)) for one in judgements]
-    return markdown(("paper", *Verdict), rows)
-
-
-def _section(one: Judgement) -> list[str]:
+def _section(one: Judgement) -> str:
+    """A paper with the table of its figures, and what it gives that is not computed."""
     paper, table = one.paper, markdown(COLUMNS, map(_row, one.entries))
-    return [f"## {paper.title}", "", f"{paper.reference}.", "", *table, "", *_given(paper.given)]
+    given = ["Given, not computed:", "", *(f"- {_places(item.places)}: {item.content}" for item in paper.given)]
+    return "\n".join([f"## {paper.title}", "", f"{paper.reference}.", "", *table, "", *given])
 
 
 def _row(judged: Judged) -> tuple[str, ...]:
@@ -61,10 +59,6 @@ def _row(judged: Judged) -> tuple[str, ...]:
     found = published.computed_text(computed) if computed else "-"
     difference = published.difference_text(computed) if computed else "-"
     return (_places(entry.places), entry.what, published.text, found, difference, entry.verdict, entry.words)
-
-
-def _given(given: Iterable[Given]) -> list[str]:
-    return ["Given, not computed:", "", *(f"- {_places(one.places)}: {one.content}" for one in given)]
 
 
 def _places(places: Sequence[str]) -> str:

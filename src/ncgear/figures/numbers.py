@@ -1,9 +1,4 @@
-"""The unit in which a quantity is read, by its size.
-
-Numbers and keys of a summary as a person reads them.
-
-Results as JSON.
-"""
+"""Numbers as a person reads them, in units that fit their size, and results as JSON."""
 
 from __future__ import annotations
 
@@ -41,15 +36,11 @@ def shown(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return _rounded(value)
+        # Five significant digits, but never fewer than the digits before the point.
+        return f"{value:.0f}" if 1e5 <= abs(value) < 1e12 else f"{value:.5g}"
     if isinstance(value, list | tuple):
         return _listed(list(value))
     return str(value)
-
-
-def _rounded(value: float) -> str:
-    """Five significant digits, but never fewer than the digits before the point."""
-    return f"{value:.0f}" if 1e5 <= abs(value) < 1e12 else f"{value:.5g}"
 
 
 def _listed(items: list[Any]) -> str:
@@ -58,15 +49,14 @@ def _listed(items: list[Any]) -> str:
     if all(isinstance(item, int) and not isinstance(item, bool) for item in items):
         return ", ".join(_runs(sorted(items)))
     if any(isinstance(item, Mapping) for item in items):
-        # A table in the summary's file; a report has no room for it.
+        # A table in the summary's file; a terminal has no room for it.
         return str(len(items))
-    texts = ["..".join(map(shown, item)) if _is_range(item) else shown(item) for item in items[:LONG_LIST]]
+    texts = [
+        "..".join(map(shown, item)) if isinstance(item, list | tuple) and len(item) == 2 else shown(item)
+        for item in items[:LONG_LIST]
+    ]
     left = len(items) - len(texts)
     return ", ".join([*texts, f"and {left} more"] if left else texts)
-
-
-def _is_range(item: Any) -> bool:
-    return isinstance(item, list | tuple) and len(item) == 2
 
 
 def _runs(numbers: list[int]) -> list[str]:

@@ -43,8 +43,7 @@ def _load_columns(loads: Loads) -> dict[str, Array]:
     columns = {
         "driving_torque_n_m": N_M_PER_N_MM * loads.driving_torque.value,
         "driven_torque_n_m": N_M_PER_N_MM * loads.driven_torque.value,
-        **_components("wrist", loads.wrist),
-        **_components("pin", loads.pin),
+        **{key: column for name, force in loads.joints.items() for key, column in _components(name, force).items()},
         **_components("crank_bearing", loads.crank_bearing),
         "guide_n": loads.guide.value,
     }
@@ -100,11 +99,18 @@ def _loads(rigid: Rigid, coefficient: float) -> dict[str, Any]:
         "speed_fluctuation": coefficient,
         "inertia_for_speed_fluctuation_kg_m2": KG_M2 * swing.flywheel_kg_mm2(coefficient),
         **_mesh(rigid),
-        **_peak("peak_wrist_force", "n", peaks.wrist_n),
-        **_peak("peak_crank_pin_force", "n", peaks.pin_n),
+        **_joint_peaks(rigid),
         **_peak("peak_crank_bearing_force", "n", peaks.crank_bearing_n),
         **_peak("peak_guide_force", "n", peaks.guide_n),
     }
+
+
+def _joint_peaks(rigid: Rigid) -> dict[str, float]:
+    """The peak force in each joint of the mechanism, by the joint's words."""
+    words, found = rigid.machine.machine.linkage.JOINTS, dict[str, float]()
+    for name, peak in rigid.peaks.joints_n.items():
+        found.update(_peak(f"peak_{words[name].replace(' ', '_')}_force", "n", peak))
+    return found
 
 
 def _mesh(rigid: Rigid) -> dict[str, Any]:
@@ -181,8 +187,7 @@ def dynamic_table(shown: History) -> dict[str, Array]:
 
 def joint_forces(shown: History) -> dict[str, Vector]:
     """The forces in the joints and between the teeth, by the names that columns and figures give them."""
-    joints = shown.joints
-    return {"wrist": joints.wrist, "pin": joints.pin, "crank_bearing": shown.crank_bearing, "mesh": shown.mesh}
+    return {**shown.joints.joints, "crank_bearing": shown.crank_bearing, "mesh": shown.mesh}
 
 
 def dynamic_figures(drive: Drive, shown: History, apart_s: Array) -> dict[str, Any]:

@@ -13,7 +13,7 @@ Value = float | int | str | bool | None
 Cells = tuple[Value, ...]
 
 DIGITS = 7
-"""Of numbers in text: a tenth of a micrometre on a gear of 100 mm."""
+"""Digits of numbers in cells: a tenth of a micrometre on a gear of 100 mm."""
 
 GAP = "  "
 """Between the columns of aligned text."""

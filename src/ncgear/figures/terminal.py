@@ -9,7 +9,7 @@ from textwrap import wrap
 from typing import Any
 
 from ncgear.figures.numbers import shown
-from ncgear.figures.summary.check import check_summary
+from ncgear.figures.summary.check_summary import check_summary
 from ncgear.figures.tables import Column, aligned
 from ncgear.numerics.units import label_and_unit
 from ncgear.project.drive import Drive
@@ -62,7 +62,7 @@ MIXED_SPEEDS = "At other driving speeds: mixes speeds, so this proves nothing ab
 
 NAME_WIDTH = 36
 LEAST_WIDTH = 8
-"""Of the first column of a comparison at the most, and of the others at the least."""
+"""A comparison's first column is at most NAME_WIDTH wide, and each other one at least LEAST_WIDTH."""
 
 
 def check_text(drive: Drive) -> str:

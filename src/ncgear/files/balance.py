@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from ncgear.balance.counterweights import least_squares, minimax
-from ncgear.balance.mechanism import Counterweight, Mechanism, accelerations
+from ncgear.balance.mechanism import Counterweight, DrivenCrank, accelerations
 from ncgear.balance.shaking import Shaking, shaking, track
 from ncgear.drawings.plots.balance_plots import campbell, loops
-from ncgear.figures.balance import excitations_of
+from ncgear.figures.balance.shaking import excitations_of
 from ncgear.figures.numbers import json_text
 from ncgear.files.meshes import stl_bytes
 from ncgear.numerics.arrays import Array
@@ -42,7 +42,7 @@ def _pictures(balancing: Balancing) -> dict[str, bytes]:
     return files
 
 
-def _forces(mechanism: Mechanism) -> dict[str, Array]:
+def _forces(mechanism: DrivenCrank) -> dict[str, Array]:
     """Curves of the force as it is, and with the best counterweights."""
     known, crank = accelerations(mechanism), mechanism.linkage.crank_mm
     curves = {"as given": _curve(shaking(mechanism, known))}
@@ -60,7 +60,7 @@ def _curve(of: Shaking) -> Array:
     return np.column_stack([of.along(angle), of.across(angle)])
 
 
-def _track(mechanism: Mechanism, added: Counterweight) -> Array:
+def _track(mechanism: DrivenCrank, added: Counterweight) -> Array:
     """The track with a counterweight, about its middle, so that its size is seen and not its place."""
     points = track(replace(mechanism, counterweights=(*mechanism.counterweights, added))).points_mm
     return np.asarray(points - (points.min(axis=0) + points.max(axis=0)) / 2.0)

@@ -21,7 +21,7 @@ from ncgear.figures.csv_text import contact_csv, law_csv, outline_csv
 from ncgear.figures.data_sheet.pitch_table import pitch_csv
 from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
 from ncgear.figures.numbers import json_text
-from ncgear.figures.summary.build import build_summary
+from ncgear.figures.summary.build_summary import build_summary
 from ncgear.files.meshes import stl_bytes, written_outlines
 from ncgear.files.publish import prepare, publish
 from ncgear.files.workshop.formats import NAMES, Format, workshop_files

@@ -27,8 +27,6 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.project.drive import Drive
 
-NOWHERE = np.empty((0, 2))
-
 
 @dataclass(frozen=True, eq=False)
 class Simulated:

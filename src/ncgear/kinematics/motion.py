@@ -1,12 +1,10 @@
-"""The slider's motion at the operating speed: samples for tables and plots, and exact derivatives for peaks.
+"""What the slider does over a cycle: samples for tables and plots, and smooth stretches for exact derivatives.
 
-Where the slider turns off sharply because the rod is hardly longer than crank and offset.
-
-With rod/crank = 1.0001 the slider stands still for half a turn of the crank, and its acceleration there is a peak
-0.014 rad of the crank wide, which samples over the whole stroke pass by.
-
-One cycle of the slider in stretches on which its motion is smooth: between joints of the law, dead
-centres, and cuts about sharp corners of the linkage.
+A machine is a mechanism that a law drives against a resistance at constant driving speed.  One cycle of it is cut into
+stretches on which the slider's motion is smooth: at the joints of the law, at the dead centres, and about sharp corners
+of the mechanism.  An example of a corner is a crank-slider whose rod is hardly longer than crank and offset: with
+rod/crank = 1.0001 the slider stands still for half a turn of the crank, and its acceleration there has a peak 0.014 rad
+of the crank wide, which samples over the whole stroke pass by.
 """
 
 from __future__ import annotations
@@ -19,7 +17,7 @@ from math import pi
 
 import numpy as np
 
-from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
@@ -48,10 +46,10 @@ class SliderMotion:
 
 @dataclass(frozen=True, eq=False)
 class Machine:
-    """A transmission that drives a crank-slider against a resistance at constant driving speed."""
+    """A transmission that drives a mechanism against a resistance at constant driving speed."""
 
     transmission: Transmission
-    linkage: CrankSlider
+    linkage: Mechanism
     resistance: Resistance
     speed_rad_s: float
 
@@ -114,7 +112,7 @@ WIDENING = 4.0
 
 
 def corner_cuts_rad(machine: Machine) -> Array:
-    """Driving angles in rad of one cycle that close in on each sharp corner; shape (0,) for ordinary linkages.
+    """Driving angles in rad of one cycle that close in on each sharp corner; shape (0,) for ordinary mechanisms.
 
     Raises ArithmeticError where a crank angle is not found, which a law that rises cannot cause.
     """
@@ -143,21 +141,21 @@ def _driving_angles(machine: Machine, crank: Array) -> Array:
 
 
 LEAST = 1e-9
-"""Share of the law's period below which a stretch is rounding error of its ends."""
+"""Share of the law's period; what is shorter is no stretch, but the rounding error of its ends."""
 
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
     """Driving angles from ``start_rad`` to ``end_rad``, within one piece of the law.
 
-    ``working`` tells the way from the retracted to the extended dead centre from the way back.  ``turned`` holds the
-    driving and the driven angle in rad at which the piece's period begins.
+    ``working`` is true on the way from the retracted to the extended dead centre and false on the way back.  ``turned``
+    holds the driving and the driven angle in rad at which the piece's period begins.
     """
 
     start_rad: float
     end_rad: float
     working: bool
-    linkage: CrankSlider
+    linkage: Mechanism
     piece: Piece
     turned: tuple[float, float]
 

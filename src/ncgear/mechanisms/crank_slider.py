@@ -1,32 +1,42 @@
-"""The crank-slider linkage: displacement from crank angle, crank angle from displacement, dead centres.
+"""The crank-slider: a crank, a connecting rod, and a slider that moves along a line, in line with the crank or offset.
 
-Pose: the crank turns clockwise about the origin, the slider moves along the line y = offset towards +x.  The crank
-angle is counted from the retracted dead centre in the sense of turning, the displacement from the retracted end.
 With an offset the two strokes take different angles: a positive offset makes the working stroke (retracted to
-extended) take more than pi.
+extended) take more than pi.  Frame and pose are those of ``mechanisms.mechanism``.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from math import acosh, pi, sqrt
-from typing import Generic
+from math import acosh, asin, pi, sqrt
+from typing import ClassVar, Self
 
 import numpy as np
 
 from ncgear.errors import WrongInput
+from ncgear.mechanisms.forces import JointForces, Pace, crank_forces, moving_force, place
+from ncgear.mechanisms.masses import Masses, RodMasses
+from ncgear.mechanisms.mechanism import Link, Mechanisms, MovingMass, Rod, RodMechanism, Shape
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask, Number
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.plane import Term, Vector
+from ncgear.numerics.units import N_PER_KG_MM_S2
 
 
 @dataclass(frozen=True, eq=False)
-class Linkages(Generic[Number]):
+class CrankSliders(Mechanisms[Number]):
     """What follows from the lengths of one crank-slider, or of one for each point where they have shape (n,)."""
 
     crank_mm: Number
     rod_mm: Number
     offset_mm: Number
+
+    @property
+    def turns_fully(self) -> Mask:
+        """Where rod - crank > |offset|."""
+        turning: Mask = self.rod_mm - self.crank_mm > np.abs(self.offset_mm)
+        return turning
 
     @property
     def nearest_mm(self) -> Number:
@@ -90,11 +100,61 @@ class Linkages(Generic[Number]):
         ratio = jet.sqrt((position + self.nearest_mm) / (position + self.farthest_mm))
         stretch = (distance + (self.rod_mm + self.crank_mm)) / (distance + (self.rod_mm - self.crank_mm))
         sine_side, cosine_side = root_displaced * ratio * stretch, root_remaining
-        turned = 2.0 * _arctan2(sine_side, cosine_side)
+        turned = 2.0 * jet.arctan2(sine_side, cosine_side)
         if not np.any(self.offset_mm):
             return turned
         tilt = displacement * self.offset_mm / (position * self.nearest_mm + self.offset_mm**2)
         return turned + jet.arctan(tilt)
+
+
+@dataclass(frozen=True)
+class CrankSlider(CrankSliders[float], RodMechanism):
+    """An in-line (``offset_mm`` = 0) or offset crank-slider whose crank can turn fully: rod - crank > |offset|.
+
+    Raises WrongInput for lengths that are not positive or whose crank cannot turn fully.
+    """
+
+    NAME: ClassVar[str] = "a crank-slider"
+    RODS: ClassVar[tuple[str, ...]] = ("rod",)
+    JOINTS: ClassVar[Mapping[str, str]] = {"wrist": "wrist", "pin": "crank pin"}
+    PINS: ClassVar[Mapping[str, str]] = {"crank-pin": "rod", "slider-pin": "slider"}
+
+    crank_mm: float
+    rod_mm: float
+    offset_mm: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.crank_mm > 0.0:
+            raise WrongInput(f"{self.crank_mm:g} is not a length; a positive one is needed", key="linkage.crank_mm")
+        if not self.turns_fully:
+            raise WrongInput(
+                f"the crank cannot turn fully: rod - crank = {self.rod_mm - self.crank_mm:g} mm, and it must exceed "
+                f"the offset of {abs(self.offset_mm):g} mm; a rod over {self.crank_mm + abs(self.offset_mm):g} mm does",
+                key="linkage.rod_mm",
+            )
+
+    @classmethod
+    def many(cls, **lengths: Array) -> CrankSliders[Array]:
+        """Many crank-sliders; ``turns_fully`` tells which can be one."""
+        return CrankSliders(**lengths)
+
+    @classmethod
+    def of_stroke(cls, stroke_mm: float, **lengths: float) -> Self:
+        """The crank-slider of a rod and an offset whose dead centres are a stroke apart.
+
+        From far - near = H, far^2 - near^2 = 4 l2 l3 and far^2 + near^2 = 2 (l2^2 + l3^2 - e^2), with near and far the
+        slider's distances at the dead centres.  Raises WrongInput where the rod is too short.
+        """
+        rod, offset = lengths["rod_mm"], lengths["offset_mm"]
+        longest = (rod - abs(offset)) * (1.0 - 1e-9)
+        if not 0.0 < stroke_mm < cls(longest, rod, offset).stroke_mm:
+            raise WrongInput(
+                f"a rod of {rod:g} mm cannot give the stroke of {stroke_mm:.6g} mm that follows from the law",
+                key="linkage.rod_mm",
+            )
+        square = stroke_mm**2
+        crank = stroke_mm / 2.0 * sqrt((4.0 * (rod**2 - offset**2) - square) / (4.0 * rod**2 - square))
+        return cls(crank, rod, offset)
 
     def crank_angle(self, displacement_mm: Array, returning: Mask) -> Array:
         """Crank angle in rad, 0 to 2 pi, at displacements in [0, stroke], both of shape (n,)."""
@@ -105,34 +165,6 @@ class Linkages(Generic[Number]):
         tilt = np.arctan(displacement_mm * self.offset_mm / (position * self.nearest_mm + self.offset_mm**2))
         angle: Array = np.where(returning, 2.0 * pi - working + 2.0 * tilt, working)
         return angle
-
-    def crank_pin_mm(self, crank_angle_rad: Array) -> Array:
-        """Crank pin (x, y) from the crank axis, shape (n, 2)."""
-        direction = pi + self._retracted_tilt_rad - crank_angle_rad
-        pin: Array = self.crank_mm * np.column_stack([np.cos(direction), np.sin(direction)])
-        return pin
-
-
-@dataclass(frozen=True)
-class CrankSlider(Linkages[float]):
-    """An in-line (``offset_mm`` = 0) or offset crank-slider whose crank can turn fully: rod - crank > |offset|.
-
-    Raises WrongInput for lengths that are not positive or whose crank cannot turn fully.
-    """
-
-    crank_mm: float
-    rod_mm: float
-    offset_mm: float = 0.0
-
-    def __post_init__(self) -> None:
-        if not self.crank_mm > 0.0:
-            raise WrongInput(f"{self.crank_mm:g} is not a length; a positive one is needed", key="linkage.crank_mm")
-        if not self.rod_mm - self.crank_mm > abs(self.offset_mm):
-            raise WrongInput(
-                f"the crank cannot turn fully: rod - crank = {self.rod_mm - self.crank_mm:g} mm, and it must exceed "
-                f"the offset of {abs(self.offset_mm):g} mm; a rod over {self.crank_mm + abs(self.offset_mm):g} mm does",
-                key="linkage.rod_mm",
-            )
 
     @property
     def corners(self) -> tuple[tuple[float, float], ...]:
@@ -148,26 +180,61 @@ class CrankSlider(Linkages[float]):
             for angle, length in zip(square, reach, strict=True)
         )
 
+    @property
+    def crank_start_rad(self) -> float:
+        """Opposite to the direction of the retracted slider."""
+        return pi + asin(self.offset_mm / (self.rod_mm - self.crank_mm))
 
-def crank_of_stroke_mm(stroke_mm: float, rod_mm: float, offset_mm: float) -> float:
-    """The crank whose dead centres are a stroke apart.
+    def rod(self, crank_angle: Jet) -> Rod:
+        """The rod at crank angles in rad, with as many derivatives."""
+        pin = self.crank_body(crank_angle, 0.0).pin
+        wrist = Vector(self.displacement(crank_angle) + self.nearest_mm, 0.0 * crank_angle + self.offset_mm)
+        along = wrist - pin
+        # The rod never stands across the slider's line: it is longer than the crank and the offset together.
+        return Rod(self.rod_mm, pin, wrist, jet.arctan(along.y / along.x))
 
-    From far - near = H, far^2 - near^2 = 4 l2 l3 and far^2 + near^2 = 2 (l2^2 + l3^2 - e^2), with near and far the
-    slider's distances at the dead centres.
-    """
-    square = stroke_mm**2
-    return stroke_mm / 2.0 * sqrt((4.0 * (rod_mm**2 - offset_mm**2) - square) / (4.0 * rod_mm**2 - square))
+    def links(self, crank_angle: Jet) -> Mapping[str, Link]:
+        """Slider, crank and rod; the rod's own frame has the crank pin at its origin and the slider on +x."""
+        rod = self.rod(crank_angle)
+        return {
+            "slider": Link(rod.wrist, 0.0 * crank_angle),
+            "crank": self.crank_link(crank_angle),
+            "rod": Link(rod.pin, rod.angle),
+        }
 
+    def shapes(self) -> Mapping[str, Shape]:
+        """The rod with an eye at each end."""
+        ends = (0.0, 0.0), (self.rod_mm, 0.0)
+        return {"rod": Shape((ends,), ends)}
 
-def _arctan2(sine_side: Jet, cosine_side: Jet) -> Jet:
-    """Angle in 0..pi/2 of two non-negative sides, dividing by the larger one at each point."""
-    steep = sine_side.value > cosine_side.value
-    parts = []
-    if not steep.all():
-        parts.append((~steep, jet.arctan(sine_side.compressed(~steep) / cosine_side.compressed(~steep))))
-    if steep.any():
-        parts.append((steep, pi / 2 - jet.arctan(cosine_side.compressed(steep) / sine_side.compressed(steep))))
-    return jet.joined(parts)
+    def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
+        """Slider and rod."""
+        assert isinstance(masses, RodMasses)
+        rod = self.rod(crank_angle)
+        return (
+            MovingMass(masses.slider_kg, rod.wrist, 0.0 * crank_angle),
+            MovingMass(masses.rod_kg, rod.at(masses.rod_center_mm), rod.angle, masses.rod_inertia_kg_mm2),
+        )
+
+    def joint_forces(self, crank_angle: Jet, masses: Masses, pace: Pace, resistance_n: Term) -> JointForces:
+        """Forces at wrist and crank pin by the equations of slider, rod and crank, one after the other.
+
+        The wrist's force acts on the slider, the pin's on the rod.
+        """
+        assert isinstance(masses, RodMasses)
+        crank, at = self.crank_body(crank_angle, masses.crank_center_mm), self.rod(crank_angle)
+        center = at.at(masses.rod_center_mm)
+        slider = moving_force(masses, pace, masses.slider_kg, at.wrist)
+        rod = moving_force(masses, pace, masses.rod_kg, center)
+        along = slider.x + resistance_n
+        # Moments about the crank pin; the wrist's force on the rod is minus the one on the slider
+        arm = place(pace, at.wrist - at.pin)
+        turned = pace.second(at.angle) * (N_PER_KG_MM_S2 * masses.rod_inertia_kg_mm2)
+        turned = turned + place(pace, center - at.pin).cross(rod)
+        wrist = Vector(along, (arm.y * along - turned) / arm.x)
+        pin = rod + wrist
+        crank_axis, torque = crank_forces(crank, masses, pace, pin)
+        return JointForces({"wrist": wrist, "pin": pin}, crank_axis, slider.y - wrist.y, torque)
 
 
 def _leg(hypotenuse: Number, side: Number) -> Number:

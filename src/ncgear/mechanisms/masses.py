@@ -1,4 +1,8 @@
-"""Masses of a crank-slider and of what turns with its crank and with the driving shaft."""
+"""Masses of a mechanism, and of what turns with its crank and with the driving shaft.
+
+Masses in kg, lengths in mm, moments of inertia in kg mm^2.  Every mechanism has a slider, a crank and two gears; what
+moves between slider and crank is the mechanism's own: one with a connecting rod has ``RodMasses``.
+"""
 
 from __future__ import annotations
 
@@ -6,19 +10,33 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Masses:
-    """Masses in kg, lengths in mm, moments of inertia in kg mm^2.
-
-    The rod's centre of mass lies ``rod_center_mm`` from the crank pin towards the slider, the rod's inertia is about
-    that centre.  The crank's centre lies ``crank_center_mm`` from its axis towards the pin; ``crank_inertia_kg_mm2`` is
-    about the axis, with all that turns with the crank but the driven gear.  ``gravity_m_s2`` is along and across the
-    slider's line, in the frame of ``machine.linkage``.
-    """
+class SliderMass:
+    """The mass of the slider, with all that moves with it."""
 
     slider_kg: float = 0.0
+
+
+@dataclass(frozen=True)
+class RodMass:
+    """The connecting rod.
+
+    Its centre of mass lies ``rod_center_mm`` from the crank pin towards the slider; its inertia is about that centre.
+    """
+
     rod_kg: float = 0.0
     rod_center_mm: float = 0.0
     rod_inertia_kg_mm2: float = 0.0
+
+
+@dataclass(frozen=True)
+class ShaftMasses:
+    """What turns with the crank and with the driving shaft, and gravity.
+
+    The crank's centre of mass lies ``crank_center_mm`` from its axis towards the pin; ``crank_inertia_kg_mm2`` is about
+    the axis, with all that turns with the crank but the driven gear.  ``gravity_m_s2`` is along and across the slider's
+    line, in the frame of the mechanism.
+    """
+
     crank_kg: float = 0.0
     crank_center_mm: float = 0.0
     crank_inertia_kg_mm2: float = 0.0
@@ -36,3 +54,14 @@ class Masses:
     def driving_shaft_kg_mm2(self) -> float:
         """All that turns with the driving gear, about its axis."""
         return self.driving_inertia_kg_mm2 + self.flywheel_inertia_kg_mm2
+
+
+@dataclass(frozen=True)
+class Masses(ShaftMasses, SliderMass):
+    """The masses that every mechanism has."""
+
+
+# Fields come from the last base to the first, so the rod's stand between the slider's and the crank's.
+@dataclass(frozen=True)
+class RodMasses(Masses, RodMass, SliderMass):
+    """The masses of a mechanism whose slider is moved by a connecting rod."""

@@ -1,15 +1,10 @@
-"""The resistance against the slider in its working stroke: what every form of it, from a curve of the force, gives.
+"""The force against the slider in its working stroke, as a polynomial, a table, or an expression in the displacement.
 
-A resistance whose force is a polynomial of the displacement.
-
-A resistance given point by point.
-
-Between the points runs the monotone cubic of F. N. Fritsch and J. Butland, "A method for constructing local monotone
-piecewise cubic interpolants", SIAM J. Sci. Stat. Comput. 5 (1984): its slope is continuous, and the force never leaves
-the range of the two points beside it, so a table that is nowhere negative stays so.  Beyond the table's ends the force
-keeps its end value.
-
-A resistance written as an expression in ``x``, the displacement in mm.
+Every form gives the curve of the force with its derivatives, its antiderivative, its zeros, and the places between
+which it is monotone; force and work follow from these.  Between the points of a table runs the monotone cubic of F. N.
+Fritsch and J. Butland, "A method for constructing local monotone piecewise cubic interpolants", SIAM J. Sci. Stat.
+Comput. 5 (1984): its slope is continuous, and the force never leaves the range of the two points beside it, so a table
+that is nowhere negative stays so.  Beyond the table's ends the force keeps its end value.
 """
 
 from __future__ import annotations
@@ -37,10 +32,10 @@ if TYPE_CHECKING:
 
 
 class Resistance(ABC):
-    """Force in N over the displacement in mm; a form gives the curve, its antiderivative, its zeros and its turns.
+    """Force in N over the displacement in mm.
 
-    A curve may be negative where there is nothing to press, as the published baler's fit is below 33.7 mm; a
-    resistance cannot push, so negative values count as zero unless ``keep_negative``.
+    A fitted curve may be negative where there is nothing to press, as the published baler's is below 33.7 mm.  A
+    resistance cannot push, so negative values count as zero unless ``keep_negative`` is true.
     """
 
     keep_negative: bool
@@ -87,7 +82,7 @@ class Resistance(ABC):
 
 
 def within(displacements_mm: Array, stroke_mm: float) -> Array:
-    """Those of the displacements that lie inside the stroke, in rising order."""
+    """The displacements that lie inside the stroke, in rising order, each once."""
     return np.unique(displacements_mm[(displacements_mm > 0.0) & (displacements_mm < stroke_mm)])
 
 
@@ -164,7 +159,7 @@ class TableResistance(Resistance):
         return result
 
     def work_from_retracted_n_mm(self, displacement_mm: Array, stroke_mm: float) -> Array:
-        """The antiderivative of the cubics, which the last of them continues beyond the table."""
+        """The antiderivative of the cubics."""
         antiderivative = self._cubics.antiderivative()
         work: Array = antiderivative(displacement_mm) - antiderivative(0.0)
         return work

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TypeVar
+from dataclasses import fields, replace
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,15 @@ IndexArray = NDArray[np.intp]
 
 Number = TypeVar("Number", float, Array)
 """One number, or an array of them for many points or designs, so that formulas for both are written once."""
+
+
+def repeated(many: Any, count: int) -> Any:
+    """A dataclass whose arrays count designs along their last axis, each design ``count`` times in a row."""
+    values = {field.name: getattr(many, field.name) for field in fields(many)}
+    arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
+    return (
+        replace(many, **{name: np.repeat(value, count, axis=-1) for name, value in arrays.items()}) if arrays else many
+    )
 
 
 def counted_up(first: IndexArray, count: IndexArray) -> tuple[IndexArray, IndexArray]:

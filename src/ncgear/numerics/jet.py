@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import factorial
+from math import factorial, pi
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -195,6 +195,17 @@ def arctan(argument: Jet) -> Jet:
         return Jet(values[None, :])
     shorter = argument.truncated(argument.order - 1)
     return (argument.differentiated() / (shorter * shorter + 1.0)).integrated(values)
+
+
+def arctan2(sine_side: Jet, cosine_side: Jet) -> Jet:
+    """Angle in 0..pi/2 of two non-negative sides, dividing by the larger one at each point."""
+    steep = sine_side.value > cosine_side.value
+    parts = []
+    if not steep.all():
+        parts.append((~steep, arctan(sine_side.compressed(~steep) / cosine_side.compressed(~steep))))
+    if steep.any():
+        parts.append((steep, pi / 2 - arctan(cosine_side.compressed(steep) / sine_side.compressed(steep))))
+    return joined(parts)
 
 
 def polynomial(coefficients: Sequence[float] | Array, argument: Jet) -> Jet:

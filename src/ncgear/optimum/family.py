@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import Enum
-from math import inf, isfinite
+from math import inf, isfinite, pi
 
 import numpy as np
 from scipy.optimize import minimize
@@ -30,11 +30,11 @@ from scipy.stats import qmc
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.check import KinematicCheck, kinematic_check
 from ncgear.kinematics.motion import Machine
-from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array
-from ncgear.ratio.laws.three_segment import StrokeLaw, return_ends, stroke_law
-from ncgear.ratio.sampled_strokes import return_samples, returns_with_skewness, working_motions
+from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
+from ncgear.ratio.sampled_strokes import Points, return_samples, returns_with_skewness, working_motions
 from ncgear.ratio.transmission import Lobes
 from ncgear.ratio.working_stroke import StrokeRequest, WorkingStrokes, shaped_strokes, solved_stroke
 
@@ -45,11 +45,8 @@ at them but at theta2 = theta3."""
 SEGMENT_POINTS = 65, 17, 33
 """Points on each segment of the stroke, ends included; the accelerations are of degree 3, 0 and 2."""
 
-RETURN_POINTS = 1, 97
-"""Pieces of the return, and points of each."""
-
-CLOSING_STEPS = 8
-"""Newton's steps that close a return: five digits after four."""
+RETURN_POINTS = Points(pieces=1, count=97, steps=8)
+"""On the return; four of Newton's steps give five digits."""
 
 CLOSED = 1e-6
 """Miss of the cycle, relative to the return's driven angle, that the search may leave; laws are closed to rounding."""
@@ -89,7 +86,7 @@ class Peak(Enum):
 class Family:
     """The family on a linkage at an operating speed; ``inverse`` is the return's basis, as in a design file."""
 
-    linkage: CrankSlider
+    linkage: Mechanism
     resistance: Resistance
     speed_rad_s: float
     inverse: bool = False
@@ -129,16 +126,15 @@ class FamilyOptimum:
 def figures(family: Family, points: Array) -> Figures:
     """Figures of laws given by numbers of the unit box, shape (n, 7)."""
     strokes, skewness = strokes_at(family, points)
-    omega = family.speed_rad_s
+    linkage, omega = family.linkage, family.speed_rad_s
     motions = working_motions(strokes, SEGMENT_POINTS)
     displacement, velocity, working = (np.hstack(parts) for parts in zip(*motions, strict=True))
     advancing = (motions[0].velocity[:, 1:].min(axis=1) > 0.0) & (strokes.approach_slope[0] > 0.0)
     with np.errstate(all="ignore"):
-        ends = return_ends(strokes, family.linkage, family.lobes)
-        returns = returns_with_skewness(ends, skewness, RETURN_POINTS, CLOSING_STEPS, inverse=family.inverse)
-        back = return_samples(returns, family.linkage, RETURN_POINTS)
-        miss = np.abs(back.end_driven_rad - ends.end_driven_rad)
-    closed = (back.slope[:, 0].min(axis=1) > 0.0) & (miss <= CLOSED * ends.driven_length_rad)
+        asked = strokes, linkage, family.lobes.driving_period_rad, skewness, RETURN_POINTS
+        back = return_samples(returns_with_skewness(*asked, inverse=family.inverse), linkage, RETURN_POINTS, 1)
+        miss = np.abs(back.end_driven_rad - 2.0 * pi)
+    closed = (back.slopes[0][:, 0].min(axis=1) > 0.0) & (miss <= CLOSED * (2.0 * pi - linkage.working_angle_rad))
     possible = (advancing & (strokes.pressing_mm_rad > 0.0) & closed)[:, None]
     acceleration = np.hstack([working, back.acceleration[:, 0]]) * omega**2
     power = family.resistance.force_n(displacement) * velocity * (omega / 1000.0)
@@ -152,28 +148,26 @@ def strokes_at(family: Family, points: Array) -> tuple[WorkingStrokes[Array], Ar
     theta = np.cumprod([parts[0] * family.lobes.driving_period_rad, *parts[1:]], axis=0)[::-1]
     cosine, sine, both = np.cos(chi), np.sin(chi), 1.0 + rho
     rising = [rho * cosine, rho * sine - both * cosine, cosine - both * sine, sine]
-    quartic = np.stack(rising) / np.arange(1.0, 5.0)[:, None]
-    approach = quartic / quartic.sum(axis=0) / theta[1] ** np.arange(1.0, 5.0)[:, None]
-    return shaped_strokes(theta, approach, brake, family.linkage.stroke_mm), skewness
+    approach = np.stack(rising) / np.arange(1.0, 5.0)[:, None]
+    return shaped_strokes(theta, approach / approach.sum(axis=0), brake, family.linkage.stroke_mm), skewness
 
 
 def request_at(family: Family, point: Array) -> StrokeRequest:
     """The stroke of one point of the unit box as the solver of strokes takes it, v2 left to be found."""
     strokes, _ = strokes_at(family, point[None])
+    one = {name: float(values[0]) for name, values in vars(strokes).items() if values.ndim == 1}
     omega = family.speed_rad_s
-    theta1, theta2, theta3, theta4, v1, a1, stroke = (
-        float(values[0])
-        for values in (
-            strokes.theta1_rad,
-            strokes.theta2_rad,
-            np.maximum(strokes.theta3_rad, strokes.theta2_rad),
-            strokes.theta4_rad,
-            strokes.v1_mm_s,
-            strokes.a1_mm_s2,
-            strokes.stroke_mm,
-        )
+    return StrokeRequest(
+        theta1_rad=one["theta1_rad"],
+        theta2_rad=one["theta2_rad"],
+        theta3_rad=max(one["theta3_rad"], one["theta2_rad"]),
+        theta4_rad=one["theta4_rad"],
+        v1_mm_s=one["v1_mm_s"] * omega,
+        v2_mm_s=None,
+        a1_mm_s2=one["a1_mm_s2"] * omega**2,
+        law_speed_rad_s=omega,
+        stroke_mm=one["stroke_mm"],
     )
-    return StrokeRequest(theta1, theta2, theta3, theta4, v1 * omega, None, a1 * omega**2, omega, stroke)
 
 
 def best_of_family(family: Family, least: Peak, cap: float = inf, *, seed: int = 1, starts: int = 32) -> FamilyOptimum:

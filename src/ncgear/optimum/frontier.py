@@ -21,9 +21,8 @@ from ncgear.optimum.certified.limit import (
 )
 from ncgear.optimum.certified.road import Peaks
 from ncgear.optimum.family import Family, FamilyOptimum, Peak, best_of_family
-from ncgear.optimum.figures import Figures, figures
 from ncgear.optimum.makeable.wishes import Goal, Wishes
-from ncgear.optimum.task import Limits, Task
+from ncgear.optimum.task import Figures, Limits, Task, figures
 
 if TYPE_CHECKING:
     from ncgear.optimum.makeable.law import MakeableLaw
@@ -132,7 +131,8 @@ def figures_of(task: Task, law: MakeableLaw) -> Figures:
 
 def _law(task: Task, wishes: Wishes) -> MakeableLaw:
     """The best law from the fastest rough motion."""
-    from ncgear.optimum.makeable.law import makeable_law, rough_start
+    from ncgear.optimum.makeable.law import makeable_law
+    from ncgear.optimum.makeable.search import rough_start
 
     rough = least_acceleration(task, wishes.limits).attained
     return makeable_law(task, wishes, [rough_start(task, wishes, rough if rough < inf else 1.0)])

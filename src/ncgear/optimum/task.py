@@ -1,4 +1,4 @@
-"""What a mechanism has to do, and what it may not exceed in doing it."""
+"""What a mechanism has to do, what it may not exceed in doing it, and what a law for it comes to."""
 
 from __future__ import annotations
 
@@ -8,9 +8,13 @@ from math import degrees, inf, isfinite, pi, tan
 import numpy as np
 
 from ncgear.errors import WrongInput
-from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.kinematics.check import kinematic_check
+from ncgear.kinematics.motion import Machine
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.resistance import Resistance
-from ncgear.ratio.transmission import Lobes
+from ncgear.pitch.pair import PitchPair, sized_pair
+from ncgear.pitch.shape import Gear
+from ncgear.ratio.transmission import Lobes, Train
 
 
 @dataclass(frozen=True)
@@ -20,7 +24,7 @@ class Task:
     Raises WrongInput for a speed that is not positive and for a driven gear of several lobes.
     """
 
-    linkage: CrankSlider
+    linkage: Mechanism
     resistance: Resistance
     speed_rad_s: float
     lobes: Lobes = field(default_factory=Lobes)
@@ -93,6 +97,53 @@ class Limits:
         r1 = a s / (1 + s) gives r1'/r1 = (ds/dphi2) / (1 + s), the prime by phi1.
         """
         return inf if self.pressure_angle_rad is None else tan(self.pressure_angle_rad)
+
+
+TEETH = 100
+"""Per lobe: figures of the curves are taken from a pair of any size, since they are ratios."""
+
+
+@dataclass(frozen=True, eq=False)
+class Figures:
+    """Peaks at the operating speed, ratio range, and the shape of the pitch curves.
+
+    ``curvature_turns`` is the largest curvature of any curve, bulge or dent, times the length its pair rolls in one
+    cycle.  Of several pairs the ratios are those of the whole, and ``convex`` says it of all.
+    """
+
+    peak_power_w: float
+    peak_acceleration_mm_s2: float
+    peak_speed_mm_s: float
+    ratio_min: float
+    ratio_max: float
+    working_rad: float
+    tangent_rad: float
+    convex: bool
+    curvature_turns: float
+
+
+def figures(task: Task, train: Train) -> Figures:
+    """The figures of a law on a machine; raises NoSuchMechanism for curves too sharp to be computed."""
+    machine = Machine(train.whole, task.linkage, task.resistance, task.speed_rad_s)
+    check = kinematic_check(machine)
+    pairs = [sized_pair(one.transmission, TEETH * task.lobes.driving, 1.0, None) for one in train.pairs]
+    lowest, highest = train.whole.ratio_range
+    return Figures(
+        peak_power_w=check.peak_power_w.value,
+        peak_acceleration_mm_s2=check.peak_acceleration_cycle_mm_s2.value,
+        peak_speed_mm_s=check.peak_speed_mm_s.value,
+        ratio_min=lowest.value,
+        ratio_max=highest.value,
+        working_rad=machine.extended_rad,
+        tangent_rad=max(pair.largest_tangent_angle_rad.value for pair in pairs),
+        convex=all(pair.convex(gear) for pair in pairs for gear in Gear),
+        curvature_turns=max(map(_curvature_turns, pairs)),
+    )
+
+
+def _curvature_turns(pair: PitchPair) -> float:
+    sharpest = max(abs(extremum.value) for gear in Gear for extremum in pair.curvature_range[gear])
+    return sharpest * TEETH * pi
 
 
 def _wrong(key: str, value: float, needed: str) -> WrongInput:

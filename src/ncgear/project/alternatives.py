@@ -46,7 +46,8 @@ CLEAR = 0.995
 """Share of the least tip height that is taken as addendum: a hair lower, so that rounding the number does no harm."""
 
 LEAST_ADDENDUM = 0.5
-"""In modules: lower teeth, of half the height of the standard's, hardly keep contact from pitch to pitch."""
+"""Least addendum in modules that is taken: teeth of half the standard's height hardly keep contact from pitch to
+pitch."""
 
 SHIFTS = ("driving", "driven")
 """Keys of given profile shifts, which one that is chosen takes the place of."""
@@ -185,7 +186,7 @@ def blunt_addendum(drive: Drive) -> Changes:
 
 
 def _least_addendum(gear: ToothedGear) -> float:
-    """In modules, that of the lowest of the tips that would be pointed; infinite where none would."""
+    """Addendum in modules of the lowest tip that would be pointed; infinite where none would."""
     import numpy as np
 
     from ncgear.teeth.tips import Limit

@@ -1,6 +1,6 @@
-"""What a balance file says, as the values that balance computes with.
+"""A balance file and all that follows from it, each part computed when it is first asked for.
 
-A balance file and all that follows from it; each part is computed when it is first asked for.
+Functions below the class make of what the file says the values that balance computes with.
 """
 
 from __future__ import annotations
@@ -14,105 +14,22 @@ from typing import TYPE_CHECKING
 from ncgear.balance.excitation import Engine, Shaft
 from ncgear.balance.frame import Chassis, Mounted
 from ncgear.balance.gears import BossSize, Drills, Means
-from ncgear.balance.mechanism import Carrier, Counterweight, JointMasses, Mechanism, joint_masses
+from ncgear.balance.mechanism import Carrier, Counterweight, DrivenCrank, JointMasses, joint_masses
 from ncgear.balance.rotor import ChainPhases, TrialRun, WeightRun
-from ncgear.design.keys import balance as balance_excitation
-from ncgear.design.keys import balance as balance_mechanism
-from ncgear.design.keys import balance as balance_rotor
-from ncgear.design.keys.balance import Balance
-from ncgear.design.keys.balance import Mechanism as Given
+from ncgear.design.keys import balance as keys
+from ncgear.design.mechanisms import mechanism_of
 from ncgear.design.reading.balance_file import LoadedBalance
-from ncgear.errors import WrongInput, below
-from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import Masses
+from ncgear.errors import WrongInput, below, located
+from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.mechanism import require_rod
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.project.drive import Drive
 from ncgear.project.forces import masses_of
 from ncgear.ratio.laws.uniform import uniform_law
-from ncgear.ratio.transmission import Lobes, Transmission
+from ncgear.ratio.transmission import Lobes
 
 if TYPE_CHECKING:
     from ncgear.balance.gears import Corrected, GearBody
-
-
-def mechanism_of(
-    given: balance_mechanism.Mechanism,
-    drive: tuple[CrankSlider, Transmission],
-    masses: Masses,
-    speed_rpm: float,
-) -> Mechanism:
-    """The mechanism with the counterweights that are there."""
-    added = tuple(
-        Counterweight(Carrier(one.on), one.mass_kg, one.arm_mm, radians(one.angle_deg)) for one in given.counterweights
-    )
-    return Mechanism(*drive, speed_rpm * RAD_S_PER_RPM, masses, added)
-
-
-def mounted_of(given: balance_mechanism.Mechanism, mechanism: Mechanism) -> Mounted:
-    """The mechanism in its place."""
-    place = complex(given.x_mm, given.y_mm)
-    return Mounted(mechanism, radians(given.direction_deg), radians(given.phase_deg), given.mirrored, place)
-
-
-def joint_masses_of(given: balance_mechanism.Partial, mechanism: Mechanism) -> JointMasses:
-    """The masses at the joints: those given, else those of the parts."""
-    parts = joint_masses(mechanism.linkage, mechanism.masses)
-    return JointMasses(
-        parts.rotating_kg if given.rotating_kg is None else given.rotating_kg,
-        parts.reciprocating_kg if given.reciprocating_kg is None else given.reciprocating_kg,
-    )
-
-
-def crank_counterweight(given: balance_mechanism.Sweep) -> Counterweight:
-    """The counterweight to try, without its mass."""
-    return Counterweight(Carrier.CRANK, 0.0, given.arm_mm, radians(given.angle_deg))
-
-
-def chassis_of(given: balance_mechanism.Chassis) -> Chassis:
-    """The levers of a chassis."""
-    return Chassis(given.support_mm, given.counterweight_mm, radians(given.tilt_deg))
-
-
-def shafts_of(given: balance_excitation.Excitations) -> list[Shaft]:
-    """Shafts that may shake the machine."""
-    return [Shaft(one.name, one.speed_rpm, one.rollers, one.teeth, one.roller_ratio) for one in given.shafts]
-
-
-def engines_of(given: balance_excitation.Excitations) -> list[Engine]:
-    """Engines that may."""
-    return [Engine(one.name, one.speed_rpm, one.cylinders, one.strokes, one.inertia_order) for one in given.engines]
-
-
-def means_of(given: balance_rotor.Correction) -> Means:
-    """What may be done to a gear."""
-    holes, boss = given.holes, given.boss
-    drills = Drills(holes.largest_mm, holes.smallest_mm, holes.wall_mm) if holes else None
-    return Means(drills, BossSize(boss.height_mm, boss.wall_mm) if boss else None)
-
-
-def readings_of(given: balance_rotor.Readings | None) -> tuple[complex, ...]:
-    """Readings as complex numbers."""
-    return tuple(polar(one.amplitude, one.phase_deg) for one in given or ())
-
-
-def trial_runs_of(given: balance_rotor.Rotor) -> list[TrialRun]:
-    """Runs with trial weights in g."""
-    return [TrialRun(polar(one.mass_g, one.angle_deg), readings_of(one.readings)) for one in given.trials or ()]
-
-
-def weight_runs_of(given: balance_rotor.ChainDrive) -> list[WeightRun]:
-    """Runs with one weight at several phases."""
-    return [WeightRun(radians(one.weight_deg), polar(one.amplitude, one.phase_deg)) for one in given.runs or ()]
-
-
-def chain_phases_of(given: balance_rotor.ChainDrive) -> ChainPhases:
-    """Phases of a chain drive."""
-    return ChainPhases(radians(given.wrap_deg), radians(given.tight_deg), radians(given.slack_deg))
-
-
-def polar(amplitude: float, phase_deg: float) -> complex:
-    """A reading or a weight as a complex number."""
-    return amplitude * exp(1j * radians(phase_deg))
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,13 +42,13 @@ class BalancedGear:
 
 
 class Balancing:
-    """A balance file whose parts are attributes; they raise WrongInput or NoSuchMechanism with key or place."""
+    """A balance file whose mechanisms and gears are attributes; they raise WrongInput or NoSuchMechanism."""
 
     def __init__(self, loaded: LoadedBalance) -> None:
         self.loaded = loaded
 
     @property
-    def balance(self) -> Balance:
+    def balance(self) -> keys.Balance:
         """What the file says."""
         return self.loaded.balance
 
@@ -153,18 +70,27 @@ class Balancing:
         assert self.balance.speed_rpm is not None
         return self.balance.speed_rpm * RAD_S_PER_RPM
 
-    def _mounted(self, number: int, given: Given) -> Mounted:
-        assert self.balance.speed_rpm is not None
+    def _mounted(self, number: int, given: keys.Mechanism) -> Mounted:
+        """A mechanism with the counterweights that are there, in its place."""
         if given.linkage is not None and given.linkage.crank_mm is not None and given.masses is not None:
             with below(f"mechanisms.{number}"):
-                linkage = CrankSlider(given.linkage.crank_mm, given.linkage.rod_mm, given.linkage.offset_mm)
+                linkage = require_rod(mechanism_of(given.linkage), "balance", "linkage")
             driven_by = linkage, uniform_law(Lobes())
-            masses = masses_of(given.masses, 0.0, given.masses.driven_gear_kg_mm2 or 0.0)
+            masses = masses_of(given.masses, linkage, 0.0, given.masses.driven_gear_kg_mm2 or 0.0)
         else:
             drive = self._drive(f"mechanisms.{number}.design")
-            driven_by = drive.linkage, drive.transmission
-            masses = drive.masses if given.masses is None else masses_of(given.masses, 0.0, 0.0)
-        return mounted_of(given, mechanism_of(given, driven_by, masses, self.balance.speed_rpm))
+            with located(drive.places):
+                linkage = require_rod(drive.linkage, "balance", "linkage")
+            driven_by = linkage, drive.transmission
+            masses = drive.masses if given.masses is None else masses_of(given.masses, linkage, 0.0, 0.0)
+        added = tuple(
+            Counterweight(Carrier(one.on), one.mass_kg, one.arm_mm, radians(one.angle_deg))
+            for one in given.counterweights
+        )
+        assert isinstance(masses, RodMasses)
+        mechanism = DrivenCrank(*driven_by, self._speed_rad_s, masses, added)
+        place = complex(given.x_mm, given.y_mm)
+        return Mounted(mechanism, radians(given.direction_deg), radians(given.phase_deg), given.mirrored, place)
 
     def _drive(self, key: str) -> Drive:
         """The drive of a design that the file names; its faults are told with their place in that design's file."""
@@ -192,3 +118,64 @@ class Balancing:
         tolerance = drive.design.output.chord_tolerance_mm
         made = corrected(plan.section, width, density, means_of(correction), tolerance, f"gears.{gear}")
         return BalancedGear(body, speed_rad_s, made)
+
+
+def joint_masses_of(given: keys.Partial, mechanism: DrivenCrank) -> JointMasses:
+    """The masses at the joints: those given, else those of the parts."""
+    parts = joint_masses(mechanism.linkage, mechanism.masses)
+    return JointMasses(
+        parts.rotating_kg if given.rotating_kg is None else given.rotating_kg,
+        parts.reciprocating_kg if given.reciprocating_kg is None else given.reciprocating_kg,
+    )
+
+
+def crank_counterweight(given: keys.Sweep) -> Counterweight:
+    """The counterweight to try, without its mass."""
+    return Counterweight(Carrier.CRANK, 0.0, given.arm_mm, radians(given.angle_deg))
+
+
+def chassis_of(given: keys.Chassis) -> Chassis:
+    """The levers of a chassis."""
+    return Chassis(given.support_mm, given.counterweight_mm, radians(given.tilt_deg))
+
+
+def shafts_of(given: keys.Excitations) -> list[Shaft]:
+    """Shafts that may shake the machine."""
+    return [Shaft(one.name, one.speed_rpm, one.rollers, one.teeth, one.roller_ratio) for one in given.shafts]
+
+
+def engines_of(given: keys.Excitations) -> list[Engine]:
+    """Engines that may shake the machine."""
+    return [Engine(one.name, one.speed_rpm, one.cylinders, one.strokes, one.inertia_order) for one in given.engines]
+
+
+def means_of(given: keys.Correction) -> Means:
+    """What may be done to a gear."""
+    holes, boss = given.holes, given.boss
+    drills = Drills(holes.largest_mm, holes.smallest_mm, holes.wall_mm) if holes else None
+    return Means(drills, BossSize(boss.height_mm, boss.wall_mm) if boss else None)
+
+
+def readings_of(given: keys.Readings | None) -> tuple[complex, ...]:
+    """Readings as complex numbers."""
+    return tuple(_polar(one.amplitude, one.phase_deg) for one in given or ())
+
+
+def trial_runs_of(given: keys.Rotor) -> list[TrialRun]:
+    """Runs with trial weights in g."""
+    return [TrialRun(_polar(one.mass_g, one.angle_deg), readings_of(one.readings)) for one in given.trials or ()]
+
+
+def weight_runs_of(given: keys.ChainDrive) -> list[WeightRun]:
+    """Runs with one weight at several phases."""
+    return [WeightRun(radians(one.weight_deg), _polar(one.amplitude, one.phase_deg)) for one in given.runs or ()]
+
+
+def chain_phases_of(given: keys.ChainDrive) -> ChainPhases:
+    """Phases of a chain drive."""
+    return ChainPhases(radians(given.wrap_deg), radians(given.tight_deg), radians(given.slack_deg))
+
+
+def _polar(amplitude: float, phase_deg: float) -> complex:
+    """A reading or a weight as a complex number."""
+    return amplitude * exp(1j * radians(phase_deg))

@@ -7,20 +7,22 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import Gears
+from ncgear.design.mechanisms import entry_of
 from ncgear.design.reading.design_file import LoadedDesign, parsed
 from ncgear.design.reading.design_file import load as load_design
 from ncgear.errors import Places, WrongInput, located
 from ncgear.kinematics.check import KinematicCheck, kinematic_check
 from ncgear.kinematics.motion import Machine, SliderMotion, sample_angles
-from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.project.computed import computed
-from ncgear.project.gears import helix_of, mesh_place, rack_of, tooth_form
 from ncgear.project.law import law_of, resistance_of
+from ncgear.project.tooth_form import helix_of, mesh_place, rack_of, tooth_form_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Law, Pair, Transmission
 from ncgear.stopwatch import Stopwatch
@@ -89,7 +91,7 @@ class Drive:
             return law_of(self.design)
 
     @property
-    def linkage(self) -> CrankSlider:
+    def linkage(self) -> Mechanism:
         """The crank-slider."""
         return self.law.linkage
 
@@ -192,7 +194,7 @@ class Drive:
         """Everything asked of the teeth, at the module; of helical ones, that their tips do not jump with height."""
         from ncgear.solids.helical.even_tips import with_even_tips
 
-        form, pitch = tooth_form(self.gears, self.pitch.size.module_mm), self.pitch
+        form, pitch = tooth_form_of(self.gears, self.pitch.size.module_mm), self.pitch
         if self.helix is None:
             return form
         with self.stopwatch("teeth"):
@@ -234,12 +236,6 @@ class Drive:
         """Raise WrongInput or NoSuchMechanism where the contact of the exact teeth is not sound."""
         _ = self.designed_contact
 
-    @property
-    def sound_teeth(self) -> ToothedPair:
-        """Both toothed gears, once their contact is found sound."""
-        self.require_sound_teeth()
-        return self.teeth
-
     def contact(self, written: Sequence[Outlines]) -> PairContact:
         """Contact of the exact teeth and of outlines that were written, which must touch where the teeth do."""
         from ncgear.contact.pair import pair_contact, refuse_bad_outlines
@@ -264,7 +260,7 @@ class Drive:
     @computed
     def solids(self) -> SolidPair:
         """Both gears as closed meshes."""
-        from ncgear.project.bodies import helical_solids, straight_solids
+        from ncgear.project.gear_solids import helical_solids, straight_solids
 
         gears, pitch, tolerance = self.gears, self.pitch, self.design.output.chord_tolerance_mm
         if self.helix is not None:
@@ -282,14 +278,15 @@ class Drive:
 
         given, gears = self.design.masses, self.design.gears
         if given is None:
-            raise WrongInput("missing; forces need slider_kg, rod and crank", key="masses")
+            needed = listed(entry_of(self.design.linkage).needed_masses, "and")
+            raise WrongInput(f"missing; forces need {needed}", key="masses")
         if gears is None or given.tells_gears:
-            return masses_of(given)
+            return masses_of(given, self.linkage)
         from ncgear.solids.plan.body import body_kg_mm2
 
         plans, density = (self.solids.driving.plan, self.solids.driven.plan), given.density_kg_m3
         driving, driven = (body_kg_mm2(plan, density) for plan in plans)
-        return masses_of(given, driving, driven)
+        return masses_of(given, self.linkage, driving, driven)
 
     @computed
     def rigid(self) -> Rigid:
@@ -318,7 +315,8 @@ class Drive:
 
         if self.helix is not None:
             raise WrongInput("helical teeth are not followed under load; leave it out", key="gears.helix")
-        pitch, teeth = self.pitch, self.sound_teeth
+        self.require_sound_teeth()
+        pitch, teeth = self.pitch, self.teeth
         with self.stopwatch("gaps"):
             return meshing_of(self.design.simulation, pitch, teeth)
 
@@ -336,13 +334,13 @@ class Drive:
     def course(self) -> Course:
         """The motion of the toothed mechanism in time."""
         from ncgear.dynamics.crank_load import crank_load
-        from ncgear.dynamics.motion_in_time import Mechanism, Start, course, started
+        from ncgear.dynamics.motion_in_time import Start, ToothedMachine, course, started
         from ncgear.project.forces import drive_line_of
 
         given, masses, meshing = self.design.simulation, self.masses, self.meshing
         driving = drive_line_of(given, masses, self.machine.speed_rad_s)
         with self.stopwatch("motion in time"):
-            mechanism = Mechanism(driving, meshing, crank_load(self.linkage, masses, self.machine.resistance))
+            mechanism = ToothedMachine(driving, meshing, crank_load(self.linkage, masses, self.machine.resistance))
             return course(mechanism, started(mechanism, self.transmission, Start(given.start)), given.turns)
 
 

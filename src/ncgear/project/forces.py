@@ -4,26 +4,32 @@ from __future__ import annotations
 
 from math import cos, pi, radians, sin
 
-from ncgear.design.keys.masses import Gravity, Simulation
-from ncgear.design.keys.masses import Masses as Given
+from ncgear.design.keys.masses import Gravity, MechanismMasses, Simulation
 from ncgear.dynamics.gaps import gaps_of
 from ncgear.dynamics.meshing import Friction, Impact, Meshing, hertz_stiffness
 from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, Motor, law_table
 from ncgear.errors import WrongInput
 from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.units import N_PER_KG_MM_S2, RAD_S_PER_RPM
 from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.gear import ToothedPair
 
 
-def masses_of(given: Given, driving_body_kg_mm2: float = 0.0, driven_body_kg_mm2: float = 0.0) -> Masses:
+def masses_of(
+    given: MechanismMasses,
+    mechanism: Mechanism,
+    driving_body_kg_mm2: float = 0.0,
+    driven_body_kg_mm2: float = 0.0,
+) -> Masses:
     """What a design says of its masses; where it is silent on a gear, the moment of inertia of the gear's body."""
     driving, driven = given.driving_gear_kg_mm2, given.driven_gear_kg_mm2
-    return Masses(
+    rods = {name: getattr(given, name) for name in mechanism.RODS}
+    return mechanism.MASSES(
         slider_kg=given.slider_kg,
-        rod_kg=given.rod.mass_kg,
-        rod_center_mm=given.rod.center_mm,
-        rod_inertia_kg_mm2=given.rod.inertia_kg_mm2,
+        **{f"{name}_kg": rod.mass_kg for name, rod in rods.items()},
+        **{f"{name}_center_mm": rod.center_mm for name, rod in rods.items()},
+        **{f"{name}_inertia_kg_mm2": rod.inertia_kg_mm2 for name, rod in rods.items()},
         crank_kg=given.crank.mass_kg,
         crank_center_mm=given.crank.center_mm,
         crank_inertia_kg_mm2=given.crank.inertia_kg_mm2,

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from ncgear.design.keys.design import Design
-from ncgear.errors import WrongInput
-from ncgear.mechanisms.crank_slider import CrankSlider, crank_of_stroke_mm
+from ncgear.design.mechanisms import mechanism_of, mechanism_of_stroke
 from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance
 from ncgear.ratio.transmission import Law, Lobes
 
@@ -16,8 +15,8 @@ def law_of(design: Design) -> Law:
     """
     motion, lobes = design.motion, lobes_of(design)
     if motion.gives_stroke:
-        return motion.law_on(_linkage_of_stroke(design, motion.solved_stroke_mm()), lobes)
-    return motion.law_on(linkage_of(design), lobes)
+        return motion.law_on(mechanism_of_stroke(design.linkage, motion.solved_stroke_mm()), lobes)
+    return motion.law_on(mechanism_of(design.linkage), lobes)
 
 
 def lobes_of(design: Design) -> Lobes:
@@ -39,28 +38,3 @@ def resistance_of(design: Design) -> Resistance:
     if given.expression_n is not None:
         return FormulaResistance(given.expression_n, keep)
     return PolynomialResistance(given.polynomial_n or (0.0,), keep)
-
-
-def linkage_of(design: Design) -> CrankSlider:
-    """The linkage of a design that gives its crank; raises WrongInput where it does not."""
-    if design.linkage.crank_mm is None:
-        raise WrongInput("missing; only a stroke that is solved for gives the crank", key="linkage.crank_mm")
-    return CrankSlider(design.linkage.crank_mm, design.linkage.rod_mm, design.linkage.offset_mm)
-
-
-def _linkage_of_stroke(design: Design, stroke_mm: float) -> CrankSlider:
-    """The linkage whose crank gives the stroke that the law came out with."""
-    rod, offset = design.linkage.rod_mm, design.linkage.offset_mm
-    if design.linkage.crank_mm is not None:
-        raise WrongInput(
-            f"{design.linkage.crank_mm:g} mm is given, but the crank follows from the stroke that is "
-            "solved for; leave it out",
-            key="linkage.crank_mm",
-        )
-    longest = (rod - abs(offset)) * (1.0 - 1e-9)
-    if not 0.0 < stroke_mm < CrankSlider(longest, rod, offset).stroke_mm:
-        raise WrongInput(
-            f"a rod of {rod:g} mm cannot give the stroke of {stroke_mm:.6g} mm that follows from the law",
-            key="linkage.rod_mm",
-        )
-    return CrankSlider(crank_of_stroke_mm(stroke_mm, rod, offset), rod, offset)

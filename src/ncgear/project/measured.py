@@ -74,7 +74,7 @@ def _measured(drive: Drive, gear: Gear, toothed: ToothedGear) -> MeasuredGear:
 
 
 def _fitting(drive: Drive, working: WorkingFlanks, toothed: ToothedGear, tolerance: float) -> Pins:
-    """The pins given or, of those that are tried, the smallest ones that measure in the most spaces."""
+    """The pins given; else those that measure in the most spaces, the smallest of them."""
     helix, given = drive.helix, drive.gears.measuring_pin_mm
     normal_module = drive.rack.module_mm * (cos(helix.angle_rad) if helix else 1.0)
     nominal = nominal_pin_mm(normal_module, internal=working.is_ring)

@@ -10,19 +10,19 @@ from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.optimize import Limits, Optimize
 from ncgear.errors import WrongInput
-from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum import task
-from ncgear.optimum.certified.weighted import Weights
+from ncgear.optimum.certified.limit import Weights
 from ncgear.optimum.makeable.wishes import CurvatureWish, Goal, TwoStages, Wishes
-from ncgear.project.gears import rack_of
 from ncgear.project.law import lobes_of, resistance_of
+from ncgear.project.tooth_form import rack_of
 
 RACK_ANGLE_DEG = 20.0
 """Pressure angle of the rack where a design has no gears: that of ISO 53."""
 
 
-def task_of(design: Design, linkage: CrankSlider) -> task.Task:
+def task_of(design: Design, linkage: Mechanism) -> task.Task:
     """The machine: linkage, resistance, speed and lobes."""
     return task.Task(linkage, resistance_of(design), design.operation.speed_rpm * RAD_S_PER_RPM, lobes_of(design))
 
@@ -37,6 +37,7 @@ def wishes_of(design: Design) -> Wishes:
     shared = limits.stages > 1
     tangent_rad = _tangent_rad(limits, design.gears)
     curvature = _curvature(limits, design.gears)
+    weights = asked.weights
     return Wishes(
         limits=task.Limits(
             ratio_min=limits.ratio_min,
@@ -48,7 +49,7 @@ def wishes_of(design: Design) -> Wishes:
             mass_kg=asked.slider_mass_kg,
         ),
         goal=Goal(asked.goal),
-        weights=_weights(asked),
+        weights=Weights(1.0 / weights.acceleration_mm_s2, 1.0 / weights.power_w) if weights else None,
         peak_jerk_mm_s3=limits.peak_jerk_mm_s3,
         driven_speed_rad_s=None if limits.driven_speed_rpm is None else limits.driven_speed_rpm * RAD_S_PER_RPM,
         convex=limits.convex,
@@ -59,12 +60,6 @@ def wishes_of(design: Design) -> Wishes:
         harmonics=asked.harmonics,
         two_stages=TwoStages(tangent_rad) if shared else None,
     )
-
-
-def _weights(asked: Optimize) -> Weights | None:
-    if asked.weights is None:
-        return None
-    return Weights(1.0 / asked.weights.acceleration_mm_s2, 1.0 / asked.weights.power_w)
 
 
 def _tangent_rad(limits: Limits, gears: Gears | None) -> float | None:

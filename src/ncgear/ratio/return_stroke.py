@@ -1,15 +1,12 @@
-"""The return of a three-segment stroke: a polynomial for the ratio, or for its inverse, that closes the cycle.
+"""The return of one three-segment stroke: solved, closed to rounding, and refused with a reason where there is none.
 
 In tau, the share of the return that is gone, i12 (or 1/i12) is the cubic with the values and slopes that the working
-stroke has at its two ends, plus multiples of tau^2 (1 - tau)^2, which changes neither end.  One multiple, the lift,
-makes the return cover the driven angle that is left: the integral of 1/i12.  For the inverse that is a linear
-equation.  For the ratio it has one solution above the multiple at which the polynomial touches zero; here it is found
-in a bracket and then polished on the spectral integral, since the polynomial may be 1e5 times as large as its smallest
-value.  What remains free is either given by the published method's constant e (J. Wang, C. Wang, L. Miao, the source
-named in ``working_stroke.py``) or by a skewness, of which the least peak acceleration is searched.
-
-Ends, polynomials and the inverse's lift are formulas for one return and, in arrays, for many at once; the closing of
-many ratios and their samples are in ``sampled_strokes.py``.
+stroke has at its two ends, plus multiples of tau^2 (1 - tau)^2, which changes neither end.  One multiple makes the
+return cover the driven angle that is left.  For the inverse that is a linear equation.  For the ratio exactly one
+multiple above that at which the polynomial touches zero does it; it is found in a bracket and then polished on the
+spectral integral, since the polynomial may be 1e5 times as large as its smallest value.  What remains free is either
+given by the published method's constant e (the source named in ``working_stroke.py``) or by a skewness, of which the
+one with the least peak acceleration is searched.
 """
 
 from __future__ import annotations
@@ -17,13 +14,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
-from typing import Any, Generic, Self
 
 import numpy as np
 from numpy.polynomial import Polynomial, legendre
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics import chebyshev, jet
 from ncgear.numerics.arrays import Array, Number
 from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
@@ -31,36 +27,38 @@ from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import in_words
 from ncgear.numerics.zeros import zeros_between
 from ncgear.ratio.transmission import CLOSED
-from ncgear.ratio.working_stroke import polynomial_at
 
 
 @dataclass(frozen=True)
-class EndsOfReturns(Generic[Number]):
-    """What a return, or many in arrays of shape (n,), must join.
+class ReturnEnds:
+    """What the return must join: driving angles, the driven angle to cover, ratio and its slope at both ends."""
 
-    Driving angles, the driven angle to cover, and at both ends the ratio and its slope by the driving angle.
-    """
-
-    start_rad: Number
-    end_rad: Number
-    start_driven_rad: Number
-    end_driven_rad: Number
-    start_ratio: Number
-    start_ratio_slope: Number
-    end_ratio: Number
-    end_ratio_slope: Number
+    start_rad: float
+    end_rad: float
+    start_driven_rad: float
+    end_driven_rad: float
+    start_ratio: float
+    start_ratio_slope: float
+    end_ratio: float
+    end_ratio_slope: float
 
     @property
-    def length_rad(self) -> Number:
+    def length_rad(self) -> float:
         """Driving angle of the return."""
         return self.end_rad - self.start_rad
 
     @property
-    def driven_length_rad(self) -> Number:
+    def driven_length_rad(self) -> float:
         """Driven angle of the return."""
         return self.end_driven_rad - self.start_driven_rad
 
-    def inverted(self) -> Self:
+    @property
+    def cubic(self) -> Polynomial:
+        """The cubic in tau with the values and slopes of the two ends."""
+        values = self.start_ratio, self.start_ratio_slope, self.end_ratio, self.end_ratio_slope
+        return Polynomial(hermite(*values, self.length_rad))
+
+    def inverted(self) -> ReturnEnds:
         """The same ends for 1/i12 in place of i12."""
         return replace(
             self,
@@ -69,49 +67,6 @@ class EndsOfReturns(Generic[Number]):
             end_ratio=1.0 / self.end_ratio,
             end_ratio_slope=-self.end_ratio_slope / self.end_ratio**2,
         )
-
-
-@dataclass(frozen=True)
-class ReturnEnds(EndsOfReturns[float]):
-    """What one return must join."""
-
-
-BUMP = Polynomial([0.0, 0.0, 1.0, -2.0, 1.0])
-"""tau^2 (1 - tau)^2, which changes neither end."""
-
-SKEW = Polynomial([-1.0, 2.0])
-"""What makes a bump higher on one side and lower on the other."""
-
-
-def hermite(ends: EndsOfReturns[Number]) -> Array:
-    """Coefficients of the cubic in tau with the values and slopes of the two ends, shape (4,) or (4, n)."""
-    slope0, slope1 = ends.start_ratio_slope * ends.length_rad, ends.end_ratio_slope * ends.length_rad
-    rise = ends.end_ratio - ends.start_ratio
-    return np.array([ends.start_ratio, slope0, 3.0 * rise - 2.0 * slope0 - slope1, slope0 + slope1 - 2.0 * rise])
-
-
-def published_polynomials(ends: EndsOfReturns[Number], constant: Number) -> tuple[Array, Array]:
-    """Coefficients in tau, shape (6,) or (6, n), of returns with a given e, the ratio extrapolated to phi1 = 0.
-
-    Such a return is the first polynomial plus any multiple of the second.
-    """
-    origin = -ends.start_rad / ends.length_rad
-    base, bump = hermite(ends), _columns(BUMP, ends)
-    lift = (constant - polynomial_at(base, origin)) / polynomial_at(bump, origin)
-    return _padded(base) + lift * bump, np.roll(bump, 1, axis=0) - origin * bump
-
-
-def skewed_polynomials(ends: EndsOfReturns[Number], skewness: Number) -> Array:
-    """The cubic of the ends plus a skewness times ``SKEW * BUMP``, shape (6,) or (6, n)."""
-    skewed: Array = _padded(hermite(ends)) + skewness * _columns(SKEW * BUMP, ends)
-    return skewed
-
-
-def inverse_lift(polynomial: Array, ends: EndsOfReturns[Number]) -> Number:
-    """The multiple of ``BUMP`` that closes a return whose polynomial, shape (6,) or (6, n), is the ratio's inverse."""
-    missing = ends.driven_length_rad / ends.length_rad - _unit_integral(polynomial)
-    lift: Number = missing / _unit_integral(_columns(BUMP, ends))
-    return lift
 
 
 def not_positive(at_rad: float, ends: ReturnEnds) -> NoSuchMechanism:
@@ -196,6 +151,12 @@ def lowest(polynomial: Polynomial) -> tuple[float, float]:
     values = polynomial(points)
     index = int(np.argmin(values))
     return float(values[index]), float(points[index])
+
+
+def unit_integral(polynomial: Polynomial) -> float:
+    """Its integral over [0, 1]."""
+    antiderivative = polynomial.integ()
+    return float(antiderivative(1.0) - antiderivative(0.0))
 
 
 @cache
@@ -310,6 +271,10 @@ def _closing_sensitivity(polynomial: Polynomial, direction: Polynomial) -> float
     return float(weights @ (direction(nodes) / polynomial(nodes) ** 2))
 
 
+BUMP = Polynomial([0.0, 0.0, 1.0, -2.0, 1.0])
+SKEW = Polynomial([-1.0, 2.0])
+
+
 def return_with_constant(ends: ReturnEnds, constant: float) -> ReturnLaw:
     """The published return: i12 polynomial whose value extrapolated to phi1 = 0 is ``constant`` (the paper's e).
 
@@ -320,23 +285,35 @@ def return_with_constant(ends: ReturnEnds, constant: float) -> ReturnLaw:
 
 
 def published_family(ends: ReturnEnds, constant: float) -> tuple[Polynomial, Polynomial]:
-    """The ``published_polynomials`` of one return."""
-    base, direction = published_polynomials(ends, constant)
-    return Polynomial(base), Polynomial(direction)
+    """Polynomials in tau with the ends and the e of a return: the first one plus any multiple of the second."""
+    origin = -ends.start_rad / ends.length_rad
+    base = ends.cubic
+    lift = (constant - base(origin)) / BUMP(origin)
+    return base + lift * BUMP, BUMP * Polynomial([-origin, 1.0])
+
+
+def hermite(
+    start: Number, start_slope: Number, end: Number, end_slope: Number, length_rad: Number
+) -> tuple[Number, Number, Number, Number]:
+    """Coefficients of the cubic in tau with these values, and slopes by the driving angle, at the two ends."""
+    slope0, slope1, rise = start_slope * length_rad, end_slope * length_rad, end - start
+    return start, slope0, 3.0 * rise - 2.0 * slope0 - slope1, slope0 + slope1 - 2.0 * rise
 
 
 def ratio_family(ends: ReturnEnds) -> Callable[[float], ReturnLaw]:
     """The ratio's returns by their skewness, each closed; they raise NoSuchMechanism where none closes."""
-    return lambda skewness: closed_ratio(ends, Polynomial(skewed_polynomials(ends, skewness)), BUMP)
+    base = ends.cubic
+    return lambda skewness: closed_ratio(ends, base + skewness * SKEW * BUMP, BUMP)
 
 
 def inverse_family(ends: ReturnEnds) -> Callable[[float], ReturnLaw]:
     """The same of the inverse of the ratio, which closes by a linear equation."""
-    inverted = ends.inverted()
+    base = ends.inverted().cubic
 
     def closed(skewness: float) -> ReturnLaw:
-        shape = skewed_polynomials(inverted, skewness)
-        polynomial = Polynomial(shape) + BUMP * inverse_lift(shape, ends)
+        shape = base + skewness * SKEW * BUMP
+        missing = ends.driven_length_rad / ends.length_rad - unit_integral(shape)
+        polynomial = shape + BUMP * (missing / unit_integral(BUMP))
         least, at = lowest(polynomial)
         if not least > 0.0:
             raise not_positive(ends.start_rad + at * ends.length_rad, ends)
@@ -345,7 +322,7 @@ def inverse_family(ends: ReturnEnds) -> Callable[[float], ReturnLaw]:
     return closed
 
 
-def return_of_least_acceleration(ends: ReturnEnds, linkage: CrankSlider, *, inverse: bool) -> ReturnLaw:
+def return_of_least_acceleration(ends: ReturnEnds, linkage: Mechanism, *, inverse: bool) -> ReturnLaw:
     """The return whose peak slider acceleration is least within its basis.
 
     The skewness of the polynomial is scanned, and the best of the scan refined by a bounded minimisation.
@@ -382,7 +359,7 @@ class _ReturnAcceleration:
 
     DEGREE = 128
 
-    def __init__(self, ends: ReturnEnds, linkage: CrankSlider) -> None:
+    def __init__(self, ends: ReturnEnds, linkage: Mechanism) -> None:
         self._start = ends.start_driven_rad
         self._linkage = linkage
         start, end = np.array([ends.start_rad]), np.array([ends.end_rad])
@@ -408,20 +385,3 @@ def _interpolated_peak(points: Array, values: Array) -> float:
     bend = (fall_after / after - fall_before / before) / (after - before)
     slope = fall_before / before - bend * before
     return float(values[top] - slope**2 / (4.0 * bend)) if bend < 0.0 else float(values[top])
-
-
-def _unit_integral(coefficients: Array) -> Any:
-    """Integral over [0, 1] of a polynomial, or of one for each column."""
-    terms = coefficients.T / np.arange(1.0, len(coefficients) + 1.0)
-    return polynomial_at(terms.T, 1.0)
-
-
-def _padded(cubic: Array) -> Array:
-    """A cubic as a polynomial of degree 5."""
-    return np.concatenate([cubic, np.zeros_like(cubic[:2])])
-
-
-def _columns(polynomial: Polynomial, ends: EndsOfReturns[Number]) -> Any:
-    """Coefficients up to degree 5, the same for every return; shape (6,) for one and (6, 1) for many."""
-    coefficients = np.append(polynomial.coef, np.zeros(6 - polynomial.coef.size))
-    return coefficients[:, None] if np.ndim(ends.start_rad) else coefficients

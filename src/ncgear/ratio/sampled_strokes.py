@@ -1,37 +1,32 @@
 """Many three-segment strokes and their returns at once, sampled: what searches and screenings of thousands look at.
 
-The equations are those of one stroke (``working_stroke.py``) and of one return (``return_stroke.py``), in arrays of
-shape (n,) or, for polynomials, (m, n).  Only the multiple that closes a return in the ratio is found in another way:
-one return is solved in a bracket and refused with a reason, which takes milliseconds; of many, Newton's method takes
-all at once, and which of them close with a positive ratio is looked at afterwards.
+The strokes are those of ``working_stroke.py``, the returns the polynomials of ``return_stroke.py``; arrays of strokes
+have shape (n,) and polynomials (m, n).  One return is solved in a bracket, polished and refused with a reason, which
+takes milliseconds.  Of many, Newton's method closes all at once on the points of the samples; whether each has a
+positive ratio and ends where it must is for the caller to look at.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from functools import cache
+from math import pi
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ncgear.mechanisms.crank_slider import Linkages
-from ncgear.numerics.arrays import Array
+from ncgear.mechanisms.mechanism import Mechanisms
+from ncgear.numerics.arrays import Array, repeated
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.sampled import integration, shares
-from ncgear.ratio.return_stroke import (
-    BUMP,
-    EndsOfReturns,
-    inverse_lift,
-    published_polynomials,
-    skewed_polynomials,
-)
+from ncgear.ratio.return_stroke import hermite
 from ncgear.ratio.working_stroke import WorkingStrokes, polynomial_at
+
+BUMP_HEIGHT = 1.0 / 16.0
+"""Largest value of tau^2 (1 - tau)^2, at the middle of the return."""
 
 START_ABOVE = 1e-3
 """Where Newton's method starts: by so much of its size above the multiple at which the polynomial touches zero."""
-
-BUMP_HEIGHT = 1.0 / 16.0
-"""The bump's largest value, at tau = 1/2."""
 
 
 class Motion(NamedTuple):
@@ -43,128 +38,200 @@ class Motion(NamedTuple):
 
 
 def working_motions(strokes: WorkingStrokes[Array], counts: tuple[int, int, int]) -> tuple[Motion, Motion, Motion]:
-    """The motion on approach, pressing and braking at Chebyshev points of each, ends included."""
-    approach, pressing, braking = counts
-    phi1 = strokes.theta2_rad[:, None] * shares(approach)
-    delta = (strokes.theta4_rad - strokes.theta3_rad)[:, None] * shares(braking)[::-1]
-    advancing = _from_rest(strokes.approach_slope, strokes.approach_root, phi1)
-    left = _from_rest(strokes.braking_slope, strokes.braking_root, delta)
+    """The motion on approach, pressing and braking at Chebyshev points of each, ends included.
+
+    The points of the braking run from the dead centre back to theta3.
+    """
+    theta2, theta3, theta4 = (angle[:, None] for angle in (strokes.theta2_rad, strokes.theta3_rad, strokes.theta4_rad))
+    approach, pressing, braking = (shares(count) for count in counts)
+    advanced = _from_rest(strokes.approach_slope, strokes.approach_root, theta2 * approach)
+    left = _from_rest(strokes.braking_slope, strokes.braking_root, (theta4 - theta3) * braking)
     speed = strokes.pressing_mm_rad[:, None]
-    beyond = (strokes.theta3_rad - strokes.theta2_rad)[:, None] * shares(pressing)
-    pressed = strokes.pressing_start_mm[:, None] + speed * beyond
+    pressed = advanced.displacement[:, -1:] + speed * (theta3 - theta2) * pressing
     return (
-        advancing,
-        Motion(pressed, np.broadcast_to(speed, pressed.shape), np.zeros_like(pressed)),
+        advanced,
+        Motion(pressed, np.broadcast_to(speed, pressed.shape), 0.0 * pressed),
         Motion(strokes.stroke_mm[:, None] - left.displacement, left.velocity, -left.acceleration),
     )
 
 
 def _from_rest(slope: Array, root: Array, angle: Array) -> Motion:
     """The motion of v = t slope(t), whose displacement is t^2 root(t), at angles t (shape (n, points))."""
-    rising = slope * np.arange(1.0, len(slope) + 1.0)[:, None]
-    over, displaced, change = (polynomial_at(part[..., None], angle) for part in (slope, root, rising))
+    order = np.arange(len(slope))
+    powers = angle[:, :, None] ** order
+    rising = slope * (order + 1.0)[:, None]
+    over, displaced, change = (
+        np.einsum("npk,nk->np", powers, np.ascontiguousarray(part.T)) for part in (slope, root, rising)
+    )
     return Motion(angle**2 * displaced, angle * over, change)
 
 
 @dataclass(frozen=True, eq=False)
 class Returns:
-    """Returns as polynomials in tau (shape (6, n)), which are the ratio, or its inverse where ``inverse`` is true."""
+    """n returns: cubic(tau) + (bump + skew (2 tau - 1)) tau^2 (1 - tau)^2 is the ratio, or its inverse.
 
-    ends: EndsOfReturns[Array]
-    polynomial: Array
+    ``cubic`` has shape (4, n), the others (n,); ``length_rad`` is the driving angle of the return.
+    """
+
+    cubic: Array
+    bump: Array
+    skew: Array
+    length_rad: Array
     inverse: bool = False
+
+    def polynomial(self, points: Points, order: int) -> Jet:
+        """Its value and derivatives by the driving angle up to ``order``, at most 2, at n times all points."""
+        at, rows, length = points.basis, self.cubic.T, self.length_rad[:, None]
+        bump, skew = self.bump[:, None], self.skew[:, None]
+        parts = [rows @ at.powers.T + skew * at.skew[0] + bump * at.bump[0]]
+        rising = rows[:, 1:] * np.arange(1.0, 4.0)
+        parts.append((rising @ at.powers[:, :3].T + skew * at.skew[1] + bump * at.bump[1]) / length)
+        if order == 2:
+            bending = rows[:, 2:] * np.array([1.0, 3.0])
+            halves = skew * (at.skew[2] / 2.0) + bump * (at.bump[2] / 2.0)
+            parts.append((bending @ at.powers[:, :2].T + halves) / length**2)
+        return Jet(np.stack([part.ravel() for part in parts]))
 
 
 @dataclass(frozen=True, eq=False)
 class ReturnSamples:
-    """n returns cut into p equal pieces of m Chebyshev points; arrays have shape (n, p, m).
+    """n returns at p pieces of m points each; arrays have shape (n, p, m).
 
-    ``end_driven_rad`` (shape (n,)) is the driven angle at which the return really ends.  ``slope`` is dphi2/dphi1,
-    followed by its two derivatives by phi1 and the slider's velocity in mm/rad and acceleration in mm/rad^2.
+    ``slopes`` are dphi2/dphi1 and its derivatives by phi1, as many as were asked for; ``velocity`` of the slider is in
+    mm/rad, ``acceleration`` in mm/rad^2.  ``end_driven_rad`` (shape (n,)) is where the return really ends.
     """
 
-    end_driven_rad: Array
-    slope: Array
-    slope_first: Array
-    slope_second: Array
+    slopes: tuple[Array, ...]
     velocity: Array
     acceleration: Array
+    end_driven_rad: Array
 
 
-def returns_with_constant(ends: EndsOfReturns[Array], constant: Array, points: tuple[int, int], steps: int) -> Returns:
-    """i12 polynomials whose value extrapolated to phi1 = 0 is ``constant`` (shape (n,)), the published method's e.
+@dataclass(frozen=True)
+class Points:
+    """A return is cut into equal pieces of tau with ``count`` Chebyshev points each, ends included.
 
-    ``points`` are pieces and points of each, on which ``steps`` of Newton's method close the returns.
+    ``steps`` of Newton's method on these points close a return in the ratio.
     """
-    base, direction = published_polynomials(ends, constant)
-    return Returns(ends, base + _ratio_lift(base, direction, ends, points, steps) * direction)
+
+    pieces: int
+    count: int
+    steps: int
+
+    @property
+    def basis(self) -> Basis:
+        """The parts of a return's polynomial at all points."""
+        return _basis(self.pieces, self.count)
 
 
-def returns_with_skewness(
-    ends: EndsOfReturns[Array], skewness: Array, points: tuple[int, int], steps: int, *, inverse: bool
-) -> Returns:
-    """Returns in the ratio or its inverse of given skewness (shape (n,)), in heights of the bump.
+class Basis(NamedTuple):
+    """Powers of tau (shape (points, 4)), and tau^2 (1 - tau)^2 and its product with 2 tau - 1 with two derivatives.
 
-    The unit is the mean of the polynomial.
+    ``weights`` (shape (points,)) make the integral over tau of values at all points.
     """
-    mean = ends.driven_length_rad / ends.length_rad if inverse else ends.length_rad / ends.driven_length_rad
-    base = skewed_polynomials(ends.inverted() if inverse else ends, mean * skewness / BUMP_HEIGHT)
-    bump = np.append(BUMP.coef, 0.0)[:, None]
-    lift = inverse_lift(base, ends) if inverse else _ratio_lift(base, bump, ends, points, steps)
-    return Returns(ends, base + lift * bump, inverse)
 
-
-def return_samples(returns: Returns, linkage: Linkages[Any], points: tuple[int, int]) -> ReturnSamples:
-    """The returns at Chebyshev points; ``points`` are the number of pieces and of points in each."""
-    pieces, count = points
-    length = returns.ends.length_rad[:, None]
-    order, powers = np.arange(6.0)[:, None], _powers(points)
-    rows = returns.polynomial, (order * returns.polynomial)[1:], (order * (order - 1.0) * returns.polynomial)[2:]
-    value, first, second = (row.T @ powers[: len(row)] for row in rows)
-    slope = Jet(np.stack([value.ravel(), (first / length).ravel(), (second / (2.0 * length**2)).ravel()]))
-    slope = slope if returns.inverse else 1.0 / slope
-    turned = slope.value.reshape(-1, pieces, count) @ integration(count).T * (length[..., None] / pieces)
-    before = np.cumsum(turned[:, :, -1:], axis=1) - turned[:, :, -1:]
-    driven = turned + before + returns.ends.start_driven_rad[:, None, None]
-    motion = repeated(linkage, pieces * count).displacement(slope.truncated(1).integrated(driven.ravel()))
-    arrays = *(slope.derivative(k) for k in (0, 1, 2)), *(motion.derivative(k) for k in (1, 2))
-    return ReturnSamples(driven[:, -1, -1], *(values.reshape(-1, pieces, count) for values in arrays))
-
-
-def repeated(many: Any, count: int) -> Any:
-    """A dataclass whose arrays count designs along their last axis, each design ``count`` times."""
-    values = {field.name: getattr(many, field.name) for field in fields(many)}
-    arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
-    return replace(many, **{name: np.repeat(value, count, axis=-1) for name, value in arrays.items()})
-
-
-def _ratio_lift(
-    base: Array, direction: Array, ends: EndsOfReturns[Array], points: tuple[int, int], steps: int
-) -> Array:
-    """The multiple (shape (n,)) of ``direction`` that closes returns in the ratio.
-
-    The harmonic mean of the ratio is then that of the return.  It is a concave function of the multiple, and from just
-    above where the polynomial touches zero Newton's steps never pass the solution.
-    """
-    pieces, count = points
-    mean = ends.length_rad / ends.driven_length_rad
-    weights = np.tile(integration(count)[-1] / pieces, pieces)
-    given, risen = base.T @ _powers(points), direction.T @ _powers(points)
-    inner = slice(2, -2)
-    least = np.max(-given[:, inner] / risen[:, inner], axis=1)
-    lift: Array = least + START_ABOVE * (np.abs(least) + mean / BUMP_HEIGHT)
-    for _ in range(steps):
-        inverse = 1.0 / (given + lift[:, None] * risen)
-        covered, falling = inverse @ weights, (inverse**2 * risen) @ weights
-        step: Array = (mean - 1.0 / covered) * covered**2 / falling
-        lift = np.maximum(lift + step, least)
-    return lift
+    tau: Array
+    weights: Array
+    powers: Array
+    bump: tuple[Array, Array, Array]
+    skew: tuple[Array, Array, Array]
 
 
 @cache
-def _powers(points: tuple[int, int]) -> Array:
-    """Powers of tau at the points of all pieces, shape (6, pieces * count)."""
-    pieces, count = points
+def _basis(pieces: int, count: int) -> Basis:
     tau = ((np.arange(pieces)[:, None] + shares(count)) / pieces).ravel()
-    powers: Array = tau ** np.arange(6.0)[:, None]
-    return powers
+    bump = tau**2 * (1.0 - tau) ** 2, 2.0 * tau * (1.0 - tau) * (1.0 - 2.0 * tau), 2.0 - 12.0 * tau * (1.0 - tau)
+    slant = 2.0 * tau - 1.0
+    skew = slant * bump[0], 2.0 * bump[0] + slant * bump[1], 4.0 * bump[1] + slant * bump[2]
+    weights = np.tile(integration(count)[-1] / pieces, pieces)
+    return Basis(tau, weights, tau[:, None] ** np.arange(4.0), bump, skew)
+
+
+def returns_with_skewness(
+    strokes: WorkingStrokes[Array],
+    linkage: Mechanisms[Any],
+    period_rad: float,
+    skewness: Array,
+    points: Points,
+    *,
+    inverse: bool,
+) -> Returns:
+    """Returns in the ratio or its inverse; ``skewness`` (shape (n,)) is in mean polynomials per height of the bump."""
+    length, driven = period_rad - strokes.theta4_rad, 2.0 * pi - linkage.working_angle_rad
+    mean = driven / length if inverse else length / driven
+    skew, at = mean * skewness / BUMP_HEIGHT, points.basis
+    cubic = _cubic(strokes, linkage, length, inverse=inverse)
+    base = cubic.T @ at.powers.T + skew[:, None] * at.skew[0]
+    if inverse:
+        bump = (mean - base @ at.weights) / float(at.weights @ at.bump[0])
+    else:
+        bump = _ratio_lift(base, at.bump[0], mean, points)
+    return Returns(cubic, bump, skew, length, inverse)
+
+
+def returns_with_constant(
+    strokes: WorkingStrokes[Array], linkage: Mechanisms[Any], period_rad: float, constant: Array, points: Points
+) -> Returns:
+    """Returns in the ratio whose polynomial is ``constant`` (shape (n,)) at phi1 = 0, the published method's e."""
+    length, driven = period_rad - strokes.theta4_rad, 2.0 * pi - linkage.working_angle_rad
+    cubic, at = _cubic(strokes, linkage, length, inverse=False), points.basis
+    origin = -strokes.theta4_rad / length
+    given = (constant - polynomial_at(cubic, origin)) / (origin**2 * (1.0 - origin) ** 2)
+    base = cubic.T @ at.powers.T + given[:, None] * at.bump[0]
+    lift = _ratio_lift(base, at.bump[0] * (at.tau - origin[:, None]), length / driven, points)
+    return Returns(cubic, given + lift * (0.5 - origin), lift / 2.0, length)
+
+
+def return_samples(returns: Returns, linkage: Mechanisms[Any], points: Points, order: int) -> ReturnSamples:
+    """The returns, dphi2/dphi1 with derivatives up to ``order`` (1 or 2), and the slider's motion at all points."""
+    shape, length = (-1, points.pieces, points.count), returns.length_rad[:, None, None]
+    slope = returns.polynomial(points, order)
+    slope = slope if returns.inverse else 1.0 / slope
+    turned = (slope.value.reshape(-1, points.count) @ integration(points.count).T).reshape(shape)
+    turned = turned * (length / points.pieces)
+    before = np.cumsum(turned[:, :, -1:], axis=1) - turned[:, :, -1:]
+    driven = turned + before + np.reshape(linkage.working_angle_rad, (-1, 1, 1))
+    moved = slope.truncated(1).integrated(driven.ravel())
+    motion = repeated(linkage, points.pieces * points.count).displacement(moved)
+    slopes = tuple(slope.derivative(k).reshape(shape) for k in range(order + 1))
+    velocity, acceleration = (motion.derivative(k).reshape(shape) for k in (1, 2))
+    return ReturnSamples(slopes, velocity, acceleration, driven[:, -1, -1])
+
+
+def _cubic(strokes: WorkingStrokes[Array], linkage: Mechanisms[Any], length: Array, *, inverse: bool) -> Array:
+    """The cubic in tau with the values and slopes of the two ends, shape (4, n)."""
+    far = _rate(-strokes.braking_slope[0] / 2.0, strokes.braking_slope[1] / 3.0, linkage, linkage.working_angle_rad)
+    near = _rate(strokes.approach_slope[0] / 2.0, strokes.approach_slope[1] / 3.0, linkage, 0.0)
+    if inverse:
+        return np.stack(hermite(*far, *near, length))
+    start, end = ((1.0 / rate, -slope / rate**2) for rate, slope in (far, near))
+    return np.stack(hermite(*start, *end, length))
+
+
+def _rate(second: Array, third: Array, linkage: Mechanisms[Any], centre_rad: Any) -> tuple[Array, Array]:
+    """dphi2/dphi1 and its derivative by phi1 at a dead centre, where x = b phi1^2 + c phi1^3 = k phi2^2 + m phi2^3.
+
+    So phi2 = w phi1 + w'/2 phi1^2 with w^2 = b/k and w' = (c - m w^3)/(k w).
+    """
+    at = Jet.variable(np.broadcast_to(centre_rad, second.shape), 3)
+    linkage_second, linkage_third = linkage.displacement(at).coefficients[2:]
+    rate = np.sqrt(second / linkage_second)
+    return rate, (third - linkage_third * rate**3) / (linkage_second * rate)
+
+
+def _ratio_lift(base: Array, direction: Array, mean: Array, points: Points) -> Array:
+    """The multiple (shape (n,)) of ``direction`` that makes the harmonic mean of the ratio over the return ``mean``.
+
+    ``base`` has shape (n, points), ``direction`` that or (points,); it is positive but for double zeros at both ends.
+    The harmonic mean is a concave function of the multiple: from just above where the polynomial touches zero, Newton's
+    steps never pass the solution.
+    """
+    inner, weights = slice(2, -2), points.basis.weights
+    least = np.max(-base[:, inner] / direction[..., inner], axis=1)
+    lift: Array = least + START_ABOVE * (np.abs(least) + mean / BUMP_HEIGHT)
+    for _ in range(points.steps):
+        inverse = 1.0 / (base + lift[:, None] * direction)
+        covered, falling = inverse @ weights, (inverse**2 * direction) @ weights
+        step: Array = (mean - 1.0 / covered) * covered**2 / falling
+        lift = np.maximum(lift + step, least)
+    return lift

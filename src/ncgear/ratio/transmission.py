@@ -1,9 +1,9 @@
-"""The contract that every law fulfils: the driven angle as a jet on consecutive pieces of one period.
+"""What every motion law is once it is made: a closed function phi2(phi1), the gears that follow it, and its linkage.
 
-With lobes n1:n2 the driving gear repeats its curve n1 times a turn and the driven gear n2 times; one period takes
-2 pi / n1 of the driving angle and 2 pi / n2 of the driven angle.
-
-The pairs of gears between the driving shaft and the crank: one, or two in series.
+A ``Transmission`` gives the driven angle with derivatives on consecutive pieces of one period.  With lobes n1:n2 the
+driving gear repeats its curve n1 times a turn and the driven gear n2 times; one period takes 2 pi / n1 of the driving
+angle and 2 pi / n2 of the driven angle.  A ``Train`` is one pair of gears, or two in series, between the driving shaft
+and the crank.  A ``Law`` is a train on its linkage, with what a prescribed stroke has to tell.
 """
 
 from __future__ import annotations
@@ -12,11 +12,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import pi
+from operator import attrgetter
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum, extremes
@@ -24,15 +25,16 @@ from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import in_words
 
 JetFunction = Callable[[Array, int], Jet]
-"""Points (shape (n,)) and an order to a jet; the driven angle in rad at driving angles in rad."""
+"""From driving angles in rad, shape (n,), and an order to the driven angle in rad with its derivatives."""
 
 CLOSED = 1e-12
 """Closure error in rad that counts as none: about 500 rounding errors of a full turn (tests/test_compensation.py)."""
 
-
 STANDSTILL = 1e-6
-"""Share of its largest speed below which the driven gear counts as standing still: the pitch radius would be as small a
-share of the centre distance, and a ratio of 1:100 is a hundredfold of what teeth can do."""
+"""Share of its largest speed below which the driven gear counts as standing still.
+
+The pitch radius would be as small a share of the centre distance; teeth cannot even follow a ratio of 1:100.
+"""
 
 
 @dataclass(frozen=True)
@@ -129,8 +131,9 @@ class Transmission:
 
     def extremes(self, quantity: Callable[[Piece], Callable[[Array], Jet]]) -> tuple[Extremum, Extremum]:
         """Smallest and largest value over one period of a quantity given piece by piece."""
-        ranges = [piece.extremes(quantity(piece)) for piece in self.pieces]
-        return min((low for low, _ in ranges), key=_value), max((high for _, high in ranges), key=_value)
+        lows, highs = zip(*(piece.extremes(quantity(piece)) for piece in self.pieces), strict=True)
+        value = attrgetter("value")
+        return min(lows, key=value), max(highs, key=value)
 
     @property
     def ratio_range(self) -> tuple[Extremum, Extremum]:
@@ -146,17 +149,9 @@ class Transmission:
         index = np.maximum(np.searchsorted(starts, local, side="right") - 1, 0)
         masks = [(index == number, piece) for number, piece in enumerate(self.pieces)]
         parts = [(mask, piece.driven_angle(local[mask], order)) for mask, piece in masks if mask.any()]
-        return jet.joined(parts) + Jet(_constant(cycles * self.lobes.driven_period_rad, order))
-
-
-def _value(extremum: Extremum) -> float:
-    return extremum.value
-
-
-def _constant(values: Array, order: int) -> Array:
-    coefficients = np.zeros((order + 1, values.size))
-    coefficients[0] = values
-    return coefficients
+        turned = np.zeros((order + 1, points.size))
+        turned[0] = cycles * self.lobes.driven_period_rad
+        return jet.joined(parts) + Jet(turned)
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,7 +196,7 @@ class PrescribedStroke:
 class Law:
     """A closed law on its linkage, the pairs of gears that make it, and its stroke where the law prescribes one."""
 
-    linkage: CrankSlider
+    linkage: Mechanism
     train: Train
     stroke: PrescribedStroke | None = None
 

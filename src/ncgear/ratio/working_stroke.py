@@ -16,7 +16,7 @@ refused with a reason where it does not (``solved_stroke``); of many nothing is 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from math import inf, pi
 from typing import Any, Generic
 
@@ -126,14 +126,15 @@ def closed_strokes(requests: StrokeRequests[Array]) -> WorkingStrokes[Array]:
 def shaped_strokes(theta_rad: Array, approach_shape: Array, brake: Array, stroke_mm: float) -> WorkingStrokes[Array]:
     """Many strokes of given shapes, of which nothing is proved, at a law speed of 1 rad/s.
 
-    ``theta_rad`` holds theta1 to theta4 (shape (4, n)), ``approach_shape`` is v/phi1 over v2 in powers of phi1
+    ``theta_rad`` holds theta1 to theta4 (shape (4, n)), ``approach_shape`` is v/v2 in powers 1 to 4 of phi1/theta2
     (shape (4, n)), ``brake`` is -a1 (theta4 - theta3)/v2 (shape (n,)).  The stroke is then linear in v2, which closes
     it; where no positive v2 does, it is negative or infinite.
     """
     theta1, theta2, theta3, theta4 = theta_rad
-    delta = theta4 - theta3
-    v2 = stroke_mm / (_approach_length(approach_shape, theta2) + (theta3 - theta2) + delta * (0.5 + brake / 12.0))
-    approach, unit = approach_shape * v2, np.ones_like(v2)
+    delta, order = theta4 - theta3, np.arange(1.0, 5.0)[:, None]
+    approached = theta2 * (approach_shape / (order + 1.0)).sum(axis=0)
+    v2 = stroke_mm / (approached + theta3 - theta2 + delta * (0.5 + brake / 12.0))
+    approach, unit = approach_shape * v2 / theta2**order, np.ones_like(v2)
     v1 = theta1 * polynomial_at(approach, theta1)
     request = StrokeRequests(theta1, theta2, theta3, theta4, v1, v2, -brake * v2 / delta, unit, stroke_mm * unit)
     return WorkingStrokes(**_assembled(request, approach))
@@ -192,13 +193,11 @@ def _stroke_sensitivities(request: StrokeRequests[Number]) -> tuple[Number, Numb
     t2 = request.theta2_rad
     delta = request.theta4_rad - request.theta3_rad
     none, unit = t2 * 0.0, t2 * 0.0 + 1.0
-    by_v1, by_v2 = (_approach_length(_approach_through(request, *v), t2) for v in ((unit, none), (none, unit)))
-    return by_v1, by_v2 + (request.theta3_rad - t2) + delta / 2.0, -(delta**2) / 12.0
 
+    def approach(v1: Number, v2: Number) -> Number:
+        return polynomial_at(_root_form(_approach_through(request, v1, v2)), t2) * t2**2
 
-def _approach_length(slope: Array, theta2: Number) -> Number:
-    """Stroke on [0, theta2] of v = phi1 slope(phi1)."""
-    return polynomial_at(_root_form(slope), theta2) * theta2**2
+    return approach(unit, none), approach(none, unit) + (request.theta3_rad - t2) + delta / 2.0, -(delta**2) / 12.0
 
 
 def _closed(request: StrokeRequests[Number]) -> StrokeRequests[Number]:
@@ -258,9 +257,8 @@ def _assembled(request: StrokeRequests[Number], approach: Array) -> dict[str, An
     """The fields of the stroke of a closed request, from its Q."""
     omega, v2 = _known(request.law_speed_rad_s), _known(request.v2_mm_s)
     braking = _braking_slope(request, v2 / omega, _known(request.a1_mm_s2) / _a1_speed(request, omega) ** 2)
-    asked = {field.name: getattr(request, field.name) for field in fields(request) if field.name != "a1_speed_rad_s"}
     return {
-        **asked,
+        **{name: value for name, value in vars(request).items() if name != "a1_speed_rad_s"},
         "pressing_mm_rad": v2 / omega,
         "approach_slope": approach,
         "approach_root": _root_form(approach),

@@ -1,8 +1,6 @@
-"""The figures of many sampled laws: peaks of the motion, range of the ratio, and the pitch curves of external pairs.
+"""The figures of designs: of many from their sampled laws, and of one by the stages that a check and a build use.
 
-The figures of one design, by the stages that a check and a build use.
-
-From the figures of many laws to those of designs, as ``single.py`` has those of one.
+Peaks of the motion, range of the ratio and the pitch curves of external pairs; both ways give the same keys.
 """
 
 from __future__ import annotations
@@ -117,31 +115,22 @@ def _integral(values: Array) -> Array:
 def single_figures(design: Design) -> dict[str, float]:
     """Every figure of a design; raises WrongInput or NoSuchMechanism where it cannot be made."""
     drive = Drive(design)
-    figures = {**_law(drive), **_check(drive)}
-    # Of two stages the curves are those of each pair, and a build alone tells them apart.
-    return figures if design.gears is None or design.stages > 1 else {**figures, **_pitch(drive)}
-
-
-def _law(drive: Drive) -> dict[str, float]:
     stroke, (low, high) = drive.law.stroke, drive.transmission.ratio_range
-    return {
+    check = drive.check
+    figures = {
         "drive.law_speed_rpm": drive.law_speed_rpm,
         "closure.residual_rad": abs(drive.transmission.closure_error_rad),
         "closure.stroke_residual_mm": abs(stroke.closing_error_mm) if stroke else 0.0,
         "ratio.min": low.value,
         "ratio.max": high.value,
-    }
-
-
-def _check(drive: Drive) -> dict[str, float]:
-    check = drive.check
-    return {
         "check.peak_power_w": check.peak_power_w.value,
         "check.mean_power_w": check.mean_power_w,
         "check.peak_speed_mm_s": check.peak_speed_mm_s.value,
         "check.peak_acceleration_working_mm_s2": check.peak_acceleration_working_mm_s2.value,
         "check.peak_acceleration_cycle_mm_s2": check.peak_acceleration_cycle_mm_s2.value,
     }
+    # Of two stages the curves are those of each pair, and a build alone tells them apart.
+    return figures if design.gears is None or design.stages > 1 else {**figures, **_pitch(drive)}
 
 
 def _pitch(drive: Drive) -> dict[str, float]:

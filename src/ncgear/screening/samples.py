@@ -16,21 +16,24 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.design.keys.base import Model
 from ncgear.design.keys.design import Design
 from ncgear.design.laws.harmonic_ratio import HarmonicRatio
 from ncgear.design.laws.three_segment_stroke import SAME_STROKE, ThreeSegmentStroke
-from ncgear.mechanisms.crank_slider import Linkages
+from ncgear.design.mechanisms import mechanisms_of
+from ncgear.mechanisms.mechanism import Mechanisms
 from ncgear.mechanisms.resistance import Resistance
-from ncgear.numerics.arrays import Array, Mask
+from ncgear.numerics.arrays import Array, Mask, repeated
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.sampled import extremes, integration, shares
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.makeable.quantities import Place, Slider, acceleration, velocity
 from ncgear.project.law import lobes_of, resistance_of
-from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle, return_ends
+from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle
 from ncgear.ratio.sampled_strokes import (
-    Returns,
-    repeated,
+    Motion,
+    Points,
+    ReturnSamples,
     return_samples,
     returns_with_constant,
     working_motions,
@@ -39,8 +42,6 @@ from ncgear.ratio.transmission import Lobes
 from ncgear.ratio.working_stroke import StrokeRequests, WorkingStrokes, closed_strokes, polynomial_at
 
 STROKE, HARMONIC = "three_segment_stroke", "harmonic_ratio"
-
-LENGTHS = ("crank_mm", "rod_mm", "offset_mm")
 
 RETURN_PIECES = 3
 """Equal pieces that a return is cut into: where its ratio is small, a polynomial's inverse varies fast."""
@@ -58,8 +59,9 @@ HARMONIC_PIECES = 4
 
 @dataclass(frozen=True)
 class Kind:
-    """What the designs of one batch share."""
+    """What the designs of one batch share; ``linkage`` is the model of its mechanism's keys."""
 
+    linkage: type[Model]
     law: tuple[Hashable, ...]
     lobes: Lobes
     resistance: Resistance
@@ -73,7 +75,7 @@ def kind_of(design: Design) -> Kind | None:
     if design.resistance is not None and design.resistance.table is not None:
         # The bend of a table's force jumps at its points, which no series along a piece resolves.
         return None
-    return Kind(law, lobes_of(design), resistance_of(design))
+    return Kind(type(design.linkage), law, lobes_of(design), resistance_of(design))
 
 
 def _law(design: Design) -> tuple[Hashable, ...] | None:
@@ -83,14 +85,14 @@ def _law(design: Design) -> tuple[Hashable, ...] | None:
             return None
         return STROKE, motion.solve_for, motion.a1_speed_rpm is None, motion.stroke_mm is None
     if isinstance(motion, HarmonicRatio) and motion.second_stage is None and (motion.cosine or motion.sine):
-        return HARMONIC, _tilts(design)
+        return HARMONIC, _working_angle_rad(design)
     return None
 
 
-def _tilts(design: Design) -> tuple[float, ...]:
-    """What the working angle of the linkage follows from; nothing where there is no offset."""
-    crank, rod, offset = (getattr(design.linkage, name) for name in LENGTHS)
-    return (offset / (rod + crank), offset / (rod - crank)) if offset and rod > crank else ()
+def _working_angle_rad(design: Design) -> float | None:
+    """That of the linkage, which a batch of harmonic laws shares; None where the crank cannot turn."""
+    linkage = mechanisms_of([design.linkage])
+    return float(linkage.working_angle_rad[0]) if linkage.turns_fully[0] else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,16 +135,15 @@ def sampled(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
 
 def _strokes(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
     """Three-segment strokes; what ``project/law.py`` would refuse of one is not ``sound``."""
-    linkage = _linkages(designs)
+    linkage = mechanisms_of([design.linkage for design in designs])
     stroke_mm, period = linkage.stroke_mm, kind.lobes.driving_period_rad
     strokes = closed_strokes(_requests(designs, stroke_mm))
-    ends, points = return_ends(strokes, linkage, kind.lobes), (RETURN_PIECES, count)
-    returns = returns_with_constant(ends, _column(designs, "motion.return_.e"), points, CLOSING_STEPS)
-    turning = linkage.rod_mm - linkage.crank_mm > np.abs(linkage.offset_mm)
-    sound = turning & (strokes.theta4_rad < period)
+    points = Points(RETURN_PIECES, count, CLOSING_STEPS)
+    returns = returns_with_constant(strokes, linkage, period, _column(designs, "motion.return_.e"), points)
+    sound = linkage.turns_fully & (strokes.theta4_rad < period)
     if kind.law[-1] is False:
         sound &= np.isclose(_column(designs, "motion.stroke_mm"), stroke_mm, rtol=SAME_STROKE / 2.0, atol=0.0)
-    samples = stroke_samples(strokes, linkage, returns, count)
+    samples = _stroke_samples(strokes, linkage, return_samples(returns, linkage, points, 2), returns.length_rad)
     return Sampled(samples, sound, stroke_mm, strokes.law_speed_rad_s / RAD_S_PER_RPM, strokes.closing_error_mm)
 
 
@@ -169,8 +170,11 @@ def _given(designs: Sequence[Design], name: str, unit: float = 1.0) -> Array | N
     return _column(designs, f"motion.{name}") * unit
 
 
-def stroke_samples(strokes: WorkingStrokes[Array], linkage: Linkages[Array], returns: Returns, count: int) -> Samples:
-    """The working stroke's segments and the return's pieces, ``count`` points each."""
+def _stroke_samples(
+    strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], back: ReturnSamples, length_rad: Array
+) -> Samples:
+    """The working stroke's segments and the pieces of a return of ``length_rad``, as many points each."""
+    pieces, count = back.velocity.shape[1:]
     width2, width3 = strokes.theta3_rad - strokes.theta2_rad, strokes.theta4_rad - strokes.theta3_rad
     starts, widths = (0.0 * width2, strokes.theta2_rad, strokes.theta3_rad), (strokes.theta2_rad, width2, width3)
     angles = (approach_angle, pressing_angle, braking_angle)
@@ -180,20 +184,21 @@ def stroke_samples(strokes: WorkingStrokes[Array], linkage: Linkages[Array], ret
         phi1 = start[:, None] + width[:, None] * shares(count)
         driven = angle(many, linkages, phi1.ravel(), 3)
         places.append(_place_of(*(driven.derivative(k).reshape(phi1.shape) for k in (1, 2, 3))))
-    out = [np.stack(parts, axis=1) for parts in zip(*working_motions(strokes, (count, count, count)), strict=True)]
-    back = return_samples(returns, linkage, (RETURN_PIECES, count))
-    stacked = (np.stack(column, axis=1) for column in zip(*places, strict=True))
-    home = _place_of(back.slope, back.slope_first, back.slope_second)
-    at = Place(*(np.concatenate(columns, axis=1) for columns in zip(stacked, home, strict=True)))
-    every = np.stack([*widths, *[returns.ends.length_rad / RETURN_PIECES] * RETURN_PIECES], axis=1)
+    out = (np.stack(column, axis=1) for column in zip(*places, strict=True))
+    home = _place_of(*back.slopes)
+    at = Place(*(np.concatenate(columns, axis=1) for columns in zip(out, home, strict=True)))
+    approach, pressing, braking = working_motions(strokes, (count, count, count))
+    forwards = Motion(*(values[:, ::-1] for values in braking))
+    displacement, speed, change = (np.stack(parts, axis=1) for parts in zip(approach, pressing, forwards, strict=True))
+    every = np.stack([*widths, *[length_rad / pieces] * pieces], axis=1)
     return Samples(
-        at,
-        np.concatenate([out[1], back.velocity], axis=1),
-        np.concatenate([out[2], back.acceleration], axis=1),
-        out[0],
-        at.slope * every[..., None],
-        every > 0.0,
-        _sound(strokes, count),
+        at=at,
+        velocity=np.concatenate([speed, back.velocity], axis=1),
+        acceleration=np.concatenate([change, back.acceleration], axis=1),
+        displacement_mm=displacement,
+        turning=at.slope * every[..., None],
+        there=every > 0.0,
+        sound=_sound(strokes, count),
     )
 
 
@@ -223,11 +228,10 @@ def _sound(strokes: WorkingStrokes[Array], count: int) -> Mask:
 def _harmonics(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
     """Harmonics of the ratio; the law holds at any speed, and so at that of operation."""
     cosine, sine = _padded(designs, "motion.cosine", "motion.sine")
-    linkage = _linkages(designs)
+    linkage = mechanisms_of([design.linkage for design in designs])
     samples = harmonic_samples(cosine, sine, linkage, kind.lobes, count)
-    sound = linkage.rod_mm - linkage.crank_mm > np.abs(linkage.offset_mm)
     speed = _column(designs, "operation.speed_rpm")
-    return Sampled(samples, sound, linkage.stroke_mm, speed, 0.0 * speed)
+    return Sampled(samples, linkage.turns_fully, linkage.stroke_mm, speed, 0.0 * speed)
 
 
 def _padded(designs: Sequence[Design], *names: str) -> list[Array]:
@@ -237,7 +241,7 @@ def _padded(designs: Sequence[Design], *names: str) -> list[Array]:
     return [np.array([[*values, *[0.0] * (longest - len(values))] for values in column]) for column in lists]
 
 
-def harmonic_samples(cosine: Array, sine: Array, linkage: Linkages[Array], lobes: Lobes, count: int) -> Samples:
+def harmonic_samples(cosine: Array, sine: Array, linkage: Mechanisms[Array], lobes: Lobes, count: int) -> Samples:
     """Laws of coefficients of shape (n, harmonics) at ``count`` points a piece.
 
     The linkages (shape (n,)) must all have the first one's working angle, as those without offset have.
@@ -280,10 +284,6 @@ def _places(cosine: Array, sine: Array, lobes: Lobes, phi2: Array, width: Array)
     mean = (np.exp(series) @ integration(phi2.shape[1])[-1]) @ width / (2.0 * pi)
     log_ratio = series + (log(lobes.driven / lobes.driving) - np.log(mean))[:, None, None]
     return Place(log_ratio, np.exp(log_ratio), np.exp(-log_ratio), first, second)
-
-
-def _linkages(designs: Sequence[Design]) -> Linkages[Array]:
-    return Linkages(*(_column(designs, f"linkage.{name}") for name in LENGTHS))
 
 
 def _column(designs: Sequence[Design], name: str) -> Array:

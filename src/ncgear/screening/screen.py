@@ -1,8 +1,7 @@
-"""What a screening gives: figures of the designs that can be made, and of the others which condition they fail.
+"""Thousands of designs screened: figures of those that can be made, and of the others which condition they fail.
 
-Thousands of designs: those alike computed together, the others, and all that are doubtful, one by one.
-
-A law is refused only by the way of a single design: what a batch is not sure of goes that way and gets its verdict.
+Designs alike are computed together.  The others, and all that a batch is not sure of, are computed one by one: a law is
+refused only by the way of a single design, which gives the verdict.
 """
 
 from __future__ import annotations
@@ -18,33 +17,6 @@ from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.screening.rows import Row, rows_of, single_figures
 from ncgear.screening.samples import Kind, kind_of
 
-CHECK_FIGURES = (
-    "drive.law_speed_rpm",
-    "closure.residual_rad",
-    "closure.stroke_residual_mm",
-    "ratio.min",
-    "ratio.max",
-    "check.peak_power_w",
-    "check.mean_power_w",
-    "check.peak_speed_mm_s",
-    "check.peak_acceleration_working_mm_s2",
-    "check.peak_acceleration_cycle_mm_s2",
-)
-"""Keys of ``summary.json`` that every design has."""
-
-PITCH_FIGURES = (
-    "pitch.center_distance_mm",
-    "pitch.length_driving_mm",
-    "pitch.length_driven_mm",
-    "pitch.driving_convex",
-    "pitch.driven_convex",
-    "pitch.min_radius_driving_mm",
-    "pitch.min_radius_driven_mm",
-    "pitch.max_tangent_angle_deg",
-    "pitch.max_pressure_angle_deg",
-)
-"""Those of designs that say how their gears are; convex is 1 or 0."""
-
 MADE = "made"
 
 
@@ -53,14 +25,12 @@ class Screened:
     """Of n designs, the m that can be made.
 
     ``figures`` has an array of shape (m,) for each key, in the order of the designs; ``verdicts`` a word for each of
-    the n: ``made``, or the key at fault and what is wrong.  ``one_by_one`` (shape (n,)) marks those that were computed
-    by themselves, because the batch could not be sure of them or has no form for their law.
+    the n: ``made``, or the key at fault and what is wrong.
     """
 
     figures: dict[str, Array]
     made: Mask
     verdicts: tuple[str, ...]
-    one_by_one: Mask
 
     @property
     def rows(self) -> IndexArray:
@@ -86,31 +56,36 @@ def screened(
     ``counts`` are the points of a piece that are tried one after the other; ``on_done`` hears how many of how many
     designs are done.
     """
-    numbered = dict(enumerate(designs))
-    rows: dict[int, Row] = {number: design for number, design in numbered.items() if isinstance(design, DesignError)}
-    wanted = {number: design for number, design in numbered.items() if isinstance(design, Design)}
-    for kind, group in _groups(wanted).items():
-        for first in range(0, len(group), TOGETHER):
-            rows.update(_together(kind, dict(group[first : first + TOGETHER]), counts))
-            on_done(len(rows), len(numbered))
-    alone = [number for number in wanted if number not in rows]
-    for number in alone:
-        rows[number] = _alone(wanted[number])
-        on_done(len(rows), len(numbered))
-    return _table([rows[number] for number in numbered], alone)
+    found: dict[int, Row] = {n: design for n, design in enumerate(designs) if isinstance(design, DesignError)}
+
+    def add(more: dict[int, Row]) -> None:
+        found.update(more)
+        on_done(len(found), len(designs))
+
+    computed_together(designs, counts, add)
+    for number, design in enumerate(designs):
+        if number not in found and isinstance(design, Design):
+            try:
+                add({number: single_figures(design)})
+            except DesignError as error:
+                add({number: error})
+    return _table([found[number] for number in range(len(designs))])
 
 
-def _groups(designs: dict[int, Design]) -> dict[Kind, list[tuple[int, Design]]]:
-    """The designs that can be computed together, with their numbers."""
+def computed_together(
+    designs: Sequence[Design | DesignError], counts: Sequence[int], add: Callable[[dict[int, Row]], None]
+) -> None:
+    """Hand rows of designs by their numbers to ``add``, batch by batch; those that no batch is sure of are left out."""
     groups: dict[Kind, list[tuple[int, Design]]] = {}
-    for number, design in designs.items():
-        kind = kind_of(design)
-        if kind is not None:
+    for number, design in enumerate(designs):
+        if isinstance(design, Design) and (kind := kind_of(design)) is not None:
             groups.setdefault(kind, []).append((number, design))
-    return groups
+    for kind, group in groups.items():
+        for first in range(0, len(group), TOGETHER):
+            add(_batch(kind, dict(group[first : first + TOGETHER]), counts))
 
 
-def _together(kind: Kind, designs: dict[int, Design], counts: Sequence[int]) -> dict[int, Row]:
+def _batch(kind: Kind, designs: dict[int, Design], counts: Sequence[int]) -> dict[int, Row]:
     """What the first count of points is sure of, and of the rest what the next ones are, by the designs' numbers."""
     if not designs or not counts:
         return {}
@@ -121,22 +96,14 @@ def _together(kind: Kind, designs: dict[int, Design], counts: Sequence[int]) -> 
         return {}
     rows = {number: row for number, row in zip(designs, found, strict=True) if row is not None}
     left = {number: design for number, design in designs.items() if number not in rows}
-    return {**rows, **_together(kind, left, counts[1:])}
+    return {**rows, **_batch(kind, left, counts[1:])}
 
 
-def _alone(design: Design) -> Row:
-    try:
-        return single_figures(design)
-    except DesignError as error:
-        return error
-
-
-def _table(rows: list[Row], alone: list[int]) -> Screened:
+def _table(rows: list[Row]) -> Screened:
     figures = [row for row in rows if isinstance(row, dict)]
     names = figures[0] if figures else {}
     return Screened(
         figures={name: np.array([row[name] for row in figures]) for name in names},
         made=np.array([isinstance(row, dict) for row in rows], dtype=bool),
         verdicts=tuple(MADE if isinstance(row, dict) else str(row) for row in rows),
-        one_by_one=np.isin(np.arange(len(rows)), alone),
     )

@@ -1,8 +1,7 @@
-"""What all models of the design file share: strict types, no unknown keys, no changes, no nan or infinity.
+"""What all models of keys share: strict types, no unknown keys, no changes, no nan or infinity; faults; angles.
 
-A fault that a model finds between its own fields, carrying the key it belongs to.
-
-Angles that a design file may give in radians, in degrees or in multiples of pi, the unit being part of the key.
+A fault that a model finds between its own fields carries the key it belongs to.  An angle may be given in radians, in
+degrees or in multiples of pi, the unit being part of its key.
 """
 
 from __future__ import annotations
@@ -67,13 +66,9 @@ def quantity(name: str) -> str:
 def folded(names: Iterable[str]) -> list[str]:
     """``names`` once each, an angle that has all units as one: theta1_rad/_deg/_pi."""
     known = set(names := list(names))
-    return list(
-        dict.fromkeys(_all_units(name) if known.issuperset(spellings(quantity(name))) else name for name in names)
-    )
-
-
-def _all_units(name: str) -> str:
-    return f"{quantity(name)}_{'/_'.join(UNITS)}"
+    units = "/_".join(UNITS)
+    shown = (f"{quantity(one)}_{units}" if known.issuperset(spellings(quantity(one))) else one for one in names)
+    return list(dict.fromkeys(shown))
 
 
 def given(model: BaseModel, names: Iterable[str]) -> list[str]:

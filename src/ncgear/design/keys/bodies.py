@@ -1,7 +1,4 @@
-"""What a design file asks of one gear's body: bore, keyway, hub, web, holes, and the rim of a ring.
-
-Faults of a gear's body that the gears' other sizes tell.
-"""
+"""The keys of one gear's body: bore, keyway, hub, web, holes, and the rim of a ring."""
 
 from __future__ import annotations
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Self, Union
+from collections.abc import Mapping
+from functools import cache, reduce
+from operator import or_
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 
-from pydantic import Field, model_validator
+from pydantic import Field, TypeAdapter, create_model, model_validator
 
 from ncgear.design.keys.base import Model, fault
 from ncgear.design.keys.gears import Gears
@@ -13,6 +16,7 @@ from ncgear.design.keys.masses import Masses, Simulation
 from ncgear.design.keys.optimize import Optimize
 from ncgear.design.laws.base import LawKeys
 from ncgear.design.laws.registry import law_models
+from ncgear.design.mechanisms import MECHANISMS, entry_of, kind_named
 from ncgear.design.naming import NAME_PATTERN
 
 JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -52,6 +56,12 @@ class Design(Model):
     )
     output: Output = Field(default_factory=Output, description="how finely the results are written")
 
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        """Models that are made for a mechanism cannot be found by their name; their data can be read again."""
+        if type(self) is Design:
+            return super().__reduce_ex__(protocol)
+        return _restored, (self.model_dump(by_alias=True, exclude_unset=True),)
+
     @property
     def stages(self) -> int:
         """Pairs of gears in series that make the ratio."""
@@ -59,8 +69,9 @@ class Design(Model):
 
     @model_validator(mode="after")
     def _crank_is_known(self) -> Self:
-        if self.linkage.crank_mm is None and not self.motion.gives_stroke:
-            raise fault("linkage.crank_mm", "missing; only motion.solve_for: stroke can do without the crank's length")
+        key = entry_of(self.linkage).stroke_key
+        if getattr(self.linkage, key) is None and not self.motion.gives_stroke:
+            raise fault(f"linkage.{key}", "missing; only motion.solve_for: stroke can do without the crank's length")
         return self
 
     @model_validator(mode="after")
@@ -81,7 +92,47 @@ class Design(Model):
         return self
 
 
+def design_model(data: Any) -> type[Design]:
+    """The model of a design file's data, whose keys are those of the mechanism that ``linkage.kind`` names.
+
+    While there is but one mechanism, design files have no such key, and the model is ``Design`` itself.
+    """
+    models = design_models()
+    return models.get(
+        kind_named(data.get("linkage") if isinstance(data, Mapping) else None), next(iter(models.values()))
+    )
+
+
+def design_models() -> dict[str, type[Design]]:
+    """The model of design files for each mechanism, by its name."""
+    names = tuple(MECHANISMS)
+    return {name: Design if len(names) == 1 else _design_of(name, names) for name in names}
+
+
+def _restored(data: dict[str, Any]) -> Design:
+    return design_model(data).model_validate(data)
+
+
+@cache
+def _design_of(name: str, names: tuple[str, ...]) -> type[Design]:
+    entry, usual = MECHANISMS[name], names[0]
+    named: Any = Literal[names]
+    masses: Any = entry.masses | None
+    description = f"which mechanism the driven gear turns; left out: {usual}"
+    told: Any = Field(default=usual, description=description) if name == usual else Field(description=description)
+    linkage = create_model("Linkage", __base__=entry.linkage, kind=(named, told))
+    return create_model(
+        "Design",
+        __base__=Design,
+        linkage=(linkage, Field(description="the mechanism that the driven gear turns")),
+        masses=(masses, Field(default=None, description=Design.model_fields["masses"].description)),
+    )
+
+
 def json_schema(of: type[Model] = Design) -> dict[str, Any]:
     """The JSON Schema of a design file or another one, for editors that complete and check while typing."""
     title = f"ncgear {of.__name__.lower()} file"
+    if of is Design and len(MECHANISMS) > 1:
+        either: Any = reduce(or_, design_models().values())
+        return {"$schema": JSON_SCHEMA_DIALECT, **TypeAdapter(either).json_schema(), "title": title}
     return {"$schema": JSON_SCHEMA_DIALECT, **of.model_json_schema(), "title": title}

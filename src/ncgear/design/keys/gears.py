@@ -1,9 +1,4 @@
-"""The teeth a design file asks for: basic rack, shift, cutter, helix.
-
-What a design file says of accuracy.
-
-The gears a design file asks for: lobes, sizes, teeth, bodies.
-"""
+"""The keys of the pair of gears: lobes, sizes, basic rack, shift, cutter, helix, tolerances, bodies."""
 
 from __future__ import annotations
 

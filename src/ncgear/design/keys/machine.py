@@ -1,7 +1,4 @@
-"""The machine around the gears: linkage, operation, published machines to compare with, output.
-
-The force against the slider as a design file gives it: a polynomial, a table, or an expression.
-"""
+"""The keys of the machine around the gears: linkage, operation, resistance, mechanisms to compare with, output."""
 
 from __future__ import annotations
 
@@ -63,6 +60,14 @@ class Published(Model):
         default=None, description="driving speed in r/min that quoted_power_w belongs to"
     )
 
+    def at_speed(self, speed_rpm: float) -> Published:
+        """The same at another driving speed: power and velocities go with the speed, acceleration with its square."""
+        factor = speed_rpm / self.speed_rpm
+        powers = {"peak_power_w": 1, "peak_acceleration_mm_s2": 2, "peak_speed_mm_s": 1, "compression_speed_mm_s": 1}
+        found = {key: getattr(self, key) for key in powers}
+        scaled = {key: None if value is None else value * factor ** powers[key] for key, value in found.items()}
+        return self.model_copy(update={"speed_rpm": speed_rpm, **scaled})
+
     @model_validator(mode="after")
     def _figures(self) -> Self:
         if not given(self, FIGURES):
@@ -81,24 +86,13 @@ class Comparison(Model):
     )
 
 
-class Output(Model):
-    """How finely the results are written."""
-
-    chord_tolerance_mm: float = Field(
-        default=0.005,
-        ge=1e-5,
-        le=0.5,
-        description="greatest distance in mm of a written outline's chords from the exact curve",
-    )
-
-
-MOST_POINTS = 1000
+MOST_RESISTANCE_POINTS = 1000
 FEWEST_POINTS = 2
 
 STRONGEST_N = 1e15
 """Far beyond any machine, and far below where slopes between two points overflow."""
 
-Points = Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)
+Points = Field(min_length=FEWEST_POINTS, max_length=MOST_RESISTANCE_POINTS)
 Displacement = Annotated[float, Field(ge=-LONGEST_MM, le=LONGEST_MM)]
 Displacements = Annotated[tuple[Displacement, ...], Strict(False), Points]
 Forces = Annotated[tuple[Annotated[float, Field(ge=-STRONGEST_N, le=STRONGEST_N)], ...], Strict(False), Points]
@@ -157,3 +151,14 @@ class Resistance(Model):
     def _one_form(self) -> Self:
         require_one(self, ("polynomial_n", "table", "expression_n"))
         return self
+
+
+class Output(Model):
+    """How finely the results are written."""
+
+    chord_tolerance_mm: float = Field(
+        default=0.005,
+        ge=1e-5,
+        le=0.5,
+        description="greatest distance in mm of a written outline's chords from the exact curve",
+    )

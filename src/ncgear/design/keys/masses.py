@@ -1,10 +1,9 @@
-"""The moving masses of the machine, and which way is down.
+"""The keys of forces: masses that move, which way is down, how the teeth bear load and what turns them.
 
-How the teeth bear load and what turns them; the defaults are those of the published baler's simulation.
-
-The publication gives elastic constants, exponent, damping with its depth, and both coefficients of friction.  It does
-not give a stiffness: Hertz's for two spheres as large as circular gears of the same length is taken, as users of
-multi-body programs do.  Nor does it give the speeds at which friction changes over.
+Defaults of the simulation are those of the published baler.  The publication gives elastic constants, exponent, damping
+with its depth, and both coefficients of friction.  It does not give a stiffness: Hertz's for two spheres as large as
+circular gears of the same length is taken, as users of multi-body programs do.  Nor does it give the speeds at which
+friction changes over.
 """
 
 from __future__ import annotations
@@ -85,11 +84,21 @@ class Gravity(Model):
     )
 
 
-class Masses(Model):
-    """What moves, as masses and moments of inertia."""
+class SliderMass(Model):
+    """The mass of the slider."""
 
     slider_kg: Mass = Field(description="mass of the slider in kg, with all that moves with it")
+
+
+class RodMass(Model):
+    """The connecting rod of a mechanism that has one."""
+
     rod: Rod = Field(description="the connecting rod")
+
+
+class ShaftMasses(Model):
+    """What turns with the crank and with the driving shaft, and gravity."""
+
     crank: Crank = Field(description="the crank with all that turns with it, the driven gear apart")
     driving_gear_kg_mm2: Inertia | None = Field(
         default=None,
@@ -108,6 +117,15 @@ class Masses(Model):
     def tells_gears(self) -> bool:
         """Whether the moments of inertia of both gears are given."""
         return self.driving_gear_kg_mm2 is not None and self.driven_gear_kg_mm2 is not None
+
+
+# Keys come from the last base to the first, so the rod stands between the slider and the crank.
+class MechanismMasses(ShaftMasses, SliderMass):
+    """What moves in any mechanism, as masses and moments of inertia."""
+
+
+class Masses(MechanismMasses, RodMass, SliderMass):
+    """What moves, as masses and moments of inertia."""
 
 
 STEEPEST = 10.0

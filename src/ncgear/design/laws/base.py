@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from ncgear.design.keys.base import Model
 
 if TYPE_CHECKING:
-    from ncgear.mechanisms.crank_slider import CrankSlider
+    from ncgear.mechanisms.mechanism import Mechanism
     from ncgear.ratio.transmission import Law, Lobes, Transmission
 
 
@@ -42,14 +42,14 @@ class LawKeys(Model):
         """The stroke in mm of a law that ``gives_stroke``; raises NoSuchMechanism where it has none."""
         raise NotImplementedError(self.law)
 
-    def transmission(self, linkage: CrankSlider, lobes: Lobes) -> Transmission:
+    def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
         """The driven angle as a function of the driving angle.
 
         Raises WrongInput for values that contradict each other, NoSuchMechanism when no such motion exists.
         """
         raise NotImplementedError(self.law)
 
-    def law_on(self, linkage: CrankSlider, lobes: Lobes) -> Law:
+    def law_on(self, linkage: Mechanism, lobes: Lobes) -> Law:
         """The closed law on its linkage; raises as ``transmission`` does.
 
         Overridden by a law with more to tell than its transmission: the stroke it prescribes, or two pairs of gears.

@@ -10,7 +10,7 @@ from ncgear.design.keys.base import allow_one, angle_rad, spellings
 from ncgear.design.laws.base import DesignLaw, LawKeys
 
 if TYPE_CHECKING:
-    from ncgear.mechanisms.crank_slider import CrankSlider
+    from ncgear.mechanisms.mechanism import Mechanism
     from ncgear.ratio.transmission import Lobes, Transmission
 
 
@@ -39,7 +39,7 @@ class Ellipse(LawKeys):
         allow_one(self, spellings("phase"))
         return self
 
-    def transmission(self, linkage: CrankSlider, lobes: Lobes) -> Transmission:
+    def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
         """Elliptical gears, or their relatives of several lobes."""
         from ncgear.ratio.laws.ellipse import elliptical_law
 

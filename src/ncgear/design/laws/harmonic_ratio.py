@@ -10,7 +10,7 @@ from ncgear.design.keys.base import Model
 from ncgear.design.laws.base import DesignLaw, LawKeys
 
 if TYPE_CHECKING:
-    from ncgear.mechanisms.crank_slider import CrankSlider
+    from ncgear.mechanisms.mechanism import Mechanism
     from ncgear.ratio.transmission import Law, Lobes, Transmission
 
 MOST_HARMONICS = 200
@@ -52,7 +52,7 @@ class HarmonicRatio(LawKeys):
         """Two where a second stage is given."""
         return 1 if self.second_stage is None else 2
 
-    def transmission(self, linkage: CrankSlider, lobes: Lobes) -> Transmission:
+    def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
         """The law of the whole, phi2(phi1)."""
         import numpy as np
 
@@ -60,7 +60,7 @@ class HarmonicRatio(LawKeys):
 
         return harmonic_law(np.array(self.cosine), np.array(self.sine), lobes)
 
-    def law_on(self, linkage: CrankSlider, lobes: Lobes) -> Law:
+    def law_on(self, linkage: Mechanism, lobes: Lobes) -> Law:
         """The law of one pair, or of both pairs in series."""
         if self.second_stage is None:
             return super().law_on(linkage, lobes)

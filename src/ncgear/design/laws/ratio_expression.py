@@ -10,7 +10,7 @@ from ncgear.design.keys.base import Expression, fault, require_one
 from ncgear.design.laws.base import DesignLaw, LawKeys
 
 if TYPE_CHECKING:
-    from ncgear.mechanisms.crank_slider import CrankSlider
+    from ncgear.mechanisms.mechanism import Mechanism
     from ncgear.ratio.transmission import Lobes, Transmission
 
 
@@ -37,7 +37,7 @@ class RatioExpression(LawKeys):
             raise fault("scale_to_close", "true, but there is no ratio to scale; leave it out, or give ratio")
         return self
 
-    def transmission(self, linkage: CrankSlider, lobes: Lobes) -> Transmission:
+    def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
         """The law of the formula that is given."""
         from ncgear.ratio.laws.expression import driven_angle_expression_law, ratio_expression_law
 

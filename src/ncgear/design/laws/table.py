@@ -11,7 +11,7 @@ from ncgear.design.keys.base import Numbers, fault, given, in_rad, require_one, 
 from ncgear.design.laws.base import DesignLaw, LawKeys
 
 if TYPE_CHECKING:
-    from ncgear.mechanisms.crank_slider import CrankSlider
+    from ncgear.mechanisms.mechanism import Mechanism
     from ncgear.ratio.transmission import Lobes, Transmission
 
 MOST_POINTS = 200_000
@@ -85,7 +85,7 @@ class TableLaw(LawKeys):
         """Points of the displacement prescribe the slider's motion, points of the ratio do not."""
         return self.displacement_mm is not None
 
-    def transmission(self, linkage: CrankSlider, lobes: Lobes) -> Transmission:
+    def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
         """The law through the points."""
         import numpy as np
 

@@ -28,7 +28,7 @@ from ncgear.design.reading.text import shown
 from ncgear.errors import WrongInput
 
 if TYPE_CHECKING:
-    from ncgear.mechanisms.crank_slider import CrankSlider
+    from ncgear.mechanisms.mechanism import Mechanism
     from ncgear.ratio.laws.three_segment import StrokeLaw
     from ncgear.ratio.transmission import Law, Lobes
     from ncgear.ratio.working_stroke import WorkingStroke
@@ -202,7 +202,7 @@ class ThreeSegmentStroke(LawKeys):
         """The stroke in mm that follows from the other quantities; raises NoSuchMechanism where there is none."""
         return self._stroke(None).stroke_mm
 
-    def law_on(self, linkage: CrankSlider, lobes: Lobes) -> Law:
+    def law_on(self, linkage: Mechanism, lobes: Lobes) -> Law:
         """The closed law, and what its stroke and its return came out as.
 
         Raises WrongInput where the file gives another stroke than the linkage has.
@@ -222,12 +222,12 @@ class ThreeSegmentStroke(LawKeys):
         prescribed = PrescribedStroke(stroke.law_speed_rad_s, stroke.closing_error_mm, facts)
         return Law(linkage, single(law.transmission), prescribed)
 
-    def stroke_law(self, linkage: CrankSlider, lobes: Lobes) -> StrokeLaw:
+    def stroke_law(self, linkage: Mechanism, lobes: Lobes) -> StrokeLaw:
         """The law with the polynomials of its stroke and its return; raises as ``law_on`` does."""
         from ncgear.ratio.laws.three_segment import stroke_law
 
         if not self.gives_stroke:
-            self._refuse_other_stroke(linkage.stroke_mm)
+            self._refuse_other_stroke(linkage)
         return stroke_law(
             self._stroke(None if self.gives_stroke else linkage.stroke_mm),
             linkage,
@@ -255,13 +255,13 @@ class ThreeSegmentStroke(LawKeys):
         )
         return solved_stroke(request)
 
-    def _refuse_other_stroke(self, stroke_mm: float) -> None:
+    def _refuse_other_stroke(self, linkage: Mechanism) -> None:
         """Refuse a stroke in the file that differs from that of the linkage."""
-        if self.stroke_mm is not None and not isclose(self.stroke_mm, stroke_mm, rel_tol=SAME_STROKE):
-            relation = "longer" if self.stroke_mm > stroke_mm else "shorter"
+        if self.stroke_mm is not None and not isclose(self.stroke_mm, linkage.stroke_mm, rel_tol=SAME_STROKE):
+            relation = "longer" if self.stroke_mm > linkage.stroke_mm else "shorter"
             raise WrongInput(
-                f"{self.stroke_mm:.9g} mm is {relation} than the linkage's stroke of {stroke_mm:.9g} mm; give that "
-                "one, leave the key out, or change linkage.crank_mm",
+                f"{self.stroke_mm:.9g} mm is {relation} than the linkage's stroke of {linkage.stroke_mm:.9g} mm; give "
+                f"that one, leave the key out, or change linkage.{linkage.STROKE_KEY}",
                 key="motion.stroke_mm",
             )
 

@@ -9,7 +9,7 @@ from pydantic import Field
 from ncgear.design.laws.base import DesignLaw, LawKeys
 
 if TYPE_CHECKING:
-    from ncgear.mechanisms.crank_slider import CrankSlider
+    from ncgear.mechanisms.mechanism import Mechanism
     from ncgear.ratio.transmission import Lobes, Transmission
 
 
@@ -18,7 +18,7 @@ class UniformCrank(LawKeys):
 
     law: Literal["uniform_crank"] = Field(description="the name of this law: uniform_crank")
 
-    def transmission(self, linkage: CrankSlider, lobes: Lobes) -> Transmission:
+    def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
         """A constant ratio."""
         from ncgear.ratio.laws.uniform import uniform_law
 

@@ -11,7 +11,7 @@ from ncgear.design.keys.balance import Balance
 from ncgear.design.reading.design_file import LARGEST_MB, LoadedDesign, load
 from ncgear.design.reading.messages import checked
 from ncgear.design.reading.places import Document, Place, Source, named_by
-from ncgear.design.reading.points import Columns, FileKind, PointsFile, values_from_files
+from ncgear.design.reading.points import Columns, CsvKind, PointsFile, values_from_files
 from ncgear.design.reading.text import read_text
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.errors import WrongInput
@@ -90,13 +90,16 @@ def rotor_runs(points: PointsFile) -> Measured:
     if sorted(planes) != list(range(len(planes))) or not planes:
         problem = "planes are numbered 0 (without trial weight), 1, 2 and so on; one of them is missing"
         raise WrongInput(problem, key="plane", location=str(points.row(None)))
-    readings = [_readings(columns, planes[plane]) for plane in range(len(planes))]
+    readings = [
+        [{"amplitude": columns["amplitude"][row], "phase_deg": columns["phase_deg"][row]} for row in planes[plane]]
+        for plane in range(len(planes))
+    ]
     trials = [
         {"mass_g": columns["mass_g"][rows[0]], "angle_deg": columns["angle_deg"][rows[0]], "readings": readings[plane]}
         for plane, rows in sorted(planes.items())
         if plane > 0
     ]
-    return Measured(points, {"first": readings[0], "trials": trials}, dict(_places(planes)))
+    return Measured(points, {"first": readings[0], "trials": trials}, _rows_by_key(planes))
 
 
 def _whole(points: PointsFile, row: int) -> int:
@@ -107,16 +110,13 @@ def _whole(points: PointsFile, row: int) -> int:
     return int(plane)
 
 
-def _readings(columns: Mapping[str, list[float]], rows: list[int]) -> list[dict[str, float]]:
-    return [{"amplitude": columns["amplitude"][row], "phase_deg": columns["phase_deg"][row]} for row in rows]
-
-
-def _places(planes: Mapping[int, list[int]]) -> list[tuple[str, int]]:
+def _rows_by_key(planes: Mapping[int, list[int]]) -> dict[str, int]:
+    """The row of each reading and of each trial by its key, from the rows of each plane."""
     first = [(f"first.{sensor}", row) for sensor, row in enumerate(planes[0])]
     trials = [(plane - 1, rows) for plane, rows in planes.items() if plane > 0]
     runs = [(f"trials.{number}", rows[0]) for number, rows in trials]
     readings = [(f"trials.{n}.readings.{sensor}", row) for n, rows in trials for sensor, row in enumerate(rows)]
-    return [*first, *runs, *readings]
+    return dict([*first, *runs, *readings])
 
 
 def _all_of(*names: str) -> Columns:
@@ -124,8 +124,8 @@ def _all_of(*names: str) -> Columns:
 
 
 FILES = {
-    "chain_drive": FileKind(_all_of("weight_deg", "amplitude", "phase_deg"), ("runs",), chain_runs),
-    "rotor": FileKind(
+    "chain_drive": CsvKind(_all_of("weight_deg", "amplitude", "phase_deg"), ("runs",), chain_runs),
+    "rotor": CsvKind(
         _all_of("plane", "mass_g", "angle_deg", "sensor", "amplitude", "phase_deg"), ("first", "trials"), rotor_runs
     ),
 }

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ncgear.design.keys.design import Design
-from ncgear.design.keys.machine import MOST_POINTS as MOST_RESISTANCE_POINTS
+from ncgear.design.keys.design import Design, design_model
+from ncgear.design.keys.machine import MOST_RESISTANCE_POINTS
 from ncgear.design.laws.table import ANGLE_COLUMNS, MOST_POINTS, VALUE_COLUMNS
 from ncgear.design.reading.messages import checked
 from ncgear.design.reading.places import Source
-from ncgear.design.reading.points import Columns, FileKind, values_from_files
+from ncgear.design.reading.points import Columns, CsvKind, values_from_files
 from ncgear.design.reading.text import read_text, shown
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.errors import WrongInput
@@ -19,10 +19,10 @@ from ncgear.errors import WrongInput
 LARGEST_MB = 5
 
 FILES = {
-    "motion": FileKind(
+    "motion": CsvKind(
         Columns((ANGLE_COLUMNS, VALUE_COLUMNS), MOST_POINTS), (*ANGLE_COLUMNS, *VALUE_COLUMNS), law="table"
     ),
-    "resistance.table": FileKind(
+    "resistance.table": CsvKind(
         Columns((("displacement_mm",), ("force_n",)), MOST_RESISTANCE_POINTS), ("displacement_mm", "force_n")
     ),
 }
@@ -57,4 +57,4 @@ def parsed(text: str, path: Path) -> LoadedDesign:
         form = "a design file is lines of `key: value`, and begins with `name:` (`ncgear new NAME` writes one)"
         raise WrongInput(f"{given}; {form}", location=str(document.place("")))
     source = Source(document, values_from_files(document, path, FILES))
-    return LoadedDesign(checked(Design, source), path, source, text)
+    return LoadedDesign(checked(design_model(document.data), source), path, source, text)

@@ -101,7 +101,8 @@ def _key(location: Location) -> str:
 
 
 def _wrong_value(detail: ErrorDetails, context: Mapping[str, Any], root: type[BaseModel]) -> str:
-    meaning = _meaning(detail["loc"], root)
+    field = _field_at(detail["loc"], root)
+    meaning = f" ({field.description})" if field and field.description else ""
     if detail["type"] == "missing":
         return f"missing; give it{meaning}"
     model = _model_at(detail["loc"], root)
@@ -134,11 +135,6 @@ _NEEDED: dict[str, Callable[[Mapping[str, Any]], str]] = {
     "too_short": lambda context: f"a list of at least {context['min_length']}, not {context['actual_length']}, items",
     "too_long": lambda context: f"a list of at most {context['max_length']} items",
 }
-
-
-def _meaning(location: Location, root: type[BaseModel]) -> str:
-    field = _field_at(location, root)
-    return f" ({field.description})" if field and field.description else ""
 
 
 def _wrong_law(motion: Mapping[str, Any]) -> str:

@@ -51,7 +51,7 @@ class PointsFile:
 
 
 @dataclass(frozen=True)
-class FileKind:
+class CsvKind:
     """What a group's file holds: its columns, the keys it stands for, and how its rows become their values.
 
     Only a group whose ``law`` is this one may name a file, where a law is told.
@@ -63,7 +63,7 @@ class FileKind:
     law: str = ""
 
 
-def values_from_files(document: Document, path: Path, kinds: Mapping[str, FileKind]) -> dict[str, FromFile]:
+def values_from_files(document: Document, path: Path, kinds: Mapping[str, CsvKind]) -> dict[str, FromFile]:
     """What the files hold that groups name by their key ``file``; ``kinds`` are by the group's dotted key.
 
     Files are looked for beside ``path``.  A file's name that is no text is left to the schema.  Raises WrongInput for a

@@ -1,8 +1,6 @@
-"""Reading a text file that may be missing, a folder, huge, or no text at all.
+"""Text files that may be missing, a folder, huge or no text; what a plain word in one means; how a value is named.
 
-What a plain scalar of YAML means, by the core schema of YAML 1.2, and how a value is named in a message.
-
-In particular ``1e-3`` is a number, and ``no``, ``on`` and dates are text.
+A scalar of YAML means what the core schema of YAML 1.2 says: ``1e-3`` is a number; ``no``, ``on`` and dates are text.
 """
 
 from __future__ import annotations

@@ -132,13 +132,14 @@ def material_artists(axes: Axes, scene: Scene) -> Moving:
 
 
 def pin_artists(axes: Axes, scene: Scene) -> Moving:
-    """The pins at both ends of the rod."""
-    pins = [Circle((0.0, 0.0), pin_radius_mm(scene.machine.linkage), **PIN) for _ in range(2)]
+    """The pins of the mechanism."""
+    linkage = scene.machine.linkage
+    pins = [Circle((0.0, 0.0), pin_radius_mm(linkage), **PIN) for _ in linkage.PINS]
     for pin in pins:
         axes.add_artist(pin)
 
     def pose(poses: Poses, row: int) -> None:
-        for pin, name in zip(pins, ("rod", "slider"), strict=True):
+        for pin, name in zip(pins, linkage.PINS.values(), strict=True):
             pin.set_center(tuple(poses.places[name].origin_mm[row]))
 
     return Moving(tuple(pins), pose)

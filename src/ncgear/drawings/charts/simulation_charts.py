@@ -47,11 +47,14 @@ def driving_torque(drive: Drive, own: Loads, uniform: Loads) -> Chart:
 
 
 def joint_forces(drive: Drive, own: Loads, uniform: Loads) -> list[Chart]:
-    """Forces in the bearing of the crank, in both pins, and in the guide."""
+    """Forces in the bearing of the crank, in the mechanism's joints from the crank on, and in the guide."""
+    joints = reversed([*drive.linkage.JOINTS.items()])
     return [
         _load_chart(drive, "crank bearing", "N", _size(own.crank_bearing), _size(uniform.crank_bearing)),
-        _load_chart(drive, "crank pin", "N", _size(own.pin), _size(uniform.pin)),
-        _load_chart(drive, "wrist", "N", _size(own.wrist), _size(uniform.wrist)),
+        *(
+            _load_chart(drive, words, "N", _size(own.joints[name]), _size(uniform.joints[name]))
+            for name, words in joints
+        ),
         _load_chart(drive, "guide", "N", own.guide.value, uniform.guide.value),
     ]
 
@@ -116,11 +119,10 @@ def teeth_in_time(shown: History, apart_deg: Array) -> list[Chart]:
     ]
 
 
-def bearings_in_time(shown: History, apart_deg: Array) -> list[Chart]:
+def bearings_in_time(drive: Drive, shown: History, apart_deg: Array) -> list[Chart]:
     """Forces in the joints of the linkage and between the teeth."""
     forces = {
-        "wrist": shown.joints.wrist,
-        "crank pin": shown.joints.pin,
+        **{words: shown.joints.joints[name] for name, words in drive.linkage.JOINTS.items()},
         "crank bearing": shown.crank_bearing,
         "mesh force": shown.mesh,
     }

@@ -6,9 +6,9 @@ Of a chart, the script is told its samples, and where its scales lie in its SVG.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from math import atan2, degrees
+from math import degrees, pi
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,9 @@ from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair
 from ncgear.drawings.scene.scene import Scene
 from ncgear.drawings.scene.standing import views
 from ncgear.figures.numbers import shown
+from ncgear.mechanisms.mechanism import Link, Mechanism
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
 from ncgear.ratio.transmission import Piece, Transmission
 
 READABLE_DEG_S = 30.0
@@ -59,6 +61,10 @@ FIRST_STEPS = 16
 """Steps on each piece of a law before they are halved where they have to be."""
 
 
+LINK_DECIMALS = 9
+"""Of places in mm and angles in rad of links: far below the error that their tables may have."""
+
+
 def scene_data(scene: Scene) -> dict[str, Any]:
     """All that moves the SVG of ``scene_svg``, as JSON can hold it; angles in rad, lengths in mm."""
     shafts = [pair.transmission for pair in scene.train.pairs[:-1]] + [scene.train.whole]
@@ -78,7 +84,7 @@ def angle_table(transmission: Transmission) -> dict[str, Any]:
 
     Joints of the law stand twice in it, with the slopes on both sides.
     """
-    columns = [_piece_table(piece) for piece in transmission.pieces]
+    columns = [_table(_with_slope(piece), piece.start_rad, piece.end_rad) for piece in transmission.pieces]
     at, value, slope = (np.concatenate(parts).tolist() for parts in zip(*columns, strict=True))
     lobes = transmission.lobes
     return {
@@ -90,24 +96,31 @@ def angle_table(transmission: Transmission) -> dict[str, Any]:
     }
 
 
-def _piece_table(piece: Piece) -> tuple[Array, Array, Array]:
-    """Steps are halved wherever they are off by more than the error allowed, at any of the places looked at."""
-    at = np.linspace(piece.start_rad, piece.end_rad, FIRST_STEPS + 1)
+def _with_slope(piece: Piece) -> Callable[[Array], Jet]:
+    return lambda angle: piece.driven_angle(angle, 1)
+
+
+def _table(curve: Callable[[Array], Jet], start_rad: float, end_rad: float) -> tuple[Array, Array, Array]:
+    """Places, values and slopes of a curve, whose jets are of order 1, for Hermite's cubics.
+
+    Steps are halved wherever they are off by more than the error allowed, at any of the places looked at.
+    """
+    at = np.linspace(start_rad, end_rad, FIRST_STEPS + 1)
     while True:
-        driven = piece.driven_angle(at, 1)
-        value, slope = driven.value, driven.derivative(1)
-        off = np.any([_error(piece, at, value, slope, share) > TABLE_ERROR_RAD for share in LOOKED_AT], axis=0)
+        found = curve(at)
+        value, slope = found.value, found.derivative(1)
+        off = np.any([_error(curve, at, value, slope, share) > TABLE_ERROR_RAD for share in LOOKED_AT], axis=0)
         if not off.any():
             return at, value, slope
         at = np.union1d(at, (at[1:] + at[:-1])[off] / 2.0)
 
 
-def _error(piece: Piece, at: Array, value: Array, slope: Array, share: float) -> Array:
-    """How far Hermite's cubics are from the law at a share of each step."""
+def _error(curve: Callable[[Array], Jet], at: Array, value: Array, slope: Array, share: float) -> Array:
+    """How far Hermite's cubics are from the curve at a share of each step."""
     width, rise, rest = np.diff(at), np.diff(value), 1.0 - share
     straight = value[:-1] + rise * share**2 * (3.0 - 2.0 * share)
     bent = width * share * rest * (slope[:-1] * rest - slope[1:] * share)
-    error: Array = np.abs(straight + bent - piece.driven_angle(at[:-1] + share * width, 0).value)
+    error: Array = np.abs(straight + bent - curve(at[:-1] + share * width).value)
     return error
 
 
@@ -130,17 +143,38 @@ def _pair(pair: ScenePair) -> dict[str, Any]:
     }
 
 
-def _linkage(scene: Scene) -> dict[str, float]:
+def _linkage(scene: Scene) -> dict[str, Any]:
     linkage = scene.machine.linkage
-    (x, y) = linkage.crank_pin_mm(np.zeros(1))[0]
     return {
-        "crank": linkage.crank_mm,
-        "rod": linkage.rod_mm,
+        "links": {name: _link_tables(linkage, name) for name in linkage.links(Jet(np.zeros((1, 1))))},
+        "pins": dict(linkage.PINS),
         "offset": linkage.offset_mm,
-        "start": atan2(y, x),
         "nearest": linkage.nearest_mm,
         "stroke": linkage.stroke_mm,
         "working": linkage.working_angle_rad,
+    }
+
+
+def _link_tables(linkage: Mechanism, name: str) -> dict[str, Any]:
+    """Place and angle of a link over a turn of the crank; lengths as exact, by the crank's, as angles."""
+
+    def along(of: Callable[[Link], Jet], scale: float) -> dict[str, Any]:
+        def curve(angle: Array) -> Jet:
+            return of(linkage.links(Jet.variable(angle, 1))[name]) * (1.0 / scale)
+
+        at, value, slope = _table(curve, 0.0, 2.0 * pi)
+        if not slope.any():
+            at, value, slope = (column[[0, -1]] for column in (at, value, slope))
+        value, slope = scale * value, scale * slope
+        rise = float(value[-1] - value[0])
+        columns = {"at": at.tolist(), "value": _rounded(value, LINK_DECIMALS), "slope": _rounded(slope, LINK_DECIMALS)}
+        return {"period": 2.0 * pi, "rise": rise, **columns}
+
+    crank = linkage.crank_mm
+    return {
+        "x": along(lambda link: link.origin.x, crank),
+        "y": along(lambda link: link.origin.y, crank),
+        "angle": along(lambda link: link.angle, 1.0),
     }
 
 

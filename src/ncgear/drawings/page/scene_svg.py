@@ -93,9 +93,9 @@ def _material(height_mm: float) -> str:
 
 
 def _bodies(scene: Scene) -> Iterator[str]:
-    slider, crank, rod = scene.links
+    slider, *between = scene.links
     tolerance = _link_tolerance_mm(scene)
-    links = [_body(crank, tolerance), _body(rod, tolerance)]
+    links = [_body(link, tolerance) for link in between]
     gears = [_gear(pair, gear) for pair in scene.pairs for gear in (pair.driving, pair.driven)]
     yield _body(slider, tolerance)
     yield from (*links, *gears) if scene.crank_is_behind else (*gears, *links)
@@ -123,7 +123,7 @@ def _marks(scene: Scene) -> Iterator[str]:
         yield _line(pair.mounting.driving_axis_mm, pair.mounting.driven_axis_mm)
     for x, y in scene.axes_mm:
         yield f'<path class="shaft" d="M{x:.6g} {y:.6g}h0"/>'
-    for name in ("crank-pin", "slider-pin"):
+    for name in scene.machine.linkage.PINS:
         yield _group("", name, f'<circle class="pin" r="{pin_radius_mm(scene.machine.linkage):.6g}"/>')
     for number, _ in enumerate(scene.pairs, start=1):
         yield _group("", f"pitch-point-{number}", '<path class="pitch-point" d="M0 0h0"/>')

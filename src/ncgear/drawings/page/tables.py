@@ -11,8 +11,8 @@ from ncgear import __version__
 from ncgear.contact.pair import PairContact
 from ncgear.figures.data_sheet.sheet import DataSheet, Group
 from ncgear.figures.numbers import shown
-from ncgear.figures.summary.build import contact_summary
-from ncgear.figures.summary.check import comparison_rows
+from ncgear.figures.summary.build_summary import contact_summary
+from ncgear.figures.summary.check_summary import comparison_rows
 from ncgear.figures.tables import Column, Table
 from ncgear.figures.terminal import COMPARED, MIXED_SPEEDS, SAME_SPEED, labelled
 from ncgear.project.drive import Drive

@@ -26,8 +26,8 @@ from ncgear.drawings.plots.canvas import (
 )
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.curve import CurvePoints, PitchCurve
-from ncgear.project.bodies import rim_mm_of
 from ncgear.project.drive import Drive
+from ncgear.project.gear_solids import rim_mm_of
 from ncgear.solids.plan.plan import outer_radius_mm
 
 PANEL_IN = 3.6

@@ -1,9 +1,8 @@
 """What moves as a rigid body, and the places it takes.
 
-Shapes of crank, rod and slider in their own frames: drawn parts, of which a design file tells the lengths only.
-
-Crank and rod lie along +x from the origin, the crank from its axis and the rod from the crank pin; the slider has its
-pin at the origin and its face ahead in +x.
+Shapes of the mechanism's links in their own frames: drawn parts, of which a design file tells the lengths only.  The
+crank lies along +x from its axis; the slider has its own place at the origin and its face ahead in +x; of the other
+links the mechanism tells where their bars and eyes are.
 
 The slider's way: its guide and, where it presses against something, the chamber with the material in it.
 
@@ -22,7 +21,7 @@ import shapely
 from shapely import Point, Polygon
 from shapely.geometry.polygon import orient
 
-from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array, Mask
 
@@ -76,33 +75,47 @@ QUARTER = 16
 """Chords of a quarter of a circle: no chord is farther from it than 1/800 of its radius."""
 
 
-def pin_radius_mm(linkage: CrankSlider) -> float:
+def pin_radius_mm(linkage: Mechanism) -> float:
     """Of the pins that are drawn."""
     return PIN * linkage.crank_mm
 
 
-def crank_shape(linkage: CrankSlider) -> Array:
+def crank_shape(linkage: Mechanism) -> Array:
     """The crank's outline in mm, shape (n, 2), counter-clockwise."""
     length = linkage.crank_mm
     eyes = _disc(0.0, CRANK_EYE * length), _disc(length, PIN_EYE * length)
     return _outline(shapely.union_all(eyes).convex_hull)
 
 
-def rod_shape(linkage: CrankSlider) -> Array:
-    """The rod's outline in mm, shape (n, 2), counter-clockwise."""
-    eye, half = PIN_EYE * linkage.crank_mm, ROD_WIDTH / 2.0 * linkage.crank_mm
-    bar = shapely.box(0.0, -half, linkage.rod_mm, half)
-    return _outline(shapely.union_all([bar, _disc(0.0, eye), _disc(linkage.rod_mm, eye)]))
+def link_shape(linkage: Mechanism, name: str) -> Array:
+    """The outline of a link between slider and crank in mm, shape (n, 2), counter-clockwise."""
+    return _outline(shapely.union_all(_parts(linkage, name)))
 
 
 def slider_shape(chamber: Chamber) -> Array:
-    """The slider's outline in mm, shape (4, 2), counter-clockwise."""
+    """The slider's outline in mm, shape (n, 2), counter-clockwise: a piston, with what the linkage adds to it."""
     face, half = chamber.face_mm, chamber.height_mm / 2.0
-    return np.array([[-face, -half], [face, -half], [face, half], [-face, half]])
+    piston = np.array([[-face, -half], [face, -half], [face, half], [-face, half]])
+    if "slider" not in chamber.linkage.shapes():
+        return piston
+    return _outline(shapely.union_all([Polygon(piston), *_parts(chamber.linkage, "slider")]))
 
 
-def _disc(x: float, radius: float) -> Polygon:
-    return Point(x, 0.0).buffer(radius, quad_segs=QUARTER)
+def _parts(linkage: Mechanism, name: str) -> list[Polygon]:
+    """Bars and eyes, as wide as the crank's length makes them."""
+    shape, eye = linkage.shapes()[name], PIN_EYE * linkage.crank_mm
+    bars = [_bar(np.array(start), np.array(end), ROD_WIDTH / 2.0 * linkage.crank_mm) for start, end in shape.bars]
+    return [*bars, *(_disc(x, eye, y) for x, y in shape.eyes)]
+
+
+def _bar(start: Array, end: Array, half: float) -> Polygon:
+    along = (end - start) / np.hypot(*(end - start))
+    aside = half * np.array([-along[1], along[0]])
+    return Polygon([end - aside, end + aside, start + aside, start - aside])
+
+
+def _disc(x: float, radius: float, y: float = 0.0) -> Polygon:
+    return Point(x, y).buffer(radius, quad_segs=QUARTER)
 
 
 def _outline(polygon: Polygon) -> Array:
@@ -123,7 +136,7 @@ class Chamber:
     ``begins_mm`` is the slider's displacement at which it meets the material, None where there is none.
     """
 
-    linkage: CrankSlider
+    linkage: Mechanism
     begins_mm: float | None
 
     @property
@@ -155,7 +168,7 @@ class Chamber:
         return depth
 
 
-def chamber_of(linkage: CrankSlider, resistance: Resistance | None) -> Chamber:
+def chamber_of(linkage: Mechanism, resistance: Resistance | None) -> Chamber:
     """The chamber of a linkage that works against a resistance; an empty guide where that is None or nowhere acts."""
     return Chamber(linkage, None if resistance is None else _begins_mm(resistance, linkage.stroke_mm))
 

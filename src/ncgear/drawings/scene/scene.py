@@ -13,10 +13,9 @@ from math import gcd, pi
 
 import numpy as np
 
-from ncgear.drawings.scene.bodies import Body, Chamber, Kind, Places, chamber_of, crank_shape, rod_shape, slider_shape
+from ncgear.drawings.scene.bodies import Body, Chamber, Kind, Places, chamber_of, crank_shape, link_shape, slider_shape
 from ncgear.drawings.scene.geared_pairs import ScenePair, scene_pairs
 from ncgear.kinematics.motion import Machine, SliderMotion
-from ncgear.mechanisms.bodies import bodies
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.project.drive import Drive
@@ -57,12 +56,13 @@ class Scene:
 
     @cached_property
     def links(self) -> tuple[Body, ...]:
-        """Slider, crank and rod."""
+        """Slider, crank, and the links between them from back to front."""
         linkage = self.machine.linkage
+        between = [name for name in linkage.links(Jet(np.zeros((1, 1)))) if name not in ("slider", "crank")]
         return (
             Body("slider", Kind.SLIDER, (slider_shape(self.chamber),)),
             Body("crank", Kind.CRANK, (crank_shape(linkage),)),
-            Body("rod", Kind.ROD, (rod_shape(linkage),)),
+            *(Body(name, Kind.ROD, (link_shape(linkage, name),)) for name in between),
         )
 
     @property
@@ -100,14 +100,9 @@ class Scene:
         )
 
     def _link_places(self, phi2_rad: Array) -> dict[str, Places]:
-        found = bodies(self.machine.linkage, Jet(phi2_rad[None, :]))
-        pin = np.stack([found.pin.x.value, found.pin.y.value], axis=-1)
-        wrist = np.stack([found.wrist.x.value, found.wrist.y.value], axis=-1)
-        still, shaft = np.zeros_like(phi2_rad), np.zeros_like(pin)
         return {
-            "slider": Places(wrist, still),
-            "crank": Places(shaft, np.arctan2(pin[:, 1], pin[:, 0])),
-            "rod": Places(pin, found.rod_angle.value),
+            name: Places(np.stack([link.origin.x.value, link.origin.y.value], axis=-1), link.angle.value)
+            for name, link in self.machine.linkage.links(Jet(phi2_rad[None, :])).items()
         }
 
 

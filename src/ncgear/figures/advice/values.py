@@ -96,7 +96,7 @@ class Advice:
 
     @property
     def line(self) -> str:
-        """All of it in one line of text."""
+        """The whole advice in one line of text."""
         said = f"{self.what}; {self.meaning}"
         return f"{said}. To change it: {'; or '.join(map(str, self.remedies))}" if self.remedies else said
 

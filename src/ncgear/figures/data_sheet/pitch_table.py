@@ -16,10 +16,10 @@ STEPS_DEG = (5.0, 4.0, 3.0, 2.0, 1.0, 0.5, 0.25, 0.2, 0.1)
 """Steps of the driving angle to choose from: whole parts of a turn that read well."""
 
 ANGLE_DECIMALS = 9
-"""Of phi2 in deg, far more than a cell shows: a zero that is left as rounding errors would be written as 5.8e-16."""
+"""Decimals of phi2 in deg, far more than a cell shows, so that rounding errors about zero are written as zero."""
 
 ROUNDING = 1e-9
-"""Of the number of steps in a turn, so that one more is not counted for a rounding error."""
+"""Part of a step by which a turn may exceed whole steps, so that no step is added for a rounding error."""
 
 COLUMNS = (
     Column("phi1", "deg"),
@@ -70,7 +70,7 @@ def _interpolated(pitch: PitchPair, phi1_deg: Array) -> str:
 
 
 CSV_STEPS = 720
-"""Of half a degree each over a turn of the driving gear."""
+"""Steps of half a degree over a turn of the driving gear."""
 
 CSV_COLUMNS = ("phi1_deg", "phi2_deg", "ratio", "radius_driving_mm", "radius_driven_mm")
 

@@ -8,7 +8,7 @@ from math import degrees, isclose
 from typing import TYPE_CHECKING
 
 from ncgear.design.keys.bodies import GearBody, Hub, LighteningHoles, Web
-from ncgear.figures.data_sheet.measured import pin_tables, span_table
+from ncgear.figures.data_sheet.measured_tables import pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import shown
 from ncgear.figures.tables import Cells, Table, Value, markdown, markdown_text
@@ -16,8 +16,8 @@ from ncgear.metrology.working import root_radii_mm, tip_radii_mm
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
-from ncgear.project.bodies import rim_mm_of
 from ncgear.project.drive import Drive
+from ncgear.project.gear_solids import rim_mm_of
 from ncgear.project.measured import MeasuredGear, measured_gears
 from ncgear.teeth.form import CutterKind
 from ncgear.teeth.tips import Limit
@@ -64,7 +64,7 @@ class DataSheet:
 
 
 def data_sheet(pair: Drive) -> DataSheet:
-    """The sheet of one pair of gears; of a design in two stages, of one of ``by_stage``.
+    """The sheet of one pair of gears; a design in two stages has one for each drive in ``by_stage``.
 
     Raises WrongInput or NoSuchMechanism as the drive does up to the contact of the teeth.
     """
@@ -248,17 +248,14 @@ def tolerances(drive: Drive) -> tuple[Group, ...]:
 def measurements(drive: Drive, gears: tuple[MeasuredGear, MeasuredGear]) -> Group:
     """What is measured with, and in how many places it can be."""
     driving, driven = gears
+    tool = "pins" if driving.working.base_cosine == 1.0 else "balls"
     rows = (
         *([Entry("section that is measured, z", "mm", pair=drive.helix.rise_mm / 2.0)] if drive.helix else []),
-        Entry(_tool(driving), "mm", driving=driving.pins.diameter_mm, driven=driven.pins.diameter_mm),
+        Entry(f"diameter of measuring {tool}", "mm", driving=driving.pins.diameter_mm, driven=driven.pins.diameter_mm),
         Entry("spaces in which they measure", driving=_spaces(driving), driven=_spaces(driven)),
         Entry("places of a span", driving=_places(driving), driven=_places(driven)),
     )
     return Group("Measurements of the teeth", rows)
-
-
-def _tool(gear: MeasuredGear) -> str:
-    return "diameter of measuring pins" if gear.working.base_cosine == 1.0 else "diameter of measuring balls"
 
 
 def _spaces(gear: MeasuredGear) -> Value:
@@ -267,7 +264,7 @@ def _spaces(gear: MeasuredGear) -> Value:
 
 
 def _places(gear: MeasuredGear) -> Value:
-    """In how many places a span is defined, or why it is not."""
+    """The number of places in which a span is defined, or why there is none."""
     spans = gear.spans
     if gear.working.is_ring:
         return "not defined: plates do not reach the flanks of a ring"

@@ -153,7 +153,7 @@ def box_around(drawings: Iterable[Drawing]) -> tuple[Array, Array]:
 
 
 def gear_drawing(drive: Drive, gear: Gear) -> Drawing:
-    """A gear in its own frame; raises as the drive's stages do."""
+    """A gear in its own frame; raises as the drive does."""
     plan = drive.solids.of(gear).plan
     curve = drive.pitch.of(gear)
     shapes = {

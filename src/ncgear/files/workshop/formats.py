@@ -48,7 +48,7 @@ NAMES = tuple(name for writer in WRITERS.values() for name in writer.names)
 
 
 def workshop_files(drive: Drive, formats: Collection[Format]) -> dict[str, bytes]:
-    """The files of one pair of gears by their names; raises as the drive's stages do."""
+    """The files of one pair of gears by their names; raises as the drive does."""
     files: dict[str, bytes] = {}
     for kind, writer in WRITERS.items():
         if kind in formats:

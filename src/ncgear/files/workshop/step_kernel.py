@@ -27,8 +27,8 @@ from OCP.TopoDS import TopoDS_Shape
 from OCP.XCAFDoc import XCAFDoc_DocumentTool, XCAFDoc_ShapeTool
 
 from ncgear.pitch.shape import Gear
-from ncgear.project.bodies import rim_mm_of
 from ncgear.project.drive import Drive
+from ncgear.project.gear_solids import rim_mm_of
 from ncgear.solids.brep.gear import gear_shape, helical_gear_shape, ring_shape
 from ncgear.solids.brep.shapes import faces_of, moved_by, solids_of, volume_mm3
 from ncgear.solids.helical.helix import Helix

@@ -1,161 +1,25 @@
-"""Where a condition that only ever turns from false to true, as a quantity grows, does so.
+"""The certified limit: the least acceleration, power and weighted sum of both that any law can have.
 
-What to say where no law keeps the limits: which of them binds, and the nearest value at which one does.
-
-The certified limit: the least acceleration, the least power and the least weighted sum that any law can have.
+Each is enclosed from two sides: no law, however rough, has less, and a motion that keeps all limits, if not a smooth
+one, has little more.  The fastest motion under given peaks is also where the search for a smooth law starts.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from math import ceil, degrees, floor, inf, log10, pi, sqrt
+from dataclasses import dataclass
+from heapq import heappop, heappush
+from math import inf, sqrt
 
-from ncgear.errors import NoSuchMechanism
+import numpy as np
+
+from ncgear.errors import WrongInput
+from ncgear.numerics.arrays import Array
+from ncgear.optimum.certified.passes import Ceilings
 from ncgear.optimum.certified.problem import Problem
-from ncgear.optimum.certified.road import Peaks
+from ncgear.optimum.certified.refusals import refuse, refuse_ratios, turning_point
+from ncgear.optimum.certified.road import Peaks, Road
 from ncgear.optimum.task import Limits, Task
-
-FINE = 1e-7
-"""Relative width of the interval in which the turn is left."""
-
-DOUBLINGS = 60
-
-
-def turning_point(holds: Callable[[float], bool], guess: float) -> tuple[float, float] | None:
-    """A value at which the condition fails and a higher one, 1e-7 apart, at which it holds.
-
-    The first is 0 where the condition never fails down to 2^-60 of the guess, which must be positive.  None where it
-    does not hold up to 2^60 times the guess.
-    """
-    low, high = guess, guess
-    if holds(guess):
-        low = _first(lambda value: not holds(value), guess, 0.5)
-        if not low:
-            return 0.0, guess * 2.0**-DOUBLINGS
-        high = 2.0 * low
-    else:
-        high = _first(holds, guess, 2.0)
-        if not high:
-            return None
-        low = high / 2.0
-    while high > low * (1.0 + FINE):
-        middle = sqrt(low * high)
-        low, high = (low, middle) if holds(middle) else (middle, high)
-    return low, high
-
-
-def _first(wanted: Callable[[float], bool], guess: float, factor: float) -> float:
-    """The first of guess * factor, guess * factor^2, ... that is wanted; 0 if none of sixty is."""
-    value = guess
-    for _ in range(DOUBLINGS):
-        value *= factor
-        if wanted(value):
-            return value
-    return 0.0
-
-
-DIGITS = 5
-"""Significant digits of a nearest value; it is rounded to the side that is allowed."""
-
-
-def refuse_ratios(task: Task, limits: Limits) -> None:
-    """Refuse ratios that cannot close the cycle or a given working stroke; raises NoSuchMechanism."""
-    out, working = task.linkage.working_angle_rad, limits.working_rad
-    if working is None:
-        _refuse_ratio(2.0 * pi, task.cycle_rad, limits, "the cycle")
-        return
-    if not working < task.cycle_rad:
-        raise NoSuchMechanism(
-            f"a working stroke of {working:.5g} rad in a cycle of {task.cycle_rad:.5g} rad; less than a cycle is right",
-            key="optimize.limits.working_angle_rad",
-        )
-    _refuse_ratio(out, working, limits, "the working stroke")
-    _refuse_ratio(2.0 * pi - out, task.cycle_rad - working, limits, "the return")
-
-
-def refuse(problem: Problem, peaks: Peaks) -> NoSuchMechanism:
-    """Why no law has these peaks, of which those that are searched for are infinite.
-
-    Without a limit on either peak an even crank keeps what ``refuse_ratios`` lets pass, so one of them binds.
-    """
-    power = _least(problem, lambda value: Peaks(inf, value), peaks.power_w)
-    if power > peaks.power_w:
-        text = f"{peaks.power_w:g} W is too little at any acceleration; at least {shown_above(power)} W"
-        return _refusal("peak_power_w", text, problem, replace(peaks, acceleration_mm_s2=inf))
-    acceleration, given = peaks.acceleration_mm_s2, f"{peaks.acceleration_mm_s2:g} mm/s^2 is too little at"
-    least = _least(problem, lambda value: Peaks(value, inf), acceleration)
-    if least > acceleration:
-        text = f"{given} any power; at least {shown_above(least)} mm/s^2"
-        return _refusal("peak_acceleration_mm_s2", text, problem, replace(peaks, power_w=inf))
-    least = _least(problem, lambda value: Peaks(value, peaks.power_w), acceleration)
-    power = _least(problem, lambda value: Peaks(acceleration, value), peaks.power_w)
-    text = f"{given} {peaks.power_w:g} W; at least {shown_above(least)} mm/s^2, or {shown_above(power)} W"
-    return _refusal("peak_acceleration_mm_s2", text, problem, peaks)
-
-
-def _refuse_ratio(crank_rad: float, driving_rad: float, limits: Limits, stretch: str) -> None:
-    mean = driving_rad / crank_rad
-    if limits.ratio_min > mean:
-        raise NoSuchMechanism(
-            f"at {limits.ratio_min:g} throughout, {stretch} takes {limits.ratio_min * crank_rad:.5g} rad of the "
-            f"driving gear, and it has {driving_rad:.5g}; at most {shown_below(mean)} is right",
-            key="optimize.limits.ratio_min",
-        )
-    if limits.ratio_max < mean:
-        raise NoSuchMechanism(
-            f"at {limits.ratio_max:g} throughout, {stretch} takes {limits.ratio_max * crank_rad:.5g} rad of the "
-            f"driving gear, and it has {driving_rad:.5g}; at least {shown_above(mean)} is right",
-            key="optimize.limits.ratio_max",
-        )
-
-
-def _refusal(key: str, text: str, problem: Problem, peaks: Peaks) -> NoSuchMechanism:
-    return NoSuchMechanism(f"{text}{_or_steeper(problem, peaks)} can be enough", key=f"optimize.limits.{key}")
-
-
-def _or_steeper(problem: Problem, peaks: Peaks) -> str:
-    """The least pressure angle that would do in place of more power or acceleration, where there is one."""
-    given = problem.limits.pressure_angle_rad
-    if given is None or not problem.under(replace(problem.limits, pressure_angle_rad=None)).is_open(peaks):
-        return ""
-
-    def holds(narrowing: float) -> bool:
-        """Whether an angle does whose distance from a right angle is divided by ``narrowing``."""
-        wider = pi / 2.0 - (pi / 2.0 - given) / narrowing
-        return problem.under(replace(problem.limits, pressure_angle_rad=wider)).is_open(peaks)
-
-    found = turning_point(holds, 1.0)
-    if found is None:
-        return ""
-    enough = shown_above(90.0 - (90.0 - degrees(given)) / found[1])
-    return f", or a pressure angle of {enough} deg beside the rack's own,"
-
-
-def _least(problem: Problem, peaks: Callable[[float], Peaks], given: float) -> float:
-    """Least value that is not certainly too low; 0 where nothing was given."""
-    if given == inf:
-        return 0.0
-    found = turning_point(lambda value: problem.is_open(peaks(value)), given)
-    if found is None:
-        raise ArithmeticError("no peak is enough, though an evenly turning crank keeps all other limits")
-    return found[1]
-
-
-def shown_above(value: float) -> str:
-    """The value rounded up to five digits."""
-    return _rounded(value, ceil)
-
-
-def shown_below(value: float) -> str:
-    """The value rounded down to five digits."""
-    return _rounded(value, floor)
-
-
-def _rounded(value: float, to: Callable[[float], int]) -> str:
-    scale = 10.0 ** (DIGITS - 1 - floor(log10(value)))
-    return f"{to(value * scale) / scale:.{DIGITS + 1}g}"
-
 
 CELLS = 1600
 """Cells of a cycle: on the baler both sides of a bound are then less than 0.05 % apart."""
@@ -238,3 +102,139 @@ def mean_power(problem: Problem) -> float:
     task = problem.task
     moving = problem.limits.mass_kg * task.linkage.stroke_mm**2 / task.cycle_s**2 / 1000.0
     return max(task.work_n_mm, moving, 1e-9) / 1000.0 / task.cycle_s
+
+
+TOLERANCE = 5e-3
+"""Relative width in which the least sum is enclosed where none is asked for."""
+
+NEAR = 1.002
+"""The acceleration that counts as the least where power is not to be spared, over the bound of the least: a grid
+attains its bounds to this with power free."""
+
+FINEST = 0.1
+"""Relative width of an interval of powers, in tolerances, that is not split further: what gap is left is the grid's."""
+
+MOST_SPLITS = 2000
+
+
+@dataclass(frozen=True)
+class Weights:
+    """What 1 mm/s^2 of peak acceleration and 1 W of peak power cost: w1/A_ref and w2/P_ref; both positive."""
+
+    per_mm_s2: float
+    per_w: float
+
+    def __post_init__(self) -> None:
+        for key, value in (("acceleration_mm_s2", self.per_mm_s2), ("power_w", self.per_w)):
+            if not 0.0 < value < inf:
+                raise WrongInput(f"1/{value:g} given; a positive number is needed", key=f"optimize.weights.{key}")
+
+    def of(self, acceleration_mm_s2: float, power_w: float) -> float:
+        """The weighted sum."""
+        return self.per_mm_s2 * acceleration_mm_s2 + self.per_w * power_w
+
+
+@dataclass(frozen=True)
+class WeightedBound:
+    """The enclosed least sum, and the peaks of a rough motion that has its ``attained`` value."""
+
+    sum: Bound
+    peaks: Peaks
+
+
+def least_weighted_sum(
+    task: Task, limits: Limits, weights: Weights, cells: int | None = None, tolerance: float = TOLERANCE
+) -> WeightedBound:
+    """Least weighted sum of the peaks; limits on the two peaks themselves are not looked at.
+
+    The least acceleration A*(P) never grows with P, so that between P1 and P2 the sum is no less than that of A*(P2)
+    and P1.  Intervals are split, the lowest first, until the lowest is within ``tolerance`` of the best motion found.
+    Raises NoSuchMechanism as ``least_acceleration`` does.
+    """
+    problem = prepared(task, limits, cells or CELLS)
+    lowest, least, rich = _ends(problem)
+    highest = rich.power_w
+    best = _better(WeightedBound(Bound(0.0, inf, problem.cells), Peaks()), rich, weights)
+    # Beyond the highest power acceleration gains nothing, so its own interval needs no splitting.
+    intervals = [(weights.of(least, lowest), lowest, highest, least)]
+    for _ in range(MOST_SPLITS):
+        floor, start, end, beyond = heappop(intervals)
+        floor = min(floor, weights.of(least, highest))
+        best = WeightedBound(Bound(floor, best.sum.attained, problem.cells), best.peaks)
+        if (
+            best.sum.gap <= tolerance
+            or floor >= weights.of(least, highest)
+            or end <= start * (1.0 + FINEST * tolerance)
+        ):
+            break
+        middle = sqrt(start * end)
+        found = _least_acceleration(problem, middle, beyond)
+        heappush(intervals, (weights.of(found.value, start), start, middle, found.value))
+        heappush(intervals, (weights.of(beyond, middle), middle, end, beyond))
+        best = _better(best, Peaks(found.attained, middle), weights)
+    return best
+
+
+def _better(best: WeightedBound, peaks: Peaks, weights: Weights) -> WeightedBound:
+    attained = weights.of(peaks.acceleration_mm_s2, peaks.power_w)
+    if attained >= best.sum.attained:
+        return best
+    return WeightedBound(Bound(best.sum.value, attained, best.sum.cells), peaks)
+
+
+def _ends(problem: Problem) -> tuple[float, float, Peaks]:
+    """Power and acceleration below which no law works, and peaks of a motion with next to the least acceleration."""
+    lowest = enclosed(problem, lambda value: Peaks(inf, value), mean_power(problem)).value
+    least = enclosed(problem, lambda value: Peaks(value, inf), resting_acceleration(problem.task)).value
+    near = least * NEAR
+    return lowest, least, Peaks(near, enclosed(problem, lambda value: Peaks(near, value), mean_power(problem)).attained)
+
+
+def _least_acceleration(problem: Problem, power_w: float, guess: float) -> Bound:
+    return enclosed(problem, lambda value: Peaks(value, power_w), guess)
+
+
+@dataclass(frozen=True, eq=False)
+class FastestMotion:
+    """The fastest motion at places of the cycle, both dead centres among them; arrays of shape (n + 1,).
+
+    ``slope`` is s = dphi2/dphi1 = 1/i12, and q(phi2) its square; without a limited pressure angle it may jump at the
+    dead centres, and has there the value before them.  ``driving_rad`` is what the motion takes of the driving gear,
+    the cycle at most, ``working_rad`` of it for the working stroke.
+    """
+
+    crank_angle_rad: Array
+    way_mm: Array
+    speed_mm_s: Array
+    slope: Array
+    driving_rad: float
+    working_rad: float
+
+
+def fastest_motion(task: Task, limits: Limits, cells: int | None = None) -> FastestMotion:
+    """The fastest motion under the limits' peaks; raises NoSuchMechanism where it is too slow for the cycle."""
+    problem = prepared(task, limits, cells)
+    ceilings = problem.ceilings(problem.given_peaks)
+    if ceilings is None or not problem.is_open(problem.given_peaks):
+        raise refuse(problem, problem.given_peaks)
+    out, back = problem.least_durations_s(problem.given_peaks, ceilings)
+    return FastestMotion(
+        crank_angle_rad=problem.road.crank_angle_rad,
+        way_mm=problem.road.way_mm,
+        speed_mm_s=np.sqrt(2.0 * ceilings.energy_mm2_s2),
+        slope=_slope(problem.road, task, ceilings),
+        driving_rad=(out + back) * task.speed_rad_s,
+        working_rad=out * task.speed_rad_s,
+    )
+
+
+def _slope(road: Road, task: Task, ceilings: Ceilings) -> Array:
+    """s = v / (omega x'); at a dead centre from the acceleration beside it, v^2 / x'^2 being a / x''."""
+    moving = road.slope_mm_rad > 0.0
+    slope = np.empty(moving.shape)
+    energy, omega = ceilings.energy_mm2_s2, task.speed_rad_s
+    np.divide(np.sqrt(2.0 * energy), omega * road.slope_mm_rad, out=slope, where=moving)
+    for place, cell in ((0, 0), (road.extended, road.extended - 1), (-1, -1)):
+        acceleration = abs(np.diff(energy)[cell]) / road.length_mm[cell]
+        slope[place] = np.sqrt(acceleration / road.bend_mm_rad2[place]) / omega
+    return slope

@@ -12,7 +12,7 @@ from math import inf, isinf, pi
 
 import numpy as np
 
-from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.optimum.task import Limits, Task
@@ -95,7 +95,7 @@ def _angles(task: Task, cells: int, working_share: float) -> tuple[Array, int]:
     return np.concatenate([outgoing, homeward[1:]]), outgoing.size - 1
 
 
-def _turns_rad(linkage: CrankSlider, turns_mm: Array) -> Array:
+def _turns_rad(linkage: Mechanism, turns_mm: Array) -> Array:
     """Crank angles of the working stroke at displacements, shape (n,) both."""
     if not turns_mm.size:
         return turns_mm

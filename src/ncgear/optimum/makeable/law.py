@@ -1,54 +1,40 @@
-"""Where searches for a makeable law begin: at the fastest motion that the limits allow, and at random.
+"""A makeable law: the best harmonics of ln i12 under all limits, or which limits are in each other's way.
 
-A makeable law: the best harmonics under all limits, which then hold between the places of the programme, too.
+Where no law keeps all limits, the one that comes nearest tells which of them press, and for each the nearest value that
+can be had with the others is found.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.certified.profile import fastest_motion
-from ncgear.optimum.makeable.kept import NO_EXCESS, Easing, Kept, Search, easings, easings_together, kept, searched
-from ncgear.optimum.makeable.levels import Level
-from ncgear.optimum.makeable.programme import Solution
-from ncgear.optimum.makeable.wishes import Wishes
+from ncgear.optimum.makeable.programme import Programme, Solution
+from ncgear.optimum.makeable.search import Kept, Search, kept, searched
+from ncgear.optimum.makeable.wishes import CONVEX, Level, Wishes
 from ncgear.optimum.task import Task
 from ncgear.ratio.laws.harmonic import LogSeries, harmonic_law, staged_law
 from ncgear.ratio.transmission import Lobes, Train, single
 
-SPREAD = 0.3
-"""Standard deviation of the first harmonics of a start at random; higher ones fall off with their number."""
+NO_EXCESS = 1e-6
+"""Excess over caps that counts as none: far under what is left between the places of the programme."""
 
-RESAMPLED = 16
-"""Places per harmonic at which the fastest motion is read."""
+PRESSING = 1e-4
+"""Share of a cap in what keeps the excess up, below which it has none."""
 
+DEARER = 10.0
+"""How much more an excess over the other caps costs than what it can gain, so that there is none if there need not."""
 
-def rough_start(task: Task, wishes: Wishes, peak_acceleration_mm_s2: float) -> Array:
-    """Coefficients cos 1.., sin 1.. of the fastest motion under a peak of acceleration, its corners smoothed.
+TOGETHER = 1e3
+"""Price of an excess over all caps beside several levels that have none, in units that are of the order of one."""
 
-    Its ratio jumps; each harmonic is taken with Lanczos' factor, which takes the overshoot from jumps.
-    """
-    limits = replace(wishes.limits, peak_acceleration_mm_s2=peak_acceleration_mm_s2)
-    motion = fastest_motion(task, limits)
-    count = RESAMPLED * wishes.harmonics
-    angle = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
-    lowest, highest = np.log(limits.ratio_min), np.log(limits.ratio_max)
-    logarithm = np.clip(-np.log(np.interp(angle, motion.crank_angle_rad, motion.slope)), lowest, highest)
-    spectrum = np.fft.rfft(logarithm)[1 : wishes.harmonics + 1] * (2.0 / count)
-    smoothed = spectrum * np.sinc(np.arange(1, wishes.harmonics + 1) / (wishes.harmonics + 1))
-    return np.concatenate([smoothed.real, -smoothed.imag])
-
-
-def random_starts(harmonics: int, count: int, seed: int) -> Sequence[Array]:
-    """So many starts; the same seed gives the same."""
-    random = np.random.default_rng(seed)
-    falling = SPREAD / np.tile(np.arange(1.0, harmonics + 1.0), 2)
-    return [random.normal(size=2 * harmonics) * falling for _ in range(count)]
+ANY_DENT = 10.0
+"""Depth of a dent, in units of the level of convexity, that no law of any use has."""
 
 
 BETWEEN = (
@@ -96,27 +82,6 @@ def makeable_law(task: Task, wishes: Wishes, starts: Sequence[Array]) -> Makeabl
     return min(found, key=lambda law: law.goal) if found else _kept_at_last(search, task, wishes, shared[0])
 
 
-def shared_law(task: Task, wishes: Wishes, cosine: Array, sine: Array) -> MakeableLaw:
-    """A law as it stands, shared over two pairs so that the larger pressure angle is least.
-
-    Coefficients of ln i12 have shape (wishes.harmonics,), and of the wishes only those count that concern each pair.
-    Raises NoSuchMechanism where no share keeps them.
-    """
-    alone = replace(wishes, limits=replace(wishes.limits, working_rad=None))
-    search = searched(task, alone)
-    named = [(level.of_pairs, level.wish == "pressure_angle_deg") for level in search.programme.levels]
-    of_pairs, angle = np.array(named).T
-    whole = np.concatenate([cosine, sine])
-    split = replace(
-        search,
-        programme=replace(search.programme, held=whole),
-        caps=np.where(of_pairs, search.caps, np.inf),
-        weights=angle.astype(float),
-    )
-    start = np.concatenate([whole, whole / 2.0])
-    return _kept(split, start) or _kept_at_last(split, task, alone, start)
-
-
 def _kept_at_last(search: Search, task: Task, wishes: Wishes, start: Array) -> MakeableLaw:
     """The law from the one that comes nearest to keeping all limits; raises NoSuchMechanism where there is none."""
     near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, start)
@@ -133,10 +98,11 @@ def _kept_at_last(search: Search, task: Task, wishes: Wishes, start: Array) -> M
 def _kept(search: Search, start: Array) -> MakeableLaw | None:
     """The law from one start; None where none is found."""
     found = kept(search, start)
-    return None if found is None else _law(search, found)
+    return None if found is None else law_of(search, found)
 
 
-def _law(search: Search, found: Kept) -> MakeableLaw:
+def law_of(search: Search, found: Kept) -> MakeableLaw:
+    """The law that a search has found."""
     cosine, sine, *second = found.coefficients.reshape(2 * search.programme.pairs, -1)
     return MakeableLaw(cosine, sine, search.programme.levels, found.reached, LogSeries(*second) if second else None)
 
@@ -164,3 +130,70 @@ def _free_working(task: Task, wishes: Wishes, near: Solution) -> list[Easing]:
     found = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, near.coefficients)
     kept = found is not None and found.excess <= NO_EXCESS
     return [Easing("working_angle_rad", "a working stroke of another driving angle")] if kept else []
+
+
+Judge = Callable[[Array], Array]
+"""Levels that coefficients reach everywhere, shape (levels,)."""
+
+
+class Easing(NamedTuple):
+    """A wish, and the words for a value of it that makes room."""
+
+    wish: str
+    said: str
+
+    def __str__(self) -> str:
+        return f"{self.said} (optimize.limits.{self.wish})"
+
+
+def pressing(programme: Programme, near: Solution) -> list[str]:
+    """The wishes that keep up the excess of the law that comes nearest to keeping all limits.
+
+    No others are to blame: without any of those the same law would still be the nearest.
+    """
+    return list(dict.fromkeys(level.wish for level, share in _shares(programme, near) if share > PRESSING))
+
+
+def easings(programme: Programme, caps: Array, near: Solution, judge: Judge) -> Iterator[Easing]:
+    """Of each wish that presses the nearest value with which all others can be kept, if there is one."""
+    for wish in pressing(programme, near):
+        share = sum(near.pressing[k] for k, level in enumerate(programme.levels) if level.wish == wish)
+        found = _without(programme, caps, [wish], DEARER / float(share), near)
+        if found is not None and found.excess <= NO_EXCESS:
+            yield _easing(programme, wish, judge(found.coefficients))
+
+
+def easings_together(programme: Programme, caps: Array, near: Solution, judge: Judge) -> Iterator[Easing]:
+    """Values of several wishes that are enough together, where none alone is: the most pressing is given up, then the
+    most pressing without it, and so on."""
+    freed: list[str] = []
+    found: Solution | None = near
+    while found is not None and found.excess > NO_EXCESS:
+        shares = [0.0 if level.wish in freed else share for level, share in _shares(programme, found)]
+        freed.append(programme.levels[int(np.argmax(shares))].wish)
+        found = _without(programme, caps, freed, TOGETHER, found)
+        if len(freed) == len(programme.levels):
+            return
+    if found is not None:
+        reached = judge(found.coefficients)
+        yield from (_easing(programme, wish, reached) for wish in freed)
+
+
+def _without(programme: Programme, caps: Array, wishes: Sequence[str], price: float, near: Solution) -> Solution | None:
+    """The law with these wishes' levels as low as they will go, and an excess of that price over all other caps."""
+    freed = np.array([level.wish in wishes for level in programme.levels])
+    dents = np.array([level.wish == CONVEX for level in programme.levels])
+    free = np.where(freed, np.where(dents, ANY_DENT, np.inf), caps)
+    return programme.nearest(free, np.where(freed & ~dents, 1.0, 0.0), price, near.coefficients)
+
+
+def _shares(programme: Programme, near: Solution) -> Iterator[tuple[Level, float]]:
+    return zip(programme.levels, near.pressing.tolist(), strict=True)
+
+
+def _easing(programme: Programme, wish: str, reached: Array) -> Easing:
+    value, level = max(
+        ((value, level) for value, level in zip(reached, programme.levels, strict=True) if level.wish == wish),
+        key=lambda one: one[0],
+    )
+    return Easing(wish, level.shown(float(value)))

@@ -22,9 +22,9 @@ import numpy as np
 from scipy import sparse
 
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.makeable.levels import Level
 from ncgear.optimum.makeable.quantities import Place, Slider, length_rates
 from ncgear.optimum.makeable.reached import Grid, basis, lengths, ratios, reached
+from ncgear.optimum.makeable.wishes import Level
 
 SOLVED = {"Solve_Succeeded", "Solved_To_Acceptable_Level"}
 STOPPED = "User_Requested_Stop"
@@ -53,8 +53,7 @@ class Solution:
 class Programme:
     """A programme to be solved under different caps on its levels; the solvers take the levels' weights as parameters.
 
-    ``afresh`` starts from coefficients, ``onwards`` from the solution for caps that were a little different.  Of two
-    stages the coefficients of i12 may be ``held`` as they are.
+    ``afresh`` starts from coefficients, ``onwards`` from the solution for caps that were a little different.
     """
 
     levels: Sequence[Level]
@@ -65,7 +64,6 @@ class Programme:
     pairs: int
     equations: int
     rows: int
-    held: Array | None = None
 
     def solved(
         self, caps: Array, weights: Array, start: Array | Solution, kept_back: Array | float = 0.0
@@ -84,6 +82,10 @@ class Programme:
         """
         return self._solved(caps, np.append(weights, price), start, np.inf, 0.0)
 
+    def coefficient_bounds(self, size: int) -> tuple[Array, Array]:
+        """Least and greatest values of the coefficients, shape (size,) each: they are free."""
+        return np.full(size, -np.inf), np.full(size, np.inf)
+
     def _solved(
         self, caps: Array, prices: Array, start: Array | Solution, most: float, kept_back: Array | float
     ) -> Solution | None:
@@ -91,11 +93,10 @@ class Programme:
         solver, given = self._from(start)
         size = self.pairs * self.on.basis.value.shape[1]
         before = size + 2 * self.pairs
-        highest, lowest = np.full(given["x0"].shape[0], np.inf), np.full(given["x0"].shape[0], -np.inf)
         of_levels, of_excess = slice(before, before + caps.size), before + caps.size
+        highest, lowest = np.full(given["x0"].shape[0], np.inf), np.full(given["x0"].shape[0], -np.inf)
         highest[of_levels], highest[of_excess], lowest[of_excess] = caps, most, 0.0
-        if self.held is not None:
-            lowest[: self.held.size] = highest[: self.held.size] = self.held
+        lowest[:size], highest[:size] = self.coefficient_bounds(size)
         zero = np.zeros(self.equations)
         of_rows = {
             "lbg": np.append(zero, np.full(self.rows, -np.inf)),

@@ -13,12 +13,12 @@ from math import log, pi
 
 import numpy as np
 
-from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
-from ncgear.optimum.makeable.levels import Level
 from ncgear.optimum.makeable.quantities import Place, Slider, length_rates
+from ncgear.optimum.makeable.wishes import Level
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +58,7 @@ class Stations:
         return self.phi2_rad.size
 
 
-def stations(linkage: CrankSlider, resistance: Resistance, count: int) -> Stations:
+def stations(linkage: Mechanism, resistance: Resistance, count: int) -> Stations:
     """``count`` places evenly around one turn of the crank, from its retracted dead centre on."""
     phi2 = np.linspace(0.0, 2.0 * pi, count, endpoint=False)
     variable = np.zeros((ORDER + 1, count))

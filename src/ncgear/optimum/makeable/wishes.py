@@ -1,11 +1,20 @@
-"""What is asked of a makeable law: the goal, the limits that must hold everywhere, and how finely the law may move."""
+"""What is asked of a makeable law, and each wish as a level: a number that bounds a quantity around the turn.
+
+A limit holds its level down; a goal makes it as low as it will go.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from math import atan, ceil, degrees, exp, log, radians, tan
 
-from ncgear.optimum.certified.weighted import Weights
+from ncgear.numerics.units import RAD_S_PER_RPM
+from ncgear.optimum.certified.limit import Weights
+from ncgear.optimum.certified.refusals import shown_above, shown_below
+from ncgear.optimum.makeable import quantities
+from ncgear.optimum.makeable.quantities import Place, Slider, Term, pairs
 from ncgear.optimum.task import Limits
 
 
@@ -62,3 +71,218 @@ class Wishes:
     def pairs(self) -> int:
         """Pairs of gears between the driving shaft and the crank."""
         return 1 if self.two_stages is None else 2
+
+
+CONVEX = "convex"
+"""The wish that is kept or not: how deep a dent is means nothing to a user."""
+
+STEEPEST = tan(radians(60.0))
+"""Of two stages, where no pressure angle is given: a pair of 80 degrees with its rack all but locks.  The method needs
+some limit, or it strays into ratios that only cancel each other."""
+
+EASE = 0.3
+"""Of two stages, where no pressure angle is given: what a tangent of one is worth in units of the goal.  On the baler
+2 % of acceleration buy nine degrees; at a tenth the method takes five times as long, and at times finds nothing."""
+
+EVENLY = 1e-3
+"""The same where one is given: of ways to share one law that of the least angle, and next to nothing off the goal."""
+
+Sides = Callable[[Place, Slider, Term], tuple[Term, ...]]
+"""Place, slider, and length of the driving curve over the centre distance, to terms that stay at or below the level."""
+
+
+@dataclass(frozen=True)
+class Level:
+    """One of them: the ``wish`` it comes from, its ``limit`` (None: none) and its ``weight`` in the goal.
+
+    Terms and limit are in units in which they are of the order of one; ``shown`` says what limit of the user's makes
+    room for a level over the limit.  ``of_pairs`` tells levels of every pair of gears from those of the machine as a
+    whole.
+    """
+
+    wish: str
+    limit: float | None
+    weight: float
+    sides: Sides
+    shown: Callable[[float], str]
+    of_pairs: bool = False
+
+    def terms(self, ratios: Sequence[Place], slider: Slider, lengths: Sequence[Term]) -> tuple[Term, ...]:
+        """All that stays at or below the level, from i12, and iB where there are two pairs, and every pair's length."""
+        if not self.of_pairs:
+            return self.sides(ratios[0], slider, lengths[0])
+        return tuple(
+            side for at, length in zip(pairs(ratios), lengths, strict=True) for side in self.sides(at, slider, length)
+        )
+
+
+@dataclass(frozen=True)
+class Scales:
+    """The machine's driving speed in rad/s, and units of acceleration (mm/s2) and power (W) of its order."""
+
+    speed_rad_s: float
+    acceleration_mm_s2: float
+    power_w: float
+
+
+def levels(wishes: Wishes, scales: Scales) -> list[Level]:
+    """The levels of all wishes that say anything."""
+    return [*_of_motion(wishes, scales), *_of_ratio(wishes, scales), *_of_curves(wishes)]
+
+
+def _of_motion(wishes: Wishes, scales: Scales) -> Iterator[Level]:
+    weights = _weights(wishes, scales)
+    if wishes.limits.peak_acceleration_mm_s2 is not None or weights[0]:
+        yield _acceleration(wishes, scales, weights[0])
+    if wishes.limits.peak_power_w is not None or weights[1]:
+        yield _power(wishes, scales, weights[1])
+    if wishes.peak_jerk_mm_s3 is not None:
+        yield _jerk(wishes.peak_jerk_mm_s3, scales)
+
+
+def _weights(wishes: Wishes, scales: Scales) -> tuple[float, float]:
+    """Weights of acceleration and power in their units."""
+    match wishes.goal:
+        case Goal.ACCELERATION:
+            return 1.0, 0.0
+        case Goal.POWER:
+            return 0.0, 1.0
+    assert wishes.weights is not None
+    return scales.acceleration_mm_s2 * wishes.weights.per_mm_s2, scales.power_w * wishes.weights.per_w
+
+
+def _acceleration(wishes: Wishes, scales: Scales, weight: float) -> Level:
+    unit, limit = scales.acceleration_mm_s2, wishes.limits.peak_acceleration_mm_s2
+
+    def sides(at: Place, slider: Slider, length: Term) -> tuple[Term, ...]:
+        return _both(quantities.acceleration(at, slider, scales.speed_rad_s) / unit)
+
+    return Level(
+        "peak_acceleration_mm_s2",
+        _over(limit, unit),
+        weight,
+        sides,
+        lambda level: f"a peak acceleration of {shown_above(level * unit)} mm/s^2",
+    )
+
+
+def _power(wishes: Wishes, scales: Scales, weight: float) -> Level:
+    unit = scales.power_w
+
+    def sides(at: Place, slider: Slider, length: Term) -> tuple[Term, ...]:
+        return (quantities.power(at, slider, scales.speed_rad_s, wishes.limits.mass_kg) / unit,)
+
+    return Level(
+        "peak_power_w",
+        _over(wishes.limits.peak_power_w, unit),
+        weight,
+        sides,
+        lambda level: f"a peak power of {shown_above(level * unit)} W",
+    )
+
+
+def _jerk(limit: float, scales: Scales) -> Level:
+    def sides(at: Place, slider: Slider, length: Term) -> tuple[Term, ...]:
+        return _both(quantities.jerk(at, slider, scales.speed_rad_s) / limit)
+
+    return Level(
+        "peak_jerk_mm_s3", 1.0, 0.0, sides, lambda level: f"a peak jerk of {shown_above(level * limit)} mm/s^3"
+    )
+
+
+def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
+    # Of two stages both the whole's ratio and each pair's
+    for of_pairs in (False, True)[: wishes.pairs]:
+        yield _least_ratio(wishes.limits.ratio_min, of_pairs)
+        yield _greatest_ratio(wishes.limits.ratio_max, of_pairs)
+    if wishes.driven_speed_rad_s is not None:
+        top = log(wishes.driven_speed_rad_s / scales.speed_rad_s)
+        rpm = scales.speed_rad_s / RAD_S_PER_RPM
+        yield Level(
+            "driven_speed_rpm",
+            top,
+            0.0,
+            lambda at, *_: (-at.log,),
+            lambda level: f"a driven gear at {shown_above(rpm * exp(level))} r/min",
+        )
+
+
+def _least_ratio(limit: float, of_pairs: bool) -> Level:
+    return Level(
+        "ratio_min",
+        -log(limit),
+        0.0,
+        lambda at, *_: (-at.log,),
+        lambda level: f"a least ratio of {shown_below(exp(-level))}",
+        of_pairs,
+    )
+
+
+def _greatest_ratio(limit: float, of_pairs: bool) -> Level:
+    return Level(
+        "ratio_max",
+        log(limit),
+        0.0,
+        lambda at, *_: (at.log,),
+        lambda level: f"a greatest ratio of {shown_above(exp(level))}",
+        of_pairs,
+    )
+
+
+def _of_curves(wishes: Wishes) -> Iterator[Level]:
+    shared, rack = wishes.two_stages, wishes.rack_angle_rad
+    if shared is not None:
+        yield _angle_of_each(shared.pressure_angle_rad, rack)
+    elif wishes.limits.pressure_angle_rad is not None:
+        yield _pressure_angle(tan(wishes.limits.pressure_angle_rad), 0.0, rack)
+    if wishes.curvature_turns is not None:
+        yield _curvature(wishes, wishes.curvature_turns)
+    if wishes.convex:
+        for bulge in (quantities.driving_bulge, quantities.driven_bulge):
+            yield _convex(bulge)
+
+
+def _angle_of_each(given_rad: float | None, rack_rad: float) -> Level:
+    if given_rad is None:
+        return _pressure_angle(STEEPEST, EASE, rack_rad)
+    return _pressure_angle(tan(given_rad), EVENLY, rack_rad)
+
+
+def _pressure_angle(most: float, weight: float, rack_rad: float) -> Level:
+    return Level(
+        "pressure_angle_deg",
+        most,
+        weight,
+        lambda at, *_: _both(quantities.tangent(at)),
+        lambda level: f"a pressure angle of {shown_above(degrees(atan(level) + rack_rad))} deg",
+        of_pairs=True,
+    )
+
+
+def _curvature(wishes: Wishes, turns: float) -> Level:
+    def sides(at: Place, slider: Slider, length: Term) -> tuple[Term, ...]:
+        bulges = [
+            curvature(at) * length / turns for curvature in (quantities.driving_curvature, quantities.driven_curvature)
+        ]
+        return (*bulges, *(-bulge for bulge in bulges)) if not wishes.convex else tuple(bulges)
+
+    def shown(level: float) -> str:
+        if wishes.curvature_wish is CurvatureWish.UNDERCUT:
+            return f"{ceil(wishes.curvature_given * level)} teeth in place of {wishes.curvature_given:g}"
+        return f"a least radius of {shown_below(wishes.curvature_given / level)} mm"
+
+    return Level(wishes.curvature_wish.value, 1.0, 0.0, sides, shown, of_pairs=True)
+
+
+def _convex(bulge: Callable[[Place], Term]) -> Level:
+    return Level(
+        CONVEX, 0.0, 0.0, lambda at, *_: (-bulge(at),), lambda level: "pitch curves that are not convex", of_pairs=True
+    )
+
+
+def _both(term: Term) -> tuple[Term, Term]:
+    return term, -term
+
+
+def _over(limit: float | None, unit: float) -> float | None:
+    return None if limit is None else limit / unit

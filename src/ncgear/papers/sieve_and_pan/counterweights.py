@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ncgear.balance.mechanism import JointMasses, joint_masses, partial_counterweight_kg
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.masses import RodMasses
 from ncgear.papers.entry import Computed, Entry, Printed, Verdict, equations, of
 from ncgear.papers.sieve_and_pan.published import (
     ARM_MM,
@@ -28,7 +28,7 @@ SIEVE_OWN = joint_masses(SIEVE_LINKAGE, SIEVE.masses)
 
 def pan_board() -> Computed:
     """The board's mass at the crank pin and at the roller, its centre where it is printed."""
-    found = joint_masses(PAN_LINKAGE, Masses(rod_kg=PAN_BOARD_KG, rod_center_mm=PAN_BOARD_PRINTED_MM))
+    found = joint_masses(PAN_LINKAGE, RodMasses(rod_kg=PAN_BOARD_KG, rod_center_mm=PAN_BOARD_PRINTED_MM))
     return of(found.rotating_kg, found.reciprocating_kg)
 
 

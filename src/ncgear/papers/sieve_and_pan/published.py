@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ncgear.balance.mechanism import JointMasses, Mechanism
+from ncgear.balance.mechanism import DrivenCrank, JointMasses
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.masses import RodMasses
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
@@ -27,9 +27,9 @@ PAN_BOARD_FITTING_MM = 1045.0 * 12.6 / 23.7
 """Where the printed masses of the board at pin and roller put its centre."""
 
 
-def masses(board_kg: float, center_mm: float) -> Masses:
+def masses(board_kg: float, center_mm: float) -> RodMasses:
     """Crank, board and roller; the board's own inertia is not given and left out."""
-    return Masses(
+    return RodMasses(
         slider_kg=ROLLER_KG,
         rod_kg=board_kg,
         rod_center_mm=center_mm,
@@ -38,9 +38,9 @@ def masses(board_kg: float, center_mm: float) -> Masses:
     )
 
 
-def mechanism(linkage: CrankSlider, board_kg: float, center_mm: float) -> Mechanism:
+def mechanism(linkage: CrankSlider, board_kg: float, center_mm: float) -> DrivenCrank:
     """One of the two at its speed, driven evenly."""
-    return Mechanism(linkage, uniform_law(Lobes()), SPEED_RAD_S, masses(board_kg, center_mm))
+    return DrivenCrank(linkage, uniform_law(Lobes()), SPEED_RAD_S, masses(board_kg, center_mm))
 
 
 PAN = mechanism(PAN_LINKAGE, PAN_BOARD_KG, PAN_BOARD_FITTING_MM)

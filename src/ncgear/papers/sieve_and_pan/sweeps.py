@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ncgear.balance.counterweights import Tried, sweep
-from ncgear.balance.mechanism import Carrier, Counterweight, Mechanism
+from ncgear.balance.mechanism import Carrier, Counterweight, DrivenCrank
 from ncgear.papers.entry import Computed, Entry, Printed, Verdict, half_step, of, texts
 from ncgear.papers.sieve_and_pan.published import ARM_MM, PAN, SIEVE
 
@@ -45,7 +45,7 @@ BOTH_TABLE = SweepTable(
 )  # fmt: skip
 
 
-def bearing(mechanism: Mechanism, mass_kg: float) -> Computed:
+def bearing(mechanism: DrivenCrank, mass_kg: float) -> Computed:
     """Least, largest, mean and r.m.s. force in N on the crank's bearing, in the plane of the motion without weight."""
     found = _tried(mechanism, mass_kg).bearing_n
     return of(found.minimum, found.maximum, found.mean, found.rms)
@@ -70,21 +70,21 @@ FORCES = (
 )
 
 
-def track_extent(mechanism: Mechanism, mass_kg: float) -> Computed:
+def track_extent(mechanism: DrivenCrank, mass_kg: float) -> Computed:
     """Way of the common centre of mass in mm, along the slider's line and across it."""
     return of(*_tried(mechanism, mass_kg).track.extent_mm)
 
 
-def track_area(mechanism: Mechanism, mass_kg: float) -> Computed:
+def track_area(mechanism: DrivenCrank, mass_kg: float) -> Computed:
     """What that way encloses, in mm^2."""
     return of(_tried(mechanism, mass_kg).track.area_mm2)
 
 
-def _tried(mechanism: Mechanism, mass_kg: float) -> Tried:
+def _tried(mechanism: DrivenCrank, mass_kg: float) -> Tried:
     return sweep(mechanism, Counterweight(Carrier.CRANK, 0.0, ARM_MM), [mass_kg])[0]
 
 
-def _force(place: str, what: str, printed: tuple[str, ...], mechanism: Mechanism, mass_kg: float) -> Entry:
+def _force(place: str, what: str, printed: tuple[str, ...], mechanism: DrivenCrank, mass_kg: float) -> Entry:
     return Entry(
         (place,), f"{what}: least, largest, mean and r.m.s. force", Printed(printed, "N"), Verdict.NEEDS_DATA,
         lambda: bearing(mechanism, mass_kg), MODEL,

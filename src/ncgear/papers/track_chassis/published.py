@@ -6,9 +6,9 @@ from functools import cache
 from math import radians
 
 from ncgear.balance.frame import Chassis, DynamicCounterweights, dynamic_counterweights
-from ncgear.balance.mechanism import Mechanism
+from ncgear.balance.mechanism import DrivenCrank
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.masses import RodMasses
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
@@ -21,7 +21,7 @@ CHASSIS = Chassis(support_mm=370.0, counterweight_mm=1000.0, tilt_rad=radians(8.
 WEIGHT_KG, WEIGHT_LEVER_MM = 500.0, 470.0
 NATURAL_HZ = (4.62, 17.26, 29.82, 63.85, 83.73, 141.58)
 
-MECHANISM = Mechanism(LINKAGE, uniform_law(Lobes()), SPEED_RAD_S, Masses(slider_kg=SLIDER_KG))
+MECHANISM = DrivenCrank(LINKAGE, uniform_law(Lobes()), SPEED_RAD_S, RodMasses(slider_kg=SLIDER_KG))
 """Massless rod and crank: the paper lumps what it weighed at the slider."""
 
 

@@ -1,1 +1,1 @@
-"""The laws a design can name, one module each; every one returns a Transmission."""
+"""The mathematics of the motion laws, one module each; every law is a function that returns a Transmission."""

@@ -14,7 +14,7 @@ from ncgear.ratio.laws.integrated import NEARLY_CLOSED, integrated_law
 from ncgear.ratio.transmission import Lobes, Piece, Transmission
 
 NO_JUMP = 1e-9
-"""Relative difference between both ends of the cycle that counts as none: ten written digits give this."""
+"""Relative difference of the ratio between both ends of the cycle that counts as none: ten written digits give it."""
 
 
 def ratio_expression_law(text: str, lobes: Lobes, *, scale_to_close: bool) -> Transmission:

@@ -1,18 +1,20 @@
-"""A law by harmonics of its ratio: ln i12 as a trigonometric series over the driven angle.
+"""A law by harmonics of its ratio, for one pair of gears or shared by two pairs in series.
+
+One pair: ln i12 is a trigonometric series over the driven angle.
 
     ln i12 = c0 + sum_k (cosine_k cos(k n2 phi2) + sine_k sin(k n2 phi2))
 
-The logarithm keeps every ratio positive whatever the coefficients, and the driven angle is what the linkage sees, so
-this is the form in which laws are optimised and stored.  c0 is what closes the cycle: with x = n1 phi1 and t = n2 phi2,
+The logarithm keeps every ratio positive whatever the coefficients are, and the linkage sees the driven angle; so this
+is the form in which laws are optimised and stored.  c0 closes the cycle: with x = n1 phi1 and t = n2 phi2,
 dx/dt = exp(series) / mean(exp(series)), whose integral over a turn is a turn.
 
-A law shared over two pairs in series: ln i12 = ln iA + ln iB, both as series over the crank's angle phi2.
+Two pairs: ln i12 = ln iA + ln iB, both as series over the crank's angle phi2.
 
     ln i12 = f(phi2),   ln iB = g(phi2),   ln iA = f - g
 
-The second pair, iB, drives the crank: by its own driven angle its ratio is a series as it stands.  The first pair's
-driven angle is that of the shaft between, phim = integral of exp(g) dphi2, which comes round with the crank.  With
-t = phi2, dphim/dphi1 = exp(g - f) and dt/dphi1 = exp(-f), constants that close both included.
+The second pair, iB, drives the crank: over its own driven angle its ratio is such a series as it stands.  The driven
+angle of the first pair is that of the shaft between them, phim = integral of exp(g) dphi2, which comes round with the
+crank.  With t = phi2, dphim/dphi1 = exp(g - f) and dt/dphi1 = exp(-f), each with the constant that closes it.
 """
 
 from __future__ import annotations
@@ -30,9 +32,10 @@ from ncgear.numerics.jet import Jet
 from ncgear.ratio.transmission import STANDSTILL, Lobes, Pair, Piece, Train, Transmission
 
 FEWEST_NODES = 64
+"""Of the integral over a period; a law of many harmonics begins with 8 to 16 for each."""
 
 NODES_PER_KNOT = 8
-"""Nodes of the integral between knots, so that extrema are looked for as finely as the law is resolved."""
+"""Nodes of the integral between two knots, so that extrema are looked for as finely as the law is resolved."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +71,10 @@ class LogSeries:
 
 @dataclass(frozen=True, eq=False)
 class HarmonicLaw:
-    """The driven angle of one period as a function of the driving angle, which is the inverse of the integral."""
+    """The driven angle of one period: the inverse of ``integral``, which is the driving angle over the driven one.
+
+    ``integral`` counts both angles in turns of 2 pi a period.
+    """
 
     series: LogSeries
     integral: TurnIntegral
@@ -123,15 +129,16 @@ def harmonic_law(cosine: Array, sine: Array, lobes: Lobes) -> Transmission:
 
 
 def closed_harmonics(cosine: Array, sine: Array, lobes: Lobes, key: str = "motion") -> HarmonicLaw:
-    """The same with its series and constant at hand, and no look for its extrema.
+    """The law of ``harmonic_law`` with its series at hand and without a search for its extrema.
 
-    Raises as ``harmonic_law`` does, with ``key`` in place of ``motion``.
+    Raises the same errors, with ``key`` in place of ``motion``.
     """
     series = _series(cosine, sine, key)
     return HarmonicLaw(series, _closing_integral(series, key), lobes)
 
 
 def _series(cosine: Array, sine: Array, key: str) -> LogSeries:
+    """Both lists of coefficients at the length of the longer; raises WrongInput where one is not finite."""
     for name, values in (("cosine", cosine), ("sine", sine)):
         wrong = np.nonzero(~np.isfinite(values))[0]
         if wrong.size:
@@ -142,7 +149,7 @@ def _series(cosine: Array, sine: Array, key: str) -> LogSeries:
 
 
 def _closing_integral(series: LogSeries, key: str) -> TurnIntegral:
-    """phi1 over phi2, both in turns of 2 pi a period."""
+    """x over t; raises NoSuchMechanism where the ratio's range is beyond 1e6."""
     fewest = max(FEWEST_NODES, 1 << (8 * series.harmonics - 1).bit_length())
     with np.errstate(all="ignore"):
         span = float(np.ptp(series.sampled(fewest)))
@@ -153,24 +160,20 @@ def _closing_integral(series: LogSeries, key: str) -> TurnIntegral:
 
 
 def _beyond_sense(series: LogSeries, span: float, key: str) -> NoSuchMechanism:
-    """The refusal, at the largest coefficient."""
+    """The refusal of a range of the ratio of e^span, at the largest coefficient."""
     name, values = max((("cosine", series.cosine), ("sine", series.sine)), key=lambda named: np.max(np.abs(named[1])))
     worst = int(np.argmax(np.abs(values)))
+    # As a power of ten, for e^span may be more than a number can hold.
     return NoSuchMechanism(
         f"{values[worst]:g} is the largest coefficient, and ln i12 spans {span:.4g}, which is a range of the ratio of "
-        f"1:{_power_of_ten(span)}; over 1:1e6 the driven gear stands still. Make the coefficients smaller",
+        f"1:1e{span / log(10.0):.4g}; over 1:1e6 the driven gear stands still. Make the coefficients smaller",
         key=f"{key}.{name}.{worst}",
     )
 
 
-def _power_of_ten(span: float) -> str:
-    """e^span, which may be more than a number can hold."""
-    return f"1e{span / log(10.0):.4g}"
-
-
 @dataclass(frozen=True, eq=False)
 class StagedLaw:
-    """The whole law and that of the second pair, one lobe each."""
+    """A law shared by two pairs in series, one lobe each: the law of the whole, and that of the second pair."""
 
     whole: HarmonicLaw
     second: HarmonicLaw
@@ -197,7 +200,7 @@ class StagedLaw:
 
     @property
     def _knots_rad(self) -> tuple[float, ...]:
-        """Driving angles at the nodes of the finer series."""
+        """Driving angles at every eighth node of the finer of both integrals."""
         nodes = max(self.whole.integral.nodes, self.second.integral.nodes, key=len)
         return tuple(self.whole.integral.at(nodes[NODES_PER_KNOT:-1:NODES_PER_KNOT]).tolist())
 

@@ -1,4 +1,4 @@
-"""What laws given by their ratio share: integration of 1/i12, and closing of the cycle."""
+"""What laws that are given by their ratio share: 1/i12 is integrated, and the cycle is closed by a constant factor."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import NotSmooth
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import in_words
-from ncgear.ratio.transmission import JetFunction, Lobes, Piece, Transmission
+from ncgear.ratio.transmission import Lobes, Piece, Transmission
 
 NEARLY_CLOSED = 1e-9
-"""Relative closure error that is scaled away unasked: a ratio written with ten digits has one of this size."""
+"""Relative closure error that is removed without being asked for: a ratio written with ten digits has one of this
+size."""
 
 
 def integrated_law(
@@ -42,16 +43,14 @@ def integrated_law(
         values = factor * integral(phi1)
         return (slope(phi1, order - 1) * factor).integrated(values) if order else Jet(values[None, :])
 
-    return Transmission(_pieces(driven_angle, integral.breaks, knots), lobes)
-
-
-def _pieces(driven_angle: JetFunction, panels: Array, knots: Array) -> tuple[Piece, ...]:
-    """One piece; the panels' ends are its knots, so that whatever the integral had to resolve is seen by everyone."""
+    # The panels' ends are knots too, so that nobody who looks at the law misses what the integral had to resolve.
+    panels = integral.breaks
     inner = np.unique(np.concatenate([panels[1:-1], knots]))
-    return (Piece(float(panels[0]), float(panels[-1]), driven_angle, tuple(inner.tolist())),)
+    return Transmission((Piece(float(panels[0]), float(panels[-1]), driven_angle, tuple(inner.tolist())),), lobes)
 
 
 def _closing_factor(covered: float, lobes: Lobes, scale_to_close: bool, key: str) -> float:
+    """What 1/i12 is multiplied by, so that the driven gear, which turns by ``covered`` rad, turns by its period."""
     target = lobes.driven_period_rad
     if not covered > 0.0:
         raise NoSuchMechanism("the ratio is negative; it must be positive over the whole cycle", key=key)

@@ -7,13 +7,11 @@ Ratios are interpolated as 1/i12, so that the driven angle is the spline's exact
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from ncgear.errors import WrongInput
-from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
 from ncgear.ratio.laws.integrated import integrated_law
@@ -28,7 +26,7 @@ AT_DEAD_CENTRE = 1e-6
 """Share of the stroke within which a point counts as the dead centre: a micrometre a metre, finer than tables are."""
 
 
-def displacement_table_law(phi1_rad: Array, displacement_mm: Array, linkage: CrankSlider, lobes: Lobes) -> Transmission:
+def displacement_table_law(phi1_rad: Array, displacement_mm: Array, linkage: Mechanism, lobes: Lobes) -> Transmission:
     """The law through displacements (shape (n,)) at driving angles within one cycle.
 
     The first point must be phi1 = 0 at the retracted end, one point the extended end, displacements rising before and
@@ -60,11 +58,15 @@ def ratio_table_law(phi1_rad: Array, ratio: Array, lobes: Lobes, *, scale_to_clo
             f"the ratio is {values[worst]:g} at phi1 = {phi1[worst]:.6g} rad; it must be positive", key=key
         )
     spline = _periodic_spline(phi1, 1.0 / values, lobes, key)
-    slope: Callable[[Array, int], Jet] = lambda points, order: _jet(spline, points, order)  # noqa: E731
+
+    def slope(points: Array, order: int) -> Jet:
+        return _jet(spline, points, order)
+
     return integrated_law(slope, phi1[phi1 > 0.0], lobes, scale_to_close=scale_to_close, key=key)
 
 
 def _without_closing_row(phi1: Array, values: Array, lobes: Lobes, key: str) -> tuple[Array, Array]:
+    """The points without a last one that only repeats the first; raises WrongInput where it differs from that."""
     period = lobes.driving_period_rad
     if phi1[-1] > period * (1.0 + 1e-12):
         raise WrongInput(f"the last point is at {phi1[-1]:.6g} rad; one cycle ends at {period:.6g} rad", key=key)
@@ -75,7 +77,7 @@ def _without_closing_row(phi1: Array, values: Array, lobes: Lobes, key: str) -> 
     return phi1[:-1], values[:-1]
 
 
-def _strokes(phi1: Array, displacement: Array, linkage: CrankSlider, key: str) -> tuple[Array, Mask]:
+def _strokes(phi1: Array, displacement: Array, linkage: Mechanism, key: str) -> tuple[Array, Mask]:
     """Displacements snapped to the dead centres, and which of them belong to the return."""
     stroke, near = linkage.stroke_mm, AT_DEAD_CENTRE * linkage.stroke_mm
     top = int(np.argmax(displacement))

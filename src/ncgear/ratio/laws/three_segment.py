@@ -1,10 +1,9 @@
-"""Inversion of the working stroke through the linkage: displacement of the slider to angle of the crank.
+"""The published law: a three-segment working stroke, inverted through the linkage, and a return that closes the cycle.
 
-Both dead centres are zero divided by zero in the textbook form.  Here the double zeros of the displacement at
-phi1 = 0 and of the rest of the stroke at theta4 are divided out of the polynomials before anything is evaluated, so
-phi2 and all its derivatives are regular up to and including both ends.
-
-The published law: three-segment working stroke, inverted through the linkage, and a compensating return.
+The inversion leads from the slider's displacement to the angle of the crank.  In the textbook form both dead centres
+are zero divided by zero.  Here the double zeros of the displacement at phi1 = 0 and of the rest of the stroke at theta4
+are divided out of the polynomials before anything is evaluated, so phi2 and all its derivatives are regular up to and
+including both ends.
 """
 
 from __future__ import annotations
@@ -12,27 +11,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from math import degrees
-from typing import Any
 
 import numpy as np
 
 from ncgear.errors import WrongInput
-from ncgear.mechanisms.crank_slider import CrankSlider, Linkages
+from ncgear.mechanisms.mechanism import Mechanism, Mechanisms
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Number
 from ncgear.numerics.jet import Jet
-from ncgear.ratio.return_stroke import (
-    EndsOfReturns,
-    ReturnEnds,
-    ReturnLaw,
-    return_of_least_acceleration,
-    return_with_constant,
-)
+from ncgear.ratio.return_stroke import ReturnEnds, ReturnLaw, return_of_least_acceleration, return_with_constant
 from ncgear.ratio.transmission import Lobes, Piece, Transmission
 from ncgear.ratio.working_stroke import WorkingStroke, WorkingStrokes
 
 
-def working_pieces(stroke: WorkingStroke, linkage: CrankSlider) -> tuple[Piece, ...]:
+def working_pieces(stroke: WorkingStroke, linkage: Mechanism) -> tuple[Piece, ...]:
     """The driven angle on the three segments (two, when the constant-speed part is empty)."""
     pieces = [
         Piece(0.0, stroke.theta2_rad, partial(approach_angle, stroke, linkage)),
@@ -42,7 +34,7 @@ def working_pieces(stroke: WorkingStroke, linkage: CrankSlider) -> tuple[Piece, 
     return tuple(piece for piece in pieces if piece.end_rad > piece.start_rad)
 
 
-def approach_angle(stroke: WorkingStrokes[Number], linkage: Linkages[Number], phi1: Array, order: int) -> Jet:
+def approach_angle(stroke: WorkingStrokes[Number], linkage: Mechanisms[Number], phi1: Array, order: int) -> Jet:
     """phi2 in rad on [0, theta2], with derivatives, of one stroke or of one for each point."""
     angle = Jet.variable(phi1, order)
     quotient = jet.polynomial(stroke.approach_root, angle)
@@ -50,14 +42,14 @@ def approach_angle(stroke: WorkingStrokes[Number], linkage: Linkages[Number], ph
     return linkage.working_angle(displacement, angle * jet.sqrt(quotient), jet.sqrt(stroke.stroke_mm - displacement))
 
 
-def pressing_angle(stroke: WorkingStrokes[Number], linkage: Linkages[Number], phi1: Array, order: int) -> Jet:
+def pressing_angle(stroke: WorkingStrokes[Number], linkage: Mechanisms[Number], phi1: Array, order: int) -> Jet:
     """The same on [theta2, theta3]."""
     beyond = Jet.variable(phi1 - stroke.theta2_rad, order)
     displacement = stroke.pressing_mm_rad * beyond + stroke.pressing_start_mm
     return linkage.working_angle(displacement, jet.sqrt(displacement), jet.sqrt(stroke.stroke_mm - displacement))
 
 
-def braking_angle(stroke: WorkingStrokes[Number], linkage: Linkages[Number], phi1: Array, order: int) -> Jet:
+def braking_angle(stroke: WorkingStrokes[Number], linkage: Mechanisms[Number], phi1: Array, order: int) -> Jet:
     """The same on [theta3, theta4]."""
     before_end = -Jet.variable(phi1 - stroke.theta4_rad, order)
     quotient = jet.polynomial(stroke.braking_root, before_end)
@@ -76,7 +68,7 @@ class StrokeLaw:
 
 def stroke_law(
     stroke: WorkingStroke,
-    linkage: CrankSlider,
+    linkage: Mechanism,
     lobes: Lobes,
     *,
     constant: float | None = None,
@@ -95,8 +87,7 @@ def stroke_law(
             key="motion",
         )
     working = working_pieces(stroke, linkage)
-    many = return_ends(stroke, linkage, lobes)
-    ends = ReturnEnds(**{name: float(value[0]) for name, value in vars(many).items()})
+    ends = _return_ends(working, lobes)
     if constant is None:
         return_law = return_of_least_acceleration(ends, linkage, inverse=inverse_basis)
     else:
@@ -105,19 +96,18 @@ def stroke_law(
     return StrokeLaw(Transmission((*working, closing), lobes), stroke, return_law)
 
 
-def return_ends(strokes: WorkingStrokes[Number], linkage: Linkages[Any], lobes: Lobes) -> EndsOfReturns[Array]:
-    """What the returns of strokes must join; shape (n,), for one stroke (1,)."""
-    theta4 = np.atleast_1d(strokes.theta4_rad)
-    extended = braking_angle(strokes, linkage, theta4, 2)
-    retracted = approach_angle(strokes, linkage, np.zeros_like(theta4), 2)
+def _return_ends(working: tuple[Piece, ...], lobes: Lobes) -> ReturnEnds:
+    first, last = working[0], working[-1]
+    extended = last.driven_angle(np.array([last.end_rad]), 2)
+    retracted = first.driven_angle(np.array([first.start_rad]), 2)
     start, end = 1.0 / extended.differentiated(), 1.0 / retracted.differentiated()
-    return EndsOfReturns(
-        start_rad=theta4,
-        end_rad=np.full_like(theta4, lobes.driving_period_rad),
-        start_driven_rad=extended.value,
-        end_driven_rad=np.full_like(theta4, lobes.driven_period_rad),
-        start_ratio=start.value,
-        start_ratio_slope=start.derivative(1),
-        end_ratio=end.value,
-        end_ratio_slope=end.derivative(1),
+    return ReturnEnds(
+        start_rad=last.end_rad,
+        end_rad=lobes.driving_period_rad,
+        start_driven_rad=float(extended.value[0]),
+        end_driven_rad=lobes.driven_period_rad,
+        start_ratio=float(start.value[0]),
+        start_ratio_slope=float(start.derivative(1)[0]),
+        end_ratio=float(end.value[0]),
+        end_ratio_slope=float(end.derivative(1)[0]),
     )

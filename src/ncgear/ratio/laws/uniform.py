@@ -1,4 +1,4 @@
-"""The uniform crank: circular gears, the machine every design is compared with."""
+"""The uniform crank: circular gears, with which every design is compared."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ncgear.ratio.transmission import Lobes, Piece, Transmission
 
 
 def uniform_law(lobes: Lobes) -> Transmission:
-    """A constant ratio i12 = n2 / n1."""
+    """The law of the constant ratio i12 = n2 / n1."""
 
     def driven_angle(phi1: Array, order: int) -> Jet:
         return Jet.variable(phi1, order) * (lobes.driving / lobes.driven)

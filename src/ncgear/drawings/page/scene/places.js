@@ -1,18 +1,13 @@
-// Where every body is at a driving angle: closed forms of the shafts' angles.
+// Where every body is at a driving angle: links from tables over the crank's angle, gears in closed form.
 
-// The vector loop: crank pin and slider pin from the crank's angle.
+// Links by name, and the pins, each at the origin of a link.
 function linkageAt(linkage, phi2) {
-  const crank = linkage.start - phi2;
-  const pin = { x: linkage.crank * Math.cos(crank), y: linkage.crank * Math.sin(crank) };
-  const rise = linkage.offset - pin.y;
-  const along = Math.sqrt(linkage.rod ** 2 - rise ** 2);
-  return {
-    crank: { x: 0, y: 0, angle: crank },
-    rod: { x: pin.x, y: pin.y, angle: Math.atan2(rise, along) },
-    slider: { x: pin.x + along, y: linkage.offset, angle: 0 },
-    "crank-pin": { x: pin.x, y: pin.y, angle: 0 },
-    "slider-pin": { x: pin.x + along, y: linkage.offset, angle: 0 },
-  };
+  const places = {};
+  for (const [name, { x, y, angle }] of Object.entries(linkage.links)) {
+    places[name] = { x: angleAt(x, phi2).value, y: angleAt(y, phi2).value, angle: angleAt(angle, phi2).value };
+  }
+  for (const [pin, link] of Object.entries(linkage.pins)) places[pin] = { ...places[link], angle: 0 };
+  return places;
 }
 
 function gearAt(gear, shafts) {

@@ -37,7 +37,7 @@ def straight_solids(gears: Gears, pitch: PitchPair, teeth: ToothedPair, toleranc
 
 
 def helical_solids(gears: Gears, pitch: PitchPair, form: ToothForm, helix: Helix, tolerance_mm: float) -> SolidPair:
-    """The same with helical teeth, which are made of external pairs only."""
+    """Both gears with helical teeth as closed meshes; raises WrongInput for an internal pair, which has none."""
     from ncgear.solids.helical.mesh import helical_pair
 
     if pitch.driven.is_ring:

@@ -16,27 +16,14 @@ from ncgear.ratio.transmission import Transmission
 
 OPTIMIZE = "ncgear optimize"
 
-
-def optimised(**limits: float | bool) -> Remedy:
-    """A law that is sought within limits, by their keys under optimize.limits."""
-    changes = changed({f"optimize.limits.{key}": value for key, value in limits.items()})
-    return Remedy("let the best law within this limit be found", changes, OPTIMIZE)
-
-
-def tempered(drive: Drive, harmful: Callable[[Transmission], bool]) -> tuple[Remedy, ...]:
-    """The design's own law, its swing reduced until it is no longer ``harmful``; none where the law has no such way."""
-    percent = kept_percent(drive.design, harmful)
-    if percent == 0:
-        return ()
-    text = f"keep {percent} % of the law's swing, which moves the slider more evenly"
-    return (Remedy(text, changed(gentler(drive.design, percent / STEPS))),)
-
-
 WIDEST_RATIO = 5.0
 """Ratio, or its inverse, beyond which the smaller gear's pitch radius is under a sixth of the centre distance."""
 
 SAME_SPEED = 1e-3
 """Relative difference of two speeds that no slider's reader notices: 1 mm/s in a metre per second."""
+
+STEEPEST_DEG = 60.0
+"""Pressure angle beyond which half of the force on a tooth bears on the shafts twice over (cos 60 deg = 0.5)."""
 
 
 def ratio_range(drive: Drive) -> Advice | None:
@@ -96,10 +83,6 @@ def negative_resistance(drive: Drive) -> Advice | None:
             Remedy(other, (Change("resistance.where_negative", "zero" if kept else "keep"),)),
         ),
     )
-
-
-STEEPEST_DEG = 60.0
-"""Pressure angle beyond which half of the force on a tooth bears on the shafts twice over (cos 60 deg = 0.5)."""
 
 
 def pressure_angle(drive: Drive) -> Advice | None:
@@ -170,3 +153,18 @@ def _convex(drive: Drive, gear: Gear) -> tuple[Remedy, ...]:
 
     sought = (optimised(convex=True),) if mesh is Mesh.EXTERNAL else ()
     return (*tempered(drive, dented), *sought)
+
+
+def optimised(**limits: float | bool) -> Remedy:
+    """A law that is sought within limits, by their keys under optimize.limits."""
+    changes = changed({f"optimize.limits.{key}": value for key, value in limits.items()})
+    return Remedy("let the best law within this limit be found", changes, OPTIMIZE)
+
+
+def tempered(drive: Drive, harmful: Callable[[Transmission], bool]) -> tuple[Remedy, ...]:
+    """The design's own law, its swing reduced until it is no longer ``harmful``; none where the law has no such way."""
+    percent = kept_percent(drive.design, harmful)
+    if percent == 0:
+        return ()
+    text = f"keep {percent} % of the law's swing, which moves the slider more evenly"
+    return (Remedy(text, changed(gentler(drive.design, percent / STEPS))),)

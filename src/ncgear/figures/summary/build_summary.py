@@ -1,12 +1,6 @@
-"""The pitch curves in a summary.
+"""All that a build finds, as plain values whose keys end in their unit: what summary.json holds and a terminal shows.
 
-The teeth in a summary.
-
-The contact analysis as plain values, keys ending in their unit: the section ``contact`` of a summary.
-
-The bodies of both gears in the summary: what was found room for, and what the process is left.
-
-All that a build finds, as plain values: what summary.json holds and reports print.
+Its sections are those of a check, and the pitch curves, the teeth, their contact and the bodies of both gears.
 """
 
 from __future__ import annotations
@@ -23,20 +17,48 @@ from ncgear.contact.pair import PairContact
 from ncgear.contact.placement import Placement
 from ncgear.contact.written.as_written import AsWritten
 from ncgear.figures.advice.collected import build_advice
-from ncgear.figures.summary.check import check_summary
+from ncgear.figures.summary.check_summary import check_summary
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.project.drive import Drive
 
 if TYPE_CHECKING:
-    from ncgear.pitch.pair import CurvatureJump, PitchPair
+    from ncgear.pitch.pair import PitchPair
     from ncgear.solids.mesh.pair import GearSolid
     from ncgear.solids.plan.body import BodyPlan, Hub
     from ncgear.teeth.gear import ToothedGear
 
 LEAST_JUMP = 1e-6
-"""Of curvature times the centre distance: joints that go on smoothly differ by rounding, 1e-8 at the most; those that
-jump, by 1e-3 and more."""
+"""The least jump of curvature that is told, times the centre distance: smooth joints differ by rounding, at most 1e-8,
+others by 1e-3 and more."""
+
+
+def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
+    """All of the check, and pitch curves, teeth, contact and bodies."""
+    summary = check_summary(drive)
+    comparison, warnings = summary.pop("comparison"), summary.pop("warnings")
+    return {
+        **summary,
+        "pitch": pitch_summary(drive),
+        "teeth": teeth_summary(drive),
+        "contact": {**contact_summary(contact, drive.pair_speed_rad_s), **_overlap(drive, contact)},
+        "bodies": bodies_summary(drive),
+        "comparison": comparison,
+        "warnings": warnings + [advice.line for advice in build_advice(drive)],
+        "timing_s": {step: round(seconds, 6) for step, seconds in drive.timing_s.items()},
+    }
+
+
+def _overlap(drive: Drive, contact: PairContact) -> dict[str, float]:
+    """What the advance of helical teeth adds to the least contact ratio of their sections."""
+    if drive.helix is None:
+        return {}
+    least = min(drive.section_contact_ratio, contact.contact_ratio)
+    return {
+        "section_contact_ratio_min": least,
+        "overlap_ratio": drive.overlap_ratio,
+        "total_contact_ratio": least + drive.overlap_ratio,
+    }
 
 
 def pitch_summary(drive: Drive) -> dict[str, Any]:
@@ -61,22 +83,21 @@ def pitch_summary(drive: Drive) -> dict[str, Any]:
 
 
 def _jumps(pitch: PitchPair) -> list[dict[str, float]]:
-    return [
-        {
-            "phi1_rad": jump.phi1_rad,
-            "driving_before_1_mm": jump.driving_before,
-            "driving_after_1_mm": jump.driving_after,
-            "driven_before_1_mm": jump.driven_before,
-            "driven_after_1_mm": jump.driven_after,
-        }
-        for jump in pitch.curvature_jumps()
-        if _height(jump) * pitch.center_distance_mm > LEAST_JUMP
-    ]
-
-
-def _height(jump: CurvatureJump) -> float:
-    """The larger of both gears' jumps, in 1/mm."""
-    return max(abs(jump.driving_after - jump.driving_before), abs(jump.driven_after - jump.driven_before))
+    """Where the curvature of one of the gears jumps."""
+    found = []
+    for jump in pitch.curvature_jumps():
+        height = max(abs(jump.driving_after - jump.driving_before), abs(jump.driven_after - jump.driven_before))
+        if height * pitch.center_distance_mm > LEAST_JUMP:
+            found.append(
+                {
+                    "phi1_rad": jump.phi1_rad,
+                    "driving_before_1_mm": jump.driving_before,
+                    "driving_after_1_mm": jump.driving_after,
+                    "driven_before_1_mm": jump.driven_before,
+                    "driven_after_1_mm": jump.driven_after,
+                }
+            )
+    return found
 
 
 def teeth_summary(drive: Drive) -> dict[str, Any]:
@@ -169,7 +190,7 @@ def _ratios(side: SideContact, suffix: str) -> dict[str, Any]:
 
 
 def _clearances(designed: AsDesigned) -> dict[str, Any]:
-    """None where no tip of a gear stands over a root of the other."""
+    """The least clearances of tips; that over roots is None where no tip of a gear stands over a root of the other."""
     least = {}
     for gear in ("driving", "driven"):
         both = [getattr(side, f"{gear}_tips") for side in (designed.pushing, designed.back)]
@@ -269,32 +290,3 @@ def _cuts(plan: BodyPlan) -> dict[str, Any]:
     if plan.lightening_holes:
         found["lightening_holes"] = [asdict(hole) for hole in plan.lightening_holes]
     return found
-
-
-def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
-    """All of the check, and pitch curves, teeth, contact and bodies."""
-
-    summary = check_summary(drive)
-    comparison, warnings = summary.pop("comparison"), summary.pop("warnings")
-    return {
-        **summary,
-        "pitch": pitch_summary(drive),
-        "teeth": teeth_summary(drive),
-        "contact": {**contact_summary(contact, drive.pair_speed_rad_s), **_overlap(drive, contact)},
-        "bodies": bodies_summary(drive),
-        "comparison": comparison,
-        "warnings": warnings + [advice.line for advice in build_advice(drive)],
-        "timing_s": {stage: round(seconds, 6) for stage, seconds in drive.timing_s.items()},
-    }
-
-
-def _overlap(drive: Drive, contact: PairContact) -> dict[str, float]:
-    """What the advance of helical teeth adds to the least contact ratio of their sections."""
-    if drive.helix is None:
-        return {}
-    least = min(drive.section_contact_ratio, contact.contact_ratio)
-    return {
-        "section_contact_ratio_min": least,
-        "overlap_ratio": drive.overlap_ratio,
-        "total_contact_ratio": least + drive.overlap_ratio,
-    }

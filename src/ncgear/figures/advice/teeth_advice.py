@@ -7,7 +7,7 @@ from functools import partial
 from math import degrees
 
 from ncgear.contact.designed.as_designed import AsDesigned, SideContact
-from ncgear.figures.advice.law import STEEPEST_DEG
+from ncgear.figures.advice.law_advice import STEEPEST_DEG
 from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where, changed
 from ncgear.project.alternatives import (
     blunt_addendum,
@@ -89,10 +89,8 @@ def shortened(drive: Drive) -> list[Advice]:
     for reason, words in MEANINGS.items():
         places = _places(drive, partial(ToothedGear.shortened, reason=reason))
         if places:
-            what, remedy = (
-                f"tips shortened that {words}: {_named(places)}",
-                LESS_HELIX if reason is Limit.HELIX else FINER,
-            )
+            what = f"tips shortened that {words}: {_named(places)}"
+            remedy = LESS_HELIX if reason is Limit.HELIX else FINER
             advices.append(Advice(Kind.SHORTENED, places, what, "the contact of these teeth is shorter", (remedy,)))
     return advices
 

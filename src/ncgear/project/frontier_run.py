@@ -1,4 +1,7 @@
-"""A design's frontier, point by point on all cores; finished points are kept, so that a run can be taken up again."""
+"""The computation of a design's frontier, point by point on all cores.
+
+Finished points are kept in a file, so that a run that was interrupted goes on from there.
+"""
 
 from __future__ import annotations
 
@@ -15,16 +18,16 @@ from typing import Any
 
 from ncgear import __version__
 from ncgear.design.keys.design import Design
+from ncgear.design.mechanisms import mechanism_of
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.extras import require
 from ncgear.interrupts import deaf_processes, end_processes, uninterrupted
 from ncgear.optimum.certified.limit import Bound
-from ncgear.optimum.figures import Figures
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, family_point, law_point
-from ncgear.project.law import linkage_of
+from ncgear.optimum.task import Figures
 from ncgear.project.wishes import task_of, wishes_of
 
-KEPT = "frontier-points.jsonl"
+POINTS_FILE = "frontier-points.jsonl"
 """File of finished points in the output folder, one line each."""
 
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
@@ -39,8 +42,8 @@ class Frontier:
     families: list[FamilyPoint]
 
 
-class Kept:
-    """Finished points of one design on file; those of other designs or versions in the same file are left alone."""
+class FinishedPoints:
+    """The points of one design on file; those of other designs or versions in the same file are left alone."""
 
     def __init__(self, path: Path, design: Design) -> None:
         self.path = path
@@ -78,7 +81,7 @@ def frontier(design: Design, count: int, folder: Path, on_point: Callable[[int, 
     require("casadi", "optimize", "ncgear frontier")
     if design.resistance is None:
         raise WrongInput("missing; without it there is no power to set against acceleration", key="resistance")
-    kept = Kept(folder / KEPT, design)
+    kept = FinishedPoints(folder / POINTS_FILE, design)
     caps = _caps(design, count, kept)
     jobs = [(kind, cap) for cap in caps for kind in ("law", "family")]
     found = kept.found()
@@ -91,11 +94,11 @@ def frontier(design: Design, count: int, folder: Path, on_point: Callable[[int, 
     return _assembled(caps, found)
 
 
-def _caps(design: Design, count: int, kept: Kept) -> list[float]:
+def _caps(design: Design, count: int, kept: FinishedPoints) -> list[float]:
     found = kept.found()
     if ("caps", float(count)) in found:
         return list(found["caps", float(count)]["caps_w"])
-    caps = caps_w(task_of(design, linkage_of(design)), wishes_of(design), count)
+    caps = caps_w(task_of(design, mechanism_of(design.linkage)), wishes_of(design), count)
     kept.add("caps", float(count), {"caps_w": caps})
     return caps
 
@@ -131,7 +134,7 @@ def _one_thread_each() -> Iterator[None]:
 
 def _point(design: Design, kind: str, cap_w: float) -> dict[str, Any]:
     """One point, in a process of its own; a point at which nothing is found is one, too."""
-    task, wishes = task_of(design, linkage_of(design)), wishes_of(design)
+    task, wishes = task_of(design, mechanism_of(design.linkage)), wishes_of(design)
     seed = design.optimize.seed if design.optimize else 0
     if kind == "family":
         return asdict(family_point(task, cap_w, seed))
@@ -142,14 +145,11 @@ def _point(design: Design, kind: str, cap_w: float) -> dict[str, Any]:
 
 
 def _assembled(caps: list[float], found: dict[tuple[str, float], dict[str, Any]]) -> Frontier:
-    laws = [_law_point(found["law", cap]) for cap in caps if "refused" not in found["law", cap]]
+    results = [found["law", cap] for cap in caps if "refused" not in found["law", cap]]
+    laws = [LawPoint(one["cap_w"], Bound(**one["bound"]), Figures(**one["law"])) for one in results]
     if not laws:
         raise NoSuchMechanism(found["law", caps[0]]["refused"], key="optimize.limits")
     return Frontier(laws, _best_so_far([FamilyPoint(**found["family", cap]) for cap in caps]))
-
-
-def _law_point(result: dict[str, Any]) -> LawPoint:
-    return LawPoint(result["cap_w"], Bound(**result["bound"]), Figures(**result["law"]))
 
 
 def _best_so_far(points: list[FamilyPoint]) -> list[FamilyPoint]:

@@ -6,12 +6,12 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from ncgear.design.keys.design import Design
+from ncgear.design.mechanisms import mechanism_of
 from ncgear.errors import DesignError
 from ncgear.extras import require
-from ncgear.optimum.figures import Figures, figures
 from ncgear.optimum.makeable.wishes import Goal, Wishes
-from ncgear.optimum.task import Task
-from ncgear.project.law import law_of, linkage_of
+from ncgear.optimum.task import Figures, Task, figures
+from ncgear.project.law import law_of
 from ncgear.project.wishes import task_of, wishes_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Train, single
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from ncgear.optimum.makeable.law import MakeableLaw
 
 LIMIT_POINTS = 30
-"""Of the limit's curve: a smooth one, in half a second."""
+"""Points of the limit's curve: enough for a smooth one, in half a second."""
 
 
-class Improvement:
+class BestLaw:
     """A design's machine with the best law that its wishes allow.
 
     Whatever is asked for first may raise: WrongInput for wishes that contradict each other or the design,
@@ -42,12 +42,12 @@ class Improvement:
     @cached_property
     def task(self) -> Task:
         """The machine that the law is for."""
-        return task_of(self.design, linkage_of(self.design))
+        return task_of(self.design, mechanism_of(self.design.linkage))
 
     @cached_property
     def bound(self) -> Bound:
         """What no law can be below: of acceleration in mm/s2, power in W, or the weighted sum."""
-        from ncgear.optimum.certified import limit, weighted
+        from ncgear.optimum.certified import limit
 
         task, wishes = self.task, self.wishes
         match wishes.goal:
@@ -56,13 +56,14 @@ class Improvement:
             case Goal.POWER:
                 return limit.least_power(task, wishes.limits)
         assert wishes.weights is not None
-        return weighted.least_weighted_sum(task, wishes.limits, wishes.weights).sum
+        return limit.least_weighted_sum(task, wishes.limits, wishes.weights).sum
 
     @cached_property
     def law(self) -> MakeableLaw:
         """The best makeable law; raises WrongInput where the optimiser is not installed."""
         require("casadi", "optimize", "ncgear optimize")
-        from ncgear.optimum.makeable.law import makeable_law, random_starts, rough_start
+        from ncgear.optimum.makeable.law import makeable_law
+        from ncgear.optimum.makeable.search import random_starts, rough_start
 
         asked, wishes = self.design.optimize, self.wishes
         random = random_starts(wishes.harmonics, asked.starts - 1, asked.seed) if asked else ()

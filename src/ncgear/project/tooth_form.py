@@ -32,7 +32,7 @@ def _relief(rack: Rack, module_mm: float) -> TipRelief | None:
     return TipRelief(rack.tip_relief.amount * module_mm, start, full)
 
 
-def tooth_form(gears: Gears, module_mm: float) -> ToothForm:
+def tooth_form_of(gears: Gears, module_mm: float) -> ToothForm:
     """Everything asked of the teeth, in mm at a module; one shift given, the other is its opposite."""
     shift = gears.profile_shift
     driving = shift.driving if shift.driving is not None else 0.0 - (shift.driven or 0.0)

@@ -69,7 +69,7 @@ def _among(limits: list[Readings], place: Place) -> tuple[Value, ...]:
 
 
 def _pin_notes(pins: Pins) -> tuple[str, ...]:
-    """In which spaces pins measure nothing, and why."""
+    """The spaces in which pins measure nothing, by reason."""
     by_reason = {reason: [space for space, why in pins.misfits.items() if why is reason] for reason in Misfit}
     return tuple(
         f"not defined in the spaces after teeth {shown(spaces)}: {reason.value}"

@@ -1,0 +1,49 @@
+"""What two pairs in series gain from a law that was made for one: the law as it stands, shared over both."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.arrays import Array
+from ncgear.optimum.makeable.law import MakeableLaw, law_of
+from ncgear.optimum.makeable.programme import Programme
+from ncgear.optimum.makeable.search import kept, searched
+from ncgear.optimum.makeable.wishes import Wishes
+from ncgear.optimum.task import Task
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class HeldProgramme(Programme):
+    """A programme of two pairs in which the coefficients of i12 are held as they are, shape (2 harmonics,)."""
+
+    held: Array
+
+    def coefficient_bounds(self, size: int) -> tuple[Array, Array]:
+        lowest, highest = super().coefficient_bounds(size)
+        lowest[: self.held.size] = highest[: self.held.size] = self.held
+        return lowest, highest
+
+
+def shared_law(task: Task, wishes: Wishes, cosine: Array, sine: Array) -> MakeableLaw:
+    """A law as it stands, shared over two pairs so that the larger pressure angle is least.
+
+    Coefficients of ln i12 have shape (wishes.harmonics,). Only those wishes count that concern each pair. Raises
+    NoSuchMechanism where no share keeps them.
+    """
+    search = searched(task, replace(wishes, limits=replace(wishes.limits, working_rad=None)))
+    named = [(level.of_pairs, level.wish == "pressure_angle_deg") for level in search.programme.levels]
+    of_pairs, angle = np.array(named).T
+    whole = np.concatenate([cosine, sine])
+    split = replace(
+        search,
+        programme=HeldProgramme(**vars(search.programme), held=whole),
+        caps=np.where(of_pairs, search.caps, np.inf),
+        weights=angle.astype(float),
+    )
+    found = kept(split, np.concatenate([whole, whole / 2.0]))
+    if found is None:
+        raise NoSuchMechanism("no share of the law keeps the limits of both pairs", key="optimize.limits")
+    return law_of(split, found)

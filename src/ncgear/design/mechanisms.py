@@ -1,0 +1,110 @@
+"""The list of mechanisms: one line joins a mechanism's class to its keys in design files, and nothing else names it.
+
+The keys under ``linkage`` are the lengths of the class by the same names.  Where the list has several mechanisms, the
+key ``linkage.kind`` tells which one a design has; left out, it is the first.  Classes are imported where a mechanism is
+made, so that reading a design file loads no numerical library.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+from ncgear.design.keys.base import Model
+from ncgear.design.keys.machine import Linkage
+from ncgear.design.keys.masses import Masses, MechanismMasses
+from ncgear.errors import WrongInput
+
+if TYPE_CHECKING:
+    from ncgear.mechanisms.mechanism import Mechanism, Mechanisms
+    from ncgear.numerics.arrays import Array
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A mechanism of design files: what imports its class, its keys under ``linkage``, and those under ``masses``.
+
+    One key under ``linkage`` has None for its default: the length that follows where a law gives the stroke.
+    """
+
+    load: Callable[[], type[Mechanism]]
+    linkage: type[Model]
+    masses: type[MechanismMasses] = MechanismMasses
+
+    @property
+    def stroke_key(self) -> str:
+        """The length that may be left out where a law gives the stroke."""
+        return next(name for name, field in self.linkage.model_fields.items() if field.default is None)
+
+    @property
+    def needed_masses(self) -> list[str]:
+        """Keys that must stand under ``masses``."""
+        return [name for name, field in self.masses.model_fields.items() if field.is_required()]
+
+
+def _crank_slider() -> type[Mechanism]:
+    from ncgear.mechanisms.crank_slider import CrankSlider
+
+    return CrankSlider
+
+
+MECHANISMS: dict[str, Entry] = {
+    "crank_slider": Entry(_crank_slider, Linkage, Masses),
+}
+"""Every mechanism by the name that ``linkage.kind`` has; the first is the usual one."""
+
+
+def entry_of(linkage: Model) -> Entry:
+    """The entry of the mechanism that a group of keys describes."""
+    return next(entry for entry in MECHANISMS.values() if isinstance(linkage, entry.linkage))
+
+
+def usual_mechanism(**lengths: float) -> Mechanism:
+    """The usual mechanism of some lengths; raises WrongInput where they make none."""
+    return next(iter(MECHANISMS.values())).load()(**lengths)
+
+
+def lengths_of(linkage: Model) -> dict[str, Any]:
+    """All lengths of a group of keys, None where one is left out."""
+    made: Any = entry_of(linkage).load()
+    return {field.name: getattr(linkage, field.name) for field in fields(made)}
+
+
+def mechanism_of(linkage: Model) -> Mechanism:
+    """The mechanism of a group of keys; raises WrongInput where a length is missing or it cannot turn."""
+    entry, lengths = entry_of(linkage), lengths_of(linkage)
+    if lengths[entry.stroke_key] is None:
+        key = f"linkage.{entry.stroke_key}"
+        raise WrongInput("missing; only a stroke that is solved for gives the crank", key=key)
+    return entry.load()(**lengths)
+
+
+def mechanism_of_stroke(linkage: Model, stroke_mm: float) -> Mechanism:
+    """The mechanism whose crank gives the stroke that a law came out with.
+
+    Raises WrongInput where the crank is given besides, and where no crank gives that stroke.
+    """
+    entry, lengths = entry_of(linkage), lengths_of(linkage)
+    crank_mm = lengths.pop(entry.stroke_key)
+    if crank_mm is not None:
+        raise WrongInput(
+            f"{crank_mm:g} mm is given, but the crank follows from the stroke that is solved for; leave it out",
+            key=f"linkage.{entry.stroke_key}",
+        )
+    return entry.load().of_stroke(stroke_mm, **lengths)
+
+
+def mechanisms_of(linkages: Sequence[Model]) -> Mechanisms[Array]:
+    """The mechanisms of many groups of keys of one kind; where their crank cannot turn fully they are not refused."""
+    import numpy as np
+
+    lengths = [lengths_of(linkage) for linkage in linkages]
+    columns = {name: np.array([one[name] for one in lengths], dtype=float) for name in lengths[0]}
+    return entry_of(linkages[0]).load().many(**columns)
+
+
+def kind_named(linkage: Any) -> str:
+    """The name of the mechanism that the group ``linkage`` of a file asks for, as the file has it."""
+    kind = linkage.get("kind") if isinstance(linkage, Mapping) else None
+    return kind if isinstance(kind, str) else next(iter(MECHANISMS))

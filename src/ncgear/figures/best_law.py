@@ -1,0 +1,260 @@
+"""Best laws: one as a design file that builds, as a certificate and as text; a frontier of them as CSV, JSON and text.
+
+Both are set beside the limit that no law can be below, and beside other mechanisms at the same speed.
+"""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from io import StringIO
+from math import degrees
+from pathlib import Path
+from typing import Any
+
+from ruamel.yaml import YAML
+from ruamel.yaml.comments import CommentedMap, CommentedSeq
+
+from ncgear import __version__
+from ncgear.design.keys.design import Design
+from ncgear.design.naming import LONGEST_NAME
+from ncgear.figures.csv_text import rows_text
+from ncgear.figures.numbers import json_text, shown
+from ncgear.figures.tables import aligned
+from ncgear.figures.terminal import written_lines
+from ncgear.numerics.arrays import Array
+from ncgear.optimum.makeable.wishes import Goal
+from ncgear.optimum.task import Figures
+from ncgear.project.best_law import BestLaw
+from ncgear.project.frontier_run import Frontier
+
+UNITS = {Goal.ACCELERATION: "mm/s2", Goal.POWER: "W", Goal.WEIGHTED: "1"}
+
+ARGUMENT = (
+    "Acceleration, power and ratio limits bind the speed of the slider and its rate at each place only, so there is a "
+    "fastest motion under them, and its time is bounded from below on the grid; no law, smooth or not, has less than "
+    "the limit. That pitch curves are convex, and limits on jerk, curvature and driven speed, are not part of it."
+)
+
+LINE_WIDTH = 118
+
+SUFFIX = "-optimized"
+
+
+def optimized_design(text: str, best: BestLaw) -> str:
+    """The text of the design file with the optimised law in place of its motion; comments elsewhere are kept.
+
+    Points of the resistance that stand in a file of their own come along: that file's path counts from the design.
+    """
+    yaml = YAML(typ="rt")
+    yaml.width = LINE_WIDTH
+    document = yaml.load(text)
+    document["name"] = optimized_name(best)
+    motion = CommentedMap({"law": "harmonic_ratio"})
+    law = best.law
+    motion.update({"cosine": _row(law.cosine), "sine": _row(law.sine)})
+    if law.second is not None:
+        second = {"cosine": _row(law.second.cosine), "sine": _row(law.second.sine)}
+        motion["second_stage"] = CommentedMap(second)
+    document["motion"] = motion
+    _bring_points(document, best.design)
+    written = StringIO()
+    yaml.dump(document, written)
+    return written.getvalue()
+
+
+def optimized_name(best: BestLaw) -> str:
+    """Name of the optimised design."""
+    name = best.design.name
+    return name if name.endswith(SUFFIX) else f"{name[: LONGEST_NAME - len(SUFFIX)]}{SUFFIX}"
+
+
+def certificate(best: BestLaw) -> dict[str, Any]:
+    """The limit, the law beside it, and the mechanisms to compare with, all at one speed."""
+    bound = best.bound
+    given = best.given_figures
+    return {
+        "design": best.design.name,
+        "speed_rpm": best.design.operation.speed_rpm,
+        "goal": {
+            "least": best.wishes.goal.value,
+            "unit": UNITS[best.wishes.goal],
+            "limit": bound.value,
+            "attained_by_rough_motion": bound.attained,
+            "grid_cells": bound.cells,
+            "law": best.goal,
+            "gap": best.goal / bound.value - 1.0 if bound.value > 0.0 else None,
+            "argument": ARGUMENT,
+        },
+        "wishes": best.design.optimize.model_dump(mode="json") if best.design.optimize else {},
+        "frontier": [
+            {"power_cap_w": power, "limit_acceleration_mm_s2": acceleration}
+            for power, acceleration in best.limit_points
+        ],
+        "law": figures_summary(best.figures),
+        "design_as_given": None if given is None else figures_summary(given),
+        "uniform_crank": figures_summary(best.uniform_figures),
+        "made_by": {"ncgear": __version__, "python": platform.python_version()},
+    }
+
+
+def figures_summary(found: Figures) -> dict[str, Any]:
+    """Figures as plain values, angles in degrees beside radians."""
+    return {**asdict(found), "working_deg": degrees(found.working_rad), "tangent_deg": degrees(found.tangent_rad)}
+
+
+def _bring_points(document: CommentedMap, design: Design) -> None:
+    table = design.resistance.table if design.resistance else None
+    if table is None or table.file is None:
+        return
+    columns = CommentedMap()
+    columns["displacement_mm"], columns["force_n"] = _row(table.displacement_mm or ()), _row(table.force_n or ())
+    document["resistance"]["table"] = columns
+
+
+def _row(values: Array | Sequence[float]) -> CommentedSeq:
+    row = CommentedSeq([float(value) for value in values])
+    row.fa.set_flow_style()
+    return row
+
+
+LAW_WIDTH = 18
+LAW_HEADS = ("peak power, W", "peak accel., mm/s2", "ratio", "tangent, deg", "convex")
+
+
+def optimized_text(best: BestLaw, paths: Sequence[Path]) -> str:
+    """The law beside its limit and the other mechanisms at equal speed, and the files written."""
+    return "\n".join([*_limit(best), "", *_table(best), "", *written_lines(paths)])
+
+
+def _limit(best: BestLaw) -> list[str]:
+    goal, bound, unit = best.wishes.goal, best.bound, UNITS[best.wishes.goal]
+    words = goal.value.replace("_", " ")
+    speed = best.design.operation.speed_rpm
+    lines = [f"{best.design.name}: {words} at {speed:g} r/min"]
+    lines.append(f"  limit      {bound.value:,.6g} {unit}: no law has less (certified)")
+    gap = f", {100.0 * (best.goal / bound.value - 1.0):.1f} % above the limit" if bound.value > 0.0 else ""
+    lines.append(f"  this law   {best.goal:,.6g} {unit}{gap}")
+    return lines
+
+
+def _table(best: BestLaw) -> list[str]:
+    rows = {"this law": best.figures}
+    if best.given_figures is not None:
+        rows["design as given"] = best.given_figures
+    rows["uniform crank"] = best.uniform_figures
+    cells = [[name, *_law_cells(found)] for name, found in rows.items()]
+    least = [0, *[LAW_WIDTH] * len(LAW_HEADS)]
+    return ["At equal driving speed, whole cycle", *aligned([["", *LAW_HEADS], *cells], left=1, least=least)]
+
+
+def _law_cells(found: Figures) -> list[str]:
+    return [
+        shown(found.peak_power_w),
+        shown(found.peak_acceleration_mm_s2),
+        f"{found.ratio_min:.3f} to {found.ratio_max:.3f}",
+        f"{degrees(found.tangent_rad):.2f}",
+        "yes" if found.convex else "no",
+    ]
+
+
+FRONTIER_COLUMNS = (
+    "power_cap_w",
+    "limit_acceleration_mm_s2",
+    "law_power_w",
+    "law_acceleration_mm_s2",
+    "law_tangent_deg",
+    "family_power_w",
+    "family_acceleration_mm_s2",
+)
+
+FRONTIER_HEADS = ("power cap, W", "limit, mm/s2", "best law, mm/s2", "gap, %", "family, mm/s2")
+FRONTIER_WIDTH = 16
+
+
+@dataclass(frozen=True)
+class OtherMechanism:
+    """A single mechanism to compare with, at the operating speed."""
+
+    name: str
+    peak_power_w: float
+    peak_acceleration_mm_s2: float
+
+
+def mechanisms(best: BestLaw) -> list[OtherMechanism]:
+    """The design's own law, the uniform crank, and published mechanisms of which both figures are known."""
+    found = []
+    if best.given_figures is not None and best.design.motion.law != "uniform_crank":
+        given = best.given_figures
+        found.append(OtherMechanism("design as given", given.peak_power_w, given.peak_acceleration_mm_s2))
+    uniform = best.uniform_figures
+    found.append(OtherMechanism("uniform crank", uniform.peak_power_w, uniform.peak_acceleration_mm_s2))
+    comparison = best.design.comparison
+    speed = best.design.operation.speed_rpm
+    for published in comparison.published if comparison else ():
+        one = published.at_speed(speed)
+        if one.peak_power_w is not None and one.peak_acceleration_mm_s2 is not None:
+            found.append(OtherMechanism(one.name, one.peak_power_w, one.peak_acceleration_mm_s2))
+    return found
+
+
+def frontier_csv(found: Frontier) -> str:
+    """One line for each cap on the power; empty cells where nothing was found."""
+    families = {point.cap_w: point for point in found.families}
+    rows = []
+    for point in found.laws:
+        law, family = point.law, families[point.cap_w]
+        figures = law.peak_power_w, law.peak_acceleration_mm_s2, degrees(law.tangent_rad)
+        rows.append([point.cap_w, point.bound.value, *figures, family.peak_power_w, family.peak_acceleration_mm_s2])
+    return rows_text(FRONTIER_COLUMNS, rows)
+
+
+def frontier_json(found: Frontier, best: BestLaw) -> str:
+    """The same with all figures of the laws, and the other mechanisms."""
+    families = {point.cap_w: point for point in found.families}
+    content: dict[str, Any] = {
+        "design": best.design.name,
+        "speed_rpm": best.design.operation.speed_rpm,
+        "argument_of_limit": ARGUMENT,
+        "points": [
+            {
+                "power_cap_w": point.cap_w,
+                "limit_acceleration_mm_s2": point.bound.value,
+                "limit_attained_by_rough_motion_mm_s2": point.bound.attained,
+                "law": figures_summary(point.law),
+                "gap": point.law.peak_acceleration_mm_s2 / point.bound.value - 1.0,
+                "family_power_w": families[point.cap_w].peak_power_w,
+                "family_acceleration_mm_s2": families[point.cap_w].peak_acceleration_mm_s2,
+                "family_motion": families[point.cap_w].motion,
+            }
+            for point in found.laws
+        ],
+        "mechanisms": [vars(mechanism) for mechanism in mechanisms(best)],
+    }
+    return json_text(content)
+
+
+def frontier_text(found: Frontier, best: BestLaw, paths: Sequence[Path]) -> str:
+    """A table of the points, the mechanisms, and the files written."""
+    families = {point.cap_w: point.peak_acceleration_mm_s2 for point in found.families}
+    rows = []
+    for point in found.laws:
+        law, limit = point.law.peak_acceleration_mm_s2, point.bound.value
+        gap = f"{100.0 * (law / limit - 1.0):.1f}"
+        rows.append([shown(point.cap_w), shown(limit), shown(law), gap, shown(families[point.cap_w])])
+    others = [
+        (one.name, f"{shown(one.peak_power_w)} W", f"{shown(one.peak_acceleration_mm_s2)} mm/s2")
+        for one in mechanisms(best)
+    ]
+    speed = best.design.operation.speed_rpm
+    lines = [
+        f"{best.design.name}: power against acceleration at {speed:g} r/min",
+        *aligned([FRONTIER_HEADS, *rows], least=FRONTIER_WIDTH),
+        "",
+        "At the same speed",
+        *aligned(others, left=1, least=(0, 11, 15)),
+        "",
+        *written_lines(paths),
+    ]
+    return "\n".join(lines)

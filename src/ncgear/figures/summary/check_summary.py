@@ -1,0 +1,185 @@
+"""What a check finds, as plain values whose keys end in their unit, and the mechanisms that a design is set beside."""
+
+from __future__ import annotations
+
+from math import degrees
+from typing import Any
+
+from ncgear.design.keys.machine import Published
+from ncgear.figures.advice.collected import check_advice
+from ncgear.figures.numbers import shown
+from ncgear.kinematics.check import KinematicCheck
+from ncgear.project.drive import Drive
+
+
+def check_summary(drive: Drive) -> dict[str, Any]:
+    """Kinematics and power; needs no pitch curve.  The ratio is that of the pair that is told, or of all."""
+    stroke, of_ratio = drive.law.stroke, drive.transmission if drive.stage is None else drive.pair.transmission
+    low, high = of_ratio.ratio_range
+    return {
+        "design": {"name": drive.design.name, "description": drive.design.description, "law": drive.design.motion.law},
+        "drive": _drive(drive),
+        **_stages(drive),
+        "closure": {
+            "residual_rad": abs(drive.transmission.closure_error_rad),
+            "stroke_residual_mm": abs(stroke.closing_error_mm) if stroke else 0.0,
+        },
+        "ratio": {"min": low.value, "max": high.value, "min_at_rad": low.at, "max_at_rad": high.at},
+        "check": _check(drive),
+        "comparison": comparison_rows(drive),
+        "warnings": [advice.line for advice in check_advice(drive)],
+    }
+
+
+def _drive(drive: Drive) -> dict[str, Any]:
+    lobes = drive.transmission.lobes
+    linkage = drive.linkage
+    return {
+        "speed_rpm": drive.design.operation.speed_rpm,
+        "law_speed_rpm": drive.law_speed_rpm,
+        "lobes_driving": lobes.driving,
+        "lobes_driven": lobes.driven,
+        "crank_mm": linkage.crank_mm,
+        "stroke_mm": linkage.stroke_mm,
+        "working_crank_angle_deg": degrees(linkage.working_angle_rad),
+        "working_driving_angle_deg": degrees(drive.machine.extended_rad),
+        **(drive.law.stroke.facts if drive.law.stroke else {}),
+    }
+
+
+def _stages(drive: Drive) -> dict[str, Any]:
+    """What two pairs in series have beside a single one: which of them this is, or the ratios and angles of both."""
+    if drive.design.stages == 1:
+        return {}
+    if drive.stage is not None:
+        return {"stage": _stage(drive, drive.stage)}
+    return {"stages": {f"stage_{pair.stage}": _range_and_angle(pair) for pair in drive.by_stage}}
+
+
+def _stage(drive: Drive, stage: int) -> dict[str, Any]:
+    """Which of the pairs this is; its own angles phi1 are those of its driving gear."""
+    return {
+        "number": stage,
+        "of": drive.design.stages,
+        "driving_gear_on": "driving shaft" if stage == 1 else "shaft between the stages",
+        "driven_gear_on": "shaft between the stages" if stage == 1 else "crank shaft",
+        # The first pair turns the shaft between them the other way round.
+        "seen_from": "driving end" if stage == 1 else "other end of the shafts",
+    }
+
+
+def _range_and_angle(drive: Drive) -> dict[str, Any]:
+    from ncgear.pitch.pair import largest_tangent_angle_rad
+
+    low, high = drive.pair.transmission.ratio_range
+    tangent = degrees(largest_tangent_angle_rad(drive.pair.transmission).value)
+    found = {"ratio_min": low.value, "ratio_max": high.value, "max_tangent_angle_deg": tangent}
+    if drive.design.gears is None:
+        return found
+    return {**found, "max_pressure_angle_deg": tangent + drive.design.gears.rack.pressure_angle_deg}
+
+
+def _check(drive: Drive) -> dict[str, Any]:
+    result = peaks(drive.check)
+    factor = drive.law_speed_rpm / drive.design.operation.speed_rpm
+    if drive.law.stroke is not None:
+        result["at_law_speed"] = {
+            "speed_rpm": drive.law_speed_rpm,
+            "peak_power_w": drive.check.peak_power_w.value * factor,
+            "peak_speed_mm_s": drive.check.peak_speed_mm_s.value * factor,
+            "peak_acceleration_working_mm_s2": drive.check.peak_acceleration_working_mm_s2.value * factor**2,
+            "peak_acceleration_cycle_mm_s2": drive.check.peak_acceleration_cycle_mm_s2.value * factor**2,
+        }
+    result["uniform_crank"] = peaks(drive.uniform_check)
+    return result
+
+
+def peaks(check: KinematicCheck) -> dict[str, Any]:
+    """Peaks of a check with the driving angle of each."""
+    return {
+        "peak_power_w": check.peak_power_w.value,
+        "peak_power_at_rad": check.peak_power_w.at,
+        "mean_power_w": check.mean_power_w,
+        "peak_speed_mm_s": check.peak_speed_mm_s.value,
+        "peak_speed_at_rad": check.peak_speed_mm_s.at,
+        "peak_acceleration_working_mm_s2": check.peak_acceleration_working_mm_s2.value,
+        "peak_acceleration_working_at_rad": check.peak_acceleration_working_mm_s2.at,
+        "peak_acceleration_cycle_mm_s2": check.peak_acceleration_cycle_mm_s2.value,
+        "peak_acceleration_cycle_at_rad": check.peak_acceleration_cycle_mm_s2.at,
+    }
+
+
+def comparison_rows(drive: Drive) -> list[dict[str, Any]]:
+    """This design, the uniform crank, and published mechanisms scaled to the operating speed; then mixed speeds.
+
+    Each row has ``name``, ``note``, ``same_speed`` (whether it holds at the operating speed) and figures in the units
+    that its keys end in, None where one is not known.
+    """
+    speed = drive.design.operation.speed_rpm
+    rows = [
+        _checked("this design", drive.check, speed, ""),
+        _checked("uniform crank", drive.uniform_check, speed, _against(drive, drive.uniform_check.peak_power_w.value)),
+    ]
+    published = drive.design.comparison.published if drive.design.comparison else ()
+    rows += [_scaled(drive, mechanism) for mechanism in published]
+    for mechanism in published:
+        rows += _mixed(drive, mechanism)
+    return rows
+
+
+def _against(drive: Drive, other_power_w: float | None) -> str:
+    """Saving of peak power by this design against another mechanism at the same speed."""
+    if not other_power_w:
+        return ""
+    saving = 100.0 * (1.0 - drive.check.peak_power_w.value / other_power_w)
+    return f"this design's peak power is {abs(saving):.1f} % {'lower' if saving >= 0 else 'higher'}"
+
+
+def _checked(name: str, check: KinematicCheck, speed: float, note: str) -> dict[str, Any]:
+    return {
+        "name": name,
+        "speed_rpm": speed,
+        "peak_power_w": check.peak_power_w.value,
+        "mean_power_w": check.mean_power_w,
+        "peak_acceleration_cycle_mm_s2": check.peak_acceleration_cycle_mm_s2.value,
+        "peak_speed_mm_s": check.peak_speed_mm_s.value,
+        "same_speed": True,
+        "note": note,
+    }
+
+
+def _row(
+    name: str, speed: float, power: float | None, acceleration: float | None, velocity: float | None
+) -> dict[str, Any]:
+    return {
+        "name": name,
+        "speed_rpm": speed,
+        "peak_power_w": power,
+        "mean_power_w": None,
+        "peak_acceleration_cycle_mm_s2": acceleration,
+        "peak_speed_mm_s": velocity,
+    }
+
+
+def _scaled(drive: Drive, published: Published) -> dict[str, Any]:
+    """Published figures at the operating speed."""
+    found = published.at_speed(drive.design.operation.speed_rpm)
+    power, pressing = found.peak_power_w, found.compression_speed_mm_s
+    notes = [_against(drive, power), f"compression speed {pressing:.4g} mm/s" if pressing else ""]
+    row = _row(found.name, found.speed_rpm, power, found.peak_acceleration_mm_s2, found.peak_speed_mm_s)
+    return {**row, "same_speed": True, "note": "; ".join(note for note in notes if note)}
+
+
+def _mixed(drive: Drive, published: Published) -> list[dict[str, Any]]:
+    """The publication's own comparison, where it set one speed's figure against another's."""
+    if published.quoted_power_w is None or published.quoted_speed_rpm is None:
+        return []
+    acceleration, velocity = published.peak_acceleration_mm_s2, published.peak_speed_mm_s
+    theirs = _row(published.name, published.speed_rpm, published.peak_power_w, acceleration, velocity)
+    quoted = _row("set against it in the publication", published.quoted_speed_rpm, published.quoted_power_w, None, None)
+    same = drive.check.peak_power_w.value * published.speed_rpm / drive.design.operation.speed_rpm
+    note = f"at {published.speed_rpm:g} r/min this design needs {shown(same)} W"
+    if published.peak_power_w:
+        saving = 100.0 * (1.0 - published.quoted_power_w / published.peak_power_w)
+        note = f"the {saving:.1f} % between the two rows is a difference of speed; {note}"
+    return [{**theirs, "same_speed": False, "note": ""}, {**quoted, "same_speed": False, "note": note}]

@@ -1,0 +1,110 @@
+"""Forces in the joints of a mechanism for a given motion: what all mechanisms share of Newton's and Euler's equations.
+
+From the slider to the crank each body's equations give the forces on it one after the other; no system is solved
+(e.g. J. J. Uicker, G. R. Pennock, J. E. Shigley, "Theory of Machines and Mechanisms", 4th edition, 2011, chapter 15).
+A mechanism states the equations of its own bodies; how places become accelerations (``Pace``), the force that moves a
+mass, and the equations of the crank are here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+from ncgear.mechanisms.masses import Masses
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
+from ncgear.numerics.plane import Term, Vector
+from ncgear.numerics.units import N_PER_KG_MM_S2
+
+
+class Pace(Protocol):
+    """How places and angles, which are jets, pass in time."""
+
+    def now(self, quantity: Jet) -> Term:
+        """The quantity itself."""
+
+    def second(self, quantity: Jet) -> Term:
+        """Its second derivative by time, in its unit per s^2, of the kind that ``now`` gives."""
+
+
+@dataclass(frozen=True)
+class EvenPace:
+    """Jets by the driving angle, which grows at a constant speed in rad/s; gives jets of two orders less."""
+
+    speed_rad_s: float
+
+    def now(self, quantity: Jet) -> Jet:
+        """The jet at the order of ``second``."""
+        return quantity.truncated(quantity.order - 2)
+
+    def second(self, quantity: Jet) -> Jet:
+        """w^2 d2/dphi1^2."""
+        return quantity.differentiated().differentiated() * self.speed_rad_s**2
+
+
+@dataclass(frozen=True, eq=False)
+class CrankPace:
+    """Jets of order 2 or more by the crank's angle, whose speed and acceleration have shape (n,); gives arrays."""
+
+    speed_rad_s: Array
+    acceleration_rad_s2: Array
+
+    def now(self, quantity: Jet) -> Array:
+        """The values."""
+        return quantity.value
+
+    def second(self, quantity: Jet) -> Array:
+        """q'^2 d2/dq^2 + q'' d/dq."""
+        return quantity.derivative(2) * self.speed_rad_s**2 + quantity.derivative(1) * self.acceleration_rad_s2
+
+
+@dataclass(frozen=True, eq=False)
+class JointForces:
+    """What the joints bear, in N, of the kind that the pace gives (arrays of shape (n,) or jets).
+
+    ``joints`` holds the force in each joint between the slider and the crank, by the mechanism's names for them, on
+    the body nearer to the slider.  ``crank_axis`` acts on the crank, as far as the mechanism asks it of the bearings.
+    ``guide_n`` is the guide's force on the slider across its line; ``torque_n_mm`` is asked of the crank shaft, in the
+    sense in which the crank turns.
+    """
+
+    joints: Mapping[str, Vector]
+    crank_axis: Vector
+    guide_n: Term
+    torque_n_mm: Term
+
+
+def place(pace: Pace, point: Vector) -> Vector:
+    """A point in mm."""
+    return Vector(pace.now(point.x), pace.now(point.y))
+
+
+def moving_force(masses: Masses, pace: Pace, mass_kg: float, center: Vector) -> Vector:
+    """The force in N that moves a mass with its centre, besides its weight."""
+    acceleration = Vector(pace.second(center.x), pace.second(center.y))
+    return acceleration * (N_PER_KG_MM_S2 * mass_kg) - _weight(masses, mass_kg)
+
+
+def _weight(masses: Masses, mass_kg: float) -> Vector:
+    x, y = masses.gravity_m_s2
+    return Vector(mass_kg * x, mass_kg * y)
+
+
+@dataclass(frozen=True, eq=False)
+class CrankBody:
+    """The crank at n angles: its angle, its pin and its centre of mass, as jets; lengths in mm."""
+
+    angle: Jet
+    pin: Vector
+    center: Vector
+
+
+def crank_forces(crank: CrankBody, masses: Masses, pace: Pace, pin: Vector) -> tuple[Vector, Term]:
+    """The bearings' force on the crank in N and the torque on its shaft in N mm, where its pin pushes with ``pin``."""
+    moving = moving_force(masses, pace, masses.crank_kg, crank.center)
+    # Counter-clockwise moments are against the crank's turning
+    weight = place(pace, crank.center).cross(_weight(masses, masses.crank_kg))
+    shaft = pace.second(crank.angle) * (N_PER_KG_MM_S2 * masses.crank_shaft_kg_mm2)
+    return moving + pin, shaft + weight - place(pace, crank.pin).cross(pin)

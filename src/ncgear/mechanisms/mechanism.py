@@ -1,0 +1,240 @@
+"""The contract of a mechanism: what the driven shaft turns, and all that the rest of ncgear asks of it.
+
+A crank turns with the driven gear and moves a slider to and fro along a line.  Frame and pose: the crank's axis is at
+the origin, the crank turns clockwise, the slider moves along +x at y = ``offset_mm``.  The crank angle is counted from
+the retracted dead centre in the sense of turning, the displacement from the retracted end.  One turn of the crank is
+one working stroke (retracted to extended) and one return.
+
+A mechanism is a frozen dataclass whose fields are its lengths, by the names of their keys under ``linkage`` in design
+files.  Its formulas (``Mechanisms``) hold for one mechanism and for many at once.  A new mechanism is a class in a
+module of its own, a model of its keys, and one line in ``ncgear.design.mechanisms``; tests/scotch_yoke.py is one.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import pi
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self
+
+import numpy as np
+
+from ncgear.errors import WrongInput
+from ncgear.mechanisms.forces import CrankBody, JointForces, Pace
+from ncgear.mechanisms.masses import Masses, RodMasses
+from ncgear.numerics import jet
+from ncgear.numerics.arrays import Array, Mask, Number
+from ncgear.numerics.jet import Jet
+from ncgear.numerics.plane import Term, Vector
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """Where a rigid body is at n crank angles: the origin of its own frame in mm, and its angle in rad.
+
+    The angle is counter-clockwise and continuous.  Both are jets by whatever the crank's angle is a jet by.
+    """
+
+    origin: Vector
+    angle: Jet
+
+
+@dataclass(frozen=True, eq=False)
+class MovingMass:
+    """A body with mass at n crank angles: its centre in mm and its angle in rad, as jets; inertia about the centre."""
+
+    mass_kg: float
+    center: Vector
+    angle: Jet
+    inertia_kg_mm2: float = 0.0
+
+
+@dataclass(frozen=True)
+class Shape:
+    """How a link is drawn in its own frame, in mm: bars, each along a line from point to point, and eyes about pins."""
+
+    bars: tuple[tuple[Point, Point], ...]
+    eyes: tuple[Point, ...] = ()
+
+
+class Mechanisms(ABC, Generic[Number]):
+    """What follows from the lengths of one mechanism, or of many of a kind, whose lengths have shape (n,)."""
+
+    if TYPE_CHECKING:
+
+        @property
+        def crank_mm(self) -> Number:
+            """From the crank's axis to its pin."""
+
+    @property
+    def turns_fully(self) -> Mask:
+        """Whether the crank can turn fully; one that cannot is no mechanism."""
+        return np.asarray(self.crank_mm > 0.0)
+
+    @property
+    @abstractmethod
+    def stroke_mm(self) -> Number:
+        """Distance between the dead centres."""
+
+    @property
+    @abstractmethod
+    def nearest_mm(self) -> Number:
+        """Place of the retracted slider along its line, from the crank axis."""
+
+    @property
+    def farthest_mm(self) -> Number:
+        """Place of the extended slider likewise."""
+        return self.nearest_mm + self.stroke_mm
+
+    @property
+    @abstractmethod
+    def working_angle_rad(self) -> Number:
+        """Crank angle from the retracted to the extended dead centre."""
+
+    @abstractmethod
+    def displacement(self, crank_angle: Jet) -> Jet:
+        """Slider displacement in mm, with derivatives, at a crank angle in rad; relatively exact at both ends' zero."""
+
+    @abstractmethod
+    def working_angle(self, displacement: Jet, root_displaced: Jet, root_remaining: Jet) -> Jet:
+        """Crank angle in rad, with derivatives, in the working stroke, regular up to and including both dead centres.
+
+        ``root_displaced`` and ``root_remaining`` are smooth square roots of the displacement x and of (stroke - x).
+        At x = 0 both roots of the first are smooth functions of the driving angle though x has a double zero.
+        """
+
+
+class Mechanism(Mechanisms[float]):
+    """One mechanism: its way there and back, its bodies, and the forces between them."""
+
+    NAME: ClassVar[str]
+    """In messages, with its article: "a crank-slider"."""
+
+    STROKE_KEY: ClassVar[str] = "crank_mm"
+    """The length that follows where a law gives the stroke."""
+
+    RODS: ClassVar[tuple[str, ...]] = ()
+    """Bodies between slider and crank whose masses a design file gives, by their keys under ``masses``."""
+
+    MASSES: ClassVar[type[Masses]] = Masses
+    """The class of its masses."""
+
+    JOINTS: ClassVar[Mapping[str, str]]
+    """Its joints from the slider to the crank: the names in tables, with the words for pictures and figures."""
+
+    PINS: ClassVar[Mapping[str, str]] = {}
+    """Pins that are drawn: the name of each, with the link at whose origin it is."""
+
+    offset_mm: float = 0.0
+    """Distance of the slider's line from the crank's axis."""
+
+    @classmethod
+    def many(cls, **lengths: Array) -> Mechanisms[Array]:
+        """Many mechanisms of this kind, whether their cranks turn or not; here by the same formulas."""
+        made: Any = cls
+        found: Mechanisms[Array] = made(**lengths)
+        return found
+
+    @classmethod
+    @abstractmethod
+    def of_stroke(cls, stroke_mm: float, **lengths: float) -> Self:
+        """The mechanism whose dead centres are a stroke apart; ``lengths`` are all but that of ``STROKE_KEY``.
+
+        Raises WrongInput where no crank gives that stroke.
+        """
+
+    @property
+    def corners(self) -> tuple[tuple[float, float], ...]:
+        """Crank angles, 0 to 2 pi, at which the displacement bends sharply, and the width of each bend.
+
+        The width is the distance in crank angle to the nearest singularity in the complex plane.
+        """
+        return ()
+
+    @abstractmethod
+    def crank_angle(self, displacement_mm: Array, returning: Mask) -> Array:
+        """Crank angle in rad, 0 to 2 pi, at displacements in [0, stroke], both of shape (n,)."""
+
+    @property
+    def crank_start_rad(self) -> float:
+        """Direction from the crank's axis to its pin at the retracted dead centre, counter-clockwise from +x."""
+        return pi
+
+    def crank_body(self, crank_angle: Jet, center_mm: float) -> CrankBody:
+        """The crank with its centre of mass so far from its axis towards the pin."""
+        sine, cosine = jet.sin_cos(self.crank_start_rad - crank_angle)
+        pin = Vector(self.crank_mm * cosine, self.crank_mm * sine)
+        return CrankBody(crank_angle, pin, pin * (center_mm / self.crank_mm))
+
+    def crank_link(self, crank_angle: Jet) -> Link:
+        """The crank, its own frame at its axis with the pin on +x."""
+        still = 0.0 * crank_angle
+        return Link(Vector(still, still), self.crank_start_rad - crank_angle)
+
+    @abstractmethod
+    def links(self, crank_angle: Jet) -> Mapping[str, Link]:
+        """All bodies at crank angles in rad: ``slider`` first, ``crank`` next, then the others from back to front.
+
+        The slider's own frame does not turn; its origin is the place that ``nearest_mm`` tells of.
+        """
+
+    def shapes(self) -> Mapping[str, Shape]:
+        """How the links are drawn, but for the crank, and for the slider where it is a mere piston."""
+        return {}
+
+    @abstractmethod
+    def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
+        """All masses but the crank's at crank angles in rad, with as many derivatives; ``masses`` are of ``MASSES``."""
+
+    @abstractmethod
+    def joint_forces(self, crank_angle: Jet, masses: Masses, pace: Pace, resistance_n: Term) -> JointForces:
+        """Forces that a motion needs against a resistance in N on the slider along -x, and against its weight.
+
+        ``masses`` are of ``MASSES``.
+        """
+
+
+@dataclass(frozen=True, eq=False)
+class Rod:
+    """A connecting rod at n crank angles; places in mm and its angle in rad are jets by what the crank's angle is.
+
+    ``pin`` and ``wrist`` are its ends on the crank and on the slider; ``angle`` is counted from +x counter-clockwise.
+    """
+
+    length_mm: float
+    pin: Vector
+    wrist: Vector
+    angle: Jet
+
+    def at(self, distance_mm: float) -> Vector:
+        """A point of the rod, so far from the crank pin towards the slider."""
+        return self.pin + (self.wrist - self.pin) * (distance_mm / self.length_mm)
+
+
+class RodMechanism(Mechanism):
+    """A mechanism whose slider is moved by one rod from the crank's pin: what the theory of balance holds for."""
+
+    MASSES: ClassVar[type[Masses]] = RodMasses
+
+    if TYPE_CHECKING:
+
+        @property
+        def rod_mm(self) -> float:
+            """From the crank pin to the wrist."""
+
+    @abstractmethod
+    def rod(self, crank_angle: Jet) -> Rod:
+        """The rod at crank angles in rad, with as many derivatives."""
+
+
+def require_rod(mechanism: Mechanism, what: str, key: str) -> RodMechanism:
+    """The mechanism, known to have a rod; raises WrongInput for ``key`` where it has none."""
+    if not isinstance(mechanism, RodMechanism):
+        raise WrongInput(
+            f"{mechanism.NAME}, and {what} is computed only where one rod moves the slider, as in a crank-slider",
+            key=key,
+        )
+    return mechanism
