@@ -154,7 +154,7 @@ def test_help_loads_no_library_at_all() -> None:
     assert loaded_by("--help") & (LIBRARIES | {"numpy", "pydantic", "ruamel", "rich"}) == set()
 
 
-@pytest.mark.tiers(slow=["baler-66", "ellipse"], rest="thorough")
+@pytest.mark.tiers(thorough=["baler"], rest="slow")
 @pytest.mark.parametrize("name", ["baler", "baler-66", "ellipse", "uniform-crank"])
 def test_a_check_loads_neither_meshes_nor_plots_nor_solvers(name: str) -> None:
     assert loaded_by("check", f"designs/{name}.yaml") & LIBRARIES == set()

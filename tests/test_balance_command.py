@@ -82,7 +82,7 @@ PINNED = {
 }
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(quick=["track-chassis-*", "threshing-drum-*"], thorough=["sieve-*"], rest="slow")
 @pytest.mark.parametrize(
     ("name", "key", "expected", "within"), [(name, *row) for name, rows in PINNED.items() for row in rows]
 )
@@ -362,7 +362,7 @@ def test_helical_gears_are_weighed_and_not_corrected(run: Run) -> None:
     assert err.startswith("a.yaml:5:3: gears.driven: helical gears are not corrected")
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_gears_with_hubs_are_weighed_and_not_corrected(run: Run) -> None:
     """Of steel where nothing else is said, by what their meshes hold."""
     Path("a.yaml").write_text(HELICAL.replace("helical-ellipse", "printed-pump"))

@@ -208,7 +208,7 @@ def test_points_file_lies_beside_the_design_file(tmp_path: Path, monkeypatch: py
     assert points(tmp_path, "phi1_pi,ratio\n0,1\n.5,1\n1,1\n1.5,1\n").phi1_pi == (0.0, 0.5, 1.0, 1.5)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_many_points(tmp_path: Path) -> None:
     rows = "".join(f"{360 * i / MOST_POINTS!r},1\n" for i in range(MOST_POINTS))
     assert len(points(tmp_path, "phi1_deg,ratio\n" + rows).phi1) == MOST_POINTS
@@ -306,7 +306,7 @@ JSON = st.recursive(
 KEYS = [*Design.model_fields, "zzz"]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(st.dictionaries(st.sampled_from(KEYS), JSON), st.sampled_from(list(LawName)), st.dictionaries(st.text(), JSON))
 def test_any_values_are_refused_in_words(

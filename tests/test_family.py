@@ -216,7 +216,7 @@ def test_the_request_makes_the_law_again() -> None:
     assert np.array_equal(again.transmission.driven_angle(phi1).value, exact)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_least_power_under_the_acceleration_found_is_the_power_cap() -> None:
     """Both ways of asking lead to the same frontier."""
     optimum = best(12000.0, inverse=True)
@@ -226,7 +226,7 @@ def test_least_power_under_the_acceleration_found_is_the_power_cap() -> None:
     assert other.peak(Peak.POWER) == pytest.approx(12000.0, rel=0.02)
 
 
-@pytest.mark.tiers(slow=["short rod"], rest="thorough")
+@pytest.mark.tiers(thorough=["offset"], rest="slow")
 @pytest.mark.parametrize("linkage", LINKAGES.values(), ids=LINKAGES)
 def test_without_resistance_any_cap_is_kept(linkage: CrankSlider) -> None:
     family = Family(linkage, PolynomialResistance(), OMEGA, True)

@@ -142,7 +142,7 @@ def test_runs_killed_while_they_publish_leave_one_build_whole(
         whole = found
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_runs_that_publish_at_the_same_time_wait_for_each_other(tmp_path: Path) -> None:
     together(*[(publish, tmp_path, files, (*ONE, *STAGES, *OTHER)) for files in (ONE, STAGES, OTHER, STAGES, ONE)])
     assert seen(tmp_path) in (ONE, STAGES, OTHER)

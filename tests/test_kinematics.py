@@ -227,7 +227,7 @@ def crossings(of: Machine, displacements: Array) -> list[float]:
     return found
 
 
-@pytest.mark.tiers(quick=["ellipse-*"], rest="thorough")
+@pytest.mark.tiers(quick=["ellipse*"], rest="thorough")
 @pytest.mark.parametrize("keep", [False, True])
 @pytest.mark.parametrize("linkage", LINKAGES)
 @pytest.mark.parametrize("name", ["uniform", BALER_LAW, "ellipse 1:2", "displacement table"])

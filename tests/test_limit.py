@@ -143,7 +143,7 @@ def test_two_lobes_are_twice_the_speed() -> None:
         Task(BALER_LINKAGE, PRESS, 1.0, Lobes(1, 2))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_more_freedom_never_costs() -> None:
     tight = Limits(0.4, 2.5, peak_power_w=15000.0, pressure_angle_rad=0.5, working_rad=3.6)
     freer = [
@@ -356,7 +356,7 @@ def test_weighted_sum_against_a_scan_of_powers() -> None:
     assert weights.of(found.peaks.acceleration_mm_s2, found.peaks.power_w) == found.sum.attained
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_weighted_sum_on_a_grid_too_coarse_for_its_tolerance() -> None:
     """Ends all the same, with an honest enclosure that holds the finer one's."""
     weights = Weights(1.0 / 20000.0, 1.0 / 9000.0)

@@ -36,7 +36,7 @@ def imbalance(found: Meshing) -> Array:
     return (given + (more - less) / (2.0 * step) + forces.loss_n_mm_s.sum(axis=-1)) / np.abs(given).max()
 
 
-@pytest.mark.tiers(quick=["uniform-24"], rest="thorough")
+@pytest.mark.tiers(quick=["uniform-24"], slow=["baler-25"], rest="thorough")
 @pytest.mark.parametrize(("name", "teeth"), PAIRS)
 def test_moments_give_what_is_stored_and_lost(name: str, teeth: int) -> None:
     # A difference over a joint of the tables is off by as much as the slopes jump there.

@@ -204,7 +204,7 @@ def caliper(gear: ToothedGear, first: int, last: int, turn_rad: np.ndarray) -> n
     return (other @ direction).max(axis=0) - (one @ direction).min(axis=0)
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(slow=["baler-60"], rest="thorough")
 @pytest.mark.parametrize(("name", "teeth"), [("ellipse", 37), ("sine", 30), ("baler", 60)])
 def test_a_span_is_where_the_reading_of_a_tilted_caliper_turns(name: str, teeth: int) -> None:
     gear = made(name, teeth)[1].driving

@@ -75,7 +75,7 @@ def test_what_is_written(run: Run) -> None:
     assert found["uniform_crank"] == found["design_as_given"]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_written_file_gives_the_same_law_again(run: Run) -> None:
     run(HEAD + FEW)
     folder = Path("export/press-optimized")
@@ -86,7 +86,7 @@ def test_the_written_file_gives_the_same_law_again(run: Run) -> None:
     assert again["law"] == json.loads(certificate)["law"] == again["design_as_given"]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_without_a_block_the_least_acceleration_is_looked_for(run: Run) -> None:
     status, out, _ = run(HEAD)
     assert status == 0
@@ -131,7 +131,7 @@ ncgear.cli.main()
 """
 
 
-@pytest.mark.tiers(thorough=["optimize"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["optimize", "frontier"])
 def test_a_missing_solver_is_named_with_the_command(command: str, tmp_path: Path) -> None:
     """In a process of its own, since what this one has already imported would hide an import made too early."""
@@ -226,7 +226,7 @@ def test_what_no_gears_can_keep_is_refused(run: Run, gears: str, limits: str, ke
     assert said in err
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_pressure_angle_counts_the_rack(run: Run) -> None:
     block = "optimize: {harmonics: 6, limits: {pressure_angle_deg: 27}}\n"
     assert run(HEAD + GEARS + block)[0] == 0
@@ -267,7 +267,7 @@ def test_a_check_and_help_load_no_solver(tmp_path: Path) -> None:
     assert loaded(tmp_path, ["optimize", "--help"], ("casadi", "numpy")) == "loaded: []"
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_an_improvement_is_computed_once_and_starts_count(tmp_path: Path) -> None:
     """More starts are never worse, and what is asked for twice is the same."""
     path = Path(tmp_path, "d.yaml")

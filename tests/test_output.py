@@ -453,7 +453,7 @@ def test_failing_build_leaves_the_last_good_one(tmp_path: Path) -> None:
     assert contents(out) == good
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_gears_that_are_written_wrong_never_replace_good_ones(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What is judged is what is written: here a solid whose teeth are a little too thick, beside a true table."""
     from shapely import Polygon
@@ -480,7 +480,7 @@ def test_gears_that_are_written_wrong_never_replace_good_ones(tmp_path: Path, mo
     assert contents(out) == good
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_contact_table_has_a_row_per_position_and_agrees_with_the_summary(tmp_path: Path) -> None:
     out = tmp_path / "out"
     summary = build(drive_of_text(DESIGN), out, lambda _: None).summaries[0]["contact"]

@@ -34,7 +34,7 @@ def grown(outline: Array, by_mm: float) -> Array:
 # --- what outlines within the chord tolerance keep -------------------------------------------------------------------
 
 
-@pytest.mark.tiers(thorough=["uniform*", "ellipse-37", "baler-25", "long ellipse-60"], rest="slow")
+@pytest.mark.tiers(quick=["uniform-8"], thorough=["uniform*", "ellipse-37", "sine-25", "baler-25"], rest="slow")
 @pytest.mark.parametrize(("name", "teeth"), [*PAIRS, ("baler", 25), ("uniform", 8), ("deep sine", 72), ("ring", 40)])
 def test_written_outlines_touch_where_the_exact_curves_do(name: str, teeth: int) -> None:
     """Within three chord tolerances at the pitch radius, and none deeper than one inside the other."""

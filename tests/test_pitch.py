@@ -341,7 +341,7 @@ def exact_radii() -> list[tuple[tuple[float, float], Chebyshev]]:
     return parts
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_interpolants_of_the_exact_radius_are_resolved() -> None:
     for _, radius in exact_radii():
         assert np.abs(radius.coef[-3:]).max() <= 1e-11 * DISTANCE

@@ -207,7 +207,7 @@ def test_no_such_mechanism(case: str, run: Run, tmp_path: Path) -> None:
     assert "Traceback" not in err
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_failed_build_leaves_the_last_good_one(program: Program, tmp_path: Path) -> None:
     design = tmp_path / "d.yaml"
     design.write_text(ELLIPSE, encoding="utf-8")
@@ -229,7 +229,7 @@ def test_results_go_to_the_pipe_and_nothing_else(program: Program, tmp_path: Pat
     assert "out/driving.stl" in built.stdout
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_timing_is_reported_beside_the_results(program: Program, tmp_path: Path) -> None:
     (tmp_path / "d.yaml").write_text(ELLIPSE, encoding="utf-8")
     done = program("build", "d.yaml", "--out", "out", "--timing")

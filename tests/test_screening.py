@@ -107,7 +107,7 @@ def difference(name: str, values: Array, figures: list[dict[str, float]]) -> flo
 
 
 @pytest.mark.judges("screening")
-@pytest.mark.tiers(quick=["baler-66", "ellipse"], rest="thorough")
+@pytest.mark.tiers(quick=["baler-66"], rest="thorough")
 @pytest.mark.parametrize("name", ["baler", "baler-a1-at-law-speed", "baler-66", "baler-smooth"])
 def test_shipped_designs_are_screened_together(name: str) -> None:
     designs = [loaded(name).design] * 2
@@ -122,7 +122,7 @@ def random_strokes(seed: int, count: int) -> list[Design]:
     return [stroke_design(random) for _ in range(count)]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_random_strokes_agree_with_single_designs() -> None:
     designs = random_strokes(11, 20)
     found = screened(designs)

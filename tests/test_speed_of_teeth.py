@@ -121,7 +121,7 @@ def test_vertices_of_outlines_are_on_the_closed_form(key: str) -> None:
     assert np.max(gear.distance_mm(outline(key))) < ROUNDING_MM
 
 
-@pytest.mark.tiers(thorough=["*-ellipse"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("key", OUTLINES)
 @pytest.mark.parametrize("method", [outlines.CHORDS, pytest.param(outlines.BOTH_SIDES, marks=pytest.mark.slow)])
 def test_outlines_stray_by_their_tolerance_with_points_that_grow_by_its_square_root(key: str, method: str) -> None:
@@ -143,7 +143,7 @@ def test_even_parameters_are_of_second_order_and_need_more_points(key: str) -> N
     assert measured[0].error > 1.5 * chords[1].error
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_equivalent_gears_miss_an_elliptical_gear_however_many_points_they_have() -> None:
     astray = found("outlines-ellipse", outlines.EQUIVALENT, 5e-4, 5e-5)
     assert all(point.error > 1.5e-3 for point in astray)
@@ -231,14 +231,14 @@ def test_volumes_of_even_parameters_are_of_second_order() -> None:
     assert order(found("solid-volume", solids.EVEN, 8, 16, 32), 0.0) == pytest.approx(2.0, abs=0.06)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_facets_of_straight_and_helical_teeth_keep_to_the_tolerance() -> None:
     for method in (solids.STRAIGHT, solids.HELICAL):
         for point in found("solid-surface", method, 0.05, 0.016):
             assert 0.3 * point.level < point.error <= point.level
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_helical_volumes_fall_with_the_tolerance_and_triangles_with_its_inverse() -> None:
     """Sections and chords both grow by the square root."""
     measured = found("solid-volume", solids.HELICAL, 0.05, 0.016, TOLERANCE_MM)

@@ -147,7 +147,7 @@ def moved(contour: Contour, off: float) -> Contour:
     return replace(contour, curves=curves)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_face_that_is_moved_by_two_tolerances_is_seen() -> None:
     gear = drive("ellipse").teeth.driving
     contour = contour_of(gear, 5e-4)

@@ -52,7 +52,7 @@ def test_a_row_has_the_figures_of_its_design(run: Run) -> None:
     assert row["verdict"] == "made"
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_best_are_named_first(run: Run) -> None:
     _, out, _ = run("motion.a1_mm_s2=-3000:-1000:9")
     by_acceleration = min(table(), key=lambda row: float(row["check.peak_acceleration_cycle_mm_s2"]))

@@ -273,7 +273,7 @@ def test_the_larger_angle_is_least(tmp_path: Path, joint: bool) -> None:
 GIVEN = np.array([-0.5, 0.15, 0.02, 0.0])
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_two_pairs_have_far_less_angle_than_one(tmp_path: Path) -> None:
     pytest.importorskip("casadi")
     from shared_law import shared_law
