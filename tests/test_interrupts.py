@@ -118,7 +118,7 @@ def test_an_interrupted_frontier_ends_its_processes_at_once(
 
 AWAY = """
 import signal, sys, time
-from ncgear.cli import app
+from ncgear.cli import app, main
 
 class Freed:
     def __del__(self):
@@ -129,7 +129,7 @@ def work():
     time.sleep(30)
 
 app.app = work
-app.main()
+main()
 """
 """Ctrl-C while an object is freed, where the interpreter can raise nothing."""
 
