@@ -15,7 +15,6 @@ from hypothesis import strategies as st
 
 from ncgear.design.reading.design_file import load
 from ncgear.figures.ledger import PAGE, ledger_page
-from ncgear.papers.catalogue import PAPERS
 from ncgear.papers.entry import (
     HOLDS,
     Computed,
@@ -30,9 +29,9 @@ from ncgear.papers.entry import (
     texts,
 )
 from ncgear.papers.gear_baler import published as gear_baler
-from ncgear.papers.judgement import Contradicted, judged, judgement
-from ncgear.papers.track_chassis import published as chassis
+from ncgear.papers.judgement import PAPERS, Contradicted, judged, judgement
 from ncgear.papers.track_chassis.frequencies import LINE_HZ
+from ncgear.papers.track_chassis.slider import LINKAGE
 from ncgear.project.drive import Drive
 
 ROOT = Path(__file__).parents[1]
@@ -146,7 +145,7 @@ def test_numbers_in_words_are_todays() -> None:
     low, high = gear_baler.other_law().transmission.slope_range
     assert (f"{1.0 / high.value:.2f}", f"{1.0 / low.value:.2f}") == ("0.12", "7.65")
     assert f"{gear_baler.RESISTANCE.zeros_mm(gear_baler.STROKE_MM)[0]:.1f}" == "33.7"
-    assert f"{chassis.LINKAGE.crank_mm / chassis.LINKAGE.rod_mm:.3f}" == "0.473"
+    assert f"{LINKAGE.crank_mm / LINKAGE.rod_mm:.3f}" == "0.473"
 
 
 def test_the_gear_balers_reading_is_the_design_file() -> None:

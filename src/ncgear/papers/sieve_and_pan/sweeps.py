@@ -1,4 +1,4 @@
-"""Tables 1 to 3 and what is concluded from them: counterweights tried in a simulation of rigid bodies."""
+"""Tables 1 to 3: counterweights tried in a simulation of rigid bodies, and what is concluded from them."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ class SweepTable:
     spread: tuple[str, ...]
 
     def spreads(self) -> Computed:
-        """Largest less smallest force, and what their rounding to whole numbers can do to it."""
+        """Largest minus least force, and how far their rounding to whole numbers may move it."""
         pairs = list(zip(self.least, self.most, strict=True))
         return Computed(tuple(float(b) - float(a) for a, b in pairs), (2.0 * half_step("1"),) * len(pairs))
 
     def steadiest(self) -> Computed:
-        """Counterweight with the least spread."""
+        """Counterweight in kg with the least spread."""
         return of(min(zip(map(float, self.spread), map(float, self.mass), strict=True))[1])
 
 
@@ -71,12 +71,12 @@ FORCES = (
 
 
 def track_extent(mechanism: Mechanism, mass_kg: float) -> Computed:
-    """Way of the common centre of mass in mm, along the slider's line and across it."""
+    """Extent in mm of the track of the common centre of mass, along the slider's line and across it."""
     return of(*_tried(mechanism, mass_kg).track.extent_mm)
 
 
 def track_area(mechanism: Mechanism, mass_kg: float) -> Computed:
-    """What that way encloses, in mm^2."""
+    """Area in mm^2 that the track of the common centre of mass encloses."""
     return of(_tried(mechanism, mass_kg).track.area_mm2)
 
 
@@ -103,6 +103,7 @@ TRACKS = (
 )  # fmt: skip
 
 ENTRIES = (
+    *TRACKS,
     *(_force(*row) for row in FORCES),
     Entry(
         ("Table 3",), "both with 15.5 kg: least, largest, mean and r.m.s. force",

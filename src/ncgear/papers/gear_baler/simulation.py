@@ -1,20 +1,74 @@
-"""Sections 4.3.2 and 4.3.3, Figs. 13 and 14: power and acceleration beside those of other mechanisms."""
+"""Section 4.3, Figs. 4 and 9 to 14: motion and power of the simulated slider, beside other mechanisms."""
 
 from __future__ import annotations
 
+from math import degrees
+
+import numpy as np
+
+from ncgear.numerics.extrema import extremes
+from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.papers.entry import Computed, Entry, Printed, Verdict, equations, of
-from ncgear.papers.gear_baler.motion import NOT_THERE
 from ncgear.papers.gear_baler.published import (
     EARLIER_ACCELERATION_MM_S2,
     EARLIER_POWER_W,
     EARLIER_RPM,
+    LINKAGE,
     PROPOSED_POWER_W,
     SIMULATION_RPM,
+    THETAS_RAD,
     at_speed,
     law_rpm,
     other_at_speed,
+    slider_displacement,
     uniform_at_speed,
 )
+
+NOT_THERE = "It is taken from an earlier paper, whose law and speed are not given."
+
+
+def largest_displacement() -> Computed:
+    """Displacement in mm at the end of the working stroke."""
+    return of(float(slider_displacement(2, np.array([THETAS_RAD[3]]), 0).value[0]))
+
+
+def working_speeds(rpm: float) -> Computed:
+    """Largest speed of the working stroke and speed of pressing in mm/s, at a driving speed in r/min."""
+    _, theta2, theta3, _ = THETAS_RAD
+    fastest = extremes(lambda phi1: slider_displacement(0, phi1, 3).differentiated(), 0.0, theta2)[1].value
+    pressing = float(slider_displacement(1, np.array([0.5 * (theta2 + theta3)]), 1).derivative(1)[0])
+    return of(*(speed * rpm * RAD_S_PER_RPM for speed in (fastest, pressing)))
+
+
+SPEED = (
+    Entry(
+        ("Fig. 9", "Fig. 11"), "largest displacement", Printed(("760",), "mm"), Verdict.REPRODUCED,
+        largest_displacement,
+    ),
+    Entry(
+        ("Fig. 4", "Fig. 10", "Fig. 12"), "largest speed of the working stroke and speed of pressing",
+        Printed(("1600", "1100"), "mm/s"), Verdict.UNDER_READING, lambda: working_speeds(law_rpm()),
+        "At 52.81 r/min, where Table 1 closes with a1 at 20 r/min.",
+    ),
+    Entry(
+        ("Fig. 12",), "speeds of the slider at 20 r/min, the speed of Figs. 13 and 14",
+        Printed(("1600", "1100"), "mm/s"), Verdict.NOT_REPRODUCIBLE, lambda: working_speeds(SIMULATION_RPM),
+        "Speeds, power and acceleration are printed for different driving speeds.",
+    ),
+    Entry(
+        ("section 4.3.1",), "earlier mechanism: largest speed and speed of pressing", Printed(("2100", "820"), "mm/s"),
+        Verdict.NEEDS_DATA, None, NOT_THERE,
+    ),
+    Entry(
+        ("section 4.3.1",), "driving angle of the working stroke, and of a crank that turns evenly",
+        Printed(("234", "180"), "deg"), Verdict.REPRODUCED,
+        lambda: of(degrees(THETAS_RAD[3]), degrees(LINKAGE.working_angle_rad)),
+    ),
+    Entry(
+        ("section 4.3.1",), "longer time of pressing than on a crank that turns evenly", Printed(("30",), "%"),
+        Verdict.REPRODUCED, lambda: of(100.0 * (THETAS_RAD[3] / LINKAGE.working_angle_rad - 1.0)),
+    ),
+)  # fmt: skip
 
 
 def power(rpm: float) -> Computed:
@@ -27,17 +81,10 @@ def saving(one_w: float, other_w: float) -> Computed:
     return of(100.0 * (1.0 - one_w / other_w))
 
 
-def other_reading() -> Computed:
-    """Largest power in W and acceleration of the working stroke in mm/s^2, at 20 r/min, of the other reading."""
+def power_and_acceleration_of_other_reading() -> Computed:
+    """Largest power in W and largest acceleration of the working stroke in mm/s^2, at 20 r/min."""
     found = other_at_speed(SIMULATION_RPM)
     return of(found.peak_power_w.value, found.peak_acceleration_working_mm_s2.value)
-
-
-def acceleration(rpm: float, *, whole_cycle: bool) -> float:
-    """Largest acceleration in mm/s^2, in the working stroke or over the cycle."""
-    found = at_speed(rpm)
-    peak = found.peak_acceleration_cycle_mm_s2 if whole_cycle else found.peak_acceleration_working_mm_s2
-    return peak.value
 
 
 A1_AT_20 = "a1 is read at the simulation's 20 r/min, and v1 and v2 at the 52.81 r/min that closes the stroke"
@@ -55,7 +102,7 @@ POWER = (
     ),
     Entry(
         ("Fig. 13", "Fig. 14"), "largest power and acceleration with a1 read at the speed of v1 and v2",
-        Printed(("6300", "1500"), "W, mm/s2"), Verdict.NOT_REPRODUCIBLE, other_reading,
+        Printed(("6300", "1500"), "W, mm/s2"), Verdict.NOT_REPRODUCIBLE, power_and_acceleration_of_other_reading,
         "The stroke then closes at 51.31 r/min, and the ratio runs from 0.12 to 7.65: no gears to use.",
     ),
     Entry(
@@ -83,11 +130,12 @@ POWER = (
 ACCELERATION = (
     Entry(
         ("Fig. 14",), "largest acceleration, in the working stroke", Printed(("1500",), "mm/s2"),
-        Verdict.UNDER_READING, lambda: of(acceleration(SIMULATION_RPM, whole_cycle=False)), f"{A1_AT_20}.",
+        Verdict.UNDER_READING, lambda: of(at_speed(SIMULATION_RPM).peak_acceleration_working_mm_s2.value),
+        f"{A1_AT_20}.",
     ),
     Entry(
         ("Fig. 14",), "largest acceleration, over the whole cycle", Printed(("1500",), "mm/s2"),
-        Verdict.NOT_REPRODUCIBLE, lambda: of(acceleration(SIMULATION_RPM, whole_cycle=True)),
+        Verdict.NOT_REPRODUCIBLE, lambda: of(at_speed(SIMULATION_RPM).peak_acceleration_cycle_mm_s2.value),
         "The largest is in the return, which the printed curve leaves out.",
     ),
     Entry(
@@ -97,7 +145,9 @@ ACCELERATION = (
     Entry(
         ("Fig. 14",), "acceleration by that of the earlier mechanism, at equal speed and over the whole cycle",
         Printed(("0.1",)), Verdict.NOT_REPRODUCIBLE,
-        lambda: of(acceleration(EARLIER_RPM, whole_cycle=True) / EARLIER_ACCELERATION_MM_S2),
+        lambda: of(at_speed(EARLIER_RPM).peak_acceleration_cycle_mm_s2.value / EARLIER_ACCELERATION_MM_S2),
         "An order of magnitude is what 20 r/min and the working stroke alone make of it.",
     ),
 )  # fmt: skip
+
+ENTRIES = (*SPEED, *POWER, *ACCELERATION)
