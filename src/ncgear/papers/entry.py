@@ -36,13 +36,13 @@ class Computed:
         return self.input_rounding or (0.0,) * len(self.values)
 
 
-def of(*values: float) -> Computed:
+def computed(*values: float) -> Computed:
     """Numbers computed from given dimensions."""
     return Computed(tuple(map(float, values)))
 
 
 def from_readings(function: Callable[..., tuple[float, ...]], *texts: str) -> Computed:
-    """Numbers computed from readings as printed; how far the rounding of the readings moves each, to first order."""
+    """Numbers computed from printed readings, with how far the rounding of the readings moves each, to first order."""
     readings = [float(text) for text in texts]
     values = function(*readings)
     leeway = [0.0] * len(values)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ncgear.numerics.extrema import extremes
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.papers.entry import Computed, Entry, Printed, Verdict, equations, of
+from ncgear.papers.entry import Computed, Entry, Printed, Verdict, computed, equations
 from ncgear.papers.gear_baler.published import (
     EARLIER_ACCELERATION_MM_S2,
     EARLIER_POWER_W,
@@ -29,7 +29,7 @@ NOT_THERE = "It is taken from an earlier paper, whose law and speed are not give
 
 def largest_displacement() -> Computed:
     """Displacement in mm at the end of the working stroke."""
-    return of(float(slider_displacement(2, np.array([THETAS_RAD[3]]), 0).value[0]))
+    return computed(float(slider_displacement(2, np.array([THETAS_RAD[3]]), 0).value[0]))
 
 
 def working_speeds(rpm: float) -> Computed:
@@ -37,7 +37,7 @@ def working_speeds(rpm: float) -> Computed:
     _, theta2, theta3, _ = THETAS_RAD
     fastest = extremes(lambda phi1: slider_displacement(0, phi1, 3).differentiated(), 0.0, theta2)[1].value
     pressing = float(slider_displacement(1, np.array([0.5 * (theta2 + theta3)]), 1).derivative(1)[0])
-    return of(*(speed * rpm * RAD_S_PER_RPM for speed in (fastest, pressing)))
+    return computed(*(speed * rpm * RAD_S_PER_RPM for speed in (fastest, pressing)))
 
 
 SPEED = (
@@ -62,29 +62,29 @@ SPEED = (
     Entry(
         ("section 4.3.1",), "driving angle of the working stroke, and of a crank that turns evenly",
         Printed(("234", "180"), "deg"), Verdict.REPRODUCED,
-        lambda: of(degrees(THETAS_RAD[3]), degrees(LINKAGE.working_angle_rad)),
+        lambda: computed(degrees(THETAS_RAD[3]), degrees(LINKAGE.working_angle_rad)),
     ),
     Entry(
         ("section 4.3.1",), "longer time of pressing than on a crank that turns evenly", Printed(("30",), "%"),
-        Verdict.REPRODUCED, lambda: of(100.0 * (THETAS_RAD[3] / LINKAGE.working_angle_rad - 1.0)),
+        Verdict.REPRODUCED, lambda: computed(100.0 * (THETAS_RAD[3] / LINKAGE.working_angle_rad - 1.0)),
     ),
 )  # fmt: skip
 
 
 def power(rpm: float) -> Computed:
     """Largest power of the working stroke in W."""
-    return of(at_speed(rpm).peak_power_w.value)
+    return computed(at_speed(rpm).peak_power_w.value)
 
 
 def saving(one_w: float, other_w: float) -> Computed:
     """Percent by which one power is below the other."""
-    return of(100.0 * (1.0 - one_w / other_w))
+    return computed(100.0 * (1.0 - one_w / other_w))
 
 
 def power_and_acceleration_of_other_reading() -> Computed:
     """Largest power in W and largest acceleration of the working stroke in mm/s^2, at 20 r/min."""
     found = other_at_speed(SIMULATION_RPM)
-    return of(found.peak_power_w.value, found.peak_acceleration_working_mm_s2.value)
+    return computed(found.peak_power_w.value, found.peak_acceleration_working_mm_s2.value)
 
 
 A1_AT_20 = "a1 is read at the simulation's 20 r/min, and v1 and v2 at the 52.81 r/min that closes the stroke"
@@ -130,12 +130,12 @@ POWER = (
 ACCELERATION = (
     Entry(
         ("Fig. 14",), "largest acceleration, in the working stroke", Printed(("1500",), "mm/s2"),
-        Verdict.UNDER_READING, lambda: of(at_speed(SIMULATION_RPM).peak_acceleration_working_mm_s2.value),
+        Verdict.UNDER_READING, lambda: computed(at_speed(SIMULATION_RPM).peak_acceleration_working_mm_s2.value),
         f"{A1_AT_20}.",
     ),
     Entry(
         ("Fig. 14",), "largest acceleration, over the whole cycle", Printed(("1500",), "mm/s2"),
-        Verdict.NOT_REPRODUCIBLE, lambda: of(at_speed(SIMULATION_RPM).peak_acceleration_cycle_mm_s2.value),
+        Verdict.NOT_REPRODUCIBLE, lambda: computed(at_speed(SIMULATION_RPM).peak_acceleration_cycle_mm_s2.value),
         "The largest is in the return, which the printed curve leaves out.",
     ),
     Entry(
@@ -145,7 +145,7 @@ ACCELERATION = (
     Entry(
         ("Fig. 14",), "acceleration by that of the earlier mechanism, at equal speed and over the whole cycle",
         Printed(("0.1",)), Verdict.NOT_REPRODUCIBLE,
-        lambda: of(at_speed(EARLIER_RPM).peak_acceleration_cycle_mm_s2.value / EARLIER_ACCELERATION_MM_S2),
+        lambda: computed(at_speed(EARLIER_RPM).peak_acceleration_cycle_mm_s2.value / EARLIER_ACCELERATION_MM_S2),
         "An order of magnitude is what 20 r/min and the working stroke alone make of it.",
     ),
 )  # fmt: skip

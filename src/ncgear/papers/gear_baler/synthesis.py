@@ -13,7 +13,7 @@ from numpy.polynomial import Chebyshev
 
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.papers.entry import Computed, Entry, Printed, Relation, Verdict, equations, of
+from ncgear.papers.entry import Computed, Entry, Printed, Relation, Verdict, computed, equations
 from ncgear.papers.gear_baler.published import (
     A1_MM_S2,
     CENTER_DISTANCE_MM,
@@ -45,7 +45,7 @@ def crank_angle_residual() -> Computed:
         angle, s, _, _ = _from_axis(segment)
         formula = np.pi - np.arccos((crank**2 + s**2 - rod**2) / (2.0 * crank * s))
         worst.append(float(np.abs(formula - angle).max() / np.pi))
-    return of(*worst)
+    return computed(*worst)
 
 
 def ratio_residual() -> Computed:
@@ -57,7 +57,7 @@ def ratio_residual() -> Computed:
         root = np.sqrt(4.0 * crank**2 * s**2 - (crank**2 + s**2 - rod**2) ** 2)
         formula = s * root / ((s**2 - crank**2 + rod**2) * v)
         worst.append(float(np.abs(formula / ratio - 1.0).max()))
-    return of(*worst)
+    return computed(*worst)
 
 
 def segment_residual() -> Computed:
@@ -68,7 +68,7 @@ def segment_residual() -> Computed:
         angle = _inside(segment)
         along = slider_displacement(segment, angle, 0).value
         worst.append(float(np.abs(Chebyshev.fit(angle, along, degree)(angle) - along).max() / STROKE_MM))
-    return of(*worst)
+    return computed(*worst)
 
 
 def condition_residual() -> Computed:
@@ -87,7 +87,7 @@ def condition_residual() -> Computed:
         (2, t3, 1, omega / V2_MM_S, 1.0), (2, t4, 1, omega / V2_MM_S, 0.0),
         (2, t4, 0, 1.0 / STROKE_MM, 1.0), (2, t3, 0, 1.0 / STROKE_MM, at(1, t3, 0) / STROKE_MM),
     ]  # fmt: skip
-    return of(*(at(segment, angle, order) * scale - value for segment, angle, order, scale, value in wanted))
+    return computed(*(at(segment, angle, order) * scale - value for segment, angle, order, scale, value in wanted))
 
 
 def _from_axis(segment: int) -> tuple[Array, Array, Array, Array]:
@@ -130,12 +130,12 @@ STROKE = (
     ),
     Entry(
         ("Table 1",), "stroke that v1, v2 and a1 make, all at the simulation's 20 r/min", Printed(("760",), "mm"),
-        Verdict.NOT_REPRODUCIBLE, lambda: of(stroke_at(SIMULATION_RPM, None, None).stroke_mm),
+        Verdict.NOT_REPRODUCIBLE, lambda: computed(stroke_at(SIMULATION_RPM, None, None).stroke_mm),
         "The six conditions of the third segment contradict each other at any speed but one.",
     ),
     Entry(
         ("Table 1",), "stroke of the crank", Printed(("760",), "mm"), Verdict.REPRODUCED,
-        lambda: of(LINKAGE.stroke_mm),
+        lambda: computed(LINKAGE.stroke_mm),
     ),
 )  # fmt: skip
 
@@ -151,7 +151,7 @@ def radius_residual() -> Computed:
         for curve, radius in ((pitch().driving, first), (pitch().driven, CENTER_DISTANCE_MM - first)):
             found = np.linalg.norm(curve.at_angle(angle).position, axis=-1)
             worst.append(float(np.abs(found - radius).max() / CENTER_DISTANCE_MM))
-    return of(*worst)
+    return computed(*worst)
 
 
 def return_residual() -> Computed:
@@ -161,7 +161,7 @@ def return_residual() -> Computed:
     ratio = 1.0 / law().transmission.pieces[3].slope(angle, 0).value
     # Divided by phi1 the polynomial without constant has degree 4
     form = Chebyshev.fit(angle, ratio / angle, 4)
-    return of(float(np.abs(form(angle) * angle / ratio - 1.0).max()))
+    return computed(float(np.abs(form(angle) * angle / ratio - 1.0).max()))
 
 
 def joint_residual() -> Computed:
@@ -172,7 +172,7 @@ def joint_residual() -> Computed:
     for before, after, left, right in ends:
         one, other = (1.0 / piece.slope(np.array([at]), 1) for piece, at in ((before, left), (after, right)))
         jumps += [float((one.derivative(k) - other.derivative(k))[0]) for k in (0, 1)]
-    return of(*jumps)
+    return computed(*jumps)
 
 
 def closure_residual() -> Computed:
@@ -180,7 +180,7 @@ def closure_residual() -> Computed:
     pieces = law().transmission.pieces
     working = float(pieces[2].driven_angle(np.array([pieces[2].end_rad]), 0).value[0])
     whole = float(pieces[3].driven_angle(np.array([pieces[3].end_rad]), 0).value[0])
-    return of(working / LINKAGE.working_angle_rad - 1.0, whole / (2.0 * pi) - 1.0)
+    return computed(working / LINKAGE.working_angle_rad - 1.0, whole / (2.0 * pi) - 1.0)
 
 
 SIZE = (
@@ -202,15 +202,15 @@ GEARS = (
     ),
     Entry(
         ("Table 1",), "number of teeth, from module and centre distance", Printed(("25",)), Verdict.NOT_REPRODUCIBLE,
-        lambda: of(pitch().length_mm(Gear.DRIVING) / (pi * MODULE_MM)), SIZE,
+        lambda: computed(pitch().length_mm(Gear.DRIVING) / (pi * MODULE_MM)), SIZE,
     ),
     Entry(
         ("Table 1",), "module, from teeth and centre distance", Printed(("3",), "mm"), Verdict.NOT_REPRODUCIBLE,
-        lambda: of(pitch().size.module_mm), SIZE,
+        lambda: computed(pitch().size.module_mm), SIZE,
     ),
     Entry(
         ("Table 1",), "centre distance, from teeth and module", Printed(("200",), "mm"), Verdict.NOT_REPRODUCIBLE,
-        lambda: of(sized_pair(law().transmission, TEETH, MODULE_MM, None).center_distance_mm), SIZE,
+        lambda: computed(sized_pair(law().transmission, TEETH, MODULE_MM, None).center_distance_mm), SIZE,
     ),
     Entry(
         ("Fig. 8",), "teeth mesh without interference", Relation("claim"), Verdict.NEEDS_DATA, None,

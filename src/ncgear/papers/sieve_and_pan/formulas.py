@@ -12,7 +12,7 @@ from ncgear.balance.mechanism import JointMasses, joint_masses, partial_counterw
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.jet import Jet
-from ncgear.papers.entry import Computed, Entry, Printed, Relation, Verdict, equations, of
+from ncgear.papers.entry import Computed, Entry, Printed, Relation, Verdict, computed, equations
 from ncgear.papers.sieve_and_pan.published import (
     ARM_MM,
     CRANK_CENTER_MM,
@@ -47,7 +47,7 @@ def place_residual() -> Computed:
         tilt = np.arcsin(linkage.crank_mm / linkage.rod_mm * np.sin(ANGLES_RAD))
         formula = linkage.crank_mm * np.cos(ANGLES_RAD) + linkage.rod_mm * np.cos(tilt)
         worst.append(float(np.abs(formula - exact).max() / linkage.stroke_mm))
-    return of(*worst)
+    return computed(*worst)
 
 
 def acceleration_residual() -> Computed:
@@ -57,7 +57,7 @@ def acceleration_residual() -> Computed:
         formula = np.cos(ANGLES_RAD) + linkage.crank_mm / linkage.rod_mm * np.cos(2.0 * ANGLES_RAD)
         exact = two_term_stroke(linkage, ANGLES_RAD, 2).derivative(2) / CRANK_MM
         worst.append(float(np.abs(formula - exact).max()))
-    return of(*worst)
+    return computed(*worst)
 
 
 MOTION = (
@@ -72,15 +72,15 @@ MOTION = (
     ),
     Entry(
         ("section 2.2",), "crank by connecting rod", Printed(("0.01", "0.01")), Verdict.REPRODUCED,
-        lambda: of(*(CRANK_MM / linkage.rod_mm for linkage in (PAN_LINKAGE, SIEVE_LINKAGE))),
+        lambda: computed(*(CRANK_MM / linkage.rod_mm for linkage in (PAN_LINKAGE, SIEVE_LINKAGE))),
     ),
     Entry(
         ("section 3.1",), "speed of 350 r/min in the simulation", Printed(("2100",), "r/s"), Verdict.UNDER_READING,
-        lambda: of(SPEED_RPM * 6.0), "In degrees per second.",
+        lambda: computed(SPEED_RPM * 6.0), "In degrees per second.",
     ),
     Entry(
         ("section 3.1",), "time of one turn", Printed(("0.17",), "s"), Verdict.REPRODUCED,
-        lambda: of(60.0 / SPEED_RPM),
+        lambda: computed(60.0 / SPEED_RPM),
     ),
 )  # fmt: skip
 
@@ -92,18 +92,18 @@ SIEVE_OWN = joint_masses(SIEVE_LINKAGE, SIEVE.masses)
 def pan_board() -> Computed:
     """The board's mass at the crank pin and at the roller, with its centre at the printed place."""
     found = joint_masses(PAN_LINKAGE, Masses(rod_kg=PAN_BOARD_KG, rod_center_mm=PAN_BOARD_PRINTED_MM))
-    return of(found.rotating_kg, found.reciprocating_kg)
+    return computed(found.rotating_kg, found.reciprocating_kg)
 
 
 def counterweights(linkage: CrankSlider, at_joints: JointMasses) -> Computed:
     """Counterweights in kg for the least and the largest usual share of the reciprocating mass."""
-    return of(*(partial_counterweight_kg(linkage, at_joints, ARM_MM, share) for share in USUAL_SHARES))
+    return computed(*(partial_counterweight_kg(linkage, at_joints, ARM_MM, share) for share in USUAL_SHARES))
 
 
 PAN_ALONE = (
     Entry(
         equations("1"), "pan: crank at the pin", Printed(("0.8",), "kg"), Verdict.REPRODUCED,
-        lambda: of(CRANK_KG * CRANK_CENTER_MM / CRANK_MM),
+        lambda: computed(CRANK_KG * CRANK_CENTER_MM / CRANK_MM),
     ),
     Entry(
         equations("1"), "pan: board at pin and roller", Printed(("11.1", "12.6"), "kg"), Verdict.NOT_REPRODUCIBLE,
@@ -112,7 +112,7 @@ PAN_ALONE = (
     ),
     Entry(
         equations("1"), "pan: all at pin and roller", Printed(("11.9", "12.86"), "kg"), Verdict.UNDER_READING,
-        lambda: of(0.8 + 11.1, 12.6 + ROLLER_KG), "Sums of the printed parts.",
+        lambda: computed(0.8 + 11.1, 12.6 + ROLLER_KG), "Sums of the printed parts.",
     ),
     Entry(
         equations("6", "7", "8"), "pan: counterweight", Printed(("5.4", "6.1"), "kg"), Verdict.REPRODUCED,
@@ -123,11 +123,11 @@ PAN_ALONE = (
 SIEVE_ALONE = (
     Entry(
         equations("1"), "sieve: all at the pin", Printed(("29.5",), "kg"), Verdict.NOT_REPRODUCIBLE,
-        lambda: of(SIEVE_OWN.rotating_kg), "Board and crank make more, the board alone less.",
+        lambda: computed(SIEVE_OWN.rotating_kg), "Board and crank make more, the board alone less.",
     ),
     Entry(
         equations("1"), "sieve: all at the roller", Printed(("61.26",), "kg"), Verdict.UNDER_READING,
-        lambda: of(round(SIEVE_OWN.reciprocating_kg - ROLLER_KG, 1) + ROLLER_KG),
+        lambda: computed(round(SIEVE_OWN.reciprocating_kg - ROLLER_KG, 1) + ROLLER_KG),
         "The board's part rounded to one decimal before the roller is added.",
     ),
     Entry(
@@ -162,18 +162,18 @@ def pan(phase_deg: float) -> Crank:
 
 def eta1(phase_deg: float) -> Callable[[], Computed]:
     """Eq. 11 with the pan at a phase in degrees."""
-    return lambda: of(reciprocating_share(pan(phase_deg), SIEVE_CRANK))
+    return lambda: computed(reciprocating_share(pan(phase_deg), SIEVE_CRANK))
 
 
 def eta2(phase_deg: float) -> Callable[[], Computed]:
     """Eq. 16 with the pan at a phase in degrees."""
-    return lambda: of(rotating_share(pan(phase_deg), SIEVE_CRANK))
+    return lambda: computed(rotating_share(pan(phase_deg), SIEVE_CRANK))
 
 
 def combined(phase_deg: int, *of_reciprocating: float) -> Callable[[], Computed]:
     """Counterweights of the sieve in kg by the printed eta1 and eta2, for shares of the reciprocating mass."""
     left, arm_ratio = PRINTED_SHARES[phase_deg], CRANK_MM / ARM_MM
-    return lambda: of(*(combined_counterweight_kg(SIEVE_PRINTED, left, arm_ratio, k) for k in of_reciprocating))
+    return lambda: computed(*(combined_counterweight_kg(SIEVE_PRINTED, left, arm_ratio, k) for k in of_reciprocating))
 
 
 SIZES = "Means of sizes over a turn; with signs, as printed, every mean is nothing."
@@ -203,7 +203,7 @@ TOGETHER = (
     ),
     Entry(
         ("section 2.2.3", "section 3.3"), "best phase of the pan", Printed(("90",), "deg"), Verdict.REPRODUCED,
-        lambda: of(degrees(best_phase_rad(pan(0.0), SIEVE_CRANK))),
+        lambda: computed(degrees(best_phase_rad(pan(0.0), SIEVE_CRANK))),
     ),
     Entry(
         ("section 2.2.3",), "sieve's counterweight at 90 deg, lower", Printed(("11.4",), "kg"), Verdict.UNDER_READING,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ncgear.balance.counterweights import Tried, sweep
 from ncgear.balance.mechanism import Carrier, Counterweight, Mechanism
-from ncgear.papers.entry import Computed, Entry, Printed, Verdict, half_step, of, texts
+from ncgear.papers.entry import Computed, Entry, Printed, Verdict, computed, half_step, texts
 from ncgear.papers.sieve_and_pan.published import ARM_MM, PAN, SIEVE
 
 
@@ -27,7 +27,7 @@ class SweepTable:
 
     def steadiest(self) -> Computed:
         """Counterweight in kg with the least spread."""
-        return of(min(zip(map(float, self.spread), map(float, self.mass), strict=True))[1])
+        return computed(min(zip(map(float, self.spread), map(float, self.mass), strict=True))[1])
 
 
 PAN_TABLE = SweepTable(
@@ -48,7 +48,7 @@ BOTH_TABLE = SweepTable(
 def bearing(mechanism: Mechanism, mass_kg: float) -> Computed:
     """Least, largest, mean and r.m.s. force in N on the crank's bearing, in the plane of the motion without weight."""
     found = _tried(mechanism, mass_kg).bearing_n
-    return of(found.minimum, found.maximum, found.mean, found.rms)
+    return computed(found.minimum, found.maximum, found.mean, found.rms)
 
 
 MODEL = (
@@ -72,12 +72,12 @@ FORCES = (
 
 def track_extent(mechanism: Mechanism, mass_kg: float) -> Computed:
     """Extent in mm of the track of the common centre of mass, along the slider's line and across it."""
-    return of(*_tried(mechanism, mass_kg).track.extent_mm)
+    return computed(*_tried(mechanism, mass_kg).track.extent_mm)
 
 
 def track_area(mechanism: Mechanism, mass_kg: float) -> Computed:
     """Area in mm^2 that the track of the common centre of mass encloses."""
-    return of(_tried(mechanism, mass_kg).track.area_mm2)
+    return computed(_tried(mechanism, mass_kg).track.area_mm2)
 
 
 def _tried(mechanism: Mechanism, mass_kg: float) -> Tried:
@@ -128,7 +128,7 @@ ENTRIES = (
     Entry(("Table 3",), "best counterweight for both at 45 deg", Printed(("15.5",), "kg"), Verdict.UNDER_READING,
           BOTH_TABLE.steadiest, "The one of least peak to peak in the table."),
     Entry(("section 3.3",), "least force at 45 deg, from Table 3", Printed(("1611",), "N"), Verdict.NOT_REPRODUCIBLE,
-          lambda: of(max(map(float, BOTH_TABLE.least))), "Table 3 and text differ."),
+          lambda: computed(max(map(float, BOTH_TABLE.least))), "Table 3 and text differ."),
     Entry(("section 3.3",), "largest and least force at 90 deg and at 0 deg",
           Printed(("1604", "613", "1828", "697"), "N"), Verdict.NEEDS_DATA, None, NO_MODEL),
     Entry(("section 3.3",), "best counterweight for both at 90 deg", Printed(("14.0",), "kg"), Verdict.NEEDS_DATA, None,

@@ -18,7 +18,7 @@ from ncgear.balance.rotor import (
     chain_unbalance,
     predicted,
 )
-from ncgear.papers.entry import Computed, Entry, Printed, Relation, Verdict, equations, from_readings, of
+from ncgear.papers.entry import Computed, Entry, Printed, Relation, Verdict, computed, equations, from_readings
 from ncgear.papers.threshing_drum.first_balancing import RECORDS, measured_effect, phase_deg, polar
 
 PHASES = ChainPhases(wrap_rad=radians(180.0), tight_rad=radians(105.0), slack_rad=radians(270.0))
@@ -58,19 +58,19 @@ def sides_residual() -> Computed:
         slack = -chain.imag + tight * cos(radians(15.0))
         both = tight * polar(1.0, 105.0) + slack * polar(1.0, 270.0)
         worst.append(abs(both - chain) / max(abs(tight), abs(slack)))
-    return of(*worst)
+    return computed(*worst)
 
 
 def second_case_residual() -> Computed:
     """The second case of eq. 7 at 240 deg against the weight's vector, y counted downwards."""
     angle = radians(240.0)
-    return of(abs(complex(sin(angle), -cos(angle)) - complex(cos(angle), -sin(angle))))
+    return computed(abs(complex(sin(angle), -cos(angle)) - complex(cos(angle), -sin(angle))))
 
 
 def vector(phase_deg: float) -> Computed:
     """A weight's vector of length 1."""
     along = polar(1.0, phase_deg)
-    return of(along.real, along.imag)
+    return computed(along.real, along.imag)
 
 
 RANGES = (
@@ -81,11 +81,11 @@ RANGES = (
     Entry(
         (*equations("1"), "Table 3", "Fig. 9"), "range of the weight's amplitude, at 700 r/min",
         Printed(("0.074", "0.214"), "mm/s"), Verdict.REPRODUCED,
-        lambda: of(ranges().weight.low, ranges().weight.high),
+        lambda: computed(ranges().weight.low, ranges().weight.high),
     ),
     Entry(
         ("section 3.2.1",), "largest amplitude of the weight's 161.3 g, by the effect that the first balancing found",
-        Printed(("0.214",), "mm/s"), Verdict.NEEDS_DATA, lambda: of(WEIGHT_G * measured_effect()),
+        Printed(("0.214",), "mm/s"), Verdict.NEEDS_DATA, lambda: computed(WEIGHT_G * measured_effect()),
         "The radii of the weights. Computed for equal radii, at the same speed.",
     ),
     Entry(
@@ -102,11 +102,12 @@ RANGES = (
     ),
     Entry(
         equations("6"), "largest amplitude of the tight side", Printed(("2.04",), "mm/s"), Verdict.REPRODUCED,
-        lambda: of(ranges().tight.high),
+        lambda: computed(ranges().tight.high),
     ),
     Entry(
         equations("6"), "largest amplitude of the slack side", Printed(("2.58",), "mm/s"), Verdict.NOT_REPRODUCIBLE,
-        lambda: of(ranges().slack.high), "The readings of Table 3 give less, at the same weight as the tight side's.",
+        lambda: computed(ranges().slack.high),
+        "The readings of Table 3 give less, at the same weight as the tight side's.",
     ),
 )  # fmt: skip
 
@@ -133,13 +134,13 @@ def corners(weight_deg: float) -> tuple[float, float, float, float]:
 def lowest_corner(weight_deg: float) -> Computed:
     """Amplitude and phase of the corner where x and y are both least."""
     x, _, y, _ = corners(weight_deg)
-    return of(abs(complex(x, -y)), phase_deg(complex(x, -y)))
+    return computed(abs(complex(x, -y)), phase_deg(complex(x, -y)))
 
 
 def by_slack(weight_deg: float) -> Computed:
     """Amplitude and phase with slack side and weight at their largest, without the tight side."""
     bound = prediction(weight_deg).by_slack
-    return of(abs(bound), phase_deg(bound))
+    return computed(abs(bound), phase_deg(bound))
 
 
 def errors(*rows: tuple[str, str, str]) -> Computed:
@@ -154,15 +155,16 @@ NO_RULE = "A phase within the range is taken; the rule is not given."
 PREDICTED = (
     Entry(
         equations("10", "11"), "ends of x and y with the weight at 30 deg",
-        Printed(("0.185", "-2.08", "2.543"), "mm/s"), Verdict.REPRODUCED, lambda: of(*corners(30.0)[1:]),
+        Printed(("0.185", "-2.08", "2.543"), "mm/s"), Verdict.REPRODUCED, lambda: computed(*corners(30.0)[1:]),
     ),
     Entry(
         equations("11"), "lower end of x", Printed(("-0.434",), "mm/s"), Verdict.NOT_REPRODUCIBLE,
-        lambda: of(corners(30.0)[0]), "The bound printed below it follows from the computed end, not from this one.",
+        lambda: computed(corners(30.0)[0]),
+        "The bound printed below it follows from the computed end, not from this one.",
     ),
     Entry(
         equations("12", "13"), "ends of x and y with the weight at 270 deg",
-        Printed(("-0.528", "0", "-1.9", "2.794"), "mm/s"), Verdict.UNDER_READING, lambda: of(*corners(270.0)),
+        Printed(("-0.528", "0", "-1.9", "2.794"), "mm/s"), Verdict.UNDER_READING, lambda: computed(*corners(270.0)),
         "With the weight's vector as eq. 7 has it; eq. 12 has its y of the other sign.",
     ),
     Entry(
@@ -183,23 +185,23 @@ PREDICTED = (
     ),
     Entry(
         ("Table 6", "section 3.3"), "amplitudes foretold", Printed(("1.24", "1.4"), "mm/s"), Verdict.REPRODUCED,
-        lambda: of(prediction(30.0).amplitude, prediction(270.0).amplitude),
+        lambda: computed(prediction(30.0).amplitude, prediction(270.0).amplitude),
     ),
     Entry(
         ("Table 6", "section 3.3"), "phases foretold", Printed(("270", "120"), "deg"), Verdict.NEEDS_DATA, None, NO_RULE
     ),
     Entry(
         ("section 3.3",), "angles of the corrections", Printed(("90", "300"), "deg"), Verdict.REPRODUCED,
-        lambda: of((270.0 + 180.0) % 360.0, 120.0 + 180.0),
+        lambda: computed((270.0 + 180.0) % 360.0, 120.0 + 180.0),
     ),
     Entry(
         ("section 3.3",), "correction of 1.24 mm/s", Printed(("152.3",), "g"), Verdict.NEEDS_DATA,
-        lambda: of(1.24 / measured_effect()),
+        lambda: computed(1.24 / measured_effect()),
         "The effect of a weight at 500 r/min. Computed with that of the first balancing at 700 r/min.",
     ),
     Entry(
         ("section 3.3",), "correction of 1.4 mm/s", Printed(("165.8",), "g"), Verdict.NEEDS_DATA,
-        lambda: of(1.4 / measured_effect()),
+        lambda: computed(1.4 / measured_effect()),
         "The effect of a weight at 500 r/min. Computed with that of the first balancing at 700 r/min.",
     ),
 )  # fmt: skip
@@ -230,7 +232,7 @@ COMPARED = (
     ),
     Entry(
         ("section 4",), "amplitudes foretold that are not below the measured ones", Printed(("0",)),
-        Verdict.NOT_REPRODUCIBLE, lambda: of(sum(measured < 1.4 for measured in (1.264, 0.943))),
+        Verdict.NOT_REPRODUCIBLE, lambda: computed(sum(measured < 1.4 for measured in (1.264, 0.943))),
         "At 270 deg both are above.",
     ),
     Entry(

@@ -10,7 +10,7 @@ from math import degrees, radians
 
 from ncgear.balance.excitation import critical_speed_rpm
 from ncgear.balance.rotor import GRADES_MM_S, TrialRun, balanced
-from ncgear.papers.entry import Computed, Entry, Printed, Verdict, from_readings, of, texts
+from ncgear.papers.entry import Computed, Entry, Printed, Verdict, computed, from_readings, texts
 
 NATURAL_HZ = texts("143.76 143.77 197.05 293.1 298.33 198.41")
 CRITICAL_RPM = texts("8625.60 8626.20 11823 17586 17899.80 11904.60")
@@ -63,7 +63,7 @@ def with_weight_added(*readings: float) -> tuple[float, ...]:
 
 def finest_grade() -> Computed:
     """The finest balance grade that allows the centre of mass a speed of 0.37 mm/s."""
-    return of(next(grade for grade in GRADES_MM_S if grade >= 0.37))
+    return computed(next(grade for grade in GRADES_MM_S if grade >= 0.37))
 
 
 RECORDS = "The records of the measurement."
@@ -76,7 +76,7 @@ ENTRIES = (
     ),
     Entry(
         ("Table 2",), "critical speeds", Printed(CRITICAL_RPM, "r/min"), Verdict.REPRODUCED,
-        lambda: of(*(critical_speed_rpm(float(text)) for text in NATURAL_HZ)),
+        lambda: computed(*(critical_speed_rpm(float(text)) for text in NATURAL_HZ)),
     ),
     Entry(
         ("section 3.2",), "first balancing: weight and its phase", Printed(("143.4", "115"), "g, deg"),

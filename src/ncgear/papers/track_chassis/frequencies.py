@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ncgear.balance.excitation import Engine, Shaft, margins, of_engine, of_shaft
-from ncgear.papers.entry import Computed, Entry, Printed, Verdict, equations, from_readings, of
+from ncgear.papers.entry import Computed, Entry, Printed, Verdict, computed, equations, from_readings
 
 SHAFTS = (
     Shaft("engine", 2400.0, 15),
@@ -35,7 +35,7 @@ def of_kind(kind: str) -> list[float]:
 
 def from_rounded(counts: list[int | None]) -> Computed:
     """Rollers or teeth times the printed frequencies of the shafts, in Hz; shafts without a count are left out."""
-    return of(*(count * float(text) for count, text in zip(counts, ROTATION, strict=True) if count is not None))
+    return computed(*(count * float(text) for count, text in zip(counts, ROTATION, strict=True) if count is not None))
 
 
 def engine(kind: str) -> float:
@@ -57,7 +57,7 @@ def nearer_than_the_auger() -> Computed:
     """Number of other excitations as near to a natural frequency as the auger's rotation is to the first."""
     excitations = [*of_engine(ENGINE), *(one for shaft in SHAFTS for one in of_shaft(shaft))]
     found = margins(excitations, NATURAL_HZ, 1.0 - AUGER_HZ / NATURAL_HZ[0])
-    return of(sum(one.near and one.excitation.source != "feeding auger" for one in found))
+    return computed(sum(one.near and one.excitation.source != "feeding auger" for one in found))
 
 
 ROUNDED = "Made of the shafts' frequencies as printed, rounded to two decimals."
@@ -66,7 +66,7 @@ GEOMETRY = "The part's geometry and its finite-element model."
 SHAFTS_AND_ENGINE = (
     Entry(
         (*equations("9"), "Table 1"), "frequencies of the ten shafts", Printed(ROTATION, "Hz"), Verdict.REPRODUCED,
-        lambda: of(*of_kind("rotation")),
+        lambda: computed(*of_kind("rotation")),
     ),
     Entry(
         (*equations("11"), "Table 1"), "rollers passing in their bearings", Printed(ROLLERS, "Hz"),
@@ -83,7 +83,7 @@ SHAFTS_AND_ENGINE = (
     ),
     Entry(
         equations("12", "13"), "combustion and inertia of the engine", Printed(("80", "80"), "Hz"),
-        Verdict.REPRODUCED, lambda: of(engine("combustion"), engine("inertia")),
+        Verdict.REPRODUCED, lambda: computed(engine("combustion"), engine("inertia")),
     ),
 )  # fmt: skip
 
@@ -107,7 +107,7 @@ NATURAL = (
     ),
     Entry(
         ("section 3.3",), "the auger's frequency by the first natural one", Printed(("0.8",)), Verdict.REPRODUCED,
-        lambda: of(AUGER_HZ / NATURAL_HZ[0]),
+        lambda: computed(AUGER_HZ / NATURAL_HZ[0]),
     ),
     Entry(
         ("section 3.3",), "other excitations as near to a natural frequency as that", Printed(("0",)),
@@ -140,7 +140,7 @@ SPECTRUM = (
     ),
     Entry(
         ("Table 5",), "frequency along x at the front of the chassis", Printed(("80.78",), "Hz"),
-        Verdict.NOT_REPRODUCIBLE, lambda: of(round(80.78 / LINE_HZ) * LINE_HZ),
+        Verdict.NOT_REPRODUCIBLE, lambda: computed(round(80.78 / LINE_HZ) * LINE_HZ),
         "All other frequencies of the table are on lines of a spectrum of 1.95 Hz; this one is on none.",
     ),
     Entry(

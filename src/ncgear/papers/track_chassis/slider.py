@@ -17,7 +17,7 @@ from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.papers.entry import Computed, Entry, Printed, Relation, Verdict, equations, of
+from ncgear.papers.entry import Computed, Entry, Printed, Relation, Verdict, computed, equations
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 
@@ -55,31 +55,31 @@ def stroke_residual() -> Computed:
     sine, cosine = np.sin(ANGLES_RAD), np.cos(ANGLES_RAD)
     second = (ROD + CRANK) - (CRANK * cosine + ROD * np.cos(np.arcsin(RATIO * sine)))
     third = CRANK * ((1.0 - cosine) + (1.0 - np.sqrt(1.0 - RATIO**2 * sine**2)) / RATIO)
-    return of(*(float(np.abs(formula - exact).max() / LINKAGE.stroke_mm) for formula in (second, third)))
+    return computed(*(float(np.abs(formula - exact).max() / LINKAGE.stroke_mm) for formula in (second, third)))
 
 
 def series() -> Computed:
     """Eq. 4: the first coefficients of (1 - x)^(1/2), without their signs."""
-    return of(*(abs(float(binom(0.5, power))) for power in (1, 2, 3)))
+    return computed(*(abs(float(binom(0.5, power))) for power in (1, 2, 3)))
 
 
 def two_term_residual() -> Computed:
     """Eq. 6 against eq. 3 with the root of eq. 5, by the stroke."""
     sine, cosine = np.sin(ANGLES_RAD), np.cos(ANGLES_RAD)
     with_root = CRANK * (1.0 - cosine) + ROD * 0.5 * RATIO**2 * sine**2
-    return of(float(np.abs(two_term_stroke(LINKAGE, ANGLES_RAD, 0).value - with_root).max() / LINKAGE.stroke_mm))
+    return computed(float(np.abs(two_term_stroke(LINKAGE, ANGLES_RAD, 0).value - with_root).max() / LINKAGE.stroke_mm))
 
 
 def velocity_residual() -> Computed:
     """Eq. 7 against the derivative of eq. 6."""
     formula = SPEED_RAD_S * CRANK * (np.sin(ANGLES_RAD) + RATIO / 2.0 * np.sin(2.0 * ANGLES_RAD))
-    return of(_off(formula, two_term_stroke(LINKAGE, ANGLES_RAD, 1).derivative(1) * SPEED_RAD_S))
+    return computed(_off(formula, two_term_stroke(LINKAGE, ANGLES_RAD, 1).derivative(1) * SPEED_RAD_S))
 
 
 def acceleration_residual() -> Computed:
     """Eq. 8 against minus the second derivative of eq. 6."""
     formula = -(SPEED_RAD_S**2) * CRANK * (np.cos(ANGLES_RAD) + RATIO * np.cos(2.0 * ANGLES_RAD))
-    return of(_off(formula, -two_term_stroke(LINKAGE, ANGLES_RAD, 2).derivative(2) * SPEED_RAD_S**2))
+    return computed(_off(formula, -two_term_stroke(LINKAGE, ANGLES_RAD, 2).derivative(2) * SPEED_RAD_S**2))
 
 
 def _off(formula: Array, exact: Array) -> float:
@@ -105,7 +105,7 @@ MOTION = (
     ),
     Entry(
         equations("8", "16"), "two terms for the exact acceleration of this linkage", Relation(),
-        Verdict.NOT_REPRODUCIBLE, lambda: of(failure(MECHANISM).largest_error),
+        Verdict.NOT_REPRODUCIBLE, lambda: computed(failure(MECHANISM).largest_error),
         "At a crank of 0.473 rods the terms left out are not small.",
     ),
 )  # fmt: skip
@@ -133,33 +133,33 @@ def against_dead_weight_kg() -> float:
 COUNTERWEIGHTS = (
     Entry(
         ("section 3.1",), "counterweight beyond the crank pin, and mass at the pin", Printed(("182", "247"), "kg"),
-        Verdict.REPRODUCED, lambda: of(complete().rod_kg, complete().pin_kg),
+        Verdict.REPRODUCED, lambda: computed(complete().rod_kg, complete().pin_kg),
     ),
     Entry(
         ("section 3.1",), "counterweight beyond the crank axis", Printed(("261.82",), "kg"), Verdict.UNDER_READING,
-        lambda: of(complete().crank_kg), "At 250 mm from the axis; its place is not printed.",
+        lambda: computed(complete().crank_kg), "At 250 mm from the axis; its place is not printed.",
     ),
     Entry(
         ("section 3.5",), "crank's speed from 96.5 r/min", Printed(("10.10",), "rad/s"), Verdict.NOT_REPRODUCIBLE,
-        lambda: of(SPEED_RAD_S), "Cut off, not rounded.",
+        lambda: computed(SPEED_RAD_S), "Cut off, not rounded.",
     ),
     Entry(
         equations("16", "17", "18"), "weight against the slider's inertia", Printed(("5",), "kg"),
-        Verdict.UNDER_READING, lambda: of(tail_weights().retracted_kg),
+        Verdict.UNDER_READING, lambda: computed(tail_weights().retracted_kg),
         "With the inertia force at the retracted dead centre, which is the smaller of the two.",
     ),
     Entry(
         equations("16", "17", "18"), "weight against the slider's largest inertia force", Printed(("5",), "kg"),
-        Verdict.NOT_REPRODUCIBLE, lambda: of(tail_weights().worst_kg.value),
+        Verdict.NOT_REPRODUCIBLE, lambda: computed(tail_weights().worst_kg.value),
         "The force is largest at the extended dead centre; the printed weight is not the safe one.",
     ),
     Entry(
         equations("19"), "weight against the dead weight", Printed(("260",), "kg"), Verdict.REPRODUCED,
-        lambda: of(against_dead_weight_kg()),
+        lambda: computed(against_dead_weight_kg()),
     ),
     Entry(
         equations("20"), "both weights", Printed(("265",), "kg"), Verdict.NOT_REPRODUCIBLE,
-        lambda: of(tail_weights().retracted_kg + against_dead_weight_kg()),
+        lambda: computed(tail_weights().retracted_kg + against_dead_weight_kg()),
         "The sum of the printed weights, each rounded up; unrounded they make less.",
     ),
 )  # fmt: skip

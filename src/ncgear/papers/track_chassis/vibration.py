@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ncgear.papers.entry import Computed, Entry, Printed, Verdict, half_step, of, texts
+from ncgear.papers.entry import Computed, Entry, Printed, Verdict, computed, half_step, texts
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Readings:
     def steadiest(self) -> Computed:
         """Number of the point that moves least."""
         peaks = self.combined(1.0, -1.0).values
-        return of(1 + peaks.index(min(peaks)))
+        return computed(1 + peaks.index(min(peaks)))
 
 
 WITHOUT = Readings(
@@ -74,7 +74,7 @@ ENTRIES = (
     Entry(("Fig. 16",), "point that moves least", Printed(("6",)), Verdict.REPRODUCED, lambda: WITHOUT.steadiest),
     Entry(
         ("section 4",), "vibration left at the point that moves most", Printed(("0",), "mm"),
-        Verdict.NOT_REPRODUCIBLE, lambda: of(max(WITH.combined(1.0, -1.0).values)),
+        Verdict.NOT_REPRODUCIBLE, lambda: computed(max(WITH.combined(1.0, -1.0).values)),
         "Said to be gone completely; Table 7 says otherwise.",
     ),
 )  # fmt: skip
