@@ -23,12 +23,12 @@ TRIAL = ("107.7", "90", "0.562", "204")
 
 
 def polar(amplitude: float, phase_deg: float) -> complex:
-    """The complex number."""
+    """The complex number with an amplitude and a phase in degrees."""
     return rect(amplitude, radians(phase_deg))
 
 
 def phase_deg(number: complex) -> float:
-    """Its phase in [0, 360)."""
+    """Phase of a complex number in degrees, in [0, 360)."""
     return degrees(phase(number)) % 360.0
 
 
