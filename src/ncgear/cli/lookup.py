@@ -68,8 +68,7 @@ def reproduce(
 
     prepare(out)
     from ncgear.figures.ledger import PAGE, ledger_page, ledger_text
-    from ncgear.papers.catalogue import PAPERS
-    from ncgear.papers.judgement import judgement
+    from ncgear.papers.judgement import PAPERS, judgement
 
     judgements = []
     with steps_shown(len(PAPERS)) as on_step:
