@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import ast
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
 
+import networkx
 import pytest
 
 from drives import loaded
@@ -92,6 +94,35 @@ def test_an_import_that_goes_up_is_seen() -> None:
 @pytest.mark.thorough
 def test_every_room_has_a_layer() -> None:
     assert set(package_imports()) == set(HEIGHT)
+
+
+def circles(files: dict[str, set[str]]) -> list[list[str]]:
+    """Modules that import each other in a circle, from each module to those that it imports."""
+    graph = networkx.DiGraph([(module, name) for module, names in files.items() for name in names if name in files])
+    return [sorted(circle) for circle in networkx.strongly_connected_components(graph) if len(circle) > 1]
+
+
+def modules() -> dict[str, set[str]]:
+    """Every module of the package and those that it imports anywhere, for types too."""
+    paths = [path for path in SOURCE.rglob("*.py") if path.name != "__init__.py"]
+    return {".".join(path.relative_to(SOURCE.parent).with_suffix("").parts): imports_of(path) for path in paths}
+
+
+def test_no_modules_import_each_other_in_a_circle() -> None:
+    assert circles(modules()) == []
+
+
+def test_a_circle_is_seen() -> None:
+    assert circles({"a": {"b"}, "b": {"c"}, "c": {"a"}, "d": {"a"}}) == [["a", "b", "c"]]
+
+
+def test_the_page_of_the_house_has_every_room_in_order() -> None:
+    """A room's place in docs/house.md is not above that of a room which it may import."""
+    page = (ROOT / "docs" / "house.md").read_text(encoding="utf-8")
+    told = re.findall(r"^\| `(\w+)/` \|", page, flags=re.MULTILINE)
+    folders = {path.name for path in SOURCE.iterdir() if (path / "__init__.py").exists()}
+    assert set(told) == folders
+    assert [HEIGHT[room] for room in told] == sorted(HEIGHT[room] for room in told)
 
 
 WRITES = {"write_bytes", "write_text", "write", "savetxt", "tofile", "export"}

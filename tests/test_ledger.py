@@ -15,7 +15,6 @@ from hypothesis import strategies as st
 
 import drives
 from ncgear.figures.ledger import PAGE, ledger_page
-from ncgear.papers.catalogue import PAPERS
 from ncgear.papers.entry import (
     HOLDS,
     Computed,
@@ -24,15 +23,15 @@ from ncgear.papers.entry import (
     Printed,
     Relation,
     Verdict,
+    computed,
     from_readings,
     half_step,
-    of,
     texts,
 )
 from ncgear.papers.gear_baler import published as gear_baler
-from ncgear.papers.judgement import Contradicted, judged, judgement
-from ncgear.papers.track_chassis import published as chassis
+from ncgear.papers.judgement import PAPERS, Contradicted, judged, judgement
 from ncgear.papers.track_chassis.frequencies import LINE_HZ
+from ncgear.papers.track_chassis.slider import LINKAGE
 
 ROOT = Path(__file__).parents[1]
 
@@ -95,7 +94,7 @@ def test_another_last_digit_is_refused(entry: Entry) -> None:
 def test_what_is_off_by_more_than_rounding_has_words() -> None:
     assert all(entry.words for entry in ENTRIES if entry.verdict is not Verdict.REPRODUCED)
     with pytest.raises(ValueError, match="without a word"):
-        Entry(("eq. 1",), "x", Relation(), Verdict.NOT_REPRODUCIBLE, lambda: of(1.0))
+        Entry(("eq. 1",), "x", Relation(), Verdict.NOT_REPRODUCIBLE, lambda: computed(1.0))
     with pytest.raises(ValueError, match="nothing is computed"):
         Entry(("eq. 1",), "x", Relation(), Verdict.REPRODUCED)
 
@@ -110,13 +109,13 @@ def test_half_step(text: str, half: float) -> None:
 @given(st.decimals(-1000, 1000, places=2, allow_nan=False))
 def test_rounding_agrees_with_what_it_was_rounded_from(number: object) -> None:
     printed = Printed((f"{float(str(number)):.1f}",))
-    assert printed.agrees(of(float(str(number))))
+    assert printed.agrees(computed(float(str(number))))
 
 
 def test_a_decimal_half_is_not_lost_to_its_binary_form() -> None:
     """4.38 - 1.185 and the like end on halves that no binary number is."""
-    assert Printed(("0.2",)).agrees(of(0.1 + 0.05))
-    assert not Printed(("0.2",)).agrees(of(0.149999))
+    assert Printed(("0.2",)).agrees(computed(0.1 + 0.05))
+    assert not Printed(("0.2",)).agrees(computed(0.149999))
 
 
 def test_rounding_of_readings_is_allowed_for() -> None:
@@ -128,7 +127,7 @@ def test_rounding_of_readings_is_allowed_for() -> None:
 
 
 def test_an_equation_holds_to_rounding_errors_only() -> None:
-    assert Relation().agrees(of(0.5 * HOLDS))
+    assert Relation().agrees(computed(0.5 * HOLDS))
     assert not Relation().agrees(Computed((0.0, 2.0 * HOLDS)))
 
 
@@ -146,7 +145,7 @@ def test_numbers_in_words_are_todays() -> None:
     low, high = gear_baler.other_law().transmission.slope_range
     assert (f"{1.0 / high.value:.2f}", f"{1.0 / low.value:.2f}") == ("0.12", "7.65")
     assert f"{gear_baler.RESISTANCE.zeros_mm(gear_baler.STROKE_MM)[0]:.1f}" == "33.7"
-    assert f"{chassis.LINKAGE.crank_mm / chassis.LINKAGE.rod_mm:.3f}" == "0.473"
+    assert f"{LINKAGE.crank_mm / LINKAGE.rod_mm:.3f}" == "0.473"
 
 
 def test_the_gear_balers_reading_is_the_design_file() -> None:
@@ -215,7 +214,7 @@ def test_spectra_have_lines() -> None:
     table = "87.89 335.94 332.03 5.86 13.67 417.97 27.34 160.16 80.08 76.17 74.22 78.13 156.25 525.39 748.05 537.1"
     for text in texts(table):
         lines = round(float(text) / LINE_HZ)
-        assert Printed((text,)).agrees(of(lines * LINE_HZ)), text
+        assert Printed((text,)).agrees(computed(lines * LINE_HZ)), text
 
 
 @pytest.mark.thorough

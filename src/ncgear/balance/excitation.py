@@ -1,8 +1,8 @@
-"""Frequencies at which a machine is shaken, beside the natural frequencies it has.
+"""Frequencies at which a machine is shaken, beside its natural frequencies.
 
-Shafts n/60, bearings and sprockets that times their rollers and teeth, engines: Z. Tang, Y. Li, Y. Zhou, H. Zhang,
-Shock and Vibration 2019, eqs. 9 to 13.  Harmonics of the slider's acceleration are the Fourier coefficients of the
-actual motion, panel by panel.
+A shaft at n r/min shakes at n/60, its bearings and sprockets at that times their rollers and teeth; for these and for
+engines see Z. Tang, Y. Li, Y. Zhou, H. Zhang, Shock and Vibration 2019, eqs. 9 to 13.  The slider shakes at the
+harmonics of its acceleration, which are the Fourier coefficients of the actual motion, integrated panel by panel.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from ncgear.balance.waveform import Waveform
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
 
 NEGLIGIBLE = 1e-9
-"""Share of the strongest harmonic below which one is none: those that symmetry forbids are 1e-14 by rounding."""
+"""Harmonics below this share of the strongest are left out: those that symmetry forbids are 1e-14 by rounding."""
 
 
 @dataclass(frozen=True)
 class Excitation:
-    """One frequency: what shakes and how; ``amplitude`` in m/s^2 where it is known, of harmonics of the slider."""
+    """One frequency: what shakes and how; ``amplitude`` in m/s^2 is known for harmonics of the slider only."""
 
     source: str
     kind: str
@@ -32,10 +32,10 @@ class Excitation:
 
 @dataclass(frozen=True)
 class Shaft:
-    """A shaft with the rollers of its bearing and the teeth of its sprocket or gear, where it has them.
+    """A shaft, with the number of rollers in its bearing and of teeth on its sprocket or gear where it has them.
 
-    ``roller_ratio`` is the diameter of a roller by that of the pitch circle of the rollers, times the cosine of the
-    contact angle.
+    ``roller_ratio`` is the diameter of a roller divided by that of the pitch circle of the rollers, times the cosine of
+    the contact angle.
     """
 
     name: str
@@ -47,7 +47,7 @@ class Shaft:
 
 @dataclass(frozen=True)
 class Engine:
-    """A reciprocating engine; ``inertia_order`` is that of its strongest free inertia force, 2 with four in line."""
+    """A piston engine; ``inertia_order`` is that of its strongest free inertia force, 2 for four cylinders in line."""
 
     name: str
     speed_rpm: float
@@ -58,7 +58,7 @@ class Engine:
 
 @dataclass(frozen=True)
 class Margin:
-    """An excitation and the natural frequency nearest to it by ratio; ``ratio`` is excitation by natural frequency."""
+    """An excitation and the natural frequency nearest to it by ratio; ``ratio`` is excitation / natural frequency."""
 
     excitation: Excitation
     natural_hz: float
@@ -67,10 +67,11 @@ class Margin:
 
 
 def of_shaft(shaft: Shaft) -> list[Excitation]:
-    """Rotation, passing of the bearing's rollers, and meshing of the teeth.
+    """Rotation, passing of the bearing's z rollers, and meshing of the teeth.
 
-    Without ``roller_ratio`` rollers pass z times a turn, as if the cage went with the shaft (the paper's equation 11,
-    about twice the true frequency); with it, z/2 (1 -+ ratio) times over the outer and the inner race that turns.
+    Without ``roller_ratio`` the rollers pass z times a turn, as if the cage turned with the shaft (the paper's equation
+    11, about twice the true frequency).  With it they pass z/2 (1 - ratio) times a turn over the outer race and
+    z/2 (1 + ratio) times over the inner race, which turns.
     """
     turning = shaft.speed_rpm / 60.0
     found = [Excitation(shaft.name, "rotation", turning)]
@@ -86,7 +87,7 @@ def of_shaft(shaft: Shaft) -> list[Excitation]:
 
 
 def of_engine(engine: Engine) -> list[Excitation]:
-    """Rotation, combustion 2 n i / (60 c) and inertia Q n / 60."""
+    """Rotation n / 60, combustion 2 n i / (60 c) with i cylinders and c strokes, and inertia of order Q, Q n / 60."""
     turning = engine.speed_rpm / 60.0
     combustion = 2.0 * turning * engine.cylinders / engine.strokes
     return [
@@ -97,7 +98,7 @@ def of_engine(engine: Engine) -> list[Excitation]:
 
 
 def of_slider(name: str, mechanism: DrivenCrank, count: int) -> list[Excitation]:
-    """The first ``count`` harmonics of the slider's acceleration in m/s^2, but for those that are nothing."""
+    """Those of the first ``count`` harmonics of the slider's acceleration in m/s^2 that are not negligible."""
     form = accelerations(mechanism).form
     scale = mechanism.linkage.crank_mm * mechanism.speed_rad_s**2 / 1000.0
     waves = Waveform(PiecewiseChebyshev(form.breaks, scale * form.coefficients[:, :, WRIST])).harmonics(count)
@@ -108,7 +109,7 @@ def of_slider(name: str, mechanism: DrivenCrank, count: int) -> list[Excitation]
 
 
 def margins(excitations: Sequence[Excitation], natural_hz: Sequence[float], band: float) -> list[Margin]:
-    """Each excitation beside its nearest natural frequency; near where they differ by no more than ``band`` of it."""
+    """Each excitation beside its nearest natural frequency; it is near if they differ by at most ``band`` of that."""
     natural = np.array(natural_hz)
     found = []
     for excitation in excitations:

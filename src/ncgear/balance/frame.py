@@ -1,18 +1,15 @@
-"""Several mechanisms on one frame, driven by one shaft: the sum of what they do to it, and the best phase of one.
+"""What mechanisms do to the frame they stand on: several on one shaft, two cranks by formula, one on a chassis.
 
-Turned by the direction of its slider's line, mirrored where its crank turns the other way, and ahead by its phase, the
-force of each is exact; so is the sum.
+Several mechanisms on one shaft: the force of each is turned by the direction of its slider's line, mirrored where its
+crank turns the other way, and shifted by its phase.  The sum is as exact as the parts, and so is the best phase.
 
-How much of the inertia forces of two cranks on one frame is left when they work against each other.
+Two cranks by formula: what is left of their inertia forces when they work against each other, for equal speeds, equal
+crank radii (else give masses times radius) and long rods.  The reciprocating mass m_C then gives m_C cos, the rotating
+mass a vector that turns.  C. Wei, L. Xu, J. Wang, Y. Li, Int. J. Agric. & Biol. Eng. 11 (2018) 129-137, eqs. 9 to 16.
+That paper's second share depends on the phase, while the integral it states does not.
 
-Forces of crank-sliders of equal speed, crank radius (else give masses times radius) and with long rods: the
-reciprocating mass m_C gives m_C cos, the rotating one a vector that turns.  C. Wei, L. Xu, J. Wang, Y. Li, Int. J.
-Agric. & Biol. Eng. 11 (2018) 129-137, eqs. 9 to 16; that paper's second share depends on the phase where the integral
-it states does not.
-
-Counterweight at the tail of a chassis on two supports, against a slider's inertia and against dead weight.
-
-Moments about the supports: Z. Tang, Y. Li, Y. Zhou, H. Zhang, Shock and Vibration 2019, eqs. 16 to 20.
+A chassis on two supports: the counterweight at its tail against the inertia of a slider and against dead weight, from
+moments about the supports.  Z. Tang, Y. Li, Y. Zhou, H. Zhang, Shock and Vibration 2019, eqs. 16 to 20.
 """
 
 from __future__ import annotations
@@ -37,21 +34,23 @@ from ncgear.numerics.chebyshev import PiecewiseChebyshev
 from ncgear.numerics.extrema import Extremum
 
 HARMONICS = 128
-"""Harmonics by which two forces are correlated over their phase: those of a law's acceleration jumps, which fall off
-slowest, by the square of their number, leave a share of 1e-6 of the mean square beyond them."""
-
+"""Harmonics used to correlate two forces over their phase.  They fall off slowest for a law with jumps of acceleration,
+by the square of their number; those beyond this one then hold 1e-6 of the mean square."""
 
 SAME = 1e-9
-"""Share of a cycle within which two breaks, or two cycles, are one: rounding of phases, and less than any stretch of a
-law that is looked at."""
+"""Share of a cycle within which two breaks, or two cycles, count as one: above the rounding of phases, and below any
+part of a law that matters."""
+
+# --- several mechanisms on one shaft --------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
 class Mounted:
     """A mechanism in the frame.
 
-    ``direction_rad`` is that of its slider's way out, ``place_mm`` that of its crank axis (x + i y); ``phase_rad`` is
-    the driving angle by which it is ahead of the shaft.  A mirrored one has its crank turning counter-clockwise.
+    ``direction_rad`` is the direction in which its slider moves out, ``place_mm`` the place x + i y of its crank axis,
+    ``phase_rad`` the driving angle by which it is ahead of the shaft.  The crank of a mirrored one turns
+    counter-clockwise.
     """
 
     mechanism: DrivenCrank
@@ -64,7 +63,7 @@ class Mounted:
 def frame_shaking(mounted: Sequence[Mounted]) -> Shaking:
     """Force along the frame's x and y, and moment about its origin, over the longest cycle among the mechanisms.
 
-    Raises WrongInput where the speeds differ or another cycle does not go into the longest a whole number of times.
+    Raises WrongInput where the speeds differ, or where the longest cycle is no whole multiple of another.
     """
     cycle = _common_cycle(mounted)
     parts = [(one, shaking(one.mechanism)) for one in mounted]
@@ -79,9 +78,10 @@ def frame_shaking(mounted: Sequence[Mounted]) -> Shaking:
 
 
 def best_phase(mounted: Sequence[Mounted], moved: int) -> Extremum:
-    """Phase of the mechanism number ``moved``, in [0, cycle), with the least force: its r.m.s. value in N.
+    """The least r.m.s. force in N, and the phase in [0, cycle) of the mechanism number ``moved`` at which it occurs.
 
-    Over the phase the mean square is a trigonometric polynomial, the correlation of the force with that of the others.
+    Over the phase, the mean square is a trigonometric polynomial: the correlation of its force with that of the others.
+    Raises WrongInput as ``frame_shaking`` does, and where the cycles differ.
     """
     others = frame_shaking([one for number, one in enumerate(mounted) if number != moved])
     alone = frame_shaking([replace(mounted[moved], phase_rad=0.0)])
@@ -100,7 +100,7 @@ def best_phase(mounted: Sequence[Mounted], moved: int) -> Extremum:
 
 
 def frame_track(mounted: Sequence[Mounted]) -> Track:
-    """The way of the common centre of mass of all mechanisms over the longest cycle."""
+    """Track of the common centre of mass of all mechanisms over the longest cycle."""
     angle = np.linspace(0.0, _common_cycle(mounted), TRACK_POINTS)
     moment = sum(one.mechanism.total_kg * _center(one, angle) for one in mounted)
     center = moment / sum(one.mechanism.total_kg for one in mounted)
@@ -110,7 +110,7 @@ def frame_track(mounted: Sequence[Mounted]) -> Track:
 def frame_sweep(
     mounted: Sequence[Mounted], moved: int, counterweight: Counterweight, masses_kg: Sequence[float]
 ) -> list[tuple[float, Shaking, Track]]:
-    """A counterweight on the crank of the mechanism number ``moved`` with each of the masses: all forces, the track."""
+    """Shaking and track with a counterweight of each mass in turn on the crank of the mechanism number ``moved``."""
     found = []
     for mass in masses_kg:
         mechanism = mounted[moved].mechanism
@@ -122,20 +122,21 @@ def frame_sweep(
 
 
 def _center(one: Mounted, angle: Array) -> ComplexArray:
-    """A mechanism's centre of mass in the frame."""
+    """A mechanism's centre of mass in the frame in mm, at shaft angles."""
     center = one.mechanism.center_of_mass_mm(angle + one.phase_rad)
     own = np.conj(center) if one.mirrored else center
     return np.asarray(one.place_mm + own * exp(1j * one.direction_rad))
 
 
 def _coefficients(of: Shaking) -> ComplexArray:
-    """Of the force as a complex number, from the highest negative wave to the highest positive one."""
+    """Fourier coefficients of the force as a complex number, from the highest negative to the highest positive one."""
     along, across = of.along.harmonics(HARMONICS), of.across.harmonics(HARMONICS)
     positive, negative = along + 1j * across, np.conj(along) + 1j * np.conj(across)
     return np.concatenate([negative[:0:-1], positive])
 
 
 def _common_cycle(mounted: Sequence[Mounted]) -> float:
+    """The longest cycle, as a driving angle; raises WrongInput as ``frame_shaking`` does."""
     cycles = [one.mechanism.transmission.cycle_rad for one in mounted]
     for number, one in enumerate(mounted):
         if not np.isclose(one.mechanism.speed_rad_s, mounted[0].mechanism.speed_rad_s, rtol=SAME):
@@ -150,7 +151,7 @@ def _common_cycle(mounted: Sequence[Mounted]) -> float:
 
 
 def _in_frame(one: Mounted, of: Shaking, angle: Array) -> Array:
-    """Force and moment at shaft angles, shape (n, 3)."""
+    """Force and moment of one mechanism in the frame at shaft angles, shape (n, 3)."""
     own = np.mod(angle + one.phase_rad, of.along.cycle_rad)
     force, moment = of.along(own) + 1j * of.across(own), of.moment(own)
     if one.mirrored:
@@ -166,6 +167,9 @@ def _breaks(one: Mounted, of: Shaking, cycle: float) -> Array:
     return np.mod((starts + one.mechanism.breaks_rad - one.phase_rad).ravel(), cycle)
 
 
+# --- two cranks by formula ------------------------------------------------------------------------------------------
+
+
 @dataclass(frozen=True)
 class Crank:
     """One crank: masses at its joints, the angle of its crank at time zero in rad, and its sense of turning.
@@ -179,19 +183,21 @@ class Crank:
 
 
 def reciprocating_share(one: Crank, other: Crank) -> float:
-    """eta1: mean size of the sum of both reciprocating forces, by the sum of their mean sizes.
+    """eta1: mean size of the sum of both reciprocating forces, divided by the sum of their mean sizes.
 
-    cos(s w t + phase) is the real part of exp(i (w t + s phase)): both swing at one frequency, so their sum does.
+    With sense s, cos(s w t + phase) is the real part of exp(i (w t + s phase)): both forces oscillate at one frequency,
+    and so does their sum.
     """
-    first, second = _reciprocating(one), _reciprocating(other)
+    first, second = (crank.masses.reciprocating_kg * exp(1j * crank.sense * crank.phase_rad) for crank in (one, other))
     return abs(first + second) / (abs(first) + abs(second))
 
 
 def rotating_share(one: Crank, other: Crank) -> float:
-    """eta2: mean size of the sum of both rotating forces, by the sum of their sizes.
+    """eta2: mean size of the sum of both rotating forces, divided by the sum of their sizes.
 
-    Turning alike, they keep their angle.  Turning against each other, the sum runs on an ellipse with half axes of the
-    masses' sum and difference; its mean size is a complete elliptic integral, whatever the phases.
+    Forces that turn in the same sense keep the angle between them.  Where they turn against each other, their sum moves
+    on an ellipse whose half axes are the sum and the difference of the masses; its mean size is a complete elliptic
+    integral, whatever the phases.
     """
     first, second = one.masses.rotating_kg, other.masses.rotating_kg
     if one.sense == other.sense:
@@ -202,28 +208,29 @@ def rotating_share(one: Crank, other: Crank) -> float:
 
 
 def best_phase_rad(one: Crank, other: Crank) -> float:
-    """Phase of ``one`` in [0, 2 pi) at which its reciprocating force is opposed to that of ``other``: least eta1."""
+    """Phase of ``one`` in [0, 2 pi) at which its reciprocating force opposes that of ``other``: eta1 is least there."""
     opposed = pi + other.sense * other.phase_rad
     return one.sense * opposed % (2.0 * pi)
 
 
 def combined_counterweight_kg(one: JointMasses, shares: tuple[float, float], arm_ratio: float, share: float) -> float:
-    """Counterweight of one of two cranks that help each other: (r/r') (eta2 m_B + k eta1 m_C), shares (eta1, eta2)."""
+    """Counterweight of one of two cranks for what both leave: (r/r') (eta2 m_B + k eta1 m_C).
+
+    ``shares`` are (eta1, eta2), ``arm_ratio`` is r/r', and ``share`` is k, the share of the reciprocating mass.
+    """
     reciprocating, rotating = shares
     return arm_ratio * (rotating * one.rotating_kg + share * reciprocating * one.reciprocating_kg)
 
 
-def _reciprocating(crank: Crank) -> complex:
-    return crank.masses.reciprocating_kg * exp(1j * crank.sense * crank.phase_rad)
-
+# --- counterweight of a chassis -------------------------------------------------------------------------------------
 
 GRAVITY_M_S2 = 9.81
-"""As the paper has it; it cancels out of the dead weight."""
+"""The paper's value; it matters against inertia only, not against dead weight."""
 
 
 @dataclass(frozen=True)
 class Chassis:
-    """Levers in mm from the centre of gravity: of the supports (both alike) and of the counterweight.
+    """Levers in mm from the centre of gravity to the supports (both alike) and to the counterweight.
 
     ``tilt_rad`` is the slope of the slider's line against the ground.
     """
@@ -233,20 +240,15 @@ class Chassis:
     tilt_rad: float
 
 
-def dynamic_counterweight_kg(chassis: Chassis, force_n: float) -> float:
-    """M1 = F a sin(tilt) / (c g): weight that holds the vertical part of an inertia force along the slider's line."""
-    return abs(force_n) * sin(chassis.tilt_rad) * chassis.support_mm / (chassis.counterweight_mm * GRAVITY_M_S2)
-
-
 def static_counterweight_kg(chassis: Chassis, slider_kg: float, weight_kg: float, weight_lever_mm: float) -> float:
-    """M2 = (a m1 + d m2) / c: weight that brings the centre of gravity back between the supports."""
+    """M2 = (a m1 + d m2) / c: the weight that brings the centre of gravity back between the supports."""
     moment = chassis.support_mm * slider_kg + weight_lever_mm * weight_kg
     return moment / chassis.counterweight_mm
 
 
 @dataclass(frozen=True)
 class DynamicCounterweights:
-    """M1 in kg: at both dead centres, and the largest over the driving angle, which it takes to be safe."""
+    """M1 in kg: at both dead centres, and the largest over the driving angle, which is the safe one."""
 
     extended_kg: float
     retracted_kg: float
@@ -254,15 +256,16 @@ class DynamicCounterweights:
 
 
 def dynamic_counterweights(chassis: Chassis, mechanism: DrivenCrank) -> DynamicCounterweights:
-    """What the shaking force along the slider's line asks for, from the exact motion.
+    """M1 = F a sin(tilt) / (c g): the weight that holds the vertical part of the exact inertia force F of the slider.
 
-    The paper's weight is that of the retracted dead centre; evenly driven, the force is larger at the extended one.
+    The paper's weight is that of the retracted dead centre; driven evenly, the force is larger at the extended one.
     """
     along = shaking(mechanism).along
     machine = Machine(mechanism.transmission, mechanism.linkage, PolynomialResistance(), mechanism.speed_rad_s)
     at_ends = along(np.array([machine.extended_rad, 0.0]))
     largest = max(along.extremes, key=lambda extremum: abs(extremum.value))
     extended, retracted, worst = (
-        dynamic_counterweight_kg(chassis, float(force)) for force in (*at_ends, largest.value)
+        abs(float(force)) * sin(chassis.tilt_rad) * chassis.support_mm / (chassis.counterweight_mm * GRAVITY_M_S2)
+        for force in (*at_ends, largest.value)
     )
     return DynamicCounterweights(extended, retracted, Extremum(worst, largest.at))

@@ -1,18 +1,15 @@
-"""Mass, centroid, moment of inertia and static unbalance of a gear's body, from its section or from its mesh.
+"""A non-circular gear brought to balance: through holes, a boss on its face, or holes first and a boss for the rest.
 
-Through holes that bring a gear's centroid to its axis.
+The unbalance of a gear comes from its section or from its mesh; what is left after a correction from the mesh.
 
-Places are a hexagonal lattice on which holes of the largest diameter keep their wall.  How much is taken out at each
-place is a linear programme, least material under both components of the unbalance; its corner solution has full holes
-but for two.  Where the holes cannot take all of it, as much as possible is taken along the unbalance.
+Holes are chosen from a hexagonal lattice on which holes of the largest diameter keep their walls.  How much is taken
+out at each place is a linear programme: least material that takes away both components of the unbalance.  At its corner
+solution all holes but two are full.  Where there is no room for all of it, as much as possible is taken, in the
+direction of the unbalance.
 
-A boss on a gear's face that brings its centroid to the axis: a counterweight cast or welded on.
-
-Of all bosses of a height within a room, the one of least mass with a given first moment is the room beyond a chord: a
-linear programme over the density, 0 to 1 at each place, whose dual is a line.  The chord's direction and distance are
-found from both components of the moment.
-
-A gear corrected by holes, by a boss, or by holes first and a boss for what they leave; judged by its mesh.
+A boss is a counterweight cast or welded on.  Of all bosses of one height within a room, the lightest with a given first
+moment is the part of the room beyond a chord: a linear programme over the density, 0 to 1 at each place, has a line as
+its dual.  The chord's direction and distance follow from both components of the moment.
 """
 
 from __future__ import annotations
@@ -34,13 +31,15 @@ from ncgear.solids.mesh.slabs import slab_mesh
 from ncgear.solids.plan.areas import area_moments
 from ncgear.solids.plan.body import KG_MM3, RoundHole, Slab, hole_points
 
+# --- mass and unbalance ---------------------------------------------------------------------------------------------
+
 
 @dataclass(frozen=True)
 class GearBody:
     """A rigid body on an axis along z.
 
-    ``unbalance_kg_mm`` is mass times the centroid's place (x + i y), ``inertia_kg_mm2`` is about the axis.
-    ``couple_kg_mm2`` is the sum of mass times place times height over the centroid: zero for a plate.
+    ``unbalance_kg_mm`` is its mass times the place x + i y of its centroid, ``inertia_kg_mm2`` is about the axis.
+    ``couple_kg_mm2`` is the sum of mass times place times height above the centroid: zero for a plate.
     """
 
     mass_kg: float
@@ -49,24 +48,19 @@ class GearBody:
     couple_kg_mm2: complex = 0j
 
     @property
-    def centroid_mm(self) -> complex:
-        """The centroid's place from the axis."""
-        return self.unbalance_kg_mm / self.mass_kg
-
-    @property
     def eccentricity_mm(self) -> float:
-        """Its distance from the axis."""
-        return abs(self.centroid_mm)
+        """Distance of the centroid from the axis."""
+        return abs(self.unbalance_kg_mm / self.mass_kg)
 
 
 def plate_body(section: Polygon, thickness_mm: float, density_kg_m3: float) -> GearBody:
-    """Of a plate: a section in mm, about the origin, by its moments."""
+    """A plate, from the moments of its section in mm about the origin."""
     moments, per_area = area_moments(section), KG_MM3 * density_kg_m3 * thickness_mm
     return GearBody(per_area * moments.area_mm2, per_area * moments.first_mm3, per_area * moments.polar_mm4)
 
 
 def mesh_body(mesh: Trimesh, density_kg_m3: float) -> GearBody:
-    """Of a closed mesh in mm, by its volume integrals; for sections that change with height, and as a check."""
+    """A body from the volume integrals of its closed mesh in mm, whose section may change with height."""
     density = KG_MM3 * density_kg_m3
     mass, center = density * float(mesh.volume), mesh.center_mass
     place = complex(center[0], center[1])
@@ -75,8 +69,10 @@ def mesh_body(mesh: Trimesh, density_kg_m3: float) -> GearBody:
     return GearBody(mass, mass * place, about_axis, -complex(inertia[0, 2], inertia[1, 2]))
 
 
+# --- holes ----------------------------------------------------------------------------------------------------------
+
 MOST_PLACES = 200_000
-"""Points of a lattice: some two hundred holes along a gear's radius."""
+"""Most points of a lattice: some two hundred holes along a gear's radius."""
 
 
 @dataclass(frozen=True)
@@ -89,10 +85,10 @@ class Drills:
 
 
 def drilled_holes(section: Polygon, moment_mm3: complex, drills: Drills, key: str) -> list[RoundHole]:
-    """Holes whose areas' first moment about the axis is ``moment_mm3``, or as near along it as there is room.
+    """Holes in the gear's ``section`` in mm whose areas have the first moment ``moment_mm3`` about the axis.
 
-    ``section`` is the gear's, in mm.  Raises NoSuchMechanism for ``key`` where no hole has room, WrongInput where
-    holes and walls are so small that there are too many places.
+    Where there is no room for all of the moment, they have the largest share of it.  Raises NoSuchMechanism for ``key``
+    where no hole has room, WrongInput where holes and walls are so small that there are too many places.
     """
     places = _places(section, drills, key)
     if not places.size:
@@ -110,8 +106,12 @@ def drilled_holes(section: Polygon, moment_mm3: complex, drills: Drills, key: st
 
 
 def drilled(section: Polygon, holes: list[RoundHole], chord_tolerance_mm: float) -> Polygon:
-    """The section with the holes, each a polygon of the area of its circle, which chords alone would make less."""
-    rings = [_of_equal_area(hole, chord_tolerance_mm) for hole in holes]
+    """The section with the holes, each a polygon that is enlarged to the area of its circle."""
+    rings = []
+    for hole in holes:
+        points, center = hole_points(hole, chord_tolerance_mm), np.array([hole.x_mm, hole.y_mm])
+        larger = sqrt(pi * hole.diameter_mm**2 / 4.0 / Polygon(points).area)
+        rings.append(np.asarray(center + (points - center) * larger))
     return Polygon(section.exterior, [*section.interiors, *rings])
 
 
@@ -129,11 +129,11 @@ def _places(section: Polygon, drills: Drills, key: str) -> Array:
 
 
 def _areas(places: Array, moment: complex, largest: float) -> Array:
-    """Areas within [0, largest] with the moment, or with as large a share of it as there is room for."""
+    """Areas of the holes in mm^2, each within [0, largest], with the moment or the largest share of it that fits."""
     scale = largest * float(np.abs(places).max())
     columns = np.vstack([places.real, places.imag]) * largest / scale
     target = np.array([moment.real, moment.imag]) / scale
-    # The last unknown is the share; it is worth more than all the material
+    # The last unknown is the share of the moment; it is worth more than all the material
     system = np.column_stack([columns, -target])
     cost = np.append(np.full(places.size, 1.0 / (places.size + 1.0)), -100.0)
     found = linprog(cost, A_eq=system, b_eq=np.zeros(2), bounds=(0.0, 1.0))
@@ -142,54 +142,50 @@ def _areas(places: Array, moment: complex, largest: float) -> Array:
     return np.asarray(largest * found.x[:-1])
 
 
-def _of_equal_area(hole: RoundHole, tolerance: float) -> Array:
-    points = hole_points(hole, tolerance)
-    center = np.array([hole.x_mm, hole.y_mm])
-    polygon = Polygon(points).area
-    return np.asarray(center + (points - center) * sqrt(pi * hole.diameter_mm**2 / 4.0 / polygon))
-
+# --- boss -----------------------------------------------------------------------------------------------------------
 
 SOLVED = 1e-9
-"""Share of the moment that may be left: rounding of areas of some thousand corners."""
+"""Share of the moment that a boss may miss: rounding of areas of some thousand corners."""
 
 SPARE, ADVISED = 1.02, 1.05
-"""What a room must be able to give, by what is needed, for a boss to be made, and what the advice is for.  A chord near
-the axis gives most; there its distance hardly matters any more, and is not found (tests/test_gear_balance.py takes the
-advice)."""
+"""Moment that a room must be able to give, by the moment needed, for a boss to be made, and the same after taking the
+advice.  The moment is largest for a chord near the axis, where it hardly depends on the distance, so that the distance
+cannot be found (tests/test_gear_balance.py takes the advice)."""
 
 STARTS = 33
-"""Distances of the chord among which the search's start is chosen, and directions in which the room is judged."""
+"""Number of chord distances from which the search picks its start, and of directions in which the room is judged."""
 
 WIDEST_RAD = 1.4
-"""Angle from the needed moment up to which the room is judged: beyond, hardly any of it is asked for."""
+"""Largest angle from the needed moment at which the room is judged: beyond it, hardly any moment is needed."""
 
 
 @dataclass(frozen=True, eq=False)
 class Boss:
-    """Its outlines in the gear's frame and its height over the face, in mm."""
+    """A boss: its outlines in the gear's frame and its height over the face, in mm."""
 
     section: MultiPolygon
     height_mm: float
 
 
 def balancing_boss(section: Polygon, moment_mm4: complex, height_mm: float, wall_mm: float, key: str) -> Boss:
-    """The lightest boss of a height in mm whose moment of volume about the axis is minus the one given, not zero.
+    """The lightest boss of a height in mm whose moment of volume about the axis is minus ``moment_mm4``, not zero.
 
-    It lies within the gear's ``section`` with a wall all round.  Raises NoSuchMechanism for ``key`` where none of this
-    height is heavy enough, with a height that is.
+    It lies within the gear's ``section``, with a wall all round.  Raises NoSuchMechanism for ``key`` where no boss of
+    this height is heavy enough; the message names a height that is.
     """
     needed, room = -moment_mm4 / height_mm, section.buffer(-wall_mm)
-    most = _most(room, needed)
+    most = _largest_multiple(room, needed)
     if most <= SPARE:
         hope = f"one of {ceil(ADVISED * height_mm / most)} mm would" if most > 0.0 else "there is no room for any"
         raise NoSuchMechanism(f"no boss of {height_mm:g} mm within the gear balances it; {hope}", key=key)
-    return Boss(_solved(room, needed), height_mm)
+    return Boss(_beyond_solved_chord(room, needed), height_mm)
 
 
-def _most(room: BaseGeometry, needed: complex) -> float:
-    """The largest multiple of the moment that parts of the room have.
+def _largest_multiple(room: BaseGeometry, needed: complex) -> float:
+    """The largest multiple of the moment that a part of the room has.
 
-    The moments of all parts are a convex set; the room beyond a chord through the axis is its farthest in a direction.
+    The moments of all parts form a convex set; the room beyond a chord through the axis has the one that is farthest in
+    the direction across the chord.
     """
     multiples = []
     for turn in np.linspace(-WIDEST_RAD, WIDEST_RAD, STARTS):
@@ -199,11 +195,11 @@ def _most(room: BaseGeometry, needed: complex) -> float:
     return float(min(multiples))
 
 
-def _solved(room: BaseGeometry, needed: complex) -> MultiPolygon:
-    """The room beyond the chord that has the moment.
+def _beyond_solved_chord(room: BaseGeometry, needed: complex) -> MultiPolygon:
+    """The part of the room beyond a chord that has the moment.
 
-    With the chord at l.p = 1 the dual, the integral of (l.p - 1) beyond it less l.needed, is convex in l; its gradient
-    is the excess of the moment.
+    With the chord at l.p = 1, the dual is the integral of (l.p - 1) beyond it minus l.needed.  It is convex in l, and
+    its gradient is the moment beyond the chord minus the one needed.
     """
     reach = float(np.abs(room.bounds).max())
 
@@ -229,7 +225,7 @@ def _chord(room: BaseGeometry, line: complex) -> MultiPolygon:
 
 
 def _beyond(room: BaseGeometry, direction_rad: float, distance_mm: float) -> MultiPolygon:
-    """The part of a room farther out than a distance, in a direction from the axis."""
+    """The part of a room farther from the axis than a distance, measured in a direction."""
     reach = 2.0 * float(np.abs(room.bounds).max())
     half = rotate(
         shapely.box(distance_mm, -reach, 2.0 * reach, reach), direction_rad, origin=(0.0, 0.0), use_radians=True
@@ -238,13 +234,15 @@ def _beyond(room: BaseGeometry, direction_rad: float, distance_mm: float) -> Mul
     return MultiPolygon([part for part in parts if isinstance(part, Polygon)])
 
 
+# --- the corrected gear ---------------------------------------------------------------------------------------------
+
 BALANCED = 1e-9
-"""Share of area to the power 3/2 below which a first moment is rounding error, and no boss has a direction."""
+"""Share of area to the power 3/2 below which a first moment is rounding error and gives a boss no direction."""
 
 
 @dataclass(frozen=True)
 class BossSize:
-    """Height of a boss over the face and its wall to every edge, in mm."""
+    """What a boss may be: its height over the face and its wall to every edge, in mm."""
 
     height_mm: float
     wall_mm: float
@@ -252,7 +250,7 @@ class BossSize:
 
 @dataclass(frozen=True)
 class Means:
-    """What may be done to a gear."""
+    """What may be done to a gear: holes, a boss, or both."""
 
     drills: Drills | None = None
     boss: BossSize | None = None
@@ -260,7 +258,7 @@ class Means:
 
 @dataclass(frozen=True, eq=False)
 class Corrected:
-    """The gear with its corrections: its holes and boss, the mesh, and what the mesh's own integrals say of it."""
+    """A corrected gear: its holes and boss, its mesh, and the body by the integrals of the mesh."""
 
     holes: list[RoundHole]
     boss: Boss | None
@@ -271,10 +269,10 @@ class Corrected:
 def corrected(
     section: Polygon, face_width_mm: float, density_kg_m3: float, means: Means, tolerance_mm: float, key: str
 ) -> Corrected:
-    """A straight gear, its section in mm, brought to balance about the origin as far as the means go.
+    """A straight gear with its section in mm, brought to balance about the origin as far as the means allow.
 
-    ``tolerance_mm`` is that of the holes' chords; ``key`` names the means in errors.  Raises NoSuchMechanism where a
-    hole or a boss has no room, or the boss is too low.
+    ``tolerance_mm`` is the chord tolerance of the holes; ``key`` names the means in errors.  Raises NoSuchMechanism
+    where a hole or a boss has no room, or the boss is too low.
     """
     holes, boss = [], None
     if means.drills is not None:

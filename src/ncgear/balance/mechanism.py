@@ -1,25 +1,21 @@
-"""Masses brought to the joints, and the counterweights that statics finds from them.
+"""A crank-slider with masses and counterweights, driven at constant speed through any law.
 
-Every mass on the crank or the rod moves its centre as if parts of it were at the crank pin and at the slider.  With the
-pin at c and the wrist at w, a mass m on the rod at the share d of the way from pin to wrist has its place at
-(1 - d) c + d w; so all first moments together are P c + S w, whatever the drive.  P is the rotating mass (m_B), S the
-reciprocating one (m_C).  C. Wei, L. Xu, J. Wang, Y. Li, "Inertial force balance and ADAMS simulation of the oscillating
-sieve and return pan of a rice combine harvester", Int. J. Agric. & Biol. Eng. 11 (2018) 129-137, eqs. 1 and 6 to 8.
-
-A crank-slider with masses and counterweights, driven at constant speed through any law, and how its places change.
+Statics brings all masses to the joints.  With the crank pin at c and the wrist at w, a mass on the rod at the share d
+of the way from pin to wrist is at (1 - d) c + d w.  So the first moments of all masses add up to P c + S w, whatever
+the drive: P is the rotating mass (m_B), S the reciprocating one (m_C), and counterweights follow from both.  C. Wei,
+L. Xu, J. Wang, Y. Li, "Inertial force balance and ADAMS simulation of the oscillating sieve and return pan of a rice
+combine harvester", Int. J. Agric. & Biol. Eng. 11 (2018) 129-137, eqs. 1 and 6 to 8.
 
 Frame and pose as in ``mechanisms.mechanism``.  Points of the plane are complex numbers x + i y.
 
-The few functions of the driving angle of which all shaking forces and moments of a crank-slider are sums.
-
-By the driving angle, with the pin c = r exp(-i q), the wrist w = x + i e, the rod's angle b and the share d of a mass
-on the rod, the place (1 - d) c + d w has the second derivative (1 - d) c'' + d x'', and its moment of acceleration
-about the axis is
+All shaking forces and moments are sums of seven functions of the driving angle.  With the pin c = r exp(-i q), the
+wrist w = x + i e and the rod's angle b, the place p = (1 - d) c + d w has the second derivative (1 - d) c'' + d x'' by
+the driving angle, and its moment of acceleration about the axis is
 
     Im(conj(p) p'') = |1 - d|^2 Im(conj(c) c'') + |d|^2 Im(conj(w) w'') + Im(K conj(c) w'' + conj(K) conj(w) c''),
     K = conj(1 - d) d,  Im(conj(c) c'') = -r^2 q'',  Im(conj(w) w'') = -e x''
 
-So counterweights change coefficients only, and one resolved form serves them all.
+So counterweights change coefficients only, and the functions are fitted once for all counterweights.
 """
 
 from __future__ import annotations
@@ -51,8 +47,8 @@ class JointMasses:
 
 @dataclass(frozen=True)
 class CompleteBalance:
-    """Counterweights in kg beyond the crank pin on the rod and beyond the axis on the crank, and the mass at the
-    pin."""
+    """Counterweights in kg on the rod beyond the crank pin and on the crank beyond the axis, and the mass at the pin
+    between them."""
 
     rod_kg: float
     pin_kg: float
@@ -71,10 +67,11 @@ def complete_balance(
 ) -> CompleteBalance:
     """The two counterweights that keep the common centre of mass on the crank axis, at arms in mm beyond pin and axis.
 
-    The one on the rod brings slider and rod to the pin, the one on the crank brings that to the axis.  They hold for
-    every drive, circular or not; the shaking moment stays.  Z. Tang, Y. Li, Y. Zhou, H. Zhang, "Inertial Vibration
-    Characteristics of Track Chassis Caused by Reciprocating Motion of Crank Slider", Shock and Vibration 2019,
-    section 3.1.  Raises WrongInput for arms that are not positive, and where a part is too heavy on that side already.
+    The one on the rod brings the centre of slider and rod to the pin, the one on the crank brings all to the axis.
+    They hold for every drive, circular or not; the shaking moment stays.  Z. Tang, Y. Li, Y. Zhou, H. Zhang, "Inertial
+    Vibration Characteristics of Track Chassis Caused by Reciprocating Motion of Crank Slider", Shock and Vibration
+    2019, section 3.1.  Raises WrongInput for arms that are not positive, and where a part is too heavy on that side
+    already.
     """
     require_arm(rod_arm_mm, "rod_arm_mm")
     require_arm(crank_arm_mm, "crank_arm_mm")
@@ -88,9 +85,9 @@ def complete_balance(
 def partial_counterweight_kg(linkage: RodMechanism, at_joints: JointMasses, arm_mm: float, share: float) -> float:
     """m_D = (r/r') (m_B + k m_C) opposite the pin at an arm r' in mm, k being the share of the reciprocating mass.
 
-    The rotating mass is balanced wholly; k = 1 would move all of the reciprocating mass's first harmonic across the
-    slider's line, 1/2 halves it in both directions, and 1/3 to 1/2 is usual.  Raises WrongInput for an arm that is not
-    positive.
+    The rotating mass is balanced wholly.  k = 1 would turn all of the reciprocating mass's first harmonic across the
+    slider's line, k = 1/2 leaves half of it in each direction, and 1/3 to 1/2 is usual.  Raises WrongInput for an arm
+    that is not positive.
     """
     require_arm(arm_mm, "arm_mm")
     return linkage.crank_mm / arm_mm * (at_joints.rotating_kg + share * at_joints.reciprocating_kg)
@@ -123,8 +120,8 @@ class Carrier(StrEnum):
 class Counterweight:
     """A mass fixed to the crank or the rod.
 
-    Its arm counts from the crank axis or the crank pin; its angle from the direction to the pin or to the slider,
-    positive counter-clockwise, so that pi is opposite.
+    On the crank, its arm counts from the crank axis and its angle from the direction to the pin; on the rod, from the
+    pin and the direction to the slider.  The angle is positive counter-clockwise, so that pi is opposite.
     """
 
     carrier: Carrier
@@ -134,7 +131,7 @@ class Counterweight:
 
     @property
     def arm(self) -> complex:
-        """Place on its body, along it and across."""
+        """Place on its body in mm, along it and across it."""
         return self.arm_mm * exp(1j * self.angle_rad)
 
 
@@ -150,19 +147,19 @@ class DrivenCrank:
 
     @property
     def pin_kg(self) -> complex:
-        """P: the mass at the crank pin that moves the common centre as all parts do; complex where it stands aside."""
+        """P: the mass at the crank pin that stands for all parts; complex where some are off the line of their body."""
         rod = sum((mass * (1.0 - place / self.linkage.rod_mm) for mass, place in self.on_rod), 0j)
         return rod + sum((mass * place / self.linkage.crank_mm for mass, place in self.on_crank), 0j)
 
     @property
     def wrist_kg(self) -> complex:
-        """S: the like at the slider."""
+        """S: the mass at the slider, complex in the same way."""
         rod = sum((mass * place / self.linkage.rod_mm for mass, place in self.on_rod), 0j)
         return rod + self.masses.slider_kg
 
     @property
     def total_kg(self) -> float:
-        """All that moves."""
+        """Mass of all that moves."""
         return self.masses.slider_kg + sum(mass for mass, _ in (*self.on_rod, *self.on_crank))
 
     @property
@@ -173,7 +170,7 @@ class DrivenCrank:
 
     @property
     def on_rod(self) -> list[tuple[float, complex]]:
-        """Masses on the rod with their places from the pin."""
+        """Masses on the rod with their places from the pin, along it and across in mm."""
         own = (self.masses.rod_kg, complex(self.masses.rod_center_mm))
         return [own, *((w.mass_kg, w.arm) for w in self.counterweights if w.carrier is Carrier.ROD)]
 
@@ -190,7 +187,7 @@ class DrivenCrank:
         return self.linkage.rod(self.transmission.driven_angle(phi1_rad, 2))
 
     def center_of_mass_mm(self, phi1_rad: Array) -> ComplexArray:
-        """The common centre of all that moves, shape (n,)."""
+        """Centre of mass of all that moves, shape (n,)."""
         at = self.rod(phi1_rad)
         return (self.pin_kg * as_complex(at.pin, 0) + self.wrist_kg * as_complex(at.wrist, 0)) / self.total_kg
 
@@ -201,15 +198,15 @@ def as_complex(place: Vector, derivative: int) -> ComplexArray:
 
 
 PIN_X, PIN_Y, WRIST, CRANK, ROD, TOGETHER, ASIDE = range(7)
-"""Rows of the functions: c''/r, x''/r, q'', b'', Im(conj(c) w'' + conj(w) c'')/(r l), Re(conj(c) w'' - conj(w) c'')/(r
-l).
+"""Places of the functions in their last axis: c''/r (real and imaginary part), x''/r, q'', b'',
+Im(conj(c) w'' + conj(w) c'')/(r l) and Re(conj(c) w'' - conj(w) c'')/(r l).
 
-All are near one, so that each is resolved as well as the others."""
+All are of the size of one, so that each is resolved as well as the others."""
 
 
 @dataclass(frozen=True, eq=False)
 class Accelerations:
-    """The functions on one cycle; ``form`` has values of shape (7,)."""
+    """The seven functions on one cycle; ``form`` has values of shape (7,)."""
 
     form: PiecewiseChebyshev
 
@@ -219,7 +216,7 @@ class Accelerations:
 
 
 def accelerations(mechanism: DrivenCrank) -> Accelerations:
-    """The functions of a mechanism, resolved to rounding error; its masses do not matter.
+    """The seven functions of a mechanism, resolved to rounding error; its masses have no part in them.
 
     Raises NotSmooth where the law's second derivative is not finite.
     """
@@ -227,7 +224,7 @@ def accelerations(mechanism: DrivenCrank) -> Accelerations:
 
 
 def functions_at(mechanism: DrivenCrank, phi1_rad: Array) -> Array:
-    """The functions at driving angles of shape (n,), shape (n, 7)."""
+    """The seven functions at driving angles of shape (n,): shape (n, 7)."""
     linkage, driven = mechanism.linkage, mechanism.transmission.driven_angle(phi1_rad, 2)
     crank, rod, at = linkage.crank_mm, linkage.rod_mm, linkage.rod(driven)
     pin, wrist = (as_complex(place, 0) for place in (at.pin, at.wrist))

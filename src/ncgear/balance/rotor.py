@@ -1,21 +1,20 @@
-"""Permissible unbalance by the grades of ISO 21940-11 (values from secondary sources).
+"""Balancing a rotor on its own bearings: how much unbalance is allowed, correction weights, and a chain at its side.
 
-A grade G is the speed in mm/s at which a rigid rotor's centre of mass may go round: e = G / w, U = e m.
+Readings and weights are complex numbers: amplitude or mass times exp(i phase), phases as the instrument counts them.
 
-Balancing a rotor on its own bearings from readings with trial weights: the method of influence coefficients.
+Permissible unbalance follows from the grades of ISO 21940-11 (values from secondary sources).  A grade G is the speed
+in mm/s at which the centre of mass of a rigid rotor may go round: e = G / w, U = e m.
 
-Readings are complex: amplitude times exp(i phase), as are weights.  A weight W in a plane changes the reading of a
-sensor by its coefficient times W; one run with a trial weight in each plane gives all coefficients, and the corrections
-are the weights that cancel the first run's readings, in the mean square where there are more sensors than planes.
+Correction weights follow from influence coefficients.  A weight W in a plane changes the reading of a sensor by a
+coefficient times W, and one run with a trial weight in each plane gives all coefficients.  The corrections are the
+weights that cancel the readings of the first run, in the mean square where there are more sensors than planes.
 T. P. Goodman, "A least-squares method for computing balance corrections", J. Eng. Ind. 86 (1964) 273-279.
 
-The equivalent unbalance of a chain drive at a rotor's side: what the chain adds to every reading.
-
-Z. Yu, Y. Li, X. Wang, Z. Tang, J. Lu, "Effects of Side Load Chains of a Combine Harvester on Unbalanced Dynamic
-Vibrations of Its Threshing Drum", Shock and Vibration 2021, eqs. 1 to 13.  Reading C = chain A + weight B, as complex
-numbers amplitude times exp(i phase), phases as the instrument counts them.  How much a weight adds is not known
-beforehand: it is within the range in which every A lies on the side of the wrap.  A is then resolved into a tight side
-A1 and a slack side A2 of given phases.
+A chain drive at the rotor's side adds its equivalent unbalance A to every reading: C = A + B with the weight's part B.
+How much a weight adds is not known beforehand; it is within the range in which every A lies on the side of the wrap.
+A is then resolved into a tight side A1 and a slack side A2 of given phases.  Z. Yu, Y. Li, X. Wang, Z. Tang, J. Lu,
+"Effects of Side Load Chains of a Combine Harvester on Unbalanced Dynamic Vibrations of Its Threshing Drum", Shock and
+Vibration 2021, eqs. 1 to 13.
 """
 
 from __future__ import annotations
@@ -31,31 +30,35 @@ import numpy as np
 from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import ComplexArray
 
+# --- permissible unbalance ------------------------------------------------------------------------------------------
+
 GRADES_MM_S = (0.4, 1.0, 2.5, 6.3, 16.0, 40.0, 100.0, 250.0, 630.0, 1600.0, 4000.0)
-"""G 6.3 for machines and gears in general, G 16 for agricultural machinery."""
+"""Balance grades: G 6.3 is for machines and gears in general, G 16 for agricultural machinery."""
 
 
 def permissible_unbalance_kg_mm(grade_mm_s: float, mass_kg: float, speed_rad_s: float) -> float:
-    """U of a rotor at its highest speed, for both of its planes together; all arguments over zero."""
+    """U of a rotor at its highest speed, for both of its planes together; all arguments are positive."""
     return grade_mm_s / speed_rad_s * mass_kg
 
 
 def grade_reached(unbalance_kg_mm: float, mass_kg: float, speed_rad_s: float) -> float:
-    """The finest grade that an unbalance meets; infinity where it meets none."""
+    """The finest grade that allows an unbalance; infinity where none does."""
     reached = bisect_left(GRADES_MM_S, unbalance_kg_mm / mass_kg * speed_rad_s)
     return GRADES_MM_S[reached] if reached < len(GRADES_MM_S) else inf
 
 
+# --- corrections from trial weights ---------------------------------------------------------------------------------
+
 LEAST_EFFECT = 1e-3
-"""Share of the first readings by which a trial weight must change them: instruments show three digits."""
+"""Share by which a trial weight must change the first readings: instruments show three digits."""
 
 WORST_CONDITION = 1e3
-"""Condition of the coefficients beyond which errors of readings in the third digit are all that corrections are of."""
+"""Condition number beyond which an error in the third digit of a reading is as large as the corrections."""
 
 
 @dataclass(frozen=True)
 class TrialRun:
-    """One run: the plane's trial weight (mass times exp(i angle)) and every sensor's reading with it."""
+    """A run with a trial weight in one plane: the weight, and the reading of every sensor with it."""
 
     weight: complex
     readings: tuple[complex, ...]
@@ -71,13 +74,13 @@ class Correction:
 
 
 def balanced(first: Sequence[complex], trials: Sequence[TrialRun], key: str = "trials") -> Correction:
-    """The corrections from the readings without weights and one trial in each plane, taken off again after its run.
+    """The corrections from the readings without weights and one run with a trial weight in each plane.
 
-    Raises WrongInput for ``key`` where sensors are fewer than planes, a trial has no weight or shows no effect, or the
-    planes cannot be told apart by their effects.
+    Each trial weight is taken off after its run.  Raises WrongInput for ``key`` where there are fewer sensors than
+    planes, a trial has no weight or no effect, or two planes have the same effects.
     """
     start = np.array(first)
-    _refuse(start, trials, key)
+    _check_trials(start, trials, key)
     columns = [(np.array(run.readings) - start) / run.weight for run in trials]
     coefficients: ComplexArray = np.column_stack(columns)
     scaled = coefficients / np.linalg.norm(coefficients, axis=0)
@@ -88,7 +91,8 @@ def balanced(first: Sequence[complex], trials: Sequence[TrialRun], key: str = "t
     return Correction(coefficients, tuple(weights.tolist()), tuple(residual.tolist()))
 
 
-def _refuse(start: ComplexArray, trials: Sequence[TrialRun], key: str) -> None:
+def _check_trials(start: ComplexArray, trials: Sequence[TrialRun], key: str) -> None:
+    """Raises WrongInput where runs do not fit the sensors, or a trial weight is zero or without effect."""
     if len(trials) > start.size:
         raise WrongInput(f"{len(trials)} planes for {start.size} sensors; at least as many sensors are needed", key=key)
     for number, run in enumerate(trials):
@@ -102,13 +106,15 @@ def _refuse(start: ComplexArray, trials: Sequence[TrialRun], key: str) -> None:
             raise WrongInput("the trial weight changes nothing; a heavier one is needed", key=f"{place}.readings")
 
 
+# --- a chain at the rotor's side -------------------------------------------------------------------------------------
+
 ACROSS = 1e-12
-"""Cosine of the angle between weight and wrap below which the weight stands across it: rounding of degrees."""
+"""Cosine of the angle between weight and wrap below which they are at right angles: rounding of degrees."""
 
 
 @dataclass(frozen=True)
 class WeightRun:
-    """A run with one weight at a phase in rad, and the reading."""
+    """A run with the weight at a phase in rad, and the reading."""
 
     phase_rad: float
     reading: complex
@@ -124,7 +130,7 @@ class Range:
 
 @dataclass(frozen=True)
 class ChainPhases:
-    """Phases in rad: the middle of the wrap, and the equivalent unbalance of the tight and of the slack side."""
+    """Phases in rad: of the middle of the wrap, and of the equivalent unbalance of the tight and of the slack side."""
 
     wrap_rad: float
     tight_rad: float
@@ -133,7 +139,7 @@ class ChainPhases:
 
 @dataclass(frozen=True)
 class ChainUnbalance:
-    """Ranges of the amplitudes: of the weight used in the runs (L_B), of the tight (L_A1) and the slack side (L_A2)."""
+    """Ranges of the amplitudes: of the weight of the runs (L_B), the tight side (L_A1) and the slack side (L_A2)."""
 
     weight: Range
     tight: Range
@@ -142,8 +148,8 @@ class ChainUnbalance:
 
 @dataclass(frozen=True)
 class Prediction:
-    """Bounds of the reading with a weight, one by each side of the chain, and half the larger amplitude, as
-    expected."""
+    """Bounds of the reading with a weight, one for each side of the chain, and the amplitude to expect: half of the
+    larger."""
 
     by_tight: complex
     by_slack: complex
@@ -151,10 +157,10 @@ class Prediction:
 
 
 def chain_unbalance(runs: Sequence[WeightRun], phases: ChainPhases, key: str = "runs") -> ChainUnbalance:
-    """The ranges that all runs with one and the same weight allow; the paper counts amplitudes of the sides from zero.
+    """The ranges that all runs with the same weight allow; the paper lets the amplitudes of the sides start from zero.
 
-    Everything is linear in L_B, so that the largest values are at the ends of its range.  Raises WrongInput for ``key``
-    where no L_B puts every chain's part on the side of the wrap.
+    Everything is linear in L_B, so the largest values are at the ends of its range.  Raises WrongInput for ``key``
+    where no L_B puts the chain's part of every run on the side of the wrap.
     """
     weight = _weight_range(runs, phases.wrap_rad)
     if not weight.low < weight.high < inf:
@@ -166,7 +172,7 @@ def chain_unbalance(runs: Sequence[WeightRun], phases: ChainPhases, key: str = "
 
 
 def predicted(unbalance: ChainUnbalance, phases: ChainPhases, weight_phase_rad: float) -> Prediction:
-    """Readings to expect with the weight of the runs at a phase: all of one side and none of the other, the larger.
+    """Readings to expect with the weight of the runs at a phase in rad, with one side of the chain and not the other.
 
     The weight counts with its largest effect, which gives the published 1.24 and 1.4 mm/s from the published ranges.
     """
@@ -177,17 +183,17 @@ def predicted(unbalance: ChainUnbalance, phases: ChainPhases, weight_phase_rad: 
 
 
 def opposite_weight_g(amplitude: float, phase_rad: float, effect_per_g: float) -> complex:
-    """The weight against an unbalance: amplitude by effect in grams, at the opposite phase."""
+    """The weight in g against an unbalance: amplitude divided by effect per g, at the opposite phase."""
     return amplitude / effect_per_g * exp(1j * (phase_rad + pi))
 
 
 def _weight_range(runs: Sequence[WeightRun], wrap_rad: float) -> Range:
-    """L_B for which (C - L_B exp(i phase)) has a part towards the middle of the wrap in every run."""
+    """Values of L_B for which C - L_B exp(i phase) points to the side of the wrap in every run; (inf, -inf) if none."""
     low, high = 0.0, inf
     for run in runs:
         toward = (run.reading * exp(-1j * wrap_rad)).real
         slope = exp(1j * (run.phase_rad - wrap_rad)).real
-        # toward - L slope > 0
+        # toward - L_B slope > 0
         if slope > ACROSS:
             high = min(high, toward / slope)
         elif slope < -ACROSS:
@@ -198,7 +204,7 @@ def _weight_range(runs: Sequence[WeightRun], wrap_rad: float) -> Range:
 
 
 def _sides(chain: complex, phases: ChainPhases) -> tuple[float, float]:
-    """Amplitudes of both sides whose sum is the chain's part: two equations in two unknowns."""
+    """Amplitudes of the tight and the slack side that add up to the chain's part: two equations, two unknowns."""
     tight, slack = exp(1j * phases.tight_rad), exp(1j * phases.slack_rad)
     across = (tight.conjugate() * slack).imag
     return (chain.conjugate() * slack).imag / across, -(chain.conjugate() * tight).imag / across

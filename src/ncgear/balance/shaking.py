@@ -2,17 +2,16 @@
 
     F = -d/dt sum m v,   M = -d/dt (sum m p x v + sum J w)   about the crank axis
 
-M holds the reaction of whatever drives the crank, which stands on the same frame.  At constant driving speed W the time
-derivative is W d/dphi1.  J. J. Uicker, G. R. Pennock, J. E. Shigley, "Theory of Machines and Mechanisms", 4th edition,
-2011, chapters 15 and 17.
+M contains the reaction of whatever drives the crank, which stands on the same frame.  At constant driving speed W the
+time derivative is W d/dphi1.  J. J. Uicker, G. R. Pennock, J. E. Shigley, "Theory of Machines and Mechanisms", 4th
+edition, 2011, chapters 15 and 17.
 
-The way of the common centre of mass: the less it moves, the less is shaken.
+The track of the common centre of mass shows the same thing: the less the centre moves, the less the frame is shaken.
 
-The formulas of textbooks for the same forces: two terms of the rod's series, and a crank that turns evenly.
-
-a = -w^2 r (cos t + (r/l) cos 2t), t from the extended dead centre: Z. Tang, Y. Li, Y. Zhou, H. Zhang, Shock and
-Vibration 2019, eq. 8; the pin's acceleration is w^2 r towards the axis.  Terms of (r/l)^3 are left out, and all that
-follows from a crank that does not turn evenly.
+Textbooks take two terms of the rod's series and a crank that turns evenly: the slider's acceleration is
+-w^2 r (cos t + (r/l) cos 2t), t from the extended dead centre (Z. Tang, Y. Li, Y. Zhou, H. Zhang, Shock and Vibration
+2019, eq. 8), and the pin's is w^2 r towards the axis.  That leaves out terms of (r/l)^3, and everything that an uneven
+crank adds; ``failure`` says how much.
 """
 
 from __future__ import annotations
@@ -57,18 +56,18 @@ class Shaking:
 
     @cached_property
     def force(self) -> Statistics:
-        """Of the force's size."""
+        """Statistics of the size of the force."""
         return magnitude_statistics(self.along, self.across)
 
     @cached_property
     def peak(self) -> Extremum:
-        """The largest size, with the driving angle."""
+        """The largest size of the force, with the driving angle."""
         highest = squared_magnitude(self.along, self.across).extremes[1]
         return Extremum(float(np.sqrt(max(highest.value, 0.0))), highest.at)
 
 
 def shaking(mechanism: DrivenCrank, of: Accelerations | None = None) -> Shaking:
-    """Shaking force and moment; ``of`` are the accelerations of the same linkage and law, if they are known."""
+    """Shaking force and moment; ``of`` gives the accelerations of the same linkage and law where they are known."""
     known = of or accelerations(mechanism)
     forms = known.combined(np.column_stack([*_force_weights(mechanism), _moment_weights(mechanism)]))
     parts = (PiecewiseChebyshev(forms.breaks, forms.coefficients[:, :, k]) for k in range(3))
@@ -76,7 +75,7 @@ def shaking(mechanism: DrivenCrank, of: Accelerations | None = None) -> Shaking:
 
 
 def _force_weights(mechanism: DrivenCrank) -> tuple[Array, Array]:
-    """-(P c'' + S w'') W^2, real and imaginary part."""
+    """Weights of the functions in -(P c'' + S w'') W^2, real and imaginary part."""
     factor = -N_PER_KG_MM_S2 * mechanism.speed_rad_s**2 * mechanism.linkage.crank_mm
     pin, wrist = factor * mechanism.pin_kg, factor * mechanism.wrist_kg
     along, across = np.zeros(7), np.zeros(7)
@@ -86,6 +85,7 @@ def _force_weights(mechanism: DrivenCrank) -> tuple[Array, Array]:
 
 
 def _moment_weights(mechanism: DrivenCrank) -> Array:
+    """Weights of the functions in the moment about the crank axis."""
     linkage, masses = mechanism.linkage, mechanism.masses
     crank, rod, offset = linkage.crank_mm, linkage.rod_mm, linkage.offset_mm
     places = [(mass, place / rod) for mass, place in mechanism.on_rod]
@@ -94,7 +94,7 @@ def _moment_weights(mechanism: DrivenCrank) -> Array:
     at_wrist = masses.slider_kg + sum(mass * abs(share) ** 2 for mass, share in places)
     extra = sum(w.mass_kg * w.arm_mm**2 for w in mechanism.counterweights if w.carrier == "crank")
     weights = np.zeros(7)
-    # The crank turns clockwise: its angular momentum is against the sense of the moment
+    # The crank turns clockwise: its angular momentum is opposite to the sense of the moment
     weights[CRANK] = -(masses.crank_shaft_kg_mm2 + extra + at_pin * crank**2)
     weights[ROD] = masses.rod_inertia_kg_mm2
     weights[WRIST] = -at_wrist * offset * crank
@@ -103,39 +103,39 @@ def _moment_weights(mechanism: DrivenCrank) -> Array:
 
 
 TRACK_POINTS = 361
-"""Points of a track, first one repeated; its area by the trapezoidal rule is far more exact than any picture."""
+"""Points of a track, the first one repeated: enough for its area, which the trapezoidal rule finds very exactly."""
 
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """The closed way of the common centre of mass: points in mm (shape (n, 2)), extents in mm and area in mm^2."""
+    """The closed track of the common centre of mass: points in mm (shape (n, 2)), extents in mm and area in mm^2."""
 
     points_mm: Array
 
     @property
     def extent_mm(self) -> tuple[float, float]:
-        """Along the slider's line and across it."""
+        """Extents along the slider's line and across it."""
         along, across = np.ptp(self.points_mm, axis=0)
         return float(along), float(across)
 
     @property
     def area_mm2(self) -> float:
-        """What it encloses, by Green's theorem, where it does not cross itself."""
+        """Area that the track encloses, by Green's theorem; valid where it does not cross itself."""
         return abs(float(signed_area(self.points_mm[:-1])))
 
 
 def track(mechanism: DrivenCrank) -> Track:
-    """The way of the common centre of mass over one cycle."""
+    """Track of the common centre of mass over one cycle."""
     center = mechanism.center_of_mass_mm(np.linspace(0.0, mechanism.transmission.cycle_rad, TRACK_POINTS))
     return Track(np.column_stack([center.real, center.imag]))
 
 
 BALANCED = 1e-12
-"""Share of the force of all masses at the pin below which a shaking force is rounding error."""
+"""Shaking forces below this share of the force of all masses at the pin are rounding error."""
 
 
 class Speed(StrEnum):
-    """The crank's speed that a formula takes: its mean, or the one it has at the moment."""
+    """The crank's speed that the textbook formula takes: its mean, or the momentary one."""
 
     MEAN = "mean"
     MOMENTARY = "momentary"
@@ -143,28 +143,20 @@ class Speed(StrEnum):
 
 @dataclass(frozen=True)
 class Failure:
-    """A formula beside the exact shaking force: its peak in N, and its largest error by the exact peak.
+    """The textbook formula beside the exact shaking force: its peak in N, and its largest error by the exact peak.
 
-    Of a force that is balanced to rounding error no formula is wrong: the error is 0.
+    The error is 0 where the exact force is balanced to rounding error.
     """
 
     peak_n: float
     largest_error: float
 
 
-def classical_accelerations(mechanism: DrivenCrank, speed: Speed = Speed.MEAN) -> Accelerations:
-    """What the formulas take for the accelerations of pin and slider; moments they do not give (nothing there).
-
-    For linkages in line; raises WrongInput with an offset.
-    """
-    _require_in_line(mechanism)
-    return Accelerations(chebyshev.fitted(lambda phi1: _formula(mechanism, speed, phi1), mechanism.breaks_rad))
-
-
 def failure(mechanism: DrivenCrank, speed: Speed = Speed.MEAN) -> Failure:
-    """By how much the formula fails for the shaking force of a mechanism in line; raises WrongInput with an offset."""
-    _require_in_line(mechanism)
-    # In one form, so that the difference is taken of coefficients: what two forms evaluate to differs by noise
+    """How far the textbook formula is off for a mechanism in line; raises WrongInput where there is an offset."""
+    if mechanism.linkage.offset_mm != 0.0:
+        raise WrongInput("the two-term formula is for linkages in line; leave the offset out", key="linkage.offset_mm")
+    # Both in one form, so that coefficients are subtracted: values of two forms would differ by noise
     both = chebyshev.fitted(
         lambda phi1: np.hstack([functions_at(mechanism, phi1), _formula(mechanism, speed, phi1)]), mechanism.breaks_rad
     )
@@ -177,13 +169,8 @@ def failure(mechanism: DrivenCrank, speed: Speed = Speed.MEAN) -> Failure:
     return Failure(given, error / true if true > BALANCED * unit else 0.0)
 
 
-def _require_in_line(mechanism: DrivenCrank) -> None:
-    if mechanism.linkage.offset_mm != 0.0:
-        raise WrongInput("the two-term formula is for linkages in line; leave the offset out", key="linkage.offset_mm")
-
-
 def _formula(mechanism: DrivenCrank, speed: Speed, phi1: Array) -> Array:
-    """What the formula gives for each of the functions, shape (n, 7)."""
+    """The seven functions by the textbook formula, shape (n, 7); zero for those that only the moment needs."""
     driven = mechanism.transmission.driven_angle(phi1, 1)
     mean = 2.0 * pi / mechanism.transmission.cycle_rad
     squared = (np.full(phi1.shape, mean) if speed is Speed.MEAN else driven.derivative(1)) ** 2

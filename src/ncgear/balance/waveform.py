@@ -1,7 +1,7 @@
-"""A quantity over one cycle as a piecewise Chebyshev form: mean, r.m.s., extremes and harmonics of the form itself.
+"""A quantity over one cycle as a piecewise Chebyshev form, with the mean, r.m.s. value, extremes and harmonics of it.
 
-Integrals are by Gauss-Legendre quadrature on each panel, exact for the polynomials there; nothing is sampled evenly, so
-a joint of the law or a short return costs no accuracy.
+Integrals use Gauss-Legendre quadrature on each panel, which is exact for the polynomials there.  Nothing is sampled at
+even steps, so a joint of the law or a short return costs no accuracy.
 """
 
 from __future__ import annotations
@@ -23,21 +23,20 @@ from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.zeros import all_zeros
 
 NODES = 40
-"""Gauss points of a panel: exact to degree 79, so for the square of a panel of degree 24, and for its product with half
-a dozen radians of a wave to rounding error (tests/test_waveform.py)."""
+"""Gauss points of a panel: exact to degree 79, which is enough for the square of a panel of degree 24, and to rounding
+error for its product with a wave over half a dozen radians (tests/test_waveform.py)."""
 
 RADIANS = 12.0
-"""Largest advance of a wave on one panel when its harmonic is computed."""
-
+"""Most radians of a wave on one panel when its harmonic is computed; wider panels are cut."""
 
 MEAN_TOLERANCE = 1e-14
-"""Relative tolerance of the quadrature of a vector's length: its estimate of its own error is too low, so that 1e-12
-asked for gives 1e-10, and this gives 1e-12 (tests/test_waveform.py)."""
+"""Relative tolerance asked of the quadrature of a vector's length.  It underestimates its own error: 1e-12 gives 1e-10,
+and 1e-14 gives 1e-12 (tests/test_waveform.py)."""
 
 
 @dataclass(frozen=True)
 class Statistics:
-    """What tables give of a waveform."""
+    """Mean, r.m.s. value and extremes of a quantity, as the tables give them."""
 
     mean: float
     rms: float
@@ -46,7 +45,7 @@ class Statistics:
 
     @property
     def peak_to_peak(self) -> float:
-        """Largest less smallest value."""
+        """Largest minus smallest value."""
         return self.maximum - self.minimum
 
 
@@ -79,40 +78,39 @@ class Waveform:
 
     @cached_property
     def extremes(self) -> tuple[Extremum, Extremum]:
-        """Smallest and largest value, among the zeros of the derivative and both ends of every panel."""
+        """Smallest and largest value with their angles: at zeros of the derivative or at an end of a panel."""
         inner = all_zeros(self.form.differentiated())
         angles = np.concatenate([self.form.breaks, inner])
         values = np.concatenate([self.form(self.form.breaks), self.form(inner)])
-        # At its left end a panel's value is the form's; at its right end it is the sum of the coefficients.
+        # The form's value at a break is that of the panel to the right; the panel to the left ends at the sum of its
+        # coefficients.
         angles = np.concatenate([angles, self.form.breaks[1:]])
         values = np.concatenate([values, self.form.coefficients.sum(axis=0)])
         low, high = int(np.argmin(values)), int(np.argmax(values))
         return Extremum(float(values[low]), float(angles[low])), Extremum(float(values[high]), float(angles[high]))
 
-    @property
-    def statistics(self) -> Statistics:
-        """Mean, r.m.s., minimum and maximum."""
-        lowest, highest = self.extremes
-        return Statistics(self.mean, self.rms, lowest.value, highest.value)
-
     def harmonics(self, count: int) -> ComplexArray:
         """Fourier coefficients c_0 to c_count: f = c_0 + 2 Re sum of c_k exp(2 pi i k (phi - start) / cycle)."""
-        breaks = _cut(self.form.breaks, RADIANS * self.cycle_rad / (2.0 * pi * max(count, 1)))
+        widest = RADIANS * self.cycle_rad / (2.0 * pi * max(count, 1))
+        panels = pairwise(self.form.breaks.tolist())
+        starts = [np.linspace(a, b, ceil((b - a) / widest) + 1)[:-1] for a, b in panels]
+        breaks = np.concatenate([*starts, self.form.breaks[-1:]])
         angles, weights = gauss_points(breaks)
         turned = np.exp(-2j * pi / self.cycle_rad * np.outer(np.arange(count + 1), angles - breaks[0]))
         return np.asarray(turned @ (weights * self.form(angles)) / self.cycle_rad, dtype=np.complex128)
 
 
 def waveform(function: Callable[[Array], Array], breaks: Array) -> Waveform:
-    """A single quantity (shape (n,) to (n,)) that is smooth between breaks; raises NotSmooth as ``fitted`` does."""
+    """A quantity, of shapes (n,) to (n,), that is smooth between breaks; raises NotSmooth as ``fitted`` does."""
     return Waveform(chebyshev.fitted(function, breaks))
 
 
 def magnitude_statistics(along: Waveform, across: Waveform) -> Statistics:
-    """Of the length of a vector given by two waveforms with the same breaks.
+    """Statistics of the length of a vector given by two waveforms with the same breaks.
 
-    Where the vector passes near zero its length has a kink; so the extremes are those of the smooth square, and the
-    mean is taken between the square's minima, by tanh-sinh quadrature, which kinks at the ends do not hurt.
+    Where the vector passes near zero its length has a kink.  So the extremes are those of its smooth square, and the
+    mean is integrated from one turning point of the square to the next by tanh-sinh quadrature, which stays accurate
+    with kinks at the ends.
     """
     squared = squared_magnitude(along, across)
     lowest, highest = squared.extremes
@@ -121,7 +119,7 @@ def magnitude_statistics(along: Waveform, across: Waveform) -> Statistics:
 
 
 def squared_magnitude(along: Waveform, across: Waveform) -> Waveform:
-    """The square of a vector's length."""
+    """The square of the length of a vector given by two waveforms with the same breaks."""
     return waveform(lambda angle: along(angle) ** 2 + across(angle) ** 2, along.form.breaks)
 
 
@@ -134,6 +132,7 @@ def gauss_points(breaks: Array) -> tuple[Array, Array]:
 
 
 def _mean_root(squared: Waveform) -> float:
+    """Mean of the square root, integrated between the turning points and the breaks."""
     turns = np.unique(np.concatenate([squared.form.breaks, all_zeros(squared.form.differentiated())]))
 
     def length(angle: Array) -> Array:
@@ -142,9 +141,3 @@ def _mean_root(squared: Waveform) -> float:
     tolerance = MEAN_TOLERANCE * float(np.ptp(turns)) * float(length(turns).max())
     parts = tanhsinh(length, turns[:-1], turns[1:], atol=tolerance, rtol=MEAN_TOLERANCE)
     return float(np.sum(parts.integral)) / squared.cycle_rad
-
-
-def _cut(breaks: Array, widest: float) -> Array:
-    """The breaks with more between them, so that no panel is wider."""
-    parts = [np.linspace(a, b, ceil((b - a) / widest) + 1)[:-1] for a, b in pairwise(breaks.tolist())]
-    return np.concatenate([*parts, breaks[-1:]])

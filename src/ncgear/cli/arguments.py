@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,6 +13,7 @@ import typer
 from ncgear.errors import located
 
 if TYPE_CHECKING:
+    from ncgear.design.keys.base import Model
     from ncgear.design.reading.design_file import LoadedDesign
 
 SUFFIXES = (".yaml", ".yml")
@@ -29,9 +31,23 @@ def files_to_complete(incomplete: str) -> list[str]:
     return [f"{place}/" if place.is_dir() else str(place) for place in wanted]
 
 
+class FileKind(StrEnum):
+    """Files that ncgear reads."""
+
+    DESIGN = "design"
+    BALANCE = "balance"
+
+
+def model_of(kind: FileKind) -> type[Model]:
+    """The model of a kind of file."""
+    from ncgear.design.keys.balance import Balance
+    from ncgear.design.keys.design import Design
+
+    return Balance if kind is FileKind.BALANCE else Design
+
+
 def keys_to_complete(context: typer.Context, incomplete: str) -> list[str]:
     """Keys of the kind of file that is asked about, by their whole path or their last part."""
-    from ncgear.cli.lookup import FileKind, model_of
     from ncgear.design.reference import keys_of
 
     keys = keys_of(model_of(FileKind(context.params.get("of") or FileKind.DESIGN)))

@@ -3,32 +3,13 @@
 from __future__ import annotations
 
 import json
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import keys_to_complete
+from ncgear.cli.arguments import FileKind, keys_to_complete, model_of
 from ncgear.cli.progress import steps_shown
-
-if TYPE_CHECKING:
-    from ncgear.design.keys.base import Model
-
-
-class FileKind(StrEnum):
-    """Files that ncgear reads."""
-
-    DESIGN = "design"
-    BALANCE = "balance"
-
-
-def model_of(kind: FileKind) -> type[Model]:
-    """The model of a kind of file."""
-    from ncgear.design.keys.balance import Balance
-    from ncgear.design.keys.design import Design
-
-    return Balance if kind is FileKind.BALANCE else Design
 
 
 def explain(
@@ -68,8 +49,7 @@ def reproduce(
 
     prepare(out)
     from ncgear.figures.ledger import PAGE, ledger_page, ledger_text
-    from ncgear.papers.catalogue import PAPERS
-    from ncgear.papers.judgement import judgement
+    from ncgear.papers.judgement import PAPERS, judgement
 
     judgements = []
     with steps_shown(len(PAPERS)) as on_step:

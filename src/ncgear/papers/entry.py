@@ -1,6 +1,7 @@
-"""What a paper prints, and when a computed number agrees with it: within the rounding of the digits printed.
+"""One line of the reproduction ledger: what a paper prints, what ncgear computes for it, and the verdict claimed.
 
-One entry of the ledger: what a paper prints, how it is computed here, and the verdict claimed for it.
+A computed number agrees with a printed one if it is within the rounding of the digits that are printed; an equation
+agrees if both of its sides do, to rounding errors.  ``papers.judgement`` holds the verdicts against the numbers.
 """
 
 from __future__ import annotations
@@ -11,34 +12,52 @@ from decimal import Decimal
 from enum import StrEnum
 
 HOLDS = 1e-9
-"""Largest residual, relative to the equation's largest term, of an equation that counts as true: rounding errors of a
-solved law stay three orders below it, and a term left out or a sign turned is six orders above (tests/test_ledger.py).
-"""
+"""Largest residual of an equation that counts as true, relative to its largest term.  Rounding errors of a solved law
+are three orders smaller; a term left out or a wrong sign makes six orders more (tests/test_ledger.py)."""
 
 BINARY = 1e-9
-"""Share of a half step added to it, so that a decimal half is not lost to its binary form."""
+"""Share of a half step that is added to it: a decimal half has no exact binary form and must not be lost for that."""
 
 
 @dataclass(frozen=True)
 class Computed:
-    """Numbers computed for what is printed, and by how much each may be off because readings it is made from are
-    printed rounded (none where it is made from given dimensions, which are taken as exact)."""
+    """Numbers computed for what is printed, and how far each may be off because of rounded inputs.
+
+    ``input_rounding`` is empty where the inputs are given dimensions, which count as exact; it holds one number per
+    value where the inputs are readings that the paper prints rounded.
+    """
 
     values: tuple[float, ...]
     input_rounding: tuple[float, ...] = ()
 
     @property
     def leeway(self) -> tuple[float, ...]:
-        """The input's rounding, zero where there is none."""
+        """The rounding of the inputs, zeros where there is none."""
         return self.input_rounding or (0.0,) * len(self.values)
+
+
+def computed(*values: float) -> Computed:
+    """Numbers computed from given dimensions."""
+    return Computed(tuple(map(float, values)))
+
+
+def from_readings(function: Callable[..., tuple[float, ...]], *texts: str) -> Computed:
+    """Numbers computed from printed readings, with how far the rounding of the readings moves each, to first order."""
+    readings = [float(text) for text in texts]
+    values = function(*readings)
+    leeway = [0.0] * len(values)
+    for place, text in enumerate(texts):
+        moved = function(*readings[:place], readings[place] + half_step(text), *readings[place + 1 :])
+        leeway = [sum_ + abs(new - value) for sum_, new, value in zip(leeway, moved, values, strict=True)]
+    return Computed(tuple(values), tuple(leeway))
 
 
 @dataclass(frozen=True)
 class Printed:
-    """One number or several, as texts, with their unit.
+    """One printed number or several, as texts, with their unit.
 
-    Zeros at the end of a whole number do not count as digits, since nothing tells whether they are: 6300 is printed to
-    two digits, 182 to three.
+    Zeros at the end of a whole number do not count as digits, since they may only fill the place: 6300 has two digits,
+    182 has three.
     """
 
     texts: tuple[str, ...]
@@ -51,11 +70,11 @@ class Printed:
 
     @property
     def text(self) -> str:
-        """All with their unit."""
+        """All numbers with their unit."""
         return " ".join(filter(None, (", ".join(self.texts), self.unit)))
 
     def agrees(self, computed: Computed) -> bool:
-        """Whether every number is within half a step of the last digit printed, and the input's rounding."""
+        """Whether every number is within half a step of the last printed digit plus the rounding of the inputs."""
         return all(
             abs(value - printed) <= half_step(text) * (1.0 + BINARY) + leeway
             for text, printed, value, leeway in zip(
@@ -68,19 +87,19 @@ class Printed:
         return ", ".join(_fixed(value, text, "") for value, text in zip(computed.values, self.texts, strict=True))
 
     def difference_text(self, computed: Computed) -> str:
-        """Computed less printed, of the number that is farthest off by the steps of its last digit."""
+        """Computed minus printed, for the number that is off by the most steps of its last digit."""
         off = [
             (abs(value - printed) / half_step(text), value - printed, text)
             for value, printed, text in zip(computed.values, self.values, self.texts, strict=True)
         ]
-        # To six digits, so that rounding errors of the computer do not choose
+        # Compared to six digits, so that rounding errors do not decide
         _, difference, text = max(off, key=lambda steps: round(steps[0], 6))
         return _fixed(difference, text, "+")
 
 
 @dataclass(frozen=True)
 class Relation:
-    """An equation or a claim, which holds or does not; what is computed for it is its largest relative residual."""
+    """An equation or a claim that holds or does not; its computed value is the largest relative residual."""
 
     text: str = "equation"
 
@@ -89,30 +108,14 @@ class Relation:
         return all(abs(residual) <= HOLDS for residual in computed.values)
 
     def computed_text(self, computed: Computed) -> str:
-        """Rounding errors differ from machine to machine, so they are not told."""
+        """Whether it holds; the residual only if it does not, since rounding errors differ between machines."""
         if self.agrees(computed):
             return "holds"
         return f"off by {max(map(abs, computed.values)):.2g} of the largest"
 
     def difference_text(self, computed: Computed) -> str:
-        """An equation that holds differs by nothing."""
+        """The residual, 0 for an equation that holds."""
         return "0" if self.agrees(computed) else f"{max(map(abs, computed.values)):.2g}"
-
-
-def of(*values: float) -> Computed:
-    """Numbers from given dimensions."""
-    return Computed(tuple(map(float, values)))
-
-
-def from_readings(function: Callable[..., tuple[float, ...]], *texts: str) -> Computed:
-    """Numbers made of readings as printed, with what the readings' rounding can do to each, to first order."""
-    readings = [float(text) for text in texts]
-    values = function(*readings)
-    leeway = [0.0] * len(values)
-    for place, text in enumerate(texts):
-        moved = function(*readings[:place], readings[place] + half_step(text), *readings[place + 1 :])
-        leeway = [sum_ + abs(new - value) for sum_, new, value in zip(leeway, moved, values, strict=True)]
-    return Computed(tuple(values), tuple(leeway))
 
 
 def texts(line: str) -> tuple[str, ...]:
@@ -121,20 +124,16 @@ def texts(line: str) -> tuple[str, ...]:
 
 
 def half_step(text: str) -> float:
-    """Half a unit of the last digit that counts."""
-    return 0.5 * 10.0 ** _exponent(text)
-
-
-def _exponent(text: str) -> int:
+    """Half a unit of the last digit that counts; raises ValueError for a text that is no finite number."""
     number = Decimal(text)
     exponent = (number if "." in text or not number else number.normalize()).as_tuple().exponent
     if not isinstance(exponent, int):
         raise ValueError(f"{text!r} is no number")
-    return exponent
+    return 0.5 * 10.0**exponent
 
 
 def _fixed(value: float, text: str, sign: str) -> str:
-    """With two decimals more than are printed; zero without a sign."""
+    """With two decimals more than the printed text has; zero without a sign."""
     decimals = 2 + len(text.partition(".")[2])
     shown = f"{value:{sign}.{decimals}f}"
     return shown.lstrip("+-") if float(shown) == 0.0 else shown
@@ -151,9 +150,10 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True)
 class Entry:
-    """``verdict`` is a claim, which ``judged`` holds against what ``compute`` gives.
+    """A printed figure with its places in the paper, how it is computed, and the verdict claimed for it.
 
-    ``words`` say the reading, the reason, or the data that are missing; only a figure that is reproduced goes without.
+    ``words`` state the reading, the reason, or the missing data; only a figure that is simply reproduced needs none.
+    Raises ValueError where the words are missing, or where a verdict other than ``NEEDS_DATA`` has no computation.
     """
 
     places: tuple[str, ...]
@@ -172,7 +172,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class Given:
-    """What a place of a paper holds that is not computed: dimensions, settings, definitions."""
+    """What a place of a paper gives without computing it: dimensions, settings, definitions."""
 
     places: tuple[str, ...]
     content: str
@@ -180,7 +180,7 @@ class Given:
 
 @dataclass(frozen=True)
 class Paper:
-    """A paper, its entries and what it gives; ``promised`` are the places that one or the other must name."""
+    """A paper, its entries, and what it gives; each of the ``promised`` places must be named by one or the other."""
 
     title: str
     reference: str

@@ -1,14 +1,17 @@
-"""Verdicts held against the numbers: what is claimed must be borne out by what is computed."""
+"""The papers of the ledger, and their verdicts held against what is computed."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ncgear.papers import gear_baler, sieve_and_pan, threshing_drum, track_chassis
 from ncgear.papers.entry import Computed, Entry, Paper, Verdict
+
+PAPERS: tuple[Paper, ...] = (gear_baler.PAPER, track_chassis.PAPER, threshing_drum.PAPER, sieve_and_pan.PAPER)
 
 
 class Contradicted(ArithmeticError):
-    """A verdict was claimed that the computation contradicts."""
+    """The computation contradicts a verdict that was claimed."""
 
 
 @dataclass(frozen=True)
@@ -19,10 +22,27 @@ class Judged:
     computed: Computed | None
 
 
-def judged(entry: Entry) -> Judged:
-    """The entry with its numbers; raises Contradicted where they do not bear its verdict out.
+@dataclass(frozen=True)
+class Judgement:
+    """A paper with all its entries judged, in its order."""
 
-    A figure said to be reproduced must agree, and any other must not: what agrees is not beyond reproduction.
+    paper: Paper
+    entries: tuple[Judged, ...]
+
+    def count(self, verdict: Verdict) -> int:
+        """Number of entries with a verdict."""
+        return sum(one.entry.verdict is verdict for one in self.entries)
+
+
+def judgement(paper: Paper) -> Judgement:
+    """All entries of a paper; raises Contradicted as ``judged`` does."""
+    return Judgement(paper, tuple(map(judged, paper.entries)))
+
+
+def judged(entry: Entry) -> Judged:
+    """The entry with its numbers; raises Contradicted where the numbers do not support its verdict.
+
+    A figure claimed to be reproduced must agree.  Any other must not agree: otherwise it is reproduced after all.
     """
     computed = entry.compute() if entry.compute else None
     agrees = computed is not None and entry.published.agrees(computed)
@@ -32,20 +52,3 @@ def judged(entry: Entry) -> Judged:
             f"{entry.places[0]}, {entry.what}: printed {entry.published.text}, {found}; claimed {entry.verdict}"
         )
     return Judged(entry, computed)
-
-
-@dataclass(frozen=True)
-class Judgement:
-    """A paper with all its entries judged, in its order."""
-
-    paper: Paper
-    entries: tuple[Judged, ...]
-
-    def count(self, verdict: Verdict) -> int:
-        """Entries with a verdict."""
-        return sum(one.entry.verdict is verdict for one in self.entries)
-
-
-def judgement(paper: Paper) -> Judgement:
-    """All entries of a paper; raises Contradicted as ``judged`` does."""
-    return Judgement(paper, tuple(map(judged, paper.entries)))

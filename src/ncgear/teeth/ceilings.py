@@ -9,12 +9,12 @@ away from it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ncgear.numerics.arrays import Array, Mask
+from ncgear.teeth.form import Ceiling, Ceilings
 
 if TYPE_CHECKING:
     from ncgear.teeth.flank import Flanks
@@ -29,30 +29,6 @@ only bend do not count; smaller jumps are lost in the chord tolerance."""
 
 HIGH = 10.0
 """Height, in modules, that stands for no ceiling."""
-
-
-@dataclass(frozen=True, eq=False)
-class Ceiling:
-    """Greatest heights of one gear's tips in mm, at the arc lengths at which back and front flanks cross the curve.
-
-    Both have shape (2, n), back flanks first; arc lengths rise within [0, ``length_mm``).
-    """
-
-    length_mm: float
-    at_mm: Array
-    height_mm: Array
-
-    def over(self, flanks: Flanks) -> Array:
-        """Greatest height of each flank's tip, shape (2 z,)."""
-        height = np.empty(flanks.count)
-        for side in (0, 1):
-            crossing = flanks.crossing_mm[side::2]
-            height[side::2] = np.interp(crossing, self.at_mm[side], self.height_mm[side], period=self.length_mm)
-        return height
-
-
-Ceilings = tuple[Ceiling, Ceiling]
-"""The ceilings of the driving and of the driven gear."""
 
 
 def ceilings_over(fits: Sequence[tuple[Tips, Tips]], step_mm: float) -> Ceilings:

@@ -101,7 +101,9 @@ def _below_ceilings(tips: PairTips, limits: TipLimits) -> PairTips:
     """Tips below the ceilings, if there are any."""
     if limits.ceilings is None:
         return tips
-    driving, driven = (held_below(tip, over.over(tip.flanks)) for tip, over in zip(tips, limits.ceilings, strict=True))
+    driving, driven = (
+        held_below(tip, over.over(tip.flanks.crossing_mm)) for tip, over in zip(tips, limits.ceilings, strict=True)
+    )
     return driving, driven
 
 

@@ -11,8 +11,10 @@ from enum import Enum
 from math import cos, degrees, pi, sin, tan
 from typing import NamedTuple
 
+import numpy as np
+
 from ncgear.errors import WrongInput
-from ncgear.teeth.ceilings import Ceilings
+from ncgear.numerics.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -159,6 +161,30 @@ class Way(NamedTuple):
 
 WAYS = Way(True, 0), Way(True, 1), Way(False, 0), Way(False, 1)
 """All ways; those that usually leave most contact come first."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ceiling:
+    """Greatest heights of one gear's tips in mm, at the arc lengths at which back and front flanks cross the curve.
+
+    Both have shape (2, n), back flanks first; arc lengths rise within [0, ``length_mm``).
+    """
+
+    length_mm: float
+    at_mm: Array
+    height_mm: Array
+
+    def over(self, crossing_mm: Array) -> Array:
+        """Greatest height of each tip, of flanks that cross the curve at these arc lengths; both have shape (2 z,)."""
+        height = np.empty_like(crossing_mm)
+        for side in (0, 1):
+            crossing = crossing_mm[side::2]
+            height[side::2] = np.interp(crossing, self.at_mm[side], self.height_mm[side], period=self.length_mm)
+        return height
+
+
+Ceilings = tuple[Ceiling, Ceiling]
+"""The ceilings of the driving and of the driven gear."""
 
 
 @dataclass(frozen=True)

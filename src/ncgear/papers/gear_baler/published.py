@@ -1,4 +1,4 @@
-"""What the paper gives: Table 1, the resistance, and the speed of its simulation, and the mechanism they make."""
+"""What the paper gives: Table 1, the resistance and the speed of the simulation; and the mechanism that these make."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from ncgear.kinematics.check import KinematicCheck, kinematic_check
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import PolynomialResistance
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
@@ -25,23 +27,24 @@ TEETH, MODULE_MM, CENTER_DISTANCE_MM = 25, 3.0, 200.0
 SIMULATION_RPM = 20.0
 
 EARLIER_RPM = 60.0
-"""Speed that the earlier mechanism's figures belong to, if its uniform crank has this linkage and resistance."""
+"""Speed of the earlier mechanism's figures, if the even crank beside it has this linkage and resistance."""
 
 EARLIER_POWER_W, EARLIER_ACCELERATION_MM_S2 = 18750.0, 45000.0
 PROPOSED_POWER_W = 6300.0
 
 
 def stroke_at(law_rpm: float | None, a1_rpm: float | None, stroke_mm: float | None) -> WorkingStroke:
-    """The working stroke of Table 1; what is None follows from the rest, ``a1_rpm`` being that of the law then."""
-    speeds = (None if rpm is None else rpm * RAD_S_PER_RPM for rpm in (law_rpm, a1_rpm))
-    law, a1 = speeds
-    request = StrokeRequest(*THETAS_RAD, V1_MM_S, V2_MM_S, A1_MM_S2, law, stroke_mm, a1)
-    return solved_stroke(request)
+    """The working stroke of Table 1, v1 and v2 holding at ``law_rpm`` and a1 at ``a1_rpm``.
+
+    A speed or a stroke of None follows from the rest; without ``a1_rpm`` a1 holds at the speed of v1 and v2.
+    """
+    law_speed, a1_speed = (None if rpm is None else rpm * RAD_S_PER_RPM for rpm in (law_rpm, a1_rpm))
+    return solved_stroke(StrokeRequest(*THETAS_RAD, V1_MM_S, V2_MM_S, A1_MM_S2, law_speed, stroke_mm, a1_speed))
 
 
 @cache
 def law() -> StrokeLaw:
-    """The reading of designs/baler.yaml: a1 at the simulation's speed, v1 and v2 at the one that closes the stroke."""
+    """The reading of designs/baler.yaml: a1 at the simulation's speed, v1 and v2 at that which closes the stroke."""
     return stroke_law(stroke_at(None, SIMULATION_RPM, STROKE_MM), LINKAGE, Lobes(), constant=0.0)
 
 
@@ -53,25 +56,30 @@ def other_law() -> StrokeLaw:
 
 @cache
 def law_rpm() -> float:
-    """Speed at which v1 and v2 hold in that reading."""
+    """Speed at which v1 and v2 hold in the reading of ``law``."""
     return law().stroke.law_speed_rad_s / RAD_S_PER_RPM
+
+
+def slider_displacement(segment: int, phi1_rad: Array, order: int) -> Jet:
+    """Displacement in mm on a segment of the working stroke, through gears and linkage, with ``order`` derivatives."""
+    return LINKAGE.displacement(law().transmission.pieces[segment].driven_angle(phi1_rad, order))
 
 
 @cache
 def at_speed(rpm: float) -> KinematicCheck:
-    """Peaks of that mechanism at a driving speed in r/min."""
+    """Power and peaks of the mechanism with ``law`` at a driving speed in r/min."""
     return _check(law().transmission, rpm)
 
 
 @cache
 def other_at_speed(rpm: float) -> KinematicCheck:
-    """Peaks of the mechanism of the other reading."""
+    """The same with ``other_law``."""
     return _check(other_law().transmission, rpm)
 
 
 @cache
 def uniform_at_speed(rpm: float) -> KinematicCheck:
-    """Peaks of the same linkage on a crank that turns evenly."""
+    """The same linkage on a crank that turns evenly."""
     return _check(uniform_law(Lobes()), rpm)
 
 

@@ -1,4 +1,4 @@
-"""What the paper gives of the oscillating sieve and of the return pan."""
+"""What the paper gives of the oscillating sieve and of the return pan, and the two mechanisms that this makes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ SPEED_RPM = 350.0
 SPEED_RAD_S = SPEED_RPM * RAD_S_PER_RPM
 CRANK_MM, ARM_MM = 15.0, 45.0
 CRANK_KG, CRANK_CENTER_MM, ROLLER_KG = 1.0, 12.3, 0.26
-LEAST_SHARE, LARGEST_SHARE = 1.0 / 3.0, 1.0 / 2.0
+USUAL_SHARES = (1.0 / 3.0, 1.0 / 2.0)
+"""Least and largest share of the reciprocating mass that a counterweight usually balances."""
 
 PAN_LINKAGE = CrankSlider(CRANK_MM, 1045.0)
 PAN_BOARD_KG, PAN_BOARD_PRINTED_MM = 23.7, 12.3
@@ -24,7 +25,7 @@ SIEVE_BOARD_KG, SIEVE_BOARD_FROM_ROLLER_MM = 90.4, 448.0
 SIEVE_PRINTED = JointMasses(rotating_kg=29.5, reciprocating_kg=61.26)
 
 PAN_BOARD_FITTING_MM = 1045.0 * 12.6 / 23.7
-"""Where the printed masses of the board at pin and roller put its centre."""
+"""Distance from the pin at which the printed masses of the board at pin and roller put its centre."""
 
 
 def masses(board_kg: float, center_mm: float) -> RodMasses:

@@ -1,4 +1,4 @@
-"""Tables 1 to 3 and what is concluded from them: counterweights tried in a simulation of rigid bodies."""
+"""Tables 1 to 3: counterweights tried in a simulation of rigid bodies, and what is concluded from them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ncgear.balance.counterweights import Tried, sweep
 from ncgear.balance.mechanism import Carrier, Counterweight, DrivenCrank
-from ncgear.papers.entry import Computed, Entry, Printed, Verdict, half_step, of, texts
+from ncgear.papers.entry import Computed, Entry, Printed, Verdict, computed, half_step, texts
 from ncgear.papers.sieve_and_pan.published import ARM_MM, PAN, SIEVE
 
 
@@ -21,13 +21,13 @@ class SweepTable:
     spread: tuple[str, ...]
 
     def spreads(self) -> Computed:
-        """Largest less smallest force, and what their rounding to whole numbers can do to it."""
+        """Largest minus least force, and how far their rounding to whole numbers may move it."""
         pairs = list(zip(self.least, self.most, strict=True))
         return Computed(tuple(float(b) - float(a) for a, b in pairs), (2.0 * half_step("1"),) * len(pairs))
 
     def steadiest(self) -> Computed:
-        """Counterweight with the least spread."""
-        return of(min(zip(map(float, self.spread), map(float, self.mass), strict=True))[1])
+        """Counterweight in kg with the least spread."""
+        return computed(min(zip(map(float, self.spread), map(float, self.mass), strict=True))[1])
 
 
 PAN_TABLE = SweepTable(
@@ -48,7 +48,7 @@ BOTH_TABLE = SweepTable(
 def bearing(mechanism: DrivenCrank, mass_kg: float) -> Computed:
     """Least, largest, mean and r.m.s. force in N on the crank's bearing, in the plane of the motion without weight."""
     found = _tried(mechanism, mass_kg).bearing_n
-    return of(found.minimum, found.maximum, found.mean, found.rms)
+    return computed(found.minimum, found.maximum, found.mean, found.rms)
 
 
 MODEL = (
@@ -71,13 +71,13 @@ FORCES = (
 
 
 def track_extent(mechanism: DrivenCrank, mass_kg: float) -> Computed:
-    """Way of the common centre of mass in mm, along the slider's line and across it."""
-    return of(*_tried(mechanism, mass_kg).track.extent_mm)
+    """Extent in mm of the track of the common centre of mass, along the slider's line and across it."""
+    return computed(*_tried(mechanism, mass_kg).track.extent_mm)
 
 
 def track_area(mechanism: DrivenCrank, mass_kg: float) -> Computed:
-    """What that way encloses, in mm^2."""
-    return of(_tried(mechanism, mass_kg).track.area_mm2)
+    """Area in mm^2 that the track of the common centre of mass encloses."""
+    return computed(_tried(mechanism, mass_kg).track.area_mm2)
 
 
 def _tried(mechanism: DrivenCrank, mass_kg: float) -> Tried:
@@ -103,6 +103,7 @@ TRACKS = (
 )  # fmt: skip
 
 ENTRIES = (
+    *TRACKS,
     *(_force(*row) for row in FORCES),
     Entry(
         ("Table 3",), "both with 15.5 kg: least, largest, mean and r.m.s. force",
@@ -127,7 +128,7 @@ ENTRIES = (
     Entry(("Table 3",), "best counterweight for both at 45 deg", Printed(("15.5",), "kg"), Verdict.UNDER_READING,
           BOTH_TABLE.steadiest, "The one of least peak to peak in the table."),
     Entry(("section 3.3",), "least force at 45 deg, from Table 3", Printed(("1611",), "N"), Verdict.NOT_REPRODUCIBLE,
-          lambda: of(max(map(float, BOTH_TABLE.least))), "Table 3 and text differ."),
+          lambda: computed(max(map(float, BOTH_TABLE.least))), "Table 3 and text differ."),
     Entry(("section 3.3",), "largest and least force at 90 deg and at 0 deg",
           Printed(("1604", "613", "1828", "697"), "N"), Verdict.NEEDS_DATA, None, NO_MODEL),
     Entry(("section 3.3",), "best counterweight for both at 90 deg", Printed(("14.0",), "kg"), Verdict.NEEDS_DATA, None,

@@ -1,13 +1,9 @@
-"""Sections 2.3, 3.2 and 3.3: eqs. 9 to 13, Table 1 beside the natural frequencies, Tables 3 and 4.
-
-Section 3.4: Table 5 and the frequencies that the text finds again in it.
-"""
+"""Sections 2.3 and 3.2 to 3.4, eqs. 9 to 13, Tables 1 and 3 to 5: frequencies of shafts, engine and chassis."""
 
 from __future__ import annotations
 
-from ncgear.balance.excitation import Engine, Excitation, Shaft, margins, of_engine, of_shaft
-from ncgear.papers.entry import Computed, Entry, Printed, Verdict, equations, from_readings, of
-from ncgear.papers.track_chassis.published import NATURAL_HZ
+from ncgear.balance.excitation import Engine, Shaft, margins, of_engine, of_shaft
+from ncgear.papers.entry import Computed, Entry, Printed, Verdict, computed, equations, from_readings
 
 SHAFTS = (
     Shaft("engine", 2400.0, 15),
@@ -28,31 +24,27 @@ ENGINE = Engine("engine", 2400.0, cylinders=4, strokes=4)
 AUGER_HZ = 226.0 / 60.0
 
 SIMULATED_HZ = ("4.62", "17.26", "29.82", "63.85", "83.73", "141.58")
+NATURAL_HZ = tuple(map(float, SIMULATED_HZ))
 MEASURED_HZ = ("4.39", "18.29", "29.41", "63.48", "82.03", "125.49")
 
 
-def excitations() -> list[Excitation]:
-    """All of Table 1 with the engine."""
-    return [*of_engine(ENGINE), *(one for shaft in SHAFTS for one in of_shaft(shaft))]
-
-
 def of_kind(kind: str) -> list[float]:
-    """Frequencies of one kind in the table's order."""
+    """Frequencies of the shafts of one kind in Hz, in the table's order."""
     return [one.frequency_hz for shaft in SHAFTS for one in of_shaft(shaft) if one.kind == kind]
 
 
 def from_rounded(counts: list[int | None]) -> Computed:
-    """Rollers or teeth times the shafts' frequencies as printed."""
-    return of(*(count * float(text) for count, text in zip(counts, ROTATION, strict=True) if count is not None))
+    """Rollers or teeth times the printed frequencies of the shafts, in Hz; shafts without a count are left out."""
+    return computed(*(count * float(text) for count, text in zip(counts, ROTATION, strict=True) if count is not None))
 
 
 def engine(kind: str) -> float:
-    """One of the engine's frequencies."""
+    """One of the engine's frequencies in Hz."""
     return next(one.frequency_hz for one in of_engine(ENGINE) if one.kind == kind)
 
 
 def errors(*orders: int) -> Computed:
-    """Differences of simulated and measured natural frequencies in percent of the measured ones."""
+    """Differences of simulated and measured natural frequencies in percent of the measured ones; orders from 1."""
     texts = [text for order in orders for text in (SIMULATED_HZ[order - 1], MEASURED_HZ[order - 1])]
 
     def percent(*readings: float) -> tuple[float, ...]:
@@ -62,19 +54,19 @@ def errors(*orders: int) -> Computed:
 
 
 def nearer_than_the_auger() -> Computed:
-    """How many other excitations are as near to a natural frequency as the auger's rotation to the first."""
-    band = 1.0 - AUGER_HZ / NATURAL_HZ[0]
-    found = margins(excitations(), NATURAL_HZ, band)
-    return of(sum(one.near and one.excitation.source != "feeding auger" for one in found))
+    """Number of other excitations as near to a natural frequency as the auger's rotation is to the first."""
+    excitations = [*of_engine(ENGINE), *(one for shaft in SHAFTS for one in of_shaft(shaft))]
+    found = margins(excitations, NATURAL_HZ, 1.0 - AUGER_HZ / NATURAL_HZ[0])
+    return computed(sum(one.near and one.excitation.source != "feeding auger" for one in found))
 
 
 ROUNDED = "Made of the shafts' frequencies as printed, rounded to two decimals."
 GEOMETRY = "The part's geometry and its finite-element model."
 
-TABLE_1 = (
+SHAFTS_AND_ENGINE = (
     Entry(
         (*equations("9"), "Table 1"), "frequencies of the ten shafts", Printed(ROTATION, "Hz"), Verdict.REPRODUCED,
-        lambda: of(*of_kind("rotation")),
+        lambda: computed(*of_kind("rotation")),
     ),
     Entry(
         (*equations("11"), "Table 1"), "rollers passing in their bearings", Printed(ROLLERS, "Hz"),
@@ -91,7 +83,7 @@ TABLE_1 = (
     ),
     Entry(
         equations("12", "13"), "combustion and inertia of the engine", Printed(("80", "80"), "Hz"),
-        Verdict.REPRODUCED, lambda: of(engine("combustion"), engine("inertia")),
+        Verdict.REPRODUCED, lambda: computed(engine("combustion"), engine("inertia")),
     ),
 )  # fmt: skip
 
@@ -115,7 +107,7 @@ NATURAL = (
     ),
     Entry(
         ("section 3.3",), "the auger's frequency by the first natural one", Printed(("0.8",)), Verdict.REPRODUCED,
-        lambda: of(AUGER_HZ / NATURAL_HZ[0]),
+        lambda: computed(AUGER_HZ / NATURAL_HZ[0]),
     ),
     Entry(
         ("section 3.3",), "other excitations as near to a natural frequency as that", Printed(("0",)),
@@ -129,18 +121,18 @@ NATURAL = (
 DRIVE_SHAFT_HZ = 1354.0 / 60.0
 
 LINE_HZ = 2000.0 / 1024.0
-"""Spacing of the spectrum's lines, of which all frequencies of Table 5 but one are whole multiples
+"""Spacing of the spectrum's lines: all frequencies of Table 5 but one are whole multiples of it
 (tests/test_ledger.py)."""
 
 
 def on_a_line(frequency_hz: float) -> Computed:
-    """A frequency as a spectrum shows it."""
+    """A frequency, which a spectrum shows to half the spacing of its lines."""
     return Computed((frequency_hz,), (LINE_HZ / 2.0,))
 
 
 NO_MULTIPLE = "No multiple of the shaft's frequency is within the spectrum's resolution."
 
-ENTRIES = (
+SPECTRUM = (
     Entry(
         ("Table 5",), "amplitudes and frequencies at nine points", Printed(("9.26", "17.53", "19.40"), "mm"),
         Verdict.NEEDS_DATA, None,
@@ -148,7 +140,7 @@ ENTRIES = (
     ),
     Entry(
         ("Table 5",), "frequency along x at the front of the chassis", Printed(("80.78",), "Hz"),
-        Verdict.NOT_REPRODUCIBLE, lambda: of(round(80.78 / LINE_HZ) * LINE_HZ),
+        Verdict.NOT_REPRODUCIBLE, lambda: computed(round(80.78 / LINE_HZ) * LINE_HZ),
         "All other frequencies of the table are on lines of a spectrum of 1.95 Hz; this one is on none.",
     ),
     Entry(

@@ -1,10 +1,10 @@
-"""Tables 6 and 7: readings on the track beam, and the columns made of them."""
+"""Tables 6 and 7: readings on the track beam, and the columns that the paper makes of them."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ncgear.papers.entry import Computed, Entry, Printed, Verdict, half_step, of, texts
+from ncgear.papers.entry import Computed, Entry, Printed, Verdict, computed, half_step, texts
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,7 @@ class Readings:
     down: tuple[str, ...]
 
     def combined(self, up: float, down: float) -> Computed:
-        """A sum of both columns with factors, and what their rounding can do to it."""
+        """Sum of both columns with factors, and how far their rounding may move it."""
         pairs = list(zip(self.up, self.down, strict=True))
         values = tuple(up * float(one) + down * float(other) for one, other in pairs)
         return Computed(values, tuple(abs(up) * half_step(one) + abs(down) * half_step(other) for one, other in pairs))
@@ -24,7 +24,7 @@ class Readings:
     def steadiest(self) -> Computed:
         """Number of the point that moves least."""
         peaks = self.combined(1.0, -1.0).values
-        return of(1 + peaks.index(min(peaks)))
+        return computed(1 + peaks.index(min(peaks)))
 
 
 WITHOUT = Readings(
@@ -46,12 +46,13 @@ MADE_WITH = (
     texts("0.08 0.06 0.06 0.10 0.07 0.07 0.07 0.21 0.44 0.46 0.17 0.56 0.27 0.17 0.10 0.15"),
     texts("0.02 -0.02 0.02 0.02 0.00 0.01 -0.02 0.07 -0.05 -0.03 0.00 0.00 -0.08 -0.07 -0.03 -0.05"),
 )
-"""Columns of peaks, means and differences."""
+"""Columns of peaks, means and differences that the paper makes of the readings."""
 
 
-def _columns(place: str, readings: Readings, *made: tuple[str, ...]) -> tuple[Entry, ...]:
-    """Entries of a table; ``made`` are its columns of peaks, means and differences."""
-    peak, mean, difference = made
+def _table(
+    place: str, readings: Readings, peak: tuple[str, ...], mean: tuple[str, ...], difference: tuple[str, ...]
+) -> tuple[Entry, ...]:
+    """Entries of a table with its columns of peaks, means and differences."""
     reproduced = Verdict.REPRODUCED
     return (
         Entry(
@@ -68,12 +69,12 @@ def _columns(place: str, readings: Readings, *made: tuple[str, ...]) -> tuple[En
 
 
 ENTRIES = (
-    *_columns("Table 6", WITHOUT, *MADE_WITHOUT),
-    *_columns("Table 7", WITH, *MADE_WITH),
+    *_table("Table 6", WITHOUT, *MADE_WITHOUT),
+    *_table("Table 7", WITH, *MADE_WITH),
     Entry(("Fig. 16",), "point that moves least", Printed(("6",)), Verdict.REPRODUCED, lambda: WITHOUT.steadiest),
     Entry(
         ("section 4",), "vibration left at the point that moves most", Printed(("0",), "mm"),
-        Verdict.NOT_REPRODUCIBLE, lambda: of(max(WITH.combined(1.0, -1.0).values)),
+        Verdict.NOT_REPRODUCIBLE, lambda: computed(max(WITH.combined(1.0, -1.0).values)),
         "Said to be gone completely; Table 7 says otherwise.",
     ),
 )  # fmt: skip

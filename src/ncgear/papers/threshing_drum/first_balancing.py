@@ -1,11 +1,16 @@
-"""Sections 2.2 and 3.2: critical speeds, and the first balancing of the drum."""
+"""Sections 2.2 and 3.2, Table 2: critical speeds, and the first balancing of the drum in the field.
+
+Readings and weights are complex numbers: amplitude or mass times exp(i phase).
+"""
 
 from __future__ import annotations
 
+from cmath import phase, rect
+from math import degrees, radians
+
 from ncgear.balance.excitation import critical_speed_rpm
 from ncgear.balance.rotor import GRADES_MM_S, TrialRun, balanced
-from ncgear.papers.entry import Computed, Entry, Printed, Verdict, from_readings, of, texts
-from ncgear.papers.readings import phase_deg, polar
+from ncgear.papers.entry import Computed, Entry, Printed, Verdict, computed, from_readings, texts
 
 NATURAL_HZ = texts("143.76 143.77 197.05 293.1 298.33 198.41")
 CRITICAL_RPM = texts("8625.60 8626.20 11823 17586 17899.80 11904.60")
@@ -17,16 +22,25 @@ TRIAL = ("107.7", "90", "0.562", "204")
 """Weight in g at an angle in degrees, and the reading with it."""
 
 
-def first_balancing() -> tuple[float, ...]:
-    """All readings of the first balancing, as ``effect`` takes them."""
-    return tuple(map(float, (*FIRST, *TRIAL)))
+def polar(amplitude: float, phase_deg: float) -> complex:
+    """The complex number with an amplitude and a phase in degrees."""
+    return rect(amplitude, radians(phase_deg))
+
+
+def phase_deg(number: complex) -> float:
+    """Phase of a complex number in degrees, in [0, 360)."""
+    return degrees(phase(number)) % 360.0
 
 
 def effect(*readings: float) -> complex:
-    """Change of the reading per g at 0 degrees, from the first reading and the trial run."""
-    amplitude, phase, weight, angle, with_amplitude, with_phase = readings
-    run = TrialRun(polar(weight, angle), (polar(with_amplitude, with_phase),))
-    return complex(balanced([polar(amplitude, phase)], [run]).coefficients[0, 0])
+    """Change of the reading in mm/s per g at 0 degrees, from the numbers of ``FIRST`` and ``TRIAL`` in their order."""
+    first, weight, reading = polar(*readings[:2]), polar(*readings[2:4]), polar(*readings[4:6])
+    return complex(balanced([first], [TrialRun(weight, (reading,))]).coefficients[0, 0])
+
+
+def measured_effect() -> float:
+    """Size of the effect that the first balancing found, in mm/s per g."""
+    return abs(effect(*map(float, (*FIRST, *TRIAL))))
 
 
 def correction(*readings: float) -> tuple[float, ...]:
@@ -36,20 +50,20 @@ def correction(*readings: float) -> tuple[float, ...]:
 
 
 def after_correction(*readings: float) -> tuple[float, ...]:
-    """Amplitude and phase left by the 142.45 g at 120 degrees that were put on."""
+    """Amplitude and phase that the 142.45 g put on at 120 degrees should leave."""
     left = polar(*readings[:2]) + effect(*readings) * polar(142.45, 120.0)
     return abs(left), phase_deg(left)
 
 
 def with_weight_added(*readings: float) -> tuple[float, ...]:
-    """Phase of the reading once 58.8 g at 240 degrees are added to the residual; the last two readings are that."""
+    """Phase of the reading once 58.8 g at 240 degrees are added; the last two readings are what was left before."""
     *known, amplitude, phase = readings
     return (phase_deg(polar(amplitude, phase) + effect(*known) * polar(58.8, 240.0)),)
 
 
 def finest_grade() -> Computed:
-    """The finest grade that a speed of the centre of mass of 0.37 mm/s meets."""
-    return of(next(grade for grade in GRADES_MM_S if grade >= 0.37))
+    """The finest balance grade that allows the centre of mass a speed of 0.37 mm/s."""
+    return computed(next(grade for grade in GRADES_MM_S if grade >= 0.37))
 
 
 RECORDS = "The records of the measurement."
@@ -62,7 +76,7 @@ ENTRIES = (
     ),
     Entry(
         ("Table 2",), "critical speeds", Printed(CRITICAL_RPM, "r/min"), Verdict.REPRODUCED,
-        lambda: of(*(critical_speed_rpm(float(text)) for text in NATURAL_HZ)),
+        lambda: computed(*(critical_speed_rpm(float(text)) for text in NATURAL_HZ)),
     ),
     Entry(
         ("section 3.2",), "first balancing: weight and its phase", Printed(("143.4", "115"), "g, deg"),
