@@ -8,7 +8,7 @@ PYTHON := .venv/bin/python
 quick: .venv  ## a judge for every room, within a minute on two cores
 	$(PYTHON) -m pytest -m "not thorough and not slow"
 
-test: .venv  ## quick and thorough tests, two minutes on two cores
+test: .venv  ## quick and thorough tests, about two minutes on two quick cores
 	$(PYTHON) -m pytest
 
 slow: .venv  ## the tests that take longer

@@ -146,7 +146,7 @@ def test_an_advice_says_what_there_is_and_where(name: str, kind: Kind, gear: str
     assert said in advice.line
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_every_kind_is_seen_in_a_test() -> None:
     names = [*CASES, "baler", "internal-1-2"]
     assert {advice.kind for name in names for advice in advices(name)} == set(Kind)
@@ -204,7 +204,7 @@ def test_the_law_that_is_found_within_the_advised_limit_removes_the_advice(name:
         assert kind not in kinds(followed(data_of(name), remedy)), remedy
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "kind", "less"),
     [

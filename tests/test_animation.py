@@ -128,7 +128,7 @@ def gif(name: str, frames: int = 5, seconds: float = 0.37, width: int = 401) -> 
     return Image.open(BytesIO(animated(scene(name), Format.GIF, loop, lambda done, total: None)))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["baler", "internal-1-2", pytest.param(TWO_STAGES, marks=pytest.mark.slow), "gearless", "webbed"]
 )
@@ -148,7 +148,7 @@ def test_a_gif_has_its_frames_its_time_and_its_size(name: str) -> None:
     assert papers == [(255, 255, 255)] * 5
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_same_scene_gives_the_same_bytes() -> None:
     loop = Loop(Timing(3, 1.0), 320)
     once, again = (animated(scene("ellipse"), Format.GIF, loop, lambda done, total: None) for _ in range(2))

@@ -138,7 +138,7 @@ def writes_to_paths(text: str) -> bool:
     return any(isinstance(call, ast.Attribute) and call.attr in WRITES for call in calls)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_files_are_written_in_few_places() -> None:
     assert writes_to_paths("path.write_text(text)")
     found = {str(path.relative_to(SOURCE)) for path in SOURCE.rglob("*.py") if writes_to_paths(path.read_text())}
@@ -191,7 +191,7 @@ def test_a_check_loads_neither_meshes_nor_plots_nor_solvers(name: str) -> None:
     assert loaded_by("check", f"designs/{name}.yaml") & LIBRARIES == set()
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_check_of_a_table_loads_splines_and_nothing_more() -> None:
     """So the list above can be failed by what a design needs."""
     assert loaded_by("check", "designs/feeder-table.yaml") & LIBRARIES == {"scipy"}

@@ -80,7 +80,7 @@ def test_positions_cover_a_meeting_cycle_evenly(name: str, teeth: int, driven: i
 # --- exact flanks keep the law -------------------------------------------------------------------------------------
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "teeth"),
     [("uniform", 18), ("uniform 1:2", 24), ("uniform 3:2", 30), ("ellipse", 37), ("long ellipse", 60), ("sine", 25),
@@ -438,7 +438,7 @@ def test_tip_relief_is_a_transmission_error_of_its_own_depth() -> None:
         assert found.transmission_error_rad > 0.1 * relief.amount_mm / base
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["sine", "ellipse"])
 def test_relieved_flanks_of_other_gears_touch_where_their_fine_outlines_do(name: str) -> None:
     relief = TipRelief(0.03, 0.2, MODULE)

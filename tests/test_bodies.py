@@ -524,7 +524,7 @@ output: {chord_tolerance_mm: 0.02}
 """
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_helical_gears_have_the_same_bodies() -> None:
     """Their cuts go straight through every section; volumes add up."""
     solids = drive_of_text(HELICAL).solids

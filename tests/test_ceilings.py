@@ -73,7 +73,7 @@ def test_heights_under_their_ceiling_rise_no_more_steeply_than_it(heights: Heigh
     assert np.max(np.abs(np.diff(heights(at)))) > 5.0 * RISE * (at[1] - at[0])
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_ceiling_takes_nothing_but_the_way_up_to_the_jumps() -> None:
     at = np.linspace(0.0, LENGTH, 4001)
     lost = jumping(at) - np.minimum(jumping(at), along(ceiling_of(jumping), at))
@@ -82,7 +82,7 @@ def test_a_ceiling_takes_nothing_but_the_way_up_to_the_jumps() -> None:
     assert np.mean(lost) * LENGTH == pytest.approx(2 * 0.5 * 1.0 / 2.0, abs=2 * 2.0 * 0.5 * STEP)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_there_is_no_ceiling_over_smooth_heights() -> None:
     assert np.all(ceiling_of(waving).height_mm > 4.0 * MODULE)
 

@@ -31,7 +31,7 @@ def test_all_commands() -> None:
     assert offered("ncgear ") == [command.__name__ for command in COMMANDS]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("typed", "words"),
     [
@@ -47,7 +47,7 @@ def test_words(typed: str, words: list[str]) -> None:
     assert offered(typed) == words
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_files_are_designs_and_folders_that_may_hold_some(tmp_path: Path) -> None:
     for name in ("one.yaml", "other.yml", "points.csv", ".hidden.yaml", "below/deep.yaml"):
         (tmp_path / name).parent.mkdir(exist_ok=True)

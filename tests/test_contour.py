@@ -125,7 +125,7 @@ def test_a_curve_that_is_moved_by_two_tolerances_is_seen() -> None:
     assert farthest(ring_of(replace(contour, curves=curves)), exact_ring(gear)) > 1.5 * TOLERANCE
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_each_curve_begins_exactly_where_the_last_one_ends() -> None:
     for name in PITCHES:
         curves = contour_of(pair(name).driving, TOLERANCE).curves

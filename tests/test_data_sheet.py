@@ -61,7 +61,7 @@ def test_rows_fit_their_headings_and_every_number_is_finite(name: str) -> None:
         assert np.isfinite(numbers).all()
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_the_pitch_table_has_a_row_for_each_tooth_and_radii_that_meet(name: str) -> None:
     found = sheet(name)

@@ -107,7 +107,7 @@ def test_a_constant_torque_settles_at_the_closed_forms_depth() -> None:
     np.testing.assert_allclose(teeth.depth_mm[teeth.normal_n > 0.0], depth, rtol=1e-4)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_small_vibrations_have_the_closed_forms_frequency() -> None:
     """w^2 = N n k d^(n - 1) r^2 / M about the depth d at rest, the driving gear standing still."""
     smooth = frictionless(meshing("uniform", 24), damping_n_s_mm=0.0)
@@ -206,7 +206,7 @@ def test_a_fast_drive_reverses_the_load_of_the_teeth_and_a_slow_one_does_not() -
         assert (out.back_s.size > 0) is reverses
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_an_undercut_pair_bears_load_on_its_shorter_contact() -> None:
     kinds = {"undercut": True}
     _, pair = made("uniform", 12, **kinds)

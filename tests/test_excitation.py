@@ -88,7 +88,7 @@ def test_critical_speeds_of_the_drum() -> None:
 ONE = RodMasses(slider_kg=1.0)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("mechanism", "amplitude"), [(even(masses=ONE), 0.0), (uneven(masses=ONE), AMPLITUDE)])
 def test_harmonics_against_quadrature(mechanism: DrivenCrank, amplitude: float) -> None:
     """With 1 kg at the slider the shaking force of the oracle is minus the acceleration; trapezoidal, 240 points."""

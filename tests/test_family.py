@@ -183,7 +183,7 @@ def best(cap_w: float, *, inverse: bool, seed: int = 1) -> FamilyOptimum:
     return best_of_family(Family(IN_LINE, RESISTANCE, OMEGA, inverse), Peak.ACCELERATION, cap_w, seed=seed, starts=16)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("cap_w", "inverse", "at_most"),
     [
@@ -200,7 +200,7 @@ def test_the_reach_of_the_family_on_the_baler(cap_w: float, inverse: bool, at_mo
     assert abs(optimum.law.transmission.closure_error_rad) <= 1e-12
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_law() -> None:
     again = best_of_family(Family(IN_LINE, RESISTANCE, OMEGA, True), Peak.ACCELERATION, 18750.0, starts=16)
     assert again.request == best(18750.0, inverse=True).request

@@ -56,7 +56,7 @@ def found() -> Frontier:
 # --- points ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_caps_run_from_the_least_power_to_where_more_is_of_no_use() -> None:
     task, wishes = task_of(design(), mechanism_of(design().linkage)), wishes_of(design())
     caps = caps_w(task, wishes, 3)
@@ -79,7 +79,7 @@ def test_a_law_allowed_under_one_cap_is_allowed_under_every_higher_one() -> None
     assert [point.cap_w for point in best] == [1.0, 2.0, 3.0, 4.0, 5.0]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_familys_motion_makes_the_law_it_says() -> None:
     """As the motion of a design file, by way of the schema; cheap starts, for any law will do."""
     task = task_of(design(), mechanism_of(design().linkage))

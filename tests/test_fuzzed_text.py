@@ -87,7 +87,7 @@ def judge_texts(path: Path, count: int, number: int) -> None:
     judge()
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_mangled_designs_are_read_or_refused_with_a_place(tmp_path: Path) -> None:
     judge_texts(tmp_path / "d.yaml", 150, 10**6)
 

@@ -136,7 +136,7 @@ def test_more_hard_pairs_mesh(name: str) -> None:
     judge(SLOW[name], parted=name in PARTED)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "least"),
     [

@@ -86,7 +86,7 @@ CASES = {
 }
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=() if name == "lobes 2:3" else pytest.mark.slow) for name in CASES]
 )

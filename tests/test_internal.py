@@ -289,7 +289,7 @@ def involute(angle: Array) -> Array:
     return np.asarray(np.tan(angle) - angle)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["1:2", "1:3"])
 def test_spaces_of_a_circular_ring_are_involute_teeth_of_its_base_circle(law: str) -> None:
     """At radius r a space is pi/z - 2 inv(alpha_r) + 2 inv(alpha) wide, cos(alpha_r) = r_b2/r, as a tooth would be."""
@@ -412,7 +412,7 @@ def test_transmission_error_is_that_of_the_chords() -> None:
 # --- fouling -------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "teeth"), [("1:2", 60), ("4:5", 40), pytest.param("10:11", 40, marks=pytest.mark.slow)]
 )
@@ -455,7 +455,7 @@ def test_tips_that_would_foul_are_shortened() -> None:
     assert judge_of(pair, at.phi1_rad[::40]).report(11).overlap_depth.max() <= 1.06 * TOLERANCE
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_seven_teeth_more_on_the_ring_keep_clear() -> None:
     found, _ = contact_of(made("4:5", 28, 0.1))
     assert found.overlap_mm.max() <= TOLERANCE
@@ -599,7 +599,7 @@ def test_a_ratio_too_small_is_refused_at_the_key_of_the_mesh(tmp_path: Path) -> 
     assert caught.value.key == "gears.mesh"
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_rim_is_three_and_a_half_modules_where_the_file_says_nothing(tmp_path: Path) -> None:
     for path, rim in (
         (DESIGNS / "internal-1-2.yaml", 8.0),

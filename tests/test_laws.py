@@ -547,7 +547,7 @@ def test_two_lobes_run_the_same_law_twice_as_often(single: str, double: str) -> 
     assert np.max(np.abs(2.0 * once.derivative(1) - twice.derivative(1))) <= 1e-11
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_published_law_against_mpmath_over_the_whole_turn() -> None:
     angles = BALER.theta1_rad, BALER.theta2_rad, BALER.theta3_rad, BALER.theta4_rad
     speeds = BALER.v1_mm_s, BALER.v2_mm_s, BALER.a1_mm_s2

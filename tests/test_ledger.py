@@ -217,7 +217,7 @@ def test_spectra_have_lines() -> None:
         assert Printed((text,)).agrees(computed(lines * LINE_HZ)), text
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_command_writes_the_page(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "ncgear", "reproduce", "--out", str(tmp_path)]
     done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)

@@ -331,7 +331,7 @@ def test_other_machines_are_enclosed(linkage: str, resistance: str) -> None:
         assert found.value <= coarse.attained
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_pressure_angle_links_the_strokes() -> None:
     free = acceleration(60.0, 12000.0).value
     found = [
@@ -345,7 +345,7 @@ def test_pressure_angle_links_the_strokes() -> None:
     assert all(bound.gap < 0.02 for bound in found)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_weighted_sum_against_a_scan_of_powers() -> None:
     weights = Weights(1.0 / 20000.0, 1.0 / 9000.0)
     found = least_weighted_sum(AT_SIXTY, USUAL, weights)

@@ -107,7 +107,7 @@ def test_every_limit_is_kept_by_exact_figures(name: str) -> None:
         assert peak_moving_power(wishes, limits.mass_kg) <= limits.peak_power_w * ROUNDING
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_each_of_those_limits_binds() -> None:
     """Control of the test above: without its limit the same law would break it."""
     free = judged(HALF)
@@ -316,7 +316,7 @@ def test_size_scales_away() -> None:
     assert found.peak_acceleration_mm_s2 == pytest.approx(2.0 * judged(HALF).peak_acceleration_mm_s2, rel=1e-6)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_lobes_of_the_driving_gear_are_a_matter_of_speed() -> None:
     """Two lobes at half the speed: the same motion of the slider, at half the ratio."""
     two = Task(BALER_LINKAGE, PRESS, 30.0 * RPM, Lobes(2))
@@ -325,7 +325,7 @@ def test_lobes_of_the_driving_gear_are_a_matter_of_speed() -> None:
     assert judged(wishes, two).peak_acceleration_mm_s2 == pytest.approx(judged(one).peak_acceleration_mm_s2, rel=1e-5)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_next_to_no_mass_is_none() -> None:
     light = replace(HALF, limits=replace(HALF.limits, mass_kg=1e-6))
     assert judged(light).peak_acceleration_mm_s2 == pytest.approx(judged(HALF).peak_acceleration_mm_s2, rel=1e-5)

@@ -42,7 +42,7 @@ def test_size_is_the_torque_over_the_arm_of_the_flanks_normal(name: str, teeth: 
     assert found[flanks] == pytest.approx(TORQUE / first.lever_mm[flanks], rel=1e-12)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), PAIRS)
 def test_the_other_flanks_have_other_arms(name: str, teeth: int) -> None:
     """Negative control: with the sense of the torque mistaken, sizes are off by several per cent somewhere."""

@@ -64,12 +64,12 @@ def test_there_are_messages() -> None:
     assert len(messages()) > 150
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_keys_that_messages_name_are_keys_of_files() -> None:
     assert {where: wrong for where, text in messages().items() if (wrong := unknown_keys(text))} == {}
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_messages_have_no_words_of_the_code() -> None:
     assert {where: text for where, text in messages().items() if JARGON.search(text)} == {}
 

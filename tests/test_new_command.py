@@ -48,7 +48,7 @@ def at_terminal(arguments: Sequence[str], answers: Sequence[str], folder: Path) 
     return os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]), shown + since
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_terminal_is_asked_and_told_what_is_wrong(tmp_path: Path) -> None:
     unknown, ellipse = str(len(LawName) + 1), str(list(LawName).index(LawName.ELLIPSE) + 1)
     answers = ["no name", "press", unknown, ellipse, "-3", "40", "x", "30", "", "60", "31", "~", " ", "2", "8"]
@@ -67,7 +67,7 @@ def test_a_terminal_is_asked_and_told_what_is_wrong(tmp_path: Path) -> None:
     assert (design.gears.teeth, design.gears.module_mm, design.gears.face_width_mm) == (31, 2, 8)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_what_flags_say_is_not_asked(tmp_path: Path) -> None:
     flags = ["--law", "uniform_crank", "--crank-mm", "20", "--speed-rpm", "9", "--teeth", "20", "--module-mm", "1"]
     status, shown = at_terminal(["new", "a", *flags], ["\n", "5\n"], tmp_path)

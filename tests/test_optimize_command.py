@@ -93,7 +93,7 @@ def test_without_a_block_the_least_acceleration_is_looked_for(run: Run) -> None:
     assert out.startswith("press: least acceleration at 60 r/min")
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_long_name_stays_a_name(run: Run) -> None:
     name = "x" * 64
     assert run(HEAD.replace("name: press", f"name: {name}") + FEW)[0] == 0
@@ -102,7 +102,7 @@ def test_a_long_name_stays_a_name(run: Run) -> None:
     assert written.stem.endswith("-optimized")
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_points_of_another_file_come_along(run: Run, tmp_path: Path) -> None:
     """The written design stands in another folder, where the file of points is not."""
     Path(tmp_path, "force.csv").write_text("displacement_mm,force_n\n0,0\n300,1000\n760,20000\n")
@@ -260,7 +260,7 @@ def test_an_optimisation_loads_no_meshes(tmp_path: Path) -> None:
     assert loaded(tmp_path, ["optimize", "d.yaml"], heavy) == "loaded: ['casadi']"
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_check_and_help_load_no_solver(tmp_path: Path) -> None:
     Path(tmp_path, "d.yaml").write_text(HEAD + FEW)
     assert loaded(tmp_path, ["check", "d.yaml"], ("casadi",)) == "loaded: []"

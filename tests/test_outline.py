@@ -286,7 +286,7 @@ def test_teeth_advanced_by_a_pitch_make_the_same_gears(name: str, teeth: int) ->
         assert np.roll(tips[0].height_mm, -2) == pytest.approx(tips[1].height_mm, abs=1e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.2, 0.9])
 def test_a_circular_gear_is_the_same_wherever_its_teeth_begin(share: float) -> None:
     """Turned back by the advance; the seam at phi1 = 0 is then somewhere else on the teeth."""

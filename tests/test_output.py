@@ -367,7 +367,7 @@ def power_png(own: SliderMotion, uniform: SliderMotion, title: str, joints_deg: 
     return beside_png([(chart, over_displacement(chart, (own, uniform))) for chart in charts], title)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("draw", [motion_png, power_png])
 @pytest.mark.parametrize("joints", [np.empty(0), np.array([57.0, 115.0])])
 def test_curves_are_drawn(draw: Any, joints: np.ndarray) -> None:
@@ -409,7 +409,7 @@ gears:
 """
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_build_writes_a_whole_set_of_files(tmp_path: Path) -> None:
     stages: list[str] = []
     out = tmp_path / "out"
@@ -442,7 +442,7 @@ def test_build_into_a_file_is_refused_before_any_stage(tmp_path: Path) -> None:
     assert not stages
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_failing_build_leaves_the_last_good_one(tmp_path: Path) -> None:
     out = tmp_path / "out"
     build(drive_of_text(DESIGN), out, lambda _: None)

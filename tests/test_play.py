@@ -185,7 +185,7 @@ def test_play_of_a_circular_pair_is_its_backlash_angle(backlash: float) -> None:
         assert way.max() <= (room + 2.0 * tolerance) / base
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_very_fine_outlines_touch_where_the_law_says() -> None:
     found, at = play("sine", 25, tolerance=2e-5)
     assert np.abs(found.down_rad).max() <= 2.0 * 2e-5 / (least_driven_radius(at) * cos(radians(40.0)))

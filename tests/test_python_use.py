@@ -31,7 +31,7 @@ sys.exit(sum(doctest.testmod(module).failed for module in modules))
 """In a process of its own, as the examples open figures of pyplot's."""
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_examples_in_docstrings_are_true() -> None:
     environment = {"MPLBACKEND": "Agg", "PYTHONPATH": str(ROOT / "src")}
     done = subprocess.run([sys.executable, "-c", EXAMPLES], cwd=ROOT, env=environment, capture_output=True, text=True)

@@ -38,7 +38,7 @@ def test_circular_gears_give_way_by_the_closed_form() -> None:
     np.testing.assert_array_equal(loaded.pairs[alone], pairs[alone])
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), PAIRS)
 def test_the_teeth_bring_the_torque(name: str, teeth: int) -> None:
     torque = 2e4 * np.sin(3.0 * ANGLES)
@@ -50,7 +50,7 @@ def test_the_teeth_bring_the_torque(name: str, teeth: int) -> None:
     assert np.all(pushed[torque < -100.0] < held[torque < -100.0])
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), PAIRS)
 def test_without_friction_the_drive_puts_in_what_the_load_takes(name: str, teeth: int) -> None:
     """What the contact stores is given back over a turn: the work of both torques is the same."""
@@ -103,7 +103,7 @@ def test_a_reversed_torque_takes_the_play_up() -> None:
     assert np.median(ahead - behind) == pytest.approx(0.1 / BASE, rel=0.05)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("exponent", [1.0, 1.5, 3.0])
 def test_a_stiffer_law_of_impact_gives_way_less(exponent: float) -> None:
     torque = np.full_like(ANGLES, 2e4)

@@ -70,7 +70,7 @@ def test_the_savings_are_todays(name: str, words: str) -> None:
     assert words in BALER
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_what_is_possible_is_todays() -> None:
     """The table of docs/baler.md, whose thin spaces part thousands."""
     rows = re.findall(r"^\| `designs/([\w-]+)\.yaml`[^|]*\| ([\d ]+) \| ([\d ]+) \|", BALER, flags=re.MULTILINE)

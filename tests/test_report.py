@@ -73,7 +73,7 @@ def asked_for(page: str) -> list[str]:
     return attributes + [found for style in styles for found in re.findall(r"@import.*|url\((?!#)[^)]*\)", style)]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_page_asks_for_nothing() -> None:
     page = reports.page("baler")
     assert asked_for(page) == []
@@ -287,7 +287,7 @@ def farthest_from_curve(of: PageChart, angle_deg: tuple[float, float]) -> float:
     return float(max(shapely.distance(cursor, shapely.points(points_of_own_line(figure.drawing)))))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(8))
 def test_the_cursor_runs_on_the_drawn_curve(number: int) -> None:
     pair = drives.drive("baler"), reports.contacts("baler")[0]

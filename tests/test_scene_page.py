@@ -224,7 +224,7 @@ def text_of(page: str) -> str:
     return re.search(r"<body>(.*)</body>", done.stdout, flags=re.DOTALL)[1].strip()
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @in_a_browser
 @every_scene
 def test_the_script_puts_bodies_where_the_law_does(name: str) -> None:

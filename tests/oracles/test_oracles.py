@@ -40,7 +40,7 @@ def return_angles(baler: stroke.Cycle) -> list[stroke.Real]:
     return [baler.working.theta4 + (2 * mp.pi - baler.working.theta4) * k / 120 for k in range(1, 121)]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_baler_closes_at_the_known_law_speed(baler: stroke.Cycle) -> None:
     assert float(baler.working.omega) == pytest.approx(5.5301, abs=5e-5)
     assert abs(baler.working.displacement("13*pi/10") - 760) < mp.mpf(10) ** -50
@@ -70,7 +70,7 @@ def test_ratio_range_over_the_turn(
     assert max(ratios) == pytest.approx(2.05, abs=0.01)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_peak_power_and_acceleration(
     baler: stroke.Cycle, working_angles: list[stroke.Real], return_angles: list[stroke.Real]
 ) -> None:
@@ -181,7 +181,7 @@ def flank_points(teeth: int, tooth_at_zero: bool = True, thinning: float = 0.0) 
     return shapely.points((radius * np.cos(angle)).ravel(), (radius * np.sin(angle)).ravel())
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("tooth_at_zero", [True, False])
 @pytest.mark.parametrize("turn", [lambda curve: curve, mirrored], ids=["counter-clockwise", "clockwise"])
 def test_rack_on_a_circle_leaves_the_involute(
@@ -241,14 +241,14 @@ def conjugate_flank_points(curve: rack_cut.PitchCurve, teeth: int) -> np.ndarray
     return shapely.points(np.vstack(found))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_rack_on_a_convex_curve_leaves_conjugate_flanks() -> None:
     curve = lobed_curve(0.1, 40)
     gear = rack_cut.cut(curve, TOOTH, 40, True, positions_per_pitch=50)
     assert rack_cut.deviation_of_points(conjugate_flank_points(curve, 40), gear).max() < 5e-5
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_on_a_concave_curve_the_pinion_is_right_and_the_rack_gouges() -> None:
     curve = lobed_curve(0.3, 60)
     flanks = conjugate_flank_points(curve, 60)
@@ -363,7 +363,7 @@ def test_written_files_are_read_back(tmp_path: Path) -> None:
     assert pair.report(97).overlap_depth.max() < 1e-5
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_cut_pair_meshes() -> None:
     driving = rack_cut.cut(circle_curve(25.0), TOOTH, 25, True)
     driven = affinity.rotate(rack_cut.cut(circle_curve(30.0), TOOTH, 30, False), 180, (0, 0))
