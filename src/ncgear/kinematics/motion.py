@@ -97,11 +97,10 @@ class Machine:
         )
 
 
-def sample_angles(transmission: Transmission, least: int = 2001) -> Array:
-    """Even driving angles over one cycle and at least one turn of the driving gear, both ends included."""
+def sample_angles(transmission: Transmission) -> Array:
+    """Even driving angles over one cycle and at least one turn of the driving gear, both ends included, 2000 a turn."""
     end = max(2.0 * pi, transmission.cycle_rad)
-    count = int(np.ceil((least - 1) * end / (2.0 * pi))) + 1
-    return np.linspace(0.0, end, count)
+    return np.linspace(0.0, end, int(np.ceil(2000 * end / (2.0 * pi))) + 1)
 
 
 SHARP_RAD = 0.5

@@ -133,7 +133,7 @@ class Mechanism(Mechanisms[float]):
 
     @classmethod
     def many(cls, **lengths: Array) -> Mechanisms[Array]:
-        """Many mechanisms of this kind, whether or not their cranks turn; by default an instance with arrays as lengths."""
+        """Many mechanisms of this kind, whether or not their cranks turn fully; lengths of shape (n,)."""
         made: Any = cls
         found: Mechanisms[Array] = made(**lengths)
         return found

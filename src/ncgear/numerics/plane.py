@@ -49,7 +49,10 @@ def angle_between(first: ComplexArray, second: ComplexArray) -> Array:
 
 
 def signed_area(ring: Array) -> Array:
-    """Areas, shape (...), of closed polygons, shape (..., n, 2), first point not repeated; positive counter-clockwise."""
+    """Areas, shape (...), of closed polygons, shape (..., n, 2), whose first point is not repeated.
+
+    The area is positive where the points run counter-clockwise.
+    """
     x, y = ring[..., 0], ring[..., 1]
     return np.asarray(np.sum(x * np.roll(y, -1, axis=-1) - y * np.roll(x, -1, axis=-1), axis=-1) / 2.0)
 
