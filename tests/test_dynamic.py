@@ -32,6 +32,7 @@ from ncgear.dynamics.motion_in_time import (
     ToothedMachine,
     course,
     law_torque_n_mm,
+    meetings_s,
     started,
 )
 from ncgear.dynamics.quasi_static import loaded_contact
@@ -191,7 +192,7 @@ def test_damping_takes_energy_at_every_knock() -> None:
 def test_without_play_a_reversed_load_changes_flanks_at_once() -> None:
     out = run(mechanism(meshing("sine", 31), slider_load((0.0,))), "sine", 0.6)
     assert out.pushing_s.size >= 2
-    np.testing.assert_allclose(out.pushing_s, out.back_s, atol=1e-3)
+    np.testing.assert_allclose(out.pushing_s, meetings_s(out.mechanism, out.time_s, out.at, -1.0), atol=1e-3)
 
 
 @pytest.mark.slow
@@ -203,7 +204,7 @@ def test_a_fast_drive_reverses_the_load_of_the_teeth_and_a_slow_one_does_not() -
         least = law_torque_n_mm(found, LAWS["uniform"](), angles).min()
         assert bool(least < 0.0) is reverses
         out = run(found, "uniform", 0.45)
-        assert (out.back_s.size > 0) is reverses
+        assert (meetings_s(out.mechanism, out.time_s, out.at, -1.0).size > 0) is reverses
 
 
 @pytest.mark.slow

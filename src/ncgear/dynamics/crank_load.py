@@ -10,8 +10,8 @@ chapter 9) is
 
     M(q) q.. + M'(q) q.^2 / 2 + U'(q) = moment of the teeth
 
-The resistance acts in the working stroke and by place alone, as in the check of power: a slider that moves back a
-little within the stroke is pushed back with the force it had there.
+The resistance acts in the working stroke and depends on the place alone, as in the check of power: a slider that moves
+back a little within the stroke is pushed back with the force it had there.
 """
 
 from __future__ import annotations
@@ -34,32 +34,17 @@ from ncgear.numerics.periodic_table import PeriodicTable, cubics
 from ncgear.numerics.units import N_PER_KG_MM_S2
 
 
-@dataclass(frozen=True, eq=False)
-class ReducedInertia:
-    """M in kg mm^2 and dM/dq in kg mm^2/rad at n crank angles, shape (n,) each."""
+def reduced_inertia(moving: Sequence[MovingMass], masses: Masses) -> tuple[Array, Array]:
+    """M in kg mm^2 and dM/dq in kg mm^2/rad at n crank angles, shape (n,) each.
 
-    inertia_kg_mm2: Array
-    change_kg_mm2_rad: Array
-
-    def torque_n_mm(self, speed_rad_s: Array, acceleration_rad_s2: Array) -> Array:
-        """Torque on the crank shaft that moves the masses so."""
-        return N_PER_KG_MM_S2 * (
-            self.inertia_kg_mm2 * acceleration_rad_s2 + 0.5 * self.change_kg_mm2_rad * speed_rad_s**2
-        )
-
-    def energy_n_mm(self, speed_rad_s: Array) -> Array:
-        """Kinetic energy."""
-        return N_PER_KG_MM_S2 * 0.5 * self.inertia_kg_mm2 * speed_rad_s**2
-
-
-def reduced_inertia(moving: Sequence[MovingMass], masses: Masses) -> ReducedInertia:
-    """The moving masses, whose places need derivatives of order 2 by the crank's angle, and what turns with it."""
+    ``moving`` are all masses but those that turn with the crank; their places need derivatives of order 2 by its angle.
+    """
     each = [
         one.mass_kg * (_squared(one.center.x) + _squared(one.center.y)) + one.inertia_kg_mm2 * _squared(one.angle)
         for one in moving
     ]
     whole = reduce(add, each) + masses.crank_shaft_kg_mm2
-    return ReducedInertia(whole.value, whole.derivative(1))
+    return whole.value, whole.derivative(1)
 
 
 def _squared(place: Jet) -> Jet:
@@ -68,7 +53,8 @@ def _squared(place: Jet) -> Jet:
 
 
 INTERVALS = 4096
-"""In a turn: torques of the shipped baler are then met to 1e-9 of the largest (tests/test_crank_load.py)."""
+"""Intervals of the table in a turn; torques of the shipped baler are then met to 1e-9 of the largest
+(tests/test_crank_load.py)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,27 +68,27 @@ class CrankLoad:
     dead_centres_rad: tuple[float, float]
 
     def acceleration_rad_s2(self, angle_rad: Array, speed_rad_s: Array, moment_n_mm: Array) -> Array:
-        """Of the crank shaft under a moment of the teeth; any shape."""
+        """Acceleration of the crank shaft under a moment of the teeth; any shape."""
         value, slope = self.table.at(angle_rad)
         moving = moment_n_mm - slope[..., 1] - 0.5 * slope[..., 0] * speed_rad_s**2
         acceleration: Array = moving / value[..., 0]
         return acceleration
 
     def torque_n_mm(self, angle_rad: Array, speed_rad_s: Array, acceleration_rad_s2: Array) -> Array:
-        """What the teeth have to bring for a motion; any shape."""
+        """Moment that the teeth have to bring for a motion; any shape."""
         value, slope = self.table.at(angle_rad)
         torque: Array = value[..., 0] * acceleration_rad_s2 + 0.5 * slope[..., 0] * speed_rad_s**2 + slope[..., 1]
         return torque
 
     def energy_n_mm(self, angle_rad: Array, speed_rad_s: Array) -> Array:
-        """Kinetic energy, and what has been put into resistance and weights since the angle 0; shapes broadcast."""
+        """Kinetic energy plus the work put into resistance and weights since the angle 0; shapes broadcast."""
         values, _ = self.table.at(angle_rad)
         energy: Array = 0.5 * values[..., 0] * speed_rad_s**2 + values[..., 1]
         return energy
 
 
 def crank_load(linkage: Mechanism, masses: Masses, resistance: Resistance) -> CrankLoad:
-    """The linkage's load; raises WrongInput where nothing has inertia, as without a gear at a dead centre."""
+    """The load of a mechanism; raises WrongInput where nothing has inertia, as at a dead centre without a gear."""
     working = linkage.working_angle_rad
     parts = [_knots(0.0, working), _knots(working, 2.0 * pi)]
     whole = resistance.work_n_mm(np.array([linkage.stroke_mm]), linkage.stroke_mm)
@@ -111,8 +97,8 @@ def crank_load(linkage: Mechanism, masses: Masses, resistance: Resistance) -> Cr
     knots = np.concatenate([parts[0], parts[1][1:]])
     angle = Jet.variable(knots, 2)
     moving = linkage.moving_masses(angle, masses)
-    inertia = reduced_inertia(moving, masses)
-    if not float(inertia.inertia_kg_mm2.min()) > 0.0:
+    inertia, change = reduced_inertia(moving, masses)
+    if not float(inertia.min()) > 0.0:
         raise WrongInput(
             "nothing that turns with the crank has inertia, and at the dead centres nothing else has: give "
             "driven_gear_kg_mm2 or the crank's inertia_kg_mm2",
@@ -121,8 +107,8 @@ def crank_load(linkage: Mechanism, masses: Masses, resistance: Resistance) -> Cr
     crank = linkage.crank_body(angle, masses.crank_center_mm).center
     weight = _potential([*moving, MovingMass(masses.crank_kg, crank, angle)], masses)
     work_value, work_slope = (np.concatenate([work[0][row], work[1][row][1:]]) for row in (0, 1))
-    values = np.column_stack([N_PER_KG_MM_S2 * inertia.inertia_kg_mm2, work_value + weight.value])
-    slopes = np.column_stack([N_PER_KG_MM_S2 * inertia.change_kg_mm2_rad, work_slope + weight.derivative(1)])
+    values = np.column_stack([N_PER_KG_MM_S2 * inertia, work_value + weight.value])
+    slopes = np.column_stack([N_PER_KG_MM_S2 * change, work_slope + weight.derivative(1)])
     table = cubics(np.diff(knots), (values[:-1], slopes[:-1]), (values[1:], slopes[1:]))
     return CrankLoad(PeriodicTable(knots, table, np.array([0.0, float(work_value[-1])])), (0.0, working))
 

@@ -1,8 +1,8 @@
 """When pairs of teeth touch, as tables over the driving angle.
 
 A pair touches at the law's driven angle along its path of contact; where only a corner of its teeth would touch, the
-driven gear has a way to go first.  The slope of the touching angle is no difference of samples: the common normal gives
-the speeds at which both gears pass along it.  The contacts of each pair stand in rows along the positions; a row
+driven gear has a way to go first.  The slope of the touching angle is not a difference of samples: it follows from the
+speeds of both gears along the common normal.  The contacts of each pair stand in a row along the positions; the row
 reaches into the intervals between its positions and one interval beyond either end.
 """
 
@@ -31,7 +31,7 @@ class Rows:
     """The first contact of n pairs and positions, in the order of pairs and then positions; shape (n,) each.
 
     ``values`` (shape (n, q)) are the quantities to be followed, the first of them the driven angle beyond the law's;
-    ``drift`` is that one's slope by the driving angle, which is known.  ``teeth`` (shape (n, 2)) counts from 1.
+    ``drift`` is the known slope of that angle by the driving angle.  ``teeth`` (shape (n, 2)) counts from 1.
     """
 
     urge: Array
@@ -57,7 +57,7 @@ class Rows:
         return np.cumsum(np.append(0, np.any(np.diff(whole, axis=0) != 0, axis=1)))
 
     def neighbours(self, step: int, count: int) -> IndexArray:
-        """The row of the same pair so many of ``count`` positions on, -1 where there is none, shape (n,)."""
+        """The row of the same pair ``step`` positions on, of ``count`` in all; -1 where there is none, shape (n,)."""
         key = self.pair * count + self.position
         wanted = self.pair * count + (self.position + step) % count
         found = np.minimum(np.searchsorted(key, wanted), key.size - 1)
@@ -76,7 +76,7 @@ def first_rows(contacts: Contacts, urge: float, values: Array, drift: Array) -> 
 
 @dataclass(frozen=True, eq=False)
 class Stretches:
-    """Cubics of rows over intervals, in the order of these: ``coefficients`` of shape (4, k, q), the others (k,)."""
+    """Cubics of rows over intervals, sorted by interval; ``coefficients`` have shape (4, k, q), the others (k,)."""
 
     row: IndexArray
     interval: IndexArray
@@ -110,9 +110,10 @@ def _ends(
 
 
 def _slopes(rows: Rows, placement: Placement, preceding: IndexArray, following: IndexArray) -> Array:
-    """Slopes of all values by the driving angle: known of the first, by differences of neighbours of the rest.
+    """Slopes of all values by the driving angle.
 
-    At a row's ends the rest rest: arms that fall towards a grazing contact must not go on to below zero.
+    The slope of the first value is known; the others' are differences between neighbours, and zero at a row's ends:
+    arms that fall towards a grazing contact must not go on to below zero.
     """
     inner = np.nonzero((preceding >= 0) & (following >= 0))[0]
     width, position = _widths(placement), rows.position[inner]
@@ -129,9 +130,9 @@ def _widths(placement: Placement) -> Array:
 
 
 def reach_rad(rows: Rows, placement: Placement) -> Array:
-    """Least driven angle between the end of a row and the first contact of its side there; inf where none ends.
+    """Least driven angle between the end of a row and the first contact of its side there.
 
-    For each interval between positions, shape (count,).
+    There is one for each interval between positions, shape (count,); inf where no row ends.
     """
     count = placement.count
     behind = np.full(count, np.inf)
@@ -149,8 +150,8 @@ def reach_rad(rows: Rows, placement: Placement) -> Array:
 
 
 PER_TOOTH = 80
-"""Positions per tooth pitch: at the ends of contact, where gaps begin to grow with the square of the way, first touches
-are then met to some millionths of a radian (tests/test_gaps.py)."""
+"""Positions per tooth pitch.  At the ends of contact gaps begin to grow with the square of the way; with so many
+positions first touches are met to some millionths of a radian even there (tests/test_gaps.py)."""
 
 WITHIN_IN_MODULES = 0.5
 """Depth to which teeth are followed into each other: deeper than any law of impact holds."""
@@ -162,8 +163,8 @@ class Near:
 
     ``urge`` is +1 on pushing flanks, -1 on their backs and 0 in empty slots.  ``error_rad`` is the driven angle beyond
     the law's at which the pair touches, ``lever_mm`` the arm of its normal force about the driven axis; ``slopes`` are
-    these two's by the driving angle.  ``driving_mm`` and ``driven_mm`` are the speeds, in mm per rad of each gear's own
-    angle, at which their points pass along the tangent that leads outwards from the driven axis.
+    the slopes of these two by the driving angle.  ``driving_mm`` and ``driven_mm`` are the speeds, in mm per rad of
+    each gear's own angle, at which their points pass along the tangent that leads outwards from the driven axis.
     """
 
     urge: Array
@@ -180,8 +181,8 @@ class Gaps:
 
     ``urge`` has shape (intervals, slots), ``table`` the four quantities of each slot.  ``pair`` tells the driving and
     the driven tooth of each slot, from 1; 0 where it is empty; shape (intervals, slots, 2).  ``reach_rad`` is how far,
-    in each interval, the driven gear may be pressed beyond the first contact before a pair is missed that the tables do
-    not follow; inf where they miss none.
+    in each interval, the driven gear may be pressed beyond the first contact before a pair touches that the tables do
+    not follow; inf where there is no such pair.
     """
 
     table: PeriodicTable
@@ -204,7 +205,7 @@ class Gaps:
         return pushing, back
 
     def require_reach(self, phi1_rad: Array, error_rad: Array) -> None:
-        """Refuse driven angles beyond the law's at which teeth are deeper in each other than they are followed.
+        """Refuse driven angles beyond the law's at which teeth are deeper in each other than the tables follow them.
 
         Raises NoSuchMechanism.
         """
@@ -216,7 +217,7 @@ class Gaps:
 
 
 def gaps_of(teeth: ToothedPair, pitch: PitchPair, per_tooth: int = PER_TOOTH) -> Gaps:
-    """The pairs of a mesh, from contacts at so many positions per tooth (an even number)."""
+    """The pairs of a mesh, from contacts at ``per_tooth`` positions per tooth (an even number)."""
     placement = placed(pitch, per_tooth)
     found = contacts_within(teeth, placement, WITHIN_IN_MODULES * teeth.driving.flanks.rack.module_mm)
     sides = [_rows(contacts, urge, placement) for contacts, urge in zip(found, (1.0, -1.0), strict=True)]
@@ -228,7 +229,7 @@ def _rows(contacts: Contacts, urge: float, placement: Placement) -> Rows:
     tangent = placement.fixed_directions(contacts.tangent, contacts.position, contacts.error_rad)
     place = contacts.fixed_points(placement)
     from_axis = place - placement.center_distance_mm
-    # Oriented by the normal force, whose arm never changes its sign, not by the way out, which a steep tangent does
+    # The sense is that of the normal force, whose arm keeps its sign; the way outwards does not on a steep tangent
     tangent = tangent / np.abs(tangent) * np.sign(along(tangent, from_axis))
     lever = along(tangent, from_axis)
     driving, driven = along(tangent, 1j * place), placement.mesh.sense * along(tangent, 1j * from_axis)

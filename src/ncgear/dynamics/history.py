@@ -34,8 +34,8 @@ class History:
 
     ``slide`` is the slider's motion, ``law`` the one it would have on the law at the machine's speed;
     ``error_rad`` is the driven angle beyond the law's.  ``pushing_n`` and ``back_n`` are the largest normal forces of
-    any pair on either side of the teeth, ``torque_n_mm`` is the drive's.  ``joints`` are the forces in the linkage,
-    ``mesh`` is that of all teeth on the driven gear, which the driving shaft's bearings bear as it is.
+    any pair on either side of the teeth, ``torque_n_mm`` is the drive's.  ``joints`` are the forces in the mechanism,
+    ``mesh`` is the force of all teeth on the driven gear; the driving shaft's bearings exert the same force.
     """
 
     time_s: Array
@@ -57,7 +57,7 @@ class History:
 
 
 def history(course: Course, machine: RigidMachine, place: MeshPlace, per_turn: int = PER_TURN) -> History:
-    """The motion at so many even times in each turn, of the machine and the mesh that the course was made for."""
+    """The motion at even times, ``per_turn`` in each turn; the course must be one of this machine and mesh."""
     mechanism = course.mechanism
     turns = float(course.states[0, -1] - course.states[0, 0]) / (2.0 * np.pi)
     time_s = np.linspace(0.0, float(course.time_s[-1]), max(2, round(per_turn * turns) + 1))
@@ -83,7 +83,7 @@ def history(course: Course, machine: RigidMachine, place: MeshPlace, per_turn: i
 
 
 def parted_s(course: Course) -> Array:
-    """Times from and to which no pushing flanks touch, shape (k, 2)."""
+    """Starts and ends of the times at which no pushing flanks touch, shape (k, 2)."""
     edges = np.unique(np.concatenate([[0.0], course.pushing_s, course.time_s[-1:]]))
     states = course.at((edges[1:] + edges[:-1]) / 2.0)
     near = course.mechanism.meshing.gaps.play_rad(states[0])[0]
@@ -92,6 +92,6 @@ def parted_s(course: Course) -> Array:
 
 
 def _slide(displacement: Jet, speed_rad_s: Array, acceleration_rad_s2: Array) -> Slide:
-    """From the displacement by an angle, and how the angle changes in time."""
+    """The slider's motion, from its displacement as a jet by an angle, and the angle's speed and acceleration."""
     slope, bend = displacement.derivative(1), displacement.derivative(2)
     return Slide(displacement.value, slope * speed_rad_s, bend * speed_rad_s**2 + slope * acceleration_rad_s2)

@@ -6,7 +6,7 @@ from enum import StrEnum
 
 
 class Level(StrEnum):
-    """How much of the machine gives way; each level uses the stages below it and no more."""
+    """What gives way: nothing, the teeth under a load at rest, or the teeth in a motion of masses in time."""
 
     RIGID = "rigid"
     QUASI_STATIC = "quasi_static"

@@ -39,9 +39,9 @@ class MeshPlace:
 class MeshForce:
     """Force in N on the driven gear, its size, and its pressure angle in rad, as jets by the driving angle.
 
-    Of helical teeth it is the part across the axes.  The pressure angle is counted from the normal to the line of
-    centres, positive where the force drives the axes apart (of a ring: together).  From 90 degrees on no force can hold
-    the torque, and the size is negative.
+    On helical teeth it is the component perpendicular to the axes.  The pressure angle is counted from the normal to
+    the line of centres, positive where the force drives the axes apart (on a ring: together).  From 90 degrees on no
+    force can hold the torque, and the size is negative.
     """
 
     force: Vector
@@ -52,8 +52,8 @@ class MeshForce:
 def mesh_force(place: MeshPlace, slope: Jet, torque_n_mm: Jet) -> MeshForce:
     """The force for a torque asked of the driven gear, in its sense of turning.
 
-    ``slope`` is dphi2/dphi1 with one derivative more than the torque has.  Where nothing is asked, the angle is that of
-    the flanks that push.
+    ``slope`` is dphi2/dphi1 with one derivative more than the torque has.  Where the torque is 0, the pressure angle is
+    the one of the pushing flanks.
     """
     side = np.where(torque_n_mm.value < 0.0, -1.0, 1.0)
     radius = shape.radius(slope, Gear.DRIVEN, place.mesh).truncated(torque_n_mm.order) * place.center_distance_mm
@@ -67,7 +67,7 @@ def mesh_force(place: MeshPlace, slope: Jet, torque_n_mm: Jet) -> MeshForce:
 def _directions(place: MeshPlace) -> tuple[Vector, Vector]:
     """Unit vectors at the pitch point: as the driven gear moves there, and away from the driving axis.
 
-    The crank turns clockwise; the pitch point lies towards the driving axis, of a ring beyond it.
+    The crank turns clockwise; the pitch point lies towards the driving axis, or beyond it on a ring.
     """
     towards = Vector(cos(place.driving_axis_rad), sin(place.driving_axis_rad))
     return Vector(towards.y, -towards.x), towards * place.mesh.sense

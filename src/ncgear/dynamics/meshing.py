@@ -13,9 +13,9 @@ gradient of d, so that no energy comes from the tables: what the gears lose is w
 damping and friction take.
 
 The force of all teeth on the driven gear as a vector follows from the speeds at which both gears pass along the
-tangent.  With t the unit tangent, z the place of contact, both axes on the line of centres a apart and s = -1, of a
-ring +1: the arm t.(z - a) is the lever, t.z = s t.(z - a) dphi2/dphi1 by the law of gearing, so that t.a is known from
-them; in the same way a across t from the tangential speeds.
+tangent.  Let t be the unit tangent, z the place of contact, a the way from the driving to the driven axis, and s = -1,
+on a ring +1.  The arm t.(z - a) is the lever, and t.z = s t.(z - a) dphi2/dphi1 by the law of gearing; their difference
+is t.a.  The tangential speeds give the component of a across t in the same way.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from ncgear.numerics.plane import Vector
 
 @dataclass(frozen=True)
 class Impact:
-    """Stiffness in N/mm^exponent, damping in N s/mm, which is full from a depth in mm on."""
+    """Stiffness in N/mm^exponent, and damping in N s/mm, which reaches its full value at a depth in mm."""
 
     stiffness: float
     exponent: float
@@ -42,7 +42,7 @@ class Impact:
     full_damping_depth_mm: float
 
     def elastic_n(self, depth_mm: Array) -> Array:
-        """What the depth alone gives; 0 where bodies do not touch."""
+        """Force that the depth alone gives; 0 where bodies do not touch."""
         pressed: Array = self.stiffness * np.maximum(depth_mm, 0.0) ** self.exponent
         return pressed
 
@@ -62,7 +62,10 @@ class Impact:
         return self.elastic_n(depth_mm) * np.maximum(depth_mm, 0.0) / (self.exponent + 1.0)
 
     def loss_n_mm_s(self, depth_mm: Array, rate_mm_s: Array) -> Array:
-        """Power that damping takes; where the bodies part faster than the force follows, what the elastic one gives."""
+        """Power that damping takes.
+
+        Where bodies part so fast that they no longer press each other, it takes all that the elastic force gives back.
+        """
         loss: Array = np.maximum(self.damping(depth_mm) * rate_mm_s, -self.elastic_n(depth_mm)) * rate_mm_s
         return loss
 
@@ -120,9 +123,10 @@ class TwoShafts:
 class ToothForces:
     """What the pairs near contact bear, arrays of shape s + (slots,).
 
-    ``depth_mm`` is negative by the gap where a pair does not touch; ``normal_n`` is 0 there.  The moments in N mm are
-    those on the gears, each in the sense in which it turns; ``loss_n_mm_s`` is what damping and friction take.
-    ``rubbing_n`` is the friction on the driven gear along the tangent that leads outwards from its axis.
+    ``depth_mm`` is minus the gap where a pair does not touch; ``normal_n`` is 0 there.  ``driving_n_mm`` and
+    ``driven_n_mm`` are the moments on the gears, each in the sense in which its gear turns; ``loss_n_mm_s`` is the
+    power that damping and friction take.  ``rubbing_n`` is the friction on the driven gear along the tangent that leads
+    outwards from its axis.
     """
 
     near: Near
@@ -146,7 +150,9 @@ class Meshing:
     def forces(self, shafts: TwoShafts) -> ToothForces:
         """Forces of all pairs near contact."""
         near = self.gaps.at(shafts.phi1_rad)
-        behind, rate = self._behind(near, shafts)
+        angle, ratio = self.law.at(shafts.phi1_rad)
+        # How far the driven gear is behind each pair's contact, and the slope of this by phi1
+        behind, rate = _column(angle - shafts.phi2_rad) + near.error_rad, _column(ratio) + near.slopes[0]
         lever, (_, lever_slope) = near.urge * near.lever_mm, near.slopes
         depth = lever * behind
         by_driving = near.urge * lever_slope * behind + lever * rate
@@ -164,11 +170,6 @@ class Meshing:
             normal * lever + rubbing * near.driven_mm,
             self.impact.loss_n_mm_s(depth, closing) + np.abs(rubbing * sliding),
         )
-
-    def _behind(self, near: Near, shafts: TwoShafts) -> tuple[Array, Array]:
-        """Driven angles by which the driven gear is behind each pair's contact, and their slopes by phi1."""
-        angle, ratio = self.law.at(shafts.phi1_rad)
-        return _column(angle - shafts.phi2_rad) + near.error_rad, _column(ratio) + near.slopes[0]
 
 
 def _column(values: Array | float) -> Array:

@@ -1,9 +1,9 @@
 """The motion of the toothed machine in time: two shafts that only their teeth join, by a solver for stiff equations.
 
-What turns the driving gear is a speed that nothing changes, or a motor with a flywheel.  The state is (phi1, phi1',
-phi2, phi2', work of the drive, losses of the teeth); the last two are what an energy balance needs, integrated along
-with the motion.  It starts on the law under its load, or from rest.  The solver starts anew at each dead centre, where
-the resistance goes on or off.
+The driving gear turns at a speed that nothing changes, or a motor with a flywheel turns it.  The state is (phi1, phi1',
+phi2, phi2', work of the drive, losses of the teeth); the last two are integrated along with the motion for the balance
+of energy.  The motion starts on the law under its load, or from rest.  The solver starts anew at each dead centre,
+where the resistance goes on or off.
 """
 
 from __future__ import annotations
@@ -29,13 +29,14 @@ from ncgear.numerics.zeros import zeros_between
 from ncgear.ratio.transmission import Piece, Transmission
 
 INTERVALS = 2048
-"""In a period: quintics then miss the shipped laws by 1e-13 rad or less (tests/test_periodic_table.py)."""
+"""Intervals of the table in a period; quintics then miss the shipped laws by 1e-13 rad or less
+(tests/test_periodic_table.py)."""
 
 
-def law_table(transmission: Transmission, intervals: int = INTERVALS) -> PeriodicTable:
+def law_table(transmission: Transmission) -> PeriodicTable:
     """The driven angle in rad over a period of the driving angle, exact with two derivatives at all joints."""
     lobes = transmission.lobes
-    parts = [_piece(piece, lobes.driving_period_rad / intervals) for piece in transmission.pieces]
+    parts = [_piece(piece, lobes.driving_period_rad / INTERVALS) for piece in transmission.pieces]
     breaks = np.append(np.concatenate([knots[:-1] for knots, _ in parts]), lobes.driving_period_rad)
     return PeriodicTable(breaks, np.concatenate([table for _, table in parts], axis=1), lobes.driven_period_rad)
 
@@ -105,7 +106,7 @@ class Motor:
         return 0.0
 
     def answer(self, speed_rad_s: Array, moment_n_mm: Array) -> tuple[Array, Array]:
-        """Acceleration by what the motor gives beyond the teeth's moment; the motor's torque."""
+        """Acceleration by the motor's torque and the teeth's moment together; the motor's torque."""
         torque = self.stall_torque_n_mm * (1.0 - speed_rad_s / self.speed_rad_s)
         return (torque + moment_n_mm) / self.inertia_n_mm_s2, torque
 
@@ -142,7 +143,7 @@ class ToothedMachine:
         return Answer(teeth, torque, acceleration1, acceleration2)
 
     def stored_n_mm(self, states: Array) -> Array:
-        """Kinetic and elastic energy, and what resistance and weights have taken, in states of shape (6, n); (n,)."""
+        """Kinetic and elastic energy, and what resistance and weights took, shape (n,), in states of shape (6, n)."""
         depth = self.meshing.forces(TwoShafts(*states[:4])).depth_mm
         elastic = self.meshing.impact.energy_n_mm(depth).sum(axis=-1)
         driving = 0.5 * self.drive.inertia_n_mm_s2 * states[1] ** 2
@@ -182,7 +183,7 @@ def started(mechanism: ToothedMachine, transmission: Transmission, start: Start)
 
 
 CLEAR_RAD = 1e-9
-"""Angle within which a leg counts as starting at a dead centre: rounding errors of the event that ended the last."""
+"""Angle within which a leg counts as starting at a dead centre: rounding errors of the event before it."""
 
 
 def passing(row: int, angle_rad: float) -> Callable[[float, Array], float]:
@@ -207,8 +208,8 @@ def pressed_rad(mechanism: ToothedMachine, states: Array, urge: float) -> Array:
 def meetings_s(mechanism: ToothedMachine, time_s: Array, at: Callable[[Array], Array], urge: float) -> Array:
     """Times at which flanks of one side meet or part between the steps at ``time_s``; states are ``at`` times.
 
-    Not left to the solver's own search for events: that compares the states of its steps with the interpolation between
-    them, which LSODA does not join to them exactly.
+    The solver's own search for events is not used: it compares the states of steps with the interpolation between them,
+    which LSODA does not join to them exactly.
     """
 
     def pressed(times: Array) -> Array:
@@ -228,7 +229,7 @@ def next_dead_centre_rad(mechanism: ToothedMachine, phi2_rad: float) -> float:
 
 
 METHOD = "LSODA"
-"""Of scipy's stiff solvers the one with the least error in the same time (docs/speed-against-error.md)."""
+"""The stiff solver of scipy that has the least error in the same time (docs/speed-against-error.md)."""
 
 ACCURACY = 1e-7
 """Relative error of a step: the published baler's slider is then at the right place to a micrometre after a turn."""
@@ -237,21 +238,20 @@ ENERGY = 1e-4
 """Share of the work done that the balance of energy may miss."""
 
 SLOWEST = 20.0
-"""Times the time without load, in which the drive has to get round."""
+"""The drive must get round in this many times the time that it takes without load."""
 
 
 @dataclass(frozen=True, eq=False)
 class Course:
     """A motion from time 0 on: solver steps at ``time_s`` (shape (n,)) in ``states`` (shape (6, n)).
 
-    ``pushing_s`` and ``back_s`` are the times at which pushing flanks and their backs meet or part.
+    ``pushing_s`` are the times at which pushing flanks meet or part.
     """
 
     mechanism: ToothedMachine
     time_s: Array
     states: Array
     pushing_s: Array
-    back_s: Array
     legs: tuple[tuple[float, Callable[[Array], Array]], ...]
 
     def at(self, time_s: Array) -> Array:
@@ -274,7 +274,7 @@ class Course:
 def course(
     mechanism: ToothedMachine, state: Array, turns: float, accuracy: float = ACCURACY, method: str = METHOD
 ) -> Course:
-    """The motion from a state (shape (6,)) over so many turns of the driving gear, by one of scipy's solvers.
+    """The motion from a state (shape (6,)) over ``turns`` of the driving gear, by one of scipy's solvers.
 
     Raises NoSuchMechanism where the drive does not get round or teeth are pressed too deep into each other, and
     ArithmeticError where the solver fails or energy does not balance.
@@ -296,7 +296,7 @@ def course(
 def _leg(
     mechanism: ToothedMachine, span_s: tuple[float, float], state: Array, target_rad: float, how: tuple[float, str]
 ) -> Any:
-    """From one dead centre to the next, or to the end of the course."""
+    """The solver's answer from one dead centre to the next, or to the end of the course."""
     events = passing(0, target_rad), passing(2, next_dead_centre_rad(mechanism, float(state[2])))
     accuracy, method = how
     tolerance = {"rtol": accuracy, "atol": accuracy * _scales(mechanism)}
@@ -318,14 +318,12 @@ def _joined(mechanism: ToothedMachine, legs: list[Any]) -> Course:
     """Legs end to end; a leg's first state is the last one of the leg before."""
     time_s = np.concatenate([legs[0].t[:1], *(leg.t[1:] for leg in legs)])
     states = np.concatenate([legs[0].y[:, :1], *(leg.y[:, 1:] for leg in legs)], axis=1)
-    pushing, back = (
-        np.concatenate([meetings_s(mechanism, leg.t, leg.sol, urge) for leg in legs]) for urge in (1.0, -1.0)
-    )
-    return Course(mechanism, time_s, states, pushing, back, tuple((float(leg.t[0]), leg.sol) for leg in legs))
+    pushing = np.concatenate([meetings_s(mechanism, leg.t, leg.sol, 1.0) for leg in legs])
+    return Course(mechanism, time_s, states, pushing, tuple((float(leg.t[0]), leg.sol) for leg in legs))
 
 
 def _checked(found: Course) -> Course:
-    """The course itself, if its energy balances and its teeth are no deeper in each other than they are followed."""
+    """The course itself, if its energy balances and its teeth are no deeper in each other than the tables follow."""
     meshing, states = found.mechanism.meshing, found.states
     meshing.gaps.require_reach(states[0], states[2] - meshing.law.at(states[0])[0])
     if not found.energy_error <= ENERGY:

@@ -1,7 +1,7 @@
 """Loaded contact of the teeth: where the driven gear comes to rest under a torque while the driving gear turns slowly.
 
 At each position the forces of all pairs, which grow with the depth by the law of impact at rest, balance the torque.
-The more the driven gear gives way the larger is their moment, so that there is one such place.
+Their moment grows as the driven gear gives way, so exactly one driven angle balances the torque.
 """
 
 from __future__ import annotations
@@ -18,11 +18,12 @@ from ncgear.numerics.zeros import zeros_between
 
 FIRST_STEP_RAD = 1e-7
 DOUBLINGS = 24
-"""Where a driven angle is looked for that bears the torque: up to a radian, farther than any tooth gives way."""
+"""The search for a driven angle that bears the torque begins with this step and doubles it at most so often: up to a
+radian, farther than any tooth gives way."""
 
 BALANCED = 1e-6
-"""Share of the largest torque that may be left of a balance: a driven angle of some rad is known to 1e-15, so that even
-of teeth a million times as stiff as steel the depth is known to some 1e-8."""
+"""Share of the largest torque that a balance may miss.  A driven angle of some rad is known to 1e-15, so that the depth
+is known to some 1e-8 even for teeth a million times as stiff as steel."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,9 +65,9 @@ class LoadedContact:
 def loaded_contact(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_rad_s: float) -> LoadedContact:
     """The teeth at driving angles in rad that bring torques in N mm to the driven shaft, shape (n,) each.
 
-    The speed of the driving shaft tells how the flanks slide, and so which way they rub; 0 is without friction.  A pair
-    without torque stands on its pushing flanks, and touches.  Raises ArithmeticError where no balance is found, and
-    NoSuchMechanism where teeth would be pressed deeper into each other than they are followed.
+    The speed of the driving shaft tells how the flanks slide, and so which way they rub; 0 means no friction.  Where
+    the torque is 0 the gears stand on pushing flanks that just touch.  Raises ArithmeticError where no balance is
+    found, and NoSuchMechanism where teeth would be pressed deeper into each other than the tables follow.
     """
     resting = replace(meshing, impact=replace(meshing.impact, damping_n_s_mm=0.0))
     ahead = meshing.gaps.play_rad(phi1_rad)[0]
@@ -99,7 +100,7 @@ def _bracket(
 ) -> tuple[Array, Array]:
     """Driven angles beyond the law's between which the torque is met.
 
-    Where flanks push, they do so from their first touch backwards; where their backs hold, from theirs on.
+    Pushing flanks bear load at driven angles from their first touch backwards, backs from their first touch forwards.
     """
     pushing, back = play_rad
     push = torque_n_mm >= 0.0

@@ -4,11 +4,11 @@ The law gives the crank's angle with its derivatives, the mechanism the forces i
 between the teeth; all are closed forms, so peaks are located exactly: at stationary points, and on both sides of every
 joint of the law.
 
-The mean driving torque M, what the torque T swings about it, and the flywheel that keeps the speed even follow: the
+From the driving torque T follow its mean M, its swing about the mean, and the flywheel that keeps the speed even: the
 driving shaft takes in M evenly, and what it stores over the cycle is E(phi1), the integral of M - T.  A flywheel of
 inertia J keeps the coefficient of speed fluctuation C = (largest - smallest speed) / mean speed where
-J C w^2 = E_max - E_min (e.g. R. L. Norton, "Design of Machinery", 5th edition, 2012, section 11.11).  That takes the
-torque at constant speed, so it holds for small C.
+J C w^2 = E_max - E_min (e.g. R. L. Norton, "Design of Machinery", 5th edition, 2012, section 11.11).  The torque is the
+one at constant speed, so this holds for small C.
 
 Gears whose carrying flanks cannot hold the torque, because their pressure angle reaches 90 degrees, are refused.
 """
@@ -63,14 +63,14 @@ class Loads:
 
 @dataclass(frozen=True, eq=False)
 class RigidMachine:
-    """A machine at constant driving speed with its moving masses, and how its gears lie; None where it has none."""
+    """A machine at constant driving speed and its moving masses; ``place`` is how its gears lie, None without gears."""
 
     machine: Machine
     masses: Masses
     place: MeshPlace | None = None
 
     def loads(self, driven_angle: Jet, resistance_n: Jet) -> Loads:
-        """The loads where the crank's angle is a jet by the driving angle; of two orders less, as the resistance is."""
+        """The loads for a crank angle that is a jet by the driving angle; loads and resistance have two orders less."""
         pace = EvenPace(self.machine.speed_rad_s)
         joints = self.machine.linkage.joint_forces(driven_angle, self.masses, pace, resistance_n)
         slope, torque = driven_angle.differentiated(), joints.torque_n_mm
@@ -90,7 +90,7 @@ class RigidMachine:
         return self.loads(driven, self._resistance_n(driven.truncated(0), self.machine.working(driven.value)))
 
     def joints(self, crank_angle_rad: Array, pace: CrankPace) -> JointForces:
-        """Forces in the joints as the crank happens to turn, at crank angles in rad, shape (n,)."""
+        """Forces in the joints for any motion of the crank, at crank angles in rad, shape (n,)."""
         angle = Jet.variable(crank_angle_rad, 2)
         resistance = self._resistance_n(angle.truncated(0), self.machine.working(crank_angle_rad))
         return self.machine.linkage.joint_forces(angle, self.masses, pace, resistance.value)
@@ -101,8 +101,7 @@ class RigidMachine:
         return self.loads(driven, self._resistance_n(driven.truncated(1), np.full(phi1.shape, stretch.working)))
 
     def breaks(self, stretch: Stretch) -> Array:
-        """Driving angles of a stretch, both ends included, between which the loads are smooth, and the resistance
-        monotone besides."""
+        """Driving angles of a stretch, ends included, between which loads are smooth and the resistance is monotone."""
         resistance, stroke = self.machine.resistance, self.machine.linkage.stroke_mm
         places = np.union1d(resistance.turns_mm(stroke), resistance.zeros_mm(stroke))
         passed = angles_at(stretch, places) if stretch.working else np.empty(0)
@@ -146,9 +145,13 @@ class Fluctuation:
 
     @cached_property
     def stored_range_n_mm(self) -> tuple[Extremum, Extremum]:
-        """Smallest and largest energy stored in the driving shaft, from that at phi1 = 0 on, in N mm."""
-        breaks = self.torque.breaks
-        return extremes(self._stored, float(breaks[0]), float(breaks[-1]), breaks)
+        """Smallest and largest energy stored in the driving shaft, counted from phi1 = 0, in N mm."""
+        breaks, mean = self.torque.breaks, self.mean_torque_n_mm
+
+        def stored(phi1: Array) -> Jet:
+            return Jet(np.stack([mean * (phi1 - breaks[0]) - self.work(phi1), mean - self.torque(phi1)]))
+
+        return extremes(stored, float(breaks[0]), float(breaks[-1]), breaks)
 
     @property
     def swing_n_mm(self) -> float:
@@ -170,10 +173,6 @@ class Fluctuation:
         """Inertia on the driving shaft, its gear included, for a coefficient of speed fluctuation (0 to about 0.2)."""
         return KG_MM2 * self.swing_n_mm / (coefficient * self.speed_rad_s**2)
 
-    def _stored(self, phi1: Array) -> Jet:
-        mean = self.mean_torque_n_mm
-        return Jet(np.stack([mean * (phi1 - self.torque.breaks[0]) - self.work(phi1), mean - self.torque(phi1)]))
-
 
 def fluctuation(rigid: RigidMachine) -> Fluctuation:
     """The driving torque of one cycle."""
@@ -184,7 +183,7 @@ def fluctuation(rigid: RigidMachine) -> Fluctuation:
 
 
 def refuse_locked(rigid: RigidMachine) -> None:
-    """Raises NoSuchMechanism with the driving angle at which flanks carry under 90 degrees or more."""
+    """Raises NoSuchMechanism, with the driving angle, where flanks carry at a pressure angle of 90 degrees or more."""
     for stretch in stretches(rigid.machine) if rigid.place else ():
         phi1 = grid_between(stretch.start_rad, stretch.end_rad, np.array(stretch.knots_rad))
         loads = rigid.on(stretch, phi1)
@@ -274,7 +273,7 @@ def _value(extremum: Extremum) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Rigid:
-    """A machine, its peaks and what its torque swings; curves are ``machine.at``."""
+    """A machine, its peaks and the swing of its torque; ``machine.at`` gives the curves."""
 
     machine: RigidMachine
     peaks: LoadPeaks

@@ -72,9 +72,10 @@ class Machine:
         return float(zeros_between(excess, np.array([0.0]), np.array([last]))[0])
 
     def working(self, phi2: Array) -> Mask:
-        """Whether the slider is in its working stroke, at driven angles of shape (n,); at a dead centre, in the next.
+        """Whether the slider is in its working stroke, at driven angles of shape (n,).
 
-        A dead centre that the law misses by no more than its own closure may is taken as reached.
+        A dead centre belongs to the stroke that follows.  It counts as reached where the law misses it by no more than
+        CLOSED, the closure error that a law may have.
         """
         return np.mod(phi2 + CLOSED, 2.0 * pi) < self.linkage.working_angle_rad
 
@@ -96,19 +97,19 @@ class Machine:
         )
 
 
-def sample_angles(transmission: Transmission, least: int = 2001) -> Array:
-    """Even driving angles over one cycle and at least one turn of the driving gear, both ends included."""
+def sample_angles(transmission: Transmission) -> Array:
+    """Even driving angles over one cycle and at least one turn of the driving gear, both ends included, 2000 a turn."""
     end = max(2.0 * pi, transmission.cycle_rad)
-    count = int(np.ceil((least - 1) * end / (2.0 * pi))) + 1
-    return np.linspace(0.0, end, count)
+    return np.linspace(0.0, end, int(np.ceil(2000 * end / (2.0 * pi))) + 1)
 
 
 SHARP_RAD = 0.5
-"""Width of a corner in crank angle below which it is looked at by itself: a tenth of a stroke that is sampled at 129
-points, on which wider ones have over ten; that is rod/crank = 1.13 (tests/test_kinematics.py)."""
+"""Corners narrower than this, in crank angle, are looked at by themselves.  It is a tenth of a stroke, which is sampled
+at 129 points, so that wider corners have over ten; rod/crank = 1.13 has this width (tests/test_kinematics.py)."""
 
 WIDENING = 4.0
-"""From cut to cut: between two of them the acceleration, which falls with the cube of the distance, is smooth."""
+"""Factor between the distances of neighbouring cuts from a corner.  The acceleration falls with the cube of the
+distance; between two such cuts it is smooth."""
 
 
 def corner_cuts_rad(machine: Machine) -> Array:
@@ -130,7 +131,7 @@ def _about(angle: float, width: float) -> Array:
 
 
 def _driving_angles(machine: Machine, crank: Array) -> Array:
-    """Driving angles at crank angles within a turn, shape (n,); one next to the end, where none is cut, is left out."""
+    """Driving angles at crank angles within a turn, shape (n,), without those next to the end, which is no cut."""
 
     def driven(phi1: Array) -> Array:
         return machine.transmission.driven_angle(phi1).value
@@ -141,7 +142,7 @@ def _driving_angles(machine: Machine, crank: Array) -> Array:
 
 
 LEAST = 1e-9
-"""Share of the law's period; what is shorter is no stretch, but the rounding error of its ends."""
+"""Share of the law's period below which a stretch counts as the rounding error of its ends."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,11 +173,11 @@ class Stretch:
         return self.piece.driven_angle(local, order) + driven
 
     def displacement(self, phi1: Array, order: int) -> Jet:
-        """Slider displacement in mm, likewise."""
+        """Slider displacement in mm, with derivatives by phi1; one-sided limits at the ends."""
         return self.linkage.displacement(self.driven_angle(phi1, order))
 
     def between(self, start_rad: float, end_rad: float) -> Stretch:
-        """A part of it."""
+        """The part of the stretch between two driving angles."""
         return replace(self, start_rad=start_rad, end_rad=end_rad)
 
 
@@ -194,7 +195,7 @@ def stretches(machine: Machine) -> list[Stretch]:
 
 
 def _of_piece(machine: Machine, piece: Piece, turned: tuple[float, float], cuts: Array) -> Iterator[Stretch]:
-    """The parts of a piece between cuts, before and after the extended dead centre, as far as there are any."""
+    """The stretches of one piece: cuts and the extended dead centre divide it."""
     start, end, extended = piece.start_rad + turned[0], piece.end_rad + turned[0], machine.extended_rad
     inner = [float(cut) for cut in (*cuts, extended) if start < cut < end]
     for low, high in pairwise([start, *sorted(inner), end]):

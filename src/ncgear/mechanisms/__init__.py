@@ -1,1 +1,1 @@
-"""What the driven shaft turns: linkage, masses, resistance."""
+"""What the driven shaft turns: the mechanism, its masses, the resistance against its slider."""

@@ -66,12 +66,12 @@ class CrankSliders(Mechanisms[Number]):
         return tilt
 
     def displacement(self, crank_angle: Jet) -> Jet:
-        """Slider displacement in mm, with derivatives, at a crank angle in rad; relatively exact at both ends' zero.
+        """Slider displacement in mm, with derivatives, at a crank angle in rad; relatively accurate near both zeros.
 
         The vector loop gives x = pin advance + rod gain, which cancel to second order at the dead centre.  Multiplying
-        out (rod gain)(rod gain + 2 rod start) gives x y = 2 l2 (l3 - l2) (1 - cos phi2), y = rod now + rod start - pin
-        advance, rod lengths being the rod's projections on the slider's line.  Of x and y the larger is free of
-        cancellation: y but where the rod is hardly longer than the crank.
+        out (rod gain)(rod gain + 2 rod start) gives x y = 2 l2 (l3 - l2) (1 - cos phi2), where y = rod now + rod start
+        - pin advance and rod lengths are the rod's projections on the slider's line.  The larger of x and y is free of
+        cancellation; that is y, except where the rod is hardly longer than the crank.
         """
         half_sine, half_cosine = jet.sin_cos(crank_angle * 0.5)
         versine = 2.0 * (half_sine * half_sine)
@@ -91,9 +91,9 @@ class CrankSliders(Mechanisms[Number]):
         """Crank angle in rad, with derivatives, in the working stroke, regular up to and including both dead centres.
 
         ``root_displaced`` and ``root_remaining`` are smooth square roots of the displacement x and of (stroke - x).
-        At x = 0 both roots of the first are smooth functions of the driving angle though x has a double zero, which
-        is what makes the half-angle form regular (in line this is tan^2(phi2/2) = x (x + 2 l3) / ((H - x)(x + 2 (l3 -
-        l2))); with an offset the triangle crank, rod, crank axis to slider takes the place of the line).
+        x has a double zero at x = 0, but its root is a smooth function of the driving angle; this makes the half-angle
+        form regular.  In line, the form is tan^2(phi2/2) = x (x + 2 l3) / ((H - x)(x + 2 (l3 - l2))); with an offset
+        the triangle of crank, rod and the distance from crank axis to slider takes the place of the line.
         """
         position = displacement + self.nearest_mm
         distance = jet.sqrt(position * position + self.offset_mm**2)
@@ -171,7 +171,8 @@ class CrankSlider(CrankSliders[float], RodMechanism):
         """Crank angles, 0 to 2 pi, at which the rod is steepest, and the width of the bend of the displacement there.
 
         The rod's projection has zeros where crank sin(theta) = offset +- rod, that is at theta = +-pi/2 + i y with
-        cosh y = (rod +- offset)/crank: so far the displacement is analytic, and no feature of it is narrower than y.
+        cosh y = (rod +- offset)/crank.  The displacement is analytic up to there, so no feature of it is narrower than
+        y.
         """
         square = 1.5 * pi + self._retracted_tilt_rad, 0.5 * pi + self._retracted_tilt_rad
         reach = self.rod_mm - self.offset_mm, self.rod_mm + self.offset_mm

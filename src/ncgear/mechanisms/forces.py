@@ -62,12 +62,12 @@ class CrankPace:
 
 @dataclass(frozen=True, eq=False)
 class JointForces:
-    """What the joints bear, in N, of the kind that the pace gives (arrays of shape (n,) or jets).
+    """The forces in the joints in N, as arrays of shape (n,) or jets, whichever the pace gives.
 
-    ``joints`` holds the force in each joint between the slider and the crank, by the mechanism's names for them, on
-    the body nearer to the slider.  ``crank_axis`` acts on the crank, as far as the mechanism asks it of the bearings.
-    ``guide_n`` is the guide's force on the slider across its line; ``torque_n_mm`` is asked of the crank shaft, in the
-    sense in which the crank turns.
+    ``joints`` maps the mechanism's names of its joints to the forces in them, each on the body nearer to the slider.
+    ``crank_axis`` is the force that bearings and driven gear together exert on the crank.  ``guide_n`` is the guide's
+    force on the slider across its line; ``torque_n_mm`` is the torque that the crank shaft needs, in the sense in which
+    the crank turns.
     """
 
     joints: Mapping[str, Vector]
@@ -77,12 +77,12 @@ class JointForces:
 
 
 def place(pace: Pace, point: Vector) -> Vector:
-    """A point in mm."""
+    """A point in mm, as arrays or jets, whichever the pace gives."""
     return Vector(pace.now(point.x), pace.now(point.y))
 
 
 def moving_force(masses: Masses, pace: Pace, mass_kg: float, center: Vector) -> Vector:
-    """The force in N that moves a mass with its centre, besides its weight."""
+    """The force in N that a mass needs, besides its weight, to move as its centre does."""
     acceleration = Vector(pace.second(center.x), pace.second(center.y))
     return acceleration * (N_PER_KG_MM_S2 * mass_kg) - _weight(masses, mass_kg)
 

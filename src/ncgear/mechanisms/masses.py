@@ -33,8 +33,8 @@ class ShaftMasses:
     """What turns with the crank and with the driving shaft, and gravity.
 
     The crank's centre of mass lies ``crank_center_mm`` from its axis towards the pin; ``crank_inertia_kg_mm2`` is about
-    the axis, with all that turns with the crank but the driven gear.  ``gravity_m_s2`` is along and across the slider's
-    line, in the frame of the mechanism.
+    the axis and includes all that turns with the crank except the driven gear.  ``gravity_m_s2`` has its components
+    along and across the slider's line, in the frame of the mechanism.
     """
 
     crank_kg: float = 0.0

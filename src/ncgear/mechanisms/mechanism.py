@@ -35,7 +35,7 @@ Point = tuple[float, float]
 class Link:
     """Where a rigid body is at n crank angles: the origin of its own frame in mm, and its angle in rad.
 
-    The angle is counter-clockwise and continuous.  Both are jets by whatever the crank's angle is a jet by.
+    The angle is counter-clockwise and continuous.  Both are jets by the same variable as the crank's angle.
     """
 
     origin: Vector
@@ -86,7 +86,7 @@ class Mechanisms(ABC, Generic[Number]):
 
     @property
     def farthest_mm(self) -> Number:
-        """Place of the extended slider likewise."""
+        """Place of the extended slider along its line, from the crank axis."""
         return self.nearest_mm + self.stroke_mm
 
     @property
@@ -96,14 +96,14 @@ class Mechanisms(ABC, Generic[Number]):
 
     @abstractmethod
     def displacement(self, crank_angle: Jet) -> Jet:
-        """Slider displacement in mm, with derivatives, at a crank angle in rad; relatively exact at both ends' zero."""
+        """Slider displacement in mm, with derivatives, at a crank angle in rad; relatively accurate near both zeros."""
 
     @abstractmethod
     def working_angle(self, displacement: Jet, root_displaced: Jet, root_remaining: Jet) -> Jet:
         """Crank angle in rad, with derivatives, in the working stroke, regular up to and including both dead centres.
 
         ``root_displaced`` and ``root_remaining`` are smooth square roots of the displacement x and of (stroke - x).
-        At x = 0 both roots of the first are smooth functions of the driving angle though x has a double zero.
+        x has a double zero at x = 0, but its root is a smooth function of the driving angle.
         """
 
 
@@ -111,7 +111,7 @@ class Mechanism(Mechanisms[float]):
     """One mechanism: its way there and back, its bodies, and the forces between them."""
 
     NAME: ClassVar[str]
-    """In messages, with its article: "a crank-slider"."""
+    """Its name in messages, with the article: "a crank-slider"."""
 
     STROKE_KEY: ClassVar[str] = "crank_mm"
     """The length that follows where a law gives the stroke."""
@@ -133,7 +133,7 @@ class Mechanism(Mechanisms[float]):
 
     @classmethod
     def many(cls, **lengths: Array) -> Mechanisms[Array]:
-        """Many mechanisms of this kind, whether their cranks turn or not; here by the same formulas."""
+        """Many mechanisms of this kind, whether or not their cranks turn fully; lengths of shape (n,)."""
         made: Any = cls
         found: Mechanisms[Array] = made(**lengths)
         return found
@@ -141,7 +141,7 @@ class Mechanism(Mechanisms[float]):
     @classmethod
     @abstractmethod
     def of_stroke(cls, stroke_mm: float, **lengths: float) -> Self:
-        """The mechanism whose dead centres are a stroke apart; ``lengths`` are all but that of ``STROKE_KEY``.
+        """The mechanism whose dead centres are a stroke apart; ``lengths`` are all lengths except ``STROKE_KEY``.
 
         Raises WrongInput where no crank gives that stroke.
         """
@@ -164,13 +164,13 @@ class Mechanism(Mechanisms[float]):
         return pi
 
     def crank_body(self, crank_angle: Jet, center_mm: float) -> CrankBody:
-        """The crank with its centre of mass so far from its axis towards the pin."""
+        """The crank with its centre of mass ``center_mm`` from its axis towards the pin."""
         sine, cosine = jet.sin_cos(self.crank_start_rad - crank_angle)
         pin = Vector(self.crank_mm * cosine, self.crank_mm * sine)
         return CrankBody(crank_angle, pin, pin * (center_mm / self.crank_mm))
 
     def crank_link(self, crank_angle: Jet) -> Link:
-        """The crank, its own frame at its axis with the pin on +x."""
+        """The crank; its own frame has the crank's axis at the origin and the pin on +x."""
         still = 0.0 * crank_angle
         return Link(Vector(still, still), self.crank_start_rad - crank_angle)
 
@@ -178,11 +178,11 @@ class Mechanism(Mechanisms[float]):
     def links(self, crank_angle: Jet) -> Mapping[str, Link]:
         """All bodies at crank angles in rad: ``slider`` first, ``crank`` next, then the others from back to front.
 
-        The slider's own frame does not turn; its origin is the place that ``nearest_mm`` tells of.
+        The slider's own frame does not turn; at the retracted dead centre its origin is at ``nearest_mm``.
         """
 
     def shapes(self) -> Mapping[str, Shape]:
-        """How the links are drawn, but for the crank, and for the slider where it is a mere piston."""
+        """How the links are drawn, except the crank, and the slider where it is a mere piston."""
         return {}
 
     @abstractmethod
@@ -191,7 +191,7 @@ class Mechanism(Mechanisms[float]):
 
     @abstractmethod
     def joint_forces(self, crank_angle: Jet, masses: Masses, pace: Pace, resistance_n: Term) -> JointForces:
-        """Forces that a motion needs against a resistance in N on the slider along -x, and against its weight.
+        """Forces that a motion needs against the weights and a resistance in N that acts on the slider along -x.
 
         ``masses`` are of ``MASSES``.
         """
@@ -199,7 +199,7 @@ class Mechanism(Mechanisms[float]):
 
 @dataclass(frozen=True, eq=False)
 class Rod:
-    """A connecting rod at n crank angles; places in mm and its angle in rad are jets by what the crank's angle is.
+    """A connecting rod at n crank angles; its places in mm and its angle in rad are jets, as the crank's angle is.
 
     ``pin`` and ``wrist`` are its ends on the crank and on the slider; ``angle`` is counted from +x counter-clockwise.
     """
@@ -210,12 +210,12 @@ class Rod:
     angle: Jet
 
     def at(self, distance_mm: float) -> Vector:
-        """A point of the rod, so far from the crank pin towards the slider."""
+        """The point of the rod that lies ``distance_mm`` from the crank pin towards the slider."""
         return self.pin + (self.wrist - self.pin) * (distance_mm / self.length_mm)
 
 
 class RodMechanism(Mechanism):
-    """A mechanism whose slider is moved by one rod from the crank's pin: what the theory of balance holds for."""
+    """A mechanism whose slider is moved by one rod from the crank's pin; the theory of balance holds for these only."""
 
     MASSES: ClassVar[type[Masses]] = RodMasses
 

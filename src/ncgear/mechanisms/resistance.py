@@ -1,10 +1,10 @@
 """The force against the slider in its working stroke, as a polynomial, a table, or an expression in the displacement.
 
 Every form gives the curve of the force with its derivatives, its antiderivative, its zeros, and the places between
-which it is monotone; force and work follow from these.  Between the points of a table runs the monotone cubic of F. N.
-Fritsch and J. Butland, "A method for constructing local monotone piecewise cubic interpolants", SIAM J. Sci. Stat.
-Comput. 5 (1984): its slope is continuous, and the force never leaves the range of the two points beside it, so a table
-that is nowhere negative stays so.  Beyond the table's ends the force keeps its end value.
+which it is monotone; force and work follow from these.  The points of a table are joined by the monotone cubics of F.
+N. Fritsch and J. Butland, "A method for constructing local monotone piecewise cubic interpolants", SIAM J. Sci. Stat.
+Comput. 5 (1984): their slope is continuous, and the force never leaves the range of the two points beside it, so a
+table that is nowhere negative stays so.  Beyond the table's ends the force keeps its end value.
 """
 
 from __future__ import annotations
@@ -137,7 +137,7 @@ class TableResistance(Resistance):
 
     @cached_property
     def _cubics(self) -> PPoly:
-        """The cubics between the points, and a constant on either side as long as the table itself or a stroke."""
+        """The cubics between the points, and a constant on either side."""
         from scipy.interpolate import PchipInterpolator, PPoly
 
         inner = PchipInterpolator(self.displacement_mm, self.at_points_n)

@@ -25,7 +25,7 @@ Number = TypeVar("Number", float, Array)
 
 
 def repeated(many: Any, count: int) -> Any:
-    """A dataclass whose arrays count designs along their last axis, each design ``count`` times in a row."""
+    """Repeats each design ``count`` times in a row, in a dataclass whose arrays count designs along their last axis."""
     values = {field.name: getattr(many, field.name) for field in fields(many)}
     arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
     return (
@@ -36,7 +36,8 @@ def repeated(many: Any, count: int) -> Any:
 def counted_up(first: IndexArray, count: IndexArray) -> tuple[IndexArray, IndexArray]:
     """For each row the numbers ``first``, ``first + 1``, ... (``count`` of them), one row after the other.
 
-    Both of shape (n,).  Returns the row of each number and the numbers, shape (sum of counts,) each.
+    ``first`` and ``count`` have shape (n,).  Returns the row of each number and the numbers, shape (sum of counts,)
+    each.
     """
     row = np.repeat(np.arange(count.size), count)
     before = np.cumsum(count) - count

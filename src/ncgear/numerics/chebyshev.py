@@ -29,8 +29,8 @@ function's tail falls by 2^-24 when its panel is halved, so one that falls by le
 HALVINGS = 40
 
 MOST_PANELS = 1 << 12
-"""Panels of a piece halved at once, on the mean over the pieces, beyond which the function is taken for noise: beside a
-pole or a corner only a few are, and a wave must turn over 5000 times along a piece to need as many."""
+"""Most panels per piece, on average over the pieces, that are halved at once; a function that needs more is taken for
+noise.  Beside a pole or a corner only a few are halved, and only a wave of over 5000 turns along a piece needs more."""
 
 
 class NotSmooth(ValueError):
@@ -45,7 +45,7 @@ class NotSmooth(ValueError):
 class PiecewiseChebyshev:
     """Functions on consecutive panels: ``breaks`` (shape (m + 1,)), ``coefficients`` (shape (degree + 1, m, ...)).
 
-    A trailing axis of the coefficients is that of the values: none for a single function, (2,) for a plane curve.
+    The coefficients have a trailing axis where values have one: none for a single function, (2,) for a plane curve.
     """
 
     breaks: Array
@@ -68,7 +68,7 @@ class PiecewiseChebyshev:
 
     @cached_property
     def _by_panel(self) -> Array:
-        """The coefficients with those of a panel side by side, shape (m, degree + 1, columns)."""
+        """The coefficients, each panel's next to each other in memory, shape (m, degree + 1, columns)."""
         return np.ascontiguousarray(np.moveaxis(self.coefficients, 1, 0))
 
     def integrated(self) -> PiecewiseChebyshev:
@@ -95,7 +95,7 @@ def fitted(
 ) -> PiecewiseChebyshev:
     """The piecewise form of a vectorised ``function`` (shape (n,) to (n, ...)) that is smooth between ``breaks``.
 
-    ``degree`` is that of each panel, 3 at least: the last three coefficients tell whether it is resolved.
+    Each panel has this ``degree``, at least 3: the last three coefficients tell whether the panel is resolved.
 
     Raises NotSmooth where the function is not finite, or not resolved by panels of 2^-40 of its piece.
     """
@@ -159,7 +159,7 @@ def _unit_nodes(degree: int) -> Array:
 
 @cache
 def _transform(degree: int) -> Array:
-    """Values at the first-kind points to coefficients, by discrete orthogonality."""
+    """Matrix from values at the first-kind points to coefficients, by discrete orthogonality."""
     weights = np.full(degree + 1, 2.0 / (degree + 1))
     weights[0] /= 2.0
     matrix: Array = chebyshev.chebvander(_unit_nodes(degree), degree).T * weights[:, None]
@@ -168,7 +168,7 @@ def _transform(degree: int) -> Array:
 
 @cache
 def integration_matrix(degree: int) -> Array:
-    """Values at the first-kind points of [-1, 1] to the integral from -1 to each of them, shape (degree + 1,) * 2."""
+    """Matrix from values at the first-kind points of [-1, 1] to the integrals from -1 to each of them, square."""
     integrals = chebyshev.chebint(np.eye(degree + 1), lbnd=-1, axis=0)
     matrix: Array = chebyshev.chebvander(_unit_nodes(degree), degree + 1) @ integrals @ _transform(degree)
     return matrix

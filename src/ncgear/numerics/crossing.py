@@ -10,7 +10,7 @@ from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import along, square
 
 CurveFunction = Callable[[Array], tuple[Array, Array]]
-"""Parameters of n curves (shape (n,) or (n, m)) to points and derivatives by the parameter, shape (n, ..., 2) each."""
+"""From parameters of n curves, shape (n,) or (n, m), to points and derivatives by the parameter, shape (n, ..., 2)."""
 
 NEWTON_STEPS = 12
 """Convergence is quadratic: from a hundredth of a curve's length five steps reach rounding error."""
@@ -22,7 +22,7 @@ ZOOM, ZOOMS, ZOOM_POINTS = 5.0, 8, 13
 def chord_crossings(first: Array, second: Array) -> tuple[IndexArray, Array, Array]:
     """Where polylines ``first`` (shape (n, p, 2)) cross those of the same row in ``second`` (shape (n, q, 2)).
 
-    Rows, and fractional indices along the first and the second polyline, one entry for each crossing.
+    Returns rows, and fractional indices along the first and the second polyline, one entry for each crossing.
     """
     row, chord = _near_chords(first, second)
     (x1, y1), (across1, up1) = (column[row, chord].T[:, :, None] for column in (first, np.diff(first, axis=1)))
@@ -70,9 +70,9 @@ def zoomed_crossings(
 ) -> tuple[Array, Array, Mask]:
     """Crossings within ``reach`` of the given parameters, and which of them are really there.
 
-    For crossings so flat that Newton's method wanders off.  Ever finer chords close in on them; a crossing that only
-    the coarse chords showed disappears on the way and is reported as false.  All arrays have shape (n,), one pair of
-    curves each.
+    This is for crossings so flat that Newton's method wanders off.  Ever finer chords close in on them; a crossing that
+    only the coarse chords showed disappears on the way and is marked false.  All arrays have shape (n,), with one
+    element for each pair of curves.
     """
     at1, at2, there = middle1.copy(), middle2.copy(), np.ones(middle1.size, dtype=bool)
     for step in range(ZOOMS):
@@ -100,8 +100,8 @@ TINY = 1e-300
 def circle_crossings(start: ComplexArray, step: ComplexArray, squared_radius: Array) -> tuple[ComplexArray, Array]:
     """Where chords from ``start`` to ``start + step`` cross circles about the origin, and the arms of forces on them.
 
-    The radius must grow along the chords.  An arm is that at which a force across the chord turns a gear about the
-    origin: the part of the chord's unit vector along the radius, times the radius.  All shapes are the same.
+    The radius must grow along the chords.  A force across the chord turns a gear about the origin with the arm that is
+    returned: the component of the chord's unit vector along the radius, times the radius.  All arrays have one shape.
     """
     outwards, length = along(start, step), square(step)
     missing = squared_radius - square(start)

@@ -12,9 +12,9 @@ from ncgear.numerics.jet import Jet
 from ncgear.numerics.zeros import zeros_between
 
 SAMPLES = 129
-"""Points per piece, and four more for each of its knots, on which sign changes of the derivative are looked for; two
-extrema closer than a 128th of a piece that cancel in sign differ from each other by at most that cubed times a twelfth
-of the third derivative."""
+"""Points per piece, and four more for each of its knots, between which sign changes of the derivative are looked for.
+Two extrema closer than a 128th of a piece may be missed together; their values differ by at most that distance cubed
+times a twelfth of the third derivative."""
 
 ROUGH = 0.01
 """Share of the largest value by which a sample may miss the cubic through its neighbours.  A wave of nine samples
@@ -31,8 +31,8 @@ MOST_SAMPLES = 20_000
 
 NEXT = 1e-3
 """Share of a step at which a further sample is taken beside one of zero slope.  A zero of third order leaves a slope of
-1e-6 there, which is more than rounding; an extremum nearer to an inflection is as high as it to 1e-9 of the step's
-rise."""
+1e-6 there, which is more than rounding; an extremum that is nearer to an inflection differs from it in height by at
+most 1e-9 of the step's rise."""
 
 NO_KNOTS = np.empty(0)
 
@@ -48,9 +48,9 @@ class Extremum:
 def stationary_points(function: Callable[[Array], Jet], start: float, end: float, knots: Array = NO_KNOTS) -> Array:
     """Both ends, every point between them where the derivative changes sign, and samples where it is not finite.
 
-    In rising order.  ``function`` maps points (shape (n,)) to a jet of order 1 or more, and is evaluated within
-    [start, end] only.  ``knots`` (shape (m,), rising) are points between which it varies about as much; knots outside
-    do not count.
+    The points rise.  ``function`` maps points (shape (n,)) to a jet of order 1 or more, and is evaluated within
+    [start, end] only.  Between any two neighbouring ``knots`` (shape (m,), rising) it varies about as much; knots
+    outside [start, end] are ignored.
     """
     grid, slope = _beside_flat(function, *_sampled(function, grid_between(start, end, knots)))
     change = np.nonzero(np.sign(slope[:-1]) * np.sign(slope[1:]) < 0)[0]
@@ -62,9 +62,9 @@ def stationary_points(function: Callable[[Array], Jet], start: float, end: float
 
 
 def grid_between(start: float, end: float, knots: Array) -> Array:
-    """Points from start to end, as many between two knots as between any others, however near these are.
+    """Points from start to end, the same number between any two neighbouring knots, however close these are.
 
-    An even number of steps lies between two knots, so that pairs of steps are alike.
+    An even number of steps lies between two knots, so that steps come in pairs of the same length.
     """
     edges = np.concatenate([[start], knots[(knots > start) & (knots < end)], [end]])
     each = 2 * -(-(SAMPLES - 1 + 4 * (edges.size - 2)) // (2 * (edges.size - 1)))
@@ -73,9 +73,9 @@ def grid_between(start: float, end: float, knots: Array) -> Array:
 
 
 def _sampled(function: Callable[[Array], Jet], grid: Array) -> tuple[Array, Array]:
-    """Points and slopes, more of them where every other sample is far from the cubic through its neighbours.
+    """Points and slopes, more of them where a sample is far from the cubic through its two neighbours.
 
-    Every other point of the grid, from the second on, is halfway between its neighbours.
+    The samples compared are every other point of the grid, from the second on; they lie halfway between neighbours.
     """
     points, jet = grid, function(grid)
     values, slopes = jet.value, jet.derivative(1)

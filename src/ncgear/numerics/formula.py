@@ -53,7 +53,7 @@ def compiled(text: str, key: str) -> Callable[[Array, int], Jet]:
 
 
 def composed(text: str, key: str, variable: str) -> Callable[[Jet], Jet]:
-    """A function of a jet that returns the jet of the expression in ``variable`` at it; raises as ``compiled``."""
+    """A function from the jet of ``variable`` to the expression's jet; raises the same errors as ``compiled``."""
     import sympy  # heavy, and needed by expressions only
 
     symbol = sympy.Symbol(variable, real=True)
@@ -116,7 +116,7 @@ class _Translator:
         return self._sympy.Float(number, 17)
 
     def _chain(self, node: ast.BinOp, depth: int) -> Any:
-        """Operations down the left side one after the other: a long sum is long, not deep."""
+        """Works off the operations of the left side one after the other, so that a long sum does not count as deep."""
         links: list[ast.BinOp] = []
         first: ast.expr = node
         while isinstance(first, ast.BinOp):

@@ -22,8 +22,8 @@ MOST_NODES = 1 << 18
 """Most nodes; a function that needs more is noise.  A thousand harmonics with all their products need less."""
 
 DEGREE = 12
-"""Degree of the Taylor polynomials about the nodes.  Wave j of N nodes is off by (pi j/N)^13 / 13! of its size half a
-node away: 2e-10 for the shortest, which is rounding error itself, and 1e-17 for those up to N/8."""
+"""Degree of the Taylor polynomials about the N nodes.  Half a node away they miss wave j by (pi j/N)^13 / 13! of its
+size: by 2e-10 for the shortest wave, which is itself rounding error, and by 1e-17 or less for waves up to N/8."""
 
 NEWTON_STEPS = 20
 """Most steps to an inverse; convergence is quadratic."""
@@ -33,8 +33,9 @@ NEWTON_STEPS = 20
 class TurnIntegral:
     """F(t) = integral of f from 0 to t, divided by the mean of f, so that F(2 pi) = 2 pi.
 
-    ``values`` (shape (N + 1,)) are F at N + 1 even ``nodes`` from 0 to 2 pi, ``coefficients`` (shape (DEGREE + 1,
-    N + 1)) those of f / mean in powers of the distance from each node; ``bend`` is the largest |f'/f| at a node.
+    ``values`` (shape (N + 1,)) are F at N + 1 even ``nodes`` from 0 to 2 pi; ``coefficients`` (shape (DEGREE + 1,
+    N + 1)) are the coefficients of f / mean in powers of the distance from each node; ``bend`` is the largest |f'/f| at
+    a node.
     """
 
     mean: float
@@ -44,7 +45,7 @@ class TurnIntegral:
     bend: float
 
     def at(self, arguments: Array) -> Array:
-        """F at arguments in [0, 2 pi], shape (n,), as exact relatively at 1e-9 as at 1."""
+        """F at arguments in [0, 2 pi], shape (n,), with the same relative accuracy at 1e-9 as at 1."""
         node = np.rint(arguments / self.nodes[1]).astype(int)
         swing, _ = _integral_and_rate(self.coefficients[:, node], arguments - self.nodes[node])
         there: Array = self.values[node] + swing
@@ -53,7 +54,7 @@ class TurnIntegral:
     def inverse(self, values: Array) -> Array:
         """Arguments in [0, 2 pi] at which F has the values (shape (n,), within [0, 2 pi]).
 
-        Newton's method about the nearest node, so that a value of 1e-9 is as exact, relatively, as one of 1.
+        Newton's method starts about the nearest node, so a value of 1e-9 has the same relative accuracy as one of 1.
         """
         start = np.interp(values, self.values, self.nodes)
         node = np.rint(start / self.nodes[1]).astype(int)
@@ -75,8 +76,8 @@ class TurnIntegral:
 def turn_integral(sampled: Callable[[int], Array], fewest: int) -> TurnIntegral:
     """The integral of a positive function given by its values at N even points of [0, 2 pi), ``sampled(N)``.
 
-    N is doubled from ``fewest`` (a power of two) on until the function is resolved; raises ArithmeticError where it is
-    not by MOST_NODES.
+    N is doubled from ``fewest`` (a power of two) on until the function is resolved; raises ArithmeticError where
+    MOST_NODES do not resolve it.
     """
     count = fewest
     while count <= MOST_NODES:
@@ -104,7 +105,7 @@ def _integrated(samples: Array, spectrum: ComplexArray) -> TurnIntegral:
 
 
 def _closed(periodic: Array) -> Array:
-    """With the first node repeated at the end."""
+    """The values at the nodes, the first one repeated at the end."""
     return np.concatenate([periodic, periodic[..., :1]], axis=-1)
 
 

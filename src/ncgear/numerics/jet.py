@@ -22,14 +22,14 @@ from ncgear.numerics.arrays import Array, Mask
 class Jet:
     """Truncated Taylor series of one function at many points.
 
-    ``coefficients`` has shape (order + 1, n): row k is the k-th derivative divided by k!.  Where a rule takes a number,
-    an array of shape (n,) does as well, one number for each point.
+    ``coefficients`` has shape (order + 1, n): row k is the k-th derivative divided by k!.  A rule that takes a number
+    also takes an array of shape (n,), one number for each point.
     """
 
     coefficients: Array
 
     __array_ufunc__ = None
-    """Has an array that stands to the left of a jet leave the arithmetic to the jet."""
+    """Makes numpy leave the arithmetic to the jet where an array stands to the left of it."""
 
     @staticmethod
     def variable(points: ArrayLike, order: int) -> Jet:
@@ -155,7 +155,7 @@ def sin_cos(argument: Jet) -> tuple[Jet, Jet]:
 
 
 def _paired(rising: Array, falling: Array) -> Array:
-    """Sum of products of rows, the first of one with the last of the other and so on; shape (n,)."""
+    """Sum of products of rows: the first of one times the last of the other and so on; shape (n,)."""
     total: Array = (rising * falling[::-1]).sum(axis=0)
     return total
 
@@ -211,7 +211,7 @@ def arctan2(sine_side: Jet, cosine_side: Jet) -> Jet:
 def polynomial(coefficients: Sequence[float] | Array, argument: Jet) -> Jet:
     """Polynomial with ``coefficients`` from the constant term upwards, by Horner's rule.
 
-    Of shape (m,), or (m, n) for points that have a polynomial each.
+    ``coefficients`` have shape (m,), or (m, n) where each point has a polynomial of its own.
     """
     result = argument * 0.0 + coefficients[-1]
     for coefficient in reversed(coefficients[:-1]):

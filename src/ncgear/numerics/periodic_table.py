@@ -1,7 +1,7 @@
 """Functions of one angle as piecewise polynomials that are quick to evaluate at a single angle.
 
-Integrators ask for one angle at a time, where closed forms cost hundreds of microseconds and a table a few.  Hermite's
-interpolation keeps what energy asks for: the slope that goes with a value is its exact derivative.
+Integrators ask for one angle at a time, where closed forms cost hundreds of microseconds and a table a few.  The slope
+that a table gives is the exact derivative of the value that it gives, as the balance of energy needs it.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from ncgear.numerics.arrays import Array, IndexArray
 
 @dataclass(frozen=True, eq=False)
 class PeriodicTable:
-    """Functions that repeat, but for a rise: f(x + period) = f(x) + rise.
+    """Functions that repeat except for a constant rise: f(x + period) = f(x) + rise.
 
     ``breaks`` (shape (m + 1,)) run from 0 to the period; ``coefficients`` (shape (degree + 1, m, ...), highest power
-    first) are by the distance from the break below.  ``rise`` broadcasts with the trailing axes.
+    first) belong to powers of the distance from the break below.  ``rise`` broadcasts with the trailing axes.
     """
 
     breaks: Array
@@ -47,9 +47,9 @@ class PeriodicTable:
 
 
 def cubics(width: Array, start: Sequence[Array], end: Sequence[Array]) -> Array:
-    """Hermite's cubics on intervals: value and slope at both ends, shape (m, ...) each; width of shape (m,).
+    """Cubics on intervals with given values and slopes at both ends (Hermite), shape (m, ...) each; width (m,).
 
-    Coefficients of shape (4, m, ...), highest power first.
+    Returns coefficients of shape (4, m, ...), highest power first.
     """
     (value, slope), width = start, _expanded(width, start[0])
     rise, turn = end[0] - value - slope * width, end[1] - slope
@@ -57,7 +57,7 @@ def cubics(width: Array, start: Sequence[Array], end: Sequence[Array]) -> Array:
 
 
 def quintics(width: Array, start: Sequence[Array], end: Sequence[Array]) -> Array:
-    """Hermite's quintics on intervals: value, slope and second derivative at both ends, as ``cubics``."""
+    """Quintics on intervals with given values, slopes and second derivatives at both ends; shapes as in ``cubics``."""
     (value, slope, bend), width = start, _expanded(width, start[0])
     rise = end[0] - value - slope * width - bend * width**2 / 2.0
     turn, change = (end[1] - slope - bend * width) * width, (end[2] - bend) * width**2 / 2.0

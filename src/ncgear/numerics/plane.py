@@ -49,13 +49,16 @@ def angle_between(first: ComplexArray, second: ComplexArray) -> Array:
 
 
 def signed_area(ring: Array) -> Array:
-    """Area within closed polygons, shape (..., n, 2), first point not repeated; positive counter-clockwise, (...)."""
+    """Areas, shape (...), of closed polygons, shape (..., n, 2), whose first point is not repeated.
+
+    The area is positive where the points run counter-clockwise.
+    """
     x, y = ring[..., 0], ring[..., 1]
     return np.asarray(np.sum(x * np.roll(y, -1, axis=-1) - y * np.roll(x, -1, axis=-1), axis=-1) / 2.0)
 
 
 Term = Any
-"""A number, an array of shape (n,), or a jet at n points; in one formula all are numbers or of one other kind."""
+"""A number, an array of shape (n,), or a jet at n points; a formula does not mix arrays and jets."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,14 +17,15 @@ from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.zeros import zeros_between
 
 LAST = 3
-"""The last coefficients tell whether a function is resolved: even and odd ones, and one that may by chance be zero."""
+"""How many of the last coefficients tell whether a function is resolved: even and odd ones, and one to spare, since one
+may be zero by chance."""
 
 NEGLIGIBLE = 1e-13
 """A top between two points is looked for if it may be higher than the largest value by this share of it.  Rounding
 errors of the slopes make less than that."""
 
 FINER = 2
-"""Places per interval of the points on which sign changes of the derivative are looked for."""
+"""Parts that each interval between points is divided into where sign changes of the derivative are looked for."""
 
 
 @cache
@@ -36,7 +37,7 @@ def shares(count: int) -> Array:
 
 @cache
 def integration(count: int) -> Array:
-    """Values at the points to the integral from 0 to each of them, shape (count, count)."""
+    """Matrix from values at the points to the integrals from 0 to each of them, shape (count, count)."""
     values = chebyshev.chebvander(2.0 * shares(count) - 1.0, count)
     integrals = chebyshev.chebint(np.eye(count), lbnd=-1, axis=0) / 2.0
     matrix: Array = values @ integrals @ _coefficients(count)
@@ -78,7 +79,7 @@ def _largest(values: Array, grid: Array, slopes: Array, owner: IndexArray, owner
 
 
 def _reach(grid: Array, slopes: Array, row: IndexArray, place: IndexArray) -> Array:
-    """What a top between two points cannot exceed, since it lies below the tangents at both."""
+    """Upper bound of a top between two points: it lies below the tangents at both."""
     width = np.diff(shares(grid.shape[1]))[place]
     before = grid[row, place] + slopes[row, place] * width
     after = grid[row, place + 1] - slopes[row, place + 1] * width
@@ -88,8 +89,8 @@ def _reach(grid: Array, slopes: Array, row: IndexArray, place: IndexArray) -> Ar
 def _tops(values: Array, low: Array, high: Array) -> Array:
     """Value of each function where its slope changes sign between ``low`` and ``high``; shape (k,).
 
-    Where rounding hides the change of sign, the slope at one of both places is rounding itself; the value there is
-    taken.
+    Where rounding hides the change of sign, the slope at one of both places is itself rounding error; the value at
+    ``low`` is taken.
     """
     series, slope = (np.ascontiguousarray(matrix @ values.T) for matrix in _series(values.shape[1]))
     changes = _sums(slope, low) * _sums(slope, high) < 0.0
@@ -105,20 +106,20 @@ def _sums(coefficients: Array, share: Array) -> Array:
 
 @cache
 def _coefficients(count: int) -> Array:
-    """Values at the points to Chebyshev coefficients."""
+    """Matrix from values at the points to Chebyshev coefficients."""
     return np.asarray(np.linalg.inv(chebyshev.chebvander(2.0 * shares(count) - 1.0, count - 1)), dtype=np.float64)
 
 
 @cache
 def _series(count: int) -> tuple[Array, Array]:
-    """Values at the points to coefficients, and to those of the slope."""
+    """Matrices from values at the points to the function's coefficients, and to those of its slope."""
     slope = np.vstack([2.0 * chebyshev.chebder(np.eye(count), axis=0), np.zeros(count)])
     return _coefficients(count), slope @ _coefficients(count)
 
 
 @cache
 def _refinement(count: int) -> tuple[Array, Array]:
-    """Values at the points to values and slopes at the finer points."""
+    """Matrices from values at the points to values and to slopes at the finer points."""
     finer = chebyshev.chebvander(2.0 * shares(FINER * count - 1) - 1.0, count - 1)
     values, slopes = (finer @ matrix for matrix in _series(count))
     return values, slopes

@@ -47,7 +47,7 @@ UNITS = {
     "s": "s",
     "w": "W",
 }
-"""Units by the last words of a key; more words are looked for first."""
+"""Units by the last words of a key; the longest ending that is known here counts."""
 
 LONGEST_ENDING = max(ending.count("_") + 1 for ending in UNITS)
 

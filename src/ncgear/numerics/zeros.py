@@ -3,8 +3,8 @@
 ``first_zeros`` and ``all_zeros`` take piecewise Chebyshev forms that are resolved to rounding error, so that no zero is
 missed.  ``zeros_between`` closes in on zeros in brackets, all at once, by the method of T. R. Chandrupatla, "A new
 hybrid quadratic/bisection algorithm for finding the zero of a nonlinear function without using derivatives", Advances
-in Engineering Software 28 (1997), 145-149.  SciPy has the method too, with bookkeeping that takes ten times as long as
-the functions of this program.
+in Engineering Software 28 (1997), 145-149.  SciPy has the method too, but its bookkeeping takes ten times as long as
+the evaluation of this program's functions.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ NEGLIGIBLE = 1e-14
 """Trailing coefficients, relative to the largest, that are dropped before roots are sought: rounding errors."""
 
 REAL = 1e-7
-"""Imaginary part of a double zero that rounding has split: the square root of the coefficients' accuracy."""
+"""Largest imaginary part of a double zero that rounding has split: the square root of the coefficients' accuracy."""
 
 
 def first_zeros(function: Callable[[IndexArray, Array], Array], cuts: list[Array]) -> Array:
@@ -82,8 +82,8 @@ MOST_STEPS = 200
 """Most steps.  Bisection alone needs 100 for the 32 digits down to a zero at zero; the method needs few more."""
 
 CLOSE = 4.0 * np.finfo(float).eps
-"""Width of a bracket, relative to the zero, at which the zero counts as found; for a zero at zero, its square relative
-to the first bracket."""
+"""Width of a bracket, relative to the zero, at which the zero counts as found.  For a zero at 0, the width relative to
+the first bracket must come down to the square of this."""
 
 
 def zeros_between(function: Callable[[Array], Array], low: Array, high: Array) -> Array:
@@ -115,7 +115,7 @@ def zeros_between(function: Callable[[Array], Array], low: Array, high: Array) -
 def _next_share(points: tuple[Array, Array, Array], values: tuple[Array, Array, Array], least: Array) -> Array:
     """Where between the newest point and the one across the zero to look next.
 
-    By inverse quadratic interpolation where the three points allow it, else in the middle.
+    Inverse quadratic interpolation tells where the three points allow it; otherwise it is the middle.
     """
     (a, b, c), (fa, fb, fc) = points, values
     place, height = (a - b) / (c - b), (fa - fb) / (fc - fb)

@@ -39,24 +39,26 @@ from ncgear.ratio.transmission import Lobes
 from ncgear.ratio.working_stroke import StrokeRequest, WorkingStrokes, shaped_strokes, solved_stroke
 
 BOX = np.array([[0.2, 0.9], [0.3, 0.995], [0.3, 1.0], [0.05, 0.98], [-1.55, 1.55], [0.02, 12.0], [-6.0, 6.0]])
-"""Bounds of each number, the skewness in heights of the bump; wide enough that no optimum on the baler's linkage lies
-at them but at theta2 = theta3."""
+"""Bounds of each number, the skewness in heights of the bump.  They are so wide that no optimum on the baler's linkage
+lies at a bound other than theta2 = theta3."""
 
 SEGMENT_POINTS = 65, 17, 33
 """Points on each segment of the stroke, ends included; the accelerations are of degree 3, 0 and 2."""
 
 RETURN_POINTS = Points(pieces=1, count=97, steps=8)
-"""On the return; four of Newton's steps give five digits."""
+"""Points on the return; four of Newton's steps give five digits."""
 
 CLOSED = 1e-6
 """Miss of the cycle, relative to the return's driven angle, that the search may leave; laws are closed to rounding."""
 
 SOBOL_POWER = 12
+"""2^12 points of the box are looked at."""
+
 APART = 0.2
 """Distance, in the unit box, of one start from the others."""
 
 PENALTY = 20.0
-"""Of a relative excess over the cap, while starts are chosen."""
+"""Price of a relative excess over the cap, in peaks, while starts are chosen."""
 
 HOPS, HOP = 1, 0.1
 """Neighbours of the best that are tried, for each start, and their standard deviation in the unit box."""
@@ -65,7 +67,7 @@ ALMOST = 1e-3
 """Relative excess over the cap that does not count while local optima are ranked: constraints hold to rounding."""
 
 STEP = 1e-6
-"""Of the difference quotients, in the unit box."""
+"""Step of the difference quotients, in the unit box."""
 
 TIGHTENINGS = 4
 WITHIN = 1e-6
@@ -250,7 +252,7 @@ class _Descent:
 
     def _rows(self, points: Array) -> Array:
         found = figures(self._family, points)
-        with np.errstate(invalid="ignore"):  # no law under no cap
+        with np.errstate(invalid="ignore"):  # infinite over infinite, where there is neither law nor cap
             peak, other = found.of(self._least) / self._scale, found.of(_capped(self._least)) / self._cap
         self._is_peak = np.repeat([1.0, 0.0], [2 * peak.shape[1], 2 * other.shape[1]])
         rows = np.hstack([-peak, peak, 1.0 - other, 1.0 + other])
@@ -298,7 +300,7 @@ def _made(family: Family, point: Array) -> FamilyOptimum:
 
 
 def _out_of_reach(family: Family, least: Peak, cap: float, seed: int, starts: int) -> NoSuchMechanism:
-    """The refusal of a cap, with the least that the family reaches without any other wish."""
+    """The refusal of a cap, with the least that the family reaches where nothing else is asked of it."""
     capped = _capped(least)
     points = _local_optima(family, capped, inf, seed, starts)
     lowest = float(np.abs(figures(family, points[0][None]).of(capped)).max())

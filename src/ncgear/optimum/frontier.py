@@ -1,4 +1,4 @@
-"""Power against acceleration: what is possible at each cap on the power, and what laws that can be made come to."""
+"""Power against acceleration: what is possible at each cap on the power, and what makeable laws reach."""
 
 from __future__ import annotations
 
@@ -72,8 +72,8 @@ def caps_w(task: Task, wishes: Wishes, count: int) -> list[float]:
 def limit_points(task: Task, limits: Limits, most_w: float, count: int) -> list[tuple[float, float]]:
     """The certified limit alone: caps on the power in W and least accelerations in mm/s2, up to ``most_w``.
 
-    From a tenth over the least power at any acceleration on; empty where nothing resists.  On a grid of 1600 cells
-    with any limits: a coarser grid's limit is a limit, too, if a lower one.
+    The caps begin a tenth over the least power at any acceleration; there are none where nothing resists.  The grid has
+    1600 cells whatever the limits are: a coarser grid also gives a limit, only a lower one.
     """
     free = replace(limits, peak_power_w=None, peak_acceleration_mm_s2=None)
     least = WITHIN_REACH * least_power(task, free).value
@@ -90,12 +90,13 @@ def limit_points(task: Task, limits: Limits, most_w: float, count: int) -> list[
 
 def law_point(task: Task, wishes: Wishes, cap_w: float) -> LawPoint:
     """One point of the limit and of the makeable laws; raises NoSuchMechanism where no law is found."""
-    capped = _capped(wishes, cap_w)
+    free = _free(wishes, Goal.ACCELERATION)
+    capped = replace(free, limits=replace(free.limits, peak_power_w=cap_w))
     return LawPoint(cap_w, least_acceleration(task, capped.limits), figures_of(task, _law(task, capped)))
 
 
 def family_point(task: Task, cap_w: float, seed: int) -> FamilyPoint:
-    """One point of the published family, by the better of its returns."""
+    """One point of the published family, with the better of both bases of its return."""
     found = []
     for inverse in (False, True):
         family = Family(task.linkage, task.resistance, task.speed_rad_s, inverse, task.lobes)
@@ -142,8 +143,3 @@ def _free(wishes: Wishes, goal: Goal) -> Wishes:
     """The wishes without limits on the two peaks themselves."""
     limits = replace(wishes.limits, peak_power_w=None, peak_acceleration_mm_s2=None)
     return replace(wishes, goal=goal, weights=None, limits=limits)
-
-
-def _capped(wishes: Wishes, cap_w: float) -> Wishes:
-    free = _free(wishes, Goal.ACCELERATION)
-    return replace(free, limits=replace(free.limits, peak_power_w=cap_w))

@@ -1,4 +1,4 @@
-"""What a mechanism has to do, what it may not exceed in doing it, and what a law for it comes to."""
+"""What a mechanism has to do, the limits that it must keep, and the figures of a law for it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ncgear.kinematics.check import kinematic_check
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.resistance import Resistance
-from ncgear.pitch.pair import PitchPair, sized_pair
+from ncgear.pitch.pair import sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.transmission import Lobes, Train
 
@@ -58,8 +58,8 @@ class Limits:
 
     ``ratio_min`` and ``ratio_max`` bound i12 = dphi1/dphi2; ``working_rad`` is the driving angle of the working stroke;
     ``pressure_angle_rad`` bounds the tangent angle of the pitch curves, |atan(r1'/r1)|, not counting the rack's own;
-    ``mass_kg`` moves with the slider and takes power.  Raises WrongInput with the key of a value that bounds nothing,
-    as a design file has it.
+    ``mass_kg`` moves with the slider and takes power.  Raises WrongInput for a value that bounds nothing, with its key
+    in the design file.
     """
 
     ratio_min: float
@@ -100,7 +100,7 @@ class Limits:
 
 
 TEETH = 100
-"""Per lobe: figures of the curves are taken from a pair of any size, since they are ratios."""
+"""Teeth per lobe of the pair whose curves are measured; the figures are ratios, so any size does."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +108,7 @@ class Figures:
     """Peaks at the operating speed, ratio range, and the shape of the pitch curves.
 
     ``curvature_turns`` is the largest curvature of any curve, bulge or dent, times the length its pair rolls in one
-    cycle.  Of several pairs the ratios are those of the whole, and ``convex`` says it of all.
+    cycle.  With several pairs the ratios are the whole train's, and ``convex`` means that all curves are.
     """
 
     peak_power_w: float
@@ -137,13 +137,10 @@ def figures(task: Task, train: Train) -> Figures:
         working_rad=machine.extended_rad,
         tangent_rad=max(pair.largest_tangent_angle_rad.value for pair in pairs),
         convex=all(pair.convex(gear) for pair in pairs for gear in Gear),
-        curvature_turns=max(map(_curvature_turns, pairs)),
+        curvature_turns=max(abs(end.value) for pair in pairs for gear in Gear for end in pair.curvature_range[gear])
+        * TEETH
+        * pi,
     )
-
-
-def _curvature_turns(pair: PitchPair) -> float:
-    sharpest = max(abs(extremum.value) for gear in Gear for extremum in pair.curvature_range[gear])
-    return sharpest * TEETH * pi
 
 
 def _wrong(key: str, value: float, needed: str) -> WrongInput:

@@ -96,7 +96,7 @@ class PitchCurve:
     def at_length(self, sigma_mm: Array) -> CurvePoints:
         """The curve at arc lengths in mm, of any shape, beyond one turn as well.
 
-        Read from piecewise Chebyshev forms of the closed form, which agree with it to rounding error.
+        The values come from piecewise Chebyshev forms, which agree with the closed form to rounding error.
         """
         columns = self._by_length(np.mod(sigma_mm / self.center_distance_mm, self.length_mm / self.center_distance_mm))
         size, tangent = self.center_distance_mm, columns[..., 2:4]
@@ -104,7 +104,7 @@ class PitchCurve:
 
     @cached_property
     def curvature_bounds(self) -> tuple[float, float]:
-        """Numbers in 1/mm below and above every curvature; the coefficients of the Chebyshev forms prove them."""
+        """Lower and upper bound of the curvature in 1/mm; the coefficients of the Chebyshev forms prove them."""
         coefficients = self._by_length.coefficients[..., 4] / self.center_distance_mm
         spread = np.abs(coefficients[1:]).sum(axis=0)
         return float(np.min(coefficients[0] - spread)), float(np.max(coefficients[0] + spread))
@@ -142,9 +142,9 @@ def _points(
 ) -> CurvePoints:
     """The pitch point on each gear's curve, in the frame of that gear, which has turned under it.
 
-    The driving curve is met at polar angle -phi1, the driven one at pi + phi2; of an internal pair, at pi - phi1 and
-    pi - phi2.  Arc length runs alike on both curves where they touch, with the driving gear's material to the right of
-    the tangent and the driven gear's to the left.
+    On an external pair the pitch point is at the polar angle -phi1 of the driving gear and pi + phi2 of the driven one;
+    on an internal pair it is at pi - phi1 and pi - phi2.  Arc length runs in the same direction on both curves where
+    they touch; the driving gear's material is to the right of the tangent and the driven gear's to the left.
     """
     gear, mesh = of
     facing = cos(shape.meeting_direction_rad(gear, mesh))
@@ -238,7 +238,7 @@ def _speed(transmission: Transmission, phi1: Array, gear: Gear, mesh: Mesh) -> A
 
 
 def _inverse(transmission: Transmission, mesh: Mesh, by_angle: PiecewiseChebyshev, sigma: Array) -> Array:
-    """Newton's method from a linear interpolation of the panel ends."""
+    """Driving angles at arc lengths, by Newton's method from a linear interpolation of the panel ends."""
     ends = np.append(by_angle(by_angle.breaks[:-1]), by_angle.final)
     phi1 = np.interp(sigma, ends, by_angle.breaks)
     for _ in range(NEWTON_STEPS):
@@ -255,7 +255,8 @@ STEPS = 40
 """Newton's method converges quadratically from within a radius of curvature; a damped start costs some steps."""
 
 LEAST_SHARE = 0.2
-"""Least share of the way to the centre of curvature that a step is divided by, so that none leaps over the centre."""
+"""Least divisor of a Newton step.  The divisor is the point's distance from the centre of curvature over the radius of
+curvature; this bound keeps steps from leaping over the centre."""
 
 
 class RollingCurve(Protocol):
@@ -268,7 +269,7 @@ class RollingCurve(Protocol):
 def nearest(curve: RollingCurve, point_mm: Array, start_mm: Array, tolerance_mm: float) -> tuple[Array, Array]:
     """Arc lengths of the nearest points and signed distances, positive along the normal; shape (n,) each.
 
-    ``point_mm`` has shape (n, 2), ``start_mm`` (n,).  NaN for points that have none near their start.
+    ``point_mm`` has shape (n, 2), ``start_mm`` (n,).  Where no nearest point is found near the start, both are NaN.
     """
     sigma = start_mm
     for _ in range(STEPS):

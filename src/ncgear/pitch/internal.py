@@ -27,7 +27,7 @@ points half a degree apart leave uncertain.  If it passes by less, the contact o
 
 
 def require_ring(transmission: Transmission) -> None:
-    """Refuse a law that a ring cannot be driven by.
+    """Refuse a law that cannot drive a ring.
 
     The pitch radii of an internal pair, a / (i12 - 1) and a i12 / (i12 - 1), exist only where i12 is over 1, and grow
     beyond all bounds as it nears 1.  Raises NoSuchMechanism with the least ratio, its driving angle and what to change.
@@ -80,7 +80,7 @@ def _points(curve: PitchCurve) -> ComplexArray:
 def passed_mm(inner: ComplexArray, ring: ComplexArray, driving: PitchCurve, phi1: Array) -> Array:
     """How far in mm points of the driving gear lie beyond a closed curve of the ring, shape (positions, points).
 
-    Both in their gear's own frame; the ring's curve is seen once from its axis in every direction.
+    Both are in their gear's own frame; seen from the ring's axis, its curve must be met once in every direction.
     """
     phi2 = driving.transmission.driven_angle(phi1).value
     seen = inner * np.exp(1j * phi1[:, None]) - driving.center_distance_mm

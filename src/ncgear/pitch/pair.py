@@ -218,8 +218,8 @@ def solved_size(
 ) -> Size:
     """The size from any two of teeth, module and centre distance.
 
-    ``driving_length`` is the driving pitch curve's length at unit centre distance, so that teeth x pi x module is that
-    times the centre distance.  Raises WrongInput when fewer than two are given, when three disagree, or when a number
+    ``driving_length`` is the driving pitch curve's length at unit centre distance; times the centre distance it is
+    teeth x pi x module.  Raises WrongInput when fewer than two are given, when three disagree, or when a number
     of teeth is not whole.
     """
     if sum(value is None for value in (teeth, module_mm, center_distance_mm)) > 1:

@@ -72,7 +72,7 @@ def speed(slope: Jet, gear: Gear, mesh: Mesh) -> Jet:
 def curvature(slope: Jet, gear: Gear, mesh: Mesh) -> Jet:
     """Curvature at unit centre distance, positive where the material is convex, two orders less than ``slope``.
 
-    k = (r^2 + 2 r'^2 - r r'') / (r^2 + r'^2)^(3/2), primes by the gear's own angle; minus that on a ring.
+    k = (r^2 + 2 r'^2 - r r'') / (r^2 + r'^2)^(3/2), primes by the gear's own angle; a ring has -k.
     """
     order = slope.order - 2
     first = radius_slope(slope, gear, mesh)

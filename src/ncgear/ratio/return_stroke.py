@@ -2,11 +2,11 @@
 
 In tau, the share of the return that is gone, i12 (or 1/i12) is the cubic with the values and slopes that the working
 stroke has at its two ends, plus multiples of tau^2 (1 - tau)^2, which changes neither end.  One multiple makes the
-return cover the driven angle that is left.  For the inverse that is a linear equation.  For the ratio exactly one
-multiple above that at which the polynomial touches zero does it; it is found in a bracket and then polished on the
-spectral integral, since the polynomial may be 1e5 times as large as its smallest value.  What remains free is either
-given by the published method's constant e (the source named in ``working_stroke.py``) or by a skewness, of which the
-one with the least peak acceleration is searched.
+return cover the driven angle that is left.  For the inverse it follows from a linear equation.  For the ratio there is
+exactly one above the multiple at which the polynomial touches zero; it is found in a bracket and then polished on the
+spectral integral, since the polynomial may be 1e5 times as large as its smallest value.  What remains free is given
+either by the published method's constant e (the source named in ``working_stroke.py``) or by a skewness, which is
+searched for the least peak acceleration.
 """
 
 from __future__ import annotations
@@ -92,9 +92,9 @@ def remedy(ends: ReturnEnds) -> str:
 class ReturnLaw:
     """The closed return: a polynomial in tau is i12, or 1/i12 when ``inverse`` is true.
 
-    Its coefficients may be 1e5 times its smallest value, so they are those ``about`` the place of that, in powers of
-    tau - about; there the constant term is the value.  ``correction``, which closes the cycle to rounding error, is
-    in tau and kept by itself, since it would be rounded off.
+    Its coefficients in tau may be 1e5 times its smallest value.  So ``local`` is in powers of tau - ``about``, where
+    ``about`` is the place of the smallest value and the constant term is that value.  ``correction``, which closes the
+    cycle to rounding error, is in tau and kept by itself, since it would be rounded off.
     """
 
     ends: ReturnEnds
@@ -154,16 +154,16 @@ def lowest(polynomial: Polynomial) -> tuple[float, float]:
 
 
 def unit_integral(polynomial: Polynomial) -> float:
-    """Its integral over [0, 1]."""
+    """The polynomial's integral over [0, 1]."""
     antiderivative = polynomial.integ()
     return float(antiderivative(1.0) - antiderivative(0.0))
 
 
 @cache
-def panels(count: int = 16, points: int = 16) -> tuple[Array, Array]:
-    """Composite Gauss-Legendre rule on [0, 1], panels shorter towards the ends."""
-    edges = (1.0 - np.cos(np.linspace(0.0, np.pi, count + 1))) / 2.0
-    unit, weights = legendre.leggauss(points)
+def panels() -> tuple[Array, Array]:
+    """Gauss-Legendre rule of 16 points on each of 16 panels of [0, 1], which are shorter towards the ends."""
+    edges = (1.0 - np.cos(np.linspace(0.0, np.pi, 17))) / 2.0
+    unit, weights = legendre.leggauss(16)
     middle, half = (edges[1:] + edges[:-1]) / 2.0, np.diff(edges) / 2.0
     return (middle[:, None] + half[:, None] * unit).ravel(), (half[:, None] * weights).ravel()
 
@@ -180,8 +180,8 @@ as a root of a polynomial of degree nine."""
 def closed_ratio(ends: ReturnEnds, base: Polynomial, direction: Polynomial) -> ReturnLaw:
     """i12 = base + c direction with c such that the return covers its driven angle.
 
-    ``direction`` is positive inside the return, so the covered angle falls as c grows; it grows without bound as c
-    falls to where the polynomial touches zero.  Between the two there is exactly one solution.
+    ``direction`` is positive inside the return, so the covered angle falls to zero as c grows, and grows without bound
+    as c falls to the value at which the polynomial touches zero.  Above that value there is exactly one solution.
     """
     for ratio, at_rad in ((ends.start_ratio, ends.start_rad), (ends.end_ratio, ends.end_rad)):
         if not ratio > 0.0:
@@ -209,9 +209,9 @@ def closed_ratio(ends: ReturnEnds, base: Polynomial, direction: Polynomial) -> R
 
 
 def _about_touching(polynomial: Polynomial) -> tuple[Polynomial, float]:
-    """A polynomial that touches zero inside [0, 1], in powers about that place, which loses no digits beside it.
+    """A polynomial that touches zero inside [0, 1], in powers about that place, which keep all digits beside it.
 
-    Constant and linear term are zero but for rounding, and left out; what they were is made up for by what closes.
+    The constant and the linear term are rounding errors and left out; closing the return makes up for them.
     """
     about = lowest(polynomial)[1]
     for _ in range(3):
@@ -265,14 +265,17 @@ def polished(law: ReturnLaw, direction: Polynomial) -> ReturnLaw:
 def _closing_sensitivity(polynomial: Polynomial, direction: Polynomial) -> float:
     """How fast the integral of 1/polynomial over [0, 1] falls as a multiple of ``direction`` is added.
 
-    By the fixed panels: it only sets the length of a Newton step.
+    It is computed on the fixed panels, since it only sets the length of a Newton step.
     """
     nodes, weights = panels()
     return float(weights @ (direction(nodes) / polynomial(nodes) ** 2))
 
 
 BUMP = Polynomial([0.0, 0.0, 1.0, -2.0, 1.0])
+"""tau^2 (1 - tau)^2."""
+
 SKEW = Polynomial([-1.0, 2.0])
+"""2 tau - 1; times the bump it skews a return."""
 
 
 def return_with_constant(ends: ReturnEnds, constant: float) -> ReturnLaw:
@@ -285,7 +288,7 @@ def return_with_constant(ends: ReturnEnds, constant: float) -> ReturnLaw:
 
 
 def published_family(ends: ReturnEnds, constant: float) -> tuple[Polynomial, Polynomial]:
-    """Polynomials in tau with the ends and the e of a return: the first one plus any multiple of the second."""
+    """Two polynomials in tau: the first one plus any multiple of the second has the ends and the e of a return."""
     origin = -ends.start_rad / ends.length_rad
     base = ends.cubic
     lift = (constant - base(origin)) / BUMP(origin)
@@ -307,7 +310,10 @@ def ratio_family(ends: ReturnEnds) -> Callable[[float], ReturnLaw]:
 
 
 def inverse_family(ends: ReturnEnds) -> Callable[[float], ReturnLaw]:
-    """The same of the inverse of the ratio, which closes by a linear equation."""
+    """The returns whose inverse ratio is a polynomial, by their skewness; a linear equation closes each.
+
+    They raise NoSuchMechanism where the polynomial is not positive.
+    """
     base = ends.inverted().cubic
 
     def closed(skewness: float) -> ReturnLaw:
@@ -376,7 +382,7 @@ class _ReturnAcceleration:
 
 
 def _interpolated_peak(points: Array, values: Array) -> float:
-    """Largest value of samples, of the parabola through the largest and its neighbours where it lies inside."""
+    """Peak of the parabola through the largest sample and its neighbours; the sample itself at either end."""
     top = int(np.argmax(values))
     if not 0 < top < values.size - 1:
         return float(values[top])

@@ -2,8 +2,8 @@
 
 The strokes are those of ``working_stroke.py``, the returns the polynomials of ``return_stroke.py``; arrays of strokes
 have shape (n,) and polynomials (m, n).  One return is solved in a bracket, polished and refused with a reason, which
-takes milliseconds.  Of many, Newton's method closes all at once on the points of the samples; whether each has a
-positive ratio and ends where it must is for the caller to look at.
+takes milliseconds.  Many are closed at once by Newton's method on the points of the samples; the caller must check
+that each has a positive ratio and ends where it must.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ BUMP_HEIGHT = 1.0 / 16.0
 """Largest value of tau^2 (1 - tau)^2, at the middle of the return."""
 
 START_ABOVE = 1e-3
-"""Where Newton's method starts: by so much of its size above the multiple at which the polynomial touches zero."""
+"""Newton's method starts above the multiple at which the polynomial touches zero, by this share of its size."""
 
 
 class Motion(NamedTuple):

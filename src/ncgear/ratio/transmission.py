@@ -156,7 +156,7 @@ class Transmission:
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """The law of one pair by its own driving angle, and how fast its driving gear turns.
+    """The law of one pair over its own driving angle, and how fast its driving gear turns.
 
     ``speed`` is that gear's speed over the driving shaft's, at its own angles in rad; shape (n,) to shape (n,).
     """

@@ -9,9 +9,9 @@ The conditions over-determine the stroke unless one quantity is left free.  Per 
 stroke is linear in v1/omega, v2/omega and a1/omega_ref^2, so each of them, the stroke itself, and the law speed omega
 follow in closed form.
 
-All formulas hold for one stroke and, in arrays, for many at once.  One stroke is proved to advance everywhere and
-refused with a reason where it does not (``solved_stroke``); of many nothing is proved (``closed_strokes``,
-``shaped_strokes``), and ``sampled_strokes.py`` tells which of them advance.
+All formulas hold for one stroke and, in arrays, for many at once.  One stroke is proved to advance everywhere, and
+refused with a reason where it does not (``solved_stroke``).  Nothing is proved for many strokes (``closed_strokes``,
+``shaped_strokes``); ``sampled_strokes.py`` gives their motion, which tells which of them advance.
 """
 
 from __future__ import annotations
@@ -114,9 +114,10 @@ def solved_stroke(request: StrokeRequest) -> WorkingStroke:
 
 
 def closed_strokes(requests: StrokeRequests[Array]) -> WorkingStrokes[Array]:
-    """Many strokes with their free quantity solved for, of which nothing is proved.
+    """Many strokes with their free quantity solved for; nothing is proved about them.
 
-    Where no positive value closes the stroke that value is negative or not a number; others may stop or reverse.
+    The free quantity is negative or not a number where no positive value closes the stroke; other strokes may stop or
+    reverse.
     """
     with np.errstate(all="ignore"):
         closed = _closed(requests)
@@ -124,7 +125,7 @@ def closed_strokes(requests: StrokeRequests[Array]) -> WorkingStrokes[Array]:
 
 
 def shaped_strokes(theta_rad: Array, approach_shape: Array, brake: Array, stroke_mm: float) -> WorkingStrokes[Array]:
-    """Many strokes of given shapes, of which nothing is proved, at a law speed of 1 rad/s.
+    """Many strokes of given shapes at a law speed of 1 rad/s; nothing is proved about them.
 
     ``theta_rad`` holds theta1 to theta4 (shape (4, n)), ``approach_shape`` is v/v2 in powers 1 to 4 of phi1/theta2
     (shape (4, n)), ``brake`` is -a1 (theta4 - theta3)/v2 (shape (n,)).  The stroke is then linear in v2, which closes
@@ -141,7 +142,7 @@ def shaped_strokes(theta_rad: Array, approach_shape: Array, brake: Array, stroke
 
 
 def polynomial_at(coefficients: Array, argument: Number) -> Number:
-    """A polynomial's value, or, with coefficients of shape (m, n), that of each at its own argument."""
+    """A polynomial's value, or, with coefficients of shape (m, n), the value of each at its own argument."""
     value: Number = argument * 0.0
     for coefficient in coefficients[::-1]:
         value = value * argument + coefficient
@@ -278,7 +279,7 @@ def _refuse_backwards(request: StrokeRequests[float]) -> None:
 def _refuse_reversal(stroke: WorkingStroke, request: StrokeRequest) -> None:
     """Velocity must be positive between the dead centres, and its divided-out zeros must be simple.
 
-    Braking needs no look of its own: with u = delta / (theta4 - theta3), R = -a1 (1 - u)^2 + (v2 / delta34) u (3 - 2
+    Braking needs no check: with u = delta / (theta4 - theta3), R = -a1 (1 - u)^2 + (v2 / delta34) u (3 - 2
     u) is a sum of terms that are not negative.
     """
     if not stroke.v1_mm_s > 0.0:
@@ -294,7 +295,7 @@ def _refuse_reversal(stroke: WorkingStroke, request: StrokeRequest) -> None:
 
 
 def _remedy_of_v1(request: StrokeRequest) -> str:
-    """What leaves the approach a part of the stroke, or makes it cover one."""
+    """The words for what gives the approach a part of the stroke to cover, or lets it cover one."""
     if _stroke_sensitivities(request)[0] > 0.0:
         return "lower v2, shorten the stretch at v2 (theta2 to theta3), bring a1 nearer to zero or lengthen the stroke"
     return "theta1 lies too near 0 or theta2"

@@ -1,1 +1,1 @@
-"""Thousands of designs at a time: the figures of a check and of the pitch curves, without teeth."""
+"""Thousands of designs at a time: the figures of a check and of the pitch curves; teeth are not made."""

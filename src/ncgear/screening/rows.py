@@ -1,6 +1,7 @@
-"""The figures of designs: of many from their sampled laws, and of one by the stages that a check and a build use.
+"""The figures of designs: of many from their sampled laws, and of one by the computation of a check and a build.
 
-Peaks of the motion, range of the ratio and the pitch curves of external pairs; both ways give the same keys.
+They are the peaks of the motion, the range of the ratio and the pitch curves of external pairs; both ways give the same
+keys.
 """
 
 from __future__ import annotations
@@ -14,7 +15,6 @@ import numpy as np
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import Gears
 from ncgear.errors import DesignError, WrongInput
-from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.sampled import extremes, integration, tails
@@ -35,11 +35,11 @@ Ranges = dict[str, tuple[Array, Array]]
 
 @dataclass(frozen=True, eq=False)
 class LawFigures:
-    """Of n laws, shape (n,) each; per radian of the driving angle and at unit centre distance.
+    """Figures of n laws, shape (n,) each, per radian of the driving angle and at unit centre distance.
 
     ``ranges`` has the smallest and largest value of the ratio, the tangent of the pitch curves' inclination, their
     curvatures, the slider's velocity and acceleration over the cycle and over the working stroke, and the power.
-    ``length`` is that of the pitch curves over one turn of the driven gear, ``resolved`` says whose figures hold.
+    ``length`` is the pitch curves' over one turn of the driven gear, ``resolved`` says whose figures hold.
     """
 
     ranges: Ranges
@@ -78,7 +78,7 @@ def _quantities(samples: Samples, force_n: Callable[[Array], Array]) -> dict[str
 
 
 def _resolved(samples: Samples, quantities: dict[str, Array]) -> Mask:
-    """Laws that are sound, all of whose quantities and lengths have died away, and which close."""
+    """Which laws are sound and close, with the last coefficients of all quantities and lengths died away."""
     rates = samples.turning * length_rate(samples.at)
     resolved = samples.sound.copy()
     for values in (*quantities.values(), rates, samples.turning):
@@ -107,7 +107,7 @@ def _ranges(quantities: dict[str, Array], there: Mask, resolved: Mask) -> Ranges
 
 
 def _integral(values: Array) -> Array:
-    """Of values per share of each piece, over all pieces; shape (n,)."""
+    """Integral over all pieces of values per share of the piece, shape (n,)."""
     total: Array = (values @ integration(values.shape[-1])[-1]).sum(axis=1)
     return total
 
@@ -129,7 +129,7 @@ def single_figures(design: Design) -> dict[str, float]:
         "check.peak_acceleration_working_mm_s2": check.peak_acceleration_working_mm_s2.value,
         "check.peak_acceleration_cycle_mm_s2": check.peak_acceleration_cycle_mm_s2.value,
     }
-    # Of two stages the curves are those of each pair, and a build alone tells them apart.
+    # With two stages each pair has its own curves, and only a build tells them apart.
     return figures if design.gears is None or design.stages > 1 else {**figures, **_pitch(drive)}
 
 
@@ -153,11 +153,16 @@ Row = dict[str, float] | DesignError
 
 
 def rows_of(kind: Kind, designs: Sequence[Design], count: int) -> list[Row | None]:
-    """Of each design of a batch; None for those of which the batch is not sure."""
-    # What cannot be is computed along, and comes out as numbers that are not finite, of which the batch is not sure.
+    """The row of each design of a batch; None where the batch is not sure of it."""
+
+    def fitted_n(displacement_mm: Array) -> Array:
+        """The curve of the force with its negative stretches, as the exact peak of power uses it."""
+        return kind.resistance.fitted_n(Jet(displacement_mm.reshape(1, -1))).value.reshape(displacement_mm.shape)
+
+    # Designs that cannot be made give numbers that are not finite, and the batch is not sure of these.
     with np.errstate(all="ignore"):
         found = sampled(kind, designs, count)
-        figures = law_figures(found.samples, lambda displacement_mm: _fitted_n(kind.resistance, displacement_mm))
+        figures = law_figures(found.samples, fitted_n)
     sure = np.nonzero(figures.resolved & found.sound)[0]
     rows: list[Row | None] = [None] * len(designs)
     if sure.size:
@@ -169,11 +174,6 @@ def rows_of(kind: Kind, designs: Sequence[Design], count: int) -> list[Row | Non
             shape = {name: float(column[place]) for name, column in shapes.items()}
             rows[number] = _sized(row, shape, designs[number].gears, kind.lobes)
     return rows
-
-
-def _fitted_n(resistance: Resistance, displacement_mm: Array) -> Array:
-    """The curve of the force with its negative stretches, as the exact peak of power has it."""
-    return resistance.fitted_n(Jet(displacement_mm.reshape(1, -1))).value.reshape(displacement_mm.shape)
 
 
 def _law_of_rows(found: Sampled, figures: LawFigures, sure: IndexArray) -> dict[str, Array]:
@@ -202,7 +202,7 @@ def _check_of_rows(
 
 
 def _shapes(figures: LawFigures, sure: IndexArray) -> dict[str, Array]:
-    """Of the pitch curves, at unit centre distance."""
+    """Figures of the pitch curves at unit centre distance."""
     ranges = figures.ranges
     return {
         "length": figures.length[sure],

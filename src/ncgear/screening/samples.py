@@ -1,9 +1,9 @@
 """Designs of one kind as sampled laws: ratio and motion of the slider at Chebyshev points of pieces of the cycle.
 
 Designs of a kind are computed together.  Three-segment strokes are cut at their joints and their returns into equal
-pieces of the driving angle; each step is as one law is made in ``ratio/laws/three_segment.py``.  Harmonics of the ratio
-are cut by the driven angle, in which all is smooth and the linkage knows its dead centres; equations as in
-``ratio/laws/harmonic.py``.  What a batch cannot be sure of is not ``sound`` and is computed by itself.
+pieces of the driving angle; the equations are those of ``ratio/laws/three_segment.py``, which makes one law.  Harmonic
+laws are cut by the driven angle, in which everything is smooth and the dead centres are known; the equations are those
+of ``ratio/laws/harmonic.py``.  A design of which a batch cannot be sure is not ``sound`` and is computed by itself.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ RETURN_PIECES = 3
 """Equal pieces that a return is cut into: where its ratio is small, a polynomial's inverse varies fast."""
 
 CLOSING_STEPS = 24
-"""Newton's steps that close a return; from next to a zero of the polynomial some ten are needed."""
+"""Newton's steps that close a return; some ten are needed from a start next to a zero of the polynomial."""
 
 CLEAR = 1e-9
 """Share of its largest value by which v/phi1 must stay over zero: a million rounding errors.  What is nearer to zero is
@@ -85,14 +85,10 @@ def _law(design: Design) -> tuple[Hashable, ...] | None:
             return None
         return STROKE, motion.solve_for, motion.a1_speed_rpm is None, motion.stroke_mm is None
     if isinstance(motion, HarmonicRatio) and motion.second_stage is None and (motion.cosine or motion.sine):
-        return HARMONIC, _working_angle_rad(design)
+        # A batch of harmonic laws shares the working angle; None stands for cranks that cannot turn.
+        linkage = mechanisms_of([design.linkage])
+        return HARMONIC, float(linkage.working_angle_rad[0]) if linkage.turns_fully[0] else None
     return None
-
-
-def _working_angle_rad(design: Design) -> float | None:
-    """That of the linkage, which a batch of harmonic laws shares; None where the crank cannot turn."""
-    linkage = mechanisms_of([design.linkage])
-    return float(linkage.working_angle_rad[0]) if linkage.turns_fully[0] else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +96,7 @@ class Samples:
     """n laws over one cycle of the slider, cut into p pieces of m points each; arrays have shape (n, p, m).
 
     ``at`` holds ln i12 and what follows from it; velocities are in mm/rad and accelerations in mm/rad^2 of the driving
-    angle.  ``displacement_mm`` (shape (n, w, m)) is that of the first w pieces, which make the working stroke.
+    angle.  ``displacement_mm`` (shape (n, w, m)) covers the first w pieces, which make the working stroke.
     ``turning`` is the driven angle per share of the piece, ``there`` (shape (n, p)) where a piece has any length,
     ``sound`` (shape (n,)) where the law is known to be one.
     """
@@ -134,7 +130,7 @@ def sampled(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
 
 
 def _strokes(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
-    """Three-segment strokes; what ``project/law.py`` would refuse of one is not ``sound``."""
+    """Three-segment strokes; a stroke that ``project/law.py`` would refuse is not ``sound``."""
     linkage = mechanisms_of([design.linkage for design in designs])
     stroke_mm, period = linkage.stroke_mm, kind.lobes.driving_period_rad
     strokes = closed_strokes(_requests(designs, stroke_mm))
@@ -164,7 +160,7 @@ def _requests(designs: Sequence[Design], stroke_mm: Array) -> StrokeRequests[Arr
 
 
 def _given(designs: Sequence[Design], name: str, unit: float = 1.0) -> Array | None:
-    """A value of the motion that all designs of a batch have, or none."""
+    """A value of the motion, shape (n,); None where no design of the batch gives it, for all do or none does."""
     if getattr(designs[0].motion, name) is None:
         return None
     return _column(designs, f"motion.{name}") * unit
@@ -215,7 +211,7 @@ def _place_of(slope: Array, first: Array, second: Array) -> Place:
 
 
 def _sound(strokes: WorkingStrokes[Array], count: int) -> Mask:
-    """Whether the slider advances all the way, by far more than rounding: as ``ratio/working_stroke.py`` asks for."""
+    """Whether the slider advances all the way, by far more than rounding, as ``ratio/working_stroke.py`` demands."""
     positive = (strokes.v1_mm_s > 0.0) & (strokes.v2_mm_s > 0.0) & (strokes.a1_mm_s2 < 0.0)
     finite = (strokes.law_speed_rad_s > 0.0) & np.isfinite(strokes.law_speed_rad_s)
     slope = polynomial_at(strokes.approach_slope[..., None], strokes.theta2_rad[:, None] * shares(count))
@@ -226,7 +222,7 @@ def _sound(strokes: WorkingStrokes[Array], count: int) -> Mask:
 
 
 def _harmonics(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
-    """Harmonics of the ratio; the law holds at any speed, and so at that of operation."""
+    """Harmonics of the ratio; the law holds at any speed, so its own speed is the speed of operation."""
     cosine, sine = _padded(designs, "motion.cosine", "motion.sine")
     linkage = mechanisms_of([design.linkage for design in designs])
     samples = harmonic_samples(cosine, sine, linkage, kind.lobes, count)
@@ -244,7 +240,7 @@ def _padded(designs: Sequence[Design], *names: str) -> list[Array]:
 def harmonic_samples(cosine: Array, sine: Array, linkage: Mechanisms[Array], lobes: Lobes, count: int) -> Samples:
     """Laws of coefficients of shape (n, harmonics) at ``count`` points a piece.
 
-    The linkages (shape (n,)) must all have the first one's working angle, as those without offset have.
+    The mechanisms (shape (n,)) must all have the first one's working angle, as crank-sliders without offset do.
     """
     phi2, width = _angles(float(linkage.working_angle_rad[0]), count)
     at = _places(cosine, sine, lobes, phi2, width)
@@ -271,7 +267,7 @@ def _angles(working_rad: float, count: int) -> tuple[Array, Array]:
 
 
 def _places(cosine: Array, sine: Array, lobes: Lobes, phi2: Array, width: Array) -> Place:
-    """ln i12 with two derivatives by phi2, closed: the mean of i12 over phi2 is that of one turn over the other."""
+    """ln i12 with two derivatives by phi2; it closes where the mean of i12 over phi2 is n2 / n1."""
     wave = np.arange(1.0, cosine.shape[1] + 1.0) * lobes.driven
     turned = wave[:, None] * phi2.ravel()
     in_phase, quarter_on = np.cos(turned), np.sin(turned)

@@ -1,7 +1,7 @@
 """Thousands of designs screened: figures of those that can be made, and of the others which condition they fail.
 
-Designs alike are computed together.  The others, and all that a batch is not sure of, are computed one by one: a law is
-refused only by the way of a single design, which gives the verdict.
+Designs of one kind are computed together.  The others, and all that a batch is not sure of, are computed one by one;
+only this refuses a law and gives the verdict.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ MADE = "made"
 
 @dataclass(frozen=True, eq=False)
 class Screened:
-    """Of n designs, the m that can be made.
+    """What was found about n designs, of which m can be made.
 
     ``figures`` has an array of shape (m,) for each key, in the order of the designs; ``verdicts`` a word for each of
     the n: ``made``, or the key at fault and what is wrong.
@@ -40,7 +40,7 @@ class Screened:
 
 
 COUNTS = (65, 129, 257)
-"""Points of a piece, and those tried where the first do not resolve a law."""
+"""Numbers of points of a piece; the next one is tried where the one before does not resolve a law."""
 
 TOGETHER = 256
 """Designs computed at once, whose arrays a core's cache holds (benchmarks/screening.md)."""
@@ -75,7 +75,7 @@ def screened(
 def computed_together(
     designs: Sequence[Design | DesignError], counts: Sequence[int], add: Callable[[dict[int, Row]], None]
 ) -> None:
-    """Hand rows of designs by their numbers to ``add``, batch by batch; those that no batch is sure of are left out."""
+    """Hand rows of designs, by number, to ``add``, batch by batch; designs that no batch is sure of are left out."""
     groups: dict[Kind, list[tuple[int, Design]]] = {}
     for number, design in enumerate(designs):
         if isinstance(design, Design) and (kind := kind_of(design)) is not None:
@@ -86,7 +86,7 @@ def computed_together(
 
 
 def _batch(kind: Kind, designs: dict[int, Design], counts: Sequence[int]) -> dict[int, Row]:
-    """What the first count of points is sure of, and of the rest what the next ones are, by the designs' numbers."""
+    """Rows by the designs' numbers: those that the first count of points is sure of, the rest by the next counts."""
     if not designs or not counts:
         return {}
     try:

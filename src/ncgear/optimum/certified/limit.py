@@ -1,13 +1,14 @@
 """The certified limit: the least acceleration, power and weighted sum of both that any law can have.
 
-Each is enclosed from two sides: no law, however rough, has less, and a motion that keeps all limits, if not a smooth
-one, has little more.  The fastest motion under given peaks is also where the search for a smooth law starts.
+Each is enclosed from two sides: no law, however rough, has less, and some motion that keeps all limits, though not a
+smooth one, has little more.  The fastest motion under given peaks is also where the search for a smooth law starts.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from heapq import heappop, heappush
 from math import inf, sqrt
 
@@ -30,7 +31,7 @@ CELLS_LINKED = 6400
 
 @dataclass(frozen=True)
 class Bound:
-    """A least value, enclosed: no law has less than ``value``, and a motion, if a rough one, has ``attained``.
+    """A least value, enclosed: no law has less than ``value``, and some motion, though a rough one, has ``attained``.
 
     ``attained`` is infinite where no motion was found on this grid of ``cells`` cells.
     """
@@ -98,21 +99,21 @@ def resting_acceleration(task: Task) -> float:
 
 
 def mean_power(problem: Problem) -> float:
-    """Mean power in W over the cycle, which no peak is below; with little of it, the scale of moving the mass."""
+    """Mean power in W over the cycle, which no peak is below; or the order of the power that moves the mass, if more."""
     task = problem.task
     moving = problem.limits.mass_kg * task.linkage.stroke_mm**2 / task.cycle_s**2 / 1000.0
     return max(task.work_n_mm, moving, 1e-9) / 1000.0 / task.cycle_s
 
 
 TOLERANCE = 5e-3
-"""Relative width in which the least sum is enclosed where none is asked for."""
+"""Relative width to which the least sum is enclosed unless another is asked for."""
 
 NEAR = 1.002
-"""The acceleration that counts as the least where power is not to be spared, over the bound of the least: a grid
-attains its bounds to this with power free."""
+"""Acceleration over its least bound at which it counts as the least where power is free: a grid attains its bounds to
+this with power free."""
 
 FINEST = 0.1
-"""Relative width of an interval of powers, in tolerances, that is not split further: what gap is left is the grid's."""
+"""Relative width, in tolerances, of an interval of powers that is not split further: the gap left is the grid's own."""
 
 MOST_SPLITS = 2000
 
@@ -168,7 +169,7 @@ def least_weighted_sum(
         ):
             break
         middle = sqrt(start * end)
-        found = _least_acceleration(problem, middle, beyond)
+        found = enclosed(problem, partial(Peaks, power_w=middle), beyond)
         heappush(intervals, (weights.of(found.value, start), start, middle, found.value))
         heappush(intervals, (weights.of(beyond, middle), middle, end, beyond))
         best = _better(best, Peaks(found.attained, middle), weights)
@@ -190,17 +191,13 @@ def _ends(problem: Problem) -> tuple[float, float, Peaks]:
     return lowest, least, Peaks(near, enclosed(problem, lambda value: Peaks(near, value), mean_power(problem)).attained)
 
 
-def _least_acceleration(problem: Problem, power_w: float, guess: float) -> Bound:
-    return enclosed(problem, lambda value: Peaks(value, power_w), guess)
-
-
 @dataclass(frozen=True, eq=False)
 class FastestMotion:
     """The fastest motion at places of the cycle, both dead centres among them; arrays of shape (n + 1,).
 
     ``slope`` is s = dphi2/dphi1 = 1/i12, and q(phi2) its square; without a limited pressure angle it may jump at the
-    dead centres, and has there the value before them.  ``driving_rad`` is what the motion takes of the driving gear,
-    the cycle at most, ``working_rad`` of it for the working stroke.
+    dead centres, and has there the value before them.  ``driving_rad`` is the driving angle that the motion takes, the
+    cycle at most; ``working_rad`` is the part of it in the working stroke.
     """
 
     crank_angle_rad: Array

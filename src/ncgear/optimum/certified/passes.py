@@ -4,7 +4,7 @@ Every limit binds u and its slope at one place only, so the larger of two allowe
 and there is a fastest one.  What a pass leaves at the places is never below it: each pass takes from u only what no
 allowed motion reaches, whatever the motion does inside the cells.
 
-The least time of both strokes under upper bounds of the motion, as a bound and not as a quadrature.
+The least times of both strokes under these upper bounds are themselves bounds, not quadratures.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ncgear.optimum.certified.road import Peaks, Road, ceiling, floor, turning_c
 from ncgear.optimum.task import Limits, Task
 
 ROUNDS = 60
-"""Rounds between the passes of acceleration and of pressure angle; stopping early leaves bounds, if weaker ones."""
+"""Most rounds of the passes of acceleration and of pressure angle; stopping early leaves bounds, only weaker ones."""
 
 SETTLED = 1e-7
 """Relative change of u in a round that ends the rounds."""
@@ -131,9 +131,10 @@ def _pushed_cell(
 ) -> tuple[float, float]:
     """Largest slope of u in a cell, and largest u at its end, of the fastest motion that begins with ``start``.
 
-    ``cell`` is its length, the resistance at both ends and its work, these and the power for each unit of mass.  With
-    y = v^3 / 3 that motion has y' <= P - F v.  While power is left it is largest at the start's speed, below which
-    no motion from there helps: an explicit step bounds y, and u, concave in y, from its slope there.
+    ``cell`` is its length, the resistance at both ends and the work of it; resistance, work and power are per unit of
+    mass.  With y = v^3 / 3 the motion has y' <= P - F v.  While power is left, P - F v is largest at the start's speed,
+    and it does not help to slow down first.  So an explicit step bounds y, and also u, which is concave in y, by its
+    slope there.
     """
     length, force, next_force, work = cell
     least, speed = min(force, next_force), sqrt(2.0 * start)
@@ -150,14 +151,15 @@ def _braked(cubed: float, drag: float) -> float:
     """The speed at which v^3 + 3 drag v = cubed, both positive; by the hyperbolic form of Cardano's solution.
 
     Where the resistance takes more than all power and does not fall, the speed falls throughout the cell, so its end
-    value v is its least: y grows by P dx - W v at most.  An implicit step, as tight as the lack is stiff.
+    value v is its least: y grows by P dx - W v at most.  This is an implicit step, and the tighter the stiffer the lack
+    of power makes the equation.
     """
     root = sqrt(drag)
     return 2.0 * root * sinh(asinh(cubed / (2.0 * drag * root)) / 3.0)
 
 
 def least_durations_s(road: Road, task: Task, limits: Limits, peaks: Peaks, ceilings: Ceilings) -> tuple[float, float]:
-    """Times in s that no motion below the ceilings can do with less, of the working stroke and of the return.
+    """Times in s of the working stroke and of the return that no motion below the ceilings undercuts.
 
     Each cell takes the largest of four bounds, each exact for the limit that it comes from: the roof that acceleration
     leaves over the cell, the least ratio, the work at full power, and the roof that the pressure angle leaves.

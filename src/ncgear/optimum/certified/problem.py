@@ -1,8 +1,7 @@
-"""A motion that keeps all limits, close below the ceilings: it shows from the other side where the limit lies.
+"""One task under its limits, on one grid: whether a pair of peaks is certainly too low, and whether it is reached.
 
-It need not be smooth: its acceleration, or the slope of its ratio, jumps between cells.
-
-One task under its limits, on one grid: whether a pair of peaks is certainly too low, and whether it is reached.
+A motion that keeps all limits, close below the ceilings, shows from the other side where the limit lies.  It need not
+be smooth: its acceleration, or the slope of its ratio, jumps between cells.
 """
 
 from __future__ import annotations
@@ -86,7 +85,7 @@ def _chosen(mask: Mask, first: CellMotion, second: CellMotion) -> CellMotion:
 
 
 def _slowing(motion: CellMotion, at: Probes, limits: Limits, peaks: Peaks) -> Array:
-    """Largest factors, shape (n,), by which the speed may be multiplied for each cell to keep all limits inside too.
+    """Largest factors, shape (n,), by which the speed may be multiplied so that each cell keeps all limits inside.
 
     With a factor f, accelerations take f^2, speeds and s take f, and power takes f where the resistance presses, less
     where a mass is accelerated.  The slope of ln(1 + s) becomes f s' / (1 + f s).
@@ -106,7 +105,7 @@ def _slowing(motion: CellMotion, at: Probes, limits: Limits, peaks: Peaks) -> Ar
 def _share(most: float, load: Array) -> Array:
     """The limit over the largest load of each cell, shape (n,); infinite where there is none.
 
-    Between two probes a smooth load rises over both by an eighth of its second difference at most.
+    Between two probes a smooth load exceeds the larger of them by at most an eighth of its second difference.
     """
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         between = np.nan_to_num(np.abs(np.diff(load, n=2, axis=1)).max(axis=1)) / 8.0

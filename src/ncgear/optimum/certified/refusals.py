@@ -15,7 +15,7 @@ from ncgear.optimum.certified.road import Peaks
 from ncgear.optimum.task import Limits, Task
 
 FINE = 1e-7
-"""Relative width of the interval in which the turn is left."""
+"""Relative width of the interval to which the turning point is narrowed."""
 
 DOUBLINGS = 60
 
@@ -73,9 +73,9 @@ def refuse_ratios(task: Task, limits: Limits) -> None:
 
 
 def refuse(problem: Problem, peaks: Peaks) -> NoSuchMechanism:
-    """Why no law has these peaks, of which those that are searched for are infinite.
+    """Why no law has these peaks; a peak that is searched for is infinite.
 
-    Without a limit on either peak an even crank keeps what ``refuse_ratios`` lets pass, so one of them binds.
+    Without limits on the peaks an evenly turning crank keeps all that ``refuse_ratios`` lets pass, so a peak binds.
     """
     power = _least(problem, lambda value: Peaks(inf, value), peaks.power_w)
     if power > peaks.power_w:

@@ -1,8 +1,7 @@
 """The slider's way over one cycle, cut into cells: out and back laid one after the other.
 
-How fast the slider may be at each place, seen alone: half its speed squared, u, from above and from below.
-
-Points inside the cells at which a motion that is to be had is held against its limits.
+Each place by itself bounds from above and below how fast the slider may be there, as u, half its speed squared.
+``Probes`` are points inside the cells at which a motion is compared with its limits.
 """
 
 from __future__ import annotations
@@ -12,7 +11,6 @@ from math import inf, isinf, pi
 
 import numpy as np
 
-from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.optimum.task import Limits, Task
@@ -51,9 +49,9 @@ class Road:
 
 
 def road(task: Task, cells: int, working_share: float) -> Road:
-    """The cycle in about ``cells`` cells, ``working_share`` of them out; cut also where the resistance turns.
+    """The cycle in about ``cells`` cells, the share ``working_share`` of them in the working stroke.
 
-    The cells of each stroke are even in the crank angle.
+    The cells of each stroke are even in the crank angle; they are also cut where the resistance turns.
     """
     return road_at(task, *_angles(task, cells, working_share))
 
@@ -88,23 +86,18 @@ def _angles(task: Task, cells: int, working_share: float) -> tuple[Array, int]:
     working = task.linkage.working_angle_rad
     outward = max(2, round(cells * working_share))
     even = np.linspace(0.0, working, outward + 1)
-    turns = _turns_rad(task.linkage, task.resistance.turns_mm(task.linkage.stroke_mm))
+    turns = task.resistance.turns_mm(task.linkage.stroke_mm)
+    if turns.size:
+        turns = task.linkage.crank_angle(turns, np.zeros(turns.size, dtype=bool))
     apart = turns[np.abs(turns[:, None] - even).min(axis=1, initial=np.inf) > APART]
     outgoing = np.unique(np.concatenate([even, apart]))
     homeward = np.linspace(working, 2.0 * pi, max(2, cells - outward) + 1)
     return np.concatenate([outgoing, homeward[1:]]), outgoing.size - 1
 
 
-def _turns_rad(linkage: Mechanism, turns_mm: Array) -> Array:
-    """Crank angles of the working stroke at displacements, shape (n,) both."""
-    if not turns_mm.size:
-        return turns_mm
-    return linkage.crank_angle(turns_mm, np.zeros(turns_mm.size, dtype=bool))
-
-
 @dataclass(frozen=True)
 class Peaks:
-    """A wished pair of peaks: magnitude of the slider's acceleration in mm/s^2, power in W; infinite for free ones."""
+    """Peaks asked for: the magnitude of the slider's acceleration in mm/s^2, and power in W; infinite for free ones."""
 
     acceleration_mm_s2: float = inf
     power_w: float = inf
@@ -118,8 +111,8 @@ def energy(speed_mm_s: Array) -> Array:
 def ceiling(road: Road, task: Task, limits: Limits, peaks: Peaks) -> Array:
     """Largest u at each place, shape (n + 1,), in mm^2/s^2.
 
-    From the least ratio, v = omega x'(phi2) / i12; from power, F v <= P, where F presses; with a mass, (F + m a) v <= P
-    and a >= -A leave (F - m A) v <= P; from a limited pressure angle, see ``_steerable``.
+    The least ratio gives v = omega x'(phi2) / i12.  Power gives F v <= P, where F presses; with a mass, (F + m a) v <=
+    P and a >= -A leave (F - m A) v <= P.  For a limited pressure angle see ``_steerable``.
     """
     turning, mass = turning_ceiling(road, task, limits, peaks), limits.mass_kg
     # In kg, mm and s: 1 N is 1000 kg mm/s^2, 1 W is 1e6 kg mm^2/s^3.
@@ -157,7 +150,7 @@ def _steerable(road: Road, task: Task, limits: Limits, peaks: Peaks) -> Array:
 
 
 SHARES = np.linspace(0.0, 1.0, 9)
-"""Shares of each cell's crank angle."""
+"""Where the probes of each cell are, as shares of its crank angle."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,7 @@
 """A makeable law: the best harmonics of ln i12 under all limits, or which limits are in each other's way.
 
-Where no law keeps all limits, the one that comes nearest tells which of them press, and for each the nearest value that
-can be had with the others is found.
+Where no law keeps all limits, the law that comes nearest tells which of them press; for each of these, the nearest
+value is found with which all others can be kept.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ NO_EXCESS = 1e-6
 """Excess over caps that counts as none: far under what is left between the places of the programme."""
 
 PRESSING = 1e-4
-"""Share of a cap in what keeps the excess up, below which it has none."""
+"""Share in keeping up the excess below which a cap counts as having none."""
 
 DEARER = 10.0
-"""How much more an excess over the other caps costs than what it can gain, so that there is none if there need not."""
+"""How many times more an excess over the other caps costs than it can gain, so that there is none unless it must be."""
 
 TOGETHER = 1e3
-"""Price of an excess over all caps beside several levels that have none, in units that are of the order of one."""
+"""Price of an excess over all caps where several levels are free, in units that are of the order of one."""
 
 ANY_DENT = 10.0
 """Depth of a dent, in units of the level of convexity, that no law of any use has."""
@@ -47,7 +47,7 @@ BETWEEN = (
 class MakeableLaw:
     """Harmonics of ln i12 over the driven angle, shape (harmonics,) each, and the levels reached on the finer grid.
 
-    Of two stages, ``second`` are those of the second one's ratio.
+    With two stages, ``second`` holds the harmonics of the second stage's ratio.
     """
 
     cosine: Array
@@ -71,19 +71,19 @@ class MakeableLaw:
 def makeable_law(task: Task, wishes: Wishes, starts: Sequence[Array]) -> MakeableLaw:
     """The best law found from starts (coefficients cos 1.., sin 1.., shape (2 harmonics,) each).
 
-    A local optimum, with every limit kept on a grid twenty times finer than the programme's.  Two stages begin by
-    halves of the ratio, and end so that the larger of their pressure angles is least.  Raises NoSuchMechanism with
-    the limits that cannot be kept together, and for each the nearest value that can be had with the others.
+    It is a local optimum, with every limit kept on a grid twenty times finer than the programme's.  Two stages start
+    with half of ln i12 each, and end so that the larger of their pressure angles is least.  Raises NoSuchMechanism with
+    the limits that cannot be kept together, and for each the nearest value with which the others can be kept.
     """
     search = searched(task, wishes)
-    # Every pair but the first has an even share of ln i12 at the start
+    # The first series is ln i12 itself; the second one starts with half of it
     shared = [np.concatenate([start / (1 + pair) for pair in range(wishes.pairs)]) for start in starts]
     found = [law for start in shared if (law := _kept(search, start)) is not None]
     return min(found, key=lambda law: law.goal) if found else _kept_at_last(search, task, wishes, shared[0])
 
 
 def _kept_at_last(search: Search, task: Task, wishes: Wishes, start: Array) -> MakeableLaw:
-    """The law from the one that comes nearest to keeping all limits; raises NoSuchMechanism where there is none."""
+    """The law found from the one that comes nearest to keeping all limits; raises NoSuchMechanism where none is."""
     near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, start)
     if near is None:
         raise NoSuchMechanism("no law was found, not even one that oversteps the limits", key="optimize.limits")
@@ -149,13 +149,13 @@ class Easing(NamedTuple):
 def pressing(programme: Programme, near: Solution) -> list[str]:
     """The wishes that keep up the excess of the law that comes nearest to keeping all limits.
 
-    No others are to blame: without any of those the same law would still be the nearest.
+    The other wishes are not to blame: without any of them the same law would still be the nearest.
     """
     return list(dict.fromkeys(level.wish for level, share in _shares(programme, near) if share > PRESSING))
 
 
 def easings(programme: Programme, caps: Array, near: Solution, judge: Judge) -> Iterator[Easing]:
-    """Of each wish that presses the nearest value with which all others can be kept, if there is one."""
+    """For each wish that presses, the nearest value with which all others can be kept, if there is one."""
     for wish in pressing(programme, near):
         share = sum(near.pressing[k] for k, level in enumerate(programme.levels) if level.wish == wish)
         found = _without(programme, caps, [wish], DEARER / float(share), near)
@@ -164,8 +164,10 @@ def easings(programme: Programme, caps: Array, near: Solution, judge: Judge) -> 
 
 
 def easings_together(programme: Programme, caps: Array, near: Solution, judge: Judge) -> Iterator[Easing]:
-    """Values of several wishes that are enough together, where none alone is: the most pressing is given up, then the
-    most pressing without it, and so on."""
+    """Values of several wishes that are enough together, where no single one is.
+
+    The most pressing wish is given up, then the one that presses most without it, and so on.
+    """
     freed: list[str] = []
     found: Solution | None = near
     while found is not None and found.excess > NO_EXCESS:
@@ -180,7 +182,7 @@ def easings_together(programme: Programme, caps: Array, near: Solution, judge: J
 
 
 def _without(programme: Programme, caps: Array, wishes: Sequence[str], price: float, near: Solution) -> Solution | None:
-    """The law with these wishes' levels as low as they will go, and an excess of that price over all other caps."""
+    """The law with these wishes' levels as low as they go; an excess over all other caps costs the price."""
     freed = np.array([level.wish in wishes for level in programme.levels])
     dents = np.array([level.wish == CONVEX for level in programme.levels])
     free = np.where(freed, np.where(dents, ANY_DENT, np.inf), caps)

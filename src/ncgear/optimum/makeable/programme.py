@@ -1,13 +1,8 @@
 """The nonlinear programme of a makeable law: harmonics of ln i12 under levels, for an interior-point method.
 
 The series' values and derivatives at each place are variables of their own, joined to the coefficients by linear
-equations: all else is local to a place, so that exact second derivatives are cheap and sparse.  Of two stages there are
-two series, ln i12 and ln iB.
-
-The equations of a makeable law for an interior-point method, with exact first and second derivatives by casadi.
-
-The series' values and derivatives at each place are variables of their own, joined to the coefficients by linear
-equations: all else is local to a place, so that second derivatives are cheap and sparse.
+equations: all else is local to a place, so that the exact second derivatives, by casadi, are cheap and sparse.  With
+two stages there are two series, ln i12 and ln iB.
 """
 
 from __future__ import annotations
@@ -38,7 +33,7 @@ AHEAD = 0.1
 class Solution:
     """A local optimum: coefficients cos 1.., sin 1.. of every series; all variables and multipliers, to go on from.
 
-    ``excess`` is by how much all caps are overstepped, ``pressing`` what each cap's multiplier is, shape (levels,).
+    ``excess`` is by how much all caps are overstepped; ``pressing`` holds each cap's multiplier, shape (levels,).
     """
 
     coefficients: Array
@@ -125,13 +120,13 @@ class Programme:
 
 
 TOLERANCE = 1e-8
-"""Of the interior-point method, on terms of the order of one: far below what is left between the places."""
+"""Tolerance of the interior-point method on terms of the order of one: far below what is left between the places."""
 
 MOST_STEPS = 500
-"""Thirty to sixty are the rule, from a start at random three hundred."""
+"""Most steps; thirty to sixty are the rule, three hundred from a start at random."""
 
 MOST_RESTORING = 10
-"""Steps on end towards keeping the limits alone; where these do not lead there, ``Programme.nearest`` is the way."""
+"""Most steps in a row that only try to keep the limits; where they do not get there, ``Programme.nearest`` does."""
 
 QUIET: dict[str, Any] = {
     "print_time": False,
@@ -150,7 +145,7 @@ ONWARDS: dict[str, Any] = QUIET | {
     **{f"ipopt.warm_start_{name}_push": 1e-9 for name in ("bound", "mult_bound", "slack_bound")},
     **{f"ipopt.warm_start_{name}_frac": 1e-9 for name in ("bound", "slack_bound")},
 }
-"""From a solution nearby the method begins where the barrier has all but gone: ten steps instead of forty."""
+"""Options for a start from a solution nearby, with the barrier all but gone: ten steps instead of forty."""
 
 QUADRATURE = 96
 """Gauss-Legendre points of the working stroke's driving angle: exact to rounding for a hundred harmonics."""
@@ -207,8 +202,8 @@ def _solvers(variables: Any, prices: Any, goal: Any, series: Any, others: Sequen
     """The two solvers, from the matrix of the linear equations, and the other equations and rows.
 
     The matrix is handed over as it is: left to itself, casadi would work it out anew at every step, for longer than the
-    rest of the step takes.  Slopes are derived apart for equations, which have full rows, and rows, which have full
-    columns: together neither direction is cheap.
+    rest of the step takes.  Slopes are derived separately for the equations, whose matrix has full rows, and for the
+    other rows, whose matrix has full columns: for both together neither direction of derivation is cheap.
     """
     x, p = casadi.MX.sym("x", variables.shape[0]), casadi.MX.sym("p", prices.shape[0])
     value = casadi.Function("others", [variables], [casadi.vertcat(*others)])
@@ -229,7 +224,7 @@ def _ratio(on: Grid) -> _Ratio:
 
 
 def _of_series(on: Grid, pairs: int, between: int) -> Any:
-    """What joins the ratios' values to their coefficients: all linear, with ``between`` columns that have no part."""
+    """The linear equations that join the ratios' values to their coefficients; ``between`` columns have no part."""
     each = np.vstack([on.basis.value, on.basis.first, on.basis.second])
     constant = np.repeat([1.0, 0.0, 0.0], on.stations.count)[:, None]
     own, constants = (sparse.kron(sparse.eye(pairs), part) for part in (each, constant))

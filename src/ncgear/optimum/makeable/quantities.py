@@ -6,8 +6,8 @@ d2i/dphi1^2 = s f''.  Pitch radii r1 = a/(1 + i) and r2 = a i/(1 + i), a the cen
 
 Two pairs in series at a place: the law of each by its own driven angle, from ln i12 and the second pair's ln iB.
 
-Both are functions of the crank's angle phi2, which the second pair drives: by it, iB is a law of its own as it stands.
-The first pair drives the shaft between, with dphim = iB dphi2, so that with f = ln i12, g = ln iB
+Both are functions of the crank's angle phi2, which the second pair drives, so ln iB needs no conversion.  The first
+pair drives the shaft between, with dphim = iB dphi2, so that with f = ln i12, g = ln iB
 
     ln iA = f - g,   d/dphim = exp(-g) d/dphi2
     d ln iA/dphim = exp(-g) (f' - g'),   d2 ln iA/dphim2 = exp(-2g) (f'' - g'' - g' (f' - g'))
@@ -98,7 +98,7 @@ def length_rate(at: Place) -> Term:
 
 
 def pairs(ratios: Sequence[Place]) -> tuple[Place, ...]:
-    """Every pair at a place, from the driving shaft on: of i12 alone that one pair, of i12 and iB both."""
+    """The ratio of every pair at a place, from the driving shaft on; ``ratios`` are i12 alone, or i12 and iB."""
     if len(ratios) == 1:
         return (ratios[0],)
     whole, second = ratios

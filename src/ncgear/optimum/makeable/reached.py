@@ -1,8 +1,7 @@
-"""A trigonometric series and its derivatives at even places of a turn, as matrices on its coefficients.
+"""The levels that a trigonometric series reaches around a turn: the judge of the optimiser, in plain arrays.
 
-The machine at driven angles: how the slider moves with the crank, and what resists it there.
-
-The levels that a series reaches at given places: the judge of the optimiser, in plain arrays.
+``Basis`` holds the series and its derivatives at even places of a turn, as matrices on its coefficients.  ``Stations``
+holds how the slider moves with the crank at these places, and what resists it there.
 """
 
 from __future__ import annotations
@@ -124,9 +123,10 @@ def reached(levels: Sequence[Level], on: Grid, at: Sequence[Place]) -> Array:
 
 
 def beyond(levels: Sequence[Level], finer: Grid, at: Sequence[Place], places: int) -> Array:
-    """By how much every term is larger around each of so many places than at it, shape (terms * places,).
+    """By how much every term is larger around each of ``places`` places than at the place, shape (terms * places,).
 
-    The finer grid has an even number of places to each of them, the first at it; around is half a step to both sides.
+    The finer grid has an even number of places for each of them, the first of them at the place itself.  "Around" means
+    half a step to both sides.
     """
     return np.concatenate([_around(term, places) for terms in _terms(levels, finer, at) for term in terms])
 
@@ -146,11 +146,11 @@ def _around(values: Array, places: int) -> Array:
 
 
 def peaks(values: Array) -> Array:
-    """Values of a function around a turn, in place of the largest ones those of the peaks nearby.
+    """Values of a function around a turn, with local maxima replaced by the peaks beside them.
 
-    The peak of the parabola through a place and its neighbours; what the third derivative adds there is taken from two
-    more neighbours, so that peaks are missed by the fourth power of the distance; places alone miss them by the second,
-    parabolas alone by the third.
+    A peak is that of the parabola through a place and its neighbours, plus what the third derivative, from two more
+    neighbours, adds there.  Peaks are then missed by the fourth power of the distance; places alone miss them by the
+    second, parabolas alone by the third.
     """
     before, after = np.roll(values, 1), np.roll(values, -1)
     bend = before - 2.0 * values + after

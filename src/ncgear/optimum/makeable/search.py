@@ -31,22 +31,23 @@ FINER = 20
 the parabolas between its places missed the curvature of 36 harmonics by more than the margin."""
 
 ROUNDS = 6
-"""Times that caps are tightened by what is over them between the places; three are the rule."""
+"""Most rounds in which the programme is solved again; three are the rule."""
 
 PATIENCE = 2
-"""Rounds in which places alone are kept back: each leaves a tenth of what was over the caps, or less."""
+"""Rounds that only keep terms back at the places, before caps are lowered too: each leaves a tenth of the excess over
+the caps, or less."""
 
 MARGIN = 1e-6
-"""Share by which caps are tightened beyond that, for what is left between the places of the finer grid."""
+"""How much more terms are kept back, in their units, for what is left between the places of the finer grid."""
 
 DECIMALS = 10
-"""Of the coefficients, so that what is judged is what a design file holds."""
+"""Decimals of the coefficients, so that the law that is judged is the one that a design file holds."""
 
 LEAST_POWER_W = 1.0
-"""Unit of power of a machine that nothing resists."""
+"""Least unit of power, for a machine that nothing resists."""
 
 Form = Callable[[Stations, int], Grid]
-"""Places, and a number of harmonics or as many coefficients of another form of ln i12, to the form's matrices there."""
+"""From places and a number of harmonics, or of coefficients of another form of ln i12, to the form's matrices there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +125,7 @@ def kept(search: Search, start: Array) -> Kept | None:
         kept_back = np.maximum(kept_back, search.beyond(coefficients) + MARGIN)
         if tried >= PATIENCE:
             caps = caps - over
-        # Where the next one is too far to go on to, afresh from the same place
+        # Where the next solution is too far away to be reached from this one, solve afresh from its coefficients
         onwards = search.programme.solved(caps, search.weights, found, kept_back)
         found = onwards or search.programme.solved(caps, search.weights, found.coefficients, kept_back)
     return None
@@ -154,7 +155,7 @@ def rough_start(task: Task, wishes: Wishes, peak_acceleration_mm_s2: float) -> A
 
 
 def random_starts(harmonics: int, count: int, seed: int) -> Sequence[Array]:
-    """So many starts; the same seed gives the same."""
+    """``count`` random starts; the same seed gives the same ones."""
     random = np.random.default_rng(seed)
     falling = SPREAD / np.tile(np.arange(1.0, harmonics + 1.0), 2)
     return [random.normal(size=2 * harmonics) * falling for _ in range(count)]

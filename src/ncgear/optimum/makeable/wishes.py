@@ -37,7 +37,7 @@ class CurvatureWish(Enum):
 class TwoStages:
     """The ratio shared over two pairs in series; ``pressure_angle_rad`` bounds the tangent angle of each, None: free.
 
-    It takes the place of the limit of that name on one pair, for no bound follows from it.
+    It replaces the limit of that name in ``Limits``, since no certified bound follows from it.
     """
 
     pressure_angle_rad: float | None = None
@@ -49,9 +49,9 @@ class Wishes:
 
     ``limits`` are those that a certified bound exists for, the others restrict makeable laws only.
     ``curvature_turns`` limits the curvature of both pitch curves, dents as well as bulges, times the length that they
-    roll in one cycle: 2 pi on circles; of two stages, that and ``convex`` hold for each.  It stands for
-    ``curvature_given`` in the words of ``curvature_wish``.  ``rack_angle_rad`` is what the rack adds to the limited
-    angle of the pitch curves.
+    roll in one cycle: 2 pi on circles; with two stages, that limit and ``convex`` hold for each pair.  It follows from
+    ``curvature_given``, the user's value for ``curvature_wish``.  ``rack_angle_rad`` is what the rack adds to the
+    limited angle of the pitch curves.
     """
 
     limits: Limits
@@ -77,15 +77,16 @@ CONVEX = "convex"
 """The wish that is kept or not: how deep a dent is means nothing to a user."""
 
 STEEPEST = tan(radians(60.0))
-"""Of two stages, where no pressure angle is given: a pair of 80 degrees with its rack all but locks.  The method needs
-some limit, or it strays into ratios that only cancel each other."""
+"""Limit of the tangent of each pair where two stages have no pressure angle given: with its rack such a pair has 80
+degrees and all but locks.  Without a limit the method strays into ratios that only cancel each other."""
 
 EASE = 0.3
-"""Of two stages, where no pressure angle is given: what a tangent of one is worth in units of the goal.  On the baler
-2 % of acceleration buy nine degrees; at a tenth the method takes five times as long, and at times finds nothing."""
+"""What a tangent of one costs, in units of the goal, where two stages have no pressure angle given.  On the baler 2 %
+of acceleration buy nine degrees; at a tenth the method takes five times as long, and at times finds nothing."""
 
 EVENLY = 1e-3
-"""The same where one is given: of ways to share one law that of the least angle, and next to nothing off the goal."""
+"""The same cost where a pressure angle is given: it picks the least angle among the ways to share one law, and takes
+next to nothing off the goal."""
 
 Sides = Callable[[Place, Slider, Term], tuple[Term, ...]]
 """Place, slider, and length of the driving curve over the centre distance, to terms that stay at or below the level."""
@@ -93,11 +94,11 @@ Sides = Callable[[Place, Slider, Term], tuple[Term, ...]]
 
 @dataclass(frozen=True)
 class Level:
-    """One of them: the ``wish`` it comes from, its ``limit`` (None: none) and its ``weight`` in the goal.
+    """One level: the ``wish`` that it comes from, its ``limit`` (None: none) and its ``weight`` in the goal.
 
-    Terms and limit are in units in which they are of the order of one; ``shown`` says what limit of the user's makes
-    room for a level over the limit.  ``of_pairs`` tells levels of every pair of gears from those of the machine as a
-    whole.
+    Terms and limit are in units in which they are of the order of one; ``shown`` gives the words for the user's limit
+    that makes room for a level over this limit.  ``of_pairs`` is true for a level of every pair of gears, false for one
+    of the machine as a whole.
     """
 
     wish: str
@@ -191,7 +192,7 @@ def _jerk(limit: float, scales: Scales) -> Level:
 
 
 def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
-    # Of two stages both the whole's ratio and each pair's
+    # With two stages the limits hold for the ratio of the whole and for each pair's
     for of_pairs in (False, True)[: wishes.pairs]:
         yield _least_ratio(wishes.limits.ratio_min, of_pairs)
         yield _greatest_ratio(wishes.limits.ratio_max, of_pairs)
@@ -232,7 +233,8 @@ def _greatest_ratio(limit: float, of_pairs: bool) -> Level:
 def _of_curves(wishes: Wishes) -> Iterator[Level]:
     shared, rack = wishes.two_stages, wishes.rack_angle_rad
     if shared is not None:
-        yield _angle_of_each(shared.pressure_angle_rad, rack)
+        given = shared.pressure_angle_rad
+        yield _pressure_angle(STEEPEST, EASE, rack) if given is None else _pressure_angle(tan(given), EVENLY, rack)
     elif wishes.limits.pressure_angle_rad is not None:
         yield _pressure_angle(tan(wishes.limits.pressure_angle_rad), 0.0, rack)
     if wishes.curvature_turns is not None:
@@ -240,12 +242,6 @@ def _of_curves(wishes: Wishes) -> Iterator[Level]:
     if wishes.convex:
         for bulge in (quantities.driving_bulge, quantities.driven_bulge):
             yield _convex(bulge)
-
-
-def _angle_of_each(given_rad: float | None, rack_rad: float) -> Level:
-    if given_rad is None:
-        return _pressure_angle(STEEPEST, EASE, rack_rad)
-    return _pressure_angle(tan(given_rad), EVENLY, rack_rad)
 
 
 def _pressure_angle(most: float, weight: float, rack_rad: float) -> Level:

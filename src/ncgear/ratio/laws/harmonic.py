@@ -12,9 +12,9 @@ Two pairs: ln i12 = ln iA + ln iB, both as series over the crank's angle phi2.
 
     ln i12 = f(phi2),   ln iB = g(phi2),   ln iA = f - g
 
-The second pair, iB, drives the crank: over its own driven angle its ratio is such a series as it stands.  The driven
-angle of the first pair is that of the shaft between them, phim = integral of exp(g) dphi2, which comes round with the
-crank.  With t = phi2, dphim/dphi1 = exp(g - f) and dt/dphi1 = exp(-f), each with the constant that closes it.
+The second pair drives the crank, so phi2 is its own driven angle and its ratio iB is such a series without conversion.
+The first pair drives the shaft between, whose angle phim = integral of exp(g) dphi2 comes round with the crank.  With
+t = phi2, dphim/dphi1 = exp(g - f) and dt/dphi1 = exp(-f), each with the constant that closes it.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from ncgear.numerics.jet import Jet
 from ncgear.ratio.transmission import STANDSTILL, Lobes, Pair, Piece, Train, Transmission
 
 FEWEST_NODES = 64
-"""Of the integral over a period; a law of many harmonics begins with 8 to 16 for each."""
+"""Fewest nodes of the integral over a period; a law of many harmonics begins with 8 to 16 nodes for each."""
 
 NODES_PER_KNOT = 8
 """Nodes of the integral between two knots, so that extrema are looked for as finely as the law is resolved."""
@@ -188,7 +188,7 @@ class StagedLaw:
         return along(values, speed / self.second.speed(turned, order - 1), speed)
 
     def shaft_speed(self, phim: Array) -> Array:
-        """Speed of the shaft between over that of the driving shaft, at its own angles in rad, shape (n,)."""
+        """Speed of the shaft between over the driving shaft's, at angles of the shaft between in rad, shape (n,)."""
         turned = self.second.driven_angle(np.mod(phim, 2.0 * pi), 0).value
         speed: Array = self.whole.speed(turned, 0).value / self.second.speed(turned, 0).value
         return speed
@@ -212,7 +212,7 @@ class StagedLaw:
 
 
 def staged_law(cosine: Array, sine: Array, second_cosine: Array, second_sine: Array) -> StagedLaw:
-    """The law of f's coefficients and g's, from the first harmonic on, shape (n,) each, lengths of their own.
+    """The law of f's and g's coefficients from the first harmonic on; the lists, shape (n,), may differ in length.
 
     Raises WrongInput for coefficients that are not finite and NoSuchMechanism where a ratio's range is beyond 1e6; keys
     ``motion.cosine``, ``motion.second_stage.cosine`` and the like.

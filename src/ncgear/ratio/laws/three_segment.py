@@ -43,14 +43,14 @@ def approach_angle(stroke: WorkingStrokes[Number], linkage: Mechanisms[Number], 
 
 
 def pressing_angle(stroke: WorkingStrokes[Number], linkage: Mechanisms[Number], phi1: Array, order: int) -> Jet:
-    """The same on [theta2, theta3]."""
+    """phi2 in rad on [theta2, theta3], with derivatives, of one stroke or of one for each point."""
     beyond = Jet.variable(phi1 - stroke.theta2_rad, order)
     displacement = stroke.pressing_mm_rad * beyond + stroke.pressing_start_mm
     return linkage.working_angle(displacement, jet.sqrt(displacement), jet.sqrt(stroke.stroke_mm - displacement))
 
 
 def braking_angle(stroke: WorkingStrokes[Number], linkage: Mechanisms[Number], phi1: Array, order: int) -> Jet:
-    """The same on [theta3, theta4]."""
+    """phi2 in rad on [theta3, theta4], with derivatives, of one stroke or of one for each point."""
     before_end = -Jet.variable(phi1 - stroke.theta4_rad, order)
     quotient = jet.polynomial(stroke.braking_root, before_end)
     displacement = stroke.stroke_mm - before_end * before_end * quotient
@@ -59,7 +59,7 @@ def braking_angle(stroke: WorkingStrokes[Number], linkage: Mechanisms[Number], p
 
 @dataclass(frozen=True, eq=False)
 class StrokeLaw:
-    """The closed law with the parts it was made from, which reports name."""
+    """The closed law with the parts that it was made from, whose figures the summary shows."""
 
     transmission: Transmission
     stroke: WorkingStroke
@@ -74,7 +74,7 @@ def stroke_law(
     constant: float | None = None,
     inverse_basis: bool = False,
 ) -> StrokeLaw:
-    """The law of a working stroke; ``constant`` is the paper's e, None the one of least peak acceleration.
+    """The law of a working stroke; ``constant`` is the paper's e, None chooses the return of least peak acceleration.
 
     Raises WrongInput when theta4 leaves no room for the return, NoSuchMechanism when no return closes the cycle.
     """
