@@ -22,7 +22,7 @@ from ncgear.figures.simulated import (
     rigid_figures,
     rigid_table,
 )
-from ncgear.figures.terminal import MECHANISMS, beside_lines, summary_text
+from ncgear.figures.terminal import MECHANISMS, beside_lines, summary_text, written_lines
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.project.drive import Drive
@@ -65,7 +65,7 @@ def simulation_text(found: Simulated, paths: Sequence[Path]) -> str:
     compared = {key: found.figures[key] for key in MECHANISMS if key in found.figures}
     alone = {key: value for key, value in found.figures.items() if key not in compared}
     beside = [*beside_lines("Torques and forces", compared), ""] if compared else []
-    return "\n".join([summary_text(alone), "", *beside, "Written", *(f"  {path}" for path in paths)])
+    return "\n".join([summary_text(alone), "", *beside, *written_lines(paths)])
 
 
 def _rigid(drive: Drive) -> Simulated:
