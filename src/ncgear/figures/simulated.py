@@ -191,7 +191,7 @@ def joint_forces(shown: History) -> dict[str, Vector]:
 
 
 def dynamic_figures(drive: Drive, shown: History, apart_s: Array) -> dict[str, Any]:
-    """The slider beside its law, the bearings, and the teeth, which do not touch in k spans ``apart_s``, shape (k, 2)."""
+    """The slider beside its law, the bearings, and the teeth; ``apart_s`` (k, 2) are the spans in which none touch."""
     course, work = drive.course, drive.course.states[4:, -1]
     return {
         **_about(drive, Level.DYNAMIC),

@@ -23,7 +23,7 @@ GIVEN = (
 
 PAPER = Paper(
     "Non-circular gears of a baler",
-    "J. Wang, C. Wang, L. Miao, Design of a Non-Circular Gear-Crank Slider Baler DrivenCrank Considering Slider "
+    "J. Wang, C. Wang, L. Miao, Design of a Non-Circular Gear-Crank Slider Baler Mechanism Considering Slider "
     "Acceleration, 2024",
     ("Table 1", *counted("Fig.", 14), *equations(*EQUATIONS)),
     (*motion.ENTRIES, *gears.ENTRIES, *motion.SPEED_ENTRIES, *POWER, *ACCELERATION),
