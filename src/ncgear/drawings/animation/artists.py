@@ -152,7 +152,7 @@ def axis_artist(axes: Axes, scene: Scene, style: Style, to_screen: Transform) ->
     return Moving((line,), lambda poses, row: None)
 
 
-def pitch_point_artist(axes: Axes, scene: Scene, to_screen: Transform) -> Moving:
+def pitch_point_artist(axes: Axes, to_screen: Transform) -> Moving:
     """The pitch points of all pairs."""
     points = Line2D([], [], transform=to_screen, **PITCH_POINT)
     axes.add_artist(points)

@@ -97,7 +97,7 @@ def _gears(axes: Axes, scene: Scene, pixel_mm: float, to_screen: Transform) -> I
         yield gear_artists(axes, pair.driven, pixel_mm, to_screen)
     yield axis_artist(axes, scene, looks.CENTRES, to_screen)
     if scene.pairs:
-        yield pitch_point_artist(axes, scene, to_screen)
+        yield pitch_point_artist(axes, to_screen)
 
 
 CURVE_POINTS = 721
