@@ -23,7 +23,7 @@ from ncgear.contact.written.as_written import AsWritten, tips_overlap_mm
 from ncgear.design.reading.design_file import load
 from ncgear.drawings.plots import assembled_pair as gears
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.figures.assembly import Placed, assembly_report
+from ncgear.figures.assembly import Placed, assembled_pose
 from ncgear.files.meshes import read_back, stl_bytes
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import CurvePoints
@@ -515,9 +515,9 @@ def test_a_rim_too_thin_has_no_index_hole() -> None:
         assert (hole is not None) is there
 
 
-def test_assembly_report_names_what_meets_in_a_ring() -> None:
+def test_assembled_pose_names_what_meets_in_a_ring() -> None:
     tooth, space = Placed(wavy(4000) / 2.0, RADIUS / 2.0, None), Placed(wavy(4000), RADIUS, None, is_ring=True)
-    report = assembly_report(tooth, space, RADIUS / 2.0, MODULE, Mesh.INTERNAL)
+    report = assembled_pose(tooth, space, RADIUS / 2.0, MODULE, Mesh.INTERNAL)
     assert (report["driving"]["on_line_of_centers"], report["driven"]["on_line_of_centers"]) == ("tooth", "space")
     assert (report["driving"]["line_of_centers_rad"], report["driven"]["line_of_centers_rad"]) == (pi, pi)
     assert report["mesh"] == "internal"

@@ -11,7 +11,7 @@ from shapely import Point, Polygon
 from trimesh import Trimesh
 
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.figures.assembly import Placed, assembly_report, met_at, outline_radius_mm
+from ncgear.figures.assembly import Placed, assembled_pose, met_at, outline_radius_mm
 from ncgear.files.meshes import read_back, stl_bytes
 from ncgear.numerics.arrays import Array
 from ncgear.solids.mesh.pair import driven_solid, driving_solid
@@ -211,9 +211,9 @@ def test_index_holes_face_each_other_on_the_line_of_centres() -> None:
         assert away.min() == pytest.approx(hole.diameter_mm / 2.0)
 
 
-def test_assembly_report_names_what_meets() -> None:
+def test_assembled_pose_names_what_meets() -> None:
     driving, driven = wavy(4000), wavy(4000, pi)
-    report = assembly_report(Placed(driving, RADIUS, None), Placed(driven, RADIUS, None), 2.0 * RADIUS, MODULE)
+    report = assembled_pose(Placed(driving, RADIUS, None), Placed(driven, RADIUS, None), 2.0 * RADIUS, MODULE)
     assert report["center_distance_mm"] == 2.0 * RADIUS
     # Forty teeth: a space of the driven gear stands on pi as on 0.
     assert (report["driving"]["on_line_of_centers"], report["driven"]["on_line_of_centers"]) == ("tooth", "space")

@@ -1,8 +1,8 @@
 """The two ways in which a design can fail, each with its exit status, and how an error gets its place in a file.
 
-Whoever finds a fault knows at most the key of the value at fault.  It raises ``WrongInput`` or ``NoSuchMechanism`` with
-that key; code that works on one group of a file's keys does so inside ``below``.  Whoever has read the file calls it
-inside ``located``, which adds file, line and column.  An error that has a place keeps it.
+Code that finds a fault knows at most the key of the wrong value.  It raises ``WrongInput`` or ``NoSuchMechanism`` with
+that key.  Code that works on one group of keys runs inside ``below``, which completes the key.  Code that knows the
+file calls it inside ``located``, which adds file, line and column.  An error that already has a place keeps it.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ from typing import Protocol
 
 
 class DesignError(Exception):
-    """A design that gives no gears; ``exit_status`` says of which kind.
+    """A design from which no gears can be made; ``exit_status`` tells the two kinds apart.
 
-    ``key`` is the dotted path of the value at fault (``motion.v1_mm_s``), or empty when the whole file is.
-    ``location`` is ``FILE:LINE:COLUMN`` once whoever knows the file has added it.
+    ``key`` is the dotted path of the wrong value (``motion.v1_mm_s``), or empty where the whole file is wrong.
+    ``location`` is ``FILE:LINE:COLUMN`` once ``located`` has added it.
     """
 
     exit_status = 1
@@ -32,13 +32,13 @@ class DesignError(Exception):
 
 
 class WrongInput(DesignError):
-    """The design file itself is wrong: what was given, and what would be right."""
+    """The design file itself is wrong; the message says what was given and what would be right."""
 
     exit_status = 2
 
 
 class NoSuchMechanism(DesignError):
-    """The file is well formed, but the mechanism it asks for does not exist: where, why, and what to change."""
+    """The file is right, but the mechanism it asks for does not exist; the message says where, why, what to change."""
 
     exit_status = 3
 
@@ -47,7 +47,7 @@ class Places(Protocol):
     """Where the values of a file stand."""
 
     def place(self, key: str) -> object:
-        """Where a dotted key stands, or its nearest parent that does; as text it is ``FILE:LINE:COLUMN``."""
+        """The place of a dotted key, or of its nearest parent in the file; as text it is ``FILE:LINE:COLUMN``."""
 
     def as_written(self, key: str) -> str:
         """The key as the file spells it."""
@@ -55,7 +55,7 @@ class Places(Protocol):
 
 @contextmanager
 def located(places: Places | None) -> Iterator[None]:
-    """A context in which errors that know only their key get its place; None, of no file, leaves them as they are."""
+    """A context that adds the place of the key to errors that have no place; None stands for no file, and adds none."""
     try:
         yield
     except DesignError as error:
@@ -67,7 +67,7 @@ def located(places: Places | None) -> Iterator[None]:
 
 @contextmanager
 def below(group: str) -> Iterator[None]:
-    """A context in which errors know their key below ``group`` (dotted) only; they leave it with the whole key."""
+    """A context that puts ``group`` (dotted) before the key of errors raised within it."""
     try:
         yield
     except DesignError as error:

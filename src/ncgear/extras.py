@@ -1,4 +1,4 @@
-"""Optional libraries, which a part of ncgear needs and most users do not."""
+"""Optional libraries, which some parts of ncgear need."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ncgear.errors import WrongInput
 
 
 def require(library: str, extra: str, purpose: str) -> None:
-    """Refuse to go on without a library, naming the command that installs it; raises WrongInput."""
+    """Raise WrongInput where a library is not installed; the message names the command that installs it."""
     if find_spec(library) is None:
         raise WrongInput(
             f"needs {library}, which is not installed; python -m pip install 'ncgear[{extra}]' installs it", key=purpose

@@ -12,7 +12,7 @@ from types import FrameType
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Ctrl-C within is heeded at the end; for what takes no time and must not be left half done."""
+    """A context that delays Ctrl-C to its end, for short work that must not be left half done."""
     if current_thread() is not main_thread():
         # Only the main thread hears signals.
         yield
@@ -33,7 +33,7 @@ def uninterrupted() -> Iterator[None]:
 
 @contextmanager
 def deaf_processes() -> Iterator[None]:
-    """Processes begun within do not hear Ctrl-C, which a terminal sends to all: their parent ends them."""
+    """A context in which new processes ignore Ctrl-C, which a terminal sends to all; their parent ends them instead."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -45,6 +45,6 @@ def deaf_processes() -> Iterator[None]:
 
 
 def end_processes() -> None:
-    """End the processes that this one has begun, at once and without a word."""
+    """End the processes that this one has started, at once and without a message."""
     for process in active_children():
         process.terminate()

@@ -1,14 +1,14 @@
-"""What of a drive can be drawn onto axes of matplotlib, one function for each picture.
+"""Pictures of a drive on axes of matplotlib, one function for each picture.
 
-Each takes the drive and, if wanted, the axes; without these it makes a figure of its own.  It returns the axes, so that
-labels and limits can be changed:
+Each function takes the drive and, if wanted, the axes; without axes it makes a figure of its own.  It returns the axes,
+so that labels and limits can be changed:
 
 >>> import ncgear
 >>> drive = ncgear.load("designs/ellipse.yaml")
 >>> ncgear.plots.acceleration(drive).get_ylabel()
 'acceleration in m/s\u00b2'
 
-Drawing computes what it shows, and raises as that does in the drive.
+Drawing computes the attributes of the drive that it shows, and raises the errors that these raise.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def pressure_angles(drive: Drive, axes: Axes | None = None) -> Axes:
 
 
 def sliding(drive: Drive, axes: Axes | None = None) -> Axes:
-    """Speed of sliding of the flanks that carry per speed of the driving gear, over the driving angle, as designed."""
+    """Speed of sliding of the flanks that carry, divided by the driving gear's speed, over the driving angle."""
     return _drawn(contact_charts.sliding(drive.designed_contact), CONTACT_LOOK, axes)
 
 
@@ -122,7 +122,7 @@ def _drawn(chart: Chart, look: Look, axes: Axes | None) -> Axes:
 
 
 def _own_axes() -> Axes:
-    # A figure that nobody asked for by itself is pyplot's, so that notebooks and windows show it.
+    # The figure belongs to pyplot, so that notebooks and windows show it.
     from matplotlib import pyplot
 
     return pyplot.subplots()[1]

@@ -1,4 +1,4 @@
-"""Time spent in named steps of a computation, each without the steps inside it."""
+"""Time spent in the named steps of a computation; a step does not count the time of steps inside it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from time import perf_counter
 
 
 class Stopwatch:
-    """Adds up seconds by step; a step entered inside another stops the outer one's time."""
+    """Adds up seconds by step; while an inner step runs, the time of the outer one stands still."""
 
     def __init__(self) -> None:
         self.seconds: dict[str, float] = {}

@@ -52,7 +52,7 @@ def _print_version(wanted: bool) -> None:
 def _options(
     version: Annotated[
         bool,
-        # Eager and by callback: only so is it heeded before the missing command is.
+        # Only an eager option with a callback comes before the error about a missing command.
         typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit."),
     ] = False,
 ) -> None:

@@ -20,7 +20,7 @@ SUFFIXES = (".yaml", ".yml")
 
 
 def files_to_complete(incomplete: str) -> list[str]:
-    """Design files and folders whose path begins with what is typed; hidden ones only once a dot is."""
+    """Design files and folders whose path begins with the typed text; hidden ones only after a typed dot."""
     typed = Path(incomplete)
     folder, start = (typed, "") if incomplete.endswith("/") or not incomplete else (typed.parent, typed.name)
     if not folder.is_dir():
@@ -47,7 +47,7 @@ def model_of(kind: FileKind) -> type[Model]:
 
 
 def keys_to_complete(context: typer.Context, incomplete: str) -> list[str]:
-    """Keys of the kind of file that is asked about, by their whole path or their last part."""
+    """Keys of the kind of file in the command line, by their whole path or their last part."""
     from ncgear.design.reference import keys_of
 
     keys = keys_of(model_of(FileKind(context.params.get("of") or FileKind.DESIGN)))
@@ -56,7 +56,7 @@ def keys_to_complete(context: typer.Context, incomplete: str) -> list[str]:
 
 
 EXPORT = Path("export")
-"""Where commands write, into a folder for each design, unless they are told another place."""
+"""Commands write into a folder for each design below this one, unless ``--out`` names another folder."""
 
 DesignFile = Annotated[
     Path,
@@ -71,7 +71,7 @@ Timing = Annotated[bool, typer.Option("--timing", help="Also print, to stderr, h
 
 @contextmanager
 def opened(path: Path) -> Iterator[LoadedDesign]:
-    """The design of a file; errors raised while it is in use get the place of their key in that file."""
+    """A context with the design of a file; errors raised in it get the place of their key in that file."""
     from ncgear.design.reading.design_file import load
 
     loaded = load(path)

@@ -57,7 +57,7 @@ def new(
 
 
 def _sound(given: dict[str, float]) -> dict[str, float]:
-    """Sizes that a design can have; raises WrongInput for others."""
+    """The given sizes; raises WrongInput for sizes that no design can have."""
     if not given:
         return {}
     from ncgear.design.beginning import fault_of, fault_together, whole
@@ -72,7 +72,7 @@ def _sound(given: dict[str, float]) -> dict[str, float]:
 
 
 def _ask_and_write(name: str | None, law: LawName | None, given: dict[str, float]) -> None:
-    """Ask until the answers give gears."""
+    """Ask until gears can be made from the answers, and write the design."""
     path = _free(name or _asked_name())
     law, sizes = law or _asked_law(), given
     while True:
@@ -84,7 +84,7 @@ def _ask_and_write(name: str | None, law: LawName | None, given: dict[str, float
 
 
 def _free(name: str | None) -> Path:
-    """The path of a design's file, which must not be there; raises WrongInput."""
+    """The path of a new design file; raises WrongInput for a wrong name, and where there is a file already."""
     if name is None:
         raise WrongInput("missing; `ncgear new NAME` is right", key="NAME")
     if not is_name(name):
@@ -96,7 +96,7 @@ def _free(name: str | None) -> Path:
 
 
 def _taken(path: Path) -> WrongInput:
-    """The refusal of a path at which there is a file."""
+    """The error about a path at which there is a file."""
     return WrongInput("exists already; choose another name, or remove it", location=str(path))
 
 
@@ -113,7 +113,7 @@ def _write(path: Path, law: LawName, sizes: dict[str, float]) -> None:
 
 
 def _buildable(name: str, law: LawName, sizes: dict[str, float]) -> str:
-    """The text of a design; with sizes of its own, all its gears have been made once."""
+    """The text of a design; if it has other sizes than the template, its gears are made once to prove them."""
     if not sizes:
         from ncgear.design.template import template
 
@@ -125,9 +125,9 @@ def _buildable(name: str, law: LawName, sizes: dict[str, float]) -> str:
     text = begun(name, law, sizes)
     drive = Drive(parsed(text, Path(f"{name}.yaml")).design)
     with steps_shown(len(BUILDABLE)) as on_step:
-        for stage in BUILDABLE:
-            on_step(stage.replace("_", " "))
-            getattr(drive, stage)
+        for step in BUILDABLE:
+            on_step(step.replace("_", " "))
+            getattr(drive, step)
     return text
 
 
@@ -158,9 +158,9 @@ def _asked_law() -> LawName:
 
 
 def _asked_sizes(law: LawName, given: Mapping[str, float], before: Mapping[str, float]) -> dict[str, float]:
-    """All sizes: those ``given`` are not asked for.
+    """All sizes; only those that are not ``given`` are asked for.
 
-    The likely answer to a question is the one of ``before``, or else what follows from the answers so far.
+    The likely answer to a question is the one in ``before``, or else the one that follows from the answers so far.
     """
     from ncgear.design.beginning import proportioned
 
@@ -184,7 +184,7 @@ def _asked_number(answer: str, likely: float, found: Mapping[str, float]) -> flo
 
 
 def _asked(question: str, likely: str, fault: Callable[[str], str | None]) -> str:
-    """The first answer without a fault; faults are told, and the question is asked again."""
+    """The first answer without a fault; after a fault its text is shown, and the question is asked again."""
     while True:
         try:
             answer = str(typer.prompt(question, default=likely, err=True)).strip()

@@ -1,4 +1,4 @@
-"""How far long work has come, on a terminal; nothing where stderr is none."""
+"""The progress of long work, on a terminal; nothing where stderr is not a terminal."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ SILENT_SECONDS = 1.0
 
 @contextmanager
 def counted(what: str) -> Iterator[Callable[[int, int], None]]:
-    """A function to say how many of how many are done; ``what`` they are stands before the bar."""
+    """A context with a function to call with the numbers done and in all; ``what`` is the text before the bar."""
     with _shown(what) as bar:
         yield lambda done, total: bar.update(bar.task_ids[0], completed=done, total=total)
 
 
 @contextmanager
 def steps_shown(count: int | None = None) -> Iterator[Callable[[str], None]]:
-    """A function to name the step at work with, which is one of ``count`` where that is known."""
+    """A context with a function to call with the name of each step; ``count`` is the number of steps, if known."""
     with _shown("starting", count) as bar:
         task = bar.task_ids[0]
 
@@ -37,7 +37,7 @@ def steps_shown(count: int | None = None) -> Iterator[Callable[[str], None]]:
 
 @contextmanager
 def _shown(what: str, count: int | None = None) -> Iterator[Progress]:
-    """A bar that a terminal shows once the work takes over a second, and which goes with its end."""
+    """A bar that a terminal shows once the work takes over a second, and which disappears at the end."""
     bar = _bar(what, count)
     timer = threading.Timer(SILENT_SECONDS, bar.start)
     timer.daemon = True
@@ -47,7 +47,7 @@ def _shown(what: str, count: int | None = None) -> Iterator[Progress]:
         yield bar
     finally:
         timer.cancel()
-        # A start already under way must end before the stop, or the bar would stay.
+        # A start that has begun must end before the stop, or the bar would stay.
         if timer.ident is not None:
             timer.join()
         if bar.live.is_started:

@@ -1,6 +1,6 @@
-"""A run of the command line: what was asked for, and how it ended.
+"""A run of the command line, from Ctrl-C to the exit status.
 
-It imports next to nothing, so that Ctrl-C is heard from the first moment on.
+This module imports next to nothing, so that the process handles Ctrl-C from the first moment on.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ LAST_WORDS = "interrupted; what earlier runs have written is untouched"
 
 
 class _Hearing:
-    """Hears Ctrl-C, and goes on telling of it until the run ends.
+    """Handles Ctrl-C, and repeats it until the run ends.
 
-    Libraries swallow it here and there, as while optional parts of them are imported, or make another error of it.
+    Some libraries swallow it, for example while they import optional parts, or turn it into another error.
     """
 
     def __init__(self) -> None:
@@ -39,14 +39,14 @@ class _Hearing:
         raise KeyboardInterrupt
 
     def end(self) -> None:
-        """What is done is done: the interpreter's own end is not interrupted."""
+        """Ignore Ctrl-C from now on, so that it cannot interrupt the end of the interpreter."""
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         if self.came and hasattr(signal, "setitimer"):
             signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
 def main() -> NoReturn:
-    """Run the command line and exit with its status; from then on the process hears no Ctrl-C."""
+    """Run the command line and exit with its status; at the end the process ignores Ctrl-C."""
     hearing = _Hearing()
     signal.signal(signal.SIGINT, hearing)
     sys.unraisablehook = _quiet_of_ctrl_c
@@ -60,15 +60,15 @@ def main() -> NoReturn:
 
 
 def _quiet_of_ctrl_c(unraisable: sys.UnraisableHookArgs) -> None:
-    """Say nothing of a Ctrl-C that could not be raised, as while an object is freed: it comes again."""
+    """Stay silent about a Ctrl-C that could not be raised, for example while an object is freed: it comes again."""
     if not issubclass(unraisable.exc_type, KeyboardInterrupt):
         sys.__unraisablehook__(unraisable)
 
 
 def _run() -> tuple[int, str]:
-    """Exit status, and what is left to be said."""
+    """The exit status, and the last message."""
     try:
-        # Even the import of what reads the command line can be interrupted.
+        # Ctrl-C can come even during the import of the application.
         from ncgear.cli.app import app
 
         app()

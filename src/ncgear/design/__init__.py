@@ -1,1 +1,1 @@
-"""The design file: its schema, how it is read, where each value stands in it, and the templates of new ones."""
+"""The design file: its keys, its reading, the place of each value in it, and the templates of new files."""

@@ -1,4 +1,4 @@
-"""A new design from a few answers: the template of its law, with everything else in proportion to what was answered."""
+"""A new design from a few answers: the template of its law, with all other values in proportion to the answers."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ ANSWERS = {
     "module_mm": "gears.module_mm",
     "face_width_mm": "gears.face_width_mm",
 }
-"""What can be answered, and the key of the design file whose rules an answer must keep."""
+"""The possible answers, each with the key of the design file whose rules it must keep."""
 
 LONGEST_LINE = 10_000
-"""Longer than any line of the template, so that none is broken."""
+"""Length over that of any line of the template, so that no line is broken."""
 
 
 def fault_of(answer: str, value: object) -> str | None:
-    """What is wrong with the value of an answer by itself, in the words of the design file; None where nothing is."""
+    """The fault of one answer by itself, in the words of the design file; None where there is none."""
     if value is None:
         # A design file may leave some of these keys out, but the answer to a question is a number.
         return "nothing given; a number is needed"
@@ -47,7 +47,7 @@ def fault_of(answer: str, value: object) -> str | None:
 
 
 def fault_together(answers: Mapping[str, float]) -> str | None:
-    """What is wrong with the linkage of some answers; None where nothing is."""
+    """The fault of the linkage that some answers give together; None where there is none."""
     own = proportioned(answers)
     if "stroke_mm" in answers and own["stroke_mm"] != answers["stroke_mm"]:
         return f"a crank of {own['crank_mm']:g} mm has a stroke of {own['stroke_mm']:g} mm; give one of the two"
@@ -59,10 +59,10 @@ def fault_together(answers: Mapping[str, float]) -> str | None:
 
 
 def begun(name: str, law: LawName, answers: Mapping[str, float]) -> str:
-    """The text of a design file with some answers; everything else keeps the template's proportions to them.
+    """The text of a design file with some answers; all other values keep the template's proportions to them.
 
-    The speeds and the acceleration of the slider, and the resistance, grow with the stroke, so that the law keeps its
-    form; the bores grow with the gears.
+    The speeds and the acceleration of the slider grow with the stroke, and the resistance extends over the whole of it,
+    so that the law keeps its form.  The bores grow with the gears.
     """
     text = template(name, law)
     return filled(text, dict(_values(read_yaml(text, "template").data, answers))) if answers else text
@@ -74,21 +74,19 @@ def filled(text: str, values: Mapping[str, Any]) -> str:
     yaml.width, yaml.preserve_quotes = LONGEST_LINE, True
     data = yaml.load(text)
     for key, value in values.items():
-        _put(_at(data, groups) if (groups := key.rpartition(".")[0]) else data, key.rpartition(".")[2], value)
+        above, _, name = key.rpartition(".")
+        group = _at(data, above) if above else data
+        if isinstance(value, list):
+            # Only the items are replaced, so that the list keeps the style in which it is written.
+            group[name][:] = value
+        else:
+            group[name] = value
     yaml.dump(data, made)
     return made.getvalue()
 
 
-def _put(group: Any, key: str, value: Any) -> None:
-    """Set a value; the items of a list are replaced one by one, so that the list keeps the style it is written in."""
-    if isinstance(value, list):
-        group[key][:] = value
-    else:
-        group[key] = value
-
-
 def proportioned(answers: Mapping[str, float]) -> dict[str, float]:
-    """Every answer: those given, else the template's; any one of stroke, crank and rod gives the other two."""
+    """All answers: the given ones, or else the template's; any one of stroke, crank and rod gives the other two."""
     usual = template_answers()
     crank = _crank_mm(answers, usual)
     rod = answers.get("rod_mm", _rounded(crank / usual["crank_mm"] * usual["rod_mm"]))
@@ -102,7 +100,7 @@ def proportioned(answers: Mapping[str, float]) -> dict[str, float]:
 
 
 def template_answers() -> dict[str, float]:
-    """The template's own values."""
+    """The answers that give the template itself."""
     data = read_yaml(template("new"), "template").data
     return {answer: _at(data, key) for answer, key in ANSWERS.items()}
 
@@ -130,7 +128,10 @@ def _values(data: Any, answers: Mapping[str, float]) -> Iterator[tuple[str, Any]
 
 
 def _of_stroke(data: Any, scale: float) -> Iterator[tuple[str, Any]]:
-    """What grows with the stroke: the law's own keys, and the displacement that the resistance is a polynomial of."""
+    """The values that change with the stroke: keys of the law, and the polynomial of the resistance.
+
+    The polynomial has the same force at the same share of the stroke.
+    """
     law = design_law(LawName(data["motion"]["law"]))
     yield from ((f"motion.{key}", _rounded(scale * data["motion"][key])) for key in law.grows_with_stroke)
     powers = enumerate(data["resistance"]["polynomial_n"])
@@ -146,12 +147,12 @@ BORES = (
 
 
 def _rounded(value: float, digits: int = 4) -> float:
-    """Rounded to a few digits, which are enough for what nobody has given."""
+    """The value rounded to a few digits, which are enough for values that nobody has given."""
     return whole(float(f"{value:.{digits}g}"))
 
 
 def whole(value: float) -> float:
-    """The number, as an integer where it is one: the file then shows it without a point."""
+    """The number as an integer if it is a whole one, so that the file shows it without a point."""
     return int(value) if float(value).is_integer() else value
 
 

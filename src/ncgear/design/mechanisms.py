@@ -1,8 +1,8 @@
 """The list of mechanisms: one line joins a mechanism's class to its keys in design files, and nothing else names it.
 
-The keys under ``linkage`` are the lengths of the class by the same names.  Where the list has several mechanisms, the
-key ``linkage.kind`` tells which one a design has; left out, it is the first.  Classes are imported where a mechanism is
-made, so that reading a design file loads no numerical library.
+The keys under ``linkage`` have the names of the lengths of the class.  If the list has several mechanisms, the key
+``linkage.kind`` tells which one a design has; without the key, it is the first.  Classes are imported where a mechanism
+is made, so that reading a design file loads no numerical library.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Entry:
-    """A mechanism of design files: what imports its class, its keys under ``linkage``, and those under ``masses``.
+    """A mechanism of design files: a function that imports its class, and its keys under ``linkage`` and ``masses``.
 
-    One key under ``linkage`` has None for its default: the length that follows where a law gives the stroke.
+    One key under ``linkage`` has the default None: its length follows if the law gives the stroke.
     """
 
     load: Callable[[], type[Mechanism]]
@@ -34,12 +34,12 @@ class Entry:
 
     @property
     def stroke_key(self) -> str:
-        """The length that may be left out where a law gives the stroke."""
+        """The key of the length that may be left out if the law gives the stroke."""
         return next(name for name, field in self.linkage.model_fields.items() if field.default is None)
 
     @property
     def needed_masses(self) -> list[str]:
-        """Keys that must stand under ``masses``."""
+        """Keys that a file must have under ``masses``."""
         return [name for name, field in self.masses.model_fields.items() if field.is_required()]
 
 
@@ -52,7 +52,7 @@ def _crank_slider() -> type[Mechanism]:
 MECHANISMS: dict[str, Entry] = {
     "crank_slider": Entry(_crank_slider, Linkage, Masses),
 }
-"""Every mechanism by the name that ``linkage.kind`` has; the first is the usual one."""
+"""All mechanisms by their names in ``linkage.kind``; the first one is the usual one."""
 
 
 def entry_of(linkage: Model) -> Entry:
@@ -61,7 +61,7 @@ def entry_of(linkage: Model) -> Entry:
 
 
 def usual_mechanism(**lengths: float) -> Mechanism:
-    """The usual mechanism of some lengths; raises WrongInput where they make none."""
+    """The usual mechanism with the given lengths; raises WrongInput where no such mechanism exists."""
     return next(iter(MECHANISMS.values())).load()(**lengths)
 
 
@@ -72,7 +72,7 @@ def lengths_of(linkage: Model) -> dict[str, Any]:
 
 
 def mechanism_of(linkage: Model) -> Mechanism:
-    """The mechanism of a group of keys; raises WrongInput where a length is missing or it cannot turn."""
+    """The mechanism of a group of keys; raises WrongInput where a length is missing or the crank cannot turn."""
     entry, lengths = entry_of(linkage), lengths_of(linkage)
     if lengths[entry.stroke_key] is None:
         key = f"linkage.{entry.stroke_key}"
@@ -81,9 +81,9 @@ def mechanism_of(linkage: Model) -> Mechanism:
 
 
 def mechanism_of_stroke(linkage: Model, stroke_mm: float) -> Mechanism:
-    """The mechanism whose crank gives the stroke that a law came out with.
+    """The mechanism whose crank gives the stroke that follows from a law.
 
-    Raises WrongInput where the crank is given besides, and where no crank gives that stroke.
+    Raises WrongInput where the file also gives the crank, and where no crank gives that stroke.
     """
     entry, lengths = entry_of(linkage), lengths_of(linkage)
     crank_mm = lengths.pop(entry.stroke_key)
@@ -96,7 +96,7 @@ def mechanism_of_stroke(linkage: Model, stroke_mm: float) -> Mechanism:
 
 
 def mechanisms_of(linkages: Sequence[Model]) -> Mechanisms[Array]:
-    """The mechanisms of many groups of keys of one kind; where their crank cannot turn fully they are not refused."""
+    """The mechanisms of many groups of keys of one kind; a mechanism whose crank cannot turn fully is not refused."""
     import numpy as np
 
     lengths = [lengths_of(linkage) for linkage in linkages]
@@ -105,6 +105,6 @@ def mechanisms_of(linkages: Sequence[Model]) -> Mechanisms[Array]:
 
 
 def kind_named(linkage: Any) -> str:
-    """The name of the mechanism that the group ``linkage`` of a file asks for, as the file has it."""
+    """The name, as in the file, of the mechanism that the group ``linkage`` asks for."""
     kind = linkage.get("kind") if isinstance(linkage, Mapping) else None
     return kind if isinstance(kind, str) else next(iter(MECHANISMS))

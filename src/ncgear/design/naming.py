@@ -1,4 +1,4 @@
-"""The name of a design, which also names its files: no separators, no dots, so no way out of the output folder."""
+"""The name of a design, which also names its files; it has no separators and no dots, so it stays in its folder."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""What there is to say of every key of a file, taken from the models of its keys.
+"""The explanation of every key of a file, from the models of its keys.
 
-``keys_of`` lists the keys, ``looked_up`` finds those that a person may mean.  Of a key there are: its meaning and the
-laws that have it, its unit, what may stand there and what holds where it is left out, in words, and an example, which
-is the template's value or else one that is allowed there.
+``keys_of`` lists the keys, and ``looked_up`` finds those that a person may mean.  The explanation of a key has its
+meaning and the laws that have it, its unit, the allowed values and the default in words, and an example.  The example
+is the template's value, or else an allowed value.
 """
 
 from __future__ import annotations
@@ -46,18 +46,18 @@ class Key:
 
     @property
     def meaning(self) -> str:
-        """What it is, in the words of the schema."""
+        """The meaning of the key, in the words of the schema."""
         return self.field.description or ""
 
     @property
     def rule(self) -> dict[str, Any]:
-        """What JSON Schema says of its value."""
+        """The JSON Schema of its value."""
         rule: dict[str, Any] = _schema(self.model)["properties"][self.name]
         return rule
 
     @property
     def group(self) -> list[type[BaseModel]]:
-        """The models of its value: none where it is a plain value, several for motion."""
+        """The models of its value: none for a plain value, several for ``motion``."""
         return models_in(self.field.annotation)
 
     @property
@@ -67,14 +67,16 @@ class Key:
 
     @property
     def default(self) -> Any:
-        """The value that holds where the key is left out, and so are the other keys that it follows from."""
+        """The default of the key, if the keys from which it follows are also left out."""
         if self.field.default_factory is None:
             return self.field.default
-        return self.field.get_default(call_default_factory=True, validated_data=_defaults(self.model))
+        fields = self.model.model_fields.items()
+        plain_defaults = {name: field.default for name, field in fields if field.default_factory is None}
+        return self.field.get_default(call_default_factory=True, validated_data=plain_defaults)
 
 
 def keys_of(root: type[BaseModel]) -> list[Key]:
-    """All keys of a file whose model is ``root``, groups before what is in them; of designs, with any mechanism."""
+    """All keys of a file whose model is ``root``, a group before its keys; for designs, the keys of all mechanisms."""
     models = design_models().values() if root is Design else [root]
     found = {(key.path, key.law): key for model in models for key in _keys(model, "", "")}
     return list(found.values())
@@ -100,19 +102,14 @@ def _schema(model: type[BaseModel]) -> dict[str, Any]:
     return model.model_json_schema()
 
 
-def _defaults(model: type[BaseModel]) -> dict[str, Any]:
-    """The plain defaults of a model, from which a default factory may start."""
-    return {name: field.default for name, field in model.model_fields.items() if field.default_factory is None}
-
-
 MOST_GUESSES = 3
 
 
 def looked_up(keys: Sequence[Key], asked: str) -> list[Key]:
-    """The keys of the most exact match: the whole path, else its last parts, else an angle in any of its units.
+    """The keys that match best: by the whole path, else by its last parts, else as an angle in any of its units.
 
-    ``asked`` may have the numbers of list items, as messages name them.  Raises WrongInput for an unknown key, with
-    those that it may have been meant to be.
+    ``asked`` may have numbers of list items, which messages have too.  Raises WrongInput for an unknown key; the
+    message names the keys that a person may have meant.
     """
     wanted = ".".join(part for part in asked.split(".") if not part.isdigit())
     whole = [key for key in keys if key.path == wanted]
@@ -127,7 +124,7 @@ def _ending_in(keys: Sequence[Key], names: Sequence[str]) -> list[Key]:
 
 
 def _unknown(keys: Sequence[Key], wanted: str) -> str:
-    """What to say of an unknown key: first the keys that begin with the word, then those spelt like it."""
+    """The message about an unknown key: first the keys that begin with the word, then those with a similar spelling."""
     begun = [key.path for key in keys if key.name.startswith(f"{wanted.lower()}_")]
     by_name = {key.name: key.path for key in keys}
     by_quantity = {name.rpartition("_")[0]: path for name, path in by_name.items() if "_" in name}
@@ -139,20 +136,20 @@ def _unknown(keys: Sequence[Key], wanted: str) -> str:
 
 
 SPELT_OUT = {"deg": "degrees", "rad": "radians"}
-"""Units that are words here; the map of all of them is in numerics.units."""
+"""Units that are written in full here; the map of all units is in ``numerics.units``."""
 
 OTHER_UNITS = {"stiffness_n_mm": "N at a depth of 1 mm", "effect_per_g": "the readings' unit per g"}
-"""Units of keys whose last words alone would say another one."""
+"""Units of keys whose end would give another unit."""
 
 
 def unit_of(name: str) -> str:
-    """The unit that a key ends in, empty where it names none."""
+    """The unit at the end of a key; empty where there is none."""
     unit = label_and_unit(name)[1]
     return OTHER_UNITS.get(name, SPELT_OUT.get(unit, unit))
 
 
 def allowed(key: Key) -> str:
-    """What may stand at a key, in words."""
+    """The allowed values of a key, in words."""
     rule = key.rule
     if key.group:
         return f"a list{_count(choices(rule)[0])} of groups of keys" if is_list(rule) else "a group of keys"
@@ -160,12 +157,12 @@ def allowed(key: Key) -> str:
 
 
 def choices(rule: dict[str, Any]) -> list[dict[str, Any]]:
-    """The rules of each kind of value that is allowed; a key left blank is none of them."""
+    """The rules of each allowed kind of value, without the rule for a key that has no value."""
     return [one for one in rule.get("anyOf", [rule]) if one.get("type") != "null"]
 
 
 def is_list(rule: dict[str, Any]) -> bool:
-    """Whether a list stands there."""
+    """Whether the value is a list."""
     return choices(rule)[0].get("type") == "array"
 
 
@@ -198,7 +195,7 @@ def _range(rule: dict[str, Any]) -> str:
 
 
 def default_words(key: Key) -> str:
-    """What holds where the key is left out, in words."""
+    """The default of a key, in words."""
     if key.field.is_required():
         return "none: it must be given"
     value = key.default
@@ -211,7 +208,7 @@ def default_words(key: Key) -> str:
 
 
 def plain(value: Any) -> str:
-    """A value as the file would write it."""
+    """A value in the form of the file."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, int | float):
@@ -225,7 +222,7 @@ LIKELY = {"mm": 40.0, "degrees": 30.0, "radians": 0.5, "multiples of pi": 0.5, "
 """Values for examples, by their unit."""
 
 OTHERWISE = (0.1, 1.0, 10.0, -10.0)
-"""Values for other units, and for where the most likely one is out of range."""
+"""Values for other units, and for keys whose range does not hold the likely value."""
 
 KNOWN = {
     "file": "points.csv",
@@ -251,10 +248,10 @@ KNOWN = {
     "lightening_holes.least_wall_mm": "4",
     "lightening_holes.diameter_mm": "12",
 }
-"""Values as a file has them, by the ends of paths.
+"""Examples in the form of the file, by the ends of paths.
 
-They are for keys at which a value that is merely allowed would make no sense with the keys beside it: a table whose
-points are all the same, a set screw as wide as the hub.
+Some allowed values would make no sense with the keys beside them, such as a table whose points are all the same, or a
+set screw as wide as the hub.  Their keys have an example here.
 """
 
 
@@ -278,7 +275,7 @@ def _value(key: Key, root: type[Any]) -> str:
 
 
 def _known(key: Key) -> str:
-    """The value of a key that the law or KNOWN has an example of, by the longest end of its path; empty for none."""
+    """The example of a key from its law, or from KNOWN by the longest end of its path; empty where there is none."""
     if key.law and key.name in (examples := design_law(LawName(key.law)).examples):
         return examples[key.name]
     ends = [end for end in KNOWN if f".{key.path}".endswith(f".{end}")]
@@ -286,7 +283,7 @@ def _known(key: Key) -> str:
 
 
 def _in_template(key: Key) -> Any:
-    """What the template of the key's law has there; None where it has nothing."""
+    """The value of the key in the template of its law; None where it has none."""
     data = _template_data(LawName(key.law) if key.law else DEFAULT_LAW)
     for part in key.path.split("."):
         data = data.get(part) if isinstance(data, dict) else None
@@ -299,7 +296,7 @@ def _template_data(law: LawName) -> Any:
 
 
 def _group(key: Key, root: type[Any]) -> str:
-    """A group with the keys that must be in it, or else its first key; of several models, the one of fewest keys."""
+    """A group with its required keys, or else with its first key; of several models, the one with the fewest keys."""
     model = min(key.group, key=lambda one: len(fields_of(one)))
     law = law_of(model) if len(key.group) > 1 else key.law
     keys = [Key(f"{key.path}.{name}", law, model, field) for name, field in fields_of(model).items()]

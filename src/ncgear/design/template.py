@@ -1,4 +1,4 @@
-"""A commented design file to begin with: the same machine and gears for every law, and the law's own part."""
+"""The commented design file of ``ncgear new``: the same machine and gears for every law, and the law's own part."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ncgear.design.reading.text import plain_value
 
 def template(name: str, law: LawName = DEFAULT_LAW) -> str:
     """A complete design file called ``name``, with a comment on every value."""
-    # Names such as 12 or true must not be read as a number or a truth value, nor one of dashes as a list.
+    # Names such as 12 or true must not be read as a number or a truth value, and a name of dashes not as a list.
     quoted = name if name[0].isalpha() and isinstance(plain_value(name), str) else f'"{name}"'
     head = _HEAD.replace("name: {name}", f"name: {quoted}").format(name=name)
     return "\n".join((head, design_law(law).template, _GEARS, _MACHINE))

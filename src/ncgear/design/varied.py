@@ -1,4 +1,4 @@
-"""Designs that differ from a file's in the values of a few keys: what a sweep looks at."""
+"""The designs of a sweep, which differ from that of a file in the values of a few keys."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ OPTION = "--vary"
 FORM = "KEY=FROM:TO:COUNT, as motion.v1_mm_s=1500:1700:21, is right"
 
 MOST_DESIGNS = 100_000
-"""Half a minute of designs that can be computed together."""
+"""Largest number of designs in a sweep; designs that can be computed together then take half a minute."""
 
 
 @dataclass(frozen=True)
 class Varied:
-    """A dotted key of the design file and the values that it takes."""
+    """A dotted key of the design file, and its values in the sweep."""
 
     key: str
     values: tuple[float, ...]
@@ -62,7 +62,7 @@ def require_grid(loaded: LoadedDesign, varied: Sequence[Varied]) -> None:
 
 
 def designs_of(loaded: LoadedDesign, varied: Sequence[Varied]) -> Iterator[Design | WrongInput]:
-    """The design of every combination of the values, the last key varying fastest, or what is wrong with it."""
+    """The design of every combination of values, or its fault; the last key varies fastest."""
     for values in product(*(one.values for one in varied)):
         data = loaded.data
         for one, value in zip(varied, values, strict=True):
@@ -90,9 +90,9 @@ def _numbers(data: Any, key: str) -> Iterator[tuple[str, float]]:
 
 
 def _with(data: Any, keys: Sequence[str], value: float) -> Any:
-    """The data with another number at a path, sharing all the rest."""
+    """A copy of the data with another number at a path; the rest is shared."""
     if not keys:
-        # A whole number does for every key, and some take no other.
+        # Every key accepts a whole number as an integer, and some keys accept only integers.
         return int(value) if value.is_integer() else value
     first, rest = keys[0], keys[1:]
     if isinstance(data, list):

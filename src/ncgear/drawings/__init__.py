@@ -1,1 +1,1 @@
-"""What is drawn: plots, the scene, the animation, the page."""
+"""Drawings: charts, pictures, the scene, the animation, the page of the report."""

@@ -39,7 +39,7 @@ POSITIONS = 3
 """Positions of the pair in the picture of its teeth, evenly spread over a turn of the driving gear."""
 
 NO_BACKLASH_RAD = 1e-9
-"""Play below which none is drawn: some nanometres at the flanks."""
+"""Play in rad below which there is no chart of it: some nanometres at the flanks."""
 
 
 def pictures(drive: Drive, contact: PairContact) -> dict[str, bytes]:
@@ -66,13 +66,13 @@ def _power_picture(drive: Drive, title: str) -> bytes:
 
 
 def _contact_picture(drive: Drive, contact: PairContact, title: str) -> bytes:
-    """All charts of the contact, with the joints of the law; that of backlash where there is any."""
+    """All charts of the contact, with the joints of the law; the chart of backlash only where there is any."""
     designed = contact.as_designed
     kinds = [contact_charts.flanks_in_contact, contact_charts.pressure_angle, contact_charts.sliding]
     if np.max(np.abs(designed.backlash_rad)) >= NO_BACKLASH_RAD:
         kinds.insert(0, contact_charts.backlash)
     errors = contact_charts.transmission_error(contact)
-    # The key stands above the first row: an empty line there names the backs, which the other rows show.
+    # The key is above the first row, which has no line of the backs: an empty line there names them.
     pushing, written = errors.lines
     errors = replace(errors, lines=(pushing, Line(Role.OTHER, contact_charts.BACKS, EMPTY, EMPTY), written))
     joints = np.degrees(joints_up_to(drive.pair.transmission, designed.placement.cycle_rad))
@@ -81,7 +81,7 @@ def _contact_picture(drive: Drive, contact: PairContact, title: str) -> bytes:
 
 
 def rigid_pictures(drive: Drive, own: Loads, uniform: Loads) -> dict[str, bytes]:
-    """The pictures of the rigid level; loads are those at the angles of the drive's motion."""
+    """The pictures of the rigid level; the loads are those at the angles of the drive's motion."""
 
     def picture(charts: Sequence[Chart], what: str) -> bytes:
         title = f"{drive.design.name}: {what} at {drive.design.operation.speed_rpm:.4g} r/min"
@@ -103,7 +103,7 @@ def quasi_static_pictures(drive: Drive, rigid_n_m: Array) -> dict[str, bytes]:
 
 
 def dynamic_pictures(drive: Drive, shown: History, apart_rad: Array) -> dict[str, bytes]:
-    """The pictures of the dynamic level; ``apart_rad`` (shape (k, 2)) are stretches without pushing flanks in touch."""
+    """The pictures of the dynamic level; in the stretches ``apart_rad`` (shape (k, 2)) no pushing flanks touch."""
     apart, speed = np.degrees(apart_rad), f"at {drive.design.operation.speed_rpm:.4g} r/min"
     made = {
         "slider_motion.png": (simulation_charts.slider_in_time(shown, apart), "slider"),

@@ -1,1 +1,1 @@
-"""What is told: summary, data sheet, comparison, advice, as values and text."""
+"""Results as values and as text: summary, comparison, advice, data sheet, tables."""

@@ -1,4 +1,4 @@
-"""How the two gears go together at phi1 = 0, in words and numbers for whoever puts them on their shafts."""
+"""The pose of the two gears at phi1 = 0, for the person who puts them on their shafts."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from ncgear.project.drive import Drive
 from ncgear.solids.plan.body import RoundHole
 
 FLANK_BAND_IN_MODULES = 0.1
-"""Within this distance of the pitch curve the line of centres is said to meet a flank, not a tooth or a space."""
+"""Where the outline is this near to the pitch curve, the line of centres meets a flank, not a tooth or a space."""
 
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """One gear as the assembly sees it: outline (mm, shape (n, 2)), pitch radius on the line of centres, index hole.
+    """One gear to be placed: outline (mm, shape (n, 2)), pitch radius on the line of centres, index hole.
 
     The material of a ring (``is_ring``) is outside the outline.
     """
@@ -35,7 +35,7 @@ def assembly_of(drive: Drive) -> dict[str, Any]:
     """The pose of a drive's gears at phi1 = 0, ready for JSON; raises as the drive's solids do."""
     pitch, teeth, solids = drive.pitch, drive.teeth, drive.solids
     driving_radius, driven_radius = _pitch_radius_mm(pitch.driving), _pitch_radius_mm(pitch.driven)
-    return assembly_report(
+    return assembled_pose(
         Placed(teeth.driving.outline_mm, driving_radius, solids.driving.index_hole),
         Placed(teeth.driven.outline_mm, driven_radius, solids.driven.index_hole, pitch.driven.is_ring),
         pitch.center_distance_mm,
@@ -45,17 +45,17 @@ def assembly_of(drive: Drive) -> dict[str, Any]:
 
 
 def _pitch_radius_mm(curve: PitchCurve) -> float:
-    """On the line of centres at phi1 = 0."""
+    """The pitch radius on the line of centres at phi1 = 0."""
     return float(np.linalg.norm(curve.at_angle(np.zeros(1)).position))
 
 
-def assembly_report(
+def assembled_pose(
     driving: Placed, driven: Placed, center_distance_mm: float, module_mm: float, mesh: Mesh = Mesh.EXTERNAL
 ) -> dict[str, Any]:
     """The pose of two gears at phi1 = 0.
 
-    For each gear the polar angle of the pitch point on the line of centres in its own frame, whether a tooth, a space
-    or a flank lies there, and the index hole (None where none was wanted or had room).
+    For each gear it holds the polar angle of the pitch point on the line of centres, in the gear's own frame; whether a
+    tooth, a space or a flank lies there; and the index hole (None where none was asked for or had room).
     """
     return {
         "mesh": mesh.value,
@@ -75,7 +75,7 @@ def _gear(gear: Placed, direction: float, module: float) -> dict[str, Any]:
 
 
 def met_at(gear: Placed, direction_rad: float, module_mm: float) -> str:
-    """``tooth``, ``space`` or ``flank``: what a ray from the axis meets at the pitch curve."""
+    """``tooth``, ``space`` or ``flank``, whichever a ray from the axis meets at the pitch curve."""
     beyond = outline_radius_mm(gear.outline_mm, direction_rad) - gear.pitch_radius_mm
     if abs(beyond) < FLANK_BAND_IN_MODULES * module_mm:
         return "flank"
@@ -83,7 +83,7 @@ def met_at(gear: Placed, direction_rad: float, module_mm: float) -> str:
 
 
 def outline_radius_mm(outline_mm: Array, direction_rad: float) -> float:
-    """Distance from the axis at which a ray leaves the outline for good; NaN when it never meets it."""
+    """Distance in mm from the axis of the farthest point at which a ray meets the outline; NaN where it never does."""
     turned = outline_mm @ np.array(
         [[cos(direction_rad), -sin(direction_rad)], [sin(direction_rad), cos(direction_rad)]]
     )

@@ -1,6 +1,6 @@
-"""Best laws: one as a design file that builds, as a certificate and as text; a frontier of them as CSV, JSON and text.
+"""Best laws: one law as a design file, a certificate and text; a frontier of laws as CSV, JSON and text.
 
-Both are set beside the limit that no law can be below, and beside other mechanisms at the same speed.
+Both are compared with the limit that no law goes below, and with other mechanisms at the same speed.
 """
 
 from __future__ import annotations
@@ -43,9 +43,10 @@ SUFFIX = "-optimized"
 
 
 def optimized_design(text: str, best: BestLaw) -> str:
-    """The text of the design file with the optimised law in place of its motion; comments elsewhere are kept.
+    """The text of the design file with the optimised law in place of its motion; comments elsewhere stay.
 
-    Points of the resistance that stand in a file of their own come along: that file's path counts from the design.
+    Points of the resistance that are in a CSV file are written into the text, because the path of that file is relative
+    to the folder of the old design.
     """
     yaml = YAML(typ="rt")
     yaml.width = LINE_WIDTH
@@ -183,7 +184,7 @@ class OtherMechanism:
 
 
 def mechanisms(best: BestLaw) -> list[OtherMechanism]:
-    """The design's own law, the uniform crank, and published mechanisms of which both figures are known."""
+    """The design's own law, the uniform crank, and the published mechanisms whose two figures are known."""
     found = []
     if best.given_figures is not None and best.design.motion.law != "uniform_crank":
         given = best.given_figures
@@ -211,7 +212,7 @@ def frontier_csv(found: Frontier) -> str:
 
 
 def frontier_json(found: Frontier, best: BestLaw) -> str:
-    """The same with all figures of the laws, and the other mechanisms."""
+    """The points with all figures of the laws, and the other mechanisms, as JSON."""
     families = {point.cap_w: point for point in found.families}
     content: dict[str, Any] = {
         "design": best.design.name,

@@ -1,4 +1,4 @@
-"""The tables of a build as text. Numbers are written in full: read back, they are the same floats."""
+"""The tables of a build as CSV. Numbers have all their digits: read back, they are the same floats."""
 
 from __future__ import annotations
 
@@ -44,8 +44,8 @@ def outline_csv(outline_mm: Array) -> str:
 def contact_csv(contact: PairContact) -> str:
     """The contact at each position, columns named with their units; raises ValueError as ``law_csv`` does.
 
-    Errors are driven angles beyond the law's.  Tooth numbers, place, pressure angle and sliding are those of the first
-    contact on pushing flanks as designed; ``edge`` is 1 where that is no contact of flanks.
+    An error is the driven angle less that of the law.  Tooth numbers, place, pressure angle and sliding belong to the
+    first contact on pushing flanks as designed; ``edge`` is 1 where this is not a contact of two flanks.
     """
     designed = contact.as_designed
     first, place = designed.pushing.first, designed.pushing.first.fixed_points(designed.placement)
@@ -79,7 +79,7 @@ def csv_text(names: Sequence[str], columns: Sequence[Array | IndexArray]) -> str
 
 
 def rows_text(names: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Rows of numbers, words and empty cells (None) under names; words with commas go in quotes."""
+    """Rows of numbers, words and empty cells (None) under names; words with commas are put in quotes."""
     text = StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerows([names, *rows])

@@ -1,4 +1,4 @@
-"""What keys mean, as text for people."""
+"""The meaning of the keys of a file, as text for people."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from ncgear.design.reference import Key, allowed, default_words, example, unit_o
 
 WIDTH = 100
 PATH_WIDTH, NAME_WIDTH = 36, 13
-"""Widths of the column before the words: whole names of keys, and what is said about one key."""
+"""Widths of the first column: in a list of keys by their whole names, and in the explanation of one key."""
 
 MOST_EXPLAINED = 4
-"""Different keys of one name up to which each is explained; more are listed."""
+"""If a name stands for at most so many different keys, each is explained; otherwise they are listed."""
 
 
 def explained(keys: Sequence[Key], found: Sequence[Key], root: type[Any]) -> str:
-    """The keys ``found``, of all the ``keys`` of a file whose model is ``root``: in full, or many in a list."""
+    """The keys ``found``, out of all ``keys`` of a file with the model ``root``: explained, or listed where many."""
     ordered = sorted(found, key=_same)
     alike = [list(group) for _, group in groupby(ordered, _same)]
     if len(alike) > MOST_EXPLAINED:
@@ -29,12 +29,12 @@ def explained(keys: Sequence[Key], found: Sequence[Key], root: type[Any]) -> str
 
 
 def tree(keys: Sequence[Key]) -> str:
-    """All groups with what they mean, and the keys in each."""
+    """All groups with their meanings, and the keys in each."""
     return "\n".join(_level(keys, "", 0))
 
 
 def _same(key: Key) -> tuple[str, str, str]:
-    """What is told once: a key that means the same in several laws, an angle in its units, the names of laws."""
+    """Equal for keys that are explained once: one key of several laws, one angle in its units, the names of laws."""
     path = key.path.removesuffix(key.name)
     return path, quantity(key.name), "" if key.told_apart or quantity(key.name) != key.name else key.meaning
 
@@ -57,7 +57,7 @@ def _one(keys: Sequence[Key], alike: Sequence[Key], root: type[Any]) -> str:
 
 
 def _meaning(keys: Sequence[Key], alike: Sequence[Key]) -> str:
-    """The meaning of the keys; an angle's is told without its unit, and the key ``law`` has that of its group."""
+    """The meaning of the keys: for an angle, without its unit; for the key ``law``, the meaning of its group."""
     first = alike[0]
     if not first.told_apart:
         return first.meaning.replace(", in rad", "").replace(" in rad", "") if _is_angle(alike) else first.meaning
@@ -74,7 +74,7 @@ def _above(key: Key) -> str:
 
 
 def _beside(keys: Sequence[Key], alike: Sequence[Key]) -> list[Key]:
-    """The other keys of their group and their law."""
+    """The other keys of the same group and the same law."""
     above, law, names = _above(alike[0]), alike[0].law, {key.name for key in alike}
     within = [key for key in keys if _above(key) == above and key.law == law]
     return [] if alike[0].told_apart else [key for key in within if key.name not in names]

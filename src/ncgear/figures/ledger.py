@@ -47,7 +47,7 @@ def ledger_text(judgements: Sequence[Judgement], paths: Iterable[Path]) -> str:
 
 
 def _section(one: Judgement) -> str:
-    """A paper with the table of its figures, and what it gives that is not computed."""
+    """A paper with the table of its figures, and the list of figures that are given and not computed."""
     paper, table = one.paper, markdown(COLUMNS, map(_row, one.entries))
     given = ["Given, not computed:", "", *(f"- {_places(item.places)}: {item.content}" for item in paper.given)]
     return "\n".join([f"## {paper.title}", "", f"{paper.reference}.", "", *table, "", *given])
@@ -62,7 +62,7 @@ def _row(judged: Judged) -> tuple[str, ...]:
 
 
 def _places(places: Sequence[str]) -> str:
-    """``eq. 1``, ``eq. 2`` -> ``eq. 1, 2``: a kind is named once."""
+    """The places on one line, each kind named once: ``eq. 1``, ``eq. 2`` -> ``eq. 1, 2``."""
     shown: list[str] = []
     kind = ""
     for place in places:

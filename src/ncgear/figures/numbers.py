@@ -1,4 +1,4 @@
-"""Numbers as a person reads them, in units that fit their size, and results as JSON."""
+"""Numbers for people, in units that fit their size, and results as JSON."""
 
 from __future__ import annotations
 
@@ -11,14 +11,13 @@ import numpy as np
 from ncgear.numerics.arrays import Array
 
 THOUSANDS = {"W": "kW", "N": "kN", "N m": "kN m", "mm/s": "m/s", "mm/s\u00b2": "m/s\u00b2"}
-"""Units, and what a thousand of each is."""
+"""Units, each with the unit that is a thousand times as large."""
 
 
 def readable(unit: str, *values: Array | float) -> tuple[float, str]:
-    """Factor from a unit to the one in which values (of any shapes, not empty) are read, and its name.
+    """The unit in which values (of any shapes, not empty) are easy to read: the factor to it, and its name.
 
-    It is a thousand of the unit where one of them reaches that, so that peaks from 1 to 9 999 999 of the unit read as 1
-    to 9999.
+    It is the larger unit where a value reaches a thousand, so that peaks of 1 to 9 999 999 show as 1 to 9999.
     """
     largest = max(float(np.max(np.abs(value))) for value in values)
     return (1e-3, THOUSANDS[unit]) if unit in THOUSANDS and largest >= 1000.0 else (1.0, unit)
@@ -29,8 +28,10 @@ LONG_LIST = 12
 
 
 def shown(value: Any) -> str:
-    """A summary's value for reading: five digits, yes or no, ``-`` for None, runs of whole numbers as ``3-7``,
-    pairs of numbers as ``0.1..0.2``."""
+    """A value of a summary as text: numbers with five digits, yes or no, ``-`` for None.
+
+    Runs of whole numbers are shown as ``3-7``, pairs of numbers as ``0.1..0.2``.
+    """
     if value is None:
         return "-"
     if isinstance(value, bool):
@@ -49,7 +50,7 @@ def _listed(items: list[Any]) -> str:
     if all(isinstance(item, int) and not isinstance(item, bool) for item in items):
         return ", ".join(_runs(sorted(items)))
     if any(isinstance(item, Mapping) for item in items):
-        # A table in the summary's file; a terminal has no room for it.
+        # The file of the summary has the whole table; a terminal has no room for it.
         return str(len(items))
     texts = [
         "..".join(map(shown, item)) if isinstance(item, list | tuple) and len(item) == 2 else shown(item)
@@ -68,5 +69,5 @@ def _runs(numbers: list[int]) -> list[str]:
 
 
 def json_text(content: Any) -> str:
-    """Indented, with a last line break; NaN and infinities, which JSON does not have, raise ValueError."""
+    """Content as indented JSON with a final line break; raises ValueError for NaN and infinities."""
     return json.dumps(content, indent=2, allow_nan=False) + "\n"

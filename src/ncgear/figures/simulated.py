@@ -1,4 +1,4 @@
-"""What a simulation tells at each level: a table over the driving angle, and figures in sections of plain values.
+"""The results of a simulation at each level: a table over the driving angle, and figures in sections of plain values.
 
 - Rigid: torques and forces by inverse dynamics, beside those of the uniform crank with the same masses.
 - Quasi-static: the teeth under load, beside the torque of the rigid level.
@@ -114,7 +114,7 @@ def _joint_peaks(rigid: Rigid) -> dict[str, float]:
 
 
 def _mesh(rigid: Rigid) -> dict[str, Any]:
-    """The mesh force of a machine with gears, none of others; the driving shaft's bearings bear it as it is."""
+    """The mesh force, which the bearings of the driving shaft bear unchanged; empty for a machine without gears."""
     mesh = rigid.peaks.mesh
     if mesh is None:
         return {}
@@ -161,13 +161,13 @@ def quasi_static_figures(drive: Drive) -> dict[str, Any]:
 
 
 def _largest_of(name: str, unit: str, values: Array, phi1_rad: Array) -> dict[str, float]:
-    """The largest of values at driving angles, shape (n,) both."""
+    """The largest value and its driving angle, out of values and angles of shape (n,)."""
     place = int(np.argmax(values))
     return {f"{name}_{unit}": float(values[place]), f"{name}_at_rad": float(phi1_rad[place])}
 
 
 def dynamic_table(shown: History) -> dict[str, Array]:
-    """The motion in time and the law's, with the forces between the teeth and in the joints."""
+    """The motion in time, the motion by the law, and the forces between the teeth and in the joints."""
     columns = {"time_s": shown.time_s, "phi1_rad": shown.phi1_rad, "phi2_rad": shown.phi2_rad}
     for prefix, slide in (("", shown.slide), ("law_", shown.law)):
         columns.update({f"{prefix}{name}": values for name, values in vars(slide).items()})
@@ -191,7 +191,7 @@ def joint_forces(shown: History) -> dict[str, Vector]:
 
 
 def dynamic_figures(drive: Drive, shown: History, apart_s: Array) -> dict[str, Any]:
-    """The slider beside its law, the bearings, and the teeth, which are apart in k spans of time, shape (k, 2)."""
+    """The slider beside its law, the bearings, and the teeth; ``apart_s`` (k, 2) are the spans in which none touch."""
     course, work = drive.course, drive.course.states[4:, -1]
     return {
         **_about(drive, Level.DYNAMIC),

@@ -20,7 +20,7 @@ from ncgear.numerics.arrays import IndexArray
 from ncgear.screening.screen import MADE, Screened
 
 BEST = 5
-"""Designs that the text names, by each figure."""
+"""Number of designs that the text lists for each figure."""
 
 RANKED = {
     "least acceleration": "check.peak_acceleration_cycle_mm_s2",
@@ -56,7 +56,10 @@ def _values(varied: Sequence[Varied]) -> list[tuple[float, ...]]:
 
 
 def _order(figure: str, found: Screened) -> IndexArray:
-    """The best rows by a figure; those that read the same by it, as laws of one working stroke do, by the others."""
+    """The best rows by a figure.
+
+    Rows whose figure shows the same digits, such as laws with one working stroke, are ordered by the other figures.
+    """
     others = [found.figures[name] for name in RANKED.values() if name != figure]
     read = np.array([float(shown(float(value))) for value in found.figures[figure]])
     return np.lexsort((*others, read))[:BEST]
@@ -75,5 +78,5 @@ def _best(title: str, figure: str, varied: Sequence[Varied], found: Screened) ->
 
 
 def _problem(verdict: str) -> str:
-    """A verdict up to its first figure: what many designs have in common."""
+    """A verdict up to its first number, so that many designs share it."""
     return shorten(re.split(r"( at phi1)?( =)? -?\d", verdict, maxsplit=1)[0], WIDTH, placeholder=" ...")

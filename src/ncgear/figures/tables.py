@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 Value = float | int | str | bool | None
-"""What stands in a cell; None where there is nothing to say."""
+"""The content of a cell; None leaves it empty."""
 
 Cells = tuple[Value, ...]
 
@@ -19,7 +19,7 @@ GAP = "  "
 """Between the columns of aligned text."""
 
 MEANT = re.compile(r"[\\|<&`*_\[\]]")
-"""Characters that mean more than themselves in Markdown; a backslash before them takes that away."""
+"""Characters with a meaning in Markdown; a backslash before them takes the meaning away."""
 
 
 class Column(NamedTuple):
@@ -35,7 +35,7 @@ class Column(NamedTuple):
 
 
 class HtmlRow(NamedTuple):
-    """Cells of text, the first of which names the row; the second is as wide as ``span`` columns."""
+    """Cells of text; the first one names the row, and the second one is ``span`` columns wide."""
 
     cells: tuple[str, ...]
     span: int
@@ -44,11 +44,11 @@ class HtmlRow(NamedTuple):
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of cells under a title, each as long as ``columns``.
+    """Rows of cells under a title; a row has as many cells as there are ``columns``, or fewer.
 
-    The second cell of a row that is shorter also fills the columns that are missing; a table may have no columns, and
-    then no heads.  ``notes`` are sentences that belong to all of it, ``row_notes`` one for each row, perhaps empty.  A
-    ``long`` table may be broken between rows in print.
+    In a shorter row the second cell also fills the missing columns.  A table without columns has no heads.  ``notes``
+    are sentences about the whole table; ``row_notes`` has one note, perhaps empty, for each row.  A ``long`` table may
+    be broken between rows in print.
     """
 
     title: str
@@ -60,7 +60,7 @@ class Table:
 
     @property
     def html_rows(self) -> list[HtmlRow]:
-        """The rows as HTML has them, in text that is not escaped yet."""
+        """The rows for HTML, in text that is not escaped yet."""
         notes = self.row_notes or ("",) * len(self.rows)
         return [
             HtmlRow(tuple(map(cell_text, cells)), max(1 + len(self.columns) - len(cells), 1), note)
@@ -80,8 +80,8 @@ def aligned(
 ) -> list[str]:
     """One line for each row of texts, all of one length, in columns as wide as their widest text.
 
-    The first ``left`` columns are aligned to the left, the others to the right.  ``least`` is the width that columns
-    have at least, one for each or one for all.
+    The first ``left`` columns are aligned to the left, the others to the right.  ``least`` is the least width of the
+    columns, one for each or one for all.
     """
     count = len(rows[0]) if rows else 0
     narrowest = [least] * count if isinstance(least, int) else least
@@ -95,12 +95,12 @@ def aligned(
 
 
 def markdown(heads: Sequence[str], rows: Iterable[Sequence[str]], rule: str = "---") -> list[str]:
-    """The lines of a table in Markdown, whose texts stand as they are; ``rule`` is drawn below each head."""
+    """The lines of a table in Markdown, the texts unchanged; ``rule`` is drawn below each head."""
     first, *others = (f"| {' | '.join(texts)} |" for texts in (heads, *rows))
     return [first, f"|{'|'.join([rule] * len(heads))}|", *others]
 
 
 def markdown_text(value: Value) -> str:
-    """A cell on one line of Markdown, in which all is text: no cell ends in it, no HTML begins."""
+    """A cell on one line of Markdown; no character of it ends the cell, begins HTML or has another meaning."""
     text = cell_text(value)
     return MEANT.sub(r"\\\g<0>", " ".join(text.split())) if isinstance(value, str) else text

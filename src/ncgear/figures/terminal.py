@@ -1,4 +1,4 @@
-"""What a run says in the terminal: a summary as aligned text, comparisons, warnings, timings, the files written."""
+"""Text for the terminal: a summary in aligned lines, comparisons, warnings, timings, the files written."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ LABELS = {
     "peak acceleration working": "peak acceleration, working stroke",
     "peak acceleration cycle": "peak acceleration, whole cycle",
 }
-"""Labels where the key's own words would read badly."""
+"""Labels for keys whose own words would be hard to read."""
 
 PLACE = "_at_rad"
 """End of a key that holds the driving angle at which another key has its extreme value."""
@@ -39,13 +39,13 @@ TITLES = {
     "check": "Motion and power at the operating speed",
     "masses": "Moving masses",
 }
-"""Headings of sections; others are headed by their key."""
+"""Headings of sections; the heading of any other section is its key."""
 
 ELSEWHERE = ("comparison", "warnings", "timing_s")
-"""Keys of a summary that have a form of their own."""
+"""Keys of a summary that are not written as sections."""
 
 MECHANISMS = {"this_design": "this design", "uniform_crank": "uniform crank"}
-"""Keys of sections that are set side by side, and their heads."""
+"""Keys of sections that are written side by side, and their heads."""
 
 COMPARED_LABELS = {
     "speed_rpm": "speed",
@@ -71,7 +71,7 @@ def check_text(drive: Drive) -> str:
 
 
 def build_text(summaries: Sequence[Mapping[str, Any]], paths: Sequence[Path]) -> str:
-    """The results of a build, of every pair as ``check_text`` has those of a check, and the files it has written."""
+    """The results of a build: the summary of every pair, and the files written."""
     return "\n\n".join([*map(summary_text, summaries), "\n".join(written_lines(paths))])
 
 
@@ -103,28 +103,24 @@ def _sections(summary: Mapping[str, Any]) -> list[list[str]]:
 
 
 def labelled(section: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Label and text of each entry of a section, values with their units and places."""
+    """Label and text of each entry of a section; the text has the value, its unit and its place."""
     return list(_flattened(section, ""))
 
 
 def _flattened(section: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, str]]:
-    """Label and value of each entry; nested entries carry the names of what they are in.
+    """Label and text of each entry; the label of a nested entry begins with the names of the groups around it.
 
     ``min_at_rad`` is not an entry of its own: it follows the value of ``min``.
     """
-    places = _places(section)
+    # Driving angles of extreme values, by the label of the value.
+    labels = {label_and_unit(key)[0] for key in section}
+    places = {_owner(key): angle for key, angle in section.items() if _owner(key) in labels}
     for key, value in section.items():
         label = label_and_unit(key)[0]
         if isinstance(value, Mapping):
             yield from _flattened(value, f"{prefix}{label}, ")
         elif _owner(key) not in places:
             yield _labelled_value(key, value, prefix, places.get(label))
-
-
-def _places(section: Mapping[str, Any]) -> dict[str, float]:
-    """Driving angles of extreme values, by the label of the value."""
-    labels = {label_and_unit(key)[0] for key in section}
-    return {_owner(key): angle for key, angle in section.items() if _owner(key) in labels}
 
 
 def _owner(key: str) -> str:
@@ -141,7 +137,7 @@ def _labelled_value(key: str, value: Any, prefix: str = "", place_rad: float | N
 
 
 def _value_lines(label: str, value: str, width: int) -> list[str]:
-    """``label  value``, the value wrapped under itself."""
+    """The line ``label  value``; further lines of a long value begin below the value."""
     start = f"{INDENT}{label:<{width}}  "
     lines = wrap(value, max(WIDTH - len(start), 20)) or [""]
     return [start + lines[0], *(" " * len(start) + line for line in lines[1:])]
@@ -157,7 +153,7 @@ def _warnings(warnings: Sequence[str]) -> list[str]:
 
 
 def comparison_lines(rows: Sequence[Mapping[str, Any]]) -> list[list[str]]:
-    """One block of lines for the mechanisms at equal speed, and one, headed as such, for those at other speeds.
+    """One block of lines for the mechanisms at equal speed, and one for mechanisms at other speeds.
 
     Each row has ``name``, the keys of COMPARED (None where unknown), ``same_speed`` and ``note``.
     """
@@ -171,7 +167,7 @@ def comparison_lines(rows: Sequence[Mapping[str, Any]]) -> list[list[str]]:
 
 
 def _compared(rows: Sequence[Mapping[str, Any]], name_width: int) -> list[str]:
-    """Names that are long go on below themselves, and notes stand below their rows."""
+    """The lines of a comparison; long names continue below themselves, and notes are below their rows."""
     cells = [
         ["", *(column.label for column in COMPARED.values())],
         ["", *(column.unit for column in COMPARED.values())],
@@ -190,7 +186,7 @@ def _name_lines(row: Mapping[str, Any]) -> list[str]:
 
 
 def beside_lines(title: str, sections: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    """A head and one line for each figure that any of the sections, by key of MECHANISMS, has."""
+    """Sections side by side, by their keys of MECHANISMS: a head, and one line for each figure of any section."""
     columns = [dict(labelled(section)) for section in sections.values()]
     labels = list(dict.fromkeys(label for column in columns for label in column))
     heads = [title, *(MECHANISMS[key] for key in sections)]
@@ -199,7 +195,7 @@ def beside_lines(title: str, sections: Mapping[str, Mapping[str, Any]]) -> list[
 
 
 def timing_text(drive: Drive) -> str:
-    """How long each step took, in seconds, and their sum."""
+    """The seconds that each step took, and their sum."""
     taken = {}
     for pair in (drive, *(pair for pair in drive.by_stage if pair is not drive)):
         of = "" if pair.stage is None else f"stage {pair.stage}: "

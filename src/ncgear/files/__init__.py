@@ -1,1 +1,1 @@
-"""The files that commands write, in tables, meshes and workshop formats, and how they reach a folder."""
+"""The files that commands write (tables, meshes, workshop formats), and how they reach a folder."""

@@ -43,7 +43,7 @@ def _pictures(balancing: Balancing) -> dict[str, bytes]:
 
 
 def _forces(mechanism: DrivenCrank) -> dict[str, Array]:
-    """Curves of the force as it is, and with the best counterweights."""
+    """Curves of the shaking force, without and with the best counterweights."""
     known, crank = accelerations(mechanism), mechanism.linkage.crank_mm
     curves = {"as given": _curve(shaking(mechanism, known))}
     if mechanism.wrist_kg == 0:
@@ -61,13 +61,13 @@ def _curve(of: Shaking) -> Array:
 
 
 def _track(mechanism: DrivenCrank, added: Counterweight) -> Array:
-    """The track with a counterweight, about its middle, so that its size is seen and not its place."""
+    """The track with a counterweight, moved so that its middle is the origin: the picture shows sizes, not places."""
     points = track(replace(mechanism, counterweights=(*mechanism.counterweights, added))).points_mm
     return np.asarray(points - (points.min(axis=0) + points.max(axis=0)) / 2.0)
 
 
 def _solids(balancing: Balancing) -> dict[str, bytes]:
-    """Corrected gears, read back and checked."""
+    """The corrected gears as STL, read back and checked."""
     if balancing.balance.gears is None:
         return {}
     made = {f"{gear}-balanced.stl": one.corrected for gear, one in balancing.gears.items()}

@@ -1,7 +1,7 @@
-"""A build: every step of the drive in turn, then all its files at once.
+"""A build: all steps of the drive one after the other, then all its files at once.
 
-A pair of gears has tables, solids, its assembly and its contact as written, the workshop formats asked for, pictures,
-and last its summary.  Two pairs in series have theirs in the folders ``stage-1`` and ``stage-2``.
+The files of a pair of gears are tables, solids, the assembly, the contact as written, the workshop formats asked for,
+pictures, and last the summary.  Two pairs in series have their files in the folders ``stage-1`` and ``stage-2``.
 """
 
 from __future__ import annotations
@@ -34,16 +34,16 @@ STEPS = {
     "contact": ("designed_contact",),
     "solids": ("solids",),
 }
-"""Steps in order and the attributes of the drive whose first use computes them."""
+"""The steps in their order, each with the attributes of the drive that it computes."""
 
 WRITTEN_STEPS = (*STEPS, "files", "written contact")
 PAIR_STEPS = (*WRITTEN_STEPS, "workshop files", "plots")
-"""Steps told for one pair of gears: until its contact as written is known, and until all its files are made."""
+"""The steps of one pair of gears: those up to its contact as written, and those for the rest of its files."""
 
 
 @dataclass(frozen=True)
 class Built:
-    """The files that a build wrote, and the summary of every pair of gears, which is among them."""
+    """The paths of the files that a build wrote, and the summary of every pair of gears."""
 
     paths: list[Path]
     summaries: list[dict[str, Any]]
@@ -58,9 +58,9 @@ def build(
 ) -> Built:
     """Compute everything, and write all files into ``folder``, which is created if need be.
 
-    Files of the kinds ``formats`` are written beside CSV and STL.  A report is written if the design is given as it was
-    loaded, which is then ``reported`` on.  Both pairs of two stages are written at the same instant.  ``on_step`` is
-    told what is done before it begins.  Raises WrongInput or NoSuchMechanism from the steps, and WrongInput when the
+    Files of the kinds ``formats`` are written beside CSV and STL.  A report is written if ``reported``, the design as
+    loaded, is given.  Both pairs of two stages are written at the same instant.  ``on_step`` is called with the name of
+    each step before the step begins.  Raises WrongInput or NoSuchMechanism from the steps, and WrongInput when the
     folder cannot be written; whatever fails, the last good build in ``folder`` stays.
     """
     prepare(folder)
@@ -71,35 +71,35 @@ def build(
 
         with _timed(drive, "report", on_step):
             files[REPORT_FILE] = report_page(drive, reported, [pair.contact for pair in pairs.values()])
-    # A folder may hold an earlier build of the other number of stages, of other kinds of files, or with a report.
+    # An earlier build in the folder may have had the other number of stages, other kinds of files, or a report.
     names = {*NAMES, *(name for pair in pairs.values() for name in pair.files)}
     obsolete = [_place(stage) + name for stage in (None, 1, 2) for name in sorted(names)]
     return Built(publish(folder, files, [*obsolete, REPORT_FILE]), [pair.summary for pair in pairs.values()])
 
 
 def step_count(drive: Drive, *, report: bool) -> int:
-    """How many steps a build tells."""
+    """The number of steps of a build."""
     return len(PAIR_STEPS) * drive.design.stages + report
 
 
 def contacts_as_written(drive: Drive, on_step: Callable[[str], None]) -> list[PairContact]:
-    """The contact of every pair as a build finds it in its files, none of which is written; raises as ``build``."""
+    """The contact of every pair as a build finds it in its files, without writing any; raises the errors of steps."""
     return [_written(pair, _named(pair, on_step))[1] for pair in drive.by_stage]
 
 
 def _place(stage: int | None) -> str:
-    """The folder of a pair's files, as it stands before their names."""
+    """The folder of a pair's files, as the beginning of their names."""
     return "" if stage is None else f"stage-{stage}/"
 
 
 def _named(pair: Drive, on_step: Callable[[str], None]) -> Callable[[str], None]:
-    """``on_step`` that also says which of two pairs a step belongs to."""
+    """An ``on_step`` that adds the number of the pair to the name of the step, if there are two pairs."""
     return on_step if pair.stage is None else lambda done: on_step(f"stage {pair.stage}: {done}")
 
 
 @dataclass(frozen=True)
 class _Pair:
-    """What is made of one pair of gears: its files, the summary among them, and the contact as written."""
+    """The files of one pair of gears, its summary and its contact as written."""
 
     files: dict[str, bytes]
     summary: dict[str, Any]
@@ -113,13 +113,13 @@ def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Form
         files.update(workshop_files(drive, formats))
     with _timed(drive, "plots", on_step):
         files.update(pictures(drive, contact))
-    # The summary comes last: only now all timings are known, and a new one never stands beside older files.
+    # The summary comes last: only now all timings are known, and a new summary is never beside older files.
     summary = build_summary(drive, contact)
     return _Pair({**files, "summary.json": json_text(summary).encode()}, summary, contact)
 
 
 def _written(drive: Drive, on_step: Callable[[str], None]) -> tuple[dict[str, bytes], PairContact]:
-    """Tables and solids of one pair of gears, and its contact as they have it."""
+    """Tables and solids of one pair of gears, and the contact found in them."""
     for step, attributes in STEPS.items():
         on_step(step)
         for attribute in attributes:

@@ -1,7 +1,7 @@
-"""Solids as binary STL, and what other programs find in a build's files: both are read back from the bytes written.
+"""Solids as binary STL, and tooth outlines read back from the files of a build.
 
-An STL file is handed out only if it still holds the closed solid that it was made from.  Tooth outlines are read back
-from tables and, as sections, from STL files, so that the contact is judged on what was written.
+Every STL file is read back: it is used only if it still holds the closed solid that it was made from.  Tooth outlines
+are read back from tables and, as sections, from STL files, so that the contact is judged on the written files.
 """
 
 from __future__ import annotations
@@ -24,27 +24,32 @@ from ncgear.solids.plan.areas import parallel, rings
 from ncgear.solids.plan.body import BodyPlan
 
 VOLUME_TOLERANCE = 1e-5
-"""Relative volume that single precision may cost; a millionth is usual, a lost facet costs more than this."""
+"""Largest relative error of the volume by single precision; a millionth is usual, and a lost facet costs more."""
 
 BOUNDS_TOLERANCE = 1e-6
-"""Single precision of a coordinate, relative to the largest one: 2^-24, rounded up generously."""
+"""Largest error of a coordinate in single precision, divided by the largest one: 2^-24, rounded up generously."""
 
 STRAIGHT_MM = 1e-9
-"""Distance from the line through its neighbours at which a point counts as on it: where a section crosses the diagonal
-of a flat facet."""
+"""A point that is nearer to the line through its neighbours is on that line.
+
+Such points arise where a section crosses the diagonal of a flat facet.
+"""
 
 NEAR_MM = 1e-6
-"""Distance at which a point of a section is the one before it: next to a corner a diagonal crosses the section, and of
-two such points each would be on the line through the other and its other neighbour."""
+"""A point of a section that is nearer to the point before it is the same point.
+
+Two such points arise where a diagonal crosses the section next to a corner.  Each would be on the line through the
+other one and its other neighbour.
+"""
 
 FOOT_MM = 1e-6
-"""Height at which the section of helical teeth is taken: there it is the outline, farther up it has turned."""
+"""Height of the section of helical teeth: here it is the outline, and farther up it has turned."""
 
 
 def stl_bytes(mesh: Trimesh) -> bytes:
     """The mesh as binary STL, mm in single precision, read back and checked before it is handed out.
 
-    Raises RuntimeError when what was written is not the same closed solid, a fault of ncgear.
+    Raises RuntimeError, a fault of ncgear, when the bytes do not hold the same closed solid.
     """
     data = export_stl(mesh)
     read_back(data, mesh)
@@ -52,8 +57,10 @@ def stl_bytes(mesh: Trimesh) -> bytes:
 
 
 def read_back(data: bytes, original: Trimesh) -> Trimesh:
-    """The solid that an STL file holds, its vertices merged; raises RuntimeError unless it is closed and has the
-    volume and the bounds of ``original`` to single precision."""
+    """The solid in an STL file, its vertices merged.
+
+    Raises RuntimeError unless it is closed and has the volume and the bounds of ``original`` to single precision.
+    """
     mesh = trimesh.load_mesh(BytesIO(data), file_type="stl")
     require_sound(mesh, float(original.volume), VOLUME_TOLERANCE)
     allowed = BOUNDS_TOLERANCE * float(np.abs(original.bounds).max())
@@ -63,10 +70,10 @@ def read_back(data: bytes, original: Trimesh) -> Trimesh:
 
 
 def written_outlines(files: Mapping[str, bytes], bodies: SolidPair, *, helical: bool = False) -> list[Outlines]:
-    """Both gears' outlines as a build's tables hold them, and as its solids do once the process took its clearance.
+    """Both gears' outlines from the tables of a build, and from its solids after the process has taken its clearance.
 
-    ``files`` maps the names of a build's files to their contents; ``bodies`` is what they were made of; the teeth may
-    be ``helical``.  Raises ValueError for a solid that is not closed.
+    ``files`` maps the names of a build's files to their contents; ``bodies`` are the solids that they were made from;
+    ``helical`` says whether the teeth are.  Raises ValueError for a solid that is not closed.
     """
     driving, driven = (
         _outline_of_body(files[f"{name}.stl"], gear.plan, helical)
@@ -79,7 +86,7 @@ def written_outlines(files: Mapping[str, bytes], bodies: SolidPair, *, helical: 
 
 
 def _outline_of_body(data: bytes, plan: BodyPlan, helical: bool) -> Array:
-    """The tooth outline of a written solid, moved back by the clearance that it was drawn in by."""
+    """The tooth outline of a written solid, moved outwards by the clearance by which the solid was made smaller."""
     height = FOOT_MM if helical else (plan.chamfer_mm + plan.face_width_mm) / 2.0
     outline = outline_of_stl(data, height, hole=plan.is_ring)
     if plan.clearance_mm == 0.0:
@@ -95,10 +102,10 @@ def outline_of_csv(data: bytes) -> Array:
 
 
 def outline_of_stl(data: bytes, height_mm: float | None = None, *, hole: bool = False) -> Array:
-    """The outer boundary of a solid's section, in mm, counter-clockwise, shape (n, 2), or that of its largest hole.
+    """The outer boundary of a solid's section, or the boundary of its largest hole, in mm, shape (n, 2).
 
-    The section is at a height over z = 0, or half way up where none is given.  Raises ValueError unless the mesh is
-    closed there.
+    The boundary runs counter-clockwise.  The section is at the given height over z = 0, or else half way up.  Raises
+    ValueError unless the mesh is closed there.
     """
     mesh = trimesh.load_mesh(BytesIO(data), file_type="stl")
     vertices = np.asarray(mesh.vertices)
@@ -109,10 +116,10 @@ def outline_of_stl(data: bytes, height_mm: float | None = None, *, hole: bool = 
 
 
 def section_rings(vertices: Array, faces: IndexArray, height: float) -> list[Array]:
-    """The rings, shape (n, 2) each, in which a mesh meets the plane at a height; the outer ones counter-clockwise.
+    """The rings, shape (n, 2) each, in which a mesh meets the plane at a height; outer rings run counter-clockwise.
 
-    They are followed from facet to facet over the mesh's edges, not over coordinates: rounding can then neither open a
-    ring nor join two.  Raises ValueError unless every edge that crosses the plane joins two facets.
+    The search goes from facet to facet along the edges of the mesh and compares no coordinates, so rounding can neither
+    open a ring nor join two.  Raises ValueError unless every edge that crosses the plane joins two facets.
     """
     above, count = vertices[:, 2] > height, len(vertices)
     start, end = faces, np.roll(faces, -1, axis=1)
@@ -131,7 +138,7 @@ def section_rings(vertices: Array, faces: IndexArray, height: float) -> list[Arr
 
 
 def _edge_keys(start: IndexArray, end: IndexArray, count: int) -> IndexArray:
-    """One number for each edge, the same for both facets that it joins."""
+    """A number for each edge, which is the same in both facets that the edge joins."""
     keys: IndexArray = np.minimum(start, end) * count + np.maximum(start, end)
     return keys
 
@@ -148,7 +155,7 @@ def _cycles(following: list[int]) -> Iterator[list[int]]:
 
 
 def _without_straight_points(ring: Array) -> Array:
-    """A ring without points that are the one before them, or on the line through their neighbours."""
+    """A ring without points that repeat the point before them, or are on the line through their neighbours."""
     step = ring - np.roll(ring, 1, axis=0)
     ring = ring[np.hypot(step[:, 0], step[:, 1]) > NEAR_MM]
     before, after = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)

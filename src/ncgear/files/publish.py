@@ -1,13 +1,13 @@
 """Files reach the output folder all together or not at all: a failed or killed run leaves the last good build.
 
-They are first written into a staging folder beside their places, then exchanged for the earlier ones at one instant,
-although a file system moves one file at a time.  Every name first becomes a symbolic link through one pointer to a copy
-of its old file; then the pointer is turned to the new files, in one move; then the files themselves take the places of
-the links.  At each moment every name leads to the old file or every name to the new one.
+The new files are first written into a staging folder beside their places.  Then all of them replace the earlier files
+at one instant, although a file system moves one file at a time.  First, every name becomes a symbolic link through one
+pointer to a copy of its old file.  Then one move turns the pointer to the new files.  Then the files themselves replace
+the links.  So at each moment either all names lead to old files, or all names lead to new files.
 
     folder/a.csv -> .ncgear-xyz/current/a.csv        .ncgear-xyz/current -> old, then new
 
-What a killed run has left, a staging folder with links into it, is finished and cleared up by the next run.
+A killed run leaves a staging folder and links into it.  The next run finishes the exchange and clears up.
 """
 
 from __future__ import annotations
@@ -45,10 +45,10 @@ def prepare(folder: Path) -> None:
 def publish(folder: Path, files: Mapping[str, bytes], obsolete: Collection[str] = ()) -> list[Path]:
     """Write ``files`` (names to contents) into ``folder``, which is created if need be; returns their paths.
 
-    A name is plain, or has one folder before it: ``stage-1/law.csv``. Files by the names of ``obsolete``, which an
-    earlier run may have left and which do not belong beside the new ones, go at the same instant. Raises WrongInput
-    when the folder cannot be written, ValueError when a name is none of those; in both cases the folder's earlier
-    files are untouched.
+    A name is plain, or has one folder before it: ``stage-1/law.csv``.  Files with the names of ``obsolete``, which an
+    earlier run may have left and which do not belong beside the new files, are removed at the same instant.  Raises
+    WrongInput when the folder cannot be written, ValueError when a name has another form; in both cases the earlier
+    files in the folder are untouched.
     """
     for name in (*files, *obsolete):
         _require_inside(name)
@@ -74,9 +74,9 @@ def _require_inside(name: str) -> None:
 
 @contextmanager
 def _alone_in(folder: Path) -> Iterator[None]:
-    """Let builds into one folder publish one after the other, so that any staging folder met is a leftover.
+    """A context that one process at a time can enter for a folder, so that any other staging folder is a leftover.
 
-    The lock goes with the process that holds it. Where the system or the file system has none, builds go unlocked.
+    The lock ends with the process that holds it.  Where the system or the file system has no locks, there is none.
     """
     try:
         import fcntl
@@ -93,7 +93,7 @@ def _alone_in(folder: Path) -> Iterator[None]:
 
 
 def _clear_up(folder: Path) -> None:
-    """Finish the exchanges of killed runs, and remove what they have left."""
+    """Finish the exchanges of killed runs, and remove their staging folders."""
     for leftover in folder.glob(f"{STAGING_PREFIX}*"):
         if leftover.is_dir() and not leftover.is_symlink():
             _settle(folder, leftover)
@@ -101,7 +101,7 @@ def _clear_up(folder: Path) -> None:
 
 
 def _write_and_exchange(folder: Path, files: Mapping[str, bytes], obsolete: Iterable[str]) -> None:
-    """Show files at their places in the folder, and none at those of obsolete ones."""
+    """Write files to their places in the folder, and remove the obsolete ones."""
     gone = [name for name in obsolete if (folder / name).is_file()]
     staging = Path(tempfile.mkdtemp(prefix=STAGING_PREFIX, dir=folder))
     try:
@@ -111,7 +111,7 @@ def _write_and_exchange(folder: Path, files: Mapping[str, bytes], obsolete: Iter
             (staging / NEW / name).write_bytes(content)
         for name in (*files, *gone):
             if (folder / name).exists():
-                # Copied, not moved: a run killed at any moment leaves a file at each place.
+                # The old file is copied, not moved, so that a killed run leaves a file at each place.
                 (staging / OLD / name).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy2(folder / name, staging / OLD / name)
         _exchange(folder, staging, [*files, *gone])
@@ -126,12 +126,12 @@ def _write_and_exchange(folder: Path, files: Mapping[str, bytes], obsolete: Iter
 
 
 def _exchange(folder: Path, staging: Path, names: Iterable[str]) -> None:
-    """Show the files of ``staging/new`` at their places in ``folder``, and none at the places of other ``names``.
+    """Make the files of ``staging/new`` visible at their places in ``folder``, and no file at the other ``names``.
 
-    ``staging`` lies in ``folder``, with copies in ``staging/old`` of the files that are to go; ``names`` may have
-    folders in them, which exist.  Raises OSError when something is in the way: then the old files are shown.  Either
-    way ``_settle`` must follow.  Where the file system has no symbolic links the files are moved one by one; a run that
-    is killed in between, and only that, leaves some of both there.
+    ``staging`` is in ``folder``; ``staging/old`` has copies of the files that are replaced.  Folders in ``names`` exist
+    already.  Raises OSError when something is in the way; the old files are then visible.  In both cases ``_settle``
+    must follow.  Where the file system has no symbolic links, the files are moved one by one; only there can a killed
+    run leave a mixture of old and new files.
     """
     try:
         _point(staging, OLD)
@@ -153,7 +153,7 @@ def _point(staging: Path, side: str) -> None:
 
 
 def _exchange_one_by_one(folder: Path, staging: Path, names: list[str]) -> None:
-    """Exchange without symbolic links; where a move fails, those before it are taken back."""
+    """Exchange without symbolic links; where a move fails, the moves before it are undone."""
     done: list[str] = []
     try:
         for name in names:
@@ -174,9 +174,9 @@ def _put(file: Path, place: Path) -> None:
 
 
 def _settle(folder: Path, staging: Path) -> None:
-    """Put files into the places of all links that an exchange has left, or remove links to nothing."""
+    """Replace all links that an exchange has left by their files, and remove links that lead to no file."""
     for side in (staging / OLD, staging / NEW):
-        # Listed first, since files leave this folder when they are settled.
+        # The list is made first, because files leave this folder in the loop.
         for file in [place for place in sorted(side.rglob("*")) if not place.is_dir()]:
             place = folder / file.relative_to(side)
             if not (place.is_symlink() and staging.name in place.readlink().parts):

@@ -22,7 +22,7 @@ from ncgear.figures.simulated import (
     rigid_figures,
     rigid_table,
 )
-from ncgear.figures.terminal import MECHANISMS, beside_lines, summary_text
+from ncgear.figures.terminal import MECHANISMS, beside_lines, summary_text, written_lines
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.project.drive import Drive
@@ -30,9 +30,10 @@ from ncgear.project.drive import Drive
 
 @dataclass(frozen=True, eq=False)
 class Simulated:
-    """``table`` holds columns of one length by name, ``figures`` sections of plain values, ``pictures`` PNGs by file.
+    """The results of a simulation.
 
-    Names and keys end in their unit.
+    ``table`` holds columns of one length by name, ``figures`` sections of plain values, ``pictures`` PNGs by file name.
+    Names of columns and keys of figures end in their unit.
     """
 
     table: Mapping[str, Array]
@@ -61,11 +62,11 @@ def simulation_files(found: Simulated) -> dict[str, bytes]:
 
 
 def simulation_text(found: Simulated, paths: Sequence[Path]) -> str:
-    """The figures for reading, those of both mechanisms side by side, and the files written."""
+    """The figures as text, those of both mechanisms side by side, and the files written."""
     compared = {key: found.figures[key] for key in MECHANISMS if key in found.figures}
     alone = {key: value for key, value in found.figures.items() if key not in compared}
     beside = [*beside_lines("Torques and forces", compared), ""] if compared else []
-    return "\n".join([summary_text(alone), "", *beside, "Written", *(f"  {path}" for path in paths)])
+    return "\n".join([summary_text(alone), "", *beside, *written_lines(paths)])
 
 
 def _rigid(drive: Drive) -> Simulated:

@@ -1,8 +1,8 @@
-"""What else a design could be where something is wrong with its law or its teeth, as keys with other values.
+"""Changes to the keys of a design that cure a fault of its law or its teeth.
 
-A gentler law, more teeth, a profile shift, another rack, lower or helical teeth: each function finds the mildest such
-change by trying the changed design or the condition it must meet, and says nothing about it; None and nothing stand for
-no such change.  A key whose value is None is to be left out of the file.
+The changes are a gentler law, more teeth, a profile shift, another rack, lower or helical teeth.  Each function finds
+the mildest change of its kind, by trying the changed design or the condition that it must meet.  It returns None or an
+empty value where there is no such change.  The words about a change are not written here.
 """
 
 from __future__ import annotations
@@ -28,39 +28,41 @@ Changes = dict[str, Setting]
 """Dotted keys of the design file with their other values."""
 
 STEPS = 100
-"""Hundredths of the law's swing in which a gentler one is sought: finer ones nobody would choose."""
+"""A gentler law is sought in steps of a hundredth of the law's swing; nobody would choose finer steps."""
 
 LEAST_RACK_DEG = 14.5
-"""The least pressure angle that racks are commonly made with: below it teeth are undercut and weak at the root."""
+"""The least pressure angle of common racks; teeth of a smaller one are undercut and weak at the root."""
 
 STEEPEST_RACK_DEG = 30.0
-"""The greatest pressure angle that racks are commonly made with; their teeth are pointed beyond it."""
+"""The greatest pressure angle of common racks; teeth of a greater one are pointed."""
 
 STEEPEST_HELIX_DEG = 30.0
-"""Helix angle beyond which the thrust, its tangent, exceeds 0.58 of the tangential force; commonly not gone beyond."""
+"""The greatest helix angle in common use.
+
+The thrust is the tangential force times the tangent of this angle, so it stays below 0.58 of that force.
+"""
 
 WIDER = 1.02
-"""What the overlap of helical teeth shall be beyond the gap that they bridge: their sections differ a little."""
+"""The overlap of helical teeth divided by the gap that it bridges: over 1, because the sections differ a little."""
 
 CLEAR = 0.995
-"""Share of the least tip height that is taken as addendum: a hair lower, so that rounding the number does no harm."""
+"""Share of the least tip height that becomes the addendum: a little under 1, so that rounding does no harm."""
 
 LEAST_ADDENDUM = 0.5
-"""Least addendum in modules that is taken: teeth of half the standard's height hardly keep contact from pitch to
-pitch."""
+"""Least addendum in modules: teeth of half the standard height hardly keep contact from one pitch to the next."""
 
 SHIFTS = ("driving", "driven")
-"""Keys of given profile shifts, which one that is chosen takes the place of."""
+"""Keys of profile shifts that a person gives; a shift that ncgear chooses replaces them."""
 
 
-# A gentler law: the logarithm of its ratio, or what else makes it uneven, made smaller by a factor.
+# A gentler law: a factor below 1 scales the logarithm of its ratio, or another measure of its unevenness.
 
 
 def kept_percent(design: Design, harmful: Callable[[Transmission], bool]) -> int:
-    """How much of the swing of a design's law can stay so that the law is no longer ``harmful``, in per cent.
+    """The largest part of the swing of a design's law that is not ``harmful``, in whole per cent.
 
-    It is 0 where none can, or where ``gentler`` knows no way.  A lesser swing is taken to be no more harmful, so that
-    halving finds the largest one of whole hundredths.
+    It is 0 where every part is harmful, and where ``gentler`` has no changes for the law.  The search halves an
+    interval; it assumes that a smaller swing is never more harmful than a larger one.
     """
     low, high = 0, STEPS
     while high - low > 1:
@@ -85,13 +87,13 @@ def _is_sound(design: Design, share: float, harmful: Callable[[Transmission], bo
 
 
 def gentler(design: Design, share: float) -> Changes:
-    """The changes that leave ``share`` (0 to 1) of the swing of a law's ratio; none where it has no such measure.
+    """The changes that leave ``share`` (0 to 1) of the swing of a law's ratio; empty where the law has no such measure.
 
-    The logarithm of the ratio keeps that share, or the driven angle's deviation from an even turn, or the ellipse's
-    eccentricity.
+    Depending on the law, the share is that of the logarithm of the ratio, of the driven angle's deviation from an even
+    turn, or of the ellipse's eccentricity.
     """
     lobes = design.gears.lobes if design.gears else None
-    # Gears that turn evenly turn the driven one by this much per driving angle.
+    # The driven angle per driving angle of gears that turn evenly.
     even_turn = f"{lobes.driving}/{lobes.driven}" if lobes else "1"
     values = design.motion.gentler(share, even_turn)
     return {f"motion.{key}": value for key, value in values.items() if value != ()}
@@ -101,13 +103,16 @@ def gentler(design: Design, share: float) -> Changes:
 
 
 def flatter_rack(drive: Drive, excess_deg: float) -> Changes:
-    """A rack of so much less pressure angle, where such racks are made; none otherwise."""
+    """A rack whose pressure angle is less by ``excess_deg``; empty where that is under LEAST_RACK_DEG."""
     flatter = degrees(drive.rack.pressure_angle_rad) - excess_deg
     return {} if flatter < LEAST_RACK_DEG else {"gears.rack.pressure_angle_deg": int(flatter * 10.0) / 10.0}
 
 
 def enough_teeth(drive: Drive) -> int:
-    """Driving teeth from which on none is undercut at the same centre distance, wherever it stands on the curves."""
+    """The number of driving teeth from which on no tooth is undercut at the same centre distance.
+
+    It holds wherever the teeth stand on the pitch curves.
+    """
     return _enough(drive, drive.teeth.driving.flanks.rack, drive.teeth.driven.flanks.rack)
 
 
@@ -120,8 +125,8 @@ def _enough(drive: Drive, driving: BasicRack, driven: BasicRack) -> int:
 def resized(drive: Drive, teeth: int) -> Changes:
     """The changes that give the driving gear ``teeth`` teeth at the same centre distance, by a module that fits.
 
-    A design that gives teeth and centre distance needs no other change; from one that gives the module it changes too,
-    or is left out where the centre distance is given.
+    A design that gives teeth and centre distance needs no other change.  Where a design gives the module, the module
+    changes too, or is left out if the centre distance is also given.
     """
     gears, size = drive.gears, drive.pitch.size
     changes: Changes = {"gears.teeth": teeth}
@@ -132,7 +137,10 @@ def resized(drive: Drive, teeth: int) -> Changes:
 
 
 def shift_free_of_undercut(drive: Drive) -> tuple[float, Changes] | None:
-    """The profile shift of the driving gear in mm that is chosen by itself, where it leaves no tooth undercut."""
+    """The profile shift in mm of the driving gear that ``against_undercut`` chooses, and the changes that ask for it.
+
+    None where the design has this shift already, or where some tooth stays undercut with it.
+    """
     from ncgear.teeth.gear import shift_against_undercut
 
     given, rack = drive.gears.profile_shift, drive.rack
@@ -145,10 +153,10 @@ def shift_free_of_undercut(drive: Drive) -> tuple[float, Changes] | None:
 
 
 def steeper_rack(drive: Drive, steepest_deg: float) -> Changes:
-    """The rack of the least pressure angle in whole degrees that leaves no tooth undercut.
+    """The rack of the least pressure angle, in whole degrees, that leaves no tooth undercut.
 
-    None where the pair's own pressure angle would get over ``steepest_deg`` by it.  The root radius becomes smaller
-    where it does not fit.
+    Empty where the pressure angle of the pair would exceed ``steepest_deg`` with every such rack.  The root radius
+    becomes smaller where it does not fit.
     """
     tangent = degrees(drive.pitch.largest_tangent_angle_rad.value)
     least = floor(degrees(drive.rack.pressure_angle_rad)) + 1
@@ -168,7 +176,7 @@ def steeper_rack(drive: Drive, steepest_deg: float) -> Changes:
 
 
 def _rack_at(drive: Drive, angle_deg: float) -> BasicRack | None:
-    """The design's rack at another pressure angle, its root radius no more than fits; None where none does."""
+    """The design's rack at another pressure angle, its root radius reduced to what fits; None where no rack exists."""
     rack, hundredth = drive.tooth_form.rack, drive.rack.module_mm / 100.0
     try:
         sharp = replace(rack, pressure_angle_rad=radians(angle_deg), root_radius_mm=0.0)
@@ -179,14 +187,14 @@ def _rack_at(drive: Drive, angle_deg: float) -> BasicRack | None:
 
 
 def blunt_addendum(drive: Drive) -> Changes:
-    """The addendum at which no tooth is pointed, where a tooth of that height is still one."""
+    """The addendum at which no tooth is pointed; empty where it is under LEAST_ADDENDUM or not under the design's."""
     least = min(_least_addendum(gear) for gear in (drive.teeth.driving, drive.teeth.driven))
-    # Tips may stand higher than the addendum where the mate's are shortened: lowering it to theirs changes nothing.
+    # Tips may be higher than the addendum where the mate is shortened; an addendum as high as they are changes nothing.
     return {"gears.rack.addendum": least} if LEAST_ADDENDUM <= least < drive.gears.rack.addendum else {}
 
 
 def _least_addendum(gear: ToothedGear) -> float:
-    """Addendum in modules of the lowest tip that would be pointed; infinite where none would."""
+    """Addendum in modules just under the lowest tip that was cut to keep its land; infinite where no tip was cut."""
     import numpy as np
 
     from ncgear.teeth.tips import Limit
@@ -197,7 +205,10 @@ def _least_addendum(gear: ToothedGear) -> float:
 
 
 def bridging_helix(drive: Drive) -> Changes:
-    """Helical teeth whose overlap bridges the gap in the contact, where they can be made and are not too steep."""
+    """Helical teeth whose overlap bridges the gap in the contact.
+
+    Empty where helical teeth cannot be made, or where they would be steeper than STEEPEST_HELIX_DEG.
+    """
     if drive.helix is not None or drive.pitch.driven.is_ring or drive.gears.method != "exact":
         return {}
     gap_mm = WIDER * drive.designed_contact.longest_gap_pitches * drive.rack.pitch_mm

@@ -1,6 +1,6 @@
 """A balance file and all that follows from it, each part computed when it is first asked for.
 
-Functions below the class make of what the file says the values that balance computes with.
+The functions below the class turn the keys of the file into the values that ``ncgear.balance`` computes with.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class BalancedGear:
-    """A gear as designed, its highest speed, and itself corrected where the file says how."""
+    """The body of a gear as designed, its highest speed, and its correction; None where the file asks for none."""
 
     body: GearBody
     speed_rad_s: float
@@ -42,7 +42,7 @@ class BalancedGear:
 
 
 class Balancing:
-    """A balance file whose mechanisms and gears are attributes; they raise WrongInput or NoSuchMechanism."""
+    """A balance file; its mechanisms and gears are attributes, which raise WrongInput or NoSuchMechanism."""
 
     def __init__(self, loaded: LoadedBalance) -> None:
         self.loaded = loaded
@@ -71,18 +71,18 @@ class Balancing:
         return self.balance.speed_rpm * RAD_S_PER_RPM
 
     def _mounted(self, number: int, given: keys.Mechanism) -> Mounted:
-        """A mechanism with the counterweights that are there, in its place."""
+        """A mechanism in its place, with the counterweights that it already has."""
         if given.linkage is not None and given.linkage.crank_mm is not None and given.masses is not None:
             with below(f"mechanisms.{number}"):
                 linkage = require_rod(mechanism_of(given.linkage), "balance", "linkage")
             driven_by = linkage, uniform_law(Lobes())
-            masses = masses_of(given.masses, linkage, 0.0, given.masses.driven_gear_kg_mm2 or 0.0)
+            masses = masses_of(given.masses, linkage)
         else:
             drive = self._drive(f"mechanisms.{number}.design")
             with located(drive.places):
                 linkage = require_rod(drive.linkage, "balance", "linkage")
             driven_by = linkage, drive.transmission
-            masses = drive.masses if given.masses is None else masses_of(given.masses, linkage, 0.0, 0.0)
+            masses = drive.masses if given.masses is None else masses_of(given.masses, linkage)
         added = tuple(
             Counterweight(Carrier(one.on), one.mass_kg, one.arm_mm, radians(one.angle_deg))
             for one in given.counterweights
@@ -93,7 +93,7 @@ class Balancing:
         return Mounted(mechanism, radians(given.direction_deg), radians(given.phase_deg), given.mirrored, place)
 
     def _drive(self, key: str) -> Drive:
-        """The drive of a design that the file names; its faults are told with their place in that design's file."""
+        """The drive of a design that the file names; its errors give their place in the file of that design."""
         loaded = self.loaded.designs[key]
         return Drive(loaded.design, loaded=loaded)
 
@@ -121,7 +121,7 @@ class Balancing:
 
 
 def joint_masses_of(given: keys.Partial, mechanism: DrivenCrank) -> JointMasses:
-    """The masses at the joints: those given, else those of the parts."""
+    """The masses at the joints: the given ones, or else those that follow from the parts."""
     parts = joint_masses(mechanism.linkage, mechanism.masses)
     return JointMasses(
         parts.rotating_kg if given.rotating_kg is None else given.rotating_kg,
@@ -150,7 +150,7 @@ def engines_of(given: keys.Excitations) -> list[Engine]:
 
 
 def means_of(given: keys.Correction) -> Means:
-    """What may be done to a gear."""
+    """The means by which a gear may be corrected: drilled holes and a boss."""
     holes, boss = given.holes, given.boss
     drills = Drills(holes.largest_mm, holes.smallest_mm, holes.wall_mm) if holes else None
     return Means(drills, BossSize(boss.height_mm, boss.wall_mm) if boss else None)

@@ -1,4 +1,4 @@
-"""The best law for a design's machine: its certified limit, the law itself, and its figures, each when asked for."""
+"""The best law for a design's machine: certified limit, law and figures, each computed when it is first asked for."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
     from ncgear.optimum.makeable.law import MakeableLaw
 
 LIMIT_POINTS = 30
-"""Points of the limit's curve: enough for a smooth one, in half a second."""
+"""Points of the limit's curve: enough for a smooth curve, and computed in half a second."""
 
 
 class BestLaw:
     """A design's machine with the best law that its wishes allow.
 
-    Whatever is asked for first may raise: WrongInput for wishes that contradict each other or the design,
-    NoSuchMechanism where no law keeps the limits.
+    Every attribute may raise WrongInput for wishes that contradict each other or the design, and NoSuchMechanism where
+    no law keeps the limits.
     """
 
     def __init__(self, design: Design) -> None:
@@ -46,7 +46,7 @@ class BestLaw:
 
     @cached_property
     def bound(self) -> Bound:
-        """What no law can be below: of acceleration in mm/s2, power in W, or the weighted sum."""
+        """The limit that no law can go below: an acceleration in mm/s2, a power in W, or the weighted sum of both."""
         from ncgear.optimum.certified import limit
 
         task, wishes = self.task, self.wishes
@@ -71,7 +71,7 @@ class BestLaw:
 
     @cached_property
     def _roughly(self) -> float:
-        """A peak of acceleration in mm/s2 for the start: what a rough motion attains, or is allowed."""
+        """The peak of acceleration in mm/s2 to start from: the one that is allowed, or else what a rough motion has."""
         from ncgear.optimum.certified import limit
 
         allowed = self.wishes.limits.peak_acceleration_mm_s2
@@ -79,7 +79,7 @@ class BestLaw:
 
     @cached_property
     def train(self) -> Train:
-        """The law as gears follow it."""
+        """The law shared among the pairs of gears."""
         return self.law.train(self.task.lobes)
 
     @cached_property
@@ -94,7 +94,7 @@ class BestLaw:
 
     @cached_property
     def given_figures(self) -> Figures | None:
-        """Exact figures of the design's own law at the same speed; None where it has none that can be built."""
+        """Exact figures of the design's own law at the same speed; None where that law cannot be made."""
         try:
             return figures(self.task, law_of(self.design).train)
         except DesignError:
@@ -102,7 +102,10 @@ class BestLaw:
 
     @cached_property
     def limit_points(self) -> list[tuple[float, float]]:
-        """The certified limit over caps on the power: W and mm/s2; empty where nothing resists."""
+        """Points of the certified limit, each a cap on the power in W and an acceleration in mm/s2.
+
+        Empty where nothing resists the slider.
+        """
         from ncgear.optimum.frontier import limit_points
 
         most = 1.2 * max(self.figures.peak_power_w, self.uniform_figures.peak_power_w)
@@ -110,7 +113,7 @@ class BestLaw:
 
     @property
     def goal(self) -> float:
-        """What was to be least, of the law, in the units of the bound."""
+        """The quantity that the design asks to be least, as the best law has it, in the unit of the bound."""
         found, wishes = self.figures, self.wishes
         match wishes.goal:
             case Goal.ACCELERATION:

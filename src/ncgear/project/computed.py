@@ -1,4 +1,4 @@
-"""What a drive computes when it is first asked for, and then keeps."""
+"""The attributes of a drive: each is computed when it is first asked for, and then kept."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ Value = TypeVar("Value", covariant=True)
 
 
 class computed(cached_property[Value]):
-    """A cached property of a drive, whose errors name the place in the design file, whoever asks for it.
+    """A cached property of a drive; its errors give their place in the design file.
 
-    The drive's ``places`` say where the values of its design stand; None for a design that came from no file.
+    The place comes from the attribute ``places`` of the drive, which is None for a design that came from no file.
     """
 
     @overload

@@ -46,12 +46,12 @@ if TYPE_CHECKING:
 class Drive:
     """A design and all that follows from it: law, motion, pitch curves, teeth, contact, solids, forces.
 
-    Each of these is an attribute that needs only those it is made from, so a check of power never makes a tooth.  It
-    raises WrongInput or NoSuchMechanism, with the design file's key and place, when it cannot be made.
+    Each of these is an attribute.  It computes only the attributes that it is made from, so a check of power never
+    makes a tooth.  Where it cannot be made it raises WrongInput or NoSuchMechanism, with key and place in the file.
 
-    Two pairs of gears in series are two stages.  Law and motion of such a design are those of the whole machine; pitch
-    curves, teeth, contact and solids are those of the pair that ``stage`` tells, 1 or 2, and only the drives in
-    ``by_stage`` have them.
+    Two pairs of gears in series are two stages.  Law and motion of such a design belong to the whole machine.  Pitch
+    curves, teeth, contact and solids belong to one pair: only the drives in ``by_stage`` have them, and their ``stage``
+    is the number of the pair, 1 or 2.
     """
 
     def __init__(self, design: Design, stage: int | None = None, loaded: LoadedDesign | None = None) -> None:
@@ -77,7 +77,7 @@ class Drive:
 
     @computed
     def by_stage(self) -> tuple[Drive, ...]:
-        """The same drive for each of its pairs of gears, from the driving shaft on; one pair has itself."""
+        """One drive for each pair of gears, from the driving shaft on; with a single pair, this drive alone."""
         if self.design.stages == 1 or self.stage is not None:
             return (self,)
         return tuple(Drive(self.design, number, self.loaded) for number in range(1, self.design.stages + 1))
@@ -92,7 +92,7 @@ class Drive:
 
     @property
     def linkage(self) -> Mechanism:
-        """The crank-slider."""
+        """The mechanism that the driven gear turns."""
         return self.law.linkage
 
     @property
@@ -102,7 +102,7 @@ class Drive:
 
     @computed
     def pair(self) -> Pair:
-        """The law that the gears follow; raises WrongInput where the stage is not told."""
+        """The law of one pair of gears; raises WrongInput where there are two pairs and this drive has no stage."""
         if self.stage is None and self.design.stages > 1:
             raise WrongInput(
                 "two pairs of gears, and one is asked for; Drive.by_stage has each", key="motion.second_stage"
@@ -111,7 +111,7 @@ class Drive:
 
     @property
     def law_speed_rpm(self) -> float:
-        """Driving speed at which the law's velocities hold; laws without velocities hold at any."""
+        """Driving speed at which the law's velocities hold; for a law without velocities, the operating speed."""
         stroke = self.law.stroke
         return stroke.law_speed_rad_s / RAD_S_PER_RPM if stroke else self.design.operation.speed_rpm
 
@@ -186,12 +186,12 @@ class Drive:
 
     @property
     def overlap_ratio(self) -> float:
-        """What the helix adds to the contact ratio: its advance in pitches."""
+        """The part of the contact ratio that the helix adds: its advance in pitches."""
         return self.helix.largest_advance_mm / self.rack.pitch_mm if self.helix else 0.0
 
     @computed
     def tooth_form(self) -> ToothForm:
-        """Everything asked of the teeth, at the module; of helical ones, that their tips do not jump with height."""
+        """The form of the teeth in mm; the tips of helical teeth are made so that they do not jump with height."""
         from ncgear.solids.helical.even_tips import with_even_tips
 
         form, pitch = tooth_form_of(self.gears, self.pitch.size.module_mm), self.pitch
@@ -211,7 +211,7 @@ class Drive:
 
     @computed
     def designed_contact(self) -> AsDesigned:
-        """Contact of the exact teeth, which must not overlap."""
+        """Contact of the exact teeth; raises where they overlap or where the contact ratio is too small."""
         from ncgear.contact.designed.as_designed import as_designed
         from ncgear.contact.pair import refuse_overlap, refuse_short_contact
         from ncgear.contact.placement import placed
@@ -224,10 +224,10 @@ class Drive:
             return contact
 
     def _asked_of_section(self, gap: float) -> float:
-        """The contact ratio that a section must have, which loses contact over ``gap`` pitches.
+        """The least contact ratio of a section that loses contact over ``gap`` pitches.
 
-        Of helical teeth, what the overlap leaves to it; at least that contact never ceases where it is less than the
-        gap.
+        The overlap of helical teeth lessens what each section needs.  Where the overlap does not bridge the gap, a
+        ratio of 1 or less is asked of the section undiminished: with 1, contact must then never cease.
         """
         least = self.gears.least_contact_ratio
         return least if gap > self.overlap_ratio and least <= 1.0 else least - self.overlap_ratio
@@ -237,7 +237,10 @@ class Drive:
         _ = self.designed_contact
 
     def contact(self, written: Sequence[Outlines]) -> PairContact:
-        """Contact of the exact teeth and of outlines that were written, which must touch where the teeth do."""
+        """Contact of the exact teeth and of the written outlines.
+
+        Raises where the written outlines overlap or do not touch where the exact teeth do.
+        """
         from ncgear.contact.pair import pair_contact, refuse_bad_outlines
 
         designed, pitch, teeth = self.designed_contact, self.pitch, self.teeth
@@ -255,7 +258,7 @@ class Drive:
         pitch, form, tolerance = self.pitch, self.tooth_form, self.design.output.chord_tolerance_mm
         return least_section_contact(Sections(pitch, form, self.helix, tolerance))
 
-    # Bodies, and what the masses and the teeth bear.
+    # Bodies, and the forces on masses and teeth.
 
     @computed
     def solids(self) -> SolidPair:
@@ -290,12 +293,12 @@ class Drive:
 
     @computed
     def rigid(self) -> Rigid:
-        """What the machine bears at constant driving speed."""
+        """The forces in the machine at constant driving speed."""
         return self._rigid(self.machine)
 
     @computed
     def uniform_rigid(self) -> Rigid:
-        """What the uniform crank bears with the same masses."""
+        """The forces in the uniform crank with the same masses."""
         return self._rigid(self.uniform_machine)
 
     def _rigid(self, machine: Machine) -> Rigid:
@@ -310,7 +313,7 @@ class Drive:
 
     @computed
     def meshing(self) -> Meshing:
-        """The straight teeth of the pair as they bear load; they must touch as designed."""
+        """The straight teeth of the pair under load; raises where they are helical or their contact is not sound."""
         from ncgear.project.forces import meshing_of
 
         if self.helix is not None:
@@ -345,10 +348,10 @@ class Drive:
 
 
 def load(path: str | Path) -> Drive:
-    """The drive of a design file, whose law, motion, teeth and more are attributes.
+    """The drive of a design file; its law, motion, teeth and more are attributes.
 
-    Raises WrongInput, with ``FILE:LINE:COLUMN``, for a file that is wrong; its attributes raise it or
-    NoSuchMechanism, with the same places, once they are asked for.
+    Raises WrongInput, with ``FILE:LINE:COLUMN``, for a file that is wrong.  The attributes of the drive raise
+    WrongInput or NoSuchMechanism, with places of the same kind, once they are asked for.
 
     >>> drive = load("designs/baler.yaml")
     >>> drive
@@ -363,7 +366,7 @@ def load(path: str | Path) -> Drive:
 
 
 def loads(text: str, name: str = "text") -> Drive:
-    """The drive of a design file's text, which messages call ``name``; otherwise as ``load``.
+    """The drive of a design file's text; messages call it ``name``.  Otherwise the same as ``load``.
 
     >>> machine = "linkage: {crank_mm: 40, rod_mm: 90}, operation: {speed_rpm: 30}"
     >>> drive = loads(f"{{name: even, {machine}, motion: {{law: uniform_crank}}}}")

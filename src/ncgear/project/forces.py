@@ -1,4 +1,4 @@
-"""From keys to values: the moving masses of a design, and its teeth, drive and load as they are simulated."""
+"""From keys to values: the moving masses of a design, and the teeth and the drive of its simulation."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def masses_of(
     driving_body_kg_mm2: float = 0.0,
     driven_body_kg_mm2: float = 0.0,
 ) -> Masses:
-    """What a design says of its masses; where it is silent on a gear, the moment of inertia of the gear's body."""
+    """The masses that a design gives; a gear without a moment of inertia gets that of its body (kg mm2)."""
     driving, driven = given.driving_gear_kg_mm2, given.driven_gear_kg_mm2
     rods = {name: getattr(given, name) for name in mechanism.RODS}
     return mechanism.MASSES(
@@ -51,14 +51,14 @@ N_MM_PER_N_M = 1e3
 
 
 def meshing_of(given: Simulation, pitch: PitchPair, teeth: ToothedPair) -> Meshing:
-    """The pair of gears as it bears load."""
+    """The pair of gears under load."""
     rub = given.friction
     friction = Friction(rub.static, rub.dynamic, rub.static_speed_mm_s, rub.dynamic_speed_mm_s)
     return Meshing(law_table(pitch.transmission), gaps_of(teeth, pitch), impact_of(given, pitch), friction)
 
 
 def impact_of(given: Simulation, pitch: PitchPair) -> Impact:
-    """The law of impact, with Hertz's stiffness where none is given."""
+    """The law of impact, with Hertz's stiffness where the file gives none."""
     stiffness = given.stiffness_n_mm
     if stiffness is None:
         radii = pitch.driving.length_mm / (2.0 * pi), -pitch.mesh.sense * pitch.driven.length_mm / (2.0 * pi)
@@ -67,7 +67,7 @@ def impact_of(given: Simulation, pitch: PitchPair) -> Impact:
 
 
 def drive_line_of(given: Simulation, masses: Masses, speed_rad_s: float) -> DriveLine:
-    """What turns the driving gear; raises WrongInput where a motor has nothing to turn but teeth."""
+    """What turns the driving gear; raises WrongInput where the shaft of a motor has no inertia."""
     motor = given.motor
     if motor is None:
         return EvenDrive(speed_rad_s)

@@ -1,6 +1,6 @@
 """The computation of a design's frontier, point by point on all cores.
 
-Finished points are kept in a file, so that a run that was interrupted goes on from there.
+Finished points are kept in a file.  A run after an interrupted one goes on from there.
 """
 
 from __future__ import annotations
@@ -31,26 +31,26 @@ POINTS_FILE = "frontier-points.jsonl"
 """File of finished points in the output folder, one line each."""
 
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-"""Each process has a core to itself: linear algebra on several threads would only get in its own way."""
+"""Each process has one core, so several threads of linear algebra in it would only hinder each other."""
 
 
 @dataclass(frozen=True)
 class Frontier:
-    """Points in the order of their caps; family points are the best found at their cap or a lower one."""
+    """Points in the order of their caps; a family point is the best one found at its cap or a lower one."""
 
     laws: list[LawPoint]
     families: list[FamilyPoint]
 
 
 class FinishedPoints:
-    """The points of one design on file; those of other designs or versions in the same file are left alone."""
+    """The points of one design in a file, which may also hold points of other designs or versions of ncgear."""
 
     def __init__(self, path: Path, design: Design) -> None:
         self.path = path
         self.key = sha256(f"{__version__} {design.model_dump_json()}".encode()).hexdigest()[:16]
 
     def found(self) -> dict[tuple[str, float], dict[str, Any]]:
-        """Results by kind and cap; a line that was cut off when a run was killed, or is no entry, is passed over."""
+        """Results by kind and cap.  Lines that are no entry, or were cut off when a run was killed, are skipped."""
         if not self.path.exists():
             return {}
         results = {}
@@ -68,12 +68,12 @@ class FinishedPoints:
         self.path.parent.mkdir(parents=True, exist_ok=True)
         entry = {"key": self.key, "kind": kind, "cap_w": cap_w, "result": result}
         with uninterrupted(), self.path.open("a", encoding="utf-8") as file:
-            # On a line of its own even after one that was cut off.
+            # The first line break separates the entry from a line that was cut off.
             file.write(f"\n{json.dumps(entry)}\n")
 
 
 def frontier(design: Design, count: int, folder: Path, on_point: Callable[[int, int], None]) -> Frontier:
-    """The frontier of a design at ``count`` caps; ``on_point`` hears how many of how many points are done.
+    """The frontier of a design at ``count`` caps; calls ``on_point`` with the numbers of finished and of all points.
 
     Raises WrongInput where nothing resists or the optimiser is not installed, NoSuchMechanism where no law keeps the
     limits.
@@ -104,7 +104,7 @@ def _caps(design: Design, count: int, kept: FinishedPoints) -> list[float]:
 
 
 def _computed(design: Design, jobs: list[tuple[str, float]]) -> Iterator[tuple[str, float, dict[str, Any]]]:
-    """Results as they come, from one process per core."""
+    """Results in the order in which they are finished, from one process per core."""
     if not jobs:
         return
     with _one_thread_each(), ProcessPoolExecutor(os.cpu_count(), get_context("spawn")) as pool:
@@ -121,7 +121,7 @@ def _computed(design: Design, jobs: list[tuple[str, float]]) -> Iterator[tuple[s
 
 @contextmanager
 def _one_thread_each() -> Iterator[None]:
-    """The environment in which processes start; what the user has set stays."""
+    """A context in which new processes use one thread each; variables that the user has set stay."""
     before = dict(os.environ)
     os.environ.update({name: value for name, value in ONE_THREAD.items() if name not in before})
     try:
@@ -133,7 +133,7 @@ def _one_thread_each() -> Iterator[None]:
 
 
 def _point(design: Design, kind: str, cap_w: float) -> dict[str, Any]:
-    """One point, in a process of its own; a point at which nothing is found is one, too."""
+    """One point, computed in its own process; where no law keeps the limits, the refusal."""
     task, wishes = task_of(design, mechanism_of(design.linkage)), wishes_of(design)
     seed = design.optimize.seed if design.optimize else 0
     if kind == "family":
@@ -153,7 +153,7 @@ def _assembled(caps: list[float], found: dict[tuple[str, float], dict[str, Any]]
 
 
 def _best_so_far(points: list[FamilyPoint]) -> list[FamilyPoint]:
-    """A law that is allowed under one cap is allowed under every higher one."""
+    """The best point at each cap or a lower one: a law that keeps one cap also keeps every higher one."""
     best: list[FamilyPoint] = []
     for point in points:
         before = best[-1] if best else None

@@ -20,12 +20,14 @@ if TYPE_CHECKING:
     from ncgear.solids.mesh.pair import SolidPair
 
 RIM_IN_MODULES = 3.5
-"""Rim of a ring where the file says nothing: from this thickness on ISO 6336-3 counts no weakening of internal teeth
-(value from secondary sources)."""
+"""Rim of a ring where the file gives none.
+
+From this thickness on, ISO 6336-3 counts no weakening of internal teeth (value from secondary sources).
+"""
 
 
 def straight_solids(gears: Gears, pitch: PitchPair, teeth: ToothedPair, tolerance_mm: float) -> SolidPair:
-    """Both gears with straight teeth as closed meshes; raises WrongInput where something has no room in a body."""
+    """Both gears with straight teeth as closed meshes; raises WrongInput where a part of the body has no room."""
     from ncgear.solids.mesh.pair import SolidPair, driven_solid, driving_solid, ring_solid
 
     module, outline = pitch.size.module_mm, teeth.driven.outline_mm
@@ -37,7 +39,7 @@ def straight_solids(gears: Gears, pitch: PitchPair, teeth: ToothedPair, toleranc
 
 
 def helical_solids(gears: Gears, pitch: PitchPair, form: ToothForm, helix: Helix, tolerance_mm: float) -> SolidPair:
-    """Both gears with helical teeth as closed meshes; raises WrongInput for an internal pair, which has none."""
+    """Both gears with helical teeth as closed meshes; raises WrongInput for an internal pair."""
     from ncgear.solids.helical.mesh import helical_pair
 
     if pitch.driven.is_ring:
@@ -47,7 +49,7 @@ def helical_solids(gears: Gears, pitch: PitchPair, form: ToothForm, helix: Helix
 
 
 def blank_of(gears: Gears, body: GearBody) -> Blank:
-    """What is asked of the body of one gear that is no ring."""
+    """The body that the file asks for, of one gear that is not a ring."""
     keyway = Keyway(body.keyway.width_mm, body.keyway.depth_mm) if body.keyway else None
     holes = body.lightening_holes
     return Blank(
@@ -63,7 +65,7 @@ def blank_of(gears: Gears, body: GearBody) -> Blank:
 
 
 def _hub(asked: AskedHub, face_width_mm: float) -> Hub:
-    """The hub, its screw in the middle of its height where the file does not say."""
+    """The hub; its screw is at half its height where the file gives no height."""
     screw = asked.set_screw
     if screw is None:
         return Hub(asked.diameter_mm, asked.height_mm)
@@ -73,7 +75,7 @@ def _hub(asked: AskedHub, face_width_mm: float) -> Hub:
 
 
 def _web(body: GearBody) -> WebSize | None:
-    """The web, which leaves the hub's diameter about the axis where the file names no other."""
+    """The web; where the file gives no diameter that it leaves about the axis, it leaves the hub's."""
     if body.web is None:
         return None
     around_axis = body.web.hub_mm if body.web.hub_mm is not None else body.hub.diameter_mm if body.hub else 0.0
@@ -81,7 +83,7 @@ def _web(body: GearBody) -> WebSize | None:
 
 
 def _ring_blank(gears: Gears, module_mm: float) -> RingBlank:
-    """What is asked of the body of a driven ring."""
+    """The body that the file asks for, of a driven ring."""
     return RingBlank(
         gears.face_width_mm,
         rim_mm_of(gears, module_mm),
@@ -92,5 +94,5 @@ def _ring_blank(gears: Gears, module_mm: float) -> RingBlank:
 
 
 def rim_mm_of(gears: Gears, module_mm: float) -> float:
-    """Thickness of a ring outside its deepest root."""
+    """Thickness in mm of a ring outside its deepest root."""
     return RIM_IN_MODULES * module_mm if gears.driven.rim_mm is None else gears.driven.rim_mm

@@ -1,4 +1,4 @@
-"""What a design says of its machine, as values to compute with: linkage, lobes, resistance, and the closed law."""
+"""From keys to values: the closed law of a design on its mechanism, the lobes of its gears, and the resistance."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ncgear.ratio.transmission import Law, Lobes
 
 
 def law_of(design: Design) -> Law:
-    """The design's law on its linkage.
+    """The design's closed law on its mechanism.
 
     Raises WrongInput for values that contradict each other, NoSuchMechanism when no such motion exists.
     """
@@ -20,18 +20,18 @@ def law_of(design: Design) -> Law:
 
 
 def lobes_of(design: Design) -> Lobes:
-    """Lobes of both gears; one each where the file says nothing."""
+    """Lobes of both gears; one each where the file has no gears."""
     return Lobes(design.gears.lobes.driving, design.gears.lobes.driven) if design.gears else Lobes()
 
 
 def resistance_of(design: Design) -> Resistance:
-    """The resistance; none where the file says nothing."""
+    """The resistance; without force where the file has none."""
     given = design.resistance
     if given is None:
         return PolynomialResistance()
     keep = given.where_negative == "keep"
     if given.table is not None:
-        # Of SciPy's splines, which load slowly, only tables have need.
+        # Only tables need SciPy's splines, which load slowly.
         from ncgear.mechanisms.resistance import TableResistance
 
         return TableResistance(given.table.displacement_mm or (), given.table.force_n or (), keep)

@@ -1,4 +1,4 @@
-"""The gears of a drive as a workshop measures them: section, pins that fit, spans, and tolerances' limits."""
+"""The gears of a drive as a workshop measures them: section, pins that fit, spans, and limits by tolerances."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 
 @dataclass(frozen=True, eq=False)
 class MeasuredGear:
-    """One gear with the pins chosen for it; ``limits_mm`` are the lower and upper deviation of its tooth thickness."""
+    """One gear and the pins chosen for it; ``limits_mm`` are the lower and upper deviation of its tooth thickness."""
 
     gear: Gear
     working: WorkingFlanks
@@ -34,33 +34,38 @@ class MeasuredGear:
         return spans(self.working)
 
     def span_limits_mm(self) -> list[Array]:
-        """Least and greatest of every span, shape (n,) each; none where no limits are given.
+        """Least and greatest length of every span in mm, shape (n,) each; empty where no limits are given.
 
-        The thickness along the pitch curve adds its cos(alpha) share to every span.
+        A thickness that is greater by t along the pitch curve makes a span longer by t cos(alpha).
         """
         share = np.cos(self.working.flanks.rack.pressure_angle_rad) * self.working.base_cosine
         return [self.spans.distance_mm + limit * share for limit in self.limits_mm or ()]
 
     @property
     def at_limits(self) -> tuple[tuple[WorkingFlanks, Pins], ...]:
-        """Flanks and pins of the thinnest and of the thickest teeth; none where no limits are given."""
-        thicker = [(limit, self.working.thicker(limit)) for limit in self.limits_mm or ()]
-        return tuple((working, self._pins_of(working, limit)) for limit, working in thicker)
-
-    def _pins_of(self, working: WorkingFlanks, limit_mm: float) -> Pins:
-        """The same pins; the outline is that of the teeth without their deviation."""
-        astray = self.tolerance_mm + abs(limit_mm) / 2.0
-        return pins_in_spaces(working, self.pins.diameter_mm, self.toothed.outline_mm, astray)
+        """Flanks and pins of the thinnest and of the thickest teeth; empty where no limits are given."""
+        found = []
+        for limit in self.limits_mm or ():
+            working = self.working.thicker(limit)
+            # The outline is that of the teeth without their deviation.
+            astray_mm = self.tolerance_mm + abs(limit) / 2.0
+            outline_mm = self.toothed.outline_mm
+            found.append((working, pins_in_spaces(working, self.pins.diameter_mm, outline_mm, astray_mm)))
+        return tuple(found)
 
 
 def measured_gears(drive: Drive) -> tuple[MeasuredGear, MeasuredGear]:
-    """The driving and the driven gear; helical ones in the section half way up (of the lower half, of herringbone)."""
+    """The driving and the driven gear, in the section of ``measured_section``."""
     teeth = measured_section(drive)
     return _measured(drive, Gear.DRIVING, teeth.driving), _measured(drive, Gear.DRIVEN, teeth.driven)
 
 
 def measured_section(drive: Drive) -> ToothedPair:
-    """Both gears in that section."""
+    """Both gears in the section that is measured.
+
+    Straight teeth have one section.  Helical gears are measured half way up, herringbone gears half way up their lower
+    half.
+    """
     if drive.helix is None:
         return drive.teeth
     advance = drive.helix.advance_mm(drive.helix.rise_mm / 2.0)
@@ -74,7 +79,7 @@ def _measured(drive: Drive, gear: Gear, toothed: ToothedGear) -> MeasuredGear:
 
 
 def _fitting(drive: Drive, working: WorkingFlanks, toothed: ToothedGear, tolerance: float) -> Pins:
-    """The pins given; else those that measure in the most spaces, the smallest of them."""
+    """The pins of the given diameter, or else those that fit in the most spaces; of several such, the first tried."""
     helix, given = drive.helix, drive.gears.measuring_pin_mm
     normal_module = drive.rack.module_mm * (cos(helix.angle_rad) if helix else 1.0)
     nominal = nominal_pin_mm(normal_module, internal=working.is_ring)

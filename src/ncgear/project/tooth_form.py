@@ -1,4 +1,4 @@
-"""From keys to values: the teeth of a design's gears, in mm at a module: basic rack, tooth form, helix."""
+"""From keys to values: the basic rack, the form and the helix of a design's teeth, in mm for a given module."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ncgear.teeth.form import BasicRack, Cutter, CutterKind, TipLimits, TipRelie
 
 
 def rack_of(gears: Gears, module_mm: float) -> BasicRack:
-    """The basic rack in mm at a module."""
+    """The basic rack in mm for a given module."""
     rack = gears.rack
     return BasicRack(
         module_mm=module_mm,
@@ -33,7 +33,7 @@ def _relief(rack: Rack, module_mm: float) -> TipRelief | None:
 
 
 def tooth_form_of(gears: Gears, module_mm: float) -> ToothForm:
-    """Everything asked of the teeth, in mm at a module; one shift given, the other is its opposite."""
+    """The form of the teeth in mm for a given module; where only one shift is given, the other is its opposite."""
     shift = gears.profile_shift
     driving = shift.driving if shift.driving is not None else 0.0 - (shift.driven or 0.0)
     driven = shift.driven if shift.driven is not None else 0.0 - driving
@@ -49,7 +49,7 @@ def tooth_form_of(gears: Gears, module_mm: float) -> ToothForm:
 
 
 def mesh_place(gears: Gears, center_distance_mm: float) -> MeshPlace:
-    """How the gears lie to each other and to the crank, as far as the force between them asks."""
+    """The place of the gears to each other and to the crank, as the force between the gears needs it."""
     rack, axis = radians(gears.rack.pressure_angle_deg), radians(gears.driving_axis_deg)
     return MeshPlace(center_distance_mm, rack, Mesh(gears.mesh), axis)
 

@@ -1,4 +1,4 @@
-"""From keys to values: what a design wishes of an optimised law, and the machine that the law is made for."""
+"""From keys to values: the goal and limits of an optimised law, and the machine that the law is made for."""
 
 from __future__ import annotations
 
@@ -19,24 +19,27 @@ from ncgear.project.law import lobes_of, resistance_of
 from ncgear.project.tooth_form import rack_of
 
 RACK_ANGLE_DEG = 20.0
-"""Pressure angle of the rack where a design has no gears: that of ISO 53."""
+"""Pressure angle of the rack where a design has no gears; it is the one of ISO 53."""
 
 
 def task_of(design: Design, linkage: Mechanism) -> task.Task:
-    """The machine: linkage, resistance, speed and lobes."""
+    """The machine: mechanism, resistance, speed and lobes."""
     return task.Task(linkage, resistance_of(design), design.operation.speed_rpm * RAD_S_PER_RPM, lobes_of(design))
 
 
 def wishes_of(design: Design) -> Wishes:
-    """Goal and limits of a design; those of an empty block where it has none.
+    """Goal and limits of a design; without the group ``optimize``, the defaults of its keys.
 
-    Raises WrongInput for a limit that needs gears which are not there, or that no curve can keep.
+    Raises WrongInput for a limit that needs gears where the design has none, or that no curve can keep.
     """
     asked = design.optimize or Optimize()
     limits = asked.limits
     shared = limits.stages > 1
     tangent_rad = _tangent_rad(limits, design.gears)
-    curvature = _curvature(limits, design.gears)
+    # The tighter of both limits.
+    curvatures = [*_of_radius(limits, design.gears), *_of_undercut(limits, design.gears)]
+    free = _Curvature(None, CurvatureWish.LEAST_RADIUS, 1.0)
+    curvature = min(curvatures, default=free, key=lambda one: one.turns or 0.0)
     weights = asked.weights
     return Wishes(
         limits=task.Limits(
@@ -63,7 +66,7 @@ def wishes_of(design: Design) -> Wishes:
 
 
 def _tangent_rad(limits: Limits, gears: Gears | None) -> float | None:
-    """What the rack leaves of the pressure angle to the pitch curves."""
+    """The greatest tangent angle of the pitch curves: the limit of the pressure angle less the angle of the rack."""
     if limits.pressure_angle_deg is None:
         return None
     rack = _rack_angle_deg(gears)
@@ -80,17 +83,14 @@ def _rack_angle_deg(gears: Gears | None) -> float:
 
 
 class _Curvature(NamedTuple):
-    """Greatest curvature times the length rolled in one cycle, and what it stands for."""
+    """A limit of the curvature: ``turns`` is the curvature times the length rolled in one cycle.
+
+    ``wish`` says which limit of the file it comes from, and ``given`` is the number in the file.
+    """
 
     turns: float | None
     wish: CurvatureWish
     given: float
-
-
-def _curvature(limits: Limits, gears: Gears | None) -> _Curvature:
-    """The tighter of the limits by radius and by undercut."""
-    found = [*_of_radius(limits, gears), *_of_undercut(limits, gears)]
-    return min(found, default=_Curvature(None, CurvatureWish.LEAST_RADIUS, 1.0), key=lambda one: one.turns or 0.0)
 
 
 def _of_radius(limits: Limits, gears: Gears | None) -> Iterator[_Curvature]:
@@ -113,7 +113,7 @@ def _of_radius(limits: Limits, gears: Gears | None) -> Iterator[_Curvature]:
 
 
 def _of_undercut(limits: Limits, gears: Gears | None) -> Iterator[_Curvature]:
-    """k h < sin^2(alpha) with the depth h of the rack's flank."""
+    """No tooth is undercut where k h < sin^2(alpha), with curvature k and the depth h of the rack's flank."""
     if not limits.free_of_undercut:
         return
     if gears is None or gears.teeth is None:

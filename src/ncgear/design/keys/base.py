@@ -1,7 +1,7 @@
-"""What all models of keys share: strict types, no unknown keys, no changes, no nan or infinity; faults; angles.
+"""The base of all models of keys: strict types, no unknown keys, no changes, no nan or infinity; faults; angles.
 
-A fault that a model finds between its own fields carries the key it belongs to.  An angle may be given in radians, in
-degrees or in multiples of pi, the unit being part of its key.
+A fault that a model finds between its own fields has the key to which it belongs.  An angle may be given in radians, in
+degrees or in multiples of pi; its key ends in the unit.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ LONGEST_EXPRESSION = 1000
 Expression = Annotated[str, Field(min_length=1, max_length=LONGEST_EXPRESSION)]
 """A formula."""
 
-# YAML has lists only; strictness would ask for a tuple, so it is off for the container and on for its numbers.
+# YAML has only lists, and strict models accept only tuples: so the container is not strict, but its numbers are.
 Numbers = Annotated[tuple[float, ...], Strict(False)]
 
 
@@ -41,11 +41,11 @@ FAULT_TYPE = "ncgear"
 
 
 def fault(key: str, problem: str) -> PydanticCustomError:
-    """The error a validator raises for ``key`` (dotted, relative to its model; empty for the model as a whole).
+    """The error that a validator raises for ``key`` (dotted, relative to its model; empty for the whole model).
 
-    pydantic knows only which model a validator belongs to; the key in the context leads to the line of the file.
+    pydantic knows only the model of a validator; the key in the context leads to the line of the file.
     """
-    # The text goes in as a value: as a template its braces would be read as placeholders.
+    # The text is a value of the template: in the template itself, its braces would be placeholders.
     return PydanticCustomError(FAULT_TYPE, "{problem}", {"problem": problem, "key": key})
 
 
@@ -58,13 +58,13 @@ def spellings(quantity: str) -> tuple[str, ...]:
 
 
 def quantity(name: str) -> str:
-    """What a key is the size of, whichever unit of angles it ends in: theta1_deg -> theta1, bore_mm -> bore_mm."""
+    """A key without the unit of an angle at its end: theta1_deg -> theta1, but bore_mm -> bore_mm."""
     stem, _, unit = name.rpartition("_")
     return stem if unit in UNITS else name
 
 
 def folded(names: Iterable[str]) -> list[str]:
-    """``names`` once each, an angle that has all units as one: theta1_rad/_deg/_pi."""
+    """``names`` once each; an angle with keys for all units is one name: theta1_rad/_deg/_pi."""
     known = set(names := list(names))
     units = "/_".join(UNITS)
     shown = (f"{quantity(one)}_{units}" if known.issuperset(spellings(quantity(one))) else one for one in names)
@@ -72,12 +72,12 @@ def folded(names: Iterable[str]) -> list[str]:
 
 
 def given(model: BaseModel, names: Iterable[str]) -> list[str]:
-    """Those of ``names`` that have a value; a key left blank counts as left out."""
+    """The ``names`` that have a value; a key without a value counts as left out."""
     return [name for name in names if getattr(model, name) is not None]
 
 
 def require_one(model: BaseModel, names: Iterable[str]) -> None:
-    """Refuse none and more than one of ``names``."""
+    """Refuse a model that has none or more than one of ``names``."""
     names = list(names)
     if not given(model, names):
         raise fault("", f"one of {listed(names)} is missing; give exactly one of them")
@@ -85,7 +85,7 @@ def require_one(model: BaseModel, names: Iterable[str]) -> None:
 
 
 def allow_one(model: BaseModel, names: Iterable[str]) -> None:
-    """Refuse more than one of ``names``."""
+    """Refuse a model that has more than one of ``names``."""
     found = given(model, names)
     if len(found) > 1:
         raise fault(found[1], f"{listed(found, 'and')} are given, in each other's place; keep one")
@@ -105,7 +105,7 @@ def in_rad(value: float, unit: str) -> float:
 
 
 def angle_rad(model: BaseModel, quantity: str, default: float = 0.0) -> float:
-    """The angle ``quantity`` of ``model`` in radians, by whichever key it was given."""
+    """The angle ``quantity`` of ``model`` in radians, from the key by which it was given."""
     for unit in UNITS:
         value = getattr(model, f"{quantity}_{unit}")
         if value is not None:

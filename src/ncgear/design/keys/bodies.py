@@ -144,12 +144,12 @@ class DrivenBody(GearBody):
 
     @property
     def about_axis(self) -> list[str]:
-        """Keys given that a ring has no room for: it is open about its axis."""
+        """The given keys that a ring has no room for, because it is open about its axis."""
         return [name for name in ("bore_mm", "hub", "web", "lightening_holes") if getattr(self, name) is not None]
 
 
 def require_hub_wall(name: str, body: GearBody, clearance: float) -> None:
-    """Raise the fault of a hub, or of what a web leaves about the axis, that bore and keyway break through."""
+    """Raise a fault if bore and keyway break through the hub, or through what a web leaves about the axis."""
     least = 2.0 * body.reach_mm(clearance)
     if body.hub is not None and body.hub.diameter_mm <= least:
         problem = f"{body.hub.diameter_mm:g} mm leaves no wall around bore and keyway; over {least:.4g} mm is right"
@@ -160,7 +160,7 @@ def require_hub_wall(name: str, body: GearBody, clearance: float) -> None:
 
 
 def require_height(name: str, body: GearBody, face_width: float, chamfer: float) -> None:
-    """Raise the fault of a web as thick as the gear, or of a chamfer as high as the web or the gear."""
+    """Raise a fault if the web is as thick as the gear, or the chamfer as high as the web or the gear."""
     web = body.web
     if web is not None and web.thickness_mm >= face_width:
         problem = f"{web.thickness_mm:g} mm is no thinner than the gear; under {face_width:g} mm is right"

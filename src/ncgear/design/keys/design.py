@@ -24,7 +24,7 @@ JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
 if TYPE_CHECKING:
     Motion = LawKeys
 else:
-    # A union made while running, which type checkers do not follow: the registry alone lists the laws.
+    # This union is made at run time, where type checkers cannot follow it, so that only the registry lists the laws.
     Motion = Annotated[
         Union[tuple(law_models().values())],  # noqa: UP007
         Field(
@@ -57,7 +57,7 @@ class Design(Model):
     output: Output = Field(default_factory=Output, description="how finely the results are written")
 
     def __reduce_ex__(self, protocol: Any) -> Any:
-        """Models that are made for a mechanism cannot be found by their name; their data can be read again."""
+        """Pickle a model that was made for a mechanism by its data, because it cannot be found by its name."""
         if type(self) is Design:
             return super().__reduce_ex__(protocol)
         return _restored, (self.model_dump(by_alias=True, exclude_unset=True),)
@@ -95,7 +95,7 @@ class Design(Model):
 def design_model(data: Any) -> type[Design]:
     """The model of a design file's data, whose keys are those of the mechanism that ``linkage.kind`` names.
 
-    While there is but one mechanism, design files have no such key, and the model is ``Design`` itself.
+    With only one mechanism in the list, design files have no such key, and the model is ``Design`` itself.
     """
     models = design_models()
     return models.get(

@@ -24,7 +24,7 @@ PROFILES: dict[str, Profile] = {
     "C": Profile(1.0, 1.25, 0.25),
     "D": Profile(1.0, 1.40, 0.39),
 }
-"""The basic rack tooth profiles of ISO 53 (values from secondary sources)."""
+"""The basic rack tooth profiles of ISO 53, by name (values from secondary sources)."""
 
 
 def _of_profile(data: dict[str, Any]) -> Profile:

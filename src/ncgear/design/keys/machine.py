@@ -61,7 +61,7 @@ class Published(Model):
     )
 
     def at_speed(self, speed_rpm: float) -> Published:
-        """The same at another driving speed: power and velocities go with the speed, acceleration with its square."""
+        """The same mechanism at another speed: power and velocities follow the speed, acceleration its square."""
         factor = speed_rpm / self.speed_rpm
         powers = {"peak_power_w": 1, "peak_acceleration_mm_s2": 2, "peak_speed_mm_s": 1, "compression_speed_mm_s": 1}
         found = {key: getattr(self, key) for key in powers}

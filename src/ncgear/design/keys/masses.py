@@ -1,9 +1,9 @@
 """The keys of forces: masses that move, which way is down, how the teeth bear load and what turns them.
 
 Defaults of the simulation are those of the published baler.  The publication gives elastic constants, exponent, damping
-with its depth, and both coefficients of friction.  It does not give a stiffness: Hertz's for two spheres as large as
-circular gears of the same length is taken, as users of multi-body programs do.  Nor does it give the speeds at which
-friction changes over.
+with its depth, and both coefficients of friction.  It does not give a stiffness.  The default is Hertz's stiffness for
+two spheres as large as circular gears of the same length, which users of multi-body programs take.  The publication
+does not give the speeds at which friction changes either.
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ class ShaftMasses(Model):
         return self.driving_gear_kg_mm2 is not None and self.driven_gear_kg_mm2 is not None
 
 
-# Keys come from the last base to the first, so the rod stands between the slider and the crank.
+# Keys come from the last base to the first: so the rod is between the slider and the crank.
 class MechanismMasses(ShaftMasses, SliderMass):
     """What moves in any mechanism, as masses and moments of inertia."""
 

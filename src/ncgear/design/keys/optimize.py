@@ -54,7 +54,7 @@ class Limits(Model):
 
     @property
     def working_angle(self) -> float | None:
-        """Driving angle of the working stroke in rad, None where it is free."""
+        """Driving angle of the working stroke in rad; None where it is free."""
         return angle_rad(self, "working_angle") if given(self, spellings("working_angle")) else None
 
     @model_validator(mode="after")

@@ -1,8 +1,8 @@
-"""What a motion law is in a design file: a model of its keys that can make the law, and its part of a new design file.
+"""A motion law in a design file: a model of its keys that can make the law, and its part of a new design file.
 
-A law needs little: fields, ``transmission`` and a ``DesignLaw``.  The other methods of ``LawKeys`` have defaults that
-suit a law of the gear ratio; a law of the slider's stroke, or one of two pairs of gears, overrides some of them.  The
-numerical rooms are imported where a law is made, so that reading a design file does not load them.
+A law needs only fields, the method ``transmission`` and a ``DesignLaw``.  The other methods of ``LawKeys`` have
+defaults that suit a law of the gear ratio.  A law of the slider's stroke, or a law of two pairs of gears, overrides
+some of them.  The numerical rooms are imported where a law is made, so that reading a design file does not load them.
 """
 
 from __future__ import annotations
@@ -50,16 +50,16 @@ class LawKeys(Model):
         raise NotImplementedError(self.law)
 
     def law_on(self, linkage: Mechanism, lobes: Lobes) -> Law:
-        """The closed law on its linkage; raises as ``transmission`` does.
+        """The closed law on its mechanism; raises the errors of ``transmission``.
 
-        Overridden by a law with more to tell than its transmission: the stroke it prescribes, or two pairs of gears.
+        A law that prescribes a stroke, or that has two pairs of gears, overrides this method.
         """
         from ncgear.ratio.transmission import Law, single
 
         return Law(linkage, single(self.transmission(linkage, lobes)))
 
     def gentler(self, share: float, even_turn: str) -> dict[str, Any]:
-        """Values of keys that leave ``share`` (0 to 1) of the swing of the ratio; empty where there is no such way.
+        """Values of keys that leave ``share`` (0 to 1) of the swing of the ratio; empty for a law without such keys.
 
         ``even_turn`` is the driven angle per driving angle of gears that turn evenly, as a formula.
         """
@@ -73,19 +73,19 @@ class DesignLaw:
     keys: type[LawKeys]
 
     choice: str
-    """What the menu of ``ncgear new`` says of it."""
+    """The words for the law in the menu of ``ncgear new``."""
 
     template: str
     """The group ``motion`` of a new design file, with a comment on every value."""
 
     asked_length: Literal["crank_mm", "stroke_mm"] = "crank_mm"
-    """The length that ``ncgear new`` asks for; the other one follows from it."""
+    """The length that ``ncgear new`` asks for; the other length follows from it."""
 
     grows_with_stroke: tuple[str, ...] = ()
     """Keys of the template that must be proportional to the stroke, so that the law keeps its form."""
 
     examples: Mapping[str, str] = field(default_factory=dict)
-    """Values for ``ncgear explain``, as a file has them, of keys that the template leaves out."""
+    """Examples for ``ncgear explain``, in the form of a file, for keys that the template leaves out."""
 
     narrower_ratio: str = ""
-    """What a person may change where the ratio's range is too wide; empty where there is no advice."""
+    """Advice on what to change where the range of the ratio is too wide; empty where there is none."""

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 MOST_HARMONICS = 200
 
 LARGEST_COEFFICIENT = 10.0
-"""Of ln i12: one harmonic of 7 alone is a range of 1:1e6, where the driven gear stands still."""
+"""Largest coefficient of ln i12: one harmonic of 7 alone has a range of 1:1e6, and the driven gear stands still."""
 
 Coefficient = Annotated[float, Field(ge=-LARGEST_COEFFICIENT, le=LARGEST_COEFFICIENT)]
 Coefficients = Annotated[tuple[Coefficient, ...], Strict(False), Field(max_length=MOST_HARMONICS)]
@@ -53,7 +53,7 @@ class HarmonicRatio(LawKeys):
         return 1 if self.second_stage is None else 2
 
     def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
-        """The law of the whole, phi2(phi1)."""
+        """The law of the whole machine, phi2(phi1)."""
         import numpy as np
 
         from ncgear.ratio.laws.harmonic import harmonic_law
@@ -73,7 +73,7 @@ class HarmonicRatio(LawKeys):
         return Law(linkage, staged_law(*(np.array(values) for values in coefficients)).train)
 
     def gentler(self, share: float, even_turn: str) -> dict[str, Any]:
-        """A share of ln i12; two pairs in series have no such way."""
+        """A share of ln i12; empty for two pairs in series."""
         if self.second_stage is not None:
             return {}
         return {"cosine": tuple(share * c for c in self.cosine), "sine": tuple(share * s for s in self.sine)}

@@ -38,7 +38,7 @@ class RatioExpression(LawKeys):
         return self
 
     def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
-        """The law of the formula that is given."""
+        """The law by the given formula."""
         from ncgear.ratio.laws.expression import driven_angle_expression_law, ratio_expression_law
 
         if self.ratio is not None:

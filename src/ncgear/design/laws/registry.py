@@ -8,9 +8,9 @@ To add a law ``<name>``:
 3. a line in ``LawName`` below;
 4. a line in ``REFERENCES`` of ``tests/oracles/laws.py``: the same law, computed independently of ncgear.
 
-All that lists laws follows from here: the models of ``motion`` and the JSON Schema, error messages, ``ncgear explain``,
-the menu and the choices of ``ncgear new``, and the tests of all laws.  This module imports no other one until a law is
-asked for, so that the command line can complete their names without loading pydantic.
+All lists of laws follow from this one: the models of ``motion`` and the JSON Schema, error messages, ``ncgear
+explain``, the menu and the choices of ``ncgear new``, and the tests of all laws.  This module imports no other module
+until a law is asked for, so that the command line can complete the names of laws without loading pydantic.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class LawName(StrEnum):
-    """What ``motion.law`` can be; each is also the name of the module that describes the law."""
+    """The values of ``motion.law``; each is also the name of the module that describes the law."""
 
     THREE_SEGMENT_STROKE = "three_segment_stroke"
     RATIO_EXPRESSION = "ratio_expression"
@@ -35,7 +35,7 @@ class LawName(StrEnum):
 
 
 DEFAULT_LAW = LawName.THREE_SEGMENT_STROKE
-"""The law of a new design where nothing else is asked for."""
+"""The law of a new design if no other one is asked for."""
 
 
 def design_law(name: LawName) -> DesignLaw:

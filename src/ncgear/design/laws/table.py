@@ -89,7 +89,7 @@ class TableLaw(LawKeys):
         """The law through the points."""
         import numpy as np
 
-        # Its splines come from SciPy, which loads slowly.
+        # The splines of a table come from SciPy, which loads slowly.
         from ncgear.ratio.laws.table import displacement_table_law, ratio_table_law
 
         phi1 = np.array(self.phi1)

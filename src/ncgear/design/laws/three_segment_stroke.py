@@ -1,6 +1,6 @@
 """The law ``three_segment_stroke``: the slider's working stroke in three segments, and a return that closes the cycle.
 
-The quantities of the stroke over-determine it, so one of them is left out and solved for.
+All quantities together would over-determine the stroke, so a file leaves one of them out, and it is solved for.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from ncgear.ratio.working_stroke import WorkingStroke
 
 SAME_STROKE = 1e-6
-"""Relative difference of the file's stroke from the linkage's that counts as rounding in the file: seven digits."""
+"""A stroke in the file that differs from the mechanism's by less than this, relatively, differs by rounding only."""
 
 SolveFor = Literal["law_speed", "v1", "v2", "a1", "stroke"]
 
@@ -45,11 +45,11 @@ SOLVED_KEY: dict[str, str] = {
     "a1": "a1_mm_s2",
     "stroke": "stroke_mm",
 }
-"""The key that stays absent for each value of ``solve_for``."""
+"""The key that is left out for each value of ``solve_for``."""
 
 
 def _number_or_word(value: Any) -> Any:
-    """Refuse in one sentence what is neither; pydantic would report each branch of the union by itself."""
+    """Refuse other values in one sentence; pydantic would have a message for each type of the union."""
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if value != "least_acceleration" and not (is_number and abs(value) <= float_info.max):
         raise fault("", f"{shown(value)} given; a finite number or the word least_acceleration is needed")
@@ -181,7 +181,7 @@ class ThreeSegmentStroke(LawKeys):
         solved = SOLVED_KEY[self.solve_for]
         if getattr(self, solved) is not None:
             raise fault(solved, f"given, but solve_for: {self.solve_for} says to find it; leave {solved} out")
-        # The stroke can always be left out: the linkage has one.
+        # The stroke can always be left out, because the mechanism has one.
         needed = [key for key in SOLVED_KEY.values() if key not in (solved, "stroke_mm")]
         absent = [key for key in needed if getattr(self, key) is None]
         if absent:
@@ -195,7 +195,7 @@ class ThreeSegmentStroke(LawKeys):
 
     @property
     def gives_stroke(self) -> bool:
-        """Whether the stroke is what is solved for."""
+        """Whether the stroke is solved for."""
         return self.solve_for == "stroke"
 
     def solved_stroke_mm(self) -> float:
@@ -203,9 +203,9 @@ class ThreeSegmentStroke(LawKeys):
         return self._stroke(None).stroke_mm
 
     def law_on(self, linkage: Mechanism, lobes: Lobes) -> Law:
-        """The closed law, and what its stroke and its return came out as.
+        """The closed law, with the figures of its stroke and its return.
 
-        Raises WrongInput where the file gives another stroke than the linkage has.
+        Raises WrongInput where the stroke in the file is not that of the mechanism.
         """
         from ncgear.ratio.transmission import Law, PrescribedStroke, single
 
@@ -223,7 +223,7 @@ class ThreeSegmentStroke(LawKeys):
         return Law(linkage, single(law.transmission), prescribed)
 
     def stroke_law(self, linkage: Mechanism, lobes: Lobes) -> StrokeLaw:
-        """The law with the polynomials of its stroke and its return; raises as ``law_on`` does."""
+        """The law with the polynomials of its stroke and its return; raises the errors of ``law_on``."""
         from ncgear.ratio.laws.three_segment import stroke_law
 
         if not self.gives_stroke:
@@ -237,7 +237,7 @@ class ThreeSegmentStroke(LawKeys):
         )
 
     def _stroke(self, stroke_mm: float | None) -> WorkingStroke:
-        """The working stroke with the free quantity solved for; a stroke of None is that quantity."""
+        """The working stroke with the free quantity solved for; if the stroke is None, it is that quantity."""
         from ncgear.numerics.units import RAD_S_PER_RPM
         from ncgear.ratio.working_stroke import StrokeRequest, solved_stroke
 
@@ -256,7 +256,7 @@ class ThreeSegmentStroke(LawKeys):
         return solved_stroke(request)
 
     def _refuse_other_stroke(self, linkage: Mechanism) -> None:
-        """Refuse a stroke in the file that differs from that of the linkage."""
+        """Refuse a stroke in the file that differs from that of the mechanism."""
         if self.stroke_mm is not None and not isclose(self.stroke_mm, linkage.stroke_mm, rel_tol=SAME_STROKE):
             relation = "longer" if self.stroke_mm > linkage.stroke_mm else "shorter"
             raise WrongInput(

@@ -17,14 +17,14 @@ from ncgear.design.reading.yaml import read_yaml
 from ncgear.errors import WrongInput
 
 OF_A_DESIGN = {"linkage", "motion"}
-"""Keys that every design file has and no balance file: said once, instead of a fault for each of its keys."""
+"""Keys of every design file and of no balance file; a file with them gets one message instead of one for each key."""
 
 MOST_ROWS = 1000
 
 
 @dataclass(frozen=True)
 class LoadedBalance:
-    """A balance file, where its values stand, and the designs it names by the keys that name them."""
+    """A balance file, the places of its values, and the designs that it names, by the keys that name them."""
 
     balance: Balance
     source: Source
@@ -32,7 +32,7 @@ class LoadedBalance:
 
 
 def load_balance(path: Path) -> LoadedBalance:
-    """Read and check a balance file and the designs it names; WrongInput says where and what is wrong."""
+    """Read and check a balance file and the designs that it names; WrongInput says where and what is wrong."""
     document = read_yaml(read_text(path, limit_mb=LARGEST_MB), str(path))
     if not isinstance(document.data, dict):
         problem = "holds no balance; a balance file is lines of `key: value`, and begins with `name:`"
@@ -59,7 +59,7 @@ def _designs(balance: Balance, document: Document, path: Path) -> Iterator[tuple
 
 @dataclass(frozen=True)
 class Measured:
-    """Keys that a file of measurements stands for with their values, and the row of each item below them."""
+    """The keys that a file of measurements replaces, with their values, and the row of each item below them."""
 
     points: PointsFile
     values: Mapping[str, Any]
@@ -82,7 +82,7 @@ def chain_runs(points: PointsFile) -> Measured:
 
 
 def rotor_runs(points: PointsFile) -> Measured:
-    """The runs of a rotor, one reading in each row: plane 0 without trial weight, then each plane with its own."""
+    """The runs of a rotor, one reading in each row; plane 0 has no trial weight, and every other plane has its own."""
     columns = points.values
     planes: dict[int, list[int]] = {}
     for row in sorted(range(len(points.lines)), key=lambda row: columns["sensor"][row]):
@@ -111,7 +111,7 @@ def _whole(points: PointsFile, row: int) -> int:
 
 
 def _rows_by_key(planes: Mapping[int, list[int]]) -> dict[str, int]:
-    """The row of each reading and of each trial by its key, from the rows of each plane."""
+    """The row of each reading and of each trial, by its key; ``planes`` are the rows of each plane."""
     first = [(f"first.{sensor}", row) for sensor, row in enumerate(planes[0])]
     trials = [(plane - 1, rows) for plane, rows in planes.items() if plane > 0]
     runs = [(f"trials.{number}", rows[0]) for number, rows in trials]

@@ -26,12 +26,12 @@ FILES = {
         Columns((("displacement_mm",), ("force_n",)), MOST_RESISTANCE_POINTS), ("displacement_mm", "force_n")
     ),
 }
-"""Groups of the design file that can name a file of points instead of giving columns."""
+"""Groups of the design file that can name a file of points instead of columns."""
 
 
 @dataclass(frozen=True)
 class LoadedDesign:
-    """A design, the file it came from, where its values stand, and that file's text."""
+    """A design, its file, the places of its values, and the text of the file."""
 
     design: Design
     path: Path
@@ -50,7 +50,7 @@ def load(path: Path) -> LoadedDesign:
 
 
 def parsed(text: str, path: Path) -> LoadedDesign:
-    """The same from the text of a file; files of points that it names are looked for beside ``path``."""
+    """A design from the text of a file; the files of points that it names must be beside ``path``."""
     document = read_yaml(text, str(path))
     if not isinstance(document.data, dict):
         given = "is empty" if document.data is None else f"holds {shown(document.data)}"

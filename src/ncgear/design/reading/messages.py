@@ -1,6 +1,4 @@
-"""Checking plain values against the models, with faults in the words of the file: the user's key, what was given, what
-would be right, and where it stands.
-"""
+"""Checking plain values against the models; a fault gives key, value and place, and what would be right."""
 
 from __future__ import annotations
 
@@ -20,7 +18,7 @@ from ncgear.design.reading.text import shown
 from ncgear.errors import WrongInput
 
 MOST_PROBLEMS = 10
-"""Faults of one file that are told at once."""
+"""Number of faults of one file in one message."""
 
 Root = TypeVar("Root", bound=Model)
 
@@ -40,11 +38,11 @@ def models_in(annotation: Any) -> list[type[BaseModel]]:
 
 
 Location = tuple[int | str, ...]
-"""Where pydantic finds a fault: names of fields, numbers of list items, and the law where there are several."""
+"""The place of a fault in pydantic: names of fields, numbers of list items, and after ``motion`` the law's name."""
 
 
 class Problem(NamedTuple):
-    """What is wrong with the value at a dotted key."""
+    """The words for the fault of the value at a dotted key."""
 
     key: str
     text: str
@@ -59,7 +57,7 @@ def checked(root: type[Root], source: Source) -> Root:
 
 
 def _wrong_input(found: list[Problem], source: Source) -> WrongInput:
-    """One error of all faults in the order of the file; faults of files that it names come last."""
+    """One error with all faults in the order of the file; faults in files that it names come last."""
     own_file = source.place("").file
     placed = [(source.place(problem.key), problem) for problem in found]
     placed.sort(key=lambda item: (item[0].file != own_file, item[0].line, item[0].column))
@@ -94,7 +92,7 @@ def _problem(detail: ErrorDetails, root: type[BaseModel]) -> Problem:
 
 
 def _key(location: Location) -> str:
-    """The dotted key; pydantic puts the law in the location of what belongs to a law, the file does not."""
+    """The dotted key; pydantic's location of a key of a law has the name of the law, which the file does not have."""
     if len(location) > 1 and location[0] == "motion" and location[1] in LAWS:
         location = (location[0], *location[2:])
     return ".".join(str(part) for part in location)
@@ -110,7 +108,7 @@ def _wrong_value(detail: ErrorDetails, context: Mapping[str, Any], root: type[Ba
         return f"{shown(detail['input'])} given; a group of keys is needed: {listed(_keys_of(model))}"
     needed = _NEEDED.get(detail["type"])
     if needed is None:
-        # A kind of error that no field of today can have: pydantic's own words are better than none.
+        # No field of today can have another kind of error; if one has, pydantic's own words are better than none.
         return f"{shown(detail['input'])} is wrong: {detail['msg']}{meaning}"
     return f"{shown(detail['input'])} given; {needed(context)} is needed{meaning}"
 
@@ -157,7 +155,7 @@ def _did_you_mean(word: str, known: Sequence[str] | Mapping[str, Any]) -> str:
 
 
 def _suggestion(detail: ErrorDetails, root: type[BaseModel]) -> Location:
-    """The location of the key that an unknown one was probably meant to be."""
+    """The location of the key that a person probably meant by an unknown one."""
     *parent, word = detail["loc"]
     model = _model_at(tuple(parent), root)
     return (*parent, *get_close_matches(str(word), _keys_of(model) if model else [], n=1))
@@ -174,12 +172,12 @@ def _field_at(location: Location, root: type[BaseModel]) -> FieldInfo | None:
 
 
 def _model_at(location: Location, root: type[BaseModel]) -> type[BaseModel] | None:
-    """The model that holds the keys at ``location``, which names the law under motion as pydantic does."""
+    """The model that holds the keys at ``location``, in which pydantic puts the name of the law after ``motion``."""
     model: type[BaseModel] | None = root
     for part in location:
         if isinstance(part, str):
             field = fields_of(model).get(part) if model else None
-            # No field: under motion the law's name stands here, and leads to the model of that law.
+            # A part that is no field is the name of a law, which leads to the model of that law.
             model = _model_in(field.annotation) if field else LAWS.get(part)
     return model
 

@@ -1,4 +1,4 @@
-"""Where the values of a file stand: in the file itself, or in CSV files that it names."""
+"""The places of the values of a file: in the file itself, or in CSV files that it names."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ class Document:
     places: Mapping[str, Place]
 
     def place(self, key: str) -> Place:
-        """Where ``key`` stands, or its nearest parent that does."""
+        """The place of ``key``, or of its nearest parent in the file."""
         while key and key not in self.places:
             key = key.rpartition(".")[0]
         return self.places[key]
 
     def at(self, key: str) -> Any:
-        """What stands at a dotted key; None where there is nothing."""
+        """The value at a dotted key; None where there is none."""
         data = self.data
         for part in key.split("."):
             data = data.get(part) if isinstance(data, dict) else None
@@ -46,19 +46,19 @@ class Document:
 
 
 class FromFile(Protocol):
-    """What a CSV file holds in place of some keys of a group."""
+    """The values of a CSV file, which replace some keys of a group."""
 
     @property
     def values(self) -> Mapping[str, Any]:
-        """The values by those keys."""
+        """The values by the keys that they replace."""
 
     def place(self, key: str) -> Place | None:
-        """Where a dotted key below the group stands in the CSV file; None where no row has it."""
+        """The place in the CSV file of a dotted key below the group; None where no row has it."""
 
 
 @dataclass(frozen=True)
 class Source:
-    """Where the values of a design or balance file stand; ``from_files`` are those of CSV files by their group."""
+    """A design or balance file with the places of its values; ``from_files`` are the CSV files, by their groups."""
 
     document: Document
     from_files: Mapping[str, FromFile]
@@ -72,7 +72,7 @@ class Source:
         return data
 
     def place(self, key: str) -> Place:
-        """Where ``key`` (dotted) stands, or its nearest parent that does."""
+        """The place of ``key`` (dotted), or of its nearest parent in the file."""
         for group, found in self.from_files.items():
             inner = key.removeprefix(f"{group}.")
             if inner != key and inner.partition(".")[0] in found.values:
@@ -80,7 +80,7 @@ class Source:
         return self.document.place(self.as_written(key))
 
     def as_written(self, key: str) -> str:
-        """``key`` as the file spells it: an angle's key ends in the unit it was given in."""
+        """``key`` in the spelling of the file: the key of an angle ends in the unit in which it was given."""
         if key in self.document.places:
             return key
         quantity = key.rpartition("_")[0] if key.endswith(("_rad", "_deg", "_pi")) else key
@@ -95,9 +95,9 @@ def _merged(data: dict[str, Any], keys: list[str], values: Mapping[str, Any]) ->
 
 @contextmanager
 def named_by(document: Document, key: str, file: Path) -> Iterator[None]:
-    """A context in which ``file``, which ``key`` of the document names, is read.
+    """A context for reading ``file``, which ``key`` of the document names.
 
-    A fault within that file keeps its place there; that the file cannot be had is a fault of the key.
+    A fault in that file keeps its place there; if the file itself cannot be read, that is a fault of the key.
     """
     try:
         yield

@@ -1,6 +1,6 @@
-"""CSV files that a group of a design or balance file names in place of some of its keys.
+"""CSV files that a group of a design or balance file names instead of some of its keys.
 
-Their columns are read as numbers, and the line of each row is kept, so that a fault has its place.
+The columns are read as numbers.  The line of each row is kept, so that a fault has its place.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ LARGEST_MB = 20
 
 @dataclass(frozen=True)
 class Columns:
-    """What a file holds: one column of each kind, a kind being the names it can go by, and so many points at most."""
+    """The columns of a file, one of each kind, and the largest number of points; a kind is a list of possible names."""
 
     kinds: tuple[tuple[str, ...], ...]
     most_points: int
@@ -41,20 +41,20 @@ class PointsFile:
     lines: list[int]
 
     def row(self, row: int | None) -> Place:
-        """Where a row begins; the header for None."""
+        """The place where a row begins; None stands for the header."""
         return Place(self.file, 1 if row is None else self.lines[row], 1)
 
     def place(self, key: str) -> Place:
-        """Where a column (``ratio``) or a number in it (``ratio.12``) stands."""
+        """The place of a column (``ratio``) or of a number in it (``ratio.12``)."""
         row = key.partition(".")[2]
         return self.row(int(row) if row else None)
 
 
 @dataclass(frozen=True)
 class CsvKind:
-    """What a group's file holds: its columns, the keys it stands for, and how its rows become their values.
+    """The form of a group's file: its columns, the keys that it replaces, and the function that makes their values.
 
-    Only a group whose ``law`` is this one may name a file, where a law is told.
+    If ``law`` is not empty, only a group with this law may name a file.
     """
 
     columns: Columns
@@ -64,10 +64,10 @@ class CsvKind:
 
 
 def values_from_files(document: Document, path: Path, kinds: Mapping[str, CsvKind]) -> dict[str, FromFile]:
-    """What the files hold that groups name by their key ``file``; ``kinds`` are by the group's dotted key.
+    """The values of the files that groups name by their key ``file``; ``kinds`` are by the group's dotted key.
 
-    Files are looked for beside ``path``.  A file's name that is no text is left to the schema.  Raises WrongInput for a
-    file that is wrong or missing, and for keys that are given beside it.
+    Files must be beside ``path``.  The schema refuses a name of a file that is not text.  Raises WrongInput for a file
+    that is wrong or missing, and for keys that are given beside it.
     """
     found: dict[str, FromFile] = {}
     for group, kind in kinds.items():
@@ -85,7 +85,7 @@ def values_from_files(document: Document, path: Path, kinds: Mapping[str, CsvKin
 
 
 def read_points(path: Path, columns: Columns) -> PointsFile:
-    """Read the columns; WrongInput names the line of what is no finite number or no known column."""
+    """Read the columns; WrongInput names the line of a cell that is no finite number, or of an unknown column."""
     text = read_text(path, limit_mb=LARGEST_MB)
     rows = _rows(text, str(path))
     _, header = next(rows, (1, []))
@@ -134,6 +134,6 @@ def _append(points: PointsFile, names: list[str], line: int, cells: list[str], m
 
 
 def _wrong(file: str, line: int, cells: list[str], i: int, problem: str, key: str = "") -> WrongInput:
-    # Right as long as no cell is in quotes, which numbers need not be.
+    # The column is right as long as no cell is in quotes, which numbers do not need.
     column = 1 + sum(len(cell) + 1 for cell in cells[:i])
     return WrongInput(problem, key=key, location=f"{file}:{line}:{column}")

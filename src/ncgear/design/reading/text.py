@@ -1,6 +1,7 @@
-"""Text files that may be missing, a folder, huge or no text; what a plain word in one means; how a value is named.
+"""Text files, which may be missing, a folder, huge or no text; the meaning of a plain word in them; values in messages.
 
-A scalar of YAML means what the core schema of YAML 1.2 says: ``1e-3`` is a number; ``no``, ``on`` and dates are text.
+A scalar of YAML has the meaning of the core schema of YAML 1.2: ``1e-3`` is a number, and ``no``, ``on`` and dates are
+text.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ BYTES_PER_MB = 1_000_000
 
 
 def read_text(path: Path, *, limit_mb: int) -> str:
-    """The text of ``path``; WrongInput when there is none to be had. The size is looked at before anything is read."""
+    """The text of ``path``; raises WrongInput where it cannot be read.  The size is checked before reading."""
     try:
         _refuse_unfit(path, limit_mb)
         content = path.read_bytes()
@@ -39,7 +40,7 @@ def _refuse_unfit(path: Path, limit_mb: int) -> None:
 
 def _decoded(content: bytes, path: Path) -> str:
     try:
-        # utf-8-sig: some editors begin a file with a byte order mark.
+        # utf-8-sig, because some editors begin a file with a byte order mark.
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         before = content[: error.start]
@@ -74,14 +75,14 @@ def plain_value(text: str) -> object:
 
 
 def plain_number(text: str) -> int | float | None:
-    """The decimal number that ``text`` is, None where it is not one."""
+    """``text`` as a decimal number; None where it is not one."""
     if _INTEGER.fullmatch(text) and len(text) <= _LONGEST_INTEGER:
         return int(text)
     return float(text) if _FLOAT.fullmatch(text) else None
 
 
 def shown(value: object) -> str:
-    """``value`` as a message names it: short, and as the file would write it."""
+    """``value`` in the words of a message: short, and in the form of the file."""
     if value is None:
         return "nothing"
     if isinstance(value, dict):
@@ -102,5 +103,5 @@ def _number_or_truth(value: object) -> str:
 
 
 def shortened(text: str, longest: int = _LONGEST_SHOWN) -> str:
-    """The beginning of a text that is long."""
+    """A text, or its beginning if it is long."""
     return text if len(text) <= longest else text[:longest] + "..."

@@ -1,7 +1,7 @@
-"""YAML to plain values, remembering where each stands.
+"""From YAML to plain values and the place of each.
 
-The parser's events are followed directly: so anchors, aliases, tags, repeated keys and deep nesting are refused where
-they begin, before anything is built from them, and a value means the same whatever the loader's habits.
+The reader follows the events of the parser directly.  So it refuses anchors, aliases, tags, repeated keys and deep
+nesting where they begin, before anything is built from them, and the meaning of a value does not depend on a loader.
 """
 
 from __future__ import annotations
@@ -27,29 +27,29 @@ from ncgear.design.reading.text import plain_value, shortened, shown
 from ncgear.errors import WrongInput
 
 LONGEST_FAULT = 200
-"""Characters of what the parser has to say, which may quote megabytes of the file."""
+"""Number of characters of a message of the parser, which may quote megabytes of the file."""
 
 DEEPEST = 12
 """Levels of nesting; the schema needs four."""
 
 MOST_KEYS = 200
-"""Keys in one group; a law needs two dozen. Hundreds of thousands would each be compared with the known ones."""
+"""Keys in one group; a law needs two dozen.  Every unknown key is compared with the known ones, which takes time."""
 
 MOST_ITEMS = 200_000
-"""Items in one list, the most points that a table takes; millions of them would take a minute to read."""
+"""Items in one list: the largest number of points of a table; millions of items would take a minute to read."""
 
 LONG_TAG = re.compile(r"!\S{200}")
-"""Refused before the parser sees it, which decodes a tag in a time that grows with the square of its length."""
+"""A long tag, refused before the parser sees it: its time to decode a tag grows with the square of the length."""
 
 CONTROL_CHARACTER = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f]")
-"""YAML refuses them as such but takes their escapes; terminals obey them, and not all can stand in HTML or XML."""
+"""Control characters, which YAML allows as escapes; terminals obey them, and HTML and XML do not allow all of them."""
 
 LONGEST_KEY = 100
 """Characters of a key; the longest of the schema has 23."""
 
 
 def read_yaml(text: str, file: str) -> Document:
-    """Parse one YAML document; WrongInput names the place of whatever is not right in it."""
+    """Parse one YAML document; WrongInput names the place of a fault."""
     if long_tag := LONG_TAG.search(text):
         location = _place_of_offset(text, long_tag.start(), file)
         raise WrongInput(f"{shortened(long_tag.group())} is a tag; write the value without it", location=location)
@@ -73,7 +73,7 @@ class _Reader:
     def __init__(self, text: str, file: str) -> None:
         self._file = file
         self._places: dict[str, Place] = {}
-        # The pure Python parser on every machine: the C one words its errors differently.
+        # Every machine uses the parser in pure Python, because the one in C has other error messages.
         self._events: Iterator[Any] = iter(YAML(typ="safe", pure=True).parse(text))
 
     def document(self) -> Document:
@@ -135,7 +135,7 @@ class _Reader:
 
     def _text(self, event: Any, path: tuple[str, ...]) -> str:
         text = str(event.value)
-        # An escape such as "\ud800" is half a character: it can be neither written nor shown.
+        # An escape such as "\ud800" is half a character, which can be neither written nor shown.
         if any("\ud800" <= character <= "\udfff" for character in text):
             raise self._wrong(event, ".".join(path), r"a \u escape is half a character; write the character itself")
         if control := CONTROL_CHARACTER.search(text):

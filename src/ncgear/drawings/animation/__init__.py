@@ -10,14 +10,14 @@ from ncgear.extras import require
 
 
 class Format(StrEnum):
-    """What a file is packed as, by its suffix."""
+    """The kinds of files for an animation; each value is the suffix of its files."""
 
     GIF = ".gif"
     MP4 = ".mp4"
 
 
 def format_of(path: Path) -> Format:
-    """The format of a file's suffix, which can be written here.
+    """The format that a file's suffix names.
 
     Raises WrongInput for another suffix, and where a library that the format needs is not installed.
     """

@@ -1,6 +1,6 @@
-"""What moves, as artists of matplotlib, in the colours and lines of the moving picture.
+"""The moving parts as artists of matplotlib, in the colours and lines of the moving picture.
 
-Each path is in its body's own frame, under a transform of its own: a new pose changes six numbers, and no path.
+Each path is in the frame of its body and has its own transform: a new pose changes six numbers, and no path.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ from ncgear.numerics.arrays import Array
 MATERIAL = "#C9A227"
 
 PURE = (INK, DRIVING, DRIVEN, HIGHLIGHT, MATERIAL)
-"""Colours of lines and dots, which a palette made from the areas of colours would leave out."""
+"""Colours of lines and dots; a palette that is made from the areas of colours would not have them."""
 
 TINT = 0.24
-"""Share of a gear's colour in its filling; the rest is paper."""
+"""Share of a gear's colour in its filling; the rest is white."""
 
 
 def tinted(color: str, share: float = TINT) -> tuple[float, float, float]:
@@ -70,22 +70,22 @@ PITCH_POINT: Style = {"color": HIGHLIGHT, "marker": "o", "markersize": 4.2, "lin
 
 
 PIXEL_SHARE = 0.1
-"""How far a drawn outline may stray from the written one, in pixels: less than shows in Agg's shades of grey."""
+"""Largest distance of a drawn outline from the written one, in pixels: too small to show in Agg's shades of grey."""
 
 
 @dataclass(frozen=True)
 class Moving:
-    """Artists in the order in which they are drawn; ``pose`` puts them into the pose of a number."""
+    """Artists in the order in which they are drawn; ``pose`` puts them into the pose of a given number."""
 
     artists: tuple[Artist, ...]
     pose: Callable[[Poses, int], None]
 
 
 def body_artist(axes: Axes, body: Body, pixel_mm: float, to_screen: Transform) -> Moving:
-    """A body's section; ``to_screen`` leads from the machine's frame to pixels of ``pixel_mm``."""
+    """A body's section; ``to_screen`` turns places in the machine's frame into pixels of ``pixel_mm``."""
     contours = simplified(body.contours_mm, PIXEL_SHARE * pixel_mm)
     transform = Affine2D()
-    # Not snapped to whole pixels, or what moves slowly would jump from one to the next.
+    # Snapped to whole pixels, a slow body would jump from one pixel to the next.
     patch = PathPatch(_path(contours), transform=transform + to_screen, snap=False, **BODIES[body.kind])
     axes.add_artist(patch)
     return Moving((patch,), lambda poses, row: _place(transform, poses.places[body.name], row))
@@ -110,13 +110,13 @@ def _place(transform: Affine2D, places: Places, row: int) -> None:
 
 
 def _path(contours: Sequence[Array]) -> Path:
-    """A compound path; holes run the other way round, which is how Agg knows them."""
+    """A compound path; Agg knows holes by their opposite sense."""
     closed = [Path(np.vstack([contour, contour[:1]]), closed=True) for contour in contours]
     return Path.make_compound_path(*closed)
 
 
 def material_artists(axes: Axes, scene: Scene) -> Moving:
-    """A strip of unit depth that ends at the chamber's wall, squeezed to what is left of it."""
+    """A strip of unit depth that ends at the chamber's wall, squeezed to the depth of the material."""
     chamber, squeezed = scene.chamber, Affine2D()
     transform = squeezed + axes.transData
     charge = Rectangle((-1.0, -0.5), 1.0, 1.0, transform=transform, **CHARGE)
@@ -146,13 +146,13 @@ def pin_artists(axes: Axes, scene: Scene) -> Moving:
 
 
 def axis_artist(axes: Axes, scene: Scene, style: Style, to_screen: Transform) -> Moving:
-    """The axes of rotation in one style: they stand, but over what moves."""
+    """The axes of rotation in one style; they stand still, but are drawn over the moving bodies."""
     line = Line2D(*np.array(scene.axes_mm).T, transform=to_screen, **style)
     axes.add_artist(line)
     return Moving((line,), lambda poses, row: None)
 
 
-def pitch_point_artist(axes: Axes, scene: Scene, to_screen: Transform) -> Moving:
+def pitch_point_artist(axes: Axes, to_screen: Transform) -> Moving:
     """The pitch points of all pairs."""
     points = Line2D([], [], transform=to_screen, **PITCH_POINT)
     axes.add_artist(points)

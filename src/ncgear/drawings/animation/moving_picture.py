@@ -1,8 +1,8 @@
 """The moving picture of a machine: the machine beside its gears, and two charts below; frames as arrays of pixels.
 
-What stands is drawn once.  A frame is that background with what moves drawn over it, from the back to the front, which
-takes a tenth of the time of a figure drawn anew.  The charts show displacement and velocity over the driving angle,
-each with a dot that follows and the present value in words.
+All that stands still is drawn once, as a background.  For each frame the moving parts are drawn over it, from the back
+to the front; this takes a tenth of the time of a new figure.  The charts show displacement and velocity over the
+driving angle; in each a dot follows the motion, and words give the present value.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def draw_standing(axes: Axes, scene: Scene) -> None:
 
 
 def machine(axes: Axes, scene: Scene, pixel_mm: float) -> Iterator[Moving]:
-    """All that moves in the whole machine, from the back to the front."""
+    """All moving parts of the whole machine, from the back to the front."""
     slider, *links = (body_artist(axes, body, pixel_mm, axes.transData) for body in scene.links)
     if scene.chamber.begins_mm is not None:
         yield material_artists(axes, scene)
@@ -97,7 +97,7 @@ def _gears(axes: Axes, scene: Scene, pixel_mm: float, to_screen: Transform) -> I
         yield gear_artists(axes, pair.driven, pixel_mm, to_screen)
     yield axis_artist(axes, scene, looks.CENTRES, to_screen)
     if scene.pairs:
-        yield pitch_point_artist(axes, scene, to_screen)
+        yield pitch_point_artist(axes, to_screen)
 
 
 CURVE_POINTS = 721
@@ -117,7 +117,7 @@ def charts(both: Sequence[Axes], scene: Scene) -> list[Moving]:
 def _chart(axes: Axes, motion: SliderMotion, quantity: Quantity) -> Moving:
     chart = motion_chart(quantity, motion).readable
     draw(axes, chart, CHART_LOOK)
-    # Digits after the point that tell the greatest value to three digits, which is as much as the eye follows.
+    # Decimals that show the greatest value with three digits; the eye does not follow more.
     largest = float(np.abs(chart.own.values).max())
     digits = max(0, 2 - floor(log10(largest))) if largest > 0.0 else 0
     dot = Line2D([], [], zorder=4, **looks.PITCH_POINT)
@@ -161,25 +161,25 @@ Frame = NDArray[np.uint8]
 """Pixels, shape (height, width, 3)."""
 
 WIDTH_IN = 9.6
-"""Width in inches for which lines and letters are sized; pixels are what the resolution makes of it."""
+"""Width in inches for which lines and letters are sized; the resolution follows from the width in pixels."""
 
 HEADING_IN = 0.52
 BELOW_IN = 0.42
 CHART_IN = 0.72
 FOOT_IN = 0.34
-"""From top to bottom, beside the views: heights of the heading, of the charts' words, of the charts, of their scale."""
+"""Heights in inches from top to bottom, without the views: heading, words of the charts, charts, their scale."""
 
 GAP_IN = 0.12
-"""Space between views."""
+"""Space between views in inches."""
 
 NAME_PT = 42.0
 """Width of the name of a gear in points, with the space before it."""
 
 LOWEST_IN, HIGHEST_IN = 2.2, 4.6
-"""Bounds of the height of the views."""
+"""Bounds of the height of the views in inches."""
 
 LARGE = 0.4
-"""Share of the machine's width from which the gears count as large in its view."""
+"""Gears wider than this share of the machine are large enough in the view of the machine."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,7 +192,7 @@ class Picture:
 
     def frames(self, poses: Poses) -> Iterator[Frame]:
         """A frame for each pose."""
-        # Matplotlib has no type for the canvas of Agg and its buffers.
+        # Matplotlib has no types for the canvas of Agg and its buffers.
         canvas: Any = self.figure.canvas
         canvas.draw()
         background = canvas.copy_from_bbox(self.figure.bbox)
@@ -206,7 +206,7 @@ class Picture:
 
 
 def picture(scene: Scene, width_px: int) -> Picture:
-    """The picture of a scene in a width in pixels; both its sides become even numbers, as videos want them."""
+    """The picture of a scene at a width in pixels; both sides become even numbers, because videos need them."""
     boxes = _shown(scene)
     shapes = [width / height for _, _, width, height in boxes.values()]
     views_in = float(np.clip((WIDTH_IN - (len(boxes) + 1) * GAP_IN) / sum(shapes), LOWEST_IN, HIGHEST_IN))
@@ -223,13 +223,13 @@ def picture(scene: Scene, width_px: int) -> Picture:
     moving.append(angles(made, 1.0 - EDGE_IN / WIDTH_IN, 1.0 - EDGE_IN / made.get_figheight()))
     for one in moving:
         for artist in one.artists:
-            # So that it is left out of the background.
+            # Matplotlib leaves animated artists out of the background.
             artist.set_animated(True)
     return Picture(made, panels["machine"], tuple(moving))
 
 
 def _shown(scene: Scene) -> dict[str, Box]:
-    """The boxes of the machine and of what is beside it: the gears or, where these are large already, their mesh."""
+    """The boxes of the machine and of the view beside it: the gears, or their mesh where the gears are large."""
     found = views(scene)
     if not scene.pairs:
         return found
@@ -252,7 +252,7 @@ def even(pixels: float) -> int:
 
 
 def _panels(made: Figure, shapes: list[float], views_in: float) -> list[Axes]:
-    """Axes side by side, as wide as what they show is for its height."""
+    """Axes side by side, whose widths are in the ratio of the given shapes (width by height)."""
     height = made.get_figheight()
     bottom, room = (height - HEADING_IN - views_in) / height, WIDTH_IN - (len(shapes) + 1) * GAP_IN
     widths = [room * shape / sum(shapes) for shape in shapes]

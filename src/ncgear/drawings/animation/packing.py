@@ -19,17 +19,19 @@ from ncgear.drawings.scene.scene import Scene
 from ncgear.numerics.arrays import Array
 
 COLORS = 128
-"""Colours of a GIF's palette beside those of lines: enough for the shades at edges, in half the bytes of 256."""
+"""Colours of a GIF's palette beside those of lines: enough for shades at edges, with half the bytes of 256 colours."""
 
 PAPER = 244
-"""Least red, green and blue of a colour that is made white: Pillow finds a colour of a palette to 4 of 255, and a
-median of many shades of white is up to 4 off as well."""
+"""Colours whose red, green and blue are at least this become white.
+
+Pillow finds the colour of a palette to 4 of 255, and the median of many shades of white is also off by up to 4.
+"""
 
 TICK_MS = 10
-"""GIF counts time in hundredths of a second."""
+"""The unit of time of GIF files: a hundredth of a second."""
 
 QUALITY = "20"
-"""Constant rate factor of x264: lines stay sharp, and a loop takes less than the GIF does."""
+"""Constant rate factor of x264: lines stay sharp, and the file is smaller than the GIF."""
 
 
 @dataclass(frozen=True)
@@ -41,13 +43,13 @@ class Timing:
 
     @property
     def durations_ms(self) -> list[int]:
-        """How long each frame is shown, in whole ticks; together they are the loop's time to within a tick."""
+        """The time in ms for which each frame is shown, in whole ticks; the sum is the loop's time to within a tick."""
         ends = np.rint(np.arange(self.frames + 1) * (1000.0 * self.seconds / self.frames / TICK_MS)).astype(int)
         return [int(ticks) * TICK_MS for ticks in np.diff(ends)]
 
 
 def gif_bytes(frames: Iterable[Frame], some: Sequence[Frame], timing: Timing) -> bytes:
-    """A GIF that shows the frames evenly, again and again, in the colours of some of them."""
+    """A GIF that shows the frames evenly and endlessly; its colours come from ``some`` of them."""
     palette, data = _palette(some), BytesIO()
     first, *others = (Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames)
     first.save(data, "GIF", save_all=True, append_images=others, duration=timing.durations_ms, loop=0)
@@ -55,7 +57,7 @@ def gif_bytes(frames: Iterable[Frame], some: Sequence[Frame], timing: Timing) ->
 
 
 def _palette(frames: Sequence[Frame]) -> Image.Image:
-    """The colours of frames and those of lines; what is nearly white is made white, so that the paper stays white."""
+    """The colours of frames and of lines; nearly white colours become white, so that the paper stays white."""
     made = Image.fromarray(np.concatenate(frames)).quantize(COLORS, method=Image.Quantize.MEDIANCUT)
     colors = np.array(made.getpalette()).reshape(-1, 3)
     colors[colors.min(axis=1) >= PAPER] = 255
@@ -65,13 +67,13 @@ def _palette(frames: Sequence[Frame]) -> Image.Image:
 
 
 def mp4_bytes(frames: Iterable[Frame], some: Sequence[Frame], timing: Timing) -> bytes:
-    """An MP4 of one loop, H.264 as every player knows it, of the size of some of its frames."""
-    # Not installed by everyone; format_of has asked for it.
+    """An MP4 of one loop, in a form of H.264 that every player knows; its size is that of ``some`` of the frames."""
+    # An optional library; format_of has made sure that it is installed.
     import imageio_ffmpeg
 
     height, width, _ = some[0].shape
     rate = {"fps": timing.frames / timing.seconds, "macro_block_size": 2, "pix_fmt_out": "yuv420p"}
-    # Without these the file tells when and by which version it was made.
+    # Without these flags the file would hold the time and the version of the program.
     bare = ["-crf", QUALITY, "-fflags", "+bitexact", "-flags:v", "+bitexact", "-movflags", "+faststart"]
     with TemporaryDirectory() as folder:
         path = Path(folder) / "loop.mp4"
@@ -84,14 +86,14 @@ def mp4_bytes(frames: Iterable[Frame], some: Sequence[Frame], timing: Timing) ->
 
 
 SAMPLES = 4
-"""Frames, spread over the loop, drawn beforehand for its colours and its size: not all frames are kept in memory."""
+"""Number of frames, spread over the loop, that are drawn first for colours and size; so memory never holds them all."""
 
 PACKERS = {Format.GIF: gif_bytes, Format.MP4: mp4_bytes}
 
 
 @dataclass(frozen=True)
 class Loop:
-    """How the loop is shown: frames at even driving angles, in so many seconds, so many pixels wide."""
+    """The form of the loop: its number of frames, at even driving angles, its seconds, and its width in pixels."""
 
     timing: Timing
     width_px: int
@@ -105,7 +107,7 @@ def animated(scene: Scene, kind: Format, loop: Loop, on_frame: Callable[[int, in
 
 
 def loop_angles_rad(scene: Scene, frames: int) -> Array:
-    """Even driving angles over the loop without its end, which looks as its beginning."""
+    """Even driving angles over the loop, without its end, which looks like its beginning."""
     return np.linspace(0.0, scene.loop_rad, frames, endpoint=False)
 
 

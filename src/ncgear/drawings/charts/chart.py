@@ -1,8 +1,8 @@
 """A chart as a value: one quantity over the driving angle or over the displacement, in one or several lines.
 
-The pictures of a build, the report, the moving picture and a notebook all draw this value, each with a look of its own
-(``drawer.Look``).  The other modules of this room build charts: of the slider, of the contact between the teeth, and of
-simulations.
+The pictures of a build, the report, the moving picture and a notebook all draw this value, each with its own look
+(``drawer.Look``).  The other modules of this folder build charts of the slider, of the contact between the teeth, and
+of simulations.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from ncgear.ratio.transmission import Transmission
 
 EMPTY = np.empty(0)
 NO_STRETCHES = np.empty((0, 2))
-"""No places along the axis, and no stretches of it."""
+"""Empty arrays of places along the axis and of stretches of it."""
 
 
 class Role(StrEnum):
-    """What a line is in its chart; a look says how each role is drawn."""
+    """The role of a line in its chart; a look says how each role is drawn."""
 
     OWN = "own"
     """This design. Every chart has one such line."""
@@ -31,17 +31,17 @@ class Role(StrEnum):
     """A second line of this design, such as the back flanks beside the pushing ones."""
 
     WRITTEN = "written"
-    """This design as its files have it, beside what was designed."""
+    """This design as its files have it, beside the exact design."""
 
     MEAN = "mean"
     """The mean of this design's values: a level line."""
 
     UNIFORM = "uniform"
-    """What this design is compared with: the uniform crank, circular gears, or the law without elasticity."""
+    """The reference for this design: the uniform crank, circular gears, or the law without elasticity."""
 
 
 class Across(StrEnum):
-    """What a chart is drawn over, as it stands at the horizontal axis."""
+    """The quantity of the horizontal axis, as its label."""
 
     DRIVING_ANGLE = "driving angle phi1 in deg"
     DISPLACEMENT = "displacement in mm"
@@ -62,10 +62,10 @@ class Chart:
     """Lines of one quantity in one unit, from 0 to ``end`` of the horizontal axis (deg or mm).
 
     Lines that cover only the first ``period`` of a longer axis are repeated when they are drawn.  ``joints_deg`` (shape
-    (k,)) are the joints of the law to be marked, ``apart_deg`` (shape (k, 2)) the stretches in which no pushing flanks
-    touch.  ``names_extreme`` asks for the largest value of this design to be named, and ``counts`` says that the values
-    are whole numbers, drawn in steps.  ``axis_label`` is what stands at the vertical axis where it is not the name with
-    its unit.
+    (k,)) are the joints of the law, which are marked; ``apart_deg`` (shape (k, 2)) are the stretches in which no
+    pushing flanks touch.  With ``names_extreme``, the largest value of this design is named.  With ``counts``, the
+    values are whole numbers and drawn in steps.  ``axis_label`` is the label of the vertical axis where that is not the
+    name with the unit.
     """
 
     name: str
@@ -91,7 +91,7 @@ class Chart:
 
     @property
     def in_thousands(self) -> Chart:
-        """The chart in a thousand times its unit; as it is where that has no name."""
+        """The chart in a thousand times its unit; unchanged where that unit has no name."""
         if self.unit not in THOUSANDS:
             return self
         lines = tuple(replace(line, values=1e-3 * line.values) for line in self.lines)
@@ -99,15 +99,15 @@ class Chart:
 
     @property
     def readable(self) -> Chart:
-        """The chart in the unit in which its largest value is read."""
+        """The chart in the unit in which its largest value is easy to read."""
         factor, _ = readable(self.unit, *(line.values for line in self.lines if line.values.size))
         return self if factor == 1.0 else self.in_thousands
 
 
 def joints_up_to(transmission: Transmission, end_rad: float) -> Array:
-    """Driving angles in rad at which pieces of the law meet, shape (n,), from beyond 0 up to an end.
+    """Driving angles in rad at which pieces of the law meet, shape (n,), over 0 and up to an end.
 
-    The seams between periods are among them.  A law of one piece has none.
+    They include the seams between periods.  A law of one piece has none.
     """
     starts = [piece.start_rad for piece in transmission.pieces]
     if len(starts) == 1:

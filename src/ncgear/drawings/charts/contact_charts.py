@@ -1,6 +1,6 @@
 """Charts of the contact between the teeth of a pair: transmission error, backlash, contacts, pressure angle, sliding.
 
-They go over a whole cycle of the driving angle of the pair's own driving gear.
+Their horizontal axis is a whole cycle of the angle of the pair's own driving gear.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from ncgear.drawings.charts.chart import Chart, Line, Role
 from ncgear.numerics.arrays import Array
 
 MILLI_FROM_RAD = 5e-3
-"""Angle from which a scale is in mrad instead of millionths of a radian."""
+"""Angle in rad from which a scale is in mrad instead of millionths of a radian."""
 
 PUSHING, BACKS = "pushing flanks as designed", "backs as designed"
 
 
 def transmission_error(contact: PairContact) -> Chart:
-    """Driven angle beyond the law's, as designed and of the worst outlines as they were written."""
+    """Driven angle less that of the law, as designed and for the worst written outlines."""
     designed, written = contact.as_designed, worst_written(contact)
     factor, unit = _unit_of_angles(written.pushing_rad)
     lines = (
@@ -34,7 +34,7 @@ def transmission_error(contact: PairContact) -> Chart:
 
 
 def worst_written(contact: PairContact) -> AsWritten:
-    """The outlines with the largest transmission error, of the forms in which they were written."""
+    """The form of the written outlines that has the largest transmission error."""
     return max(contact.as_written, key=lambda outlines: outlines.transmission_error_rad)
 
 
@@ -59,13 +59,13 @@ def pressure_angle(designed: AsDesigned) -> Chart:
 
 
 def sliding(designed: AsDesigned) -> Chart:
-    """Speed of sliding at the foremost contact per speed of the driving gear, on either side of the teeth."""
+    """Speed of sliding at the foremost contact divided by that of the driving gear, on either side of the teeth."""
     speeds = (side.first.sliding_mm(designed.placement) for side in (designed.pushing, designed.back))
     return Chart("sliding", "mm per rad", _sides(designed, *speeds), _cycle_deg(designed))
 
 
 def _sides(designed: AsDesigned, pushing: Array, back: Array) -> tuple[Line, Line]:
-    """The pushing flanks' line is the last one, on top."""
+    """The lines of both flanks; that of the pushing flanks is the last one, which is drawn on top."""
     angle = _angle_deg(designed)
     return Line(Role.OTHER, BACKS, angle, back), Line(Role.OWN, PUSHING, angle, pushing)
 

@@ -1,4 +1,4 @@
-"""Charts drawn onto axes of matplotlib, in the look of whoever shows them, and columns of them as PNG."""
+"""Charts on axes of matplotlib, in a look that the caller chooses, and columns of charts as PNG."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ DASHED = (0, (5, 2.5))
 
 @dataclass(frozen=True)
 class Look:
-    """How charts are drawn: the style of each role, and what is done to the axes once the lines are there.
+    """The way in which charts are drawn: the style of each role, and a function that finishes the axes.
 
-    ``label_break`` stands between a quantity and its unit at the vertical axis.  Where ``marks_extremes`` is false, no
-    largest value is named, whatever the chart asks for.  ``finish`` gets the axes, the chart and its vertical label.
+    ``label_break`` separates a quantity and its unit at the vertical axis.  Where ``marks_extremes`` is false, no
+    largest value is named, even if the chart asks for it.  ``finish`` gets the axes, the chart and its vertical label.
     """
 
     styles: Mapping[Role, Style]
@@ -43,13 +43,13 @@ class Look:
     finish: Callable[[Axes, Chart, str], None] = lambda axes, _, label: dress(axes, "", label)
 
     def label(self, chart: Chart) -> str:
-        """What stands at the vertical axis."""
+        """The label of the vertical axis."""
         return chart.axis_label or f"{chart.name}{self.label_break}in {chart.unit}"
 
 
 MOTION_LINES: dict[Role, Style] = {
     Role.OWN: {"color": DRIVING, "linewidth": 2.0},
-    # The uniform crank lies above: where the two agree, both show.
+    # The uniform crank is drawn on top: where the two agree, both show.
     Role.UNIFORM: {"color": REFERENCE, "linewidth": 1.2, "linestyle": DASHED},
     Role.MEAN: {"color": INK, "linewidth": 0.9, "linestyle": (0, (1.5, 1.5))},
 }
@@ -76,17 +76,17 @@ JOINT: Style = {"color": "#8A8A8A", "linewidth": 0.8, "linestyle": (0, (1.5, 2.5
 APART: Style = {"color": HIGHLIGHT, "alpha": 0.25, "linewidth": 0.0}
 
 MOST_JOINTS = 12
-"""More joints than these, as of a table, are not marked: they would say no more than a grid."""
+"""Joints are not marked if there are more than these, as in a table: the marks would look like a grid."""
 
 EDGE = 0.15
-"""Share of the scale at either end in which a note stands beside its point, not above or below the middle of it."""
+"""In this share of the scale at either end a note begins or ends at its point; elsewhere it is centred on it."""
 
 
 def draw(axes: Axes, chart: Chart, look: Look) -> None:
-    """A chart with its joints, stretches without contact, and largest value, as far as it asks for them.
+    """Draw a chart with its joints, stretches without contact and largest value, as far as it asks for them.
 
-    It is drawn in the unit that the axes have, so that several machines can be drawn onto them, or else as it is
-    readable.  Limits and key of the horizontal axis are the caller's (see ``angle_scale``).
+    Axes that have a unit keep it, so that several machines can be drawn onto them; otherwise the unit is the one in
+    which the chart is easy to read.  The caller sets the limits of the horizontal axis and the key (``angle_scale``).
     """
     alike = (one for one in (chart, chart.in_thousands) if look.label(one) == axes.get_ylabel())
     shown = next(alike, chart.readable)
@@ -109,7 +109,7 @@ def draw(axes: Axes, chart: Chart, look: Look) -> None:
 
 
 def _repeated(line: Line, chart: Chart) -> tuple[Array, Array]:
-    """Places and values of a line as often as its period fits onto the chart."""
+    """Places and values of a line, repeated as often as its period fits into the chart."""
     if chart.period is None:
         return line.x, line.values
     starts = np.arange(round(chart.end / chart.period)) * chart.period
@@ -117,7 +117,7 @@ def _repeated(line: Line, chart: Chart) -> tuple[Array, Array]:
 
 
 def mark_extreme(axes: Axes, line: Line, unit: str) -> None:
-    """Mark and name the value that is largest in size, above a maximum, below a minimum; or say that all are zero."""
+    """Mark and name the value largest in size: above the point if it is positive, else below; or say that all are 0."""
     place = int(np.argmax(np.abs(line.values)))
     x, y = float(line.x[place]), float(line.values[place])
     if y == 0.0:
@@ -135,8 +135,8 @@ def mark_extreme(axes: Axes, line: Line, unit: str) -> None:
 
 
 def angle_scale(column: Sequence[Axes], end_deg: float) -> None:
-    """Scale in degrees below the lowest axes, key above the highest."""
-    # A cycle that takes several turns of the driving gear is marked as much more widely.
+    """The scale in degrees below the lowest axes, and the key above the highest."""
+    # A cycle of n turns of the driving gear has marks n times as far apart.
     step = 45 * max(round(end_deg / 360.0), 1)
     column[-1].set_xlim(0.0, end_deg)
     column[-1].set_xticks(np.arange(0.0, end_deg + 1.0, step))
@@ -145,14 +145,14 @@ def angle_scale(column: Sequence[Axes], end_deg: float) -> None:
 
 
 def align(column: Sequence[Axes], width_in: float) -> None:
-    """Labels of the vertical scales, of one line or two, end at the same place in all rows."""
+    """Make the labels of the vertical scales, of one line or two, end at the same place in all rows."""
     for axes in column:
         axes.yaxis.set_label_coords(-0.55 / (width_in * axes.get_position().width), 0.5)
 
 
 @dataclass(frozen=True)
 class Column:
-    """Sizes in inches of a column of charts: height of a row, of all that is no row, and room for vertical labels.
+    """Sizes in inches of a column of charts: height of a row, height of the rest, and room for vertical labels.
 
     ``gap`` is the space between rows as a share of their height.
     """

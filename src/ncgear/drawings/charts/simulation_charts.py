@@ -1,4 +1,4 @@
-"""Charts of what is simulated, over the driving angle: of rigid bodies, of teeth under load, of motion in time."""
+"""Charts of simulations over the driving angle: rigid bodies, teeth under load, motion in time."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def simulated_chart(
     joints_deg: Array = EMPTY,
     apart_deg: Array = NO_STRETCHES,
 ) -> Chart:
-    """A quantity at driving angles in rad, shape (n,): label and values of this design and of what it is compared with.
+    """A quantity at driving angles in rad, shape (n,); ``own`` and ``compared`` are a label and values, shape (n,).
 
     ``joints_deg`` (shape (k,)) are joints of the law, ``apart_deg`` (shape (k, 2)) stretches in which no pushing flanks
     touch.
@@ -60,7 +60,7 @@ def joint_forces(drive: Drive, own: Loads, uniform: Loads) -> list[Chart]:
 
 
 def mesh_forces(drive: Drive, own: Loads, uniform: Loads) -> list[Chart]:
-    """Force between the teeth and pressure angle; none where there are no gears."""
+    """Force between the teeth and pressure angle; empty where there are no gears."""
     if own.mesh is None or uniform.mesh is None:
         return []
     angles = (np.degrees(mesh.pressure_angle_rad.value) for mesh in (own.mesh, uniform.mesh))
@@ -84,7 +84,7 @@ def _size(force: Vector) -> Array:
 
 
 def teeth_under_load(drive: Drive, rigid_n_m: Array) -> list[Chart]:
-    """Driving torque beside that of rigid teeth in N m (shape (n,)), tooth force, and lead over the law."""
+    """Driving torque, tooth force, and lead over the law; ``rigid_n_m``, shape (n,), is the torque of rigid teeth."""
     loaded, phi1, own = drive.loaded_contact, drive.motion.phi1_rad, "teeth give way"
     torque = N_M_PER_N_MM * loaded.driving_torque_n_mm
     return [
@@ -98,7 +98,7 @@ SIMULATED = "simulated"
 
 
 def slider_in_time(shown: History, apart_deg: Array) -> list[Chart]:
-    """The slider's motion beside that of the law; ``apart_deg`` (shape (k, 2)) as in every chart."""
+    """The slider's motion beside that of the law; ``apart_deg`` (shape (k, 2)) is that of ``Chart``."""
     charts = []
     for quantity in MOTION:
         own, law = (getattr(slide, quantity.column) for slide in (shown.slide, shown.law))
@@ -120,7 +120,7 @@ def teeth_in_time(shown: History, apart_deg: Array) -> list[Chart]:
 
 
 def bearings_in_time(drive: Drive, shown: History, apart_deg: Array) -> list[Chart]:
-    """Forces in the joints of the linkage and between the teeth."""
+    """Forces in the joints of the mechanism and between the teeth."""
     forces = {
         **{words: shown.joints.joints[name] for name, words in drive.linkage.JOINTS.items()},
         "crank bearing": shown.crank_bearing,

@@ -1,4 +1,4 @@
-"""Charts of the slider's motion, of force and power, and of the ratio, beside the uniform crank at the same speed."""
+"""Charts of the slider's motion, force, power and ratio, beside the uniform crank at the same speed."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ class Quantity:
     names_extreme: bool = True
 
     def values(self, motion: SliderMotion) -> Array:
-        """Its values in ``unit``, shape (n,)."""
+        """The values in ``unit``, shape (n,)."""
         values: Array = getattr(motion, self.column)
         return values
 
     def values_in(self, unit: str, motion: SliderMotion) -> Array:
-        """Its values in its own unit or, where that is asked for, in a thousand times it."""
+        """The values in the quantity's own unit, or in a thousand times that unit where ``unit`` names it."""
         factor = 1e-3 if unit == THOUSANDS.get(self.unit) else 1.0
         return factor * self.values(motion)
 
@@ -55,9 +55,9 @@ def slider_chart(drive: Drive, quantity: Quantity) -> Chart:
 def motion_chart(
     quantity: Quantity, own: SliderMotion, uniform: SliderMotion | None = None, joints_deg: Array = EMPTY
 ) -> Chart:
-    """A quantity of a motion over the driving angle; None where there is no uniform crank beside it.
+    """A quantity of a motion over the driving angle, beside the uniform crank unless that is None.
 
-    ``joints_deg`` (shape (k,)) are the joints of the law to be marked.
+    ``joints_deg`` (shape (k,)) are the joints of the law, which are marked.
     """
     lines = [Line(Role.OWN, "this design", np.degrees(own.phi1_rad), quantity.values(own))]
     if uniform is not None:
@@ -74,7 +74,10 @@ def motion_chart(
 
 
 def over_displacement(chart: Chart, motions: Sequence[SliderMotion]) -> Chart:
-    """A chart of motions over their displacement instead of the driving angle, nothing marked; motions as its lines."""
+    """A chart of motions over their displacement instead of the driving angle, with no marks.
+
+    ``motions`` are those of the chart's lines, in their order.
+    """
     places = [motion.displacement_mm for motion in motions]
     lines = tuple(replace(line, x=x) for line, x in zip(chart.lines, places, strict=True))
     end = max(float(x.max()) for x in places)

@@ -1,3 +1,3 @@
-"""The report: one page that shows the mechanism running, its curves, its figures and what made it."""
+"""The report: one page with the running mechanism, its curves, its figures, and the versions that made it."""
 
 REPORT_FILE = "report.html"

@@ -1,6 +1,6 @@
-"""A chart as it stands on the page: an SVG element that takes its colours from the page, its cursor, its extremes.
+"""A chart on the page: an SVG element in the colours of the page, its cursor, its extremes.
 
-Matplotlib draws the chart, as it does for every picture.  Its SVG is then stripped to what a page needs: it has no
+Matplotlib draws the chart, as it does for every picture.  Its SVG is then reduced to what the page needs: it has no
 fonts, sizes or names of its own, and its colours are variables of the page's style sheet, which differ in light, dark
 and print.
 """
@@ -30,7 +30,7 @@ WIDTH, HEIGHT = 430.0, 190.0
 MARGINS = {"left": 46.0 / WIDTH, "right": 1.0 - 12.0 / WIDTH, "bottom": 38.0 / HEIGHT, "top": 1.0 - 16.0 / HEIGHT}
 
 POINTS_PER_INCH = 72
-"""What matplotlib reckons with in SVG, so that its display coordinates are SVG units."""
+"""The resolution of matplotlib's SVG files: with it, display coordinates are SVG units."""
 
 TEXT_SIZE = 11.0
 
@@ -44,7 +44,7 @@ COLORS = {
     GRID: "var(--grid)",
     "#8a8a8a": "var(--joint)",
 }
-"""Colours that stand for those of the page while matplotlib draws; the last is that of joints in every chart."""
+"""Colours that stand for those of the page while matplotlib draws; the last one is the colour of joints."""
 
 SETTINGS: dict[Any, Any] = {
     "svg.fonttype": "none",
@@ -52,7 +52,7 @@ SETTINGS: dict[Any, Any] = {
     "path.simplify": True,
     "path.simplify_threshold": 0.1,
 }
-"""Text stays text, names of clip paths depend on the picture alone, and points that cannot be seen are left out."""
+"""Text stays text, names of clip paths depend on the picture alone, and points that nobody can see are left out."""
 
 NO_METADATA = dict.fromkeys(("Date", "Creator", "Format", "Type"))
 
@@ -62,7 +62,7 @@ END = "</svg>"
 
 
 def _dress(axes: Axes, chart: Chart, _: str) -> None:
-    """The unit above the scale, few numbers, a faint grid, and no frame where no scale is."""
+    """Put the unit above the scale, few numbers, a faint grid, and no frame on sides without a scale."""
     axes.set_xlim(0.0, chart.end)
     axes.margins(y=0.08)
     axes.patch.set_visible(False)
@@ -91,10 +91,10 @@ PAGE_LOOK = Look(
 
 @dataclass(frozen=True)
 class ChartFigure:
-    """A chart of the page, its SVG element, and where its data lie in it.
+    """A chart of the page, its SVG element, and the places of its scales in it.
 
-    ``x`` and ``y`` are the places in SVG units of the ends of the angle's and of the quantity's scale, which run over
-    ``angle_deg`` and over ``values``.
+    The horizontal scale runs from ``x[0]`` to ``x[1]`` in SVG units and over ``angle_deg``; the vertical scale runs
+    from ``y[0]`` to ``y[1]`` and over ``values``.
     """
 
     page_chart: PageChart
@@ -106,9 +106,9 @@ class ChartFigure:
 
     @property
     def svg(self) -> Markup:
-        """The drawing with a line and a dot for each of its lines, which the page's script puts in their places.
+        """The drawing with a cursor line and a dot for each line; the page's script puts them in their places.
 
-        The drawing is made of numbers and of words of this package only.
+        The drawing holds only numbers and words of this package.
         """
         places = reversed(list(enumerate(self.page_chart.chart.lines)))
         dots = "".join(f'<circle class="{line.role}" data-line="{place}" r="3.6"/>' for place, line in places)
@@ -124,7 +124,7 @@ class ChartFigure:
 
     @property
     def extremes(self) -> str:
-        """Least and greatest value of this design's line and where they are."""
+        """Words for the least and greatest value of this design's line, with their angles."""
         line, decimals = self.page_chart.chart.own, self.page_chart.decimals
         places = int(np.argmin(line.values)), int(np.argmax(line.values))
         texts = [f"{line.values[place]:.{decimals}f} at {line.x[place]:.0f}\u00b0" for place in places]
@@ -132,7 +132,7 @@ class ChartFigure:
 
 
 def drawn(page_chart: PageChart) -> ChartFigure:
-    """The chart, drawn; the same chart gives the same text."""
+    """The drawn chart; the same chart gives the same text."""
     with mpl.rc_context(SETTINGS):
         made = Figure(figsize=(WIDTH / POINTS_PER_INCH, HEIGHT / POINTS_PER_INCH), dpi=POINTS_PER_INCH)
         FigureCanvasSVG(made)
@@ -149,9 +149,9 @@ def drawn(page_chart: PageChart) -> ChartFigure:
 
 
 def for_page(document: str, key: str) -> str:
-    """The ``svg`` element of a document: colours of the page, its fonts, and no name that another element may have.
+    """The ``svg`` element of a document, with the colours and fonts of the page, and names that no other element has.
 
-    Without a name space: within HTML there is none to be told, and nothing then looks like an address.
+    It has no name space: HTML needs none, and so nothing looks like an address.
     """
     text = document[document.index("<svg") :]
     text = re.sub(r"<style.*?</style>", "", text, flags=re.DOTALL)
@@ -161,7 +161,7 @@ def for_page(document: str, key: str) -> str:
     text = re.sub(r"\s*\n\s*", " ", text).replace("> <", "><")
     for color, variable in COLORS.items():
         text = text.replace(color, variable)
-    # Only what is referred to keeps its name, with the chart's key before it.
+    # Only elements that others refer to keep their name, with the chart's key before it.
     referred = set(re.findall(r'(?:url\(|href=")#([\w.-]+)', text))
     text = re.sub(r' id="([\w.-]+)"', lambda found: f' id="{key}-{found[1]}"' if found[1] in referred else "", text)
     return re.sub(r'((?:url\(|href=")#)', rf"\g<1>{key}-", text).strip()

@@ -1,7 +1,7 @@
-"""What the page's script gets to know, as plain values for JSON: how fast to run, the scene, the lines of the charts.
+"""The data of the page's script, as plain values for JSON: the pace, the scene, the lines of the charts.
 
-Of the scene, ``scene.js`` is told tables of the shafts' angles, the linkage, the places of the gears, and the views.
-Of a chart, the script is told its samples, and where its scales lie in its SVG.
+``scene.js`` gets tables of the shafts' angles, the mechanism, the places of the gears, and the views.  The script gets
+the samples of each chart and the places of its scales in its SVG.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ from ncgear.numerics.jet import Jet
 from ncgear.ratio.transmission import Piece, Transmission
 
 READABLE_DEG_S = 30.0
-"""Pace at which the eye follows a tooth through the mesh: a turn of the driving gear in twelve seconds."""
+"""A pace at which the eye follows a tooth through the mesh: one turn of the driving gear in twelve seconds."""
 
 PACES = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
-"""Multiples of the operating speed to choose from."""
+"""Multiples of the operating speed that the page offers."""
 
 DEG_S_PER_RPM = 6.0
 
 
 @dataclass(frozen=True)
 class Pace:
-    """How fast the picture runs, in degrees of the driving gear per second."""
+    """A pace of the picture, in degrees of the driving gear per second."""
 
     name: str
     deg_s: float
@@ -51,22 +51,27 @@ def paces(speed_rpm: float) -> list[Pace]:
 
 
 TABLE_ERROR_RAD = 1e-7
-"""How far an interpolated angle may be from the law's at the places looked at; nowhere is it twice that
-(tests/test_scene_page.py)."""
+"""Largest error in rad of an interpolated angle at the places of LOOKED_AT.
+
+Nowhere is the error twice as large (tests/test_scene_page.py).
+"""
 
 LOOKED_AT = (0.25, 0.5, 0.75)
-"""Shares of every step: the cubics' error is greatest in the middle, or beside it where the law changes fast."""
+"""Shares of every step at which the error is computed.
+
+The error of the cubics is greatest in the middle, or beside it where the law changes fast.
+"""
 
 FIRST_STEPS = 16
-"""Steps on each piece of a law before they are halved where they have to be."""
+"""Number of steps on each piece of a law before any step is halved."""
 
 
 LINK_DECIMALS = 9
-"""Of places in mm and angles in rad of links: far below the error that their tables may have."""
+"""Decimals of places in mm and angles in rad of links: finer by far than the error of their tables."""
 
 
 def scene_data(scene: Scene) -> dict[str, Any]:
-    """All that moves the SVG of ``scene_svg``, as JSON can hold it; angles in rad, lengths in mm."""
+    """All data that move the SVG of ``scene_svg``, ready for JSON; angles in rad, lengths in mm."""
     shafts = [pair.transmission for pair in scene.train.pairs[:-1]] + [scene.train.whole]
     return {
         "loop": scene.loop_rad,
@@ -80,9 +85,9 @@ def scene_data(scene: Scene) -> dict[str, Any]:
 
 
 def angle_table(transmission: Transmission) -> dict[str, Any]:
-    """A law for Hermite's cubics: driving angles over one period, driven angles, and slopes there, all ascending.
+    """A law for Hermite's cubics: ascending driving angles over one period, the driven angles, and the slopes.
 
-    Joints of the law stand twice in it, with the slopes on both sides.
+    Joints of the law are in it twice, with the slopes on both sides.
     """
     columns = [_table(_with_slope(piece), piece.start_rad, piece.end_rad) for piece in transmission.pieces]
     at, value, slope = (np.concatenate(parts).tolist() for parts in zip(*columns, strict=True))
@@ -103,7 +108,7 @@ def _with_slope(piece: Piece) -> Callable[[Array], Jet]:
 def _table(curve: Callable[[Array], Jet], start_rad: float, end_rad: float) -> tuple[Array, Array, Array]:
     """Places, values and slopes of a curve, whose jets are of order 1, for Hermite's cubics.
 
-    Steps are halved wherever they are off by more than the error allowed, at any of the places looked at.
+    A step is halved where its error exceeds TABLE_ERROR_RAD at any of the places of LOOKED_AT.
     """
     at = np.linspace(start_rad, end_rad, FIRST_STEPS + 1)
     while True:
@@ -116,7 +121,7 @@ def _table(curve: Callable[[Array], Jet], start_rad: float, end_rad: float) -> t
 
 
 def _error(curve: Callable[[Array], Jet], at: Array, value: Array, slope: Array, share: float) -> Array:
-    """How far Hermite's cubics are from the curve at a share of each step."""
+    """The error of Hermite's cubics at a share of each step."""
     width, rise, rest = np.diff(at), np.diff(value), 1.0 - share
     straight = value[:-1] + rise * share**2 * (3.0 - 2.0 * share)
     bent = width * share * rest * (slope[:-1] * rest - slope[1:] * share)
@@ -156,7 +161,10 @@ def _linkage(scene: Scene) -> dict[str, Any]:
 
 
 def _link_tables(linkage: Mechanism, name: str) -> dict[str, Any]:
-    """Place and angle of a link over a turn of the crank; lengths as exact, by the crank's, as angles."""
+    """Tables of the place and the angle of a link over a turn of the crank.
+
+    Divided by the length of the crank, the lengths are as exact as the angles.
+    """
 
     def along(of: Callable[[Link], Jet], scale: float) -> dict[str, Any]:
         def curve(angle: Array) -> Jet:
@@ -184,17 +192,17 @@ def _chamber(scene: Scene) -> dict[str, float | None]:
 
 
 ANGLE_DECIMALS = 9
-"""Of angles in degrees: a sixtieth of the distance by which samples stand aside of a jump."""
+"""Decimals of angles in degrees: a jump and the samples beside it are sixty units of the last one apart."""
 
 MORE_DECIMALS = 3
-"""Decimals of the tables beyond those that are shown."""
+"""Number of decimals in the tables beyond those that the page shows."""
 
 GridKey = tuple[bytes, float]
-"""The angles of a line and its period: lines that have both in common share a grid."""
+"""The angles of a line and its period; lines that agree in both share a grid."""
 
 
 def page_data(scene: Scene, figures: Sequence[ChartFigure]) -> dict[str, Any]:
-    """All that moves; the angles that several lines share are there once, and called by their number."""
+    """All data of the script; angles that several lines share are there once, and lines refer to them by number."""
     grids = {_grid_key(line, one.page_chart.period_deg): line for one in figures for line in one.page_chart.chart.lines}
     numbers = {key: number for number, key in enumerate(grids)}
     return {

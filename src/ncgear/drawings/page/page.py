@@ -1,7 +1,7 @@
-"""The report of a drive as one file of HTML, which asks for nothing outside itself.
+"""The report of a drive as one file of HTML, which loads nothing from outside.
 
-What it shows is gathered from the drive and put into ``template.html.j2``, together with the style sheets
-and the scripts of this folder.
+The values come from the drive and are put into ``template.html.j2``, together with the style sheets and the scripts of
+this folder.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ PACKAGE = "ncgear.drawings.page"
 
 SCENE_SCRIPTS = ("angles", "places", "gestures", "scene")
 PAGE_SCRIPTS = ("shafts", "clock", "charts", "readouts", "controls", "page")
-"""Files of scene/ and of script/, in the order in which they build on each other."""
+"""Files of scene/ and of script/; each may use those before it."""
 
 JSON_FORM = {"separators": (",", ":"), "sort_keys": False, "allow_nan": False}
 
@@ -85,12 +85,12 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
 
 
 def _stage_name(pair: Drive) -> str:
-    """What the page calls one of two pairs; nothing where there is one."""
+    """The name of one of two pairs on the page; empty where there is only one pair."""
     return f"Stage {pair.stage}" if pair.stage else ""
 
 
 def _rendered(content: Mapping[str, Any]) -> bytes:
-    """The page of some content; text in it is escaped, and only the page's own script may run."""
+    """The page with the given content, whose text is escaped; only the page's own script may run."""
     environment = Environment(
         loader=PackageLoader(PACKAGE, ""), autoescape=True, undefined=StrictUndefined, trim_blocks=False
     )
@@ -101,7 +101,7 @@ def _rendered(content: Mapping[str, Any]) -> bytes:
 
 
 def scene_script() -> str:
-    """``createScene``, whose interface is told at the top of scene/scene.js, and what it is made of."""
+    """``createScene``, whose interface is at the top of scene/scene.js, and the functions that it uses."""
     return "\n".join(_asset(f"scene/{name}.js") for name in SCENE_SCRIPTS)
 
 
@@ -117,7 +117,7 @@ def _page_script() -> str:
 
 
 def _policy(script: str) -> str:
-    """No request of any kind, and no code but this."""
+    """The policy of the page: it makes no request of any kind, and runs no code but this script."""
     own = b64encode(sha256(script.encode()).digest()).decode()
     return (
         f"default-src 'none'; script-src 'sha256-{own}'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"

@@ -1,9 +1,9 @@
 """The charts of the report, and the angles at which their lines are sampled.
 
-The page reads its charts out: a cursor runs along every line, on straight lines between the samples.  So the samples
-are close together and stand on both sides of every angle at which a curve may jump.  Charts of the slider go over the
-driving angle.  Charts of a pair of gears go over the angle of its own driving gear; that of the second of two stages
-is on the shaft between the stages.
+A cursor of the page runs along every line, straight from sample to sample, and shows the values.  The samples are
+therefore close together, and there is one on either side of every angle at which a curve may jump.  The horizontal axis
+of the slider's charts is the driving angle.  For a pair of gears it is the angle of the pair's own driving gear, which
+for the second of two stages is on the shaft between the stages.
 """
 
 from __future__ import annotations
@@ -23,22 +23,24 @@ from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
 
 DIGITS = 4
-"""Significant digits of the largest value of a line, which set the decimals of all of them."""
+"""Significant digits of the largest value of a line; all lines of the chart have the decimals that follow from it."""
 
 DRIVING, BETWEEN = "driving", "between"
-"""The shafts that charts go over: the driving one, and the one between two stages."""
+"""The shafts whose angle can be the horizontal axis: the driving shaft, and the shaft between two stages."""
 
 LEAST = 2001
-"""Samples over a cycle of the slider, between which the page goes along straight lines."""
+"""Least number of samples over a cycle of the slider."""
 
 SIDE_RAD = 1e-9
-"""How far beside a jump the samples before and after it stand: far over the rounding of an angle, and too near to be
-seen or hit."""
+"""Distance in rad between a jump and the samples before and after it.
+
+It is far larger than the rounding of an angle, and too small to be seen or hit by the cursor.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class PageChart:
-    """A chart with its ``key``, unique in the page, and the shaft whose angle it goes over.
+    """A chart with its ``key``, unique in the page, and the shaft whose angle is its horizontal axis.
 
     This design's own line is the first.  Raises ValueError for a value that is not finite.
     """
@@ -54,18 +56,18 @@ class PageChart:
 
     @property
     def period_deg(self) -> float:
-        """The angle after which its lines repeat."""
+        """The angle in deg after which the lines repeat."""
         return self.chart.end if self.chart.period is None else self.chart.period
 
     @property
     def decimals(self) -> int:
-        """Digits after the point with which all lines are read out."""
+        """Decimals with which the page shows the values of all lines."""
         largest = max(float(np.max(np.abs(line.values))) for line in self.chart.lines)
         return decimals_of(largest)
 
 
 def decimals_of(largest: float) -> int:
-    """Digits after the point that show a largest value with four significant ones; none for 0."""
+    """Decimals that show a largest value with DIGITS significant digits; 0 for a value of 0."""
     return max(0, DIGITS - 1 - floor(log10(largest))) if largest > 0.0 else 0
 
 
@@ -92,16 +94,16 @@ def cycle_angles_rad(drive: Drive) -> Array:
 
 
 def split_angles(end_rad: float, jumps_rad: Iterable[float]) -> Array:
-    """Rising angles from 0 to the end, shape (n,), evenly spread between the jumps.
+    """Rising angles in rad from 0 to the end, shape (n,), evenly spread between the jumps.
 
-    There is a sample on either side of each jump, and before the end.
+    There is an angle on either side of each jump, and one just before the end.
     """
     inner = sorted({jump for jump in jumps_rad if SIDE_RAD < jump < end_rad - SIDE_RAD})
     bounds = [0.0, *inner, end_rad]
     stretches = []
     for start, end in pairwise(bounds):
         count = 2 + int(np.ceil((LEAST - 1) * (end - start) / end_rad))
-        # Two jumps may lie closer together than both their sides.
+        # Two jumps may be closer together than the angles beside them.
         side = min(SIDE_RAD, (end - start) / 3.0)
         stretches.append(np.linspace(start + side, end - side, count))
     angles = np.concatenate([*stretches, [end_rad]])
@@ -123,7 +125,7 @@ def gear_charts(drive: Drive, contact: PairContact) -> list[PageChart]:
 
 
 def _pressure_angle(drive: Drive, contact: PairContact) -> Chart:
-    """At the first contact as designed; circular gears have the rack's angle all around."""
+    """The pressure angle at the first contact as designed; for circular gears the rack's angle at all places."""
     chart = contact_charts.pressure_angle(contact.as_designed)
     backs, pushing = chart.lines
     circular = np.full(2, degrees(drive.rack.pressure_angle_rad))
@@ -136,7 +138,7 @@ def _pressure_angle(drive: Drive, contact: PairContact) -> Chart:
 
 
 def _transmission_error(contact: PairContact) -> Chart:
-    """Of the worst outlines as they are written, which are what is cut, and as designed."""
+    """The transmission error of the worst written outlines, from which gears are cut, and of the design."""
     chart = contact_charts.transmission_error(contact)
     designed, written = chart.lines
     source = contact_charts.worst_written(contact).source.upper()

@@ -1,9 +1,9 @@
 """The scene as an SVG element of the page; ``scene.js`` moves it, ``scene.css`` colours it.
 
-All of it is in mm of the frame of the scene, y upwards within the group of class ``world``.  Each body that moves is a
-group of id ``scene-NAME``, NAME being the body's.  Its paths are in whole steps of a grid, so that they take few
-characters, and an inner group scales them.  Outlines stray from the written ones by ``tolerance_mm`` and half a grid
-step at most.
+The unit is mm, the frame is that of the scene, and y points up within the group of class ``world``.  Each moving body
+is a group with the id ``scene-NAME``, where NAME is the name of the body.  Its paths are in whole steps of a grid,
+which takes few characters, and an inner group scales them.  Outlines differ from the written ones by at most
+``tolerance_mm`` and half a step of the grid.
 """
 
 from __future__ import annotations
@@ -20,18 +20,19 @@ from ncgear.drawings.scene.standing import hatches_mm, simplified, straws, views
 from ncgear.numerics.arrays import Array
 
 PLACES_PER_TOLERANCE = 5.0
-"""Grid steps in the tolerance, at least: rounding to the grid moves a point by a seventh of the tolerance."""
+"""The tolerance is at least so many steps of the grid: rounding moves a point by a seventh of the tolerance at most."""
 
 
 def grid_mm(tolerance_mm: float) -> float:
-    """The power of ten that coordinates are whole multiples of."""
+    """The step of the grid in mm, a power of ten."""
     return float(10.0 ** floor(log10(tolerance_mm / PLACES_PER_TOLERANCE)))
 
 
 def closed_path(contours: Sequence[Array], grid: float) -> str:
     """Path data of closed contours in whole steps of the grid.
 
-    Each step is given from the point before: browsers hold them in single precision, in which whole numbers are exact.
+    Each point is given relative to the one before it, in whole numbers, which the single precision of browsers keeps
+    exact.
     """
     return "".join(_contour(np.rint(contour / grid).astype(int)) + "z" for contour in contours)
 
@@ -49,19 +50,19 @@ def _contour(points: np.ndarray) -> str:
 
 
 GEAR_TOLERANCE = 0.0025
-"""Tolerance of a gear's outline in modules: a third of a pixel where 9 modules fill 1200 pixels."""
+"""Tolerance of a gear's outline in modules: a third of a pixel in a view of 9 modules with 1200 pixels."""
 
 LINK_TOLERANCE = 2e-4
-"""Tolerance of all that is as large as the machine, as a share of the crank's length."""
+"""Tolerance of slider, crank and the other links, as a share of the crank's length."""
 
 
 def gear_tolerance_mm(pair: ScenePair) -> float:
-    """How far a drawn gear's outline may stray from the written one."""
+    """Largest distance in mm of a drawn gear's outline from the written one."""
     return GEAR_TOLERANCE * pair.module_mm
 
 
 def scene_svg(scene: Scene) -> str:
-    """The SVG element, in the pose in which no body is turned yet; ``show`` of scene.js gives it the first pose."""
+    """The SVG element with no body turned; ``show`` of scene.js gives it the first pose."""
     left, bottom, width, height = views(scene)["machine"]
     box = f"{left:.6g} {-bottom - height:.6g} {width:.6g} {height:.6g}"
     parts = (*_standing(scene), *_bodies(scene), *_marks(scene))
@@ -82,7 +83,7 @@ def _standing(scene: Scene) -> Iterator[str]:
 
 
 def _material(height_mm: float) -> str:
-    """A strip of unit depth: scene.js stretches it to what is left of it."""
+    """A strip of unit depth; scene.js stretches it to the depth of the material."""
     strokes = straws() * [1.0, height_mm]
     grain = "".join(f"M{a:.4f} {b:.3f}L{c:.4f} {d:.3f}" for (a, b), (c, d) in strokes.tolist())
     half = height_mm / 2.0
@@ -120,17 +121,14 @@ def _body(body: Body, tolerance_mm: float, extra: str = "") -> str:
 def _marks(scene: Scene) -> Iterator[str]:
     """Shafts, pins, lines of centres and pitch points."""
     for pair in scene.pairs:
-        yield _line(pair.mounting.driving_axis_mm, pair.mounting.driven_axis_mm)
+        start, end = pair.mounting.driving_axis_mm, pair.mounting.driven_axis_mm
+        yield f'<path class="centres" d="M{start[0]:.6g} {start[1]:.6g}L{end[0]:.6g} {end[1]:.6g}"/>'
     for x, y in scene.axes_mm:
         yield f'<path class="shaft" d="M{x:.6g} {y:.6g}h0"/>'
     for name in scene.machine.linkage.PINS:
         yield _group("", name, f'<circle class="pin" r="{pin_radius_mm(scene.machine.linkage):.6g}"/>')
     for number, _ in enumerate(scene.pairs, start=1):
         yield _group("", f"pitch-point-{number}", '<path class="pitch-point" d="M0 0h0"/>')
-
-
-def _line(start: tuple[float, float], end: tuple[float, float]) -> str:
-    return f'<path class="centres" d="M{start[0]:.6g} {start[1]:.6g}L{end[0]:.6g} {end[1]:.6g}"/>'
 
 
 def _group(kinds: str, name: str, content: str) -> str:

@@ -1,4 +1,4 @@
-"""The page's tables: comparison, contact, data sheet, versions; and what a designer wants to know first."""
+"""The tables of the page (comparison, contact, data sheet, versions), and the main figures that stand at its top."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from ncgear.figures.terminal import COMPARED, MIXED_SPEEDS, SAME_SPEED, labelled
 from ncgear.project.drive import Drive
 
 LIBRARIES = ("numpy", "scipy", "sympy", "shapely", "trimesh", "mapbox-earcut", "matplotlib", "pydantic", "ruamel.yaml")
-"""What the figures of the page come from, beside ncgear and Python."""
+"""The libraries that compute the figures of the page, beside ncgear and Python."""
 
 
 def comparison_tables(drive: Drive) -> list[Table]:
-    """The mechanisms at equal speed; those that were published at others, and headed as such."""
+    """A table of the mechanisms at equal speed, and one of the figures that were published at other speeds."""
     rows = comparison_rows(drive)
     same, mixed = ([row for row in rows if row["same_speed"] is wanted] for wanted in (True, False))
     return [_comparison(title, chosen) for title, chosen in ((SAME_SPEED, same), (MIXED_SPEEDS, mixed)) if chosen]
@@ -35,7 +35,7 @@ def _comparison(title: str, rows: Sequence[Mapping[str, Any]]) -> Table:
 
 
 def contact_tables(drive: Drive, contact: PairContact) -> list[Table]:
-    """The figures of the contact: in short; and as designed beside each form in which the outlines were written."""
+    """The worst figures of the contact, and all figures as designed beside those of each form of written outlines."""
     found = contact_summary(contact, drive.pair_speed_rad_s)
     designed, written = found.pop("as_designed"), found.pop("as_written")
     forms = {f"as written to {source.upper()}": figures for source, figures in written.items()}
@@ -46,24 +46,21 @@ def contact_tables(drive: Drive, contact: PairContact) -> list[Table]:
 
 
 def _beside(title: str, sections: Mapping[str, Mapping[str, Any]]) -> Table:
-    """The same figures of several sections, side by side; what is given tooth by tooth is left to summary.json."""
-    columns = [dict(labelled(_without_lists(section))) for section in sections.values()]
+    """The same figures of several sections side by side, without lists of teeth, which summary.json has."""
+    plain = [{key: value for key, value in one.items() if not isinstance(value, list)} for one in sections.values()]
+    columns = [dict(labelled(section)) for section in plain]
     labels = dict.fromkeys(label for column in columns for label in column)
     heads = (Column(""), *map(Column, sections))
     return Table(title, heads, tuple((label, *(column.get(label, "") for column in columns)) for label in labels))
 
 
-def _without_lists(section: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: value for key, value in section.items() if not isinstance(value, list)}
-
-
 def sheet_tables(sheet: DataSheet) -> list[Table]:
-    """The groups of a data sheet, and its tables."""
+    """The groups of a data sheet as tables, and its tables."""
     return [*map(_group, sheet.groups), *sheet.tables]
 
 
 def _group(group: Group) -> Table:
-    """One value for both gears fills two columns; cells are empty where there is nothing to say."""
+    """A group as a table; a value of the pair fills two columns, and a cell without a value is empty."""
     heads = Column(""), Column("driving"), Column("driven"), Column("")
     values = [(one.pair,) if one.of_pair else (one.driving, one.driven) for one in group.entries]
     rows = [(one.label, *found, one.unit) for one, found in zip(group.entries, values, strict=True)]
@@ -71,7 +68,7 @@ def _group(group: Group) -> Table:
 
 
 def versions() -> Table:
-    """What the page was made with."""
+    """The versions of ncgear, Python and the libraries that made the page."""
     made = (("ncgear", __version__), ("python", platform.python_version()), *((n, version(n)) for n in LIBRARIES))
     return Table("Made with", (), made)
 

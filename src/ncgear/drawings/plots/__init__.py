@@ -1,1 +1,1 @@
-"""Pictures as PNG bytes: motion, loads, gears, contact, balance, frontier."""
+"""Pictures that are not charts, as PNG: the assembled pair, balance, frontier; and what all pictures share."""

@@ -1,4 +1,4 @@
-"""The two gears of a pair assembled: their pitch curves at phi1 = 0, and their tooth outlines at any driving angles."""
+"""The assembled gears of a pair: their pitch curves at phi1 = 0, and their tooth outlines at any driving angle."""
 
 from __future__ import annotations
 
@@ -25,7 +25,6 @@ from ncgear.drawings.plots.canvas import (
     ring_area,
 )
 from ncgear.numerics.arrays import Array, Mask
-from ncgear.pitch.curve import CurvePoints, PitchCurve
 from ncgear.project.drive import Drive
 from ncgear.project.gear_solids import rim_mm_of
 from ncgear.solids.plan.plan import outer_radius_mm
@@ -37,10 +36,10 @@ ZOOM_IN_MODULES = 4.5
 """Half the width of the view on the mesh."""
 
 SLACK = 1.03
-"""Frame of the whole view relative to the gears' reach."""
+"""Size of the whole view divided by the reach of the gears."""
 
 CURVE_POINTS = 1500
-"""Points of a drawn pitch curve: 0.2 mm apart on a screen-wide gear of 300 mm."""
+"""Points of a drawn pitch curve; on a gear of 300 mm that fills a screen they are 0.2 mm apart on the screen."""
 
 LINE_OF_CENTRES = (0, (8, 2, 1, 2))
 """Dashes and dots."""
@@ -48,7 +47,7 @@ LINE_OF_CENTRES = (0, (8, 2, 1, 2))
 
 @dataclass(frozen=True)
 class Position:
-    """Angles of both gears and the pitch point's place on the line of centres, 0 being the driving axis."""
+    """Angles in rad of both gears, and the distance in mm of the pitch point from the driving axis."""
 
     phi1_rad: float
     phi2_rad: float
@@ -57,9 +56,10 @@ class Position:
 
 @dataclass(frozen=True, eq=False)
 class Assembled:
-    """Two closed curves in mm, each in its own frame (shape (n, 2)), and how far apart their axes are.
+    """Two closed curves in mm, each in its own frame (shape (n, 2)), and the distance of their axes.
 
-    A driven ring lies between its curve and a circle of ``ring_radius_mm``; None for an external pair.
+    The body of a driven ring is between its curve and a circle of ``ring_radius_mm``, which is None for an external
+    pair.
     """
 
     driving_mm: Array
@@ -77,7 +77,7 @@ class Assembled:
 
     @property
     def reach(self) -> Array:
-        """Points of both curves at phi1 = 0 and, of a ring, two corners of the square around it; shape (n, 2)."""
+        """Points of both curves at phi1 = 0, and two corners of the square around a ring; shape (n, 2)."""
         points = [self.driving_mm, self.driven_mm + np.array([self.center_distance_mm, 0.0])]
         if self.ring_radius_mm is not None:
             distance, radius = self.center_distance_mm, self.ring_radius_mm
@@ -86,8 +86,9 @@ class Assembled:
 
 
 def assembled_pitch_curves(drive: Drive) -> tuple[Assembled, tuple[Mask, Mask]]:
-    """Both pitch curves of a drive, and which of their points are on concave stretches (shape (n,))."""
-    driving, driven = (_closed_curve(curve) for curve in (drive.pitch.driving, drive.pitch.driven))
+    """Both pitch curves of a drive, and masks (shape (n,)) of their points on concave stretches."""
+    curves = drive.pitch.driving, drive.pitch.driven
+    driving, driven = (curve.at_angle(np.linspace(0.0, curve.turn_rad, CURVE_POINTS)) for curve in curves)
     dented = driven.curvature > 0.0 if drive.pitch.driven.is_ring else driven.curvature < 0.0
     return _assembled(drive, driving.position, driven.position), (driving.curvature < 0.0, dented)
 
@@ -98,14 +99,10 @@ def assembled_teeth(drive: Drive) -> Assembled:
 
 
 def positions_at(drive: Drive, phi1_rad: Array) -> list[Position]:
-    """How the pair stands at driving angles in rad, shape (n,)."""
+    """The positions of the pair at driving angles in rad, shape (n,)."""
     phi2 = drive.pair.transmission.driven_angle(phi1_rad).value
     point = drive.pitch.pitch_point_mm(phi1_rad)
     return [Position(float(a), float(b), float(x)) for a, b, x in zip(phi1_rad, phi2, point, strict=True)]
-
-
-def _closed_curve(curve: PitchCurve) -> CurvePoints:
-    return curve.at_angle(np.linspace(0.0, curve.turn_rad, CURVE_POINTS))
 
 
 def _assembled(drive: Drive, driving_mm: Array, driven_mm: Array) -> Assembled:
@@ -121,7 +118,7 @@ def pitch_curves_png(
 ) -> bytes:
     """Both pitch curves assembled at phi1 = 0; see ``draw_pitch_curves``."""
     width, height = np.ptp(pair.reach, axis=0)
-    # Wide enough for the scale, never taller than a screen.
+    # At least as tall as the scale needs, and never taller than a screen.
     size = 8.2, float(np.clip(7.2 * height / width, 2.8, 7.0)) + 1.5
     made = figure(*size, title)
     draw_pitch_curves(made.subplots(gridspec_kw=Margins().shares(*size)), pair, concave)
@@ -147,7 +144,7 @@ def draw_pitch_curves(axes: Axes, pair: Assembled, concave: tuple[Mask | None, M
 
 
 def _draw_concave(axes: Axes, curves: Sequence[tuple[Array, Mask | None]]) -> None:
-    """Draw over the concave stretches, if any."""
+    """Highlight the concave stretches."""
     drawn = [np.where(mask[:, None], points, np.nan) for points, mask in curves if mask is not None]
     # One line with a gap between the gears, so that the key names it once.
     joined = np.vstack([np.full((1, 2), np.nan), *(part for points in drawn for part in (points, [[np.nan, np.nan]]))])
@@ -176,7 +173,7 @@ def teeth_png(
 
 
 def draw_whole(axes: Axes, pair: Assembled, position: Position) -> None:
-    """Both gears, in a frame that is the same for all positions."""
+    """Both gears, in a view that is the same for all positions."""
     _draw_turned(axes, pair, position, 0.5)
     axes.plot([0.0, pair.center_distance_mm], [0.0, 0.0], "+", color=INK, markersize=8)
     left, right, top = pair.frame
@@ -184,7 +181,7 @@ def draw_whole(axes: Axes, pair: Assembled, position: Position) -> None:
     axes.set_ylim(-top, top)
     axes.set_aspect("equal")
     axes.set_axis_off()
-    # Adding zero turns a rounded -0.0 into 0.0.
+    # Adding zero turns -0.0, a result of rounding, into 0.0.
     phi1, phi2 = (round(degrees(angle), 1) + 0.0 for angle in (position.phi1_rad, position.phi2_rad))
     axes.set_title(f"phi1 = {phi1:g}\u00b0, phi2 = {phi2:g}\u00b0", size=SMALL + 1.0, color=INK)
 
@@ -218,7 +215,7 @@ def _draw_turned(axes: Axes, pair: Assembled, position: Position, line_width: fl
 
 
 def _draw_driven(axes: Axes, pair: Assembled, points_mm: Array, line_width: float, label: str = "") -> None:
-    """The driven gear's curve at its axis; a ring with its circle."""
+    """The driven gear's curve at its axis, with the outer circle of a ring."""
     moved = points_mm + np.array([pair.center_distance_mm, 0.0])
     if pair.ring_radius_mm is None:
         area(axes, moved, DRIVEN, line_width, label)

@@ -24,19 +24,19 @@ from ncgear.drawings.plots.canvas import (
 from ncgear.numerics.arrays import Array
 
 COLORS = (DRIVING, DRIVEN, HIGHLIGHT, REFERENCE)
-"""Colours of closed curves; a second round of them is dashed."""
+"""Colours of closed curves; further curves have the same colours, dashed."""
 
 MOST_CURVES = 8
-"""Closed curves in one picture, evenly chosen: more cannot be told apart."""
+"""Most closed curves in one picture, evenly chosen: nobody could tell more of them apart."""
 
 SLOWEST, FASTEST = 0.2, 1.25
-"""Shares of the speed between which a Campbell plot goes."""
+"""The range of speeds of a Campbell plot, as shares of the given speed."""
 
 SAMPLES = 61
-"""Points of a line in a Campbell plot, which its logarithmic scale bends."""
+"""Points of a line in a Campbell plot; the logarithmic scale bends lines."""
 
 KINDS = {"rotation": DRIVING, "rollers and teeth": REFERENCE, "engine": HIGHLIGHT, "slider": DRIVEN}
-"""Colours of excitations in a Campbell plot, by what causes them."""
+"""Colours of excitations in a Campbell plot, by their cause."""
 
 
 def loops(curves: Mapping[str, Array], unit: str, title: str) -> bytes:
@@ -59,8 +59,8 @@ def loops(curves: Mapping[str, Array], unit: str, title: str) -> bytes:
 def campbell(excitations: Sequence[Excitation], natural_hz: Sequence[float], band: float, title: str) -> bytes:
     """PNG of the frequencies of excitations over the machine's speed, with the natural frequencies across.
 
-    Around each natural frequency is the band, a share of it, in which an excitation counts as meeting it.  All shafts
-    are taken to speed up and slow down together.
+    ``band`` is a share of a natural frequency: an excitation that is nearer counts as meeting that frequency.  All
+    shafts are assumed to speed up and slow down together.
     """
     width, height = 8.6, 6.2
     made = figure(width, height, title)

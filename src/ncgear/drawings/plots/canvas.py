@@ -1,4 +1,4 @@
-"""What all pictures share: figures without global state, colours, font sizes, axes, filled outlines, PNG."""
+"""Parts that all pictures share: figures without global state, colours, font sizes, axes, filled outlines, PNG."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ HIGHLIGHT = "#CC79A7"
 REFERENCE = "#6E6E6E"
 INK = "#222222"
 GRID = "#E2E2E2"
-"""Colours after M. Okabe and K. Ito, told apart with any colour vision; also by lightness in print."""
+"""Colours after M. Okabe and K. Ito, which differ for any colour vision, and in lightness when printed."""
 
 FILL = 0.16
-"""Opacity of areas: an overlap of two shows."""
+"""Opacity of areas, small enough to show where two of them overlap."""
 
 SMALL = 8.0
 NORMAL = 9.5
@@ -36,7 +36,7 @@ LARGE = 12.0
 """Font sizes in points."""
 
 Style = dict[str, Any]
-"""Keyword arguments of a function of matplotlib that draws."""
+"""Keyword arguments of a drawing function of matplotlib."""
 
 EDGE_IN = 0.12
 """Distance in inches of a heading from the figure's edges."""
@@ -44,7 +44,7 @@ EDGE_IN = 0.12
 
 @dataclass(frozen=True)
 class Margins:
-    """Space around the axes in inches, so that it looks the same in figures of every size."""
+    """Space around the axes in inches, which is the same in figures of every size."""
 
     left: float = 0.85
     right: float = 0.15
@@ -52,7 +52,7 @@ class Margins:
     top: float = 0.68
 
     def shares(self, width_in: float, height_in: float) -> dict[str, float]:
-        """The same as shares of a figure, as matplotlib wants them."""
+        """The margins as shares of a figure, which matplotlib needs."""
         return {
             "left": self.left / width_in,
             "right": 1.0 - self.right / width_in,
@@ -62,11 +62,11 @@ class Margins:
 
 
 def figure(width_in: float, height_in: float, title: str) -> Figure:
-    """An empty figure of a size in inches, drawn by Agg, with a heading at its left."""
+    """An empty figure of a size in inches, for Agg, with a heading at the left."""
     made = Figure(figsize=(width_in, height_in), dpi=DPI, facecolor="white")
     FigureCanvasAgg(made)
     x, y = EDGE_IN / width_in, 1.0 - EDGE_IN / height_in
-    # A design's name is free text: its dollar signs are not formulas.
+    # The name of a design may contain dollar signs, which are not formulas.
     made.text(x, y, title, size=LARGE, weight="bold", color=INK, ha="left", va="top", parse_math=False)
     return made
 
@@ -74,13 +74,13 @@ def figure(width_in: float, height_in: float, title: str) -> Figure:
 def png(made: Figure) -> bytes:
     """The figure as PNG."""
     data = BytesIO()
-    # Without the library's name and version the bytes depend on the picture alone.
+    # Without the name and version of the library, the bytes depend on the picture alone.
     made.savefig(data, format="png", metadata={"Software": None})
     return data.getvalue()
 
 
 def dress(axes: Axes, x_label: str, y_label: str) -> None:
-    """Labels, a faint grid, and no frame on the sides without a scale."""
+    """Put labels, a faint grid, and no frame on the sides without a scale."""
     axes.set_xlabel(x_label, size=NORMAL, color=INK)
     axes.set_ylabel(y_label, size=NORMAL, color=INK)
     axes.tick_params(labelsize=SMALL, colors=INK, length=3.0)
@@ -93,7 +93,7 @@ def dress(axes: Axes, x_label: str, y_label: str) -> None:
 
 
 def key_above(axes: Axes) -> None:
-    """The key in one line above the axes, at their right end."""
+    """Put the key in one line above the axes, at their right end."""
     entries = len(axes.get_legend_handles_labels()[1])
     axes.legend(
         loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=entries, frameon=False, fontsize=SMALL, borderaxespad=0.1
@@ -101,9 +101,9 @@ def key_above(axes: Axes) -> None:
 
 
 def area(axes: Axes, points: Array, color: str, line_width: float, label: str = "") -> None:
-    """A closed outline (shape (n, 2)) with a faint filling; does not set the limits of the axes."""
+    """Draw a closed outline (shape (n, 2)) with a faint filling; does not set the limits of the axes."""
     patch = Polygon(points, facecolor=to_rgba(color, FILL), edgecolor=color, linewidth=line_width, label=label)
-    # Not add_patch: it looks for the limits of every edge as if it were a curve, half a second for two gears.
+    # add_patch would compute the limits of every edge as if it were a curve: half a second for two gears.
     axes.add_artist(patch)
 
 
@@ -116,8 +116,8 @@ def ring_area(
     line_width: float,
     label: str = "",
 ) -> None:
-    """The area between a circle and a closed outline within it (shape (n, 2)), with a faint filling."""
-    # Agg fills by winding: a hole is one where it runs the other way round than the circle.
+    """Draw the area between a circle and a closed outline within it (shape (n, 2)), with a faint filling."""
+    # Agg fills by winding: the outline is a hole if it runs in the sense opposite to the circle.
     clockwise = hole if signed_area(hole) < 0.0 else hole[::-1]
     inner = Path(np.vstack([clockwise, clockwise[:1]]), closed=True)
     path = Path.make_compound_path(Path.circle(center, radius), inner)

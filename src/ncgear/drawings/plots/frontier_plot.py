@@ -1,4 +1,4 @@
-"""Power against acceleration: what no law can reach, what laws come to, and where mechanisms stand."""
+"""A picture of power against acceleration: the limit of all laws, the laws found, and other mechanisms."""
 
 from __future__ import annotations
 
@@ -27,16 +27,17 @@ from ncgear.numerics.arrays import Array
 
 WIDTH_IN, HEIGHT_IN = 8.2, 5.8
 ROOM = 1.6
-"""Room above the highest mechanism, as a factor: the family's steep end may leave the picture."""
+"""Room above the highest mechanism, as a factor; the steep end of the family may be outside the picture."""
 
 Named = tuple[str, float, float]
-"""A mechanism: name, power in W, acceleration in mm/s2."""
+"""A mechanism by its name, its power in W and its acceleration in mm/s2."""
 
 
 def frontier(limit: Array, laws: Array, family: Array, mechanisms: Sequence[Named], title: str) -> bytes:
     """PNG of the frontier; ``limit``, ``laws`` and ``family`` have rows of power in W and acceleration in mm/s2.
 
-    The units are those in which limit, laws and mechanisms are read; the family need not show to its end.
+    The units are those in which limit, laws and mechanisms are easy to read; a part of the family may be outside the
+    picture.
     """
     standing = rows([mechanism[1:] for mechanism in mechanisms])
     shown = np.vstack([limit, laws, standing])
@@ -67,7 +68,7 @@ def _draw_curves(axes: Axes, limit: Array, laws: Array, family: Array) -> None:
     note: Style = {"transform": axes.transAxes, "size": SMALL, "color": REFERENCE, "style": "italic"}
     axes.text(0.03, 0.05, "impossible for any law", **note)
     axes.plot(*limit.T, color=INK, linewidth=1.6, label="certified limit")
-    # A single law must show on top of the mechanism that it may be.
+    # A single law may coincide with a mechanism and must still show on top of it.
     size = 3.5 if len(laws) > 1 else 8.0
     style: Style = {"color": DRIVING, "linewidth": 1.8, "marker": "o", "markersize": size, "zorder": 4}
     axes.plot(*laws.T, label="laws that can be made", **style)
@@ -77,7 +78,7 @@ def _draw_curves(axes: Axes, limit: Array, laws: Array, family: Array) -> None:
 
 def _draw_mechanism(axes: Axes, name: str, power: float, acceleration: float) -> None:
     axes.plot([power], [acceleration], color=HIGHLIGHT, marker="D", markersize=6.0, linestyle="none")
-    # Names are free text: dollar signs are not formulas.
+    # Names may contain dollar signs, which are not formulas.
     note: Style = {"size": SMALL, "color": INK, "parse_math": False}
     axes.annotate(name, (power, acceleration), xytext=(6.0, 5.0), textcoords="offset points", **note)
 

@@ -1,1 +1,1 @@
-"""What moves in a machine, and where it is at any driving angle."""
+"""The scene: all bodies of a machine, and their places at any driving angle."""

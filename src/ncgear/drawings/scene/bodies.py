@@ -1,14 +1,13 @@
-"""What moves as a rigid body, and the places it takes.
+"""The moving bodies of the mechanism with their shapes, and the chamber in which the slider works.
 
-Shapes of the mechanism's links in their own frames: drawn parts, of which a design file tells the lengths only.  The
-crank lies along +x from its axis; the slider has its own place at the origin and its face ahead in +x; of the other
-links the mechanism tells where their bars and eyes are.
+Each link has a shape in its own frame.  A design file gives only lengths, so the shapes are drawn for the picture.  The
+crank lies along +x from its axis.  The slider has its pin at the origin and its face in front of it in +x.  The
+mechanism says where the bars and eyes of the other links are.
 
-The slider's way: its guide and, where it presses against something, the chamber with the material in it.
-
-A design file tells the force, not the chamber: width, length of the slider and what the fullest stroke leaves in front
-of it are chosen in proportion to the stroke.  The material lies where the force acts: from where it first does to the
-chamber's end.  On its way back the slider leaves it behind, pressed; the next stroke begins with another charge.
+The slider moves in a guide.  Where it works against a force, the guide is a chamber with material in it.  A design file
+gives the force, but not the chamber.  So the height of the chamber, the length of the slider and the least depth of the
+material are chosen in proportion to the stroke.  The material reaches from the place where the force first acts to the
+end of the chamber.  On its way back the slider leaves it pressed; the next stroke begins with new material.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ from ncgear.numerics.arrays import Array, Mask
 
 
 class Kind(Enum):
-    """What a body is, for its colour and its name."""
+    """The kinds of bodies, which set their colours."""
 
     DRIVING = "driving"
     DRIVEN = "driven"
@@ -57,7 +56,7 @@ class Body:
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Where a body's frame is: origin in mm, shape (n, 2), and angle in rad counter-clockwise, shape (n,)."""
+    """The places of a body's frame: origin in mm, shape (n, 2), and angle in rad counter-clockwise, shape (n,)."""
 
     origin_mm: Array
     angle_rad: Array
@@ -66,17 +65,17 @@ class Places:
 CRANK_EYE = 0.11
 PIN_EYE = 0.075
 ROD_WIDTH = 0.08
-"""Radius of the crank at its axis, of all eyes about pins, and width of the rod, as shares of the crank's length."""
+"""Radius of the crank at its axis, radius of eyes about pins, and width of bars, as shares of the crank's length."""
 
 PIN = 0.036
-"""Radius of the pins, likewise."""
+"""Radius of the pins, as a share of the crank's length."""
 
 QUARTER = 16
 """Chords of a quarter of a circle: no chord is farther from it than 1/800 of its radius."""
 
 
 def pin_radius_mm(linkage: Mechanism) -> float:
-    """Of the pins that are drawn."""
+    """Radius in mm of the drawn pins."""
     return PIN * linkage.crank_mm
 
 
@@ -93,7 +92,7 @@ def link_shape(linkage: Mechanism, name: str) -> Array:
 
 
 def slider_shape(chamber: Chamber) -> Array:
-    """The slider's outline in mm, shape (n, 2), counter-clockwise: a piston, with what the linkage adds to it."""
+    """The slider's outline in mm, shape (n, 2), counter-clockwise: a piston, and the parts that the mechanism adds."""
     face, half = chamber.face_mm, chamber.height_mm / 2.0
     piston = np.array([[-face, -half], [face, -half], [face, half], [-face, half]])
     if "slider" not in chamber.linkage.shapes():
@@ -102,7 +101,7 @@ def slider_shape(chamber: Chamber) -> Array:
 
 
 def _parts(linkage: Mechanism, name: str) -> list[Polygon]:
-    """Bars and eyes, as wide as the crank's length makes them."""
+    """The bars and eyes of a link; their widths are in proportion to the crank's length."""
     shape, eye = linkage.shapes()[name], PIN_EYE * linkage.crank_mm
     bars = [_bar(np.array(start), np.array(end), ROD_WIDTH / 2.0 * linkage.crank_mm) for start, end in shape.bars]
     return [*bars, *(_disc(x, eye, y) for x, y in shape.eyes)]
@@ -141,26 +140,26 @@ class Chamber:
 
     @property
     def face_mm(self) -> float:
-        """From the pin of the slider to its face."""
+        """Distance from the pin of the slider to its face."""
         return SLIDER_LENGTH / 2.0 * self.linkage.stroke_mm
 
     @property
     def height_mm(self) -> float:
-        """Across the slider's line; the slider fills it."""
+        """Size across the slider's line; the slider is as high."""
         return HEIGHT * self.linkage.stroke_mm
 
     @property
     def start_mm(self) -> float:
-        """Where the retracted slider's back is."""
+        """Place of the back of the retracted slider."""
         return self.linkage.nearest_mm - self.face_mm
 
     @property
     def end_mm(self) -> float:
-        """The wall against which the material is pressed."""
+        """Place of the wall against which the slider presses the material."""
         return self.linkage.farthest_mm + self.face_mm + REST * self.linkage.stroke_mm
 
     def material_mm(self, displacement_mm: Array, working: Mask) -> Array:
-        """Depth of the material before the chamber's end, shape (n,); nan nowhere, 0 where there is none."""
+        """Depth of the material before the chamber's end, shape (n,); 0 in a guide without material."""
         if self.begins_mm is None:
             return np.zeros_like(displacement_mm)
         pressed = np.where(working, np.maximum(displacement_mm, self.begins_mm), self.linkage.stroke_mm)
@@ -169,7 +168,7 @@ class Chamber:
 
 
 def chamber_of(linkage: Mechanism, resistance: Resistance | None) -> Chamber:
-    """The chamber of a linkage that works against a resistance; an empty guide where that is None or nowhere acts."""
+    """The chamber of a mechanism that works against a resistance; an empty guide if that is None or acts nowhere."""
     return Chamber(linkage, None if resistance is None else _begins_mm(resistance, linkage.stroke_mm))
 
 

@@ -1,11 +1,11 @@
-"""The pairs of gears of a scene, each where it lies in the machine and each gear on its shaft.
+"""The pairs of gears of a scene, each at its place in the machine, and each gear on its shaft.
 
-A pair's own frame has its driving axis at (0, 0) and its driven one at (a, 0), and its driving gear turns
-counter-clockwise.  The frame of the scene is that of the linkage: the crank's axis at the origin, the slider moving
-along +x, the crank turning clockwise.  The driven gear of the last pair turns with the crank.  That pair is therefore
-seen from the side from which its driven gear turns clockwise: an external pair as it is, an internal one from behind.
-Each pair before it is seen from the side from which the shaft that it shares with the next turns in the same sense.
-All axes lie on one line.
+In the frame of a pair, the driving axis is at (0, 0), the driven axis at (a, 0), and the driving gear turns
+counter-clockwise.  In the frame of the scene, which is that of the mechanism, the crank's axis is at the origin, the
+slider moves along +x, and the crank turns clockwise.  The driven gear of the last pair turns with the crank.  So that
+pair is seen from the side from which its driven gear turns clockwise: an external pair from the front, an internal pair
+from behind.  Each pair before it is seen from the side from which the shaft that it shares with the next pair turns in
+the same sense.  All axes are on one line.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ CRANK_SENSE = -1.0
 
 @dataclass(frozen=True)
 class Mounting:
-    """Where one pair lies in the frame of the linkage.
+    """The place of one pair in the frame of the mechanism.
 
-    ``turn_rad`` is the direction from the driving axis to the driven one.  ``hand`` is -1 where the pair is seen from
-    behind, so that its own y axis points the other way, and else 1.
+    ``turn_rad`` is the direction from the driving axis to the driven one.  ``hand`` is -1 for a pair that is seen from
+    behind, whose own y axis then points the other way; otherwise it is 1.
     """
 
     mesh: Mesh
@@ -44,29 +44,29 @@ class Mounting:
     hand: float
 
     def axis_mm(self, gear: Gear) -> tuple[float, float]:
-        """Where the axis of one of its gears is."""
+        """The axis of one of the gears."""
         return self.driving_axis_mm if gear is Gear.DRIVING else self.driven_axis_mm
 
     def sense(self, gear: Gear) -> float:
-        """Sense in which one of its gears turns: +1 counter-clockwise, -1 clockwise."""
+        """The sense in which one of the gears turns: +1 counter-clockwise, -1 clockwise."""
         return self.hand if gear is Gear.DRIVING else self.hand * self.mesh.sense
 
     def seen(self, points_mm: Array) -> Array:
-        """Points of a gear's own frame (shape (n, 2)) as they are seen before the gear turns."""
+        """Points of a gear's own frame (shape (n, 2)) in the view of the scene, before the gear turns."""
         seen: Array = points_mm * np.array([1.0, self.hand])
         return seen
 
     def on_centres_mm(self, distance_mm: Array) -> Array:
-        """Points of the line of centres at distances from the driving axis towards the driven one; (n,) to (n, 2)."""
+        """Points (n, 2) on the line of centres, at distances (n,) from the driving axis towards the driven one."""
         along = np.array([cos(self.turn_rad), sin(self.turn_rad)])
         points: Array = np.array(self.driving_axis_mm) + distance_mm[:, None] * along
         return points
 
 
 def mountings(meshes: Sequence[Mesh], center_distances_mm: Sequence[float], driving_axis_rad: float) -> list[Mounting]:
-    """The mountings of pairs in series, in their order: the last one turns the crank.
+    """The mountings of pairs in series, in their order; the last pair turns the crank.
 
-    ``driving_axis_rad`` is the direction from the crank's axis to the driving one's, counter-clockwise from +x.
+    ``driving_axis_rad`` is the direction from the crank's axis to the driving axis, counter-clockwise from +x.
     """
     made: list[Mounting] = []
     sense, axis = CRANK_SENSE, (0.0, 0.0)
@@ -83,7 +83,10 @@ CURVE_POINTS = 721
 
 @dataclass(frozen=True, eq=False)
 class SceneGear:
-    """A gear as it is seen, the number of its shaft (0 the driving one), and its closed pitch curve in mm, (n, 2)."""
+    """A gear in the view of the scene, the number of its shaft (0 is the driving shaft), and its closed pitch curve.
+
+    The curve is in mm, shape (n, 2).
+    """
 
     body: Body
     gear: Gear
@@ -93,11 +96,11 @@ class SceneGear:
 
     @property
     def axis_mm(self) -> tuple[float, float]:
-        """Where its axis is."""
+        """The place of its axis."""
         return self.mounting.axis_mm(self.gear)
 
     def places(self, shaft_angles_rad: Array) -> Places:
-        """Where it is when all shafts, shape (shafts, n), have turned by angles in rad."""
+        """The places of the gear when the shafts have turned by angles in rad, shape (shafts, n)."""
         angle = self.mounting.turn_rad + self.mounting.sense(self.gear) * shaft_angles_rad[self.shaft]
         return Places(np.tile(self.axis_mm, (angle.size, 1)), angle)
 
@@ -114,18 +117,18 @@ class ScenePair:
 
     @property
     def shaft(self) -> int:
-        """Number of the driving gear's shaft, 0 being the shaft that drives the machine."""
+        """Number of the driving gear's shaft; 0 is the shaft that drives the machine."""
         return self.driving.shaft
 
     def pitch_point_mm(self, shaft_angles_rad: Array) -> Array:
-        """Where the pitch curves touch, shape (n, 2)."""
+        """The points in mm where the pitch curves touch, shape (n, 2)."""
         return self.mounting.on_centres_mm(self.pitch.pitch_point_mm(shaft_angles_rad[self.shaft]))
 
 
 def scene_pairs(drive: Drive) -> tuple[ScenePair, ...]:
-    """The pairs of a drive from the driving shaft on, their teeth found sound; none where its design has no gears.
+    """The pairs of a drive from the driving shaft on; none where its design has no gears.
 
-    Raises WrongInput and NoSuchMechanism as the teeth do.
+    Raises WrongInput or NoSuchMechanism where the teeth cannot be made or their contact is not sound.
     """
     gears = drive.design.gears
     if gears is None:
@@ -154,7 +157,7 @@ def _gear(drive: Drive, gear: Gear, number: int, mounting: Mounting) -> SceneGea
 
 
 def _edges(plan: BodyPlan) -> list[Array]:
-    """Pockets and hub as they are seen on the upper face."""
+    """The edges of pockets and hub on the upper face."""
     pockets = plan.web.pockets if plan.web else ()
     rings = [ring for pocket in pockets for ring in (pocket.exterior, *pocket.interiors)]
     hub = [circle_points(plan.hub.diameter_mm / 2.0, plan.chord_tolerance_mm)] if plan.hub else []
@@ -162,7 +165,7 @@ def _edges(plan: BodyPlan) -> list[Array]:
 
 
 def _seen(section: Polygon, mounting: Mounting) -> tuple[Array, ...]:
-    """The contours of a section as they are seen, the outer one first and counter-clockwise."""
+    """The contours of a section in the view of the scene, the outer one first and counter-clockwise."""
     rings = section.exterior, *section.interiors
     seen = [mounting.seen(np.asarray(ring.coords)) for ring in rings]
     whole = orient(Polygon(seen[0], seen[1:]))

@@ -1,6 +1,6 @@
-"""The scene of a drive: all that moves in a machine and all that stands, and where it is at any driving angle.
+"""The scene of a drive: all moving and standing parts of a machine, and their places at any driving angle.
 
-The frame is that of the linkage: the crank's axis at the origin, the slider moving along +x, the crank turning
+The frame is that of the mechanism: the crank's axis is at the origin, the slider moves along +x, and the crank turns
 clockwise.
 """
 
@@ -24,11 +24,11 @@ from ncgear.ratio.transmission import Train
 
 @dataclass(frozen=True, eq=False)
 class Poses:
-    """Where everything is at n driving angles.
+    """The places of all parts at n driving angles.
 
-    ``shaft_angles_rad`` (shape (shafts, n)) is how far each shaft has turned, the driving one first, the crank's last.
-    ``places`` has the places of each body by its name, ``pitch_points_mm`` (shape (n, 2) each) the pitch point of each
-    pair.  ``material_mm`` (shape (n,)) is how deep the material before the chamber's end is.
+    ``shaft_angles_rad`` (shape (shafts, n)) are the angles by which the shafts have turned, from the driving shaft to
+    the crank's.  ``places`` has the places of each body by its name, ``pitch_points_mm`` (shape (n, 2) each) the pitch
+    point of each pair.  ``material_mm`` (shape (n,)) is the depth of the material before the chamber's end.
     """
 
     motion: SliderMotion
@@ -40,7 +40,7 @@ class Poses:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What there is to see of one machine; ``pairs`` are in the order from the driving shaft, none without gears."""
+    """All visible parts of a machine; ``pairs`` are in their order from the driving shaft, and empty without gears."""
 
     name: str
     machine: Machine
@@ -50,7 +50,7 @@ class Scene:
 
     @property
     def loop_rad(self) -> float:
-        """Least driving angle after which every body is back in its pose: every gear has made whole turns."""
+        """Least driving angle after which every body is back in its pose and every gear has made whole turns."""
         lobes = self.machine.transmission.lobes
         return 2.0 * pi * lobes.driven / gcd(lobes.driving, lobes.driven)
 
@@ -72,23 +72,26 @@ class Scene:
 
     @property
     def crank_is_behind(self) -> bool:
-        """Whether the gears are drawn over the crank, as where they are smaller than it: so both stay in sight."""
+        """Whether the gears are drawn over the crank: they are if they are smaller, so that both can be seen."""
         return bool(self.pairs) and self.pairs[-1].driven.body.reach_mm < self.machine.linkage.crank_mm
 
     @property
     def axes_mm(self) -> tuple[tuple[float, float], ...]:
-        """Where the axes of the shafts are, the driving one first and the crank's last."""
+        """The places of the shafts' axes, from the driving shaft to the crank's."""
         return (*(pair.mounting.driving_axis_mm for pair in self.pairs), (0.0, 0.0))
 
     def shaft_angles_rad(self, phi1_rad: Array) -> Array:
-        """How far each shaft has turned at driving angles in rad, each in its own sense; (n,) to (shafts, n)."""
+        """The angles in rad by which the shafts have turned, each in its own sense, at driving angles (n,).
+
+        The shape is (shafts, n).
+        """
         angles = [phi1_rad]
         for pair in self.train.pairs[:-1]:
             angles.append(pair.transmission.driven_angle(angles[-1]).value)
         return np.stack([*angles, self.train.whole.driven_angle(phi1_rad).value])
 
     def poses(self, phi1_rad: Array) -> Poses:
-        """Where everything is at driving angles in rad, shape (n,), of any number of turns."""
+        """The places of all parts at driving angles in rad, shape (n,), over any number of turns."""
         angles, motion = self.shaft_angles_rad(phi1_rad), self.machine.motion(phi1_rad)
         gears = {gear.body.name: gear.places(angles) for pair in self.pairs for gear in (pair.driving, pair.driven)}
         return Poses(
@@ -107,7 +110,7 @@ class Scene:
 
 
 def scene_of(drive: Drive) -> Scene:
-    """The scene of a drive, with its gears where the design has any; with both pairs of a design of two stages.
+    """The scene of a drive, with all pairs of gears that the design has.
 
     Raises WrongInput or NoSuchMechanism where law, pitch curves or teeth cannot be made, or teeth do not mesh.
     """

@@ -1,7 +1,7 @@
-"""What stands still in a scene, what each view shows of it, and contours with as many points as a picture needs.
+"""The standing parts of a scene, the boxes of its views, and contours with as many points as a picture needs.
 
-The walls of the slider's way are hatched, as the ground is in a drawing; the material in front of the slider has a
-grain, which shows how it is pressed.
+The walls beside the slider are hatched like the ground in a drawing.  The material in front of the slider has a grain,
+which shows how the slider presses it.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ncgear.numerics.arrays import Array
 
 
 def simplified(contours_mm: Sequence[Array], tolerance_mm: float) -> list[Array]:
-    """Contours (shape (n, 2) each, outer one first) without points that lie within the tolerance of the rest."""
+    """Contours (shape (n, 2) each, outer one first) without points that are within the tolerance of the rest."""
     polygon = Polygon(contours_mm[0], contours_mm[1:])
     fewer = shapely.simplify(polygon, tolerance_mm, preserve_topology=True)
     return [np.asarray(ring.coords)[:-1] for ring in (fewer.exterior, *fewer.interiors)]
@@ -33,16 +33,19 @@ HATCH_LENGTH = 0.07
 
 STRAWS = 150
 HALF_STRAW = np.array([0.03, 0.065])
-"""Half the length of a straw that lies along the chamber, as a share of the material's depth, and of one that lies
-across it, as a share of the height."""
+"""Half the length of straws that lie along the chamber, as a share of the material's depth, and of straws that lie
+across it, as a share of the chamber's height.
+"""
 
 SPREAD = np.array([0.8191725134, 0.6710436067, 0.5497004779])
-"""Powers of the inverse root of x^4 = x + 1: the fractions of their multiples fill a cube evenly, without any random
-number (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018)."""
+"""Powers of the inverse root of x^4 = x + 1; the fractions of their multiples fill a cube evenly, with no randomness.
+
+Source: M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018.
+"""
 
 
 def wall_mm(chamber: Chamber) -> Array:
-    """The open line around the slider's way, shape (n, 2): two sides, and an end where there is material."""
+    """The open line of the chamber's walls in mm, shape (n, 2): two sides, and an end where there is material."""
     half = chamber.height_mm / 2.0
     low, high = chamber.linkage.offset_mm - half, chamber.linkage.offset_mm + half
     start, end = chamber.start_mm, chamber.end_mm
@@ -50,7 +53,7 @@ def wall_mm(chamber: Chamber) -> Array:
 
 
 def hatches_mm(chamber: Chamber) -> Array:
-    """Slanting strokes outside both sides, shape (n, 2, 2), which mark the wall as part of the frame."""
+    """Slanting strokes outside both sides, in mm, shape (n, 2, 2); they mark the walls as parts of the frame."""
     wall, length = wall_mm(chamber), HATCH_LENGTH * chamber.height_mm
     foot = np.linspace(chamber.start_mm, chamber.end_mm, HATCHES + 1)[1:]
     (_, low), (_, high) = wall[0], wall[2]
@@ -62,9 +65,9 @@ def hatches_mm(chamber: Chamber) -> Array:
 
 
 def straws() -> Array:
-    """Strokes of the material's grain, shape (n, 2, 2): shares of its depth in x, of the chamber's height in y.
+    """Strokes of the material's grain, shape (n, 2, 2): x in shares of its depth, y in shares of the chamber's height.
 
-    Drawn over a depth that shrinks, they close up as straw does.
+    As the depth shrinks, the strokes come closer together, like straw.
     """
     along, across, lean = np.mod(np.outer(np.arange(1, STRAWS + 1), SPREAD), 1.0).T
     middle = np.stack([along, across - 0.5], axis=-1)
@@ -75,19 +78,19 @@ def straws() -> Array:
 
 
 SLACK = 0.03
-"""Room around what is shown, as a share of its larger side."""
+"""Room around the parts in a view, as a share of the larger side of their box."""
 
 MESH_IN_MODULES = 9.0
-"""Width and height of the view on the mesh."""
+"""Width and height of the view of the mesh, in modules."""
 
 Box = tuple[float, float, float, float]
 """Left, bottom, width and height in mm of the frame of the scene."""
 
 
 def views(scene: Scene) -> dict[str, Box]:
-    """The boxes of the whole machine, of all gears and of the mesh, the latter two where there are gears.
+    """The boxes of the views: the whole machine, and where there are gears, all gears and the mesh.
 
-    That of the mesh is about the origin, to be moved to the pitch point.
+    The box of the mesh is about the origin; it has to be moved to the pitch point.
     """
     reach = scene.machine.linkage.crank_mm * (1.0 + CRANK_EYE)
     crank = np.array([[-reach, -reach], [reach, reach]])

@@ -1,1 +1,1 @@
-"""What is special about a design, and what would change it."""
+"""Advices: special features of a design, and the changes that would cure them."""

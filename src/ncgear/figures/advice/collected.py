@@ -1,4 +1,4 @@
-"""All advices of a drive, in the order in which a design is worked out."""
+"""All advices of a drive, in the order in which a person works out a design."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from ncgear.project.drive import Drive
 
 
 def check_advice(drive: Drive) -> tuple[Advice, ...]:
-    """Advices that need no pitch curve."""
+    """The advices that need no pitch curve."""
     ranges = [law_advice.ratio_range(pair) for pair in drive.by_stage]
     return _given(*ranges, law_advice.speeds(drive), law_advice.negative_resistance(drive))
 
 
 def build_advice(drive: Drive) -> tuple[Advice, ...]:
     """Advices about pitch curves, teeth and contact of one pair of gears; raises as the drive does."""
-    # What makes teeth is slow to import, and a check has no need of it.
+    # The modules that make teeth are slow to import, and a check does not need them.
     from ncgear.figures.advice import teeth_advice
 
     of_curves = [

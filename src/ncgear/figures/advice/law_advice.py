@@ -17,17 +17,17 @@ from ncgear.ratio.transmission import Transmission
 OPTIMIZE = "ncgear optimize"
 
 WIDEST_RATIO = 5.0
-"""Ratio, or its inverse, beyond which the smaller gear's pitch radius is under a sixth of the centre distance."""
+"""Where the ratio or its inverse exceeds this, the smaller pitch radius is under a sixth of the centre distance."""
 
 SAME_SPEED = 1e-3
-"""Relative difference of two speeds that no slider's reader notices: 1 mm/s in a metre per second."""
+"""Relative difference of two speeds that nobody notices: 1 mm/s in a metre per second."""
 
 STEEPEST_DEG = 60.0
-"""Pressure angle beyond which half of the force on a tooth bears on the shafts twice over (cos 60 deg = 0.5)."""
+"""Pressure angle beyond which the force on a tooth is over twice the part of it that turns (cos 60 deg = 0.5)."""
 
 
 def ratio_range(drive: Drive) -> Advice | None:
-    """A ratio beyond what gears can follow well; of two stages, of the one that the drive is."""
+    """A ratio beyond what gears follow well; with two stages, the ratio of the drive's own stage."""
     low, high = drive.pair.transmission.ratio_range
     if not _too_wide(drive.pair.transmission):
         return None
@@ -50,7 +50,7 @@ def _too_wide(transmission: Transmission) -> bool:
 
 
 def speeds(drive: Drive) -> Advice | None:
-    """A machine that runs at another speed than its law holds at."""
+    """A machine that runs at another speed than the one at which its law's velocities hold."""
     operating, law = drive.design.operation.speed_rpm, drive.law_speed_rpm
     if abs(operating / law - 1.0) < SAME_SPEED:
         return None
@@ -65,7 +65,7 @@ def speeds(drive: Drive) -> Advice | None:
 
 
 def negative_resistance(drive: Drive) -> Advice | None:
-    """A resistance that would drive the slider somewhere."""
+    """A resistance that would drive the slider in a part of the stroke."""
     resistance = drive.machine.resistance
     stretches = resistance.negative_stretches_mm(drive.linkage.stroke_mm)
     if not stretches:
@@ -115,7 +115,7 @@ def _less_steep(drive: Drive, angle: float) -> tuple[Remedy, ...]:
 
 
 def ring(drive: Drive) -> Advice | None:
-    """What an internal gear asks of the workshop."""
+    """What the workshop needs to make an internal gear."""
     if not drive.pitch.driven.is_ring:
         return None
     return Advice(
@@ -156,13 +156,13 @@ def _convex(drive: Drive, gear: Gear) -> tuple[Remedy, ...]:
 
 
 def optimised(**limits: float | bool) -> Remedy:
-    """A law that is sought within limits, by their keys under optimize.limits."""
+    """The remedy of an optimised law within limits, which are given by their keys under ``optimize.limits``."""
     changes = changed({f"optimize.limits.{key}": value for key, value in limits.items()})
     return Remedy("let the best law within this limit be found", changes, OPTIMIZE)
 
 
 def tempered(drive: Drive, harmful: Callable[[Transmission], bool]) -> tuple[Remedy, ...]:
-    """The design's own law, its swing reduced until it is no longer ``harmful``; none where the law has no such way."""
+    """The remedy of the design's own law with a smaller swing that is not ``harmful``; empty where there is none."""
     percent = kept_percent(drive.design, harmful)
     if percent == 0:
         return ()

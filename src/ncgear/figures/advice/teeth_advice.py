@@ -1,4 +1,4 @@
-"""Advices about the teeth of a pair: undercut and shortened ones, their contact, the thrust of helical ones."""
+"""Advices about the teeth of a pair: undercut, shortened tips, contact, and the thrust of helical teeth."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ MEANINGS = {
     Limit.FOULING: "would run into the mate's tips, so concave is the pitch curve there",
     Limit.HELIX: "would jump between sections of the helical teeth",
 }
-"""Why tips are shortened, by reason; undercut and pointed tips have advices of their own."""
+"""The words for each reason to shorten tips; undercut and pointed tips have advices of their own."""
 
 
 def undercut(drive: Drive) -> Advice | None:
@@ -53,7 +53,7 @@ def undercut(drive: Drive) -> Advice | None:
 
 
 def _ways_out_of_undercut(drive: Drive) -> tuple[Remedy, ...]:
-    """Each of them by itself leaves no tooth undercut, wherever it stands on the curves."""
+    """The remedies; each alone leaves no tooth undercut, wherever the teeth stand on the pitch curves."""
     enough = enough_teeth(drive)
     remedies = [
         Remedy(f"from {enough} driving teeth at this centre distance there is none", changed(resized(drive, enough)))
@@ -84,7 +84,7 @@ def pointed(drive: Drive) -> Advice | None:
 
 
 def shortened(drive: Drive) -> list[Advice]:
-    """Tips that are shortened for yet another reason, one advice for each reason."""
+    """Tips that are shortened for another reason than their point, one advice for each reason."""
     advices = []
     for reason, words in MEANINGS.items():
         places = _places(drive, partial(ToothedGear.shortened, reason=reason))
@@ -105,7 +105,7 @@ def _named(places: tuple[Where, ...]) -> str:
 
 
 def contact_ratio(drive: Drive) -> Advice | None:
-    """Flanks that lose contact, unless helical teeth overlap by more than that."""
+    """Flanks that lose contact, unless the overlap of helical teeth bridges the gap."""
     designed = drive.designed_contact
     sides = designed.pushing, designed.back
     if designed.longest_gap_pitches <= drive.overlap_ratio:
@@ -131,7 +131,7 @@ def _worst(designed: AsDesigned, side: SideContact) -> tuple[float, float]:
 
 
 def thrust(drive: Drive) -> Advice | None:
-    """What helical teeth push along their axes."""
+    """The thrust of helical teeth along their axes."""
     helix = drive.helix
     if helix is None or not helix.thrust_share:
         return None

@@ -1,4 +1,4 @@
-"""An advice: what is special about a machine, what that means, and what to change, as a plain value."""
+"""An advice as a plain value: a special feature of a machine, what it means, and what to change."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from ncgear.figures.numbers import shown
 from ncgear.project.alternatives import Changes, Setting
 
 SHOWN = 3
-"""Numbers of a list that a line of text has room for."""
+"""Numbers of a list that a line of text shows."""
 
 
 class Kind(StrEnum):
-    """What an advice is about."""
+    """The features that have an advice."""
 
     RATIO_RANGE = "ratio_range"
     SPEEDS = "speeds"
@@ -30,7 +30,7 @@ class Kind(StrEnum):
 
 @dataclass(frozen=True)
 class Change:
-    """A key of the design file, dotted, and what to set it to."""
+    """A key of the design file, dotted, and the value to set it to; None leaves the key out."""
 
     key: str
     value: Setting
@@ -40,15 +40,15 @@ class Change:
 
 
 def changed(changes: Changes) -> tuple[Change, ...]:
-    """Keys and their values as changes."""
+    """Changes from keys and their new values."""
     return tuple(Change(key, value) for key, value in changes.items())
 
 
 @dataclass(frozen=True)
 class Remedy:
-    """One way out: in words, the changes of the design file that it takes, and the command that then does it.
+    """One way to cure what an advice tells: words, changes of the design file, and the command to run after them.
 
-    ``command`` is empty where the changes alone do it.
+    ``command`` is empty where the changes are enough.
     """
 
     text: str
@@ -63,9 +63,9 @@ class Remedy:
 
 @dataclass(frozen=True)
 class Where:
-    """What an advice is about: one gear or the pair, its teeth, stretches of the driving angle in degrees.
+    """The place that an advice is about: a gear or the pair, its teeth, stretches of the driving angle in degrees.
 
-    ``gear`` is driving, driven or empty for the pair; a stretch of no length is a single angle.
+    ``gear`` is driving, driven or empty for the pair; a stretch without length is a single angle.
     """
 
     gear: str = ""
@@ -84,8 +84,8 @@ class Where:
 class Advice:
     """Something a designer should know before cutting metal.
 
-    ``what`` says what there is and where, with its numbers; ``meaning`` what it means for the machine; ``remedies``
-    what to change, the least costly first; none where nothing is wrong and only to be known.
+    ``what`` says what was found and where, with its numbers.  ``meaning`` says what that means for the machine.
+    ``remedies`` say what to change, the least costly first; they are empty where nothing is wrong.
     """
 
     kind: Kind

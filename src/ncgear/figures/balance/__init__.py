@@ -1,1 +1,1 @@
-"""What a balance file's figures are, by its parts, and how they are told."""
+"""The figures of a balance file, part by part, and their text."""

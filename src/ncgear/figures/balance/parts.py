@@ -1,4 +1,4 @@
-"""All figures of a balance file by the names of its parts, and as text for the terminal."""
+"""All figures of a balance file by the names of its parts, and their text for the terminal."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ PARTS = {
     "rotor": rotor_figures,
     "chain_drive": chain_figures,
 }
-"""Parts of the file beside its mechanisms, and what is computed of each."""
+"""Parts of the file beside its mechanisms, each with the function that computes its figures."""
 
 
 def figures_of(balancing: Balancing) -> dict[str, Any]:
@@ -57,7 +57,7 @@ def _content(content: Any) -> list[str]:
 
 
 def _lines(figures: Mapping[str, Any]) -> list[str]:
-    """One line for each figure; groups and tables indented below their names."""
+    """One line for each figure; groups and tables are indented below their names."""
     plain = {key: value for key, value in figures.items() if not _is_group(value)}
     width = max((len(label_and_unit(key)[0]) for key in plain), default=0)
     lines = []
@@ -75,7 +75,7 @@ def _is_group(value: Any) -> bool:
 
 
 def _table(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Columns without any value are left out."""
+    """The lines of a table, without the columns that have no value in any row."""
     keys = [key for key in rows[0] if any(row[key] is not None for row in rows)] if rows else []
     heads = [", ".join(part for part in label_and_unit(key) if part) for key in keys]
     return aligned([heads, *([shown(row[key]) for key in keys] for row in rows)])

@@ -1,4 +1,4 @@
-"""What shakes, and what would stop it: each mechanism, all of them on one frame, the chassis, natural frequencies."""
+"""Shaking forces and their cure: each mechanism, all mechanisms on one frame, the chassis, natural frequencies."""
 
 from __future__ import annotations
 
@@ -47,11 +47,11 @@ from ncgear.project.balancing import (
 from ncgear.ratio.laws.uniform import uniform_law
 
 EVEN = 1e-12
-"""Relative difference of the crank's speeds below which it turns evenly: rounding."""
+"""A crank whose speeds differ by less than this, relatively, turns evenly: the difference is rounding."""
 
 
 def mechanism_figures(given: given_as.Mechanism, mechanism: DrivenCrank) -> dict[str, Any]:
-    """All that is asked about one mechanism, keys with units."""
+    """All figures that the file asks for of one mechanism; keys end in their unit."""
     joints = joint_masses(mechanism.linkage, mechanism.masses)
     figures: dict[str, Any] = {
         "name": given.name,
@@ -93,7 +93,10 @@ def statistics_figures(of: Statistics) -> dict[str, float]:
 
 
 def _classical(mechanism: DrivenCrank) -> dict[str, Any]:
-    """Textbook formulas beside the truth; of an uneven crank also the same linkage on an even one, as often."""
+    """How far textbook formulas are from the exact forces; empty for an offset slider.
+
+    For a crank that turns unevenly, also the forces of the same mechanism on an even crank with as many turns.
+    """
     if mechanism.linkage.offset_mm != 0.0:
         return {}
     if turns_evenly(mechanism):
@@ -174,7 +177,7 @@ def _sweep(asked: given_as.Sweep, mechanism: DrivenCrank) -> list[dict[str, floa
 
 
 def frame_figures(balancing: Balancing) -> dict[str, Any]:
-    """All mechanisms together, each pair's shares, and the best phase where one is looked for."""
+    """All mechanisms together, the shares of each pair, and the best phase where the file asks for one."""
     mounted, balance = balancing.mounted, balancing.balance
     figures: dict[str, Any] = {"together": shaking_figures(frame_shaking(mounted)), "pairs": _pairs(balancing)}
     swept = [(number, one) for number, one in enumerate(balance.mechanisms) if one.sweep is not None]
@@ -195,7 +198,7 @@ def frame_figures(balancing: Balancing) -> dict[str, Any]:
 
 
 def _sweep_of_machine(asked: Sweep, mounted: list[Mounted], moved: int) -> list[dict[str, float]]:
-    """The counterweights of one mechanism tried with all the others."""
+    """The counterweights of one mechanism, tried while all other mechanisms run."""
     tried = frame_sweep(mounted, moved, crank_counterweight(asked), asked.masses_kg)
     return [
         {
@@ -210,7 +213,7 @@ def _sweep_of_machine(asked: Sweep, mounted: list[Mounted], moved: int) -> list[
 
 
 def _pairs(balancing: Balancing) -> list[dict[str, Any]]:
-    """eta1 and eta2, of long rods, for every two even cranks whose sliders move along one direction."""
+    """eta1 and eta2 of long rods, for every two cranks that turn evenly and whose sliders move along one direction."""
     names = [one.name for one in balancing.balance.mechanisms]
     even = [pair for pair in zip(names, balancing.mounted, strict=True) if turns_evenly(pair[1].mechanism)]
     return [
@@ -226,15 +229,15 @@ def _pairs(balancing: Balancing) -> list[dict[str, Any]]:
 
 
 def _massive(one: Mounted) -> bool:
-    """Whether there is anything to share."""
+    """Whether the mechanism has both a reciprocating and a rotating mass."""
     joints = joint_masses(one.mechanism.linkage, one.mechanism.masses)
     return joints.reciprocating_kg != 0.0 and joints.rotating_kg != 0.0
 
 
 def _crank(one: Mounted) -> Crank:
-    """The crank as the formulas have it: its angle in the frame at time zero, in the sense of its turning.
+    """The crank of the formulas; its angle is the one in the frame at time zero, in the sense of its turning.
 
-    Masses are weighted by the crank's length, by which their forces go.
+    Masses are multiplied by the crank's length, because their forces are proportional to it.
     """
     sense, crank = (-1 if one.mirrored else 1), one.mechanism.linkage.crank_mm
     joints = joint_masses(one.mechanism.linkage, one.mechanism.masses)
@@ -243,7 +246,7 @@ def _crank(one: Mounted) -> Crank:
 
 
 def chassis_figures(balancing: Balancing) -> dict[str, Any]:
-    """Counterweights at the tail; the worst case beside the dead centres."""
+    """Counterweights at the tail: the worst case, and those at the dead centres."""
     asked = balancing.balance.chassis
     assert asked is not None
     number = [one.name for one in balancing.balance.mechanisms].index(asked.mechanism)
@@ -262,7 +265,7 @@ def chassis_figures(balancing: Balancing) -> dict[str, Any]:
 
 
 def excitations_of(balancing: Balancing) -> list[Excitation]:
-    """All excitations a file has."""
+    """All excitations in the file."""
     asked = balancing.balance.excitations
     assert asked is not None
     named = zip(balancing.balance.mechanisms, balancing.mounted, strict=True)

@@ -1,4 +1,4 @@
-"""What turns: gears as designed and corrected, rotors balanced from readings, chain drives."""
+"""Turning parts: gears as designed and as corrected, rotors balanced from readings, chain drives."""
 
 from __future__ import annotations
 
@@ -65,13 +65,13 @@ def _body(body: GearBody, speed_rad_s: float, grade: float) -> dict[str, Any]:
         "couple_kg_mm2": abs(body.couple_kg_mm2),
         "permissible_kg_mm": permissible,
         "permitted": unbalance <= permissible,
-        # JSON knows no infinity: none of the grades.
+        # JSON has no infinity: None stands for a gear that keeps none of the grades.
         "grade_reached": reached if reached < float("inf") else None,
     }
 
 
 def rotor_figures(balancing: Balancing) -> dict[str, Any]:
-    """Corrections of a rotor and the readings they should leave."""
+    """Corrections of a rotor, and the readings expected after them."""
     asked = balancing.balance.rotor
     assert asked is not None
     found = balanced(readings_of(asked.first), trial_runs_of(asked), "rotor.trials")
@@ -83,7 +83,7 @@ def rotor_figures(balancing: Balancing) -> dict[str, Any]:
 
 
 def _permissible(asked: Rotor) -> dict[str, float]:
-    """What may be left of the grade, as a weight at the corrections' radius; of all planes together."""
+    """The unbalance that the grade allows in all planes together, also as a weight at the radius of the corrections."""
     if asked.mass_kg is None or asked.radius_mm is None:
         return {}
     allowed = permissible_unbalance_kg_mm(asked.grade, asked.mass_kg, asked.speed_rpm * RAD_S_PER_RPM)
@@ -91,7 +91,7 @@ def _permissible(asked: Rotor) -> dict[str, float]:
 
 
 def chain_figures(balancing: Balancing) -> dict[str, Any]:
-    """Ranges of a chain drive's equivalent unbalance, and predictions."""
+    """The ranges of a chain drive's equivalent unbalance, and predictions from them."""
     asked = balancing.balance.chain_drive
     assert asked is not None
     found = chain_unbalance(weight_runs_of(asked), chain_phases_of(asked), "chain_drive.runs")

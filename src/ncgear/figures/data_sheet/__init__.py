@@ -1,1 +1,1 @@
-"""What a drawing of the gears needs, as rows and tables."""
+"""The data that a drawing of the gears needs, as rows and tables."""

@@ -1,4 +1,4 @@
-"""The tables of a data sheet that say what is measured on one gear: over pins in its spaces, and with a caliper."""
+"""The tables of a data sheet for measuring one gear: over pins in its spaces, and over teeth with a caliper."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ONE_PIN = (
 LIMITS = (Column("least", "mm"), Column("greatest", "mm"))
 
 Place = tuple[int, ...]
-"""The space of a pin, or those of two."""
+"""The space of one pin, or the spaces of two pins."""
 
 Readings = dict[Place, float]
 
@@ -63,7 +63,7 @@ def _over_two(found: TwoPins) -> Readings:
 
 
 def _among(limits: list[Readings], place: Place) -> tuple[Value, ...]:
-    """The least and the greatest reading in a place at both limits; nothing where pins measure at one limit only."""
+    """The least and the greatest reading in a place over both limits; empty where pins do not measure at both."""
     found = [readings[place] for readings in limits if place in readings]
     return tuple(sorted(found)) if len(found) == len(limits) else (None,) * len(limits)
 
@@ -89,7 +89,7 @@ SPAN_COLUMNS = (
 
 
 def span_table(gear: MeasuredGear) -> tuple[Table, ...]:
-    """The spans of a gear; none of one on which no span is defined.  One row stands for all of a circular gear."""
+    """The spans of a gear, in one row if it is circular; no table where no span is defined."""
     found = gear.spans
     if not found.first.size:
         return ()

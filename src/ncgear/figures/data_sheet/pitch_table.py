@@ -1,4 +1,4 @@
-"""The table of the pitch curves, from which a shop can lay them out: in the data sheet, and finer as CSV."""
+"""The table from which a workshop can lay out the pitch curves: in the data sheet, and in finer steps as CSV."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from ncgear.pitch.pair import PitchPair
 from ncgear.project.drive import Drive
 
 STEPS_DEG = (5.0, 4.0, 3.0, 2.0, 1.0, 0.5, 0.25, 0.2, 0.1)
-"""Steps of the driving angle to choose from: whole parts of a turn that read well."""
+"""Possible steps of the driving angle: whole parts of a turn that are easy to read."""
 
 ANGLE_DECIMALS = 9
-"""Decimals of phi2 in deg, far more than a cell shows, so that rounding errors about zero are written as zero."""
+"""Decimals of phi2 in deg: far more than a cell shows, and few enough that rounding errors about zero become zero."""
 
 ROUNDING = 1e-9
 """Part of a step by which a turn may exceed whole steps, so that no step is added for a rounding error."""
@@ -33,20 +33,20 @@ COLUMNS = (
 def pitch_table(drive: Drive) -> Table:
     """Angles, ratio and both pitch radii over one turn of the driving gear, at least one row for each of its teeth.
 
-    The polar angle of a pitch point in its own gear's frame is that gear's turn, against the sense in which it turns,
-    from where the gears meet at phi1 = 0.
+    In the frame of a gear, the polar angle of a pitch point counts from the point where the gears meet at phi1 = 0.  It
+    equals the gear's own turn, in the opposite sense.
     """
     pitch = drive.pitch
     phi1_deg = turn_deg(pitch.size.driving_teeth)
     columns = pitch_columns(pitch, np.radians(phi1_deg))
     columns[0] = phi1_deg
-    columns[1] = np.round(np.degrees(columns[1]), ANGLE_DECIMALS) + 0.0  # 0.0: no -0
+    columns[1] = np.round(np.degrees(columns[1]), ANGLE_DECIMALS) + 0.0  # adding 0.0 turns -0.0 into 0.0
     rows = tuple(tuple(map(float, row)) for row in columns.T)
     return Table("Pitch curves", COLUMNS, rows, (_interpolated(pitch, phi1_deg),), long=True)
 
 
 def turn_deg(teeth: int) -> Array:
-    """Driving angles in deg over a turn, ends included, in the coarsest step that gives each tooth a row."""
+    """Driving angles in deg over a turn, ends included, in the coarsest step with at least one row for each tooth."""
     step = next((step for step in STEPS_DEG if 360.0 / step >= teeth), 360.0 / teeth)
     return np.linspace(0.0, 360.0, ceil(360.0 / step - ROUNDING) + 1)
 
@@ -59,7 +59,7 @@ def pitch_columns(pitch: PitchPair, phi1_rad: Array) -> Array:
 
 
 def _interpolated(pitch: PitchPair, phi1_deg: Array) -> str:
-    """What a straight line between two rows is off by, looked at half way between them."""
+    """A note on the error of straight interpolation half way between two rows."""
     half = np.radians((phi1_deg[1:] + phi1_deg[:-1]) / 2.0)
     rows, between = pitch_columns(pitch, np.radians(phi1_deg)), pitch_columns(pitch, half)
     off = np.abs((rows[:, 1:] + rows[:, :-1]) / 2.0 - between).max(axis=1)

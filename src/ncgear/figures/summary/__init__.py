@@ -1,1 +1,1 @@
-"""What a check and a build find, as plain values whose keys end in their unit."""
+"""The results of a check and of a build, as plain values whose keys end in their unit."""

@@ -1,6 +1,6 @@
-"""All that a build finds, as plain values whose keys end in their unit: what summary.json holds and a terminal shows.
+"""All results of a build as plain values whose keys end in their unit, for summary.json and for the terminal.
 
-Its sections are those of a check, and the pitch curves, the teeth, their contact and the bodies of both gears.
+The sections are those of a check, and pitch curves, teeth, contact and bodies of both gears.
 """
 
 from __future__ import annotations
@@ -29,12 +29,14 @@ if TYPE_CHECKING:
     from ncgear.teeth.gear import ToothedGear
 
 LEAST_JUMP = 1e-6
-"""The least jump of curvature that is told, times the centre distance: smooth joints differ by rounding, at most 1e-8,
-others by 1e-3 and more."""
+"""The least jump of curvature in the summary, times the centre distance.
+
+Smooth joints differ by rounding, 1e-8 at most; others differ by 1e-3 and more.
+"""
 
 
 def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
-    """All of the check, and pitch curves, teeth, contact and bodies."""
+    """The summary of the check, and pitch curves, teeth, contact and bodies."""
     summary = check_summary(drive)
     comparison, warnings = summary.pop("comparison"), summary.pop("warnings")
     return {
@@ -50,7 +52,7 @@ def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
 
 
 def _overlap(drive: Drive, contact: PairContact) -> dict[str, float]:
-    """What the advance of helical teeth adds to the least contact ratio of their sections."""
+    """The contact ratio of helical teeth: the least one of their sections, the overlap, and the sum."""
     if drive.helix is None:
         return {}
     least = min(drive.section_contact_ratio, contact.contact_ratio)
@@ -62,7 +64,7 @@ def _overlap(drive: Drive, contact: PairContact) -> dict[str, float]:
 
 
 def pitch_summary(drive: Drive) -> dict[str, Any]:
-    """Sizes, convexity, pressure angle, and where curvature jumps."""
+    """Sizes, convexity, pressure angle, and the jumps of curvature."""
     from ncgear.pitch.shape import Gear
 
     pitch = drive.pitch
@@ -83,7 +85,7 @@ def pitch_summary(drive: Drive) -> dict[str, Any]:
 
 
 def _jumps(pitch: PitchPair) -> list[dict[str, float]]:
-    """Where the curvature of one of the gears jumps."""
+    """The places where the curvature of a gear jumps."""
     found = []
     for jump in pitch.curvature_jumps():
         height = max(abs(jump.driving_after - jump.driving_before), abs(jump.driven_after - jump.driven_before))
@@ -146,7 +148,10 @@ def _helix(drive: Drive) -> dict[str, Any]:
 
 
 def contact_summary(contact: PairContact, speed: Callable[[Array], Array]) -> dict[str, Any]:
-    """Figures of a pair as designed and as written; its driving gear's ``speed`` in rad/s, of its angle in rad."""
+    """Figures of the contact as designed and as written.
+
+    ``speed`` gives the speed of the pair's driving gear in rad/s at its angles in rad.
+    """
     designed = contact.as_designed
     speed_rad_s = speed(designed.placement.phi1_rad)
     return {
@@ -190,7 +195,7 @@ def _ratios(side: SideContact, suffix: str) -> dict[str, Any]:
 
 
 def _clearances(designed: AsDesigned) -> dict[str, Any]:
-    """The least clearances of tips; that over roots is None where no tip of a gear stands over a root of the other."""
+    """The least clearances of the tips; the one over roots is None where no tip meets a root of the other gear."""
     least = {}
     for gear in ("driving", "driven"):
         both = [getattr(side, f"{gear}_tips") for side in (designed.pushing, designed.back)]
@@ -217,7 +222,7 @@ def _as_written(written: AsWritten, designed: AsDesigned) -> dict[str, Any]:
 
 
 def _penetration(overlap_mm: Array, placement: Placement) -> dict[str, Any]:
-    """The deepest overlap, its driving angle, and the teeth that then stand at the pitch point; None without any."""
+    """The deepest overlap, its driving angle, and the teeth at the pitch point there; None without an overlap."""
     deepest = _greatest("penetration_max", "mm", overlap_mm, placement)
     driving, driven = placement.teeth_at(int(np.argmax(overlap_mm)))
     where = {"penetration_tooth_driving": driving, "penetration_tooth_driven": driven}
@@ -243,10 +248,10 @@ def _at(name: str, unit: str, values: Array, place: int, placement: Placement) -
 
 
 def bodies_summary(drive: Drive) -> dict[str, Any]:
-    """Both bodies as they are written, and the lag of parts that come out just so.
+    """Both bodies as written, and the lag of the driven gear if parts come out exactly as written.
 
-    A process that takes its clearance leaves the gears as designed.  One that takes nothing leaves a gap of two
-    clearances along the normal, which the driven gear falls back by: over the lever of the force, the largest angle.
+    A process that adds material as thick as its clearance leaves the gears as designed.  A process that adds none
+    leaves a gap of two clearances along the normal.  The largest lag is this gap divided by the lever of the force.
     """
     clearance, solids = drive.gears.process_clearance_mm, drive.solids
     lever_mm = drive.designed_contact.pushing.first.lever_mm

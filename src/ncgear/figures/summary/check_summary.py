@@ -1,4 +1,4 @@
-"""What a check finds, as plain values whose keys end in their unit, and the mechanisms that a design is set beside."""
+"""The results of a check as plain values whose keys end in their unit, and the mechanisms to compare with."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ncgear.project.drive import Drive
 
 
 def check_summary(drive: Drive) -> dict[str, Any]:
-    """Kinematics and power; needs no pitch curve.  The ratio is that of the pair that is told, or of all."""
+    """Kinematics and power, without pitch curves.  The ratio is that of the drive's own stage, or else of the whole."""
     stroke, of_ratio = drive.law.stroke, drive.transmission if drive.stage is None else drive.pair.transmission
     low, high = of_ratio.ratio_range
     return {
@@ -48,7 +48,7 @@ def _drive(drive: Drive) -> dict[str, Any]:
 
 
 def _stages(drive: Drive) -> dict[str, Any]:
-    """What two pairs in series have beside a single one: which of them this is, or the ratios and angles of both."""
+    """The section of two pairs in series: the number of the drive's own stage, or else ratios and angles of both."""
     if drive.design.stages == 1:
         return {}
     if drive.stage is not None:
@@ -57,7 +57,7 @@ def _stages(drive: Drive) -> dict[str, Any]:
 
 
 def _stage(drive: Drive, stage: int) -> dict[str, Any]:
-    """Which of the pairs this is; its own angles phi1 are those of its driving gear."""
+    """The number of the stage and its place in the machine; phi1 of the stage is the angle of its own driving gear."""
     return {
         "number": stage,
         "of": drive.design.stages,
@@ -128,7 +128,7 @@ def comparison_rows(drive: Drive) -> list[dict[str, Any]]:
 
 
 def _against(drive: Drive, other_power_w: float | None) -> str:
-    """Saving of peak power by this design against another mechanism at the same speed."""
+    """Words for the peak power of this design against that of another mechanism at the same speed."""
     if not other_power_w:
         return ""
     saving = 100.0 * (1.0 - drive.check.peak_power_w.value / other_power_w)
@@ -171,7 +171,7 @@ def _scaled(drive: Drive, published: Published) -> dict[str, Any]:
 
 
 def _mixed(drive: Drive, published: Published) -> list[dict[str, Any]]:
-    """The publication's own comparison, where it set one speed's figure against another's."""
+    """The publication's own comparison, where it compares figures at different speeds."""
     if published.quoted_power_w is None or published.quoted_speed_rpm is None:
         return []
     acceleration, velocity = published.peak_acceleration_mm_s2, published.peak_speed_mm_s

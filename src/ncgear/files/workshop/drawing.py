@@ -1,7 +1,7 @@
-"""A gear as a flat drawing in mm: closed contours and marks on named layers. DXF and SVG files are written from it.
+"""A gear as a flat drawing in mm, with closed contours and marks on named layers, for DXF and SVG files.
 
-A drawing is made from the plan of the gear's body, which it shows from above, in the gear's own frame and the pose of
-phi1 = 0.  Its notes say what lines cannot show, so that it needs no other paper.
+A drawing shows the plan of the gear's body from above, in the gear's own frame and in the pose of phi1 = 0.  Its notes
+say what lines cannot show, so that a workshop needs no other paper.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from ncgear.project.drive import Drive
 from ncgear.solids.plan.body import BodyPlan, Bore, RoundHole
 
 CROSS_IN_MODULES = 2.0
-"""Length of an axis' mark: it stays within the smallest bore that a shaft goes through."""
+"""Length in modules of the mark of an axis: it is inside the smallest bore of any shaft."""
 
 
 class Use(Enum):
-    """What a workshop does along the lines of a layer."""
+    """The use of the lines of a layer in a workshop."""
 
     THROUGH = "cut through"
     PART_WAY = "not cut through"
@@ -35,7 +35,7 @@ class Use(Enum):
 
 
 class Layer(Enum):
-    """What lines show and what they are for; a layer has the member's name in files."""
+    """The layers of a drawing, each with its content and its use; in files a layer has the member's name."""
 
     OUTLINE = "tooth outline", Use.THROUGH
     RIM = "outer circle of the ring", Use.THROUGH
@@ -52,7 +52,7 @@ class Layer(Enum):
 
     @property
     def words(self) -> str:
-        """What the layer shows and what it is for, as files say it."""
+        """The content and the use of the layer, in the words of the files."""
         return f"{self.content}; {self.use.value}"
 
 
@@ -73,7 +73,7 @@ class Polyline:
 
     @property
     def corners(self) -> Array:
-        """Points whose box holds the contour, arcs left out: they lie within other contours."""
+        """Points whose box holds the contour, without its arcs, which are inside other contours."""
         return self.points
 
 
@@ -103,7 +103,7 @@ class Circle:
 
 @dataclass(frozen=True)
 class Cross:
-    """The mark of an axis: two lines of a length, across each other."""
+    """The mark of an axis: two lines of the same length that cross each other."""
 
     x_mm: float
     y_mm: float
@@ -133,7 +133,7 @@ Layers = Mapping[Layer, tuple[Shape, ...]]
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """A gear in its own frame, in the pose of phi1 = 0; ``notes`` are what to know of it."""
+    """A gear in its own frame, in the pose of phi1 = 0; ``notes`` are sentences about it."""
 
     name: str
     layers: Layers
@@ -153,7 +153,7 @@ def box_around(drawings: Iterable[Drawing]) -> tuple[Array, Array]:
 
 
 def gear_drawing(drive: Drive, gear: Gear) -> Drawing:
-    """A gear in its own frame; raises as the drive does."""
+    """A gear in its own frame; raises the errors of the drive's solids."""
     plan = drive.solids.of(gear).plan
     curve = drive.pitch.of(gear)
     shapes = {
@@ -166,7 +166,7 @@ def gear_drawing(drive: Drive, gear: Gear) -> Drawing:
 
 
 def body_shapes(plan: BodyPlan) -> dict[Layer, tuple[Shape, ...]]:
-    """All edges of a body that are seen from above, by their layers; none on some."""
+    """All edges of a body that are visible from above, by their layers; some layers may be empty."""
     return {
         **_toothed(plan),
         Layer.BORE: () if plan.bore is None else (_bore(plan.bore),),
@@ -178,7 +178,7 @@ def body_shapes(plan: BodyPlan) -> dict[Layer, tuple[Shape, ...]]:
 
 
 def _toothed(plan: BodyPlan) -> dict[Layer, tuple[Shape, ...]]:
-    """The teeth; of a ring, the circle too on which the corners of its polygon lie."""
+    """The teeth, and for a ring also the circle through the corners of its outer polygon."""
     outer = _points(plan.disc.exterior)
     if not plan.is_ring:
         return {Layer.OUTLINE: (polygon(outer),), Layer.RIM: ()}
@@ -187,7 +187,7 @@ def _toothed(plan: BodyPlan) -> dict[Layer, tuple[Shape, ...]]:
 
 
 def _bore(bore: Bore) -> Shape:
-    """The circle or, with a keyway, the three sides of the keyway and two arcs, neither over half a turn."""
+    """The circle of a bore; with a keyway, its three sides and two arcs of at most half a turn each."""
     radius = bore.diameter_mm / 2.0
     if bore.keyway is None:
         return Circle(0.0, 0.0, radius)
@@ -214,9 +214,9 @@ def _points(ring: BaseGeometry) -> Array:
 
 
 def pitch_points(curve: PitchCurve, tolerance_mm: float) -> Array:
-    """Points of a pitch curve, shape (n, 2), evenly spread, so that no chord strays from it by more than a tolerance.
+    """Evenly spread points of a pitch curve, shape (n, 2); no chord is off the curve by more than the tolerance.
 
-    Over an arc of length s, a chord strays by k s^2 / 8 at most, k being the largest curvature.
+    Over an arc of length s, a chord is off by at most k s^2 / 8, with the largest curvature k.
     """
     sharpest = max(abs(bound) for bound in curve.curvature_bounds)
     count = ceil(curve.length_mm * sqrt(sharpest / (8.0 * tolerance_mm)))
@@ -224,10 +224,10 @@ def pitch_points(curve: PitchCurve, tolerance_mm: float) -> Array:
 
 
 def gear_notes(drive: Drive, gear: Gear, plan: BodyPlan) -> tuple[str, ...]:
-    """What the gear is, its scale and frame, and what lines cannot show.
+    """Sentences about the gear, its scale and frame, and about what lines cannot show.
 
-    That is how deep or high the shapes are that are not cut through, how the lines differ from the gear as designed,
-    and how the body differs from the lines.
+    These are the depths and heights of shapes that are not cut through, the difference of the lines from the gear as
+    designed, and the difference of the body from the lines.
     """
     notes = [
         f"{_title(drive)}: {gear.value} gear",
@@ -249,7 +249,7 @@ def gear_notes(drive: Drive, gear: Gear, plan: BodyPlan) -> tuple[str, ...]:
 
 
 def pair_notes(drive: Drive) -> tuple[str, ...]:
-    """What the drawing of both gears together is, its scale and frame."""
+    """Sentences about the drawing of both gears together, its scale and frame."""
     return (
         f"{_title(drive)}: both gears assembled at phi1 = 0",
         _scale(drive),

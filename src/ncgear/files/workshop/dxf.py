@@ -29,16 +29,16 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 
 VERSION = "R2010"
-"""Read by every program of the last fifteen years, and the first version with all that is needed here."""
+"""The first version with all features used here; every program of the last fifteen years reads it."""
 
 COLORS = {Use.THROUGH: 7, Use.PART_WAY: 5, Use.REFERENCE: 1}
 """Colours by the AutoCAD colour index: black or white, blue, red."""
 
 CENTER_LINE = [6.0, 4.0, -0.75, 0.5, -0.75]
-"""Length in mm of the pattern, and its lines and gaps: what no machine should cut is drawn as centre lines are."""
+"""Length in mm of the pattern, and its lines and gaps; lines that no machine should cut look like centre lines."""
 
 WHOLE_PATTERN = 128
-"""Flag of polylines along which the pattern goes on from chord to chord."""
+"""Flag of polylines whose line pattern continues from chord to chord."""
 
 NOTES = "NOTES"
 LETTERS_ACROSS = 80.0
@@ -46,7 +46,7 @@ LETTERS_ACROSS = 80.0
 LINE_SPACING = 1.6
 """Distance of two lines of notes in heights of letters."""
 SLACK = 1.1
-"""Height of the view that the file opens with, over that of what is drawn."""
+"""Height of the view with which the file opens, divided by the height of the drawing."""
 
 
 def dxf_files(drive: Drive) -> dict[str, bytes]:
@@ -61,10 +61,10 @@ def dxf_files(drive: Drive) -> dict[str, bytes]:
 
 
 def dxf_bytes(drawings: Mapping[str, Drawing], notes: Sequence[str]) -> bytes:
-    """Drawings, by what the names of their layers begin with, in one file; the same give the same bytes.
+    """One file with drawings, each by the prefix of its layers' names; the same drawings give the same bytes.
 
-    The notes stand below them, and among the properties of the file.  Raises RuntimeError, a fault of ncgear, for a
-    file in which the library's audit finds a fault.
+    The notes are below the drawings, and among the properties of the file.  Raises RuntimeError, a fault of ncgear, for
+    a file in which the library's audit finds a fault.
     """
     with _without_clock():
         document = ezdxf.new(VERSION, units=units.MM)
@@ -74,7 +74,7 @@ def dxf_bytes(drawings: Mapping[str, Drawing], notes: Sequence[str]) -> bytes:
         _write(document, notes, *box_around(drawings.values()))
         if document.audit().has_issues:
             raise RuntimeError(f"the DXF file of {notes[0]} has faults")
-        # Without this the library lists the classes in the order of a set, which differs from process to process.
+        # Otherwise the library lists the classes in the order of a set, which differs from process to process.
         for name in (*REQ_R2004, *sorted(document.entitydb.dxf_types_in_use())):
             document.classes.add_class(name)
         text = StringIO()
@@ -84,7 +84,7 @@ def dxf_bytes(drawings: Mapping[str, Drawing], notes: Sequence[str]) -> bytes:
 
 @contextmanager
 def _without_clock() -> Iterator[None]:
-    """Files without the time of writing and random identities."""
+    """A context in which files get no time of writing and no random identities."""
     options = ezdxf.options
     before = options.write_fixed_meta_data_for_testing
     options.write_fixed_meta_data_for_testing = True
@@ -95,7 +95,7 @@ def _without_clock() -> Iterator[None]:
 
 
 def _draw(document: Document, drawing: Drawing, prefix: str) -> None:
-    """A drawing's layers, with what they are for among their properties, and the shapes on them."""
+    """Add a drawing's layers, with their use as a property, and the shapes on them."""
     for layer, shapes in drawing.layers.items():
         line = "CENTER" if layer.use is Use.REFERENCE else "Continuous"
         made = document.layers.add(f"{prefix}{layer.name}", color=COLORS[layer.use], linetype=line)
@@ -118,7 +118,7 @@ def _add(space: Modelspace, shape: Shape, layer: str) -> None:
 
 
 def _write(document: Document, notes: Sequence[str], low: Array, high: Array) -> None:
-    """Notes below the box of the drawings, line by line; programs open the file at a view of it all."""
+    """Write notes below the box of the drawings, line by line, and set the view that shows all of it at opening."""
     document.layers.add(NOTES, color=COLORS[Use.THROUGH])
     letter = float(high[0] - low[0]) / LETTERS_ACROSS
     foot = low - np.array([0.0, LINE_SPACING * letter * (len(notes) + 1)])

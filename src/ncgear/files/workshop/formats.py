@@ -1,4 +1,4 @@
-"""Kinds of files for the workshop and how each is made; what one needs is imported when it is asked for."""
+"""Kinds of files for the workshop, and the functions that make them; their libraries are imported when needed."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ class Format(StrEnum):
 
 
 USUAL = (Format.DXF, Format.SVG, Format.THREEMF, Format.GLB)
-"""Written unless others are asked for: all that need no extra library."""
+"""The kinds that a build writes if no others are asked for: all that need no optional library."""
 
 
 @dataclass(frozen=True)
 class Writer:
-    """The function that makes a kind's files from a drive, by its module and name, and the names of the files."""
+    """The function that makes the files of a kind from a drive, by its module and name, and the names of the files."""
 
     module: str
     function: str
@@ -44,11 +44,11 @@ WRITERS = {
 }
 
 NAMES = tuple(name for writer in WRITERS.values() for name in writer.names)
-"""All files that a build may write, of which an earlier one may have left some."""
+"""All files that a build may write; an earlier build may have left some of them."""
 
 
 def workshop_files(drive: Drive, formats: Collection[Format]) -> dict[str, bytes]:
-    """The files of one pair of gears by their names; raises as the drive does."""
+    """The files of one pair of gears by their names; raises the errors of the drive."""
     files: dict[str, bytes] = {}
     for kind, writer in WRITERS.items():
         if kind in formats:

@@ -18,10 +18,10 @@ from ncgear.project.drive import Drive
 METRE_PER_MM = 0.001
 
 COLORS = {"driving": DRIVING, "driven": DRIVEN}
-"""As in the pictures."""
+"""The colours of the gears, which are those of the pictures."""
 
 SURFACE = {"metallicFactor": 0.2, "roughnessFactor": 0.6}
-"""Shares of glTF's material: dull enough that teeth are told apart by their shading, not by what they mirror."""
+"""Shares of glTF's material; it is dull, so that shading and not reflections show the teeth."""
 
 Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 """Turns z up into y up."""
@@ -33,7 +33,7 @@ def glb_files(drive: Drive) -> dict[str, bytes]:
     scene = Scene()
     for name, mesh, x_mm in (("driving", solids.driving.mesh, 0.0), ("driven", solids.driven.mesh, distance)):
         scene.add_geometry(_colored(mesh, name), node_name=name, geom_name=name, transform=_placed(x_mm))
-    # Without normals viewers shade each triangle flat, so that edges stay edges.
+    # Without normals, viewers shade each triangle by itself, so that edges stay sharp.
     return {"pair.glb": export_glb(scene, include_normals=False)}
 
 
@@ -44,7 +44,7 @@ def _colored(mesh: Trimesh, name: str) -> Trimesh:
 
 
 def linear_light(color: str) -> Array:
-    """Shares of light, shape (3,), of a colour as screens number it (``#rrggbb``), which glTF wants of a material.
+    """Shares of light, shape (3,), of a colour in the numbers of screens (``#rrggbb``); glTF materials need them.
 
     Source: IEC 61966-2-1 (sRGB).
     """
@@ -53,7 +53,7 @@ def linear_light(color: str) -> Array:
 
 
 def _placed(x_mm: float) -> Array:
-    """From mm in the gear's frame to metres in the scene, the gear at its place on the line of centres."""
+    """The transform from mm in the gear's frame to metres in the scene, with the gear on the line of centres."""
     matrix = np.eye(4)
     matrix[:3, :3] = METRE_PER_MM * Y_UP
     matrix[:3, 3] = METRE_PER_MM * Y_UP @ np.array([x_mm, 0.0, 0.0])

@@ -1,6 +1,6 @@
-"""STEP files of a pair: each gear in its own frame, and both as they go together at phi1 = 0.
+"""STEP files of a pair: each gear in its own frame, and both assembled at phi1 = 0.
 
-The library that makes them is an extra: it is loaded only when files are asked for.
+The library that makes them is optional, and is loaded only when these files are asked for.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ ONLY_MESHES = "given, but STEP files have no bevel and no clearance for a print;
 
 
 def step_files(drive: Drive) -> dict[str, bytes]:
-    """``driving.step``, ``driven.step`` and ``pair.step`` by their names, read back and found the same.
+    """``driving.step``, ``driven.step`` and ``pair.step`` by their names; each was read back and found the same.
 
-    Raises WrongInput when the library is not installed, and for what only meshes have: a chamfer, a clearance, helical
-    teeth that do not go up smoothly.
+    Raises WrongInput when the library is not installed, and for shapes that only meshes have: a chamfer, a clearance,
+    helical teeth that do not change smoothly with height.
     """
     require("OCP", "step", "--format step")
     if drive.gears.first_layer_chamfer_mm > 0.0:

@@ -1,4 +1,4 @@
-"""What the OpenCASCADE kernel does for STEP files: a drive's solids, a file's bytes, and the proof by reading it back.
+"""The work of the OpenCASCADE kernel for STEP files: the solids of a drive, the bytes of a file, and reading them back.
 
 Files are STEP (ISO 10303-21, AP 214) in mm; the same solids give the same bytes.
 """
@@ -38,15 +38,21 @@ from ncgear.solids.plan.plan import outer_radius_mm
 from ncgear.teeth.contour import contour_of
 
 SHARE = 0.1
-"""Share of the chord tolerance by which faces may stray from the exact ones.  The working flanks of an outline get a
-share of 0.15 at least, so that the faces are closer, and gears made of them miss the law by no more."""
+"""Share of the chord tolerance by which faces may differ from the exact ones.
+
+The working flanks of an outline have a share of at least 0.15.  So faces are closer than outlines, and gears made from
+them miss the law by no more.
+"""
 
 VOLUME_TOLERANCE = 2e-5
-"""Relative difference allowed between a solid and the same one read back: the kernel's integrals are no better, since
-it finds the edges of faces anew (tests/test_step.py holds them against sections); faces are counted."""
+"""Largest relative difference of volume between a solid and the same solid read back; their faces are counted too.
+
+The integrals of the kernel are no better, because it computes the edges of faces again (tests/test_step.py compares
+them with sections).
+"""
 
 TIMESTAMP = "1970-01-01T00:00:00"
-"""Time in the header of every file: the same design gives the same bytes, whenever it is built."""
+"""Time in the header of every file, so that the same design gives the same bytes at any time."""
 
 SETTINGS = {
     # No curves on surfaces: they follow from the curves in space, and files would be twice as large.
@@ -56,7 +62,7 @@ SETTINGS = {
 
 @dataclass(frozen=True, eq=False)
 class ExactSolid:
-    """A gear's solid in its own frame, and how far its tooth faces were found from the exact ones at most."""
+    """A gear's solid in its own frame, and the largest distance found between its tooth faces and the exact ones."""
 
     shape: TopoDS_Shape
     deviation_mm: float
@@ -65,7 +71,7 @@ class ExactSolid:
 def solids_of_drive(drive: Drive) -> dict[Gear, ExactSolid]:
     """The solids of both gears.
 
-    Raises as the teeth's contact does, and WrongInput for helical teeth that do not go up smoothly.
+    Raises the errors of the teeth's contact, and WrongInput for helical teeth that do not change smoothly with height.
     """
     drive.require_sound_teeth()
     if drive.helix is None:
@@ -92,7 +98,7 @@ def _helical(drive: Drive, sections: Sections, helix: Helix, gear: Gear) -> Exac
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A solid, its name, and how far along x its axis stands in the file."""
+    """A solid, its name, and the x coordinate of its axis in the file."""
 
     name: str
     shape: TopoDS_Shape
@@ -118,7 +124,7 @@ def assembly_bytes(name: str, parts: Sequence[Part], description: str) -> bytes:
 
 
 def _document() -> tuple[TDocStd_Document, XCAFDoc_ShapeTool]:
-    """An empty document; the tool that fills it lives no longer than the document."""
+    """An empty document, and the tool that fills it; the tool is valid only as long as the document exists."""
     document = TDocStd_Document(TCollection_ExtendedString("BinXCAF"))
     return document, XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
 
@@ -130,7 +136,7 @@ def _named(label: TDF_Label, name: str) -> TDF_Label:
 
 def _written(document: TDocStd_Document, name: str, description: str) -> bytes:
     """The document as a file; raises RuntimeError, a fault of ncgear, when the kernel cannot write it."""
-    # The kernel's reports of what it does stay off the terminal; its alarms still come.
+    # The messages of the kernel about its work stay off the terminal; its alarms still appear.
     for printer in Message.DefaultMessenger_s().Printers():
         printer.SetTraceLevel(Message_Gravity.Message_Alarm)
     STEPControl_Controller.Init_s()
@@ -147,7 +153,7 @@ def _written(document: TDocStd_Document, name: str, description: str) -> bytes:
 
 
 def _reproducible(model: StepData_StepModel, name: str, description: str) -> None:
-    """A header without clock and machine, and components numbered by name, not by how many this process has made."""
+    """Give the header no time and no machine, and number components by name instead of by a count of this process."""
     for number in range(1, model.NbEntities() + 1):
         entity = model.Entity(number)
         if isinstance(entity, StepRepr_NextAssemblyUsageOccurrence):

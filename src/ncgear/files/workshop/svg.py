@@ -1,4 +1,4 @@
-"""SVG files at 1:1: one user unit is one millimetre, and y goes up as in the gear's frame."""
+"""SVG files at 1:1: one user unit is one millimetre, and y points up as in the gear's frame."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ DIGITS = 6
 
 MARGIN_MM = 2.0
 HAIRLINE_MM = 0.1
-"""Width of lines: narrow enough that cutters which go by width take it as a cut, and a screen still shows it."""
+"""Width of lines: narrow enough for cutters that cut only thin lines, and wide enough for a screen."""
 
 COLORS = {Use.THROUGH: "#000000", Use.PART_WAY: "#0000ff", Use.REFERENCE: "#cc0000"}
-"""Cutters tell by them what to do along a line."""
+"""Colours by which cutters know what to do along a line."""
 
 
 def svg_files(drive: Drive) -> dict[str, bytes]:
@@ -47,7 +47,7 @@ def svg_bytes(drawing: Drawing) -> bytes:
 
 
 def _size(drawing: Drawing) -> dict[str, str]:
-    """Attributes by which a drawing with its margin is as large on paper as it is."""
+    """Attributes that give a drawing with its margin its true size on paper."""
     box_low, box_high = box_around([drawing])
     low, high = box_low - MARGIN_MM, box_high + MARGIN_MM
     width, height = high - low
@@ -71,7 +71,7 @@ def _path(shape: Shape) -> str:
 
 
 def _step(start: list[float], end: list[float], bulge: float) -> str:
-    """A line or an arc to the end; an arc over half a turn is the large one of the two of its radius."""
+    """A line or an arc to the end; an arc of over half a turn is the larger one of the two with its radius."""
     if bulge == 0.0:
         return f"L{_pair(end)}"
     turned = 4.0 * atan(abs(bulge))
@@ -84,5 +84,5 @@ def _pair(point: tuple[float, float] | list[float]) -> str:
 
 
 def _number(value: float) -> str:
-    """Without needless zeros, and without a minus before a zero."""
+    """The number without needless zeros, and without a minus before a zero."""
     return f"{round(value, DIGITS) + 0.0:.{DIGITS}f}".rstrip("0").rstrip(".")

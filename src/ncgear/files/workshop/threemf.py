@@ -1,4 +1,4 @@
-"""3MF with the unit in the file: both gears side by side on one plate to print, and as assembled at phi1 = 0."""
+"""3MF files, which hold their unit: both gears side by side on one plate for printing, and assembled at phi1 = 0."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from trimesh.exchange.threemf import export_3MF
 from ncgear.project.drive import Drive
 
 GAP_MM = 5.0
-"""Gap between the gears on the plate, so that they are not printed as one."""
+"""Gap in mm between the gears on the plate, so that they are not printed as one."""
 
 LONG_AGO = (1980, 1, 1, 0, 0, 0)
-"""The first moment that a ZIP archive can name: the same design gives the same bytes, whenever it is built."""
+"""The earliest time that a ZIP archive can hold; with it the same design gives the same bytes at any time."""
 
 REPEATED = re.compile(rb'(<item)(?: xmlns(?::\w+)?="[^"]*")+')
-"""Namespaces that the writer declares again on each item, which the 3MF Consortium's own reader refuses."""
+"""Namespaces that the writer declares again on each item; the 3MF Consortium's own reader refuses them."""
 
 IDENTITY = re.compile(rb'UUID="[0-9a-f-]{36}"')
 
 
 def threemf_files(drive: Drive) -> dict[str, bytes]:
-    """``gears.3mf`` and ``pair.3mf``: the solids as the STL files have them, apart from each other and assembled."""
+    """``gears.3mf`` and ``pair.3mf``: the solids of the STL files, apart from each other and assembled."""
     driving, driven = drive.solids.driving.mesh, drive.solids.driven.mesh
     apart = float(driving.bounds[1][0] - driven.bounds[0][0]) + GAP_MM
     places = {"gears.3mf": apart, "pair.3mf": drive.pitch.center_distance_mm}
@@ -35,18 +35,18 @@ def threemf_files(drive: Drive) -> dict[str, bytes]:
 
 
 def threemf_bytes(parts: dict[str, tuple[Trimesh, float]]) -> bytes:
-    """Meshes in mm by their names, each with how far along x it is moved; the same give the same bytes."""
+    """A file of meshes in mm by their names, each with its shift along x; the same meshes give the same bytes."""
     scene = Scene()
     for name, (mesh, x_mm) in parts.items():
         place = np.eye(4)
         place[0, 3] = x_mm
         scene.add_geometry(mesh, node_name=name, geom_name=name, transform=place)
-    # Only stored for now: it is packed in its final form.
+    # The archive is only stored here; it is packed when it has its final form.
     return _reproducible(export_3MF(scene, compression=zipfile.ZIP_STORED))
 
 
 def _reproducible(archive: bytes) -> bytes:
-    """The archive as strict readers want it, with a fixed time of writing, and identities counted instead of random."""
+    """The archive in a form for strict readers, with a fixed time of writing and counted, not random, identities."""
     numbers, made = count(1), BytesIO()
     with zipfile.ZipFile(BytesIO(archive)) as old, zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as new:
         for name in old.namelist():
