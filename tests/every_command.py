@@ -223,16 +223,18 @@ def _wrong_texts() -> Iterator[Run]:
 
 def _varied_files() -> Iterator[Run]:
     seen: set[str] = set()
+    built: set[str] = set()
     for name in VARIED:
         for what, text in variations(DESIGNS[name]):
             file = {"designs/d.yaml": text}
-            words, quick = ("check", "designs/d.yaml"), what not in seen and not what.endswith(SOUND)
-            yield Run(f"varied/{name}/{what}/check", words, file, together="varied", quick=quick)
+            checked, quick = ("check", "designs/d.yaml"), what not in seen and not what.endswith(SOUND)
+            yield Run(f"varied/{name}/{what}/check", checked, file, together="varied", quick=quick)
             seen.add(what)
-            if name in VARIED_GEARS and what.startswith("gears"):
+            if name in VARIED_GEARS and what.startswith("gears") and what not in built:
                 # All that a build can be refused for comes before its files; these are few, to be quick.
-                built = "build", "designs/d.yaml", "--format", "svg"
-                yield Run(f"varied/{name}/{what}/build", built, file, together="varied build")
+                made = "build", "designs/d.yaml", "--format", "svg"
+                yield Run(f"varied/{name}/{what}/build", made, file, together="varied build")
+                built.add(what)
     for name, path in BALANCES.items():
         for what, text in variations(path):
             words = "balance", "designs/balance/d.yaml"
