@@ -355,7 +355,13 @@ def test_a_stroke_begins_at_its_dead_centre(name: str, astray: float) -> None:
 
 
 def test_a_law_that_begins_a_rounding_error_early_meets_its_force() -> None:
-    pump = ratio_expression_law("2 + 0.5*cos(phi) + 0.1*sin(2*phi)", Lobes(1, 2), scale_to_close=True)
+    """A rounding error of its own begins this law early or late, as the processor has it; here it begins early."""
+    exact = ratio_expression_law("2 + 0.5*cos(phi) + 0.1*sin(2*phi)", Lobes(1, 2), scale_to_close=True)
+    early = tuple(
+        replace(piece, driven_angle=lambda phi1, order, of=piece.driven_angle: of(phi1, order) - 1e-15)
+        for piece in exact.pieces
+    )
+    pump = replace(exact, pieces=early)
     assert pump.driven_angle(np.zeros(1)).value[0] < 0.0
     of = Machine(pump, CrankSlider(30.0, 120.0), PolynomialResistance((400.0,)), 1.0)
     assert of.motion(np.zeros(1)).force_n[0] == 400.0

@@ -43,8 +43,8 @@ class Loads:
     ``driving_torque`` is asked of the driving shaft, ``driven_torque`` of the driven gear.  ``joints`` are the forces
     between the bodies of the mechanism, by its names for them and on the body nearer to the slider; ``crank_bearing``
     acts on the crank shaft, ``guide`` on the slider across its line, the mesh force on the driven gear.  The driving
-    shaft's bearings exert the mesh force as it is.  Without gears (``mesh`` None) the crank's bearing holds the linkage
-    alone.
+    shaft's bearings exert the same force as the mesh.  Without gears (``mesh`` None) the crank's bearing holds the
+    mechanism alone.
     """
 
     driving_torque: Jet

@@ -1,7 +1,7 @@
 """The crank-slider: a crank, a connecting rod, and a slider that moves along a line, in line with the crank or offset.
 
 With an offset the two strokes take different angles: a positive offset makes the working stroke (retracted to
-extended) take more than pi.  Frame and pose are those of ``mechanisms.mechanism``.
+extended) take more than pi.  ``mechanisms.mechanism`` describes frame and pose.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Many smooth functions at once, by their values at the same Chebyshev points of an interval, ends included.
 
 The polynomial through the values is the function itself, to rounding error, once its last coefficients have died away
-(L. N. Trefethen, "Approximation Theory and Approximation Practice", SIAM 2013, chapters 3 to 8), so integrals, values
-between the points and extrema are those of the polynomial.  The functions run along the last axis.
+(L. N. Trefethen, "Approximation Theory and Approximation Practice", SIAM 2013, chapters 3 to 8).  So integrals, values
+between the points and extrema are taken from the polynomial.  The functions run along the last axis.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Units: constants between those of files and those of the code, what unit a key ends in, angles in messages.
+"""Units: factors between the units of files and of the code, the unit that a key ends in, angles in messages.
 
 A key of a design file, a summary or a table ends in its unit: ``crank_mm``, ``peak_acceleration_mm_s2``.
 """

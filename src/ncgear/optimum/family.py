@@ -9,12 +9,12 @@ and the skewness of the return.  The approach's velocity, a quartic with v' = 0 
 factors of its derivative, v' ~ (1 - t)(rho - t)(cos chi + sin chi t), t = phi1/theta2, rho = theta1/theta2, which stays
 regular where theta1 comes near theta2 and v1 near v2.  ``brake`` is -a1 (theta4 - theta3)/v2.
 
-Sobol points of the box of these numbers are looked at all at once; from the best that lie apart, sequential quadratic
-programming (D. Kraft, DFVLR-FB 88-28, 1988) goes down to a local optimum each, with all samples of acceleration and
-power as constraints and the peak as a variable of its own; and from random neighbours of the best again.  What comes
-out is made into a law as a design file would make it and judged by the exact peaks of ``kinematic_check``; where these
-exceed the cap between samples, the cap is tightened by as much.  The same seed gives the same law.  A local method
-proves no optimum: that is what the certified limits are for.
+Sobol points of the box of these numbers are looked at all at once.  From each of the best that lie apart, sequential
+quadratic programming (D. Kraft, DFVLR-FB 88-28, 1988) goes down to a local optimum, with all samples of acceleration
+and power as constraints and the peak as a variable of its own; then it does so from random neighbours of the best.  The
+result is made into a law as a design file would make it and judged by the exact peaks of ``kinematic_check``; where
+these exceed the cap between samples, the cap is tightened by as much.  The same seed gives the same law.  A local
+method proves no optimum: that is what the certified limits are for.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from ncgear.ratio.working_stroke import StrokeRequest, WorkingStrokes, shaped_st
 
 BOX = np.array([[0.2, 0.9], [0.3, 0.995], [0.3, 1.0], [0.05, 0.98], [-1.55, 1.55], [0.02, 12.0], [-6.0, 6.0]])
 """Bounds of each number, the skewness in heights of the bump.  They are so wide that no optimum on the baler's linkage
-lies at a bound other than theta2 = theta3."""
+lies at a bound, except at theta2 = theta3."""
 
 SEGMENT_POINTS = 65, 17, 33
 """Points on each segment of the stroke, ends included; the accelerations are of degree 3, 0 and 2."""
@@ -86,7 +86,7 @@ class Peak(Enum):
 
 @dataclass(frozen=True)
 class Family:
-    """The family on a linkage at an operating speed; ``inverse`` is the return's basis, as in a design file."""
+    """The family on a mechanism at an operating speed; ``inverse`` is the return's basis, as in a design file."""
 
     linkage: Mechanism
     resistance: Resistance

@@ -1,10 +1,10 @@
 """Radii and curvatures of the two pitch curves at unit centre distance, in closed form from the law's derivatives.
 
-With w = dphi2/dphi1 = 1/i12 the curves roll on each other at r1 = w / (1 - s w) and r2 = 1 / (1 - s w), s being -1 for
-an external pair, whose gears turn against each other, and +1 for an internal one, whose gears turn alike: velocities of
-the pitch point x on the line of centres agree, x = s w (x - 1), so that x = -s r1.  An internal pair needs w < 1, that
-is i12 > 1 (F. L. Litvin, A. Fuentes-Aznar, I. Gonzalez-Perez, K. Hayasaka, "Noncircular Gears", Cambridge 2009, section
-2.3).
+With w = dphi2/dphi1 = 1/i12 the curves roll on each other at r1 = w / (1 - s w) and r2 = 1 / (1 - s w), where s is -1
+for an external pair, whose gears turn against each other, and +1 for an internal one, whose gears turn alike.  This
+holds because both gears have the same velocity at the pitch point x on the line of centres: x = s w (x - 1), so that
+x = -s r1.  An internal pair needs w < 1, that is i12 > 1 (F. L. Litvin, A. Fuentes-Aznar, I. Gonzalez-Perez,
+K. Hayasaka, "Noncircular Gears", Cambridge 2009, section 2.3).
 """
 
 from __future__ import annotations

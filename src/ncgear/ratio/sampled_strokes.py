@@ -1,4 +1,4 @@
-"""Many three-segment strokes and their returns at once, sampled: what searches and screenings of thousands look at.
+"""Samples of many three-segment strokes and their returns at once, for searches and for screenings of thousands.
 
 The strokes are those of ``working_stroke.py``, the returns the polynomials of ``return_stroke.py``; arrays of strokes
 have shape (n,) and polynomials (m, n).  One return is solved in a bracket, polished and refused with a reason, which

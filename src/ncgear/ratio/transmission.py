@@ -1,9 +1,9 @@
-"""What every motion law is once it is made: a closed function phi2(phi1), the gears that follow it, and its linkage.
+"""What every motion law is once it is made: a closed function phi2(phi1), its gears, and the mechanism that they drive.
 
 A ``Transmission`` gives the driven angle with derivatives on consecutive pieces of one period.  With lobes n1:n2 the
 driving gear repeats its curve n1 times a turn and the driven gear n2 times; one period takes 2 pi / n1 of the driving
 angle and 2 pi / n2 of the driven angle.  A ``Train`` is one pair of gears, or two in series, between the driving shaft
-and the crank.  A ``Law`` is a train on its linkage, with what a prescribed stroke has to tell.
+and the crank.  A ``Law`` is a train and the mechanism that it drives, with the facts of a prescribed stroke.
 """
 
 from __future__ import annotations
@@ -180,21 +180,21 @@ def single(transmission: Transmission) -> Train:
 
 @dataclass(frozen=True)
 class PrescribedStroke:
-    """What a law that prescribes the slider's stroke has to tell beside its ratio."""
+    """The facts, besides the ratio, of a law that prescribes the slider's stroke."""
 
     law_speed_rad_s: float
     """Speed of the driving gear at which the law's velocities hold."""
 
     closing_error_mm: float
-    """What the parts of the stroke together miss of it; rounding error only."""
+    """By how much the parts of the stroke together miss it; rounding error only."""
 
     facts: Mapping[str, float | str | None]
-    """What the stroke and the return came out as, for the summary: names end in their unit; None where one has none."""
+    """Figures of the stroke and the return for the summary; their names end in their unit; None where one has none."""
 
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """A closed law on its linkage, the pairs of gears that make it, and its stroke where the law prescribes one."""
+    """A closed law on its mechanism, the pairs of gears that make it, and its stroke where the law prescribes one."""
 
     linkage: Mechanism
     train: Train

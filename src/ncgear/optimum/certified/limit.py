@@ -83,7 +83,7 @@ def enclosed(problem: Problem, peaks: Callable[[float], Peaks], guess: float) ->
 
 
 def certified(problem: Problem, peaks: Callable[[float], Peaks], guess: float) -> tuple[float, float]:
-    """A value that is too little for any law, and one just above it of which that is not known."""
+    """A value that is certainly too little for any law, and one just above it that may be enough."""
     found = turning_point(lambda value: problem.is_open(peaks(value)), guess)
     if found is None:
         raise refuse(problem, peaks(inf))
@@ -99,7 +99,11 @@ def resting_acceleration(task: Task) -> float:
 
 
 def mean_power(problem: Problem) -> float:
+<<<<<<< HEAD
     """Mean power in W over the cycle, which no peak is below; or what moving the mass takes, roughly, if more."""
+=======
+    """Mean power in W over the cycle, which no peak is below; or the order of power that moves the mass, if more."""
+>>>>>>> plain1
     task = problem.task
     moving = problem.limits.mass_kg * task.linkage.stroke_mm**2 / task.cycle_s**2 / 1000.0
     return max(task.work_n_mm, moving, 1e-9) / 1000.0 / task.cycle_s
@@ -148,8 +152,8 @@ def least_weighted_sum(
 ) -> WeightedBound:
     """Least weighted sum of the peaks; limits on the two peaks themselves are not looked at.
 
-    The least acceleration A*(P) never grows with P, so that between P1 and P2 the sum is no less than that of A*(P2)
-    and P1.  Intervals are split, the lowest first, until the lowest is within ``tolerance`` of the best motion found.
+    The least acceleration A*(P) never grows with P, so that between P1 and P2 the sum is no less than A*(P2) and P1
+    give.  Intervals are split, the lowest first, until the lowest is within ``tolerance`` of the best motion found.
     Raises NoSuchMechanism as ``least_acceleration`` does.
     """
     problem = prepared(task, limits, cells or CELLS)

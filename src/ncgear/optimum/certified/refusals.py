@@ -1,6 +1,6 @@
-"""Where no law keeps the limits: which of them binds, and the nearest value at which one does.
+"""Where no law keeps the limits: which of the limits binds, and its nearest value at which a law keeps them all.
 
-Such a value is found by bisection: whether limits can be kept turns only once, from no to yes, as one of them is eased.
+Bisection finds this value: as a limit is eased, whether laws can keep them all turns only once, from no to yes.
 """
 
 from __future__ import annotations

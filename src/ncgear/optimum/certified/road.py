@@ -155,7 +155,7 @@ SHARES = np.linspace(0.0, 1.0, 9)
 
 @dataclass(frozen=True, eq=False)
 class Probes:
-    """The linkage at points of the cells, all of shape (n, 9): ``share`` of the cell's length gone, slope and bend.
+    """The slider at points of the cells, all of shape (n, 9): ``share`` of the cell's length gone, slope and bend.
 
     ``bend_mm_rad2`` is the second derivative of the way by the crank angle, with its sign; ``force_n`` the resistance.
     """

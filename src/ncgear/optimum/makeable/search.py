@@ -1,7 +1,7 @@
 """The search for a law under levels: where it starts, and how limits come to be kept everywhere.
 
-The programme of ``programme.py`` keeps limits at its own places.  It is solved again, each term kept back by what it
-rises to between those places, until a grid twenty times finer finds all limits kept.
+The programme of ``programme.py`` keeps limits at its own places.  It is solved again, with each term kept back by as
+much as it rises between those places, until a grid twenty times finer finds all limits kept.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ PLACES_PER_HARMONIC = 10
 """Places of the programme: ten on the shortest wave, so that little is left between them."""
 
 FEWEST_PLACES = 240
-"""Resistances and linkages have their own waves, which few harmonics of the law do not make longer."""
+"""Fewest places: resistance and mechanism have waves of their own, as short where a law has few harmonics."""
 
 FINER = 20
 """How many times finer the grid is on which limits are held against the law that was found: on ten times as fine a one
@@ -109,8 +109,8 @@ def scales(task: Task, at: Stations) -> Scales:
 def kept(search: Search, start: Array) -> Kept | None:
     """The best coefficients from one start, solved again until all limits hold on the finer grid; None where none do.
 
-    Every term is kept back at each place by what it rises to beside it; what is left in the end is taken off the caps,
-    since places alone come near only round by round.
+    Every term is kept back at each place by as much as it rises beside the place.  Each round leaves less excess; in
+    the last rounds, what is left is taken off the caps as well.
     """
     caps, kept_back = search.caps.copy(), np.zeros(search.programme.rows)
     found = search.programme.solved(caps, search.weights, start, kept_back)

@@ -4,9 +4,9 @@ One pair: ln i12 is a trigonometric series over the driven angle.
 
     ln i12 = c0 + sum_k (cosine_k cos(k n2 phi2) + sine_k sin(k n2 phi2))
 
-The logarithm keeps every ratio positive whatever the coefficients are, and the linkage sees the driven angle; so this
-is the form in which laws are optimised and stored.  c0 closes the cycle: with x = n1 phi1 and t = n2 phi2,
-dx/dt = exp(series) / mean(exp(series)), whose integral over a turn is a turn.
+The logarithm keeps every ratio positive whatever the coefficients are, and the motion of the mechanism depends on the
+driven angle; so this is the form in which laws are optimised and stored.  c0 closes the cycle: with x = n1 phi1 and
+t = n2 phi2, dx/dt = exp(series) / mean(exp(series)), whose integral over a turn is a turn.
 
 Two pairs: ln i12 = ln iA + ln iB, both as series over the crank's angle phi2.
 

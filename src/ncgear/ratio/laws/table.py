@@ -1,7 +1,7 @@
 """A law given by points: displacements of the slider, or ratios, interpolated by a periodic quintic spline.
 
-Displacements are first turned into crank angles through the linkage, point by point, and the driven angle is
-interpolated: it is smooth at the dead centres, where the displacement's own spline would have to hit a double zero.
+The mechanism first turns displacements into crank angles, point by point, and the driven angle is interpolated: it is
+smooth at the dead centres, where the displacement's own spline would have to hit a double zero.
 Ratios are interpolated as 1/i12, so that the driven angle is the spline's exact integral.
 """
 

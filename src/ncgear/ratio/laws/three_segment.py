@@ -1,4 +1,4 @@
-"""The published law: a three-segment working stroke, inverted through the linkage, and a return that closes the cycle.
+"""The published law: a three-segment working stroke, inverted by the mechanism, and a return that closes the cycle.
 
 The inversion leads from the slider's displacement to the angle of the crank.  In the textbook form both dead centres
 are zero divided by zero.  Here the double zeros of the displacement at phi1 = 0 and of the rest of the stroke at theta4
