@@ -99,11 +99,7 @@ def resting_acceleration(task: Task) -> float:
 
 
 def mean_power(problem: Problem) -> float:
-<<<<<<< HEAD
-    """Mean power in W over the cycle, which no peak is below; or what moving the mass takes, roughly, if more."""
-=======
     """Mean power in W over the cycle, which no peak is below; or the order of power that moves the mass, if more."""
->>>>>>> plain1
     task = problem.task
     moving = problem.limits.mass_kg * task.linkage.stroke_mm**2 / task.cycle_s**2 / 1000.0
     return max(task.work_n_mm, moving, 1e-9) / 1000.0 / task.cycle_s
