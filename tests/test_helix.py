@@ -488,7 +488,7 @@ def test_what_a_design_file_may_not_say(helix: str, key: str, words: str) -> Non
         drive_of_text(DESIGN + f"  helix: {helix}\n")
     assert caught.value.key == key
     assert words in str(caught.value)
-    assert "a.yaml:10:" in str(caught.value)
+    assert "own.yaml:10:" in str(caught.value)
 
 
 # --- the whole way from a design file -------------------------------------------------------------------------------
