@@ -140,6 +140,38 @@ def test_ctrl_c_is_heard_also_where_it_cannot_be_raised() -> None:
     assert_interrupted((done.returncode, done.stderr))
 
 
+IMPORT = """
+import enum, signal, sys
+
+made = enum.EnumType.__call__
+
+def pressed(cls, *arguments, **options):
+    if arguments[0] == "OpType":
+        print("pressed", flush=True)
+        signal.raise_signal(signal.SIGINT)
+    return made(cls, *arguments, **options)
+
+enum.EnumType.__call__ = pressed
+from ncgear.cli import app, main
+
+def work():
+    import time
+    import manifold3d
+    time.sleep(5.0)
+
+app.app = work
+main()
+"""
+"""Ctrl-C while manifold3d makes an enumeration as it is imported: an exception there aborts the process."""
+
+
+def test_ctrl_c_waits_for_the_import_of_a_compiled_library() -> None:
+    environment = {**os.environ, "PYTHONPATH": SOURCE}
+    done = subprocess.run([sys.executable, "-c", IMPORT], env=environment, capture_output=True, text=True, timeout=25)
+    assert done.stdout == "pressed\n"
+    assert_interrupted((done.returncode, done.stderr))
+
+
 def test_ctrl_c_waits_for_what_must_not_be_left_half_done() -> None:
     done = []
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+from importlib.machinery import ExtensionFileLoader
 from types import FrameType
 from typing import NoReturn
 
@@ -19,23 +20,29 @@ FAULT = 1
 
 AGAIN_SECONDS = 0.2
 
+COMPILED_IMPORT = {ExtensionFileLoader.create_module.__code__, ExtensionFileLoader.exec_module.__code__}
+"""The functions that import a compiled library; some of those libraries abort the process if Ctrl-C is raised there."""
+
 LAST_WORDS = "interrupted; what earlier runs have written is untouched"
 
 
 class _Hearing:
     """Handles Ctrl-C, and repeats it until the run ends.
 
-    Some libraries swallow it, for example while they import optional parts, or turn it into another error.
+    Some libraries swallow it, for example while they import optional parts, or turn it into another error. While a
+    compiled library is imported, the interrupt only waits for its repetition.
     """
 
     def __init__(self) -> None:
         self.came = False
 
-    def __call__(self, number: int, frame: FrameType | None) -> NoReturn:
+    def __call__(self, number: int, frame: FrameType | None) -> None:
         self.came = True
         if hasattr(signal, "setitimer"):
             signal.signal(signal.SIGALRM, lambda *_: signal.raise_signal(signal.SIGINT))
             signal.setitimer(signal.ITIMER_REAL, AGAIN_SECONDS)
+            if _imports_compiled(frame):
+                return
         raise KeyboardInterrupt
 
     def end(self) -> None:
@@ -43,6 +50,15 @@ class _Hearing:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         if self.came and hasattr(signal, "setitimer"):
             signal.setitimer(signal.ITIMER_REAL, 0.0)
+
+
+def _imports_compiled(frame: FrameType | None) -> bool:
+    """Whether a compiled library is being imported in this frame or around it."""
+    while frame is not None:
+        if frame.f_code in COMPILED_IMPORT:
+            return True
+        frame = frame.f_back
+    return False
 
 
 def main() -> NoReturn:
