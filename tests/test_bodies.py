@@ -93,7 +93,7 @@ def hole_volume(screw_radius: float, outer: float, inner: float | None, floor: f
     return quad(lambda y: 2.0 * sqrt(screw_radius**2 - y**2) * length(y), -screw_radius, screw_radius)[0]
 
 
-@pytest.mark.tiers(quick=["0.0"], rest="thorough")
+@pytest.mark.tiers(quick=["0.0"], rest="slow")
 @pytest.mark.parametrize("direction", [0.0, 90.0, -143.0])
 def test_a_set_screw_takes_the_volume_of_crossing_cylinders(direction: float) -> None:
     """The hole ends in the bore's far side nowhere: it is cut out of one side only."""

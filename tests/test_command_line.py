@@ -282,7 +282,7 @@ BAD: dict[str, tuple[str, str, str, str]] = {
 }
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(thorough=["check-*", "build-deep*"], rest="slow")
 @pytest.mark.parametrize(("text", "where", "key", "said"), BAD.values(), ids=BAD.keys())
 @pytest.mark.parametrize("command", ["check", "build"])
 def test_wrong_design_file(run: Run, tmp_path: Path, command: str, text: str, where: str, key: str, said: str) -> None:

@@ -162,7 +162,7 @@ def test_tip_relief_parts_the_flanks_where_it_begins() -> None:
     assert farthest(ring_of(contour_of(gear, TOLERANCE)), exact_ring(gear)) <= TOLERANCE + FINE
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_gaps_of_equivalent_gears_are_bridged_as_in_their_outlines() -> None:
     form = ToothForm(rack(), equivalent=True)
     gear = toothed_pair(PITCHES["ellipse"](), form, 0.005).driving

@@ -124,6 +124,7 @@ def test_flanks_of_equivalent_gears_have_pins_and_no_span() -> None:
     assert row(found, "spaces in which they measure").driving == "all"
 
 
+@pytest.mark.thorough
 def test_helical_gears_are_measured_with_balls_half_way_up() -> None:
     found = sheet("helical-ellipse")
     assert row(found, "section that is measured, z").pair == 5.0

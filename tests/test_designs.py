@@ -31,7 +31,7 @@ BUILT = sorted({path.stem for path in DESIGNS.glob("*.yaml")} - OTHERS)
 every_design = pytest.mark.parametrize("name", BUILT)
 in_tiers = pytest.mark.tiers(
     quick=["ellipse*"],
-    thorough=["baler", "baler-check*", "baler-d*", "baler-pitch*", "internal-1-2*", "printed-pump*"],
+    thorough=["baler", "baler-check*", "baler-d*", "baler-pitch*", "internal-1-2*"],
     rest="slow",
 )
 """A build takes seconds; the slow ones resemble the others."""

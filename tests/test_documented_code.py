@@ -16,14 +16,7 @@ from documented.sessions import Step, differs, steps_of
 from documented.shell import WIDTH
 from ncgear.errors import WrongInput
 
-SLOW_COMMANDS = ("animate", "build", "frontier", "optimize", "report", "simulate", "sweep")
-SLOW = {"docs/tutorial.md", *(f"docs/commands/{name}.md" for name in SLOW_COMMANDS)}
-"""Pages that take over a second and a half; all others are quick."""
-
-
-def marked(page: Path) -> object:
-    name = str(page.relative_to(ROOT))
-    return pytest.param(page, id=name, marks=pytest.mark.slow if name in SLOW else ())
+THOROUGH = ["README.md", "docs/commands/check.md", "docs/commands/balance.md", "docs/python.md", "docs/baler.md"]
 
 
 @pytest.fixture
@@ -39,8 +32,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 with_code = [page for page in PAGES if blocks_of(page.read_text(encoding="utf-8"))]
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize("page", [marked(page) for page in with_code])
+@pytest.mark.tiers(thorough=THOROUGH, rest="slow")
+@pytest.mark.parametrize("page", with_code, ids=lambda page: str(page.relative_to(ROOT)))
 def test_page(page: Path, folder: Path) -> None:
     prepare(folder)
     run_page(page)

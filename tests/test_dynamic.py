@@ -286,7 +286,7 @@ def test_a_history_is_the_motion_beside_its_law() -> None:
     assert np.quantile(np.abs(acceleration - shown.slide.acceleration_mm_s2[1:-1]), 0.9) < 1e-2 * typical
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_joints_bear_what_newton_and_euler_ask_of_the_simulated_motion() -> None:
     """The torque asked of the crank shaft is what the teeth bring, though the motion came from Lagrange's equation."""
     machine = RigidMachine(Machine(LAWS["sine"](), LINKAGE, PolynomialResistance((500.0,)), SPEED), MASSES, PLACE)

@@ -112,7 +112,7 @@ def returned(family: Family, shape: Array, skewness: float) -> ReturnSamples:
     return return_samples(returns_with_skewness(*asked, inverse=family.inverse), family.linkage, RETURN_POINTS, 1)
 
 
-@pytest.mark.tiers(quick=["in line-*-True"], rest="thorough")
+@pytest.mark.tiers(quick=["in line-*-True"], slow=["offset-*"], rest="thorough")
 @pytest.mark.parametrize("inverse", [False, True])
 @pytest.mark.parametrize("lobes", [Lobes(), Lobes(2, 1)])
 @pytest.mark.parametrize("linkage", LINKAGES.values(), ids=LINKAGES)
@@ -226,7 +226,7 @@ def test_least_power_under_the_acceleration_found_is_the_power_cap() -> None:
     assert other.peak(Peak.POWER) == pytest.approx(12000.0, rel=0.02)
 
 
-@pytest.mark.tiers(thorough=["offset"], rest="slow")
+@pytest.mark.tiers(thorough=["in line"], rest="slow")
 @pytest.mark.parametrize("linkage", LINKAGES.values(), ids=LINKAGES)
 def test_without_resistance_any_cap_is_kept(linkage: CrankSlider) -> None:
     family = Family(linkage, PolynomialResistance(), OMEGA, True)

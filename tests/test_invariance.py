@@ -147,7 +147,7 @@ def scaled(data: Data, factor: float) -> Data:
     return {**result, "resistance": {"polynomial_n": force}}
 
 
-@pytest.mark.tiers(quick=["0.0-0.001"], rest="thorough")
+@pytest.mark.tiers(quick=["0.0-0.001"], rest="slow")
 @pytest.mark.parametrize("factor", [1e-3, 1e3])
 @pytest.mark.parametrize("e", [0.0, -260.0])
 def test_a_stroke_a_thousand_times_larger(factor: float, e: float) -> None:

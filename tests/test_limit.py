@@ -317,7 +317,7 @@ def test_no_resistance_needs_no_power() -> None:
     assert least_power(Task(BALER_LINKAGE, NONE, 2.0 * pi), USUAL).value == 0.0
 
 
-@pytest.mark.tiers(quick=["expression-short rod", "fit-offset"], slow=["none-*"], rest="thorough")
+@pytest.mark.tiers(quick=["expression-short rod", "fit-offset"], thorough=["expression-*", "fit-*"], rest="slow")
 @pytest.mark.parametrize("linkage", LINKAGES)
 @pytest.mark.parametrize("resistance", RESISTANCES)
 def test_other_machines_are_enclosed(linkage: str, resistance: str) -> None:

@@ -253,7 +253,7 @@ def test_lobed_gear_comes_back_to_itself_when_turned(name: str, teeth: int, repe
         assert rack_cut.outline_distance(polygon, turned) < 1e-9
 
 
-@pytest.mark.tiers(slow=["0.3"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("module", [0.3, 20.0])
 def test_outlines_scale_with_the_module(module: float) -> None:
     unit, scaled = gears("baler", 25, 1.0, 0.0025), gears("baler", 25, module, 0.0025 * module)

@@ -203,7 +203,7 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(build_module, "pictures", lambda *_: {})
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_random_designs_are_built_or_refused(tmp_path: Path) -> None:
     found = judge_builds(tmp_path, 4, 10**6)

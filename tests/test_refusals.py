@@ -218,7 +218,7 @@ def test_a_failed_build_leaves_the_last_good_one(program: Program, tmp_path: Pat
     assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_results_go_to_the_pipe_and_nothing_else(program: Program, tmp_path: Path) -> None:
     (tmp_path / "d.yaml").write_text(BALER, encoding="utf-8")
     done = program("check", "d.yaml", "--json")

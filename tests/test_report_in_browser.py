@@ -104,7 +104,7 @@ def test_it_loads_without_an_error_or_a_request(baler: Opened) -> None:
     assert outside(baler) == []
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_requests_and_errors_are_seen(opening: Open) -> None:
     """The policy turns pictures into errors; without it they are requests; and the script's own faults are heard."""
     page = reports.page("baler")
@@ -269,6 +269,7 @@ def test_all_controls_are_reached_by_tab_and_seen(baler: Opened) -> None:
     assert baler.page.evaluate("getComputedStyle(document.activeElement).outlineStyle") == "solid"
 
 
+@pytest.mark.thorough
 def test_views(baler: Opened) -> None:
     def box() -> list[float]:
         return [float(part) for part in baler.page.get_attribute("svg.scene", "viewBox").split()]
@@ -327,7 +328,7 @@ def test_it_prints_without_controls_and_in_light_colours(baler: Opened) -> None:
     assert pdf.count(b"/Type /Page\n") < 15
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_hostile_text_stays_text(opening: Open, tmp_path: Path) -> None:
     from test_report import DESIGN
 

@@ -190,7 +190,7 @@ def test_too_few_points_would_not_agree(monkeypatch: pytest.MonkeyPatch) -> None
     assert disagreement(found, designs) > 1e-6
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_order_of_designs_and_their_neighbours_do_not_matter() -> None:
     designs = [*random_strokes(8, 10), *random_harmonics(8, 10)]
     whole, half = screened(designs), screened(designs[::-2])

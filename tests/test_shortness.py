@@ -29,7 +29,7 @@ def refuse(name: str, teeth: int, least: float) -> None:
     refuse_short_contact(designed(name, teeth), made(name, teeth)[1], least)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("teeth", "message"), REFUSED)
 def test_a_pair_that_loses_contact_is_refused_with_its_teeth_and_limits(teeth: int, message: str) -> None:
     with pytest.raises(NoSuchMechanism, match=message) as caught:

@@ -55,7 +55,7 @@ def table(folder: str) -> np.ndarray:
     return np.genfromtxt(Path(folder, "simulation.csv"), delimiter=",", names=True)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_published_baler_with_masses(run: Run) -> None:
     """Pinned: peaks of torque and mesh force beside the uniform crank's; the mean torque is the work's over 2 pi."""
     status, out, err = run(DESIGN.read_text(encoding="utf-8"))
@@ -225,7 +225,7 @@ print(json.dumps(sorted({{name.split('.')[0] for name in sys.modules}})))
     return set(json.loads(done.stdout))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_rigid_level_makes_no_tooth_and_loads_no_solver_and_no_mesh() -> None:
     unmade = "assert not {'teeth', 'designed_contact', 'solids', 'rack'} & set(vars(drive)), vars(drive)"
     assert after_simulating(unmade) & {"trimesh", "casadi", "sympy"} == set()

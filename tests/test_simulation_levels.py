@@ -81,7 +81,7 @@ def test_motion_in_time_of_the_published_baler(run: Run) -> None:
     assert all(Path("here", name).read_bytes().startswith(b"\x89PNG") for name in names)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_motion_in_time_with_a_motor_from_rest(run: Run) -> None:
     motor = "simulation: {start: rest, turns: 0.1, motor: {no_load_speed_rpm: 60, stall_torque_n_m: 200}}\n"
     status, out, err = run(HEAD + motor, "dynamic")

@@ -133,7 +133,7 @@ def test_outlines_stray_by_their_tolerance_with_points_that_grow_by_its_square_r
     assert order_by_size(measured) == pytest.approx(2.0, abs=0.35)
 
 
-@pytest.mark.tiers(slow=["outlines-circle"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("key", OUTLINES)
 def test_even_parameters_are_of_second_order_and_need_more_points(key: str) -> None:
     measured = found(key, outlines.EVEN, 8, 16, 32)
@@ -152,7 +152,7 @@ def test_equivalent_gears_miss_an_elliptical_gear_however_many_points_they_have(
     assert study("outlines-circle").error(teeth.driving.outline_mm) <= 5e-5
 
 
-@pytest.mark.tiers(quick=["outlines-circle"], rest="thorough")
+@pytest.mark.tiers(quick=["outlines-circle"], rest="slow")
 @pytest.mark.parametrize("key", OUTLINES)
 def test_an_outline_displaced_by_a_tenth_of_the_tolerance_is_told(key: str) -> None:
     fine = toothed_pair(study_pair(key), form(), 0.05 * TOLERANCE_MM).driving.outline_mm

@@ -185,7 +185,7 @@ def test_a_ring_stands_within_a_cylinder() -> None:
     assert abs(signed_area(mark)) == pytest.approx(np.pi / 4.0, rel=1e-6)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_pair_stands_as_it_goes_together() -> None:
     file = Part21(files("ellipse")["pair.step"])
     names = [product.arguments[0] for product in file.of("PRODUCT")]
@@ -199,7 +199,7 @@ def test_the_pair_stands_as_it_goes_together() -> None:
     assert {tuple(unit.arguments) for unit in units if unit.name == "SI_UNIT"} >= {(".MILLI.", ".METRE.")}
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_header_says_how_close_and_nothing_of_clock_or_machine() -> None:
     header = " ".join(files("ellipse")["driving.step"].decode().split("ENDSEC", 1)[0].split())
     assert "'ellipse: tooth faces within 3.4e-04 mm of the exact ones'" in header
@@ -207,7 +207,7 @@ def test_the_header_says_how_close_and_nothing_of_clock_or_machine() -> None:
     assert header.endswith("'ncgear',''); FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));")
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_same_design_gives_the_same_bytes(capfd: pytest.CaptureFixture[str]) -> None:
     assert step_files(Drive(loaded("ellipse").design)) == files("ellipse")
     assert capfd.readouterr() == ("", "")
@@ -394,7 +394,7 @@ def test_a_build_writes_the_kind_that_is_asked_for(run: Run, tmp_path: Path) -> 
     assert not list((tmp_path / "made").glob("*.dxf"))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_nothing_but_steps_needs_the_library() -> None:
     """The module that others import loads it only when it is asked for files."""
     code = "import sys, ncgear.files.build, ncgear.files.workshop.step; sys.exit('OCP' in sys.modules)"

@@ -43,7 +43,7 @@ def test_a_sweep_writes_a_row_for_every_combination(run: Run) -> None:
     assert "export/press-sweep/sweep.csv" in out
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_row_has_the_figures_of_its_design(run: Run) -> None:
     run(SPEEDS)
     row = table()[1]

@@ -64,7 +64,7 @@ def built() -> Built:
     return Built(folder, done.summaries, said, build_text(done.summaries, done.paths) + timing_text(drive(NAME)))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_both_stages_are_written_in_full() -> None:
     assert {path.name for path in built().folder.iterdir()} == {"stage-1", "stage-2"}
     for stage in STAGES:
@@ -77,7 +77,7 @@ def test_both_stages_are_written_in_full() -> None:
         assert f"stage {stage}: teeth" in built().text
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @every_stage
 def test_each_stage_is_within_its_pressure_angle_and_free_of_undercut(stage: int) -> None:
     summary = built().summaries[stage - 1]

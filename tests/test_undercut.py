@@ -178,7 +178,7 @@ def undercut_by_closed_form(gear: ToothedGear) -> list[int]:
     return sorted({int(number) for number in own.tooth[regular.min(axis=1) <= 0.0]})
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "teeth"),
     [

@@ -185,7 +185,7 @@ def test_a_clearance_is_taken_off_all_along_the_outline(gear: Gear) -> None:
     assert designed.area - cleared.area == pytest.approx(0.05 * designed.length, rel=0.01)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("gear", Gear)
 def test_a_helical_gear_is_drawn_at_its_foot(gear: Gear) -> None:
     """Its section there and the outline in the table are two polylines of the same curves: a tolerance each."""
@@ -386,7 +386,7 @@ sys.stdout.buffer.write(dxf_bytes({"": drawing}, drawing.notes))
 """
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_drawings_do_not_hang_on_how_a_process_orders_words() -> None:
     """Of these two seeds the library's own order of the classes in a file's head differs."""
     seeds = ({**os.environ, "PYTHONHASHSEED": seed} for seed in ("1", "7"))
