@@ -296,6 +296,7 @@ def test_joints_bear_what_newton_and_euler_ask_of_the_simulated_motion() -> None
     np.testing.assert_allclose(shown.joints.torque_n_mm, brought, atol=1e-6 * np.abs(brought).max())
 
 
+@pytest.mark.tiers(thorough=["ring-24"], rest="quick")
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 24), ("sine", 31), ("ring", 24)])
 def test_tangents_have_the_length_one(name: str, teeth: int) -> None:
     found = meshing(name, teeth)

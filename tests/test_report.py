@@ -107,6 +107,7 @@ def test_text_that_is_not_escaped_is_seen(hostile: str) -> None:
     assert len(foreign_elements(hostile.replace("</main>", f"<p>{HOSTILE}</p></main>"))) == 3
 
 
+@pytest.mark.thorough
 def test_no_key_of_the_data_ends_the_script() -> None:
     block = re.search(r'<script type="application/json" id="data">(.*?)</script>', reports.page("baler"), re.DOTALL)
     assert block

@@ -22,9 +22,10 @@ sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not 
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 
-pytestmark = pytest.mark.skipif(
-    CHROMIUM is None, reason="no chromium on the path: the report is not tried in a browser"
-)
+pytestmark = [
+    pytest.mark.thorough,
+    pytest.mark.skipif(CHROMIUM is None, reason="no chromium on the path: the report is not tried in a browser"),
+]
 
 FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update"]
 
@@ -97,7 +98,6 @@ def outside(opened: Opened) -> list[str]:
 # --- loading
 
 
-@pytest.mark.thorough
 def test_it_loads_without_an_error_or_a_request(baler: Opened) -> None:
     assert baler.errors == []
     assert len(baler.requests) == 1
@@ -269,7 +269,6 @@ def test_all_controls_are_reached_by_tab_and_seen(baler: Opened) -> None:
     assert baler.page.evaluate("getComputedStyle(document.activeElement).outlineStyle") == "solid"
 
 
-@pytest.mark.thorough
 def test_views(baler: Opened) -> None:
     def box() -> list[float]:
         return [float(part) for part in baler.page.get_attribute("svg.scene", "viewBox").split()]
@@ -312,7 +311,6 @@ VISIBLE_CONTROLS = """() => [...document.querySelectorAll("button, input, select
 GROUND = "getComputedStyle(document.documentElement).getPropertyValue('--paper')"
 
 
-@pytest.mark.thorough
 def test_it_prints_without_controls_and_in_light_colours(baler: Opened) -> None:
     assert baler.page.evaluate(VISIBLE_CONTROLS) > 8
     baler.page.emulate_media(media="screen", color_scheme="dark")

@@ -90,6 +90,7 @@ def test_each_stage_is_within_its_pressure_angle_and_free_of_undercut(stage: int
     assert summary["contact"]["contact_ratio_min"] >= 1.6
 
 
+@pytest.mark.thorough
 @every_stage
 def test_the_check_is_that_of_the_whole_machine(stage: int) -> None:
     """Pinned beside the one pair of baler-66: 33 990 mm/s2 and 71.7 deg."""

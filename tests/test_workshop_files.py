@@ -176,6 +176,7 @@ def test_all_of_a_body_is_drawn() -> None:
     )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("gear", Gear)
 def test_a_clearance_is_taken_off_all_along_the_outline(gear: Gear) -> None:
     """As much off as the clearance times the length, and nowhere less than the clearance."""
@@ -334,6 +335,7 @@ def shown(data: bytes) -> dict[str, Array]:
     return found
 
 
+@pytest.mark.tiers(thorough=["helical-ellipse"], rest="quick")
 @pytest.mark.parametrize("name", [*DESIGNS, "helical-ellipse"])
 def test_the_scene_is_the_pair_in_metres_with_y_up(name: str) -> None:
     nodes, one = shown(files(name)["pair.glb"]), drive(name)
