@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
-from typing import Any, TypeVar
+from dataclasses import dataclass, fields, replace
+from typing import Any, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +26,22 @@ Number = TypeVar("Number", float, Array)
 
 def repeated(many: Any, count: int) -> Any:
     """Repeats each design ``count`` times in a row, in a dataclass whose arrays count designs along their last axis."""
+    arrays = {name: np.repeat(value, count, axis=-1) for name, value in _arrays(many).items()}
+    return replace(many, **arrays) if arrays else many
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """Base of dataclasses whose arrays all count the same things along their first axis."""
+
+    def kept(self, rows: Mask | IndexArray) -> Self:
+        """The chosen rows of every array; fields that are no arrays stay."""
+        return replace(self, **{name: values[rows] for name, values in _arrays(self).items()})
+
+
+def _arrays(many: Any) -> dict[str, Any]:
     values = {field.name: getattr(many, field.name) for field in fields(many)}
-    arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
-    return (
-        replace(many, **{name: np.repeat(value, count, axis=-1) for name, value in arrays.items()}) if arrays else many
-    )
+    return {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
 
 
 def counted_up(first: IndexArray, count: IndexArray) -> tuple[IndexArray, IndexArray]:

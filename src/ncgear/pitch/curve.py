@@ -18,7 +18,7 @@ import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics import chebyshev
-from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.arrays import Array, Columns
 from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
 from ncgear.numerics.units import in_words
 from ncgear.pitch import shape
@@ -27,7 +27,7 @@ from ncgear.ratio.transmission import Transmission
 
 
 @dataclass(frozen=True, eq=False)
-class CurvePoints:
+class CurvePoints(Columns):
     """Points of a curve, of any shape (...).
 
     ``position`` in mm, unit ``tangent`` in the sense of growing arc length and unit ``normal`` away from the gear's
@@ -38,10 +38,6 @@ class CurvePoints:
     tangent: Array
     normal: Array
     curvature: Array
-
-    def kept(self, rows: IndexArray | Mask) -> CurvePoints:
-        """The chosen points."""
-        return CurvePoints(self.position[rows], self.tangent[rows], self.normal[rows], self.curvature[rows])
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,14 +16,14 @@ from functools import cached_property
 import numpy as np
 
 from ncgear.contact.placement import Placement
-from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
+from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import along, angle_between, as_complex
 from ncgear.teeth.flank import FILLET, Flanks
 from ncgear.teeth.sides import Sides
 
 
 @dataclass(frozen=True, eq=False)
-class Contacts:
+class Contacts(Columns):
     """n places of contact on one side of the teeth, all of shape (n,).
 
     ``driving`` and ``driven`` number the flanks that meet in ``position``.  ``error_rad`` is how far the driven angle
@@ -43,10 +43,6 @@ class Contacts:
     def joined(parts: Sequence[Contacts]) -> Contacts:
         """All contacts of several parts."""
         return Contacts(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Contacts)))
-
-    def kept(self, rows: Mask | IndexArray) -> Contacts:
-        """The chosen contacts."""
-        return Contacts(*(getattr(self, field.name)[rows] for field in fields(self)))
 
     @property
     def driving_tooth(self) -> IndexArray:

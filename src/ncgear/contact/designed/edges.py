@@ -7,14 +7,14 @@ which corners come near enough to matter; only for those the crossing of circle 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import elementwise
 
 from ncgear.contact.designed.curves import Contacts, SeenGear, SidePaths
 from ncgear.contact.placement import Meetings, Placement
-from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
+from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
 from ncgear.numerics.crossing import circle_crossings, refined_crossings
 from ncgear.numerics.plane import angle_between, as_points, square
 from ncgear.teeth.tool import AGREEMENT
@@ -30,7 +30,7 @@ ON_CIRCLE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class EdgeHits:
+class EdgeHits(Columns):
     """Corners of one gear whose circles cross chords of the other's ``curves``, all of shape (n,).
 
     ``driving`` and ``driven`` number the flanks that meet in ``position``.  ``corner`` is in the driven gear's frame.
@@ -65,11 +65,6 @@ class EdgeHits:
     @property
     def _place(self) -> tuple[IndexArray, IndexArray]:
         return (self.driving if self.curves.moving else self.driven), self.chord
-
-    def kept(self, rows: Mask | IndexArray) -> EdgeHits:
-        """The chosen hits."""
-        columns = [getattr(self, field.name)[rows] for field in fields(self)[1:]]
-        return EdgeHits(self.curves, *columns)
 
 
 def edge_hits(driving: SidePaths, driven: SidePaths, placement: Placement, meetings: Meetings) -> list[EdgeHits]:
@@ -156,7 +151,7 @@ def _touching(hits: EdgeHits) -> Contacts:
 def _solved(hits: EdgeHits) -> tuple[Array, Array]:
     """Parameters of the curves at which they meet the corners' circles, and the angles that turn the corners there.
 
-    By Newton's method.  It may end beyond the chord where the curve turns close by; there by bracketing on the chord.
+    Newton's method may end beyond the chord where the curve turns close by; there the place is bracketed on the chord.
     """
 
     def curve(parameter: Array) -> tuple[Array, Array]:

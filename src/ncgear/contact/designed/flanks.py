@@ -90,8 +90,8 @@ def _near(
     beyond = BEYOND_IN_PITCHES * rack.pitch_mm * sin(rack.pressure_angle_rad) * cos(rack.pressure_angle_rad)
     row, column = place = np.nonzero((room >= -beyond).all(axis=0).any(axis=0))
     numbers = meetings.driving[row], meetings.driven[row], meetings.position[place]
-    urge = placement.ahead * meetings.urge
-    return row, column, FacingFlanks(teeth, placement, urge, *numbers, first[place], second[place])
+    upward = placement.ahead * meetings.urge
+    return row, column, FacingFlanks(teeth, placement, upward, *numbers, first[place], second[place])
 
 
 def _room(driving: Array, driven: Array) -> Array:

@@ -19,23 +19,23 @@ from typing import TypeVar
 import numpy as np
 
 from ncgear.contact.placement import Placement
-from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
+from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import across, along, angle_between, as_complex, square
 from ncgear.teeth.gear import ToothedPair
 from ncgear.teeth.tool import AGREEMENT
 
 
 @dataclass(frozen=True, eq=False)
-class FacingFlanks:
+class FacingFlanks(Columns):
     """n pairs of a driving and a driven flank, each in one position, shape (n,) each.
 
-    ``driving_mm`` and ``driven_mm`` are the heights at which they touch by the closed form.  Where ``urge`` is +1 the
-    first contact is the one for which the driving gear is seen turned the farthest up; where -1, the farthest down.
+    ``driving_mm`` and ``driven_mm`` are the heights at which they touch by the closed form.  Where ``upward`` is +1
+    the first contact is the one for which the driving gear is seen turned the farthest up; where -1, the farthest down.
     """
 
     teeth: ToothedPair
     placement: Placement
-    urge: float
+    upward: float
     driving: IndexArray
     driven: IndexArray
     position: IndexArray
@@ -46,11 +46,6 @@ class FacingFlanks:
     def module_mm(self) -> float:
         """Module of the pair."""
         return self.teeth.driving.flanks.rack.module_mm
-
-    def kept(self, rows: IndexArray | Mask) -> FacingFlanks:
-        """The chosen pairs."""
-        columns = [getattr(self, field.name)[rows] for field in fields(self)[3:]]
-        return FacingFlanks(self.teeth, self.placement, self.urge, *columns)
 
     def driving_curve(self, height_mm: Array) -> tuple[ComplexArray, ComplexArray]:
         """Points of the driving flanks at heights (shape (n, ...)) and derivatives, at the law's driven angle."""
@@ -103,7 +98,7 @@ flanks are rolled unequally."""
 
 
 @dataclass(frozen=True, eq=False)
-class _State:
+class _State(Columns):
     """Where a search stands, shape (n,) each: heights in mm and the angle by which the driving gear is seen turned.
 
     ``point`` and ``slope`` (by the height) are those of the driving flank, ``other_slope`` that of the driven flank.
@@ -119,9 +114,6 @@ class _State:
     other_slope: ComplexArray
     gap: ComplexArray
     bend_rad: Array
-
-    def kept(self, rows: IndexArray) -> _State:
-        return _State(*(getattr(self, field.name)[rows] for field in fields(self)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,9 +139,6 @@ class _Rates:
         return self.own_bend - self.other_bend * self.own / self.other
 
 
-Columns = TypeVar("Columns", Touches, _State)
-
-
 def tangencies(facing: FacingFlanks, limits_mm: Array) -> Touches:
     """Where flanks touch near the heights that the closed form gives.
 
@@ -169,7 +158,10 @@ def tangencies(facing: FacingFlanks, limits_mm: Array) -> Touches:
     return _merged(touches, doubtful, _first_touches(facing.kept(doubtful), limits_mm[..., doubtful]))
 
 
-def _merged(older: Columns, rows: IndexArray, newer: Columns) -> Columns:
+Merged = TypeVar("Merged", Touches, _State)
+
+
+def _merged(older: Merged, rows: IndexArray, newer: Merged) -> Merged:
     """The older columns with the chosen rows replaced."""
     columns = [getattr(older, field.name).copy() for field in fields(older)]
     for column, field in zip(columns, fields(older), strict=True):
@@ -244,7 +236,7 @@ def _doubtful(facing: FacingFlanks, state: _State) -> Mask:
     if moved.size:
         near, there = facing.kept(moved), state.kept(moved)
         by = _rates(near, there)
-        behind = facing.urge * by.own * by.relative_bend * by.spin_across <= 0.0
+        behind = facing.upward * by.own * by.relative_bend * by.spin_across <= 0.0
         doubtful[moved] = behind | _about_joints(near, there)
     return doubtful
 
@@ -301,8 +293,8 @@ def _first_touches(facing: FacingFlanks, limits_mm: Array) -> Touches:
         )
         least, greatest = limits_mm[1, ..., None]
         there = np.isfinite(other_height) & (other_height >= least) & (other_height <= greatest)
-        turn = np.where(there, angle_between(point, other), -facing.urge * np.inf)
-        first = first[0], np.argmax(facing.urge * turn, axis=1)
+        turn = np.where(there, angle_between(point, other), -facing.upward * np.inf)
+        first = first[0], np.argmax(facing.upward * turn, axis=1)
         middle, reach = height[first], reach * (SHARES[1] - SHARES[0])
     found = there[first]
     turn = np.where(found, turn[first], 0.0)
