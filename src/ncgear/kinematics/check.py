@@ -46,19 +46,16 @@ def kinematic_check(machine: Machine) -> KinematicCheck:
     cycle = stretches(machine)
     working = [stretch for stretch in cycle if stretch.working]
     returning = [stretch for stretch in cycle if not stretch.working]
-    acceleration_working = _peak(working, lambda jet: jet.differentiated().differentiated())
-    acceleration_returning = _peak(returning, lambda jet: jet.differentiated().differentiated())
-    acceleration = max(acceleration_working, acceleration_returning, key=lambda extremum: extremum.value)
-    speed = _peak(cycle, lambda jet: jet.differentiated())
-    power = _peak_power(machine, working)
+    accelerations = [_peak(half, lambda jet: jet.differentiated().differentiated()) for half in (working, returning)]
+    acceleration = max(accelerations, key=lambda extremum: extremum.value)
+    speed = _peak(cycle, Jet.differentiated)
+    work_j = work_per_stroke_j(machine.resistance, machine.linkage.stroke_mm)
     return KinematicCheck(
         speed_rpm=omega / RAD_S_PER_RPM,
-        peak_power_w=_scaled(power, omega / 1000.0),
-        mean_power_w=work_per_stroke_j(machine.resistance, machine.linkage.stroke_mm)
-        * omega
-        / machine.transmission.cycle_rad,
+        peak_power_w=_scaled(_peak_power(machine, working), omega / 1000.0),
+        mean_power_w=work_j * omega / machine.transmission.cycle_rad,
         peak_speed_mm_s=_scaled(speed, omega),
-        peak_acceleration_working_mm_s2=_scaled(acceleration_working, omega**2),
+        peak_acceleration_working_mm_s2=_scaled(accelerations[0], omega**2),
         peak_acceleration_cycle_mm_s2=_scaled(acceleration, omega**2),
     )
 
@@ -68,17 +65,17 @@ def work_per_stroke_j(resistance: Resistance, stroke_mm: float) -> float:
     return float(resistance.work_n_mm(np.array([stroke_mm]), stroke_mm)[0]) / 1000.0
 
 
-def _peak(along: Iterable[Stretch], quantity: Callable[[Jet], Jet]) -> Extremum:
+def _peak(parts: Iterable[Stretch], quantity: Callable[[Jet], Jet]) -> Extremum:
     """Largest magnitude over the stretches of a quantity made from the displacement's jet."""
-    found = [extremum for stretch in along for extremum in _extremes(stretch, quantity, 3)]
+    found = [extremum for stretch in parts for extremum in _extremes(stretch, quantity, 3)]
     return max((Extremum(abs(extremum.value), extremum.at) for extremum in found), key=lambda extremum: extremum.value)
 
 
 def _extremes(stretch: Stretch, quantity: Callable[[Jet], Jet], order: int) -> tuple[Extremum, Extremum]:
-    def along(phi1: Array) -> Jet:
+    def of_angle(phi1: Array) -> Jet:
         return quantity(stretch.displacement(phi1, order))
 
-    return extremes(along, stretch.start_rad, stretch.end_rad, np.array(stretch.knots_rad))
+    return extremes(of_angle, stretch.start_rad, stretch.end_rad, np.array(stretch.knots_rad))
 
 
 def _peak_power(machine: Machine, working: Sequence[Stretch]) -> Extremum:

@@ -4,7 +4,7 @@ A machine is a mechanism that a law drives against a resistance at constant driv
 stretches on which the slider's motion is smooth: at the joints of the law, at the dead centres, and about sharp corners
 of the mechanism.  An example of a corner is a crank-slider whose rod is hardly longer than crank and offset: with
 rod/crank = 1.0001 the slider stands still for half a turn of the crank, and its acceleration there has a peak 0.014 rad
-of the crank wide, which samples over the whole stroke pass by.
+of the crank wide, which samples over the whole stroke miss.
 """
 
 from __future__ import annotations
@@ -63,13 +63,20 @@ class Machine:
     @cached_property
     def extended_rad(self) -> float:
         """Driving angle in the first cycle at which the slider is at its extended dead centre."""
-        target = self.linkage.working_angle_rad
+        return float(self.driving_angles(np.array([self.linkage.working_angle_rad]))[0])
 
-        def excess(phi1: Array) -> Array:
-            return self.transmission.driven_angle(phi1).value - target
+    def driving_angles(self, crank_rad: Array) -> Array:
+        """Driving angles in the first cycle at crank angles in rad, shape (n,), without those next to the cycle's end.
 
-        last = self.transmission.cycle_rad * (1.0 - 1e-12)
-        return float(zeros_between(excess, np.array([0.0]), np.array([last]))[0])
+        Raises ArithmeticError where one is not found, which a law that rises cannot cause.
+        """
+
+        def driven(phi1: Array) -> Array:
+            return self.transmission.driven_angle(phi1).value
+
+        end = self.transmission.cycle_rad * (1.0 - 1e-12)
+        wanted = crank_rad[crank_rad < driven(np.array([end]))[0]]
+        return zeros_between(lambda phi1: driven(phi1) - wanted, np.zeros(wanted.shape), np.full(wanted.shape, end))
 
     def working(self, phi2: Array) -> Mask:
         """Whether the slider is in its working stroke, at driven angles of shape (n,).
@@ -98,7 +105,7 @@ class Machine:
 
 
 def sample_angles(transmission: Transmission) -> Array:
-    """Even driving angles over one cycle and at least one turn of the driving gear, both ends included, 2000 a turn."""
+    """Evenly spaced driving angles, 2000 a turn, over one cycle and at least one turn of the driving gear."""
     end = max(2.0 * pi, transmission.cycle_rad)
     return np.linspace(0.0, end, int(np.ceil(2000 * end / (2.0 * pi))) + 1)
 
@@ -113,32 +120,18 @@ distance; between two such cuts it is smooth."""
 
 
 def corner_cuts_rad(machine: Machine) -> Array:
-    """Driving angles in rad of one cycle that close in on each sharp corner; shape (0,) for ordinary mechanisms.
-
-    Raises ArithmeticError where a crank angle is not found, which a law that rises cannot cause.
-    """
+    """Driving angles in rad of one cycle that close in on each sharp corner; shape (0,) for ordinary mechanisms."""
     corners = [_about(angle, width) for angle, width in machine.linkage.corners if width < SHARP_RAD]
     if not corners:
         return np.empty(0)
     crank = np.unique(np.mod(np.concatenate(corners), 2.0 * pi))
-    return _driving_angles(machine, crank[crank > 0.0])
+    return machine.driving_angles(crank[crank > 0.0])
 
 
 def _about(angle: float, width: float) -> Array:
     """Crank angles at a corner and at growing distances to both sides."""
     distances = width * WIDENING ** np.arange(np.ceil(np.log(pi / width) / np.log(WIDENING)))
     return angle + np.concatenate([-distances, [0.0], distances])
-
-
-def _driving_angles(machine: Machine, crank: Array) -> Array:
-    """Driving angles at crank angles within a turn, shape (n,), without those next to the end, which is no cut."""
-
-    def driven(phi1: Array) -> Array:
-        return machine.transmission.driven_angle(phi1).value
-
-    end = machine.transmission.cycle_rad * (1.0 - 1e-12)
-    wanted = crank[crank < driven(np.array([end]))[0]]
-    return zeros_between(lambda phi1: driven(phi1) - wanted, np.zeros(wanted.shape), np.full(wanted.shape, end))
 
 
 LEAST = 1e-9
@@ -215,6 +208,5 @@ def angles_at(stretch: Stretch, displacements_mm: Array) -> Array:
     wanted_mm: Array = displacements_mm[(displacements_mm > ends.min()) & (displacements_mm < ends.max())]
     if not wanted_mm.size:
         return wanted_mm
-
     around = np.full(wanted_mm.shape, stretch.start_rad), np.full(wanted_mm.shape, stretch.end_rad)
     return np.unique(zeros_between(lambda phi1: stretch.displacement(phi1, 0).value - wanted_mm, *around))

@@ -148,15 +148,11 @@ class TableResistance(Resistance):
         return PPoly(np.hstack([before, inner.c, after]), breaks)
 
     def fitted_n(self, displacement: Jet) -> Jet:
-        """The cubic at each displacement, by Horner's rule on its own coefficients."""
+        """The cubic at each displacement, with derivatives."""
         cubics = self._cubics
         place = np.searchsorted(cubics.x, displacement.value, side="right") - 1
         piece = np.clip(place, 0, cubics.c.shape[1] - 1)
-        local = displacement + Jet(_padded(-cubics.x[piece], displacement.order))
-        result = displacement * 0.0
-        for row in cubics.c:
-            result = result * local + Jet(_padded(row[piece], displacement.order))
-        return result
+        return jet.polynomial(cubics.c[::-1, piece], displacement - cubics.x[piece])
 
     def work_from_retracted_n_mm(self, displacement_mm: Array, stroke_mm: float) -> Array:
         """The antiderivative of the cubics."""
@@ -173,13 +169,6 @@ class TableResistance(Resistance):
     def turns_mm(self, stroke_mm: float) -> Array:
         """The points of the table: the cubic between two of them is monotone."""
         return within(np.array(self.displacement_mm), stroke_mm)
-
-
-def _padded(values: Array, order: int) -> Array:
-    """Coefficients of a jet that is constant at each point."""
-    coefficients = np.zeros((order + 1, values.size))
-    coefficients[0] = values
-    return coefficients
 
 
 KEY = "resistance.expression_n"

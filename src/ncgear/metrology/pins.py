@@ -21,9 +21,9 @@ from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import refined_crossings
 from ncgear.teeth.tool import AGREEMENT
 
-EXTERNAL, INTERNAL = 1.728, 1.68
-"""Diameter in normal modules that touches flanks of 20 degrees near the pitch curve and stands out of the space
-(Van Keuren's rule, values from secondary sources)."""
+OUTSIDE, IN_RING = 1.728, 1.68
+"""Diameter in normal modules, for external teeth and for a ring, that touches flanks of 20 degrees near the pitch
+curve and stands out of the space (Van Keuren's rule, values from secondary sources)."""
 
 SOLD_MM = (
     *(0.17, 0.195, 0.22, 0.25, 0.29, 0.335, 0.39, 0.455, 0.53, 0.62, 0.725, 0.895, 1.1, 1.35, 1.5, 1.65, 1.75, 2.0),
@@ -34,12 +34,12 @@ SOLD_MM = (
 from secondary sources, not held against the standards)."""
 
 NEAR = 1.3
-"""Larger pins are tried up to so many times the nominal diameter; beyond it they touch near the tips."""
+"""Pins are tried up to this many times the nominal diameter; larger ones touch near the tips."""
 
 
 def nominal_pin_mm(normal_module_mm: float, *, internal: bool) -> float:
     """The pin diameter in mm that should be used, before one that is sold is chosen."""
-    return (INTERNAL if internal else EXTERNAL) * normal_module_mm
+    return (IN_RING if internal else OUTSIDE) * normal_module_mm
 
 
 def pins_to_try(nominal_mm: float) -> tuple[float, ...]:

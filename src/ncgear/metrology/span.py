@@ -27,6 +27,7 @@ import numpy as np
 
 from ncgear.metrology.working import WorkingFlanks
 from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.plane import cross
 from ncgear.numerics.zeros import zeros_between
 from ncgear.pitch.curve import CurvePoints, PitchCurve
 from ncgear.pitch.shape import Gear
@@ -99,8 +100,7 @@ def _of_teeth(working: WorkingFlanks, chords: MeasuringChords) -> MeasuringChord
 
 
 def _touching(working: WorkingFlanks, sigma_mm: Array, side: float) -> tuple[IndexArray, Array]:
-    """For each arc length, the flank of one side that touches nearest to the pitch line, and the height at which it
-    does.
+    """For each arc length, the flank of one side that touches nearest to the pitch line, and its height there.
 
     Shapes (n,); heights are infinite where no flank touches within its ends.
     """
@@ -124,7 +124,7 @@ EVEN = 1e-9
 radius varies by a millionth it is 1e-7."""
 
 NEIGHBOURS = 1.5
-"""Two starts less than so many steps apart are neighbours on the grid; two steps apart, one start is left out."""
+"""Starts fewer steps apart than this are neighbours on the grid; between starts two steps apart, one is left out."""
 
 HAIR = 1e-6
 """Share of a step by which brackets are widened, so that rounding at their ends does no harm."""
@@ -199,7 +199,7 @@ def _end_of(curve: PitchCurve, angle: float, start: Array, low: Array, high: Arr
     def short(sigma: Array) -> Array:
         at = curve.at_length(sigma)
         outwards = cos(angle) * at.tangent + sin(angle) * at.normal
-        lacking: Array = sense * _cross(wanted, outwards)
+        lacking: Array = sense * cross(wanted, outwards)
         return lacking
 
     return zeros_between(short, low, high)
@@ -209,7 +209,7 @@ def _offset(curve: PitchCurve, angle: float, start: Array, end: Array) -> tuple[
     """q, and the length of the chord."""
     first, last = curve.at_length(start), curve.at_length(end)
     way = last.position - first.position
-    return _cross(way, _inwards(first, angle)), np.linalg.norm(way, axis=1)
+    return cross(way, _inwards(first, angle)), np.linalg.norm(way, axis=1)
 
 
 def _closed_in(curve: PitchCurve, angle: float, tried: tuple[Array, Array], change: IndexArray) -> tuple[Array, Array]:
@@ -230,8 +230,3 @@ def _is_least(curve: PitchCurve, angle: float, start: Array, end: Array) -> Mask
     radii = 1.0 / first.curvature + 1.0 / last.curvature
     least: Mask = sin(angle) * radii > np.linalg.norm(last.position - first.position, axis=1)
     return least
-
-
-def _cross(a: Array, b: Array) -> Array:
-    product: Array = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-    return product

@@ -1,4 +1,4 @@
-"""Where plane curves cross: a search on chords, then Newton's method on the curves themselves; circles and chords."""
+"""Where plane curves cross, by chords and by Newton's method on the curves themselves; where chords cross circles."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
-from ncgear.numerics.plane import along, square
+from ncgear.numerics.plane import along, cross, square
 
 CurveFunction = Callable[[Array], tuple[Array, Array]]
 """From parameters of n curves, shape (n,) or (n, m), to points and derivatives by the parameter, shape (n, ..., 2)."""
@@ -50,17 +50,17 @@ def _near_chords(first: Array, second: Array) -> tuple[IndexArray, IndexArray]:
 def refined_crossings(
     first: CurveFunction, second: CurveFunction, start1: Array, start2: Array, tolerance: float
 ) -> tuple[Array, Array, Mask]:
-    """Parameters of the crossings near the starts, and whether the two points agree to ``tolerance``."""
+    """Parameters of the crossings near the starts, and whether both points agree to ``tolerance``; shape (n,) each."""
     at1, at2 = start1.copy(), start2.copy()
     for _ in range(NEWTON_STEPS):
         (point1, slope1), (point2, slope2) = first(at1), second(at2)
         gap = point2 - point1
         if np.all(np.hypot(gap[:, 0], gap[:, 1]) <= tolerance):
             break
-        area = _cross(slope1, slope2)
+        area = cross(slope1, slope2)
         area = np.where(area == 0.0, np.inf, area)
-        at1 = at1 + _cross(gap, slope2) / area
-        at2 = at2 + _cross(gap, slope1) / area
+        at1 = at1 + cross(gap, slope2) / area
+        at2 = at2 + cross(gap, slope1) / area
     gap = second(at2)[0] - first(at1)[0]
     return at1, at2, np.hypot(gap[:, 0], gap[:, 1]) <= tolerance
 
@@ -87,10 +87,6 @@ def zoomed_crossings(
         at1[rows] += reach1[rows] * share1[nearest[chosen]]
         at2[rows] += reach2[rows] * share2[nearest[chosen]]
     return at1, at2, there
-
-
-def _cross(a: Array, b: Array) -> Array:
-    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 
 TINY = 1e-300

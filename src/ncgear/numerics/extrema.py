@@ -18,7 +18,7 @@ times a twelfth of the third derivative."""
 
 ROUGH = 0.01
 """Share of the largest value by which a sample may miss the cubic through its neighbours.  A wave of nine samples
-misses it by so much; narrower features, as of a ratio of 1:200, are sampled more finely until they miss it by less."""
+misses it by this share; narrower features, as of a ratio of 1:200, are sampled more finely until they miss by less."""
 
 HALVINGS = 30
 """Most halvings of a step: steps of 1e-11 of a piece are next to rounding."""

@@ -35,6 +35,8 @@ FUNCTIONS: dict[str, Callable[[Jet], Jet]] = {
     "tanh": lambda argument: 1.0 - 2.0 / (jet.exp(2.0 * argument) + 1.0),
 }
 LONGEST, DEEPEST, LARGEST_POWER = 1000, 40, 64
+"""Most characters, most levels of nesting and the largest exponent that an expression may have."""
+
 WHOLE = 1e15
 """Whole numbers up to here are kept as such; larger ones are not all exact in floating point anyway."""
 

@@ -1,8 +1,9 @@
 """Integrals of positive periodic functions over one turn, scaled to close, and their inverses, to rounding error.
 
-A smooth periodic function is resolved by its values at even points: the coefficients of its Fourier series, which the
-fast transform gives, die away to rounding error.  Integral and derivatives follow coefficient by coefficient.  Method:
-L. N. Trefethen, J. A. C. Weideman, "The exponentially convergent trapezoidal rule", SIAM Review 56 (2014), 385-458.
+A smooth periodic function is resolved by its values at evenly spaced points: the coefficients of its Fourier series,
+which the fast transform gives, die away to rounding error.  Integral and derivatives follow coefficient by
+coefficient.  Method: L. N. Trefethen, J. A. C. Weideman, "The exponentially convergent trapezoidal rule", SIAM
+Review 56 (2014), 385-458.
 """
 
 from __future__ import annotations
@@ -33,9 +34,9 @@ NEWTON_STEPS = 20
 class TurnIntegral:
     """F(t) = integral of f from 0 to t, divided by the mean of f, so that F(2 pi) = 2 pi.
 
-    ``values`` (shape (N + 1,)) are F at N + 1 even ``nodes`` from 0 to 2 pi; ``coefficients`` (shape (DEGREE + 1,
-    N + 1)) are the coefficients of f / mean in powers of the distance from each node; ``bend`` is the largest |f'/f| at
-    a node.
+    ``values`` (shape (N + 1,)) are F at N + 1 evenly spaced ``nodes`` from 0 to 2 pi; ``coefficients`` (shape
+    (DEGREE + 1, N + 1)) are the coefficients of f / mean in powers of the distance from each node; ``bend`` is the
+    largest |f'/f| at a node.
     """
 
     mean: float
@@ -74,10 +75,10 @@ class TurnIntegral:
 
 
 def turn_integral(sampled: Callable[[int], Array], fewest: int) -> TurnIntegral:
-    """The integral of a positive function given by its values at N even points of [0, 2 pi), ``sampled(N)``.
+    """The integral of a positive function given by its values at N points of [0, 2 pi), ``sampled(N)``.
 
-    N is doubled from ``fewest`` (a power of two) on until the function is resolved; raises ArithmeticError where
-    MOST_NODES do not resolve it.
+    The points are evenly spaced.  N is doubled from ``fewest`` (a power of two) on until the function is resolved;
+    raises ArithmeticError where MOST_NODES do not resolve it.
     """
     count = fewest
     while count <= MOST_NODES:

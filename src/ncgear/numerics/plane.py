@@ -48,6 +48,12 @@ def angle_between(first: ComplexArray, second: ComplexArray) -> Array:
     return np.arctan2(across(first, second), along(first, second))
 
 
+def cross(first: Array, second: Array) -> Array:
+    """As ``across``, for vectors of shape (..., 2)."""
+    product: Array = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
+    return product
+
+
 def signed_area(ring: Array) -> Array:
     """Areas, shape (...), of closed polygons, shape (..., n, 2), whose first point is not repeated.
 

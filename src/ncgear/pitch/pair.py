@@ -78,9 +78,7 @@ class PitchPair:
 
     def length_mm(self, gear: Gear) -> float:
         """Length of a gear's closed curve, integrated on that gear's own curve."""
-        lobes = self.transmission.lobes
-        periods = lobes.driving if gear is Gear.DRIVING else lobes.driven
-        return periods * period_length(self.transmission, gear, self.mesh) * self.center_distance_mm
+        return self.of(gear).periods * period_length(self.transmission, gear, self.mesh) * self.center_distance_mm
 
     def radius_range_mm(self, gear: Gear) -> tuple[float, float]:
         """Least and greatest pitch radius: r1 = a / (i - s) and r2 = a i / (i - s) at both ends of the ratio's range.

@@ -169,7 +169,7 @@ def _candidates(
 
 
 def _contacts_among(own: _Candidates, other: _Candidates, placement: Placement, within_mm: float = 0.0) -> Contacts:
-    """All contacts of flanks on one side of the teeth, and the corners that come so near to the first contact.
+    """All contacts of flanks on one side of the teeth, and the corners that touch within ``within_mm`` of the first.
 
     A corner in a notch, or at the far side of its space, is held by curves that are gathered with the other side of the
     teeth.

@@ -3,8 +3,8 @@
 Tip and root lands are parallel to pitch curves that roll on each other: over the pitch point they have the normal in
 common.  There the corners of a tip are nearest to fillets; farther on they go over into contact with flanks.
 
-Where the lands end at each flank, how wide they are and how far from the pitch curve, is read off the ends of the
-teeth's sides, so it holds whatever height or depth a tooth or space has got.
+The ends of the teeth's sides tell where the lands end at each flank, how wide they are and how far they are from the
+pitch curve.  So all this holds for tips of any height and roots of any depth.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ class TipClearance:
 class _Facing:
     """Tips of one gear over roots of the other, at m pairs of flanks.
 
-    ``flank`` (shape (m,)) numbers the flanks of the tips' gear, ``other`` (shape (m,)) those of the roots' gear.  The
-    first cross the pitch point earlier, by the rolled length ``lead_mm`` (shape (m,)).  ``side`` is the sense, +1 or -1
-    of the arc length, in which the first face.
+    ``flank`` (shape (m,)) numbers the flanks of the tips' gear, ``other`` (shape (m,)) those of the roots' gear.
+    ``lead_mm`` (shape (m,)) is the rolled length by which ``flank`` crosses the pitch point before ``other``, ``side``
+    the sense, +1 or -1 of the arc length, in which ``flank`` faces.
     """
 
     tips: SidePaths
@@ -93,7 +93,7 @@ module."""
 def _from_fillets(paths: SidePaths, flank: IndexArray, point: ComplexArray, free: ComplexArray) -> Array:
     """Distances of points from the fillets of flanks, shape (n,), infinite where a flank has none.
 
-    Negative where a point and its point of ``free`` are on different sides of the fillet.
+    A distance is negative where the fillet is between the point and its place of ``free``, which is outside the teeth.
     """
     chosen = np.where(paths.own_fillet[flank], square(paths.start[flank] - point[:, None]), np.nan)
     there = np.isfinite(chosen).any(axis=1)

@@ -51,7 +51,7 @@ class LogSeries:
         return self.cosine.size
 
     def sampled(self, count: int) -> Array:
-        """Values at ``count`` even points of [0, 2 pi), more than two for each harmonic."""
+        """Values at ``count`` evenly spaced points of [0, 2 pi), more than two for each harmonic."""
         spectrum = np.zeros(count // 2 + 1, dtype=complex)
         spectrum[1 : self.harmonics + 1] = (self.cosine - 1j * self.sine) * (count / 2.0)
         values: Array = np.fft.irfft(spectrum, count)
