@@ -119,7 +119,7 @@ WIDENING = 4.0
 distance; between two such cuts it is smooth."""
 
 
-def corner_cuts_rad(machine: Machine) -> Array:
+def _corner_cuts_rad(machine: Machine) -> Array:
     """Driving angles in rad of one cycle that close in on each sharp corner; shape (0,) for ordinary mechanisms."""
     corners = [_about(angle, width) for angle, width in machine.linkage.corners if width < SHARP_RAD]
     if not corners:
@@ -169,14 +169,10 @@ class Stretch:
         """Slider displacement in mm, with derivatives by phi1; one-sided limits at the ends."""
         return self.linkage.displacement(self.driven_angle(phi1, order))
 
-    def between(self, start_rad: float, end_rad: float) -> Stretch:
-        """The part of the stretch between two driving angles."""
-        return replace(self, start_rad=start_rad, end_rad=end_rad)
-
 
 def stretches(machine: Machine) -> list[Stretch]:
     """The stretches of one cycle, in the order of the driving angle."""
-    lobes, cuts = machine.transmission.lobes, corner_cuts_rad(machine)
+    lobes, cuts = machine.transmission.lobes, _corner_cuts_rad(machine)
     return [
         stretch
         for period in range(lobes.driven)
@@ -199,7 +195,7 @@ def _of_piece(machine: Machine, piece: Piece, turned: tuple[float, float], cuts:
 def cut(stretch: Stretch, displacements_mm: Array) -> list[Stretch]:
     """A stretch of the working stroke cut where the slider passes displacements in mm, in rising order, shape (n,)."""
     edges = [stretch.start_rad, *angles_at(stretch, displacements_mm).tolist(), stretch.end_rad]
-    return [stretch.between(low, high) for low, high in pairwise(edges)]
+    return [replace(stretch, start_rad=low, end_rad=high) for low, high in pairwise(edges)]
 
 
 def angles_at(stretch: Stretch, displacements_mm: Array) -> Array:

@@ -98,7 +98,7 @@ def pins_in_spaces(working: WorkingFlanks, diameter_mm: float, outline_mm: Array
         Misfit.DEEP: np.any(heights < working.low_mm[both], axis=0),
         Misfit.HIGH: np.any(heights > working.high_mm[both], axis=0),
         Misfit.ROOT: _held(center, diameter_mm / 2.0, outline_mm, astray_mm),
-        Misfit.HIDDEN: ~stands_out(working, np.arange(front.size), center, diameter_mm / 2.0, outwards),
+        Misfit.HIDDEN: ~_stands_out(working, np.arange(front.size), center, diameter_mm / 2.0, outwards),
     }
     over = reach + sense * diameter_mm / 2.0
     failed = np.array(list(tests.values()))
@@ -136,7 +136,7 @@ def _held(center: Array, radius: float, outline: Array, astray: float) -> Mask:
     return held
 
 
-def stands_out(working: WorkingFlanks, space: IndexArray, center: Array, radius: float, outwards: Array) -> Mask:
+def _stands_out(working: WorkingFlanks, space: IndexArray, center: Array, radius: float, outwards: Array) -> Mask:
     """Whether pins in spaces (numbered from 0, shape (n,)) reach farther in directions (n, 2) than the tips beside."""
     beside = working.tips_mm[(space[:, None] + np.arange(2)) % len(working.tips_mm)]
     highest = np.einsum("ntpk,nk->ntp", beside, outwards).max(axis=(1, 2))
@@ -174,7 +174,7 @@ def _apart(working: WorkingFlanks, pins: Pins, one: IndexArray, other: IndexArra
     way = pins.center_mm[one] - pins.center_mm[other]
     length = np.linalg.norm(way, axis=1)
     outwards = sense * way / length[:, None]
-    free = stands_out(working, pins.space[one] - 1, pins.center_mm[one], radius, outwards)
-    free &= stands_out(working, pins.space[other] - 1, pins.center_mm[other], radius, -outwards)
+    free = _stands_out(working, pins.space[one] - 1, pins.center_mm[one], radius, outwards)
+    free &= _stands_out(working, pins.space[other] - 1, pins.center_mm[other], radius, -outwards)
     distance = length + sense * pins.diameter_mm
     return TwoPins(pins.space[one[free]], pins.space[other[free]], distance[free])

@@ -52,7 +52,7 @@ class Jet:
         values: Array = self.coefficients[0]
         return values
 
-    def derivative(self, k: int) -> Array:
+    def derivative(self, k: int = 1) -> Array:
         """The k-th derivative, shape (n,); k at most ``order``."""
         values: Array = self.coefficients[k] * factorial(k)
         return values

@@ -119,7 +119,7 @@ class PitchCurve:
         try:
             return chebyshev.fitted(columns, np.append(joints, self.periods * self.arc.period))
         except NotSmooth as fault:
-            raise too_sharp(float(self.arc.angle(np.array(fault.at)))) from fault
+            raise _too_sharp(float(self.arc.angle(np.array(fault.at)))) from fault
 
     def at_angle(self, phi1: Array) -> CurvePoints:
         """The curve at driving angles in rad, of any shape."""
@@ -205,16 +205,16 @@ def arc_length(transmission: Transmission, mesh: Mesh) -> ArcLength:
     try:
         by_angle = chebyshev.fitted(lambda phi1: _speed(transmission, phi1, Gear.DRIVING, mesh), joints).integrated()
     except NotSmooth as fault:
-        raise too_sharp(fault.at) from fault
+        raise _too_sharp(fault.at) from fault
     joint_lengths = np.append(by_angle(joints[:-1]), by_angle.final)
     try:
         by_length = chebyshev.fitted(lambda sigma: _inverse(transmission, mesh, by_angle, sigma), joint_lengths)
     except NotSmooth as fault:
-        raise too_sharp(float(np.interp(fault.at, joint_lengths, joints))) from fault
+        raise _too_sharp(float(np.interp(fault.at, joint_lengths, joints))) from fault
     return ArcLength(by_angle, by_length)
 
 
-def too_sharp(phi1_rad: float) -> NoSuchMechanism:
+def _too_sharp(phi1_rad: float) -> NoSuchMechanism:
     """The error for a pitch curve that turns faster than numbers of 16 digits can follow."""
     return NoSuchMechanism(
         f"the pitch curves turn too sharply near phi1 = {in_words(phi1_rad)} to be computed; a smaller "

@@ -87,10 +87,7 @@ class PitchPair:
         """
         a, sense = self.center_distance_mm, self.mesh.sense
         ratios = [end.value for end in self.transmission.ratio_range]
-        if gear is Gear.DRIVING:
-            low, high = sorted(a / (i - sense) for i in ratios)
-        else:
-            low, high = sorted(a * i / (i - sense) for i in ratios)
+        low, high = sorted((a if gear is Gear.DRIVING else a * i) / (i - sense) for i in ratios)
         return low, high
 
     @cached_property

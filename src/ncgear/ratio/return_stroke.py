@@ -69,16 +69,16 @@ class ReturnEnds:
         )
 
 
-def not_positive(at_rad: float, ends: ReturnEnds) -> NoSuchMechanism:
+def _not_positive(at_rad: float, ends: ReturnEnds) -> NoSuchMechanism:
     """The refusal of a ratio that is zero, negative or infinite at a driving angle in rad."""
     return NoSuchMechanism(
         f"the return's ratio passes through zero or infinity, or comes too near to it, at phi1 = "
-        f"{in_words(at_rad)}; {remedy(ends)}",
+        f"{in_words(at_rad)}; {_remedy(ends)}",
         key="motion.return",
     )
 
 
-def remedy(ends: ReturnEnds) -> str:
+def _remedy(ends: ReturnEnds) -> str:
     """What brings the ratio at theta4, which goes with 1/sqrt(-a1), nearer to the mean that the return must have."""
     mean = ends.length_rad / ends.driven_length_rad
     towards = "farther from" if ends.start_ratio > mean else "nearer to"
@@ -135,7 +135,7 @@ class ReturnLaw:
         try:
             return chebyshev.fitted(lambda phi1: self.slope(phi1, 0).value, ends).integrated()
         except NotSmooth as fault:
-            raise not_positive(fault.at, self.ends) from fault
+            raise _not_positive(fault.at, self.ends) from fault
 
     @property
     def closure_error_rad(self) -> float:
@@ -143,7 +143,7 @@ class ReturnLaw:
         return self._driven_integral.final - self.ends.driven_length_rad
 
 
-def lowest(polynomial: Polynomial) -> tuple[float, float]:
+def _lowest(polynomial: Polynomial) -> tuple[float, float]:
     """Smallest value on [0, 1] and where."""
     inner = polynomial.deriv().roots()
     candidates = np.clip(inner.real[np.abs(inner.imag) < 1e-9], 0.0, 1.0)
@@ -153,14 +153,14 @@ def lowest(polynomial: Polynomial) -> tuple[float, float]:
     return float(values[index]), float(points[index])
 
 
-def unit_integral(polynomial: Polynomial) -> float:
+def _unit_integral(polynomial: Polynomial) -> float:
     """The polynomial's integral over [0, 1]."""
     antiderivative = polynomial.integ()
     return float(antiderivative(1.0) - antiderivative(0.0))
 
 
 @cache
-def panels() -> tuple[Array, Array]:
+def _panels() -> tuple[Array, Array]:
     """Gauss-Legendre rule of 16 points on each of 16 panels of [0, 1], which are shorter towards the ends."""
     edges = (1.0 - np.cos(np.linspace(0.0, np.pi, 17))) / 2.0
     unit, weights = legendre.leggauss(16)
@@ -177,7 +177,7 @@ TOUCHING = 1e-12
 as a root of a polynomial of degree nine."""
 
 
-def closed_ratio(ends: ReturnEnds, base: Polynomial, direction: Polynomial) -> ReturnLaw:
+def _closed_ratio(ends: ReturnEnds, base: Polynomial, direction: Polynomial) -> ReturnLaw:
     """i12 = base + c direction with c such that the return covers its driven angle.
 
     ``direction`` is positive inside the return, so the covered angle falls to zero as c grows, and grows without bound
@@ -185,11 +185,11 @@ def closed_ratio(ends: ReturnEnds, base: Polynomial, direction: Polynomial) -> R
     """
     for ratio, at_rad in ((ends.start_ratio, ends.start_rad), (ends.end_ratio, ends.end_rad)):
         if not ratio > 0.0:
-            raise not_positive(at_rad, ends)
+            raise _not_positive(at_rad, ends)
     least = _touching_multiple(base, direction)
     scale = max(1.0, abs(least), *np.abs(base.coef))
     target = ends.driven_length_rad / ends.length_rad
-    nodes, weights = panels()
+    nodes, weights = _panels()
     base_values, direction_values = base(nodes), direction(nodes)
 
     def excess(log_step: Array) -> Array:
@@ -200,7 +200,7 @@ def closed_ratio(ends: ReturnEnds, base: Polynomial, direction: Polynomial) -> R
     if not excess(low)[0] > 0.0 > excess(high)[0]:
         raise NoSuchMechanism(
             f"the return from phi1 = {in_words(ends.start_rad)} cannot close: no "
-            f"polynomial of this basis covers a driven angle of {ends.driven_length_rad:.6g} rad; {remedy(ends)}",
+            f"polynomial of this basis covers a driven angle of {ends.driven_length_rad:.6g} rad; {_remedy(ends)}",
             key="motion.return",
         )
     step = np.exp(zeros_between(excess, low, high)[0])
@@ -213,7 +213,7 @@ def _about_touching(polynomial: Polynomial) -> tuple[Polynomial, float]:
 
     The constant and the linear term are rounding errors and left out; closing the return makes up for them.
     """
-    about = lowest(polynomial)[1]
+    about = _lowest(polynomial)[1]
     for _ in range(3):
         local = polynomial(Polynomial([about, 1.0]))
         _, slope, bend = local.coef[:3]
@@ -237,7 +237,7 @@ def _touching_multiple(base: Polynomial, direction: Polynomial) -> float:
     return float(np.max(-base(samples) / direction(samples)))
 
 
-def polished(law: ReturnLaw, direction: Polynomial) -> ReturnLaw:
+def _polished(law: ReturnLaw, direction: Polynomial) -> ReturnLaw:
     """Newton steps on the spectral integral, which the fixed panels of the solve only approximate.
 
     Raises NoSuchMechanism when the ratio comes so near zero that closure cannot be reached to CLOSED.
@@ -249,14 +249,14 @@ def polished(law: ReturnLaw, direction: Polynomial) -> ReturnLaw:
         sensitivity = _closing_sensitivity(best.polynomial, direction)
         step = direction * (best.closure_error_rad / (sensitivity * best.ends.length_rad))
         candidate = replace(best, correction=best.correction + step)
-        positive = lowest(candidate.polynomial)[0] > 0.0
+        positive = _lowest(candidate.polynomial)[0] > 0.0
         if not (positive and abs(candidate.closure_error_rad) < abs(best.closure_error_rad)):
             break
         best = candidate
     if abs(best.closure_error_rad) > CLOSED:
         raise NoSuchMechanism(
             f"the return closes only to {best.closure_error_rad:.2g} rad: its ratio comes too near zero; "
-            f"{remedy(best.ends)}",
+            f"{_remedy(best.ends)}",
             key="motion.return",
         )
     return best
@@ -267,7 +267,7 @@ def _closing_sensitivity(polynomial: Polynomial, direction: Polynomial) -> float
 
     It is computed on the fixed panels, since it only sets the length of a Newton step.
     """
-    nodes, weights = panels()
+    nodes, weights = _panels()
     return float(weights @ (direction(nodes) / polynomial(nodes) ** 2))
 
 
@@ -284,7 +284,7 @@ def return_with_constant(ends: ReturnEnds, constant: float) -> ReturnLaw:
     Raises NoSuchMechanism when no such polynomial closes the cycle with a positive ratio.
     """
     base, direction = published_family(ends, constant)
-    return polished(closed_ratio(ends, base, direction), direction)
+    return _polished(_closed_ratio(ends, base, direction), direction)
 
 
 def published_family(ends: ReturnEnds, constant: float) -> tuple[Polynomial, Polynomial]:
@@ -303,13 +303,13 @@ def hermite(
     return start, slope0, 3.0 * rise - 2.0 * slope0 - slope1, slope0 + slope1 - 2.0 * rise
 
 
-def ratio_family(ends: ReturnEnds) -> Callable[[float], ReturnLaw]:
+def _ratio_family(ends: ReturnEnds) -> Callable[[float], ReturnLaw]:
     """The ratio's returns by their skewness, each closed; they raise NoSuchMechanism where none closes."""
     base = ends.cubic
-    return lambda skewness: closed_ratio(ends, base + skewness * SKEW * BUMP, BUMP)
+    return lambda skewness: _closed_ratio(ends, base + skewness * SKEW * BUMP, BUMP)
 
 
-def inverse_family(ends: ReturnEnds) -> Callable[[float], ReturnLaw]:
+def _inverse_family(ends: ReturnEnds) -> Callable[[float], ReturnLaw]:
     """The returns whose inverse ratio is a polynomial, by their skewness; a linear equation closes each.
 
     They raise NoSuchMechanism where the polynomial is not positive.
@@ -318,11 +318,11 @@ def inverse_family(ends: ReturnEnds) -> Callable[[float], ReturnLaw]:
 
     def closed(skewness: float) -> ReturnLaw:
         shape = base + skewness * SKEW * BUMP
-        missing = ends.driven_length_rad / ends.length_rad - unit_integral(shape)
-        polynomial = shape + BUMP * (missing / unit_integral(BUMP))
-        least, at = lowest(polynomial)
+        missing = ends.driven_length_rad / ends.length_rad - _unit_integral(shape)
+        polynomial = shape + BUMP * (missing / _unit_integral(BUMP))
+        least, at = _lowest(polynomial)
         if not least > 0.0:
-            raise not_positive(ends.start_rad + at * ends.length_rad, ends)
+            raise _not_positive(ends.start_rad + at * ends.length_rad, ends)
         return ReturnLaw(ends, polynomial, inverse=True)
 
     return closed
@@ -335,7 +335,7 @@ def return_of_least_acceleration(ends: ReturnEnds, linkage: Mechanism, *, invers
     """
     from scipy.optimize import minimize_scalar
 
-    family = inverse_family(ends) if inverse else ratio_family(ends)
+    family = _inverse_family(ends) if inverse else _ratio_family(ends)
     evaluator = _ReturnAcceleration(ends, linkage)
 
     def peak(skewness: float) -> float:
@@ -357,7 +357,7 @@ def return_of_least_acceleration(ends: ReturnEnds, linkage: Mechanism, *, invers
         lambda skewness: min(peak(skewness), wall), bounds=bounds, method="bounded", options={"xatol": 1e-7 * scale}
     )
     law = family(float(refined.x) if refined.fun <= peaks[best] else float(grid[best]))
-    return law if inverse else polished(law, BUMP)
+    return law if inverse else _polished(law, BUMP)
 
 
 class _ReturnAcceleration:

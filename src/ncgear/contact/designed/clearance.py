@@ -58,13 +58,13 @@ def tip_clearances(driving: SidePaths, driven: SidePaths, met: Meetings) -> tupl
 
 
 def _tip_clearance(facing: _Facing) -> TipClearance:
-    tips = tip_lands(facing.tips)
+    tips = _tip_lands(facing.tips)
     return TipClearance(float(_over_lands(facing, tips).min()), float(_over_fillets(facing, tips).min()))
 
 
-def _over_lands(facing: _Facing, tips: Lands) -> Array:
+def _over_lands(facing: _Facing, tips: _Lands) -> Array:
     """Distances of tip lands from root lands, infinite where the tip land does not come over the root land."""
-    roots, back = root_lands(facing.roots), -facing.side
+    roots, back = _root_lands(facing.roots), -facing.side
     tip_end = back * tips.from_crossing_mm[facing.flank]
     root_end = back * (roots.from_crossing_mm[facing.other] + facing.lead_mm)
     above = tip_end <= root_end + roots.width_mm[facing.other]
@@ -73,7 +73,7 @@ def _over_lands(facing: _Facing, tips: Lands) -> Array:
     return np.where(above, distance, np.inf)
 
 
-def _over_fillets(facing: _Facing, tips: Lands) -> Array:
+def _over_fillets(facing: _Facing, tips: _Lands) -> Array:
     """Distances of tip corners from fillets, infinite where there is none."""
     flanks = facing.roots.flanks
     below = flanks.crossing_mm[facing.other] + tips.from_crossing_mm[facing.flank] - facing.lead_mm
@@ -128,7 +128,7 @@ FOOT_IN_MODULES = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Lands:
+class _Lands:
     """The tip or root land at each of a gear's f flanks, shape (f,) each.
 
     ``from_crossing_mm`` is the arc length from the flank's crossing of the pitch curve to the land's end at this flank,
@@ -141,7 +141,7 @@ class Lands:
     height_mm: Array
 
 
-def tip_lands(paths: SidePaths) -> Lands:
+def _tip_lands(paths: SidePaths) -> _Lands:
     """The tips of all teeth; a pointed one has no width.
 
     Raises ArithmeticError where the point of the pitch curve that a pointed tooth's tip stands over is not found.
@@ -153,16 +153,16 @@ def tip_lands(paths: SidePaths) -> Lands:
         height = along(as_complex(at.normal), arm)
         step = along(as_complex(at.tangent), arm) / (1.0 + height * at.curvature)
         if np.all(np.abs(step) <= FOOT_IN_MODULES * paths.flanks.rack.module_mm):
-            return Lands(foot - paths.flanks.crossing_mm, np.repeat(foot[1::2] - foot[0::2], 2), height)
+            return _Lands(foot - paths.flanks.crossing_mm, np.repeat(foot[1::2] - foot[0::2], 2), height)
         foot = foot + step
     raise ArithmeticError("the foot of a tooth's tip on the pitch curve was not found")
 
 
-def root_lands(paths: SidePaths) -> Lands:
+def _root_lands(paths: SidePaths) -> _Lands:
     """The roots of all spaces, which begin where the fillets end, right under the pitch curve's points."""
     land = np.nonzero(paths.runs.kind == LAND)[0]
     foot = paths.sides.roots.end_mm
     at = paths.flanks.curve.at_length(foot)
     height = along(as_complex(at.normal), as_complex(paths.curve(land, paths.runs.start[land])[0] - at.position))
     width = np.append(foot[2::2], foot[0] + paths.flanks.curve.length_mm) - foot[1::2]
-    return Lands(foot - paths.flanks.crossing_mm, np.roll(np.repeat(width, 2), 1), height)
+    return _Lands(foot - paths.flanks.crossing_mm, np.roll(np.repeat(width, 2), 1), height)

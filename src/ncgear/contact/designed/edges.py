@@ -119,7 +119,7 @@ def _met_first(hits: EdgeHits, corner: IndexArray, urge: float) -> Mask:
     return np.where(inside[corner], nearest, ~out)
 
 
-def edge_contacts(found: Sequence[EdgeHits], urge: float, first_rad: Array, within_mm: float = 0.0) -> Contacts:
+def edge_contacts(found: Sequence[EdgeHits], urge: float, first_rad: Array, within_mm: float) -> Contacts:
     """Corners that may touch before anything else does, or at most ``within_mm`` behind it.
 
     ``urge`` is that of ``Meetings``.  ``first_rad`` is the driven angle at which flanks first touch at each position,

@@ -83,11 +83,11 @@ def _tip_clearances(outlines: Outlines, teeth: ToothedPair, placement: Placement
     driving, driven = teeth.driving.flanks, teeth.driven.flanks
     number = np.arange(placement.meetings)
     own, other = number % teeth.driving.teeth, number % teeth.driven.teeth
-    over_driven = root_depths(outlines.driven_mm, driven)[(number - 1) % teeth.driven.teeth]
-    over_driving = root_depths(outlines.driving_mm, driving)[own]
+    over_driven = _root_depths(outlines.driven_mm, driven)[(number - 1) % teeth.driven.teeth]
+    over_driving = _root_depths(outlines.driving_mm, driving)[own]
     return (
-        float(np.min(over_driven - tip_heights(outlines.driving_mm, driving)[own])),
-        float(np.min(over_driving - tip_heights(outlines.driven_mm, driven)[other])),
+        float(np.min(over_driven - _tip_heights(outlines.driving_mm, driving)[own])),
+        float(np.min(over_driving - _tip_heights(outlines.driven_mm, driven)[other])),
     )
 
 
@@ -95,13 +95,13 @@ SECTOR_IN_PITCHES = 1.0
 """Arc to either side of a pitch point within which its normal is followed: longer than any tooth is high."""
 
 
-def tip_heights(outline_mm: Array, flanks: Flanks) -> Array:
+def _tip_heights(outline_mm: Array, flanks: Flanks) -> Array:
     """Height in mm of the outline over the pitch curve at each tooth's middle, shape (z,)."""
     crossing = flanks.crossing_mm
     return _along_normals(outline_mm, flanks, (crossing[0::2] + crossing[1::2]) / 2.0, 1.0)
 
 
-def root_depths(outline_mm: Array, flanks: Flanks) -> Array:
+def _root_depths(outline_mm: Array, flanks: Flanks) -> Array:
     """Depth in mm of the outline below the pitch curve in the middle of the space after each tooth, shape (z,)."""
     crossing = flanks.crossing_mm
     following = np.append(crossing[2::2], crossing[0] + flanks.curve.length_mm)
