@@ -5,7 +5,7 @@ the origin, the crank turns clockwise, the slider moves along +x at y = ``offset
 the retracted dead centre in the sense of turning, the displacement from the retracted end.  One turn of the crank is
 one working stroke (retracted to extended) and one return.
 
-A mechanism is a frozen dataclass whose fields are its lengths, by the names of their keys under ``linkage`` in design
+A mechanism is a frozen dataclass whose fields are its lengths, named like their keys under ``linkage`` in design
 files.  Its formulas (``Mechanisms``) hold for one mechanism and for many at once.  A new mechanism is a class in a
 module of its own, a model of its keys, and one line in ``ncgear.design.mechanisms``; tests/scotch_yoke.py is one.
 """

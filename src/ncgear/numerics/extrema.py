@@ -49,7 +49,7 @@ def stationary_points(function: Callable[[Array], Jet], start: float, end: float
     """Both ends, every point between them where the derivative changes sign, and samples where it is not finite.
 
     The points rise.  ``function`` maps points (shape (n,)) to a jet of order 1 or more, and is evaluated within
-    [start, end] only.  Between any two neighbouring ``knots`` (shape (m,), rising) it varies about as much; knots
+    [start, end] only.  It varies about equally between any two neighbours of ``knots`` (shape (m,), rising); knots
     outside [start, end] are ignored.
     """
     grid, slope = _beside_flat(function, *_sampled(function, grid_between(start, end, knots)))
@@ -97,7 +97,7 @@ def _sampled(function: Callable[[Array], Jet], grid: Array) -> tuple[Array, Arra
 def _beside_flat(function: Callable[[Array], Jet], grid: Array, slope: Array) -> tuple[Array, Array]:
     """The samples, with one on either side of each whose slope is zero.
 
-    On an inflection such a sample has the same sign on both sides, and would hide a change of sign in the step before.
+    At an inflection the slope has the same sign on both sides, and its zero would hide a change in the step before.
     """
     flat = np.nonzero(slope[1:-1] == 0.0)[0] + 1
     if not flat.size or flat.size == slope.size - 2:

@@ -21,8 +21,8 @@ LAST = 3
 may be zero by chance."""
 
 NEGLIGIBLE = 1e-13
-"""A top between two points is looked for if it may be higher than the largest value by this share of it.  Rounding
-errors of the slopes make less than that."""
+"""A top between two points is looked for only if it may exceed the largest value by more than this share of it;
+rounding errors of the slopes make less."""
 
 FINER = 2
 """Parts that each interval between points is divided into where sign changes of the derivative are looked for."""

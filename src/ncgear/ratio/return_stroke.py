@@ -1,6 +1,6 @@
 """The return of one three-segment stroke: solved, closed to rounding, and refused with a reason where there is none.
 
-In tau, the share of the return that is gone, i12 (or 1/i12) is the cubic with the values and slopes that the working
+In tau, the share of the return that is covered, i12 (or 1/i12) is the cubic with the values and slopes that the working
 stroke has at its two ends, plus multiples of tau^2 (1 - tau)^2, which changes neither end.  One multiple makes the
 return cover the driven angle that is left.  For the inverse it follows from a linear equation.  For the ratio there is
 exactly one above the multiple at which the polynomial touches zero; it is found in a bracket and then polished on the

@@ -80,7 +80,7 @@ class Returns:
     inverse: bool = False
 
     def polynomial(self, points: Points, order: int) -> Jet:
-        """Its value and derivatives by the driving angle up to ``order``, at most 2, at n times all points."""
+        """Its value and derivatives by the driving angle up to ``order``, at most 2, at all points of each return."""
         at, rows, length = points.basis, self.cubic.T, self.length_rad[:, None]
         bump, skew = self.bump[:, None], self.skew[:, None]
         parts = [rows @ at.powers.T + skew * at.skew[0] + bump * at.bump[0]]

@@ -279,8 +279,11 @@ def _refuse_backwards(request: StrokeRequests[float]) -> None:
 def _refuse_reversal(stroke: WorkingStroke, request: StrokeRequest) -> None:
     """Velocity must be positive between the dead centres, and its divided-out zeros must be simple.
 
-    Braking needs no check: with u = delta / (theta4 - theta3), R = -a1 (1 - u)^2 + (v2 / delta34) u (3 - 2
-    u) is a sum of terms that are not negative.
+    Braking needs no check: with u = delta / (theta4 - theta3),
+
+        R = -a1 (1 - u)^2 + v2 / (theta4 - theta3) u (3 - 2 u)
+
+    is a sum of terms that are not negative.
     """
     if not stroke.v1_mm_s > 0.0:
         raise _not_closing(request.theta1_rad, "v1_mm_s", stroke.v1_mm_s, _remedy_of_v1(request))

@@ -1,8 +1,8 @@
 """The curves that touch, as the driven gear sees them, and the places where they touch.
 
-The side of a tooth is followed as chords of its exact curves, by which it is found out on which curve a contact is; its
-corners are where two of these curves meet at an angle.  A side goes on past its root land to the fillet of the side
-that it faces: a corner in a space can touch both.
+Chords of its exact curves follow the side of a tooth and tell on which curve a contact is; its corners are where two of
+these curves meet at an angle.  A side goes on past its root land to the fillet of the side that it faces: a corner in a
+space can touch both.
 
 As the driven gear sees it, the driven gear is at rest, and the driving gear stands elsewhere in each position.
 """

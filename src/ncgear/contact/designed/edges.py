@@ -107,8 +107,8 @@ def _picked(table: ComplexArray, row: IndexArray, column: IndexArray, place: Ind
 def _met_first(hits: EdgeHits, corner: IndexArray, urge: float) -> Mask:
     """Which hits of each corner hold it, seen from the law's position.
 
-    A corner is inside the other gear where it would come out through the nearest curve; then that curve holds it.  Else
-    the curves hold it through which it would go in.
+    A corner is inside the other gear where it would come out through the nearest curve; then that curve holds it.
+    Otherwise the curves through which it would go in hold it.
     """
     out = (urge * hits.error_rad > 0.0) == hits.facing
     order = np.lexsort((np.abs(hits.turn_rad), corner))

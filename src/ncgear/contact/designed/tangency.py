@@ -6,8 +6,8 @@ two conditions.  Flanks that are not conjugate (with backlash on curves that are
 approximate method) touch at another angle, which is their transmission error.
 
 Where the curvature jumps, the distance of such flanks may have two least values, or no point with a common tangent.
-There the first touch is searched: points of the driving flank are followed along their circles about the driven axis
-to the driven flank, and the point that gets there first is closed in on.
+There the first touch is searched for: points of the driving flank are followed along their circles about the driven
+axis to the driven flank, and the point that gets there first is closed in on.
 """
 
 from __future__ import annotations
@@ -142,7 +142,7 @@ class _Rates:
 def tangencies(facing: FacingFlanks, limits_mm: Array) -> Touches:
     """Where flanks touch near the heights that the closed form gives.
 
-    About jumps of the curvature, where the first touch need not be the one tangency, it is searched between
+    About jumps of the curvature, where the first touch need not be the one tangency, it is searched for between
     ``limits_mm`` (shape (2, 2, n)): the least and the greatest height of the driving flanks and of the driven flanks.
     """
     state = _state(facing, facing.driving_mm, facing.driven_mm, np.zeros(facing.position.size))

@@ -1,8 +1,8 @@
 """The pair as written: where outlines that are read back from files touch, at the positions of the design.
 
 Outlines are compared as far from the pitch point as they can touch: along the line of action, and in a ring where tips
-can foul.  A driving gear nestles in its ring, so that the tips overlap far beyond the line of action: of circles with
-nearly as many teeth, halfway round.
+can foul.  A driving gear nestles in its ring, so that the tips overlap far beyond the line of action: halfway round on
+circular gears with nearly as many teeth as the ring.
 
 The clearance of tips over roots is measured on the outlines, along the normals of the pitch curve.
 """

@@ -87,7 +87,7 @@ class HarmonicLaw:
             return Jet(turned[None, :] / self.lobes.driven)
         speed = self.speed(turned, order - 1)
         scale = float(self.lobes.driving) ** np.arange(order + 1) / self.lobes.driven
-        return Jet(along(turned, speed, speed).coefficients * scale[:, None])
+        return Jet(_jet_by_x(turned, speed, speed).coefficients * scale[:, None])
 
     def speed(self, turned: Array, order: int) -> Jet:
         """w = dt/dx with derivatives by t, at t = n2 phi2 in rad, shape (n,)."""
@@ -105,7 +105,7 @@ class HarmonicLaw:
         return tuple((inner / self.lobes.driving).tolist())
 
 
-def along(values: Array, rate: Jet, speed: Jet) -> Jet:
+def _jet_by_x(values: Array, rate: Jet, speed: Jet) -> Jet:
     """The jet by x, one order more, of a function with these values, shape (n,), whose derivative by x is ``rate``.
 
     ``rate`` and ``speed`` = dt/dx are jets by t of the same order: the next derivative by x is ``speed`` times the
@@ -185,7 +185,7 @@ class StagedLaw:
         if not order:
             return Jet(values[None, :])
         speed = self.whole.speed(turned, order - 1)
-        return along(values, speed / self.second.speed(turned, order - 1), speed)
+        return _jet_by_x(values, speed / self.second.speed(turned, order - 1), speed)
 
     def shaft_speed(self, phim: Array) -> Array:
         """Speed of the shaft between over the driving shaft's, at angles of the shaft between in rad, shape (n,)."""
