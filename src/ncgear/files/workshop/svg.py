@@ -61,25 +61,25 @@ def _path(shape: Shape) -> str:
         case Polyline():
             points = shape.points.tolist()
             steps = zip(points, [*points[1:], points[0]], shape.bulges.tolist(), strict=True)
-            return f"M{_pair(points[0])}{''.join(_step(*step) for step in steps)}Z"
+            return f"M{_coordinates(points[0])}{''.join(_step(*step) for step in steps)}Z"
         case Circle():
             left, right = ((shape.x_mm + side * shape.radius_mm, shape.y_mm) for side in (-1.0, 1.0))
             half = f"A{_number(shape.radius_mm)},{_number(shape.radius_mm)} 0 0 1 "
-            return f"M{_pair(left)}{half}{_pair(right)}{half}{_pair(left)}Z"
+            return f"M{_coordinates(left)}{half}{_coordinates(right)}{half}{_coordinates(left)}Z"
         case Cross():
-            return "".join(f"M{_pair(start)}L{_pair(end)}" for start, end in shape.lines.tolist())
+            return "".join(f"M{_coordinates(start)}L{_coordinates(end)}" for start, end in shape.lines.tolist())
 
 
 def _step(start: list[float], end: list[float], bulge: float) -> str:
     """A line or an arc to the end; an arc of over half a turn is the larger one of the two with its radius."""
     if bulge == 0.0:
-        return f"L{_pair(end)}"
+        return f"L{_coordinates(end)}"
     turned = 4.0 * atan(abs(bulge))
     radius = _number(float(np.hypot(end[0] - start[0], end[1] - start[1])) / 2.0 / sin(turned / 2.0))
-    return f"A{radius},{radius} 0 {int(turned > pi)} {int(bulge > 0.0)} {_pair(end)}"
+    return f"A{radius},{radius} 0 {int(turned > pi)} {int(bulge > 0.0)} {_coordinates(end)}"
 
 
-def _pair(point: tuple[float, float] | list[float]) -> str:
+def _coordinates(point: tuple[float, float] | list[float]) -> str:
     return f"{_number(point[0])},{_number(point[1])}"
 
 
