@@ -16,7 +16,6 @@ from ncgear.drawings.animation import AnimationFormat
 from ncgear.drawings.animation import artists as looks
 from ncgear.drawings.animation.moving_picture import Frame, picture
 from ncgear.drawings.scene.scene import Scene
-from ncgear.numerics.arrays import Array
 
 COLORS = 128
 """Colours of a GIF's palette beside those of lines: enough for shades at edges, with half the bytes of 256 colours."""
@@ -95,13 +94,10 @@ PACKERS = {AnimationFormat.GIF: gif_bytes, AnimationFormat.MP4: mp4_bytes}
 def animated(scene: Scene, kind: AnimationFormat, loop: Loop, on_frame: Callable[[int, int], None]) -> bytes:
     """The scene over its whole loop as the bytes of a file; ``on_frame`` gets the number of frames drawn and of all."""
     made = picture(scene, loop.width_px)
-    frames, some = (made.frames(scene.poses(loop_angles_rad(scene, count))) for count in (loop.frames, SAMPLES))
+    # Without the end of the loop, which looks like its beginning.
+    angles = (np.linspace(0.0, scene.loop_rad, count, endpoint=False) for count in (loop.frames, SAMPLES))
+    frames, some = (made.frames(scene.poses(phi1)) for phi1 in angles)
     return PACKERS[kind](_counted(frames, loop.frames, on_frame), list(some), loop)
-
-
-def loop_angles_rad(scene: Scene, frames: int) -> Array:
-    """Even driving angles over the loop, without its end, which looks like its beginning."""
-    return np.linspace(0.0, scene.loop_rad, frames, endpoint=False)
 
 
 def _counted(frames: Iterator[Frame], total: int, on_frame: Callable[[int, int], None]) -> Iterator[Frame]:

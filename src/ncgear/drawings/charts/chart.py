@@ -80,10 +80,6 @@ class Chart:
     axis_label: str = ""
     across: Across = Across.DRIVING_ANGLE
 
-    def line(self, role: Role) -> Line | None:
-        """The line of a role; None where the chart has none."""
-        return next((line for line in self.lines if line.role is role), None)
-
     @property
     def own(self) -> Line:
         """This design's line."""

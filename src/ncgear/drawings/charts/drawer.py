@@ -161,8 +161,10 @@ class Column:
     rest_in: float
     left_in: float
     gap: float
-    width_in: float = 8.2
 
+
+COLUMN_IN = 8.2
+"""Width in inches of a picture of charts below one another."""
 
 MOTION_COLUMN = Column(row_in=2.0, rest_in=1.2, left_in=0.85, gap=0.12)
 SIMULATION_COLUMN = Column(row_in=1.9, rest_in=1.4, left_in=1.0, gap=0.14)
@@ -171,14 +173,14 @@ CONTACT_COLUMN = Column(row_in=1.5, rest_in=1.3, left_in=1.0, gap=0.16)
 
 def column_png(charts: Sequence[Chart], title: str, look: Look, sizes: Column) -> bytes:
     """PNG of charts below one another over the same driving angle, with one key above them."""
-    size = sizes.width_in, sizes.row_in * len(charts) + sizes.rest_in
+    size = COLUMN_IN, sizes.row_in * len(charts) + sizes.rest_in
     made = figure(*size, title)
     spaces = {**Margins(left=sizes.left_in).shares(*size), "hspace": sizes.gap}
     column = list(made.subplots(len(charts), 1, sharex=True, squeeze=False, gridspec_kw=spaces)[:, 0])
     for axes, chart in zip(column, charts, strict=True):
         draw(axes, chart, look)
     angle_scale(column, charts[0].end)
-    align(column, sizes.width_in)
+    align(column, COLUMN_IN)
     return png(made)
 
 
