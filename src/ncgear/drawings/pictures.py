@@ -72,7 +72,7 @@ def _contact_picture(drive: Drive, contact: PairContact, title: str) -> bytes:
     if np.max(np.abs(designed.backlash_rad)) >= NO_BACKLASH_RAD:
         kinds.insert(0, contact_charts.backlash)
     errors = contact_charts.transmission_error(contact)
-    # The key is above the first row, which has no line of the backs: an empty line there names them.
+    # The legend is above the first row, which has no line of the backs: an empty line there names them.
     pushing, written = errors.lines
     errors = replace(errors, lines=(pushing, Line(Role.OTHER, contact_charts.BACKS, EMPTY, EMPTY), written))
     joints = np.degrees(joints_up_to(drive.pair.transmission, designed.placement.cycle_rad))

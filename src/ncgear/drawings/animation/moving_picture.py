@@ -178,7 +178,7 @@ NAME_PT = 42.0
 LOWEST_IN, HIGHEST_IN = 2.2, 4.6
 """Bounds of the height of the views in inches."""
 
-LARGE = 0.4
+LARGE_GEARS = 0.4
 """Gears wider than this share of the machine are large enough in the view of the machine."""
 
 
@@ -233,7 +233,7 @@ def _shown(scene: Scene) -> dict[str, Box]:
     found = views(scene)
     if not scene.pairs:
         return found
-    large = found["gears"][2] > LARGE * found["machine"][2]
+    large = found["gears"][2] > LARGE_GEARS * found["machine"][2]
     beside = "mesh" if large else "gears"
     return {name: found[name] for name in ("machine", beside)}
 

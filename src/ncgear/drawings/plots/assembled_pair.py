@@ -20,7 +20,7 @@ from ncgear.drawings.plots.canvas import (
     area,
     dress,
     figure,
-    key_above,
+    legend_above,
     png,
     ring_area,
 )
@@ -130,7 +130,7 @@ def draw_pitch_curves(axes: Axes, pair: Assembled, concave: tuple[Mask, Mask]) -
     centers = [0.0, pair.center_distance_mm]
     curves = pair.driving_mm, pair.driven_mm + np.array([pair.center_distance_mm, 0.0])
     driving, driven = (np.where(mask[:, None], curve, np.nan) for curve, mask in zip(curves, concave, strict=True))
-    # One line with a gap between the gears, so that the key names it once.
+    # One line with a gap between the gears, so that the legend names it once.
     highlighted = np.vstack([driving, np.full((1, 2), np.nan), driven])
     if np.isfinite(highlighted).any():
         axes.plot(*highlighted.T, color=HIGHLIGHT, linewidth=4.0, label="concave", solid_capstyle="butt")
@@ -142,7 +142,7 @@ def draw_pitch_curves(axes: Axes, pair: Assembled, concave: tuple[Mask, Mask]) -
     axes.update_datalim(pair.reach)
     axes.set_aspect("equal", adjustable="datalim")
     axes.autoscale_view()
-    key_above(axes)
+    legend_above(axes)
 
 
 def teeth_png(pair: Assembled, module_mm: float, positions: Sequence[Position], title: str) -> bytes:

@@ -18,7 +18,7 @@ from ncgear.drawings.plots.canvas import (
     Margins,
     dress,
     figure,
-    key_above,
+    legend_above,
     png,
 )
 from ncgear.numerics.arrays import Array
@@ -81,7 +81,7 @@ def campbell(excitations: Sequence[Excitation], natural_hz: Sequence[float], ban
     for cause, color in CAUSES.items():
         axes.plot([], [], color=color, label=cause)
     dress(axes, "speed in % of the one given", "frequency in Hz")
-    key_above(axes)
+    legend_above(axes)
     return png(made)
 
 

@@ -13,7 +13,7 @@ from ncgear.project.drive import Drive
 
 NAMESPACE = "http://www.w3.org/2000/svg"
 
-DIGITS = 6
+DECIMALS = 6
 """Decimals of coordinates: a millionth of a millimetre, far below any chord tolerance."""
 
 MARGIN_MM = 2.0
@@ -51,8 +51,8 @@ def _size(drawing: Drawing) -> dict[str, str]:
     box_low, box_high = box_around([drawing])
     low, high = box_low - MARGIN_MM, box_high + MARGIN_MM
     width, height = high - low
-    box = f"{low[0]:.{DIGITS}f} {-high[1]:.{DIGITS}f} {width:.{DIGITS}f} {height:.{DIGITS}f}"
-    return {"width": f"{width:.{DIGITS}f}mm", "height": f"{height:.{DIGITS}f}mm", "viewBox": box}
+    box = f"{low[0]:.{DECIMALS}f} {-high[1]:.{DECIMALS}f} {width:.{DECIMALS}f} {height:.{DECIMALS}f}"
+    return {"width": f"{width:.{DECIMALS}f}mm", "height": f"{height:.{DECIMALS}f}mm", "viewBox": box}
 
 
 def _path(shape: Shape) -> str:
@@ -85,4 +85,4 @@ def _coordinates(point: tuple[float, float] | list[float]) -> str:
 
 def _number(value: float) -> str:
     """The number without needless zeros, and without a minus before a zero."""
-    return f"{round(value, DIGITS) + 0.0:.{DIGITS}f}".rstrip("0").rstrip(".")
+    return f"{round(value, DECIMALS) + 0.0:.{DECIMALS}f}".rstrip("0").rstrip(".")
