@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from PIL import Image
 
 from commands import Run
@@ -41,17 +42,21 @@ def marked_mm(made: Picture, frame: Frame, within: tuple[float, float] = (-np.in
     rows, columns = np.nonzero(share > 0.02)
     height = frame.shape[0]
     pixels = np.stack([columns + 0.5, height - (rows + 0.5)], axis=-1)
-    box = made.machine.bbox
+    box = machine_axes(made).bbox
     inside = (pixels[:, 0] > box.x0) & (pixels[:, 0] < box.x1) & (pixels[:, 1] > box.y0)
-    places = made.machine.transData.inverted().transform(pixels)
+    places = machine_axes(made).transData.inverted().transform(pixels)
     kept = inside & (places[:, 0] > within[0]) & (places[:, 0] < within[1])
     assert kept.sum() > 4
     return np.average(places[kept], axis=0, weights=share[rows, columns][kept])
 
 
+def machine_axes(made: Picture) -> Axes:
+    return made.figure.axes[0]
+
+
 def pixel_mm(made: Picture) -> float:
-    left, right = made.machine.get_xlim()
-    return (right - left) / made.machine.bbox.width
+    left, right = machine_axes(made).get_xlim()
+    return (right - left) / machine_axes(made).bbox.width
 
 
 @pytest.fixture
@@ -118,7 +123,7 @@ def test_the_loop_closes(name: str) -> None:
     made = picture(found, WIDTH)
     first, last, middle = drawn(made, found, [1e-9, found.loop_rad + 1e-9, found.loop_rad / 2.0])
     # The charts below know the turns apart.
-    rows = slice(30, round(first.shape[0] - made.machine.bbox.y0))
+    rows = slice(30, round(first.shape[0] - machine_axes(made).bbox.y0))
     assert np.array_equal(first[rows], last[rows])
     assert not np.array_equal(first[rows], middle[rows])
 

@@ -83,7 +83,7 @@ EDGE = 0.15
 
 
 def draw(axes: Axes, chart: Chart, look: Look) -> None:
-    """Draw a chart with its joints, stretches without contact and largest value, as far as it asks for them.
+    """Draw a chart with its joints and stretches without contact, and name its largest value if it asks for that.
 
     Axes that have a unit keep it, so that several machines can be drawn onto them; otherwise the unit is the one in
     which the chart is easy to read.  The caller sets the limits of the horizontal axis and the legend with

@@ -220,8 +220,8 @@ def pitch_points(curve: PitchCurve, tolerance_mm: float) -> Array:
 def gear_notes(drive: Drive, gear: Gear, plan: BodyPlan) -> tuple[str, ...]:
     """Sentences about the gear, its scale and frame, and about what lines cannot show.
 
-    These are the depths and heights of shapes that are not cut through, the difference of the lines from the gear as
-    designed, and the difference of the body from the lines.
+    Lines cannot show how deep or high a shape is that is not cut through, how far the lines are from the gear as
+    designed, and where the body differs from the lines.
     """
     notes = [
         f"{_title(drive)}: {gear.value} gear",
