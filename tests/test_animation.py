@@ -11,14 +11,15 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from PIL import Image
 
 from commands import Run
 from ncgear import extras
-from ncgear.drawings.animation import Format, packing
+from ncgear.drawings.animation import AnimationFormat, packing
 from ncgear.drawings.animation import artists as looks
 from ncgear.drawings.animation.moving_picture import Frame, Picture, picture
-from ncgear.drawings.animation.packing import Loop, Timing, animated
+from ncgear.drawings.animation.packing import Loop, animated
 from ncgear.drawings.scene.bodies import Kind
 from ncgear.drawings.scene.scene import Scene
 from ncgear.numerics.arrays import Array
@@ -41,17 +42,21 @@ def marked_mm(made: Picture, frame: Frame, within: tuple[float, float] = (-np.in
     rows, columns = np.nonzero(share > 0.02)
     height = frame.shape[0]
     pixels = np.stack([columns + 0.5, height - (rows + 0.5)], axis=-1)
-    box = made.machine.bbox
+    box = machine_axes(made).bbox
     inside = (pixels[:, 0] > box.x0) & (pixels[:, 0] < box.x1) & (pixels[:, 1] > box.y0)
-    places = made.machine.transData.inverted().transform(pixels)
+    places = machine_axes(made).transData.inverted().transform(pixels)
     kept = inside & (places[:, 0] > within[0]) & (places[:, 0] < within[1])
     assert kept.sum() > 4
     return np.average(places[kept], axis=0, weights=share[rows, columns][kept])
 
 
+def machine_axes(made: Picture) -> Axes:
+    return made.figure.axes[0]
+
+
 def pixel_mm(made: Picture) -> float:
-    left, right = made.machine.get_xlim()
-    return (right - left) / made.machine.bbox.width
+    left, right = machine_axes(made).get_xlim()
+    return (right - left) / machine_axes(made).bbox.width
 
 
 @pytest.fixture
@@ -118,14 +123,14 @@ def test_the_loop_closes(name: str) -> None:
     made = picture(found, WIDTH)
     first, last, middle = drawn(made, found, [1e-9, found.loop_rad + 1e-9, found.loop_rad / 2.0])
     # The charts below know the turns apart.
-    rows = slice(30, round(first.shape[0] - made.machine.bbox.y0))
+    rows = slice(30, round(first.shape[0] - machine_axes(made).bbox.y0))
     assert np.array_equal(first[rows], last[rows])
     assert not np.array_equal(first[rows], middle[rows])
 
 
 def gif(name: str, frames: int = 5, seconds: float = 0.37, width: int = 401) -> Image.Image:
-    loop = Loop(Timing(frames, seconds), width)
-    return Image.open(BytesIO(animated(scene(name), Format.GIF, loop, lambda done, total: None)))
+    loop = Loop(frames, seconds, width)
+    return Image.open(BytesIO(animated(scene(name), AnimationFormat.GIF, loop, lambda done, total: None)))
 
 
 @pytest.mark.slow
@@ -150,17 +155,17 @@ def test_a_gif_has_its_frames_its_time_and_its_size(name: str) -> None:
 
 @pytest.mark.slow
 def test_the_same_scene_gives_the_same_bytes() -> None:
-    loop = Loop(Timing(3, 1.0), 320)
-    once, again = (animated(scene("ellipse"), Format.GIF, loop, lambda done, total: None) for _ in range(2))
+    loop = Loop(3, 1.0, 320)
+    once, again = (animated(scene("ellipse"), AnimationFormat.GIF, loop, lambda done, total: None) for _ in range(2))
     assert once == again
 
 
 @pytest.mark.slow
 def test_an_mp4_is_read_back() -> None:
     ffmpeg = pytest.importorskip("imageio_ffmpeg")
-    loop, told = Loop(Timing(8, 0.5), 321), []
+    loop, told = Loop(8, 0.5, 321), []
     found = scene("ellipse")
-    once, again = (animated(found, Format.MP4, loop, lambda *done: told.append(done)) for _ in range(2))
+    once, again = (animated(found, AnimationFormat.MP4, loop, lambda *done: told.append(done)) for _ in range(2))
     assert once == again
     assert told == [(number, 8) for number in range(1, 9)] * 2
     (frame, *_) = drawn(picture(found, 321), found, [0.0])
@@ -231,7 +236,7 @@ def test_an_interrupted_run_leaves_the_last_picture(run: Run, gearless: str, mon
     def interrupted(*_: object) -> bytes:
         raise KeyboardInterrupt
 
-    monkeypatch.setitem(packing.PACKERS, Format.GIF, interrupted)
+    monkeypatch.setitem(packing.PACKERS, AnimationFormat.GIF, interrupted)
     assert run("animate", gearless, *QUICK, "--out", "one.gif")[0] == 130
     assert Path("one.gif").read_bytes() == before
     assert [path.name for path in Path().iterdir() if path.name.startswith(".")] == []

@@ -256,7 +256,7 @@ def test_outlines_recede_from_the_exact_teeth_by_the_clearance(clearance: float)
     teeth = toothed_pair(circular_pair(), form(), TOLERANCE)
     blank = Blank(WIDTH, clearance_mm=clearance)
     solid = made(blank, TOLERANCE, teeth.driving.outline_mm)
-    found = outline_of_stl(stl_bytes(solid.mesh))
+    found = outline_of_stl(stl_bytes(solid.mesh), WIDTH / 2.0)
     exact = circular_gear()
     assert shapely.contains_xy(Polygon(teeth.driving.outline_mm), found).all()
     corners = found[np.hypot(*found.T) < exact.tip_radius_mm - clearance - TOLERANCE]

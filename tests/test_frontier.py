@@ -219,7 +219,7 @@ def test_the_picture_has_the_units_of_its_size(
     times: float, power: str, acceleration: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     drawn: list[Axes] = []
-    monkeypatch.setattr(picture, "key_above", drawn.append)
+    monkeypatch.setattr(picture, "legend_above", drawn.append)
     points = times * np.array([[6000.0, 30_000.0], [12_000.0, 14_000.0]])
     picture.frontier(points, points, picture.rows([]), [("crank", times * 9000.0, times * 20_000.0)], "both")
     (axes,) = drawn

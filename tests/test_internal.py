@@ -537,7 +537,8 @@ def test_the_ring_is_filled_outside_its_curve_and_the_driving_gear_inside(sense:
     """Whichever way the curve runs, as areas tell: a hole that is filled makes the ring nearly twice as large."""
     angle = np.linspace(0.0, 2.0 * pi, 400)[::sense]
     circle = np.column_stack([np.cos(angle), np.sin(angle)])
-    pixels = picture(gears.pitch_curves_png(gears.Assembled(10.0 * circle, 40.0 * circle, 30.0, 60.0)))
+    pair, concave = gears.Assembled(10.0 * circle, 40.0 * circle, 30.0, 60.0), np.zeros(400, dtype=bool)
+    pixels = picture(gears.pitch_curves_png(pair, (concave, concave), "pitch curves"))
     tinted = np.abs(pixels - 255.0).max(axis=2) > 20.0
     colored = pixels[tinted & (np.ptp(pixels, axis=2) > 10.0)]
     orange, blue = np.sum(colored[:, 0] > colored[:, 2]), np.sum(colored[:, 2] > colored[:, 0])
@@ -552,7 +553,7 @@ def test_the_ring_is_drawn_turned_with_the_driving_gear() -> None:
     def mesh_view(outline: Array, phi2: float) -> Array:
         shown = [gears.Position(0.0, phi2, -RADIUS / 2.0)]
         pair = gears.Assembled(wavy(4000) / 2.0, outline, RADIUS / 2.0, RADIUS + 10.0)
-        pixels = picture(gears.teeth_png(pair, MODULE, shown))
+        pixels = picture(gears.teeth_png(pair, MODULE, shown, "teeth"))
         return pixels[pixels.shape[0] // 2 :]
 
     ring = wavy(4000) * (1.0 + 0.1 * np.sin(np.linspace(0.0, 2.0 * pi, 4000, endpoint=False)))[:, None]

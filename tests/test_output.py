@@ -338,17 +338,16 @@ DRIVING, DRIVEN, HIGHLIGHT = (0x00, 0x72, 0xB2), (0xD5, 0x5E, 0x00), (0xCC, 0x79
 def test_pitch_curves_show_both_gears_and_concave_stretches_only_where_there_are_any() -> None:
     driving, driven = wavy(50.0, 0.0), wavy(50.0, pi)
     pair = gears.Assembled(driving, driven, 100.0)
-    plain = shades(gears.pitch_curves_png(pair))
+    none, some = np.zeros(4000, dtype=bool), np.arange(4000) < 1000
+    plain = shades(gears.pitch_curves_png(pair, (none, none), "pitch curves"))
     assert min(near(plain, DRIVING), near(plain, DRIVEN)) > 500
     assert near(plain, HIGHLIGHT) == 0
-    none, some = np.zeros(4000, dtype=bool), np.arange(4000) < 1000
-    assert near(shades(gears.pitch_curves_png(pair, (none, none))), HIGHLIGHT) == 0
-    assert near(shades(gears.pitch_curves_png(pair, (some, None))), HIGHLIGHT) > 500
+    assert near(shades(gears.pitch_curves_png(pair, (some, none), "pitch curves")), HIGHLIGHT) > 500
 
 
 def test_tooth_pair_shows_every_position() -> None:
     positions = [gears.Position(angle, angle, 50.0) for angle in (0.0, 1.0, 2.0)]
-    pixels = shades(gears.teeth_png(gears.Assembled(wavy(50.0, 0.0), wavy(50.0, pi), 100.0), 2.5, positions))
+    pixels = shades(gears.teeth_png(gears.Assembled(wavy(50.0, 0.0), wavy(50.0, pi), 100.0), 2.5, positions, "teeth"))
     for column in np.array_split(pixels[:, : pixels.shape[1] // 3 * 3], 3, axis=1):
         assert min(near(column, DRIVING), near(column, DRIVEN)) > 300
 

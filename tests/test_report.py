@@ -22,10 +22,11 @@ from lxml.html import HtmlElement
 import drives
 import reports
 from commands import Run
+from ncgear.drawings.charts.chart import decimals_of
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION
 from ncgear.drawings.page import REPORT_FILE
 from ncgear.drawings.page.chart_svg import drawn
-from ncgear.drawings.page.page_charts import SIDE_RAD, PageChart, decimals_of, gear_charts, split_angles
+from ncgear.drawings.page.page_charts import DIGITS, SIDE_RAD, PageChart, gear_charts, split_angles
 from ncgear.kinematics.motion import SliderMotion
 
 ROOT = Path(__file__).parents[1]
@@ -312,7 +313,7 @@ def test_small_forces_and_powers_are_in_newtons_and_watts() -> None:
     ("largest", "decimals"), [(760.0, 1), (1.87, 3), (0.0187, 5), (12345.0, 0), (0.0, 0), (1000.0, 0)]
 )
 def test_four_digits_of_the_largest_value_are_shown(largest: float, decimals: int) -> None:
-    assert decimals_of(largest) == decimals
+    assert decimals_of(largest, DIGITS) == decimals
 
 
 def test_values_that_are_not_finite_are_refused() -> None:

@@ -81,7 +81,7 @@ def as_seen_by(places: Places, points: Array) -> Array:
 def test_the_crank_turns_clockwise_and_gears_against_each_other_but_in_a_ring() -> None:
     def turns(name: str) -> list[float]:
         found = scene(name)
-        bodies = ["crank", *(gear.name for gear in found.gears)]
+        bodies = ["crank", *(gear.body.name for gear in found.gears)]
         poses = found.poses(np.array([0.0, 1e-3]))
         return [float(np.sign(np.diff(poses.places[body].angle_rad)[0])) for body in bodies]
 
@@ -169,7 +169,7 @@ def test_teeth_touch_and_do_not_overlap(name: str) -> None:
 
 @every_geared
 def test_contours_go_round_the_right_way(name: str) -> None:
-    for body in (*scene(name).gears, *scene(name).links):
+    for body in (*(gear.body for gear in scene(name).gears), *scene(name).links):
         outer, *holes = (signed_area(contour) for contour in body.contours_mm)
         assert outer > 0.0
         assert all(hole < 0.0 for hole in holes)

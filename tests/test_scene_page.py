@@ -136,7 +136,7 @@ def test_pockets_and_hubs_are_drawn() -> None:
 def test_svg_and_data_name_the_same_bodies(name: str) -> None:
     found = scene(name)
     made, data = groups(scene_svg(found)), scene_data(found)
-    bodies = {f"scene-{body.name}" for body in (*found.links, *found.gears)}
+    bodies = {f"scene-{body.name}" for body in (*found.links, *(gear.body for gear in found.gears))}
     assert bodies <= set(made)
     assert {f"scene-{gear['name']}" for gear in data["gears"]} <= bodies
     assert ("scene-material" in made) == (data["chamber"]["begins"] is not None)

@@ -32,7 +32,7 @@ def test_a_table_reads_back_exactly() -> None:
 @pytest.mark.parametrize("bore", [None, Bore(20.0), Bore(20.0, Keyway(6.0, 2.8))])
 def test_a_solid_reads_back_as_its_outline(bore: Bore | None) -> None:
     """The same points in the same order, in single precision, whatever is cut out of the middle."""
-    found = outline_of_stl(stl_bytes(driving_solid(wavy(), Blank(12.0, bore), 2.0, 0.005).mesh))
+    found = outline_of_stl(stl_bytes(driving_solid(wavy(), Blank(12.0, bore), 2.0, 0.005).mesh), 6.0)
     start = int(np.argmin(np.linalg.norm(found - wavy()[0], axis=1)))
     # 2^-24 of 42 mm, on each of both coordinates.
     assert np.abs(np.roll(found, -start, axis=0) - wavy()).max() <= 2.6e-6
@@ -45,7 +45,7 @@ def test_a_section_that_is_not_the_outline_is_seen() -> None:
     stack = trimesh.util.concatenate(
         [ends, waist.apply_translation([0, 0, 5]), ends.copy().apply_translation([0, 0, 10])]
     )
-    found = outline_of_stl(export_stl(stack))
+    found = outline_of_stl(export_stl(stack), 7.0)
     assert np.hypot(*found.T).max() == pytest.approx(41.9, abs=1e-4)
 
 

@@ -117,21 +117,21 @@ def animate(
     width: Annotated[int, typer.Option(min=320, max=1920, help="Width in pixels, rounded to an even number.")] = 960,
 ) -> None:
     """Show the mechanism moving: gears, crank, rod and slider over a whole cycle, as a GIF or MP4."""
-    from ncgear.drawings.animation import Format, format_of
+    from ncgear.drawings.animation import AnimationFormat, format_of
     from ncgear.files.publish import prepare, publish
 
-    kind = format_of(out) if out else Format.GIF
+    kind = format_of(out) if out else AnimationFormat.GIF
     with opened(design_file) as loaded:
         path = out or EXPORT / loaded.design.name / "mechanism.gif"
         prepare(path.parent)
 
-        from ncgear.drawings.animation.packing import Loop, Timing, animated
+        from ncgear.drawings.animation.packing import Loop, animated
         from ncgear.drawings.scene.scene import scene_of
         from ncgear.project.drive import Drive
 
         scene = scene_of(Drive(loaded.design))
         with counted("frames") as on_frame:
-            content = animated(scene, kind, Loop(Timing(frames, seconds), width), on_frame)
+            content = animated(scene, kind, Loop(frames, seconds, width), on_frame)
         (written,) = publish(path.parent, {path.name: content})
         typer.echo(f"wrote {written}: {frames} frames in {seconds:g} s, {len(content) / 1e6:.3g} MB")
 

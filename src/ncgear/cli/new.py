@@ -16,7 +16,7 @@ from ncgear.design.reading.text import plain_value
 from ncgear.errors import DesignError, WrongInput
 
 BUILDABLE = ("check", "designed_contact", "solids")
-"""Steps of a drive that need all other steps for which a build can be refused."""
+"""Steps of a drive that prove a design: they compute all other steps that could refuse a build."""
 
 
 def new(
@@ -113,7 +113,7 @@ def _write(path: Path, law: LawName, sizes: dict[str, float]) -> None:
 
 
 def _buildable(name: str, law: LawName, sizes: dict[str, float]) -> str:
-    """The text of a design; if it has other sizes than the template, its gears are made once to prove them."""
+    """The text of a design; if its sizes are not those of the template, its gears are made once as a proof."""
     if not sizes:
         from ncgear.design.template import template
 

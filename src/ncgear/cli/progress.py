@@ -23,8 +23,8 @@ def counted(what: str) -> Iterator[Callable[[int, int], None]]:
 
 
 @contextmanager
-def steps_shown(count: int | None = None) -> Iterator[Callable[[str], None]]:
-    """A context with a function to call with the name of each step; ``count`` is the number of steps, if known."""
+def steps_shown(count: int) -> Iterator[Callable[[str], None]]:
+    """A context with a function to call with the name of each step; ``count`` is the number of steps."""
     with _shown("starting", count) as bar:
         task = bar.task_ids[0]
 

@@ -26,7 +26,7 @@ COMPILED_IMPORT = {ExtensionFileLoader.create_module.__code__, ExtensionFileLoad
 LAST_WORDS = "interrupted; what earlier runs have written is untouched"
 
 
-class _Hearing:
+class _CtrlC:
     """Handles Ctrl-C, and repeats it until the run ends.
 
     Some libraries swallow it, for example while they import optional parts, or turn it into another error. While a
@@ -63,12 +63,12 @@ def _imports_compiled(frame: FrameType | None) -> bool:
 
 def main() -> NoReturn:
     """Run the command line and exit with its status; at the end the process ignores Ctrl-C."""
-    hearing = _Hearing()
-    signal.signal(signal.SIGINT, hearing)
+    ctrl_c = _CtrlC()
+    signal.signal(signal.SIGINT, ctrl_c)
     sys.unraisablehook = _quiet_of_ctrl_c
     status, last_words = _run()
-    hearing.end()
-    if hearing.came and status:
+    ctrl_c.end()
+    if ctrl_c.came and status:
         status, last_words = INTERRUPTED, LAST_WORDS
     if last_words:
         print(last_words, file=sys.stderr)

@@ -23,7 +23,7 @@ def optimize(
     with opened(design_file) as loaded:
         from ncgear.figures.best_law import certificate, optimized_design, optimized_name, optimized_text
         from ncgear.figures.numbers import json_text
-        from ncgear.files.frontier import LIMIT_PICTURE, limit_picture
+        from ncgear.files.frontier import PICTURE, limit_picture
         from ncgear.project.best_law import BestLaw
 
         best = BestLaw(loaded.design)
@@ -40,8 +40,8 @@ def optimize(
             files = {f"{name}.yaml": written.encode(), "certificate.json": certified}
             if best.limit_points:
                 on_step("picture")
-                files[LIMIT_PICTURE] = limit_picture(best)
-        paths = publish(folder, files, obsolete=[LIMIT_PICTURE])
+                files[PICTURE] = limit_picture(best)
+        paths = publish(folder, files, obsolete=[PICTURE])
         typer.echo(optimized_text(best, paths))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import pi
 
@@ -19,6 +19,7 @@ from ncgear.drawings.charts.drawer import (
     MOTION_LOOK,
     SIMULATION_COLUMN,
     TIME_LOOK,
+    Look,
     beside_png,
     column_png,
 )
@@ -44,25 +45,24 @@ NO_BACKLASH_RAD = 1e-9
 
 def pictures(drive: Drive, contact: PairContact) -> dict[str, bytes]:
     """The pictures of a build."""
-    name, speed = drive.design.name, f"at {drive.design.operation.speed_rpm:.4g} r/min"
+    name = drive.design.name
     pair = name if drive.stage is None else f"{name}, stage {drive.stage} by its own angles"
     positions = positions_at(drive, np.arange(POSITIONS) * 2.0 * pi / POSITIONS)
     module = drive.pitch.size.module_mm
-    motion = [slider_chart(drive, quantity) for quantity in MOTION]
+    motion, load = ([slider_chart(drive, quantity) for quantity in quantities] for quantities in (MOTION, LOAD))
+    motions = drive.motion, drive.uniform_motion
+    load_pairs = [(chart, over_displacement(chart, motions)) for chart in load]
     return {
         "pitch_curves.png": pitch_curves_png(*assembled_pitch_curves(drive), f"{pair}: pitch curves at phi1 = 0"),
         "tooth_pair.png": teeth_png(assembled_teeth(drive), module, positions, f"{pair}: tooth outlines in mesh"),
-        "motion.png": column_png(motion, f"{name}: motion {speed}", MOTION_LOOK, MOTION_COLUMN),
+        "motion.png": column_png(motion, _title(drive, "motion"), MOTION_LOOK, MOTION_COLUMN),
         "contact.png": _contact_picture(drive, contact, f"{pair}: contact of the teeth"),
-        "power.png": _power_picture(drive, f"{name}: force and power {speed}"),
+        "power.png": beside_png(load_pairs, _title(drive, "force and power")),
     }
 
 
-def _power_picture(drive: Drive, title: str) -> bytes:
-    """Force and power over the driving angle, and beside it over the displacement."""
-    charts = [slider_chart(drive, quantity) for quantity in LOAD]
-    motions = drive.motion, drive.uniform_motion
-    return beside_png([(chart, over_displacement(chart, motions)) for chart in charts], title)
+def _title(drive: Drive, what: str) -> str:
+    return f"{drive.design.name}: {what} at {drive.design.operation.speed_rpm:.4g} r/min"
 
 
 def _contact_picture(drive: Drive, contact: PairContact, title: str) -> bytes:
@@ -72,7 +72,7 @@ def _contact_picture(drive: Drive, contact: PairContact, title: str) -> bytes:
     if np.max(np.abs(designed.backlash_rad)) >= NO_BACKLASH_RAD:
         kinds.insert(0, contact_charts.backlash)
     errors = contact_charts.transmission_error(contact)
-    # The key is above the first row, which has no line of the backs: an empty line there names them.
+    # The legend is above the first row, which has no line of the backs: an empty line there names them.
     pushing, written = errors.lines
     errors = replace(errors, lines=(pushing, Line(Role.OTHER, contact_charts.BACKS, EMPTY, EMPTY), written))
     joints = np.degrees(joints_up_to(drive.pair.transmission, designed.placement.cycle_rad))
@@ -82,35 +82,37 @@ def _contact_picture(drive: Drive, contact: PairContact, title: str) -> bytes:
 
 def rigid_pictures(drive: Drive, own: Loads, uniform: Loads) -> dict[str, bytes]:
     """The pictures of the rigid level; the loads are those at the angles of the drive's motion."""
-
-    def picture(charts: Sequence[Chart], what: str) -> bytes:
-        title = f"{drive.design.name}: {what} at {drive.design.operation.speed_rpm:.4g} r/min"
-        return column_png(charts, title, LOAD_LOOK, SIMULATION_COLUMN)
-
-    made = {
-        "driving_torque.png": picture([simulation_charts.driving_torque(drive, own, uniform)], "driving torque"),
-        "bearing_forces.png": picture(simulation_charts.joint_forces(drive, own, uniform), "forces in the joints"),
+    charts = {
+        "driving_torque.png": ([simulation_charts.driving_torque(drive, own, uniform)], "driving torque"),
+        "bearing_forces.png": (simulation_charts.joint_forces(drive, own, uniform), "forces in the joints"),
+        "mesh_force.png": (simulation_charts.mesh_forces(drive, own, uniform), "force between the teeth"),
     }
-    mesh = simulation_charts.mesh_forces(drive, own, uniform)
-    return {**made, "mesh_force.png": picture(mesh, "force between the teeth")} if mesh else made
+    return _simulation_pictures(drive, LOAD_LOOK, charts)
 
 
 def quasi_static_pictures(drive: Drive, rigid_n_m: Array) -> dict[str, bytes]:
     """The picture of the quasi-static level, beside the driving torque of rigid teeth in N m, shape (n,)."""
-    title = f"{drive.design.name}: teeth under load at {drive.design.operation.speed_rpm:.4g} r/min"
     charts = simulation_charts.teeth_under_load(drive, rigid_n_m)
-    return {"loaded_contact.png": column_png(charts, title, TIME_LOOK, SIMULATION_COLUMN)}
+    return _simulation_pictures(drive, TIME_LOOK, {"loaded_contact.png": (charts, "teeth under load")})
 
 
 def dynamic_pictures(drive: Drive, shown: History, apart_rad: Array) -> dict[str, bytes]:
     """The pictures of the dynamic level; in the stretches ``apart_rad`` (shape (k, 2)) no pushing flanks touch."""
-    apart, speed = np.degrees(apart_rad), f"at {drive.design.operation.speed_rpm:.4g} r/min"
-    made = {
+    apart = np.degrees(apart_rad)
+    charts = {
         "slider_motion.png": (simulation_charts.slider_in_time(shown, apart), "slider"),
         "tooth_force.png": (simulation_charts.teeth_in_time(shown, apart), "teeth and torque"),
         "bearing_forces.png": (simulation_charts.bearings_in_time(drive, shown, apart), "bearings"),
     }
+    return _simulation_pictures(drive, TIME_LOOK, charts)
+
+
+def _simulation_pictures(
+    drive: Drive, look: Look, columns: Mapping[str, tuple[Sequence[Chart], str]]
+) -> dict[str, bytes]:
+    """A picture for each column of charts, by file name; a column is given with its title and may be empty."""
     return {
-        file: column_png(charts, f"{drive.design.name}: {what} {speed}", TIME_LOOK, SIMULATION_COLUMN)
-        for file, (charts, what) in made.items()
+        file: column_png(charts, _title(drive, what), look, SIMULATION_COLUMN)
+        for file, (charts, what) in columns.items()
+        if charts
     }

@@ -101,16 +101,14 @@ def outline_of_csv(data: bytes) -> Array:
     return points
 
 
-def outline_of_stl(data: bytes, height_mm: float | None = None, *, hole: bool = False) -> Array:
-    """The outer boundary of a solid's section, or the boundary of its largest hole, in mm, shape (n, 2).
+def outline_of_stl(data: bytes, height_mm: float, *, hole: bool = False) -> Array:
+    """The outer boundary of a solid's section, or with ``hole`` that of its largest hole, in mm, shape (n, 2).
 
-    The boundary runs counter-clockwise.  The section is at the given height over z = 0, or else half way up.  Raises
-    ValueError unless the mesh is closed there.
+    The boundary runs counter-clockwise.  The section is at a height above z = 0.  Raises ValueError unless the mesh is
+    closed there.
     """
     mesh = trimesh.load_mesh(BytesIO(data), file_type="stl")
-    vertices = np.asarray(mesh.vertices)
-    height = (vertices[:, 2].min() + vertices[:, 2].max()) / 2.0 if height_mm is None else height_mm
-    found = section_rings(vertices, np.asarray(mesh.faces), height)
+    found = section_rings(np.asarray(mesh.vertices), np.asarray(mesh.faces), height_mm)
     chosen = min(found, key=signed_area)[::-1] if hole else max(found, key=signed_area)
     return _without_straight_points(chosen)
 

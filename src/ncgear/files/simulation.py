@@ -45,9 +45,13 @@ def simulate(drive: Drive, level: Level) -> Simulated:
     """Simulate a machine at a level; raises WrongInput where the design lacks what the level needs."""
     match level:
         case Level.RIGID:
-            return _rigid(drive)
+            phi1 = drive.motion.phi1_rad
+            loads = drive.rigid.machine.at(phi1), drive.uniform_rigid.machine.at(phi1)
+            return Simulated(rigid_table(drive, *loads), rigid_figures(drive), rigid_pictures(drive, *loads))
         case Level.QUASI_STATIC:
-            return _quasi_static(drive)
+            rigid = N_M_PER_N_MM * drive.rigid.machine.at(drive.motion.phi1_rad).driving_torque.value
+            pictures = quasi_static_pictures(drive, rigid)
+            return Simulated(quasi_static_table(drive, rigid), quasi_static_figures(drive), pictures)
         case Level.DYNAMIC:
             return _dynamic(drive)
 
@@ -67,19 +71,6 @@ def simulation_text(found: Simulated, paths: Sequence[Path]) -> str:
     alone = {key: value for key, value in found.figures.items() if key not in compared}
     beside = [*beside_lines("Torques and forces", compared), ""] if compared else []
     return "\n".join([summary_text(alone), "", *beside, *written_lines(paths)])
-
-
-def _rigid(drive: Drive) -> Simulated:
-    """Inverse dynamics of a drive, beside the uniform crank."""
-    phi1 = drive.motion.phi1_rad
-    own, uniform = drive.rigid.machine.at(phi1), drive.uniform_rigid.machine.at(phi1)
-    return Simulated(rigid_table(drive, own, uniform), rigid_figures(drive), rigid_pictures(drive, own, uniform))
-
-
-def _quasi_static(drive: Drive) -> Simulated:
-    """Loaded contact of a drive's teeth, beside the torque of the rigid level."""
-    rigid = N_M_PER_N_MM * drive.rigid.machine.at(drive.motion.phi1_rad).driving_torque.value
-    return Simulated(quasi_static_table(drive, rigid), quasi_static_figures(drive), quasi_static_pictures(drive, rigid))
 
 
 def _dynamic(drive: Drive) -> Simulated:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import degrees, floor, log10
+from math import degrees
 from typing import Any
 
 import numpy as np
@@ -32,7 +32,7 @@ from ncgear.drawings.animation.artists import (
     pin_artists,
     pitch_point_artist,
 )
-from ncgear.drawings.charts.chart import Chart, Role
+from ncgear.drawings.charts.chart import Chart, Role, decimals_of
 from ncgear.drawings.charts.drawer import Look, draw
 from ncgear.drawings.charts.slider_charts import DISPLACEMENT, VELOCITY, Quantity, motion_chart
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, EDGE_IN, INK, NORMAL, SMALL, dress, figure
@@ -103,6 +103,9 @@ def _gears(axes: Axes, scene: Scene, pixel_mm: float, to_screen: Transform) -> I
 CURVE_POINTS = 721
 """Points of a chart's line: one every half degree of a turn."""
 
+DIGITS = 3
+"""Significant digits of the largest value of a chart; the eye does not follow more."""
+
 TICKS = 4
 """Steps of a chart's scale of angles over the loop."""
 
@@ -117,18 +120,16 @@ def charts(both: Sequence[Axes], scene: Scene) -> list[Moving]:
 def _chart(axes: Axes, motion: SliderMotion, quantity: Quantity) -> Moving:
     chart = motion_chart(quantity, motion).readable
     draw(axes, chart, CHART_LOOK)
-    # Decimals that show the greatest value with three digits; the eye does not follow more.
-    largest = float(np.abs(chart.own.values).max())
-    digits = max(0, 2 - floor(log10(largest))) if largest > 0.0 else 0
+    decimals = decimals_of(float(np.abs(chart.own.values).max()), DIGITS)
     dot = Line2D([], [], zorder=4, **looks.PITCH_POINT)
     words = axes.text(0.0, 1.06, "", transform=axes.transAxes, size=SMALL, color=INK, va="bottom")
     axes.add_artist(dot)
 
     def pose(poses: Poses, row: int) -> None:
         # Adding zero turns a rounded -0 into 0.
-        value = round(float(quantity.values_in(chart.unit, poses.motion)[row]), digits) + 0.0
+        value = round(float(quantity.values_in(chart.unit, poses.motion)[row]), decimals) + 0.0
         dot.set_data([degrees(poses.motion.phi1_rad[row])], [value])
-        words.set_text(f"{chart.name} {value:.{digits}f} {chart.unit}")
+        words.set_text(f"{chart.name} {value:.{decimals}f} {chart.unit}")
 
     return Moving((dot, words), pose)
 
@@ -178,7 +179,7 @@ NAME_PT = 42.0
 LOWEST_IN, HIGHEST_IN = 2.2, 4.6
 """Bounds of the height of the views in inches."""
 
-LARGE = 0.4
+LARGE_GEARS = 0.4
 """Gears wider than this share of the machine are large enough in the view of the machine."""
 
 
@@ -187,7 +188,6 @@ class Picture:
     """A figure whose moving artists are drawn frame by frame."""
 
     figure: Figure
-    machine: Axes
     moving: tuple[Moving, ...]
 
     def frames(self, poses: Poses) -> Iterator[Frame]:
@@ -225,7 +225,7 @@ def picture(scene: Scene, width_px: int) -> Picture:
         for artist in one.artists:
             # Matplotlib leaves animated artists out of the background.
             artist.set_animated(True)
-    return Picture(made, panels["machine"], tuple(moving))
+    return Picture(made, tuple(moving))
 
 
 def _shown(scene: Scene) -> dict[str, Box]:
@@ -233,7 +233,7 @@ def _shown(scene: Scene) -> dict[str, Box]:
     found = views(scene)
     if not scene.pairs:
         return found
-    large = found["gears"][2] > LARGE * found["machine"][2]
+    large = found["gears"][2] > LARGE_GEARS * found["machine"][2]
     beside = "mesh" if large else "gears"
     return {name: found[name] for name in ("machine", beside)}
 

@@ -12,11 +12,10 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from PIL import Image
 
-from ncgear.drawings.animation import Format
+from ncgear.drawings.animation import AnimationFormat
 from ncgear.drawings.animation import artists as looks
 from ncgear.drawings.animation.moving_picture import Frame, picture
 from ncgear.drawings.scene.scene import Scene
-from ncgear.numerics.arrays import Array
 
 COLORS = 128
 """Colours of a GIF's palette beside those of lines: enough for shades at edges, with half the bytes of 256 colours."""
@@ -35,11 +34,12 @@ QUALITY = "20"
 
 
 @dataclass(frozen=True)
-class Timing:
-    """How many frames a loop has, and how many seconds it takes."""
+class Loop:
+    """The form of a loop: its number of frames, at even driving angles, its seconds, and its width in pixels."""
 
     frames: int
     seconds: float
+    width_px: int
 
     @property
     def durations_ms(self) -> list[int]:
@@ -48,11 +48,11 @@ class Timing:
         return [int(ticks) * TICK_MS for ticks in np.diff(ends)]
 
 
-def gif_bytes(frames: Iterable[Frame], some: Sequence[Frame], timing: Timing) -> bytes:
+def gif_bytes(frames: Iterable[Frame], some: Sequence[Frame], loop: Loop) -> bytes:
     """A GIF that shows the frames evenly and endlessly; its colours come from ``some`` of them."""
     palette, data = _palette(some), BytesIO()
     first, *others = (Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames)
-    first.save(data, "GIF", save_all=True, append_images=others, duration=timing.durations_ms, loop=0)
+    first.save(data, "GIF", save_all=True, append_images=others, duration=loop.durations_ms, loop=0)
     return data.getvalue()
 
 
@@ -66,13 +66,13 @@ def _palette(frames: Sequence[Frame]) -> Image.Image:
     return made
 
 
-def mp4_bytes(frames: Iterable[Frame], some: Sequence[Frame], timing: Timing) -> bytes:
+def mp4_bytes(frames: Iterable[Frame], some: Sequence[Frame], loop: Loop) -> bytes:
     """An MP4 of one loop, in a form of H.264 that every player knows; its size is that of ``some`` of the frames."""
     # An optional library; format_of has made sure that it is installed.
     import imageio_ffmpeg
 
     height, width, _ = some[0].shape
-    rate = {"fps": timing.frames / timing.seconds, "macro_block_size": 2, "pix_fmt_out": "yuv420p"}
+    rate = {"fps": loop.frames / loop.seconds, "macro_block_size": 2, "pix_fmt_out": "yuv420p"}
     # Without these flags the file would hold the time and the version of the program.
     bare = ["-crf", QUALITY, "-fflags", "+bitexact", "-flags:v", "+bitexact", "-movflags", "+faststart"]
     with TemporaryDirectory() as folder:
@@ -88,27 +88,16 @@ def mp4_bytes(frames: Iterable[Frame], some: Sequence[Frame], timing: Timing) ->
 SAMPLES = 4
 """Number of frames, spread over the loop, that are drawn first for colours and size; so memory never holds them all."""
 
-PACKERS = {Format.GIF: gif_bytes, Format.MP4: mp4_bytes}
+PACKERS = {AnimationFormat.GIF: gif_bytes, AnimationFormat.MP4: mp4_bytes}
 
 
-@dataclass(frozen=True)
-class Loop:
-    """The form of the loop: its number of frames, at even driving angles, its seconds, and its width in pixels."""
-
-    timing: Timing
-    width_px: int
-
-
-def animated(scene: Scene, kind: Format, loop: Loop, on_frame: Callable[[int, int], None]) -> bytes:
+def animated(scene: Scene, kind: AnimationFormat, loop: Loop, on_frame: Callable[[int, int], None]) -> bytes:
     """The scene over its whole loop as the bytes of a file; ``on_frame`` gets the number of frames drawn and of all."""
-    made, total = picture(scene, loop.width_px), loop.timing.frames
-    frames, some = (made.frames(scene.poses(loop_angles_rad(scene, count))) for count in (total, SAMPLES))
-    return PACKERS[kind](_counted(frames, total, on_frame), list(some), loop.timing)
-
-
-def loop_angles_rad(scene: Scene, frames: int) -> Array:
-    """Even driving angles over the loop, without its end, which looks like its beginning."""
-    return np.linspace(0.0, scene.loop_rad, frames, endpoint=False)
+    made = picture(scene, loop.width_px)
+    # Without the end of the loop, which looks like its beginning.
+    angles = (np.linspace(0.0, scene.loop_rad, count, endpoint=False) for count in (loop.frames, SAMPLES))
+    frames, some = (made.frames(scene.poses(phi1)) for phi1 in angles)
+    return PACKERS[kind](_counted(frames, loop.frames, on_frame), list(some), loop)
 
 
 def _counted(frames: Iterator[Frame], total: int, on_frame: Callable[[int, int], None]) -> Iterator[Frame]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from math import floor, log10
 
 import numpy as np
 
@@ -80,10 +81,6 @@ class Chart:
     axis_label: str = ""
     across: Across = Across.DRIVING_ANGLE
 
-    def line(self, role: Role) -> Line | None:
-        """The line of a role; None where the chart has none."""
-        return next((line for line in self.lines if line.role is role), None)
-
     @property
     def own(self) -> Line:
         """This design's line."""
@@ -102,6 +99,11 @@ class Chart:
         """The chart in the unit in which its largest value is easy to read."""
         factor, _ = readable(self.unit, *(line.values for line in self.lines if line.values.size))
         return self if factor == 1.0 else self.in_thousands
+
+
+def decimals_of(largest: float, digits: int) -> int:
+    """Decimals that show a largest value with so many significant digits; 0 for a value of 0."""
+    return max(0, digits - 1 - floor(log10(largest))) if largest > 0.0 else 0
 
 
 def joints_up_to(transmission: Transmission, end_rad: float) -> Array:

@@ -21,7 +21,7 @@ from ncgear.drawings.plots.canvas import (
     Style,
     dress,
     figure,
-    key_above,
+    legend_above,
     png,
 )
 from ncgear.numerics.arrays import Array
@@ -83,10 +83,11 @@ EDGE = 0.15
 
 
 def draw(axes: Axes, chart: Chart, look: Look) -> None:
-    """Draw a chart with its joints, stretches without contact and largest value, as far as it asks for them.
+    """Draw a chart with its joints and stretches without contact, and name its largest value if it asks for that.
 
     Axes that have a unit keep it, so that several machines can be drawn onto them; otherwise the unit is the one in
-    which the chart is easy to read.  The caller sets the limits of the horizontal axis and the key (``angle_scale``).
+    which the chart is easy to read.  The caller sets the limits of the horizontal axis and the legend with
+    ``angle_scale``.
     """
     alike = (one for one in (chart, chart.in_thousands) if look.label(one) == axes.get_ylabel())
     shown = next(alike, chart.readable)
@@ -135,13 +136,13 @@ def mark_extreme(axes: Axes, line: Line, unit: str) -> None:
 
 
 def angle_scale(column: Sequence[Axes], end_deg: float) -> None:
-    """The scale in degrees below the lowest axes, and the key above the highest."""
+    """The scale in degrees below the lowest axes, and the legend above the highest."""
     # A cycle of n turns of the driving gear has marks n times as far apart.
     step = 45 * max(round(end_deg / 360.0), 1)
     column[-1].set_xlim(0.0, end_deg)
     column[-1].set_xticks(np.arange(0.0, end_deg + 1.0, step))
     column[-1].set_xlabel(Across.DRIVING_ANGLE.value, size=NORMAL, color=INK)
-    key_above(column[0])
+    legend_above(column[0])
 
 
 def align(column: Sequence[Axes], width_in: float) -> None:
@@ -151,7 +152,7 @@ def align(column: Sequence[Axes], width_in: float) -> None:
 
 
 @dataclass(frozen=True)
-class Column:
+class ColumnSizes:
     """Sizes in inches of a column of charts: height of a row, height of the rest, and room for vertical labels.
 
     ``gap`` is the space between rows as a share of their height.
@@ -161,24 +162,26 @@ class Column:
     rest_in: float
     left_in: float
     gap: float
-    width_in: float = 8.2
 
 
-MOTION_COLUMN = Column(row_in=2.0, rest_in=1.2, left_in=0.85, gap=0.12)
-SIMULATION_COLUMN = Column(row_in=1.9, rest_in=1.4, left_in=1.0, gap=0.14)
-CONTACT_COLUMN = Column(row_in=1.5, rest_in=1.3, left_in=1.0, gap=0.16)
+COLUMN_IN = 8.2
+"""Width in inches of a picture of charts below one another."""
+
+MOTION_COLUMN = ColumnSizes(row_in=2.0, rest_in=1.2, left_in=0.85, gap=0.12)
+SIMULATION_COLUMN = ColumnSizes(row_in=1.9, rest_in=1.4, left_in=1.0, gap=0.14)
+CONTACT_COLUMN = ColumnSizes(row_in=1.5, rest_in=1.3, left_in=1.0, gap=0.16)
 
 
-def column_png(charts: Sequence[Chart], title: str, look: Look, sizes: Column) -> bytes:
-    """PNG of charts below one another over the same driving angle, with one key above them."""
-    size = sizes.width_in, sizes.row_in * len(charts) + sizes.rest_in
+def column_png(charts: Sequence[Chart], title: str, look: Look, sizes: ColumnSizes) -> bytes:
+    """PNG of charts below one another over the same driving angle, with one legend above them."""
+    size = COLUMN_IN, sizes.row_in * len(charts) + sizes.rest_in
     made = figure(*size, title)
     spaces = {**Margins(left=sizes.left_in).shares(*size), "hspace": sizes.gap}
     column = list(made.subplots(len(charts), 1, sharex=True, squeeze=False, gridspec_kw=spaces)[:, 0])
     for axes, chart in zip(column, charts, strict=True):
         draw(axes, chart, look)
     angle_scale(column, charts[0].end)
-    align(column, sizes.width_in)
+    align(column, COLUMN_IN)
     return png(made)
 
 

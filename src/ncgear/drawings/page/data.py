@@ -22,7 +22,7 @@ from ncgear.figures.numbers import shown
 from ncgear.mechanisms.mechanism import Link, Mechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
-from ncgear.ratio.transmission import Piece, Transmission
+from ncgear.ratio.transmission import JetFunction, Transmission
 
 READABLE_DEG_S = 30.0
 """A pace at which the eye follows a tooth through the mesh: one turn of the driving gear in twelve seconds."""
@@ -65,21 +65,21 @@ The error of the cubics is greatest in the middle, or beside it where the law ch
 FIRST_STEPS = 16
 """Number of steps on each piece of a law before any step is halved."""
 
-
 LINK_DECIMALS = 9
 """Decimals of places in mm and angles in rad of links: finer by far than the error of their tables."""
 
 
 def scene_data(scene: Scene) -> dict[str, Any]:
     """All data that move the SVG of ``scene_svg``, ready for JSON; angles in rad, lengths in mm."""
-    shafts = [pair.transmission for pair in scene.train.pairs[:-1]] + [scene.train.whole]
+    shafts = [*(pair.transmission for pair in scene.train.pairs[:-1]), scene.train.whole]
+    chamber = scene.chamber
     return {
         "loop": scene.loop_rad,
         "shafts": [angle_table(transmission) for transmission in shafts],
-        "gears": [_gear(gear) for pair in scene.pairs for gear in (pair.driving, pair.driven)],
+        "gears": [_gear(gear) for gear in scene.gears],
         "pairs": [_pair(pair) for pair in scene.pairs],
         "linkage": _linkage(scene),
-        "chamber": _chamber(scene),
+        "chamber": {"face": chamber.face_mm, "end": chamber.end_mm, "begins": chamber.begins_mm},
         "views": {name: list(box) for name, box in views(scene).items()},
     }
 
@@ -89,7 +89,7 @@ def angle_table(transmission: Transmission) -> dict[str, Any]:
 
     Joints of the law are in it twice, with the slopes on both sides.
     """
-    columns = [_table(_with_slope(piece), piece.start_rad, piece.end_rad) for piece in transmission.pieces]
+    columns = [_table(piece.driven_angle, piece.start_rad, piece.end_rad) for piece in transmission.pieces]
     at, value, slope = (np.concatenate(parts).tolist() for parts in zip(*columns, strict=True))
     lobes = transmission.lobes
     return {
@@ -101,18 +101,14 @@ def angle_table(transmission: Transmission) -> dict[str, Any]:
     }
 
 
-def _with_slope(piece: Piece) -> Callable[[Array], Jet]:
-    return lambda angle: piece.driven_angle(angle, 1)
-
-
-def _table(curve: Callable[[Array], Jet], start_rad: float, end_rad: float) -> tuple[Array, Array, Array]:
-    """Places, values and slopes of a curve, whose jets are of order 1, for Hermite's cubics.
+def _table(curve: JetFunction, start_rad: float, end_rad: float) -> tuple[Array, Array, Array]:
+    """Places, values and slopes of a curve for Hermite's cubics.
 
     A step is halved where its error exceeds TABLE_ERROR_RAD at any of the places of LOOKED_AT.
     """
     at = np.linspace(start_rad, end_rad, FIRST_STEPS + 1)
     while True:
-        found = curve(at)
+        found = curve(at, 1)
         value, slope = found.value, found.derivative(1)
         off = np.any([_error(curve, at, value, slope, share) > TABLE_ERROR_RAD for share in LOOKED_AT], axis=0)
         if not off.any():
@@ -120,12 +116,12 @@ def _table(curve: Callable[[Array], Jet], start_rad: float, end_rad: float) -> t
         at = np.union1d(at, (at[1:] + at[:-1])[off] / 2.0)
 
 
-def _error(curve: Callable[[Array], Jet], at: Array, value: Array, slope: Array, share: float) -> Array:
+def _error(curve: JetFunction, at: Array, value: Array, slope: Array, share: float) -> Array:
     """The error of Hermite's cubics at a share of each step."""
     width, rise, rest = np.diff(at), np.diff(value), 1.0 - share
     straight = value[:-1] + rise * share**2 * (3.0 - 2.0 * share)
     bent = width * share * rest * (slope[:-1] * rest - slope[1:] * share)
-    error: Array = np.abs(straight + bent - curve(at[:-1] + share * width).value)
+    error: Array = np.abs(straight + bent - curve(at[:-1] + share * width, 1).value)
     return error
 
 
@@ -167,8 +163,8 @@ def _link_tables(linkage: Mechanism, name: str) -> dict[str, Any]:
     """
 
     def along(of: Callable[[Link], Jet], scale: float) -> dict[str, Any]:
-        def curve(angle: Array) -> Jet:
-            return of(linkage.links(Jet.variable(angle, 1))[name]) * (1.0 / scale)
+        def curve(angle: Array, order: int) -> Jet:
+            return of(linkage.links(Jet.variable(angle, order))[name]) * (1.0 / scale)
 
         at, value, slope = _table(curve, 0.0, 2.0 * pi)
         if not slope.any():
@@ -184,11 +180,6 @@ def _link_tables(linkage: Mechanism, name: str) -> dict[str, Any]:
         "y": along(lambda link: link.origin.y, crank),
         "angle": along(lambda link: link.angle, 1.0),
     }
-
-
-def _chamber(scene: Scene) -> dict[str, float | None]:
-    chamber = scene.chamber
-    return {"face": chamber.face_mm, "end": chamber.end_mm, "begins": chamber.begins_mm}
 
 
 ANGLE_DECIMALS = 9

@@ -91,9 +91,7 @@ def _stage_name(pair: Drive) -> str:
 
 def _rendered(content: Mapping[str, Any]) -> bytes:
     """The page with the given content, whose text is escaped; only the page's own script may run."""
-    environment = Environment(
-        loader=PackageLoader(PACKAGE, ""), autoescape=True, undefined=StrictUndefined, trim_blocks=False
-    )
+    environment = Environment(loader=PackageLoader(PACKAGE, ""), autoescape=True, undefined=StrictUndefined)
     environment.policies["json.dumps_kwargs"] = JSON_FORM
     template = environment.get_template("template.html.j2")
     css, script = _asset("page.css") + scene_style(), _page_script()

@@ -11,13 +11,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import degrees, floor, log10
+from math import degrees
 
 import numpy as np
 
 from ncgear.contact.pair import PairContact
 from ncgear.drawings.charts import contact_charts
-from ncgear.drawings.charts.chart import Chart, Line, Role, joints_up_to
+from ncgear.drawings.charts.chart import Chart, Line, Role, decimals_of, joints_up_to
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, RATIO, motion_chart
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
@@ -63,12 +63,7 @@ class PageChart:
     def decimals(self) -> int:
         """Decimals with which the page shows the values of all lines."""
         largest = max(float(np.max(np.abs(line.values))) for line in self.chart.lines)
-        return decimals_of(largest)
-
-
-def decimals_of(largest: float) -> int:
-    """Decimals that show a largest value with DIGITS significant digits; 0 for a value of 0."""
-    return max(0, DIGITS - 1 - floor(log10(largest))) if largest > 0.0 else 0
+        return decimals_of(largest, DIGITS)
 
 
 def motion_charts(drive: Drive, end_rad: float) -> list[PageChart]:

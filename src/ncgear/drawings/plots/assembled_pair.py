@@ -20,7 +20,7 @@ from ncgear.drawings.plots.canvas import (
     area,
     dress,
     figure,
-    key_above,
+    legend_above,
     png,
     ring_area,
 )
@@ -113,9 +113,7 @@ def _assembled(drive: Drive, driving_mm: Array, driven_mm: Array) -> Assembled:
     return Assembled(driving_mm, driven_mm, drive.pitch.center_distance_mm, ring_radius)
 
 
-def pitch_curves_png(
-    pair: Assembled, concave: tuple[Mask | None, Mask | None] = (None, None), title: str = "Pitch curves at phi1 = 0"
-) -> bytes:
+def pitch_curves_png(pair: Assembled, concave: tuple[Mask, Mask], title: str) -> bytes:
     """Both pitch curves assembled at phi1 = 0; see ``draw_pitch_curves``."""
     width, height = np.ptp(pair.reach, axis=0)
     # At least as tall as the scale needs, and never taller than a screen.
@@ -125,13 +123,17 @@ def pitch_curves_png(
     return png(made)
 
 
-def draw_pitch_curves(axes: Axes, pair: Assembled, concave: tuple[Mask | None, Mask | None] = (None, None)) -> None:
-    """Both pitch curves at phi1 = 0; concave stretches are highlighted where masks (shape (n,)) are given."""
+def draw_pitch_curves(axes: Axes, pair: Assembled, concave: tuple[Mask, Mask]) -> None:
+    """Both pitch curves at phi1 = 0, with their points in the masks ``concave`` (shape (n,) each) highlighted."""
     area(axes, pair.driving_mm, DRIVING, 1.8, "driving gear")
     _draw_driven(axes, pair, pair.driven_mm, 1.8, "driven gear")
     centers = [0.0, pair.center_distance_mm]
-    shifted = pair.driven_mm + np.array([pair.center_distance_mm, 0.0])
-    _draw_concave(axes, [(pair.driving_mm, concave[0]), (shifted, concave[1])])
+    curves = pair.driving_mm, pair.driven_mm + np.array([pair.center_distance_mm, 0.0])
+    driving, driven = (np.where(mask[:, None], curve, np.nan) for curve, mask in zip(curves, concave, strict=True))
+    # One line with a gap between the gears, so that the legend names it once.
+    highlighted = np.vstack([driving, np.full((1, 2), np.nan), driven])
+    if np.isfinite(highlighted).any():
+        axes.plot(*highlighted.T, color=HIGHLIGHT, linewidth=4.0, label="concave", solid_capstyle="butt")
     axes.plot(centers, [0.0, 0.0], color=INK, linewidth=0.8, linestyle=LINE_OF_CENTRES)
     axes.plot(centers, [0.0, 0.0], "+", color=INK, markersize=11, markeredgewidth=1.3)
     _name_below(axes, "driving axis", 0.0, INK)
@@ -140,21 +142,10 @@ def draw_pitch_curves(axes: Axes, pair: Assembled, concave: tuple[Mask | None, M
     axes.update_datalim(pair.reach)
     axes.set_aspect("equal", adjustable="datalim")
     axes.autoscale_view()
-    key_above(axes)
+    legend_above(axes)
 
 
-def _draw_concave(axes: Axes, curves: Sequence[tuple[Array, Mask | None]]) -> None:
-    """Highlight the concave stretches."""
-    drawn = [np.where(mask[:, None], points, np.nan) for points, mask in curves if mask is not None]
-    # One line with a gap between the gears, so that the key names it once.
-    joined = np.vstack([np.full((1, 2), np.nan), *(part for points in drawn for part in (points, [[np.nan, np.nan]]))])
-    if np.isfinite(joined).any():
-        axes.plot(*joined.T, color=HIGHLIGHT, linewidth=4.0, label="concave", solid_capstyle="butt")
-
-
-def teeth_png(
-    pair: Assembled, module_mm: float, positions: Sequence[Position], title: str = "Tooth outlines in mesh"
-) -> bytes:
+def teeth_png(pair: Assembled, module_mm: float, positions: Sequence[Position], title: str) -> bytes:
     """Tooth outlines assembled in each position: whole above, mesh below."""
     left, right, top = pair.frame
     rows_in = PANEL_IN * (2.0 * top / (right - left)), PANEL_IN * 0.95

@@ -18,7 +18,7 @@ from ncgear.drawings.plots.canvas import (
     Margins,
     dress,
     figure,
-    key_above,
+    legend_above,
     png,
 )
 from ncgear.numerics.arrays import Array
@@ -35,7 +35,7 @@ SLOWEST, FASTEST = 0.2, 1.25
 SAMPLES = 61
 """Points of a line in a Campbell plot; the logarithmic scale bends lines."""
 
-KINDS = {"rotation": DRIVING, "rollers and teeth": REFERENCE, "engine": HIGHLIGHT, "slider": DRIVEN}
+CAUSES = {"rotation": DRIVING, "rollers and teeth": REFERENCE, "engine": HIGHLIGHT, "slider": DRIVEN}
 """Colours of excitations in a Campbell plot, by their cause."""
 
 
@@ -70,7 +70,7 @@ def campbell(excitations: Sequence[Excitation], natural_hz: Sequence[float], ban
         _draw_natural(axes, natural, band)
     share = np.linspace(SLOWEST, FASTEST, SAMPLES)
     for excitation in excitations:
-        color = KINDS[_cause(excitation)]
+        color = CAUSES[_cause(excitation)]
         axes.plot(100.0 * share, share * excitation.frequency_hz, color=color, linewidth=0.9)
         axes.plot(100.0, excitation.frequency_hz, "o", color=color, markersize=3.0)
     lowest = min(excitation.frequency_hz for excitation in excitations)
@@ -78,10 +78,10 @@ def campbell(excitations: Sequence[Excitation], natural_hz: Sequence[float], ban
     axes.set_yscale("log")
     axes.set_xlim(100.0 * SLOWEST, 100.0 * FASTEST)
     axes.axvline(100.0, color=INK, linewidth=0.8, linestyle=":")
-    for cause, color in KINDS.items():
+    for cause, color in CAUSES.items():
         axes.plot([], [], color=color, label=cause)
     dress(axes, "speed in % of the one given", "frequency in Hz")
-    key_above(axes)
+    legend_above(axes)
     return png(made)
 
 

@@ -92,8 +92,8 @@ def dress(axes: Axes, x_label: str, y_label: str) -> None:
         axes.spines[side].set_color("#9A9A9A")
 
 
-def key_above(axes: Axes) -> None:
-    """Put the key in one line above the axes, at their right end."""
+def legend_above(axes: Axes) -> None:
+    """Put the legend in one line above the axes, at their right end."""
     entries = len(axes.get_legend_handles_labels()[1])
     axes.legend(
         loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=entries, frameon=False, fontsize=SMALL, borderaxespad=0.1

@@ -19,7 +19,7 @@ from ncgear.drawings.plots.canvas import (
     Style,
     dress,
     figure,
-    key_above,
+    legend_above,
     png,
 )
 from ncgear.figures.numbers import readable
@@ -54,7 +54,7 @@ def frontier(limit: Array, laws: Array, family: Array, mechanisms: Sequence[Name
         _draw_mechanism(axes, name, power, acceleration)
     _set_scales(axes, factors * shown)
     dress(axes, f"peak power in {power_unit}", f"peak acceleration in {acceleration_unit}")
-    key_above(axes)
+    legend_above(axes)
     return png(made)
 
 

@@ -169,10 +169,8 @@ class Chamber:
 
 def chamber_of(linkage: Mechanism, resistance: Resistance | None) -> Chamber:
     """The chamber of a mechanism that works against a resistance; an empty guide if that is None or acts nowhere."""
-    return Chamber(linkage, None if resistance is None else _begins_mm(resistance, linkage.stroke_mm))
-
-
-def _begins_mm(resistance: Resistance, stroke_mm: float) -> float | None:
-    edges = np.concatenate([[0.0], resistance.zeros_mm(stroke_mm), [stroke_mm]])
+    if resistance is None:
+        return Chamber(linkage, None)
+    edges = np.concatenate([[0.0], resistance.zeros_mm(linkage.stroke_mm), [linkage.stroke_mm]])
     acting = np.nonzero(resistance.force_n((edges[:-1] + edges[1:]) / 2.0) > 0.0)[0]
-    return float(edges[acting[0]]) if acting.size else None
+    return Chamber(linkage, float(edges[acting[0]]) if acting.size else None)

@@ -16,13 +16,13 @@ from math import cos, pi, radians, sin
 
 import numpy as np
 from shapely import Polygon
-from shapely.geometry.polygon import orient
 
 from ncgear.drawings.scene.bodies import Body, Kind, Places
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.drive import Drive
+from ncgear.solids.plan.areas import rings
 from ncgear.solids.plan.body import BodyPlan, circle_points
 
 CRANK_SENSE = -1.0
@@ -159,14 +159,12 @@ def _gear(drive: Drive, gear: Gear, number: int, mounting: Mounting) -> SceneGea
 def _edges(plan: BodyPlan) -> list[Array]:
     """The edges of pockets and hub on the upper face."""
     pockets = plan.web.pockets if plan.web else ()
-    rings = [ring for pocket in pockets for ring in (pocket.exterior, *pocket.interiors)]
+    edges = [ring for pocket in pockets for ring in (pocket.exterior, *pocket.interiors)]
     hub = [circle_points(plan.hub.diameter_mm / 2.0, plan.chord_tolerance_mm)] if plan.hub else []
-    return [np.asarray(ring.coords)[:-1] for ring in rings] + hub
+    return [np.asarray(ring.coords)[:-1] for ring in edges] + hub
 
 
 def _seen(section: Polygon, mounting: Mounting) -> tuple[Array, ...]:
     """The contours of a section in the view of the scene, the outer one first and counter-clockwise."""
-    rings = section.exterior, *section.interiors
-    seen = [mounting.seen(np.asarray(ring.coords)) for ring in rings]
-    whole = orient(Polygon(seen[0], seen[1:]))
-    return tuple(np.asarray(ring.coords)[:-1] for ring in (whole.exterior, *whole.interiors))
+    outer, *holes = (mounting.seen(ring) for ring in rings(section))
+    return tuple(ring[:-1] for ring in rings(Polygon(outer, holes)))

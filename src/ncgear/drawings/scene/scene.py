@@ -14,7 +14,7 @@ from math import gcd, pi
 import numpy as np
 
 from ncgear.drawings.scene.bodies import Body, Chamber, Kind, Places, chamber_of, crank_shape, link_shape, slider_shape
-from ncgear.drawings.scene.geared_pairs import ScenePair, scene_pairs
+from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair, scene_pairs
 from ncgear.kinematics.motion import Machine, SliderMotion
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
@@ -66,9 +66,9 @@ class Scene:
         )
 
     @property
-    def gears(self) -> tuple[Body, ...]:
+    def gears(self) -> tuple[SceneGear, ...]:
         """All gears, from the driving shaft on."""
-        return tuple(gear.body for pair in self.pairs for gear in (pair.driving, pair.driven))
+        return tuple(gear for pair in self.pairs for gear in (pair.driving, pair.driven))
 
     @property
     def crank_is_behind(self) -> bool:
@@ -93,7 +93,7 @@ class Scene:
     def poses(self, phi1_rad: Array) -> Poses:
         """The places of all parts at driving angles in rad, shape (n,), over any number of turns."""
         angles, motion = self.shaft_angles_rad(phi1_rad), self.machine.motion(phi1_rad)
-        gears = {gear.body.name: gear.places(angles) for pair in self.pairs for gear in (pair.driving, pair.driven)}
+        gears = {gear.body.name: gear.places(angles) for gear in self.gears}
         return Poses(
             motion,
             angles,

@@ -95,23 +95,15 @@ def views(scene: Scene) -> dict[str, Box]:
     reach = scene.machine.linkage.crank_mm * (1.0 + CRANK_EYE)
     crank = np.array([[-reach, -reach], [reach, reach]])
     standing = np.vstack([wall_mm(scene.chamber), hatches_mm(scene.chamber).reshape(-1, 2)])
-    gears = _gear_corners(scene)
+    # Two corners of the square in which each gear turns.
+    corners = [np.array(gear.axis_mm) + side * gear.body.reach_mm for gear in scene.gears for side in (-1.0, 1.0)]
+    gears = np.array(corners).reshape(-1, 2)
     found = {"machine": _box_around(np.vstack([crank, standing, gears]))}
     if scene.pairs:
         found["gears"] = _box_around(gears)
         size = MESH_IN_MODULES * max(pair.module_mm for pair in scene.pairs)
         found["mesh"] = (-size / 2.0, -size / 2.0, size, size)
     return found
-
-
-def _gear_corners(scene: Scene) -> Array:
-    """Two corners of the square in which each gear turns, shape (2 n, 2)."""
-    corners: list[Array] = []
-    for pair in scene.pairs:
-        for gear in (pair.driving, pair.driven):
-            axis, reach = np.array(gear.axis_mm), gear.body.reach_mm
-            corners += [axis - reach, axis + reach]
-    return np.array(corners).reshape(-1, 2)
 
 
 def _box_around(points: Array) -> Box:

@@ -13,13 +13,13 @@ from math import asin, ceil, pi, sqrt, tan
 
 import numpy as np
 import shapely
-from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.solids.plan.areas import polygons
 from ncgear.solids.plan.body import BodyPlan, Bore, RoundHole
 
 CROSS_IN_MODULES = 2.0
@@ -67,13 +67,9 @@ class Polyline:
     points: Array
     bulges: Array
 
-    def moved(self, x_mm: float) -> Polyline:
-        """The contour, farther along x."""
-        return replace(self, points=self.points + np.array([x_mm, 0.0]))
-
     @property
     def corners(self) -> Array:
-        """Points whose box holds the contour, without its arcs, which are inside other contours."""
+        """Points whose box holds the contour; arcs are left out, because they are always inside other contours."""
         return self.points
 
 
@@ -90,10 +86,6 @@ class Circle:
     y_mm: float
     radius_mm: float
 
-    def moved(self, x_mm: float) -> Circle:
-        """The circle, farther along x."""
-        return replace(self, x_mm=self.x_mm + x_mm)
-
     @property
     def corners(self) -> Array:
         """Two opposite corners of the square around it, shape (2, 2)."""
@@ -108,10 +100,6 @@ class Cross:
     x_mm: float
     y_mm: float
     length_mm: float
-
-    def moved(self, x_mm: float) -> Cross:
-        """The mark, farther along x."""
-        return replace(self, x_mm=self.x_mm + x_mm)
 
     @property
     def lines(self) -> Array:
@@ -141,8 +129,14 @@ class Drawing:
 
     def moved(self, x_mm: float) -> Drawing:
         """The drawing, farther along x."""
-        layers = {name: tuple(shape.moved(x_mm) for shape in shapes) for name, shapes in self.layers.items()}
+        layers = {layer: tuple(_moved(shape, x_mm) for shape in shapes) for layer, shapes in self.layers.items()}
         return replace(self, layers=layers)
+
+
+def _moved(shape: Shape, x_mm: float) -> Shape:
+    if isinstance(shape, Polyline):
+        return replace(shape, points=shape.points + np.array([x_mm, 0.0]))
+    return replace(shape, x_mm=shape.x_mm + x_mm)
 
 
 def box_around(drawings: Iterable[Drawing]) -> tuple[Array, Array]:
@@ -203,8 +197,8 @@ def _circle(hole: RoundHole) -> Circle:
 
 def _contours(area: BaseGeometry) -> tuple[Shape, ...]:
     """All boundaries of an area."""
-    parts = [part for part in shapely.get_parts(area) if isinstance(part, Polygon)]
-    return tuple(polygon(_points(ring)) for part in parts for ring in (part.exterior, *part.interiors))
+    rings = [ring for part in polygons(area) for ring in (part.exterior, *part.interiors)]
+    return tuple(polygon(_points(ring)) for ring in rings)
 
 
 def _points(ring: BaseGeometry) -> Array:
@@ -226,8 +220,8 @@ def pitch_points(curve: PitchCurve, tolerance_mm: float) -> Array:
 def gear_notes(drive: Drive, gear: Gear, plan: BodyPlan) -> tuple[str, ...]:
     """Sentences about the gear, its scale and frame, and about what lines cannot show.
 
-    These are the depths and heights of shapes that are not cut through, the difference of the lines from the gear as
-    designed, and the difference of the body from the lines.
+    Lines cannot show how deep or high a shape is that is not cut through, how far the lines are from the gear as
+    designed, and where the body differs from the lines.
     """
     notes = [
         f"{_title(drive)}: {gear.value} gear",

@@ -54,11 +54,6 @@ them with sections).
 TIMESTAMP = "1970-01-01T00:00:00"
 """Time in the header of every file, so that the same design gives the same bytes at any time."""
 
-SETTINGS = {
-    # No curves on surfaces: they follow from the curves in space, and files would be twice as large.
-    "write.surfacecurve.mode": 0,
-}
-
 
 @dataclass(frozen=True, eq=False)
 class ExactSolid:
@@ -140,8 +135,8 @@ def _written(document: TDocStd_Document, name: str, description: str) -> bytes:
     for printer in Message.DefaultMessenger_s().Printers():
         printer.SetTraceLevel(Message_Gravity.Message_Alarm)
     STEPControl_Controller.Init_s()
-    for key, value in SETTINGS.items():
-        Interface_Static.SetIVal_s(key, value)
+    # No curves on surfaces: they follow from the curves in space, and files would be twice as large.
+    Interface_Static.SetIVal_s("write.surfacecurve.mode", 0)
     writer = STEPCAFControl_Writer()
     if not writer.Transfer(document):
         raise RuntimeError(f"{name} cannot be put into a STEP file")

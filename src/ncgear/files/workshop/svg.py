@@ -13,7 +13,7 @@ from ncgear.project.drive import Drive
 
 NAMESPACE = "http://www.w3.org/2000/svg"
 
-DIGITS = 6
+DECIMALS = 6
 """Decimals of coordinates: a millionth of a millimetre, far below any chord tolerance."""
 
 MARGIN_MM = 2.0
@@ -51,8 +51,8 @@ def _size(drawing: Drawing) -> dict[str, str]:
     box_low, box_high = box_around([drawing])
     low, high = box_low - MARGIN_MM, box_high + MARGIN_MM
     width, height = high - low
-    box = f"{low[0]:.{DIGITS}f} {-high[1]:.{DIGITS}f} {width:.{DIGITS}f} {height:.{DIGITS}f}"
-    return {"width": f"{width:.{DIGITS}f}mm", "height": f"{height:.{DIGITS}f}mm", "viewBox": box}
+    box = f"{low[0]:.{DECIMALS}f} {-high[1]:.{DECIMALS}f} {width:.{DECIMALS}f} {height:.{DECIMALS}f}"
+    return {"width": f"{width:.{DECIMALS}f}mm", "height": f"{height:.{DECIMALS}f}mm", "viewBox": box}
 
 
 def _path(shape: Shape) -> str:
@@ -61,28 +61,28 @@ def _path(shape: Shape) -> str:
         case Polyline():
             points = shape.points.tolist()
             steps = zip(points, [*points[1:], points[0]], shape.bulges.tolist(), strict=True)
-            return f"M{_pair(points[0])}{''.join(_step(*step) for step in steps)}Z"
+            return f"M{_coordinates(points[0])}{''.join(_step(*step) for step in steps)}Z"
         case Circle():
             left, right = ((shape.x_mm + side * shape.radius_mm, shape.y_mm) for side in (-1.0, 1.0))
             half = f"A{_number(shape.radius_mm)},{_number(shape.radius_mm)} 0 0 1 "
-            return f"M{_pair(left)}{half}{_pair(right)}{half}{_pair(left)}Z"
+            return f"M{_coordinates(left)}{half}{_coordinates(right)}{half}{_coordinates(left)}Z"
         case Cross():
-            return "".join(f"M{_pair(start)}L{_pair(end)}" for start, end in shape.lines.tolist())
+            return "".join(f"M{_coordinates(start)}L{_coordinates(end)}" for start, end in shape.lines.tolist())
 
 
 def _step(start: list[float], end: list[float], bulge: float) -> str:
     """A line or an arc to the end; an arc of over half a turn is the larger one of the two with its radius."""
     if bulge == 0.0:
-        return f"L{_pair(end)}"
+        return f"L{_coordinates(end)}"
     turned = 4.0 * atan(abs(bulge))
     radius = _number(float(np.hypot(end[0] - start[0], end[1] - start[1])) / 2.0 / sin(turned / 2.0))
-    return f"A{radius},{radius} 0 {int(turned > pi)} {int(bulge > 0.0)} {_pair(end)}"
+    return f"A{radius},{radius} 0 {int(turned > pi)} {int(bulge > 0.0)} {_coordinates(end)}"
 
 
-def _pair(point: tuple[float, float] | list[float]) -> str:
+def _coordinates(point: tuple[float, float] | list[float]) -> str:
     return f"{_number(point[0])},{_number(point[1])}"
 
 
 def _number(value: float) -> str:
     """The number without needless zeros, and without a minus before a zero."""
-    return f"{round(value, DIGITS) + 0.0:.{DIGITS}f}".rstrip("0").rstrip(".")
+    return f"{round(value, DECIMALS) + 0.0:.{DECIMALS}f}".rstrip("0").rstrip(".")
