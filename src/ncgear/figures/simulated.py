@@ -202,7 +202,7 @@ def dynamic_figures(drive: Drive, shown: History, apart_s: Array) -> dict[str, A
             "peak_acceleration_of_law_mm_s2": _largest(shown.law.acceleration_mm_s2),
         },
         "bearings": {
-            f"peak_{name}_force_n": _largest(force_size_n(force)) for name, force in joint_forces(shown).items()
+            f"peak_{name}_force_n": _largest(np.hypot(force.x, force.y)) for name, force in joint_forces(shown).items()
         },
         "motion_in_time": {
             "contact_stiffness_n": drive.meshing.impact.stiffness,
@@ -222,9 +222,3 @@ def dynamic_figures(drive: Drive, shown: History, apart_s: Array) -> dict[str, A
 
 def _largest(values: Array) -> float:
     return float(np.abs(values).max())
-
-
-def force_size_n(force: Vector) -> Array:
-    """Size of a force at each instant, shape (n,)."""
-    size: Array = np.hypot(force.x, force.y)
-    return size
