@@ -62,7 +62,7 @@ class Key:
         return models_in(self.field.annotation)
 
     @property
-    def told_apart(self) -> bool:
+    def is_law_name(self) -> bool:
         """Whether the value is the name that tells laws apart."""
         return "const" in self.rule
 

@@ -15,7 +15,7 @@ from ncgear.design.keys.design import Design, design_model
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.reading.messages import problems
 from ncgear.design.reading.places import with_value
-from ncgear.design.reading.text import plain_number, shown, whole
+from ncgear.design.reading.text import plain_number, quoted, whole
 from ncgear.errors import WrongInput
 
 OPTION = "--vary"
@@ -76,7 +76,7 @@ def _require_number(loaded: LoadedDesign, key: str) -> None:
         return
     close = get_close_matches(key, list(numbers), n=1)
     hint = f"; did you mean {close[0]}?" if close else "; a key that holds one in the file is right"
-    raise WrongInput(f"the file has no number at {shown(key)}{hint}", key=OPTION, location=str(loaded.path))
+    raise WrongInput(f"the file has no number at {quoted(key)}{hint}", key=OPTION, location=str(loaded.path))
 
 
 def _numbers(data: Any, key: str) -> Iterator[tuple[str, float]]:

@@ -124,7 +124,7 @@ class GearBody(Model):
             raise fault("web.hub_mm", problem)
         return self
 
-    def reach_mm(self, clearance_mm: float) -> float:
+    def farthest_corner_mm(self, clearance_mm: float) -> float:
         """Distance from the axis to the farthest corner of bore and keyway, moved outwards by a clearance."""
         if self.bore_mm is None:
             return 0.0
@@ -150,7 +150,7 @@ class DrivenBody(GearBody):
 
 def require_hub_wall(name: str, body: GearBody, clearance: float) -> None:
     """Raise a fault if bore and keyway break through the hub, or through what a web leaves about the axis."""
-    least = 2.0 * body.reach_mm(clearance)
+    least = 2.0 * body.farthest_corner_mm(clearance)
     hub, web = body.hub.diameter_mm if body.hub else None, body.web.hub_mm if body.web else None
     for key, diameter in (("hub.diameter_mm", hub), ("web.hub_mm", web)):
         if diameter is not None and diameter <= least:

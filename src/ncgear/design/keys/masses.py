@@ -60,7 +60,7 @@ class Crank(Model):
 
 
 class Flywheel(Model):
-    """A flywheel on the driving shaft: the one that is there, and how evenly the shaft shall turn."""
+    """A flywheel on the driving shaft: its inertia, and how evenly the shaft shall turn."""
 
     inertia_kg_mm2: Inertia = Field(default=0.0, description="moment of inertia in kg mm2; left out: no flywheel")
     speed_fluctuation: float = Field(
@@ -129,7 +129,7 @@ class Masses(MechanismMasses, RodMass, SliderMass):
 
 
 STEEPEST = 10.0
-"""Exponent beyond which a contact is a gap with a wall behind it, which the rigid level has already."""
+"""Largest exponent: with a larger one the contact is nearly rigid, and the level rigid computes that already."""
 
 MOST_TURNS = 100.0
 

@@ -86,7 +86,7 @@ def whole(value: float) -> float:
     return int(value) if float(value).is_integer() else value
 
 
-def shown(value: object) -> str:
+def quoted(value: object) -> str:
     """``value`` in the words of a message: short, and in the form of the file."""
     if value is None:
         return "nothing"
