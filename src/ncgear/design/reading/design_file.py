@@ -12,7 +12,7 @@ from ncgear.design.laws.table import ANGLE_COLUMNS, MOST_POINTS, VALUE_COLUMNS
 from ncgear.design.reading.messages import checked
 from ncgear.design.reading.places import Source
 from ncgear.design.reading.points import Columns, CsvKind, values_from_files
-from ncgear.design.reading.text import read_text, quoted
+from ncgear.design.reading.text import quoted, read_text
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.errors import WrongInput
 

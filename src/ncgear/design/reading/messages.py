@@ -104,7 +104,7 @@ def _wrong_value(detail: ErrorDetails, context: Mapping[str, Any], root: type[Ba
         return f"missing; give it{meaning}"
     model = _model_at(detail["loc"], root)
     if detail["type"] in ("model_type", "model_attributes_type") and model:
-        return f"{quoted(detail['input'])} given; a group of keys is needed: {listed(_keys_of(model))}"
+        return f"{quoted(detail['input'])} given; a group of keys is needed: {listed(fields_of(model))}"
     needed = _NEEDED.get(detail["type"])
     if needed is None:
         # No field of today can have another kind of error; if one has, pydantic's own words are better than none.
@@ -142,8 +142,7 @@ def _wrong_law(motion: Mapping[str, Any]) -> str:
 
 
 def _unknown_key(detail: ErrorDetails, root: type[BaseModel]) -> str:
-    model = _model_at(detail["loc"][:-1], root)
-    allowed = _keys_of(model) if model else []
+    allowed = _keys_at(detail["loc"][:-1], root)
     hint = _did_you_mean(str(detail["loc"][-1]), allowed)
     return f"unknown key{hint}" if hint else f"unknown key; known are {listed(allowed, 'and')}"
 
@@ -156,12 +155,13 @@ def _did_you_mean(word: str, known: Sequence[str] | Mapping[str, Any]) -> str:
 def _suggestion(detail: ErrorDetails, root: type[BaseModel]) -> Location:
     """The location of the key that a person probably meant by an unknown one."""
     *parent, word = detail["loc"]
-    model = _model_at(tuple(parent), root)
-    return (*parent, *get_close_matches(str(word), _keys_of(model) if model else [], n=1))
+    return (*parent, *get_close_matches(str(word), _keys_at(tuple(parent), root), n=1))
 
 
-def _keys_of(model: type[BaseModel]) -> list[str]:
-    return list(fields_of(model))
+def _keys_at(location: Location, root: type[BaseModel]) -> list[str]:
+    """The known keys of the group at ``location``; none where there is no group."""
+    model = _model_at(location, root)
+    return list(fields_of(model)) if model else []
 
 
 def _field_at(location: Location, root: type[BaseModel]) -> FieldInfo | None:

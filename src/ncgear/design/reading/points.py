@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ncgear.design.keys.base import listed
 from ncgear.design.reading.places import Document, FromFile, Place, named_by
-from ncgear.design.reading.text import plain_number, read_text, quoted
+from ncgear.design.reading.text import plain_number, quoted, read_text
 from ncgear.errors import WrongInput
 
 LARGEST_MB = 20

@@ -87,7 +87,7 @@ def whole(value: float) -> float:
 
 
 def quoted(value: object) -> str:
-    """``value`` in the words of a message: short, and in the form of the file."""
+    """``value`` as messages quote it: short, and in the form of the file."""
     if value is None:
         return "nothing"
     if isinstance(value, dict):

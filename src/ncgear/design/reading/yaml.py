@@ -23,7 +23,7 @@ from ruamel.yaml.events import (
 from ruamel.yaml.reader import ReaderError
 
 from ncgear.design.reading.places import Document, Place
-from ncgear.design.reading.text import plain_value, shortened, quoted
+from ncgear.design.reading.text import plain_value, quoted, shortened
 from ncgear.errors import WrongInput
 
 LONGEST_FAULT = 200
@@ -135,7 +135,7 @@ class _Reader:
 
     def _text(self, event: Any, path: tuple[str, ...]) -> str:
         text = str(event.value)
-        # An escape such as "\ud800" is half a character, which can be neither written nor quoted.
+        # An escape such as "\ud800" is half a character, which can be neither written nor shown.
         if any("\ud800" <= character <= "\udfff" for character in text):
             raise self._wrong(event, ".".join(path), r"a \u escape is half a character; write the character itself")
         if control := CONTROL_CHARACTER.search(text):
