@@ -180,7 +180,7 @@ class OtherMechanism:
     peak_acceleration_mm_s2: float
 
 
-def mechanisms(best: BestLaw) -> list[OtherMechanism]:
+def other_mechanisms(best: BestLaw) -> list[OtherMechanism]:
     """The design's own law, the uniform crank, and the published mechanisms whose two figures are known."""
     found = []
     if best.given_figures is not None and best.design.motion.law != "uniform_crank":
@@ -232,7 +232,7 @@ def frontier_json(found: Frontier, best: BestLaw) -> str:
             }
             for point, family in _points(found)
         ],
-        "mechanisms": [vars(mechanism) for mechanism in mechanisms(best)],
+        "mechanisms": [vars(mechanism) for mechanism in other_mechanisms(best)],
     }
     return json_text(content)
 
@@ -246,7 +246,7 @@ def frontier_text(found: Frontier, best: BestLaw, paths: Sequence[Path]) -> str:
         rows.append([shown(point.cap_w), shown(limit), shown(law), gap, shown(family.peak_acceleration_mm_s2)])
     others = [
         (one.name, f"{shown(one.peak_power_w)} W", f"{shown(one.peak_acceleration_mm_s2)} mm/s2")
-        for one in mechanisms(best)
+        for one in other_mechanisms(best)
     ]
     speed = best.design.operation.speed_rpm
     lines = [

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ncgear.drawings.plots.frontier_plot import frontier as frontier_plot
 from ncgear.drawings.plots.frontier_plot import rows
-from ncgear.figures.best_law import frontier_csv, frontier_json, mechanisms
+from ncgear.figures.best_law import frontier_csv, frontier_json, other_mechanisms
 from ncgear.project.best_law import BestLaw
 from ncgear.project.frontier_run import Frontier
 
@@ -19,7 +19,7 @@ def frontier_files(found: Frontier, best: BestLaw) -> dict[str, bytes]:
         rows([(point.cap_w, point.bound.value) for point in found.laws]),
         rows([(point.law.peak_power_w, point.law.peak_acceleration_mm_s2) for point in found.laws]),
         rows([(point.cap_w, point.peak_acceleration_mm_s2 or 0.0) for point in families]),
-        [(one.name, one.peak_power_w, one.peak_acceleration_mm_s2) for one in mechanisms(best)],
+        [(one.name, one.peak_power_w, one.peak_acceleration_mm_s2) for one in other_mechanisms(best)],
         f"{best.design.name}: power against acceleration, all at {speed:.4g} r/min",
     )
     return {
@@ -36,6 +36,6 @@ def limit_picture(best: BestLaw) -> bytes:
         rows(best.limit_points),
         rows([(law.peak_power_w, law.peak_acceleration_mm_s2)]),
         rows([]),
-        [(one.name, one.peak_power_w, one.peak_acceleration_mm_s2) for one in mechanisms(best)],
+        [(one.name, one.peak_power_w, one.peak_acceleration_mm_s2) for one in other_mechanisms(best)],
         f"{best.design.name}: this law and the limit, all at {speed:.4g} r/min",
     )

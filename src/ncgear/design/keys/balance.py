@@ -8,7 +8,7 @@ from pydantic import Field, Strict, model_validator
 
 from ncgear.design.keys.base import LONGEST_MM, Length, Model, Positive, Speed, fault, given, listed, require_one
 from ncgear.design.keys.machine import Linkage
-from ncgear.design.keys.masses import Mass, Masses, Place
+from ncgear.design.keys.masses import Coordinate, Mass, Masses
 from ncgear.design.naming import NAME_PATTERN
 
 MOST_COUNT = 10_000
@@ -87,8 +87,8 @@ class Mechanism(Model):
     direction_deg: Angle = Field(default=0.0, description="direction of the slider's way out in the frame in degrees")
     phase_deg: Angle = Field(default=0.0, description="driving angle in degrees by which it is ahead of the shaft")
     mirrored: bool = Field(default=False, description="true: its crank turns counter-clockwise")
-    x_mm: Place = Field(default=0.0, description="place of its crank axis in the frame in mm")
-    y_mm: Place = Field(default=0.0, description="place of its crank axis in the frame in mm")
+    x_mm: Coordinate = Field(default=0.0, description="place of its crank axis in the frame in mm")
+    y_mm: Coordinate = Field(default=0.0, description="place of its crank axis in the frame in mm")
     complete: Complete | None = Field(default=None, description="what would balance its forces completely")
     partial: Partial | None = Field(default=None, description="what would balance them in part")
     best: Best | None = Field(default=None, description="the counterweight that leaves least")
