@@ -18,7 +18,7 @@ from ncgear.design.keys.design import Design
 from ncgear.design.mechanisms import mechanism_of
 from ncgear.drawings.plots import frontier_plot as picture
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.figures.best_law import frontier_csv, frontier_json, frontier_text, mechanisms
+from ncgear.figures.best_law import frontier_csv, frontier_json, frontier_text, other_mechanisms
 from ncgear.files.frontier import frontier_files
 from ncgear.optimum.certified.limit import Bound
 from ncgear.optimum.family import Family, Peak, best_of_family
@@ -185,7 +185,7 @@ def test_tables_hold_the_points() -> None:
 def test_mechanisms_are_at_one_speed() -> None:
     """The earlier mechanism's figures at 30 r/min: half the power, a quarter of the acceleration."""
     slow = design().model_copy(update={"operation": design().operation.model_copy(update={"speed_rpm": 30.0})})
-    at_60, at_30 = ({one.name: one for one in mechanisms(BestLaw(of))} for of in (design(), slow))
+    at_60, at_30 = ({one.name: one for one in other_mechanisms(BestLaw(of))} for of in (design(), slow))
     assert set(at_60) == {"design as given", "uniform crank", "Lei et al. 2012"}
     assert at_60["Lei et al. 2012"].peak_power_w == 18_750.0
     for name, one in at_60.items():

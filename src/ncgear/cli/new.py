@@ -12,7 +12,7 @@ import typer
 from ncgear.cli.progress import steps_shown
 from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
 from ncgear.design.naming import NAME_RULE, is_name
-from ncgear.design.reading.text import plain_value
+from ncgear.design.reading.text import plain_value, whole
 from ncgear.errors import DesignError, WrongInput
 
 BUILDABLE = ("check", "designed_contact", "solids")
@@ -60,7 +60,7 @@ def _sound(given: dict[str, float]) -> dict[str, float]:
     """The given sizes; raises WrongInput for sizes that no design can have."""
     if not given:
         return {}
-    from ncgear.design.beginning import fault_of, fault_together, whole
+    from ncgear.design.beginning import fault_of, fault_together
 
     sizes = {answer: whole(value) for answer, value in given.items()}
     for answer, value in sizes.items():
@@ -174,7 +174,7 @@ def _asked_sizes(law: LawName, given: Mapping[str, float], before: Mapping[str, 
 
 
 def _asked_number(answer: str, likely: float, found: Mapping[str, float]) -> float:
-    from ncgear.design.beginning import fault_of, fault_together, whole
+    from ncgear.design.beginning import fault_of, fault_together
 
     def fault(text: str) -> str | None:
         value = plain_value(text)

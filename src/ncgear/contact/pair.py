@@ -43,7 +43,7 @@ class PairContact:
     @property
     def contact_ratio(self) -> float:
         """Least arc of contact of any pair of flanks, in pitches."""
-        return float(min(self.as_designed.pushing.arcs.min(), self.as_designed.back.arcs.min()))
+        return self.as_designed.contact_ratio
 
     @property
     def penetration_mm(self) -> float:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import reduce
 from io import StringIO
+from operator import getitem
 from typing import Any
 
 from pydantic import ValidationError
@@ -13,6 +15,8 @@ from ncgear.design.keys.design import Design
 from ncgear.design.laws.registry import LawName, design_law
 from ncgear.design.mechanisms import usual_mechanism
 from ncgear.design.reading.messages import problems
+from ncgear.design.reading.places import Document, with_value
+from ncgear.design.reading.text import whole
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.template import template
 from ncgear.errors import WrongInput
@@ -28,6 +32,14 @@ ANSWERS = {
 }
 """The possible answers, each with the key of the design file whose rules it must keep."""
 
+BORES = (
+    "gears.driving.bore_mm",
+    "gears.driving.keyway.width_mm",
+    "gears.driving.keyway.depth_mm",
+    "gears.driven.bore_mm",
+)
+"""Keys of the template that grow with the gears."""
+
 LONGEST_LINE = 10_000
 """Length over that of any line of the template, so that no line is broken."""
 
@@ -38,9 +50,8 @@ def fault_of(answer: str, value: object) -> str | None:
         # A design file may leave some of these keys out, but the answer to a question is a number.
         return "nothing given; a number is needed"
     key = ANSWERS[answer]
-    data = _with(read_yaml(template("new"), "template").data, key.split("."), value)
     try:
-        Design.model_validate(data)
+        Design.model_validate(with_value(_template().data, key, value))
     except ValidationError as error:
         return next((problem.text for problem in problems(error, Design) if problem.key == key), None)
     return None
@@ -65,7 +76,7 @@ def begun(name: str, law: LawName, answers: Mapping[str, float]) -> str:
     so that the law keeps its form.  The bores grow with the gears.
     """
     text = template(name, law)
-    return filled(text, dict(_values(read_yaml(text, "template").data, answers))) if answers else text
+    return filled(text, dict(_values(read_yaml(text, "template"), answers))) if answers else text
 
 
 def filled(text: str, values: Mapping[str, Any]) -> str:
@@ -74,8 +85,8 @@ def filled(text: str, values: Mapping[str, Any]) -> str:
     yaml.width, yaml.preserve_quotes = LONGEST_LINE, True
     data = yaml.load(text)
     for key, value in values.items():
-        above, _, name = key.rpartition(".")
-        group = _at(data, above) if above else data
+        *above, name = key.split(".")
+        group: Any = reduce(getitem, above, data)
         if isinstance(value, list):
             # Only the items are replaced, so that the list keeps the style in which it is written.
             group[name][:] = value
@@ -101,8 +112,12 @@ def proportioned(answers: Mapping[str, float]) -> dict[str, float]:
 
 def template_answers() -> dict[str, float]:
     """The answers that give the template itself."""
-    data = read_yaml(template("new"), "template").data
-    return {answer: _at(data, key) for answer, key in ANSWERS.items()}
+    usual = _template()
+    return {answer: usual.at(key) for answer, key in ANSWERS.items()}
+
+
+def _template() -> Document:
+    return read_yaml(template("new"), "template")
 
 
 def _crank_mm(answers: Mapping[str, float], usual: Mapping[str, float]) -> float:
@@ -115,16 +130,16 @@ def _crank_mm(answers: Mapping[str, float], usual: Mapping[str, float]) -> float
     return usual["crank_mm"]
 
 
-def _values(data: Any, answers: Mapping[str, float]) -> Iterator[tuple[str, Any]]:
-    """The values that differ from the template's, by dotted key."""
+def _values(of_law: Document, answers: Mapping[str, float]) -> Iterator[tuple[str, Any]]:
+    """The values that differ from those of the law's template, by dotted key."""
     usual, own = template_answers(), proportioned(answers)
-    keys = {answer: key for answer, key in ANSWERS.items() if answer != "stroke_mm" or "stroke_mm" in data["motion"]}
+    keys = {answer: key for answer, key in ANSWERS.items() if answer != "stroke_mm" or of_law.at(key) is not None}
     yield from ((key, own[answer]) for answer, key in keys.items() if own[answer] != usual[answer])
     if own["crank_mm"] != usual["crank_mm"]:
-        yield from _of_stroke(data, own["crank_mm"] / usual["crank_mm"])
+        yield from _of_stroke(of_law.data, own["crank_mm"] / usual["crank_mm"])
     gears = own["teeth"] * own["module_mm"] / (usual["teeth"] * usual["module_mm"])
     if gears != 1.0:
-        yield from ((key, _rounded(gears * _at(data, key), 2)) for key in BORES)
+        yield from ((key, _rounded(gears * of_law.at(key), 2)) for key in BORES)
 
 
 def _of_stroke(data: Any, scale: float) -> Iterator[tuple[str, Any]]:
@@ -138,30 +153,6 @@ def _of_stroke(data: Any, scale: float) -> Iterator[tuple[str, Any]]:
     yield "resistance.polynomial_n", [_rounded(value / scale**power) for power, value in powers]
 
 
-BORES = (
-    "gears.driving.bore_mm",
-    "gears.driving.keyway.width_mm",
-    "gears.driving.keyway.depth_mm",
-    "gears.driven.bore_mm",
-)
-
-
 def _rounded(value: float, digits: int = 4) -> float:
     """The value rounded to a few digits, which are enough for values that nobody has given."""
     return whole(float(f"{value:.{digits}g}"))
-
-
-def whole(value: float) -> float:
-    """The number as an integer if it is a whole one, so that the file shows it without a point."""
-    return int(value) if float(value).is_integer() else value
-
-
-def _at(data: Any, key: str) -> Any:
-    for part in key.split("."):
-        data = data[part]
-    return data
-
-
-def _with(data: Any, keys: list[str], value: object) -> Any:
-    """The data with another value at a path."""
-    return {**data, keys[0]: _with(data[keys[0]], keys[1:], value)} if keys else value

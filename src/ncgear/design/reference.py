@@ -21,6 +21,7 @@ from ncgear.design.keys.design import Design, design_models
 from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
 from ncgear.design.naming import NAME_PATTERN, NAME_RULE
 from ncgear.design.reading.messages import fields_of, models_in
+from ncgear.design.reading.places import Document
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.template import template
 from ncgear.errors import WrongInput
@@ -61,7 +62,7 @@ class Key:
         return models_in(self.field.annotation)
 
     @property
-    def told_apart(self) -> bool:
+    def is_law_name(self) -> bool:
         """Whether the value is the name that tells laws apart."""
         return "const" in self.rule
 
@@ -284,15 +285,12 @@ def _known(key: Key) -> str:
 
 def _in_template(key: Key) -> Any:
     """The value of the key in the template of its law; None where it has none."""
-    data = _template_data(LawName(key.law) if key.law else DEFAULT_LAW)
-    for part in key.path.split("."):
-        data = data.get(part) if isinstance(data, dict) else None
-    return data
+    return _read_template(LawName(key.law) if key.law else DEFAULT_LAW).at(key.path)
 
 
 @cache
-def _template_data(law: LawName) -> Any:
-    return read_yaml(template("example", law), "template").data
+def _read_template(law: LawName) -> Document:
+    return read_yaml(template("example", law), "template")
 
 
 def _group(key: Key, root: type[Any]) -> str:

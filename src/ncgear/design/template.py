@@ -10,8 +10,7 @@ def template(name: str, law: LawName = DEFAULT_LAW) -> str:
     """A complete design file called ``name``, with a comment on every value."""
     # Names such as 12 or true must not be read as a number or a truth value, and a name of dashes not as a list.
     quoted = name if name[0].isalpha() and isinstance(plain_value(name), str) else f'"{name}"'
-    head = _HEAD.replace("name: {name}", f"name: {quoted}").format(name=name)
-    return "\n".join((head, design_law(law).template, _GEARS, _MACHINE))
+    return "\n".join((_HEAD.format(name=name, quoted=quoted), design_law(law).template, _GEARS, _MACHINE))
 
 
 _HEAD = """\
@@ -19,7 +18,7 @@ _HEAD = """\
 #   ncgear check {name}.yaml    kinematics and power
 #   ncgear build {name}.yaml    gears, into export/{name}
 
-name: {name}               # letters, digits, - and _; also names the output folder
+name: {quoted}               # letters, digits, - and _; also names the output folder
 description: ""            # free text
 
 linkage:                   # the crank-slider that the driven gear turns

@@ -14,7 +14,8 @@ from pydantic import ValidationError
 from ncgear.design.keys.design import Design, design_model
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.reading.messages import problems
-from ncgear.design.reading.text import plain_number, shown
+from ncgear.design.reading.places import with_value
+from ncgear.design.reading.text import plain_number, quoted, whole
 from ncgear.errors import WrongInput
 
 OPTION = "--vary"
@@ -45,10 +46,7 @@ def varied_of(text: str) -> Varied:
 
 
 def require_grid(loaded: LoadedDesign, varied: Sequence[Varied]) -> None:
-    """Refuse keys given twice, keys that hold no number or that no design has, and more designs than a sweep takes.
-
-    Raises WrongInput.
-    """
+    """Raise WrongInput for a key given twice, for a key at which the file has no number, and for too many designs."""
     keys = [one.key for one in varied]
     for key in keys:
         if keys.count(key) > 1:
@@ -66,7 +64,8 @@ def designs_of(loaded: LoadedDesign, varied: Sequence[Varied]) -> Iterator[Desig
     for values in product(*(one.values for one in varied)):
         data = loaded.data
         for one, value in zip(varied, values, strict=True):
-            data = _with(data, one.key.split("."), value)
+            # Every key accepts a whole number as an integer, and some keys accept only integers.
+            data = with_value(data, one.key, whole(value))
         yield _checked(data)
 
 
@@ -77,7 +76,7 @@ def _require_number(loaded: LoadedDesign, key: str) -> None:
         return
     close = get_close_matches(key, list(numbers), n=1)
     hint = f"; did you mean {close[0]}?" if close else "; a key that holds one in the file is right"
-    raise WrongInput(f"the file has no number at {shown(key)}{hint}", key=OPTION, location=str(loaded.path))
+    raise WrongInput(f"the file has no number at {quoted(key)}{hint}", key=OPTION, location=str(loaded.path))
 
 
 def _numbers(data: Any, key: str) -> Iterator[tuple[str, float]]:
@@ -89,21 +88,10 @@ def _numbers(data: Any, key: str) -> Iterator[tuple[str, float]]:
         yield key, data
 
 
-def _with(data: Any, keys: Sequence[str], value: float) -> Any:
-    """A copy of the data with another number at a path; the rest is shared."""
-    if not keys:
-        # Every key accepts a whole number as an integer, and some keys accept only integers.
-        return int(value) if value.is_integer() else value
-    first, rest = keys[0], keys[1:]
-    if isinstance(data, list):
-        place = int(first)
-        return [*data[:place], _with(data[place], rest, value), *data[place + 1 :]]
-    return {**data, first: _with(data[first], rest, value)}
-
-
 def _checked(data: dict[str, Any]) -> Design | WrongInput:
+    model = design_model(data)
     try:
-        return design_model(data).model_validate(data)
+        return model.model_validate(data)
     except ValidationError as error:
-        first = problems(error, design_model(data))[0]
+        first = problems(error, model)[0]
         return WrongInput(first.text, key=first.key)

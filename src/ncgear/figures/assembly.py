@@ -91,4 +91,5 @@ def outline_radius_mm(outline_mm: Array, direction_rad: float) -> float:
     crossing = (turned[:, 1] >= 0.0) != (following[:, 1] >= 0.0)
     (x0, y0), (x1, y1) = turned[crossing].T, following[crossing].T
     x = x0 + (x1 - x0) * y0 / (y0 - y1)
-    return float(np.max(x[x > 0.0], initial=-np.inf)) if np.any(x > 0.0) else float("nan")
+    ahead = x[x > 0.0]
+    return float(ahead.max()) if ahead.size else float("nan")

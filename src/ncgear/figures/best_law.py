@@ -24,6 +24,7 @@ from ncgear.figures.numbers import json_text, shown
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import written_lines
 from ncgear.numerics.arrays import Array
+from ncgear.optimum.frontier import FamilyPoint, LawPoint
 from ncgear.optimum.makeable.wishes import Goal
 from ncgear.optimum.task import Figures
 from ncgear.project.best_law import BestLaw
@@ -52,13 +53,11 @@ def optimized_design(text: str, best: BestLaw) -> str:
     yaml.width = LINE_WIDTH
     document = yaml.load(text)
     document["name"] = optimized_name(best)
-    motion = CommentedMap({"law": "harmonic_ratio"})
-    law = best.law
-    motion.update({"cosine": _row(law.cosine), "sine": _row(law.sine)})
-    if law.second is not None:
-        second = {"cosine": _row(law.second.cosine), "sine": _row(law.second.sine)}
-        motion["second_stage"] = CommentedMap(second)
-    document["motion"] = motion
+    law, second = best.law, best.law.second
+    motion: dict[str, Any] = {"law": "harmonic_ratio", "cosine": _row(law.cosine), "sine": _row(law.sine)}
+    if second is not None:
+        motion["second_stage"] = CommentedMap({"cosine": _row(second.cosine), "sine": _row(second.sine)})
+    document["motion"] = CommentedMap(motion)
     _bring_points(document, best.design)
     written = StringIO()
     yaml.dump(document, written)
@@ -73,8 +72,7 @@ def optimized_name(best: BestLaw) -> str:
 
 def certificate(best: BestLaw) -> dict[str, Any]:
     """The limit, the law beside it, and the mechanisms to compare with, all at one speed."""
-    bound = best.bound
-    given = best.given_figures
+    bound, given = best.bound, best.given_figures
     return {
         "design": best.design.name,
         "speed_rpm": best.design.operation.speed_rpm,
@@ -109,9 +107,8 @@ def _bring_points(document: CommentedMap, design: Design) -> None:
     table = design.resistance.table if design.resistance else None
     if table is None or table.file is None:
         return
-    columns = CommentedMap()
-    columns["displacement_mm"], columns["force_n"] = _row(table.displacement_mm or ()), _row(table.force_n or ())
-    document["resistance"]["table"] = columns
+    columns = {"displacement_mm": _row(table.displacement_mm or ()), "force_n": _row(table.force_n or ())}
+    document["resistance"]["table"] = CommentedMap(columns)
 
 
 def _row(values: Array | Sequence[float]) -> CommentedSeq:
@@ -132,12 +129,12 @@ def optimized_text(best: BestLaw, paths: Sequence[Path]) -> str:
 def _limit(best: BestLaw) -> list[str]:
     goal, bound, unit = best.wishes.goal, best.bound, UNITS[best.wishes.goal]
     words = goal.value.replace("_", " ")
-    speed = best.design.operation.speed_rpm
-    lines = [f"{best.design.name}: {words} at {speed:g} r/min"]
-    lines.append(f"  limit      {bound.value:,.6g} {unit}: no law has less (certified)")
     gap = f", {100.0 * (best.goal / bound.value - 1.0):.1f} % above the limit" if bound.value > 0.0 else ""
-    lines.append(f"  this law   {best.goal:,.6g} {unit}{gap}")
-    return lines
+    return [
+        f"{best.design.name}: {words} at {best.design.operation.speed_rpm:g} r/min",
+        f"  limit      {bound.value:,.6g} {unit}: no law has less (certified)",
+        f"  this law   {best.goal:,.6g} {unit}{gap}",
+    ]
 
 
 def _table(best: BestLaw) -> list[str]:
@@ -183,7 +180,7 @@ class OtherMechanism:
     peak_acceleration_mm_s2: float
 
 
-def mechanisms(best: BestLaw) -> list[OtherMechanism]:
+def other_mechanisms(best: BestLaw) -> list[OtherMechanism]:
     """The design's own law, the uniform crank, and the published mechanisms whose two figures are known."""
     found = []
     if best.given_figures is not None and best.design.motion.law != "uniform_crank":
@@ -202,19 +199,23 @@ def mechanisms(best: BestLaw) -> list[OtherMechanism]:
 
 def frontier_csv(found: Frontier) -> str:
     """One line for each cap on the power; empty cells where nothing was found."""
-    families = {point.cap_w: point for point in found.families}
     rows = []
-    for point in found.laws:
-        law, family = point.law, families[point.cap_w]
+    for point, family in _points(found):
+        law = point.law
         figures = law.peak_power_w, law.peak_acceleration_mm_s2, degrees(law.tangent_rad)
         rows.append([point.cap_w, point.bound.value, *figures, family.peak_power_w, family.peak_acceleration_mm_s2])
     return rows_text(FRONTIER_COLUMNS, rows)
 
 
+def _points(found: Frontier) -> list[tuple[LawPoint, FamilyPoint]]:
+    """Each point of a law with the point of the family at the same cap."""
+    families = {point.cap_w: point for point in found.families}
+    return [(point, families[point.cap_w]) for point in found.laws]
+
+
 def frontier_json(found: Frontier, best: BestLaw) -> str:
     """The points with all figures of the laws, and the other mechanisms, as JSON."""
-    families = {point.cap_w: point for point in found.families}
-    content: dict[str, Any] = {
+    content = {
         "design": best.design.name,
         "speed_rpm": best.design.operation.speed_rpm,
         "argument_of_limit": ARGUMENT,
@@ -225,28 +226,27 @@ def frontier_json(found: Frontier, best: BestLaw) -> str:
                 "limit_attained_by_rough_motion_mm_s2": point.bound.attained,
                 "law": figures_summary(point.law),
                 "gap": point.law.peak_acceleration_mm_s2 / point.bound.value - 1.0,
-                "family_power_w": families[point.cap_w].peak_power_w,
-                "family_acceleration_mm_s2": families[point.cap_w].peak_acceleration_mm_s2,
-                "family_motion": families[point.cap_w].motion,
+                "family_power_w": family.peak_power_w,
+                "family_acceleration_mm_s2": family.peak_acceleration_mm_s2,
+                "family_motion": family.motion,
             }
-            for point in found.laws
+            for point, family in _points(found)
         ],
-        "mechanisms": [vars(mechanism) for mechanism in mechanisms(best)],
+        "mechanisms": [vars(mechanism) for mechanism in other_mechanisms(best)],
     }
     return json_text(content)
 
 
 def frontier_text(found: Frontier, best: BestLaw, paths: Sequence[Path]) -> str:
     """A table of the points, the mechanisms, and the files written."""
-    families = {point.cap_w: point.peak_acceleration_mm_s2 for point in found.families}
     rows = []
-    for point in found.laws:
+    for point, family in _points(found):
         law, limit = point.law.peak_acceleration_mm_s2, point.bound.value
         gap = f"{100.0 * (law / limit - 1.0):.1f}"
-        rows.append([shown(point.cap_w), shown(limit), shown(law), gap, shown(families[point.cap_w])])
+        rows.append([shown(point.cap_w), shown(limit), shown(law), gap, shown(family.peak_acceleration_mm_s2)])
     others = [
         (one.name, f"{shown(one.peak_power_w)} W", f"{shown(one.peak_acceleration_mm_s2)} mm/s2")
-        for one in mechanisms(best)
+        for one in other_mechanisms(best)
     ]
     speed = best.design.operation.speed_rpm
     lines = [

@@ -74,8 +74,10 @@ def contact_csv(contact: PairContact) -> str:
 
 def csv_text(names: Sequence[str], columns: Sequence[Array | IndexArray]) -> str:
     """Columns of shape (n,) under their names; raises ValueError as ``law_csv`` does."""
-    rows = zip(*(_texts(name, column) for name, column in zip(names, columns, strict=True)), strict=True)
-    return "\n".join([",".join(names), *map(",".join, rows)]) + "\n"
+    for name, column in zip(names, columns, strict=True):
+        if not np.isfinite(column).all():
+            raise ValueError(f"{name} holds a value that is not finite")
+    return rows_text(names, zip(*(column.tolist() for column in columns), strict=True))
 
 
 def rows_text(names: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
@@ -84,10 +86,3 @@ def rows_text(names: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerows([names, *rows])
     return text.getvalue()
-
-
-def _texts(name: str, column: Array | IndexArray) -> list[str]:
-    """The shortest texts that read back as the same numbers."""
-    if not np.isfinite(column).all():
-        raise ValueError(f"{name} holds a value that is not finite")
-    return list(map(repr, column.tolist()))

@@ -19,7 +19,10 @@ MOST_EXPLAINED = 4
 
 
 def explained(keys: Sequence[Key], found: Sequence[Key], root: type[Any]) -> str:
-    """The keys ``found``, out of all ``keys`` of a file with the model ``root``: explained, or listed where many."""
+    """The explanation of the keys ``found``, or a list of them where they are many.
+
+    ``keys`` are all keys of the file, and ``root`` is its model.
+    """
     ordered = sorted(found, key=_same)
     alike = [list(group) for _, group in groupby(ordered, _same)]
     if len(alike) > MOST_EXPLAINED:
@@ -34,9 +37,9 @@ def tree(keys: Sequence[Key]) -> str:
 
 
 def _same(key: Key) -> tuple[str, str, str]:
-    """Equal for keys that are explained once: one key of several laws, one angle in its units, the names of laws."""
+    """A key to sort by; equal for one key of several laws, one angle in all its units, and the names of laws."""
     path = key.path.removesuffix(key.name)
-    return path, quantity(key.name), "" if key.told_apart or quantity(key.name) != key.name else key.meaning
+    return path, quantity(key.name), "" if key.is_law_name or quantity(key.name) != key.name else key.meaning
 
 
 def _one(keys: Sequence[Key], alike: Sequence[Key], root: type[Any]) -> str:
@@ -59,7 +62,7 @@ def _one(keys: Sequence[Key], alike: Sequence[Key], root: type[Any]) -> str:
 def _meaning(keys: Sequence[Key], alike: Sequence[Key]) -> str:
     """The meaning of the keys: for an angle, without its unit; for the key ``law``, the meaning of its group."""
     first = alike[0]
-    if not first.told_apart:
+    if not first.is_law_name:
         return first.meaning.replace(", in rad", "").replace(" in rad", "") if _is_angle(alike) else first.meaning
     return next(key.meaning for key in keys if key.path == _above(first))
 
@@ -77,7 +80,7 @@ def _beside(keys: Sequence[Key], alike: Sequence[Key]) -> list[Key]:
     """The other keys of the same group and the same law."""
     above, law, names = _above(alike[0]), alike[0].law, {key.name for key in alike}
     within = [key for key in keys if _above(key) == above and key.law == law]
-    return [] if alike[0].told_apart else [key for key in within if key.name not in names]
+    return [] if alike[0].is_law_name else [key for key in within if key.name not in names]
 
 
 def _entry(name: str, text: str, column: int) -> str:
@@ -91,8 +94,8 @@ def _level(keys: Sequence[Key], above: str, depth: int) -> Iterator[str]:
     own = [key for key in keys if _above(key) == above]
     for law, of_law in groupby(own, lambda key: key.law):
         members = list(of_law)
-        plain = ", ".join(folded(key.name for key in members if not key.group and not key.told_apart))
-        title = law if any(key.told_apart for key in members) else ""
+        plain = ", ".join(folded(key.name for key in members if not key.group and not key.is_law_name))
+        title = law if any(key.is_law_name for key in members) else ""
         if plain or title:
             yield _indented(": ".join(part for part in (title, plain) if part), depth)
     for key in {key.path: key for key in own if key.group}.values():

@@ -63,10 +63,10 @@ def _row(judged: Judged) -> tuple[str, ...]:
 
 def _places(places: Sequence[str]) -> str:
     """The places on one line, each kind named once: ``eq. 1``, ``eq. 2`` -> ``eq. 1, 2``."""
-    shown: list[str] = []
+    texts: list[str] = []
     kind = ""
     for place in places:
         name, _, number = place.rpartition(" ")
-        shown.append(number if name == kind else place)
+        texts.append(number if name == kind else place)
         kind = name
-    return ", ".join(shown)
+    return ", ".join(texts)

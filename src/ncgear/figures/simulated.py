@@ -166,50 +166,51 @@ def _largest_of(name: str, unit: str, values: Array, phi1_rad: Array) -> dict[st
     return {f"{name}_{unit}": float(values[place]), f"{name}_at_rad": float(phi1_rad[place])}
 
 
-def dynamic_table(shown: History) -> dict[str, Array]:
+def dynamic_table(history: History) -> dict[str, Array]:
     """The motion in time, the motion by the law, and the forces between the teeth and in the joints."""
-    columns = {"time_s": shown.time_s, "phi1_rad": shown.phi1_rad, "phi2_rad": shown.phi2_rad}
-    for prefix, slide in (("", shown.slide), ("law_", shown.law)):
+    columns = {"time_s": history.time_s, "phi1_rad": history.phi1_rad, "phi2_rad": history.phi2_rad}
+    for prefix, slide in (("", history.slide), ("law_", history.law)):
         columns.update({f"{prefix}{name}": values for name, values in vars(slide).items()})
     joints: dict[str, Array] = {}
-    for name, force in joint_forces(shown).items():
+    for name, force in joint_forces(history).items():
         joints.update({f"{name}_x_n": force.x, f"{name}_y_n": force.y})
     return {
         **columns,
-        "error_rad": shown.error_rad,
-        "pushing_force_n": shown.pushing_n,
-        "back_force_n": shown.back_n,
-        "driving_torque_n_m": N_M_PER_N_MM * shown.torque_n_mm,
+        "error_rad": history.error_rad,
+        "pushing_force_n": history.pushing_n,
+        "back_force_n": history.back_n,
+        "driving_torque_n_m": N_M_PER_N_MM * history.torque_n_mm,
         **joints,
-        "guide_n": np.asarray(shown.joints.guide_n),
+        "guide_n": np.asarray(history.joints.guide_n),
     }
 
 
-def joint_forces(shown: History) -> dict[str, Vector]:
+def joint_forces(history: History) -> dict[str, Vector]:
     """The forces in the joints and between the teeth, by the names that columns and figures give them."""
-    return {**shown.joints.joints, "crank_bearing": shown.crank_bearing, "mesh": shown.mesh}
+    return {**history.joints.joints, "crank_bearing": history.crank_bearing, "mesh": history.mesh}
 
 
-def dynamic_figures(drive: Drive, shown: History, apart_s: Array) -> dict[str, Any]:
+def dynamic_figures(drive: Drive, history: History, apart_s: Array) -> dict[str, Any]:
     """The slider beside its law, the bearings, and the teeth; ``apart_s`` (k, 2) are the spans in which none touch."""
     course, work = drive.course, drive.course.states[4:, -1]
     return {
         **_about(drive, Level.DYNAMIC),
         "slider": {
-            "largest_displacement_error_mm": _largest(shown.slide.displacement_mm - shown.law.displacement_mm),
-            "largest_velocity_error_mm_s": _largest(shown.slide.velocity_mm_s - shown.law.velocity_mm_s),
-            "peak_acceleration_mm_s2": _largest(shown.slide.acceleration_mm_s2),
-            "peak_acceleration_of_law_mm_s2": _largest(shown.law.acceleration_mm_s2),
+            "largest_displacement_error_mm": _largest(history.slide.displacement_mm - history.law.displacement_mm),
+            "largest_velocity_error_mm_s": _largest(history.slide.velocity_mm_s - history.law.velocity_mm_s),
+            "peak_acceleration_mm_s2": _largest(history.slide.acceleration_mm_s2),
+            "peak_acceleration_of_law_mm_s2": _largest(history.law.acceleration_mm_s2),
         },
         "bearings": {
-            f"peak_{name}_force_n": _largest(force_size_n(force)) for name, force in joint_forces(shown).items()
+            f"peak_{name}_force_n": _largest(np.hypot(force.x, force.y))
+            for name, force in joint_forces(history).items()
         },
         "motion_in_time": {
             "contact_stiffness_n": drive.meshing.impact.stiffness,
-            "peak_pushing_force_n": _largest(shown.pushing_n),
-            "peak_back_force_n": _largest(shown.back_n),
-            "peak_driving_torque_n_m": N_M_PER_N_MM * float(shown.torque_n_mm.max()),
-            "least_driving_torque_n_m": N_M_PER_N_MM * float(shown.torque_n_mm.min()),
+            "peak_pushing_force_n": _largest(history.pushing_n),
+            "peak_back_force_n": _largest(history.back_n),
+            "peak_driving_torque_n_m": N_M_PER_N_MM * float(history.torque_n_mm.max()),
+            "least_driving_torque_n_m": N_M_PER_N_MM * float(history.torque_n_mm.min()),
             "work_of_drive_j": N_M_PER_N_MM * float(work[0]),
             "loss_of_teeth_j": N_M_PER_N_MM * float(work[1]),
             "losses_of_contact": len(apart_s),
@@ -222,9 +223,3 @@ def dynamic_figures(drive: Drive, shown: History, apart_s: Array) -> dict[str, A
 
 def _largest(values: Array) -> float:
     return float(np.abs(values).max())
-
-
-def force_size_n(force: Vector) -> Array:
-    """Size of a force at each instant, shape (n,)."""
-    size: Array = np.hypot(force.x, force.y)
-    return size

@@ -44,7 +44,7 @@ TITLES = {
 ELSEWHERE = ("comparison", "warnings", "timing_s")
 """Keys of a summary that are not written as sections."""
 
-MECHANISMS = {"this_design": "this design", "uniform_crank": "uniform crank"}
+SIDE_BY_SIDE = {"this_design": "this design", "uniform_crank": "uniform crank"}
 """Keys of sections that are written side by side, and their heads."""
 
 COMPARED_LABELS = {
@@ -186,10 +186,10 @@ def _name_lines(row: Mapping[str, Any]) -> list[str]:
 
 
 def beside_lines(title: str, sections: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    """Sections side by side, by their keys of MECHANISMS: a head, and one line for each figure of any section."""
+    """Sections side by side, by their keys of SIDE_BY_SIDE: a head, and one line for each figure of any section."""
     columns = [dict(labelled(section)) for section in sections.values()]
     labels = list(dict.fromkeys(label for column in columns for label in column))
-    heads = [title, *(MECHANISMS[key] for key in sections)]
+    heads = [title, *(SIDE_BY_SIDE[key] for key in sections)]
     rows = [[INDENT + label, *(column.get(label, "-") for column in columns)] for label in labels]
     return aligned([heads, *rows], left=len(heads), indent="")
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ncgear.drawings.plots.frontier_plot import frontier as frontier_plot
 from ncgear.drawings.plots.frontier_plot import rows
-from ncgear.figures.best_law import frontier_csv, frontier_json, mechanisms
+from ncgear.figures.best_law import frontier_csv, frontier_json, other_mechanisms
 from ncgear.project.best_law import BestLaw
 from ncgear.project.frontier_run import Frontier
 
@@ -36,6 +36,6 @@ def limit_picture(best: BestLaw) -> bytes:
 
 def _picture(best: BestLaw, limit: Points, laws: Points, family: Points, what: str) -> bytes:
     """PNG of points of power in W and acceleration in mm/s2, with the mechanisms to compare with."""
-    others = [(one.name, one.peak_power_w, one.peak_acceleration_mm_s2) for one in mechanisms(best)]
+    others = [(one.name, one.peak_power_w, one.peak_acceleration_mm_s2) for one in other_mechanisms(best)]
     title = f"{best.design.name}: {what}, all at {best.design.operation.speed_rpm:.4g} r/min"
     return frontier_plot(rows(limit), rows(laws), rows(family), others, title)

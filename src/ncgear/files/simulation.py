@@ -22,7 +22,7 @@ from ncgear.figures.simulated import (
     rigid_figures,
     rigid_table,
 )
-from ncgear.figures.terminal import MECHANISMS, beside_lines, summary_text, written_lines
+from ncgear.figures.terminal import SIDE_BY_SIDE, beside_lines, summary_text, written_lines
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.project.drive import Drive
@@ -67,7 +67,7 @@ def simulation_files(found: Simulated) -> dict[str, bytes]:
 
 def simulation_text(found: Simulated, paths: Sequence[Path]) -> str:
     """The figures as text, those of both mechanisms side by side, and the files written."""
-    compared = {key: found.figures[key] for key in MECHANISMS if key in found.figures}
+    compared = {key: found.figures[key] for key in SIDE_BY_SIDE if key in found.figures}
     alone = {key: value for key, value in found.figures.items() if key not in compared}
     beside = [*beside_lines("Torques and forces", compared), ""] if compared else []
     return "\n".join([summary_text(alone), "", *beside, *written_lines(paths)])

@@ -106,6 +106,11 @@ class AsDesigned:
         return np.maximum(self.pushing.overlap_mm, self.back.overlap_mm)
 
     @property
+    def contact_ratio(self) -> float:
+        """Least arc of contact of any pair of flanks, in pitches."""
+        return float(min(self.pushing.arcs.min(), self.back.arcs.min()))
+
+    @property
     def longest_gap_pitches(self) -> float:
         """Longest rolled length without contact of flanks, on either side of the teeth, in pitches."""
         return max(self.pushing.longest_gap, self.back.longest_gap) / self.placement.per_tooth

@@ -8,7 +8,7 @@ from pydantic import Field, Strict, model_validator
 
 from ncgear.design.keys.base import LONGEST_MM, Length, Model, Positive, Speed, fault, given, listed, require_one
 from ncgear.design.keys.machine import Linkage
-from ncgear.design.keys.masses import Mass, Masses, Place
+from ncgear.design.keys.masses import Coordinate, Mass, Masses
 from ncgear.design.naming import NAME_PATTERN
 
 MOST_COUNT = 10_000
@@ -20,7 +20,7 @@ Share = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
 class Fixed(Model):
-    """A counterweight that is there."""
+    """A counterweight that the mechanism already has."""
 
     on: Literal["crank", "rod"] = Field(description="crank or rod")
     mass_kg: Mass = Field(description="its mass in kg")
@@ -82,13 +82,13 @@ class Mechanism(Model):
     )
     masses: Masses | None = Field(default=None, description="its masses; left out: those of the design file")
     counterweights: Annotated[tuple[Fixed, ...], Strict(False), Field(max_length=MOST_ITEMS)] = Field(
-        default=(), description="counterweights that are there, a list"
+        default=(), description="counterweights that the mechanism already has, a list"
     )
     direction_deg: Angle = Field(default=0.0, description="direction of the slider's way out in the frame in degrees")
     phase_deg: Angle = Field(default=0.0, description="driving angle in degrees by which it is ahead of the shaft")
     mirrored: bool = Field(default=False, description="true: its crank turns counter-clockwise")
-    x_mm: Place = Field(default=0.0, description="place of its crank axis in the frame in mm")
-    y_mm: Place = Field(default=0.0, description="place of its crank axis in the frame in mm")
+    x_mm: Coordinate = Field(default=0.0, description="place of its crank axis in the frame in mm")
+    y_mm: Coordinate = Field(default=0.0, description="place of its crank axis in the frame in mm")
     complete: Complete | None = Field(default=None, description="what would balance its forces completely")
     partial: Partial | None = Field(default=None, description="what would balance them in part")
     best: Best | None = Field(default=None, description="the counterweight that leaves least")
@@ -145,7 +145,7 @@ class Engine(Model):
 
 
 class Excitations(Model):
-    """Frequencies that shake the machine, beside its natural ones."""
+    """Frequencies that shake the machine, compared with its natural frequencies."""
 
     natural_hz: Annotated[tuple[Positive, ...], Strict(False), Field(min_length=1, max_length=MOST_ITEMS)] = Field(
         description="natural frequencies in Hz"
@@ -243,7 +243,9 @@ class Rotor(Model):
         description="CSV file of both instead, one reading in each row, with columns plane (0: without trial weight), "
         "mass_g, angle_deg, sensor, amplitude, phase_deg; its path counts from this file",
     )
-    mass_kg: Positive | None = Field(default=None, description="mass of the rotor in kg; left out: no grade is told")
+    mass_kg: Positive | None = Field(
+        default=None, description="mass of the rotor in kg; left out: the permissible unbalance is not told"
+    )
     radius_mm: Length | None = Field(default=None, description="radius of the weights in mm, with mass_kg")
     grade: float = Field(
         default=16.0, gt=0.0, le=4000.0, description="grade of balance quality of ISO 21940-11 in mm/s: 16 for G 16"
@@ -272,7 +274,7 @@ class ChainDrive(Model):
 
     wrap_deg: Angle = Field(description="phase of the middle of the chain's wrap in degrees")
     tight_deg: Angle = Field(description="phase of the tight side's equivalent unbalance in degrees")
-    slack_deg: Angle = Field(description="phase of the slack side's in degrees")
+    slack_deg: Angle = Field(description="phase of the slack side's equivalent unbalance in degrees")
     runs: Annotated[tuple[ChainRun, ...], Strict(False), Field(min_length=3, max_length=1000)] | None = Field(
         default=None, description="runs, a list"
     )
@@ -314,7 +316,9 @@ class Balance(Model):
         default=None, description="name of the mechanism whose best phase is looked for; left out: none"
     )
     chassis: Chassis | None = Field(default=None, description="counterweight at the tail of a chassis")
-    excitations: Excitations | None = Field(default=None, description="frequencies beside natural ones")
+    excitations: Excitations | None = Field(
+        default=None, description="frequencies that shake the machine, compared with its natural frequencies"
+    )
     gears: GearBalance | None = Field(default=None, description="balance of a design's gears")
     rotor: Rotor | None = Field(default=None, description="field balancing from trial weights")
     chain_drive: ChainDrive | None = Field(default=None, description="equivalent unbalance of a chain drive")

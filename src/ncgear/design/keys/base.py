@@ -104,10 +104,10 @@ def in_rad(value: float, unit: str) -> float:
     return value * pi if unit == "pi" else value
 
 
-def angle_rad(model: BaseModel, quantity: str, default: float = 0.0) -> float:
-    """The angle ``quantity`` of ``model`` in radians, from the key by which it was given."""
+def angle_rad(model: BaseModel, quantity: str) -> float:
+    """The angle ``quantity`` of ``model`` in radians, from the key by which it was given; 0 where it was not given."""
     for unit in UNITS:
         value = getattr(model, f"{quantity}_{unit}")
         if value is not None:
             return in_rad(float(value), unit)
-    return default
+    return 0.0

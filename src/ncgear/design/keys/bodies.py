@@ -124,7 +124,7 @@ class GearBody(Model):
             raise fault("web.hub_mm", problem)
         return self
 
-    def reach_mm(self, clearance_mm: float) -> float:
+    def farthest_corner_mm(self, clearance_mm: float) -> float:
         """Distance from the axis to the farthest corner of bore and keyway, moved outwards by a clearance."""
         if self.bore_mm is None:
             return 0.0
@@ -150,13 +150,12 @@ class DrivenBody(GearBody):
 
 def require_hub_wall(name: str, body: GearBody, clearance: float) -> None:
     """Raise a fault if bore and keyway break through the hub, or through what a web leaves about the axis."""
-    least = 2.0 * body.reach_mm(clearance)
-    if body.hub is not None and body.hub.diameter_mm <= least:
-        problem = f"{body.hub.diameter_mm:g} mm leaves no wall around bore and keyway; over {least:.4g} mm is right"
-        raise fault(f"{name}.hub.diameter_mm", problem)
-    if body.web is not None and body.web.hub_mm is not None and body.web.hub_mm <= least:
-        problem = f"{body.web.hub_mm:g} mm leaves no wall around bore and keyway; over {least:.4g} mm is right"
-        raise fault(f"{name}.web.hub_mm", problem)
+    least = 2.0 * body.farthest_corner_mm(clearance)
+    hub, web = body.hub.diameter_mm if body.hub else None, body.web.hub_mm if body.web else None
+    for key, diameter in (("hub.diameter_mm", hub), ("web.hub_mm", web)):
+        if diameter is not None and diameter <= least:
+            problem = f"{diameter:g} mm leaves no wall around bore and keyway; over {least:.4g} mm is right"
+            raise fault(f"{name}.{key}", problem)
 
 
 def require_height(name: str, body: GearBody, face_width: float, chamfer: float) -> None:

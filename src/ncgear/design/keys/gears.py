@@ -228,14 +228,14 @@ class Gears(Model):
         default=0.0,
         ge=0.0,
         le=10.0,
-        description="bevel in mm of all edges at z = 0, at 45 degrees: what the first layers of a print spread by",
+        description="bevel in mm of all edges at z = 0, at 45 degrees: as much as the first layers of a print spread",
     )
     process_clearance_mm: float = Field(
         default=0.0,
         ge=0.0,
         le=10.0,
-        description="what teeth, bores and keyways of the solids are moved into the material by, in mm along the "
-        "normal, since a print swells; outline tables and contact are those of the gears as they shall come out",
+        description="distance in mm along the normal by which the solids' teeth, bores and keyways are moved into the "
+        "material, since a print swells; outline tables and contact are those of the gears as they shall come out",
     )
     driving: GearBody = Field(default_factory=GearBody, description="body of the driving gear")
     driven: DrivenBody = Field(default_factory=DrivenBody, description="body of the driven gear; of a ring, its rim")

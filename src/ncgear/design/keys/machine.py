@@ -20,7 +20,8 @@ from ncgear.design.keys.base import (
     require_one,
 )
 
-FIGURES = ("peak_power_w", "peak_acceleration_mm_s2", "peak_speed_mm_s", "compression_speed_mm_s")
+FIGURES = {"peak_power_w": 1, "peak_acceleration_mm_s2": 2, "peak_speed_mm_s": 1, "compression_speed_mm_s": 1}
+"""Figures of a published mechanism, each with the power of the driving speed that it is proportional to."""
 
 
 class Linkage(Model):
@@ -63,9 +64,7 @@ class Published(Model):
     def at_speed(self, speed_rpm: float) -> Published:
         """The same mechanism at another speed: power and velocities follow the speed, acceleration its square."""
         factor = speed_rpm / self.speed_rpm
-        powers = {"peak_power_w": 1, "peak_acceleration_mm_s2": 2, "peak_speed_mm_s": 1, "compression_speed_mm_s": 1}
-        found = {key: getattr(self, key) for key in powers}
-        scaled = {key: None if value is None else value * factor ** powers[key] for key, value in found.items()}
+        scaled = {key: getattr(self, key) * factor ** FIGURES[key] for key in given(self, FIGURES)}
         return self.model_copy(update={"speed_rpm": speed_rpm, **scaled})
 
     @model_validator(mode="after")

@@ -21,14 +21,16 @@ LARGEST_INERTIA_KG_MM2 = 1e16
 
 Mass = Annotated[float, Field(ge=0.0, le=HEAVIEST_KG)]
 Inertia = Annotated[float, Field(ge=0.0, le=LARGEST_INERTIA_KG_MM2)]
-Place = Annotated[float, Field(ge=-LONGEST_MM, le=LONGEST_MM)]
+Coordinate = Annotated[float, Field(ge=-LONGEST_MM, le=LONGEST_MM)]
 
 
 class Rod(Model):
     """The connecting rod as a rigid body."""
 
     mass_kg: Mass = Field(description="mass of the rod in kg")
-    center_mm: Place = Field(description="distance of its centre of mass from the crank pin towards the slider in mm")
+    center_mm: Coordinate = Field(
+        description="distance of its centre of mass from the crank pin towards the slider in mm"
+    )
     inertia_kg_mm2: Inertia = Field(description="moment of inertia about its centre of mass in kg mm2")
 
     @model_validator(mode="after")
@@ -42,7 +44,7 @@ class Crank(Model):
     """The crank with all that turns with it, the driven gear apart."""
 
     mass_kg: Mass = Field(description="mass of the crank in kg")
-    center_mm: Place = Field(
+    center_mm: Coordinate = Field(
         description="distance of its centre of mass from its axis towards the crank pin in mm; negative beyond the axis"
     )
     inertia_kg_mm2: Inertia = Field(description="moment of inertia about its axis in kg mm2")
@@ -60,7 +62,7 @@ class Crank(Model):
 
 
 class Flywheel(Model):
-    """A flywheel on the driving shaft: the one that is there, and how evenly the shaft shall turn."""
+    """A flywheel on the driving shaft: its inertia, and how evenly the shaft shall turn."""
 
     inertia_kg_mm2: Inertia = Field(default=0.0, description="moment of inertia in kg mm2; left out: no flywheel")
     speed_fluctuation: float = Field(
@@ -129,7 +131,7 @@ class Masses(MechanismMasses, RodMass, SliderMass):
 
 
 STEEPEST = 10.0
-"""Exponent beyond which a contact is a gap with a wall behind it, which the rigid level has already."""
+"""Largest exponent: with a larger one the contact is nearly rigid, and the level rigid computes that already."""
 
 MOST_TURNS = 100.0
 

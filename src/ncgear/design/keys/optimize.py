@@ -64,7 +64,7 @@ class Limits(Model):
 
 
 class Weights(Model):
-    """What counts alike in a weighted goal."""
+    """The peak acceleration and the peak power that count alike in a weighted goal."""
 
     acceleration_mm_s2: Positive = Field(description="peak acceleration in mm/s2 that counts as one")
     power_w: Positive = Field(description="peak power in W that counts as one")
@@ -78,7 +78,9 @@ class Optimize(Model):
         description="what shall be least: the slider's peak acceleration, the peak power (and with it the driving "
         "torque), or a weighted sum of both",
     )
-    weights: Weights | None = Field(default=None, description="of goal weighted")
+    weights: Weights | None = Field(
+        default=None, description="the acceleration and the power that count alike; only for goal weighted"
+    )
     limits: Limits = Field(default_factory=Limits, description="what the law may nowhere exceed")
     slider_mass_kg: float = Field(
         default=0.0, ge=0.0, le=1e6, description="mass that moves with the slider and takes part in the power, in kg"
@@ -92,7 +94,7 @@ class Optimize(Model):
     @model_validator(mode="after")
     def _weights_of_the_weighted(self) -> Self:
         if self.goal == "weighted" and self.weights is None:
-            raise fault("weights", "missing; a weighted goal needs what counts as one of both")
+            raise fault("weights", "missing; a weighted goal needs the acceleration and the power that count as one")
         if self.goal != "weighted" and self.weights is not None:
             raise fault("weights", f"given, but the goal is {self.goal}; leave weights out, or goal: weighted")
         return self

@@ -24,7 +24,7 @@ from ncgear.design.keys.base import (
     spellings,
 )
 from ncgear.design.laws.base import DesignLaw, LawKeys
-from ncgear.design.reading.text import shown
+from ncgear.design.reading.text import quoted
 from ncgear.errors import WrongInput
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def _number_or_word(value: Any) -> Any:
     """Refuse other values in one sentence; pydantic would have a message for each type of the union."""
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if value != "least_acceleration" and not (is_number and abs(value) <= float_info.max):
-        raise fault("", f"{shown(value)} given; a finite number or the word least_acceleration is needed")
+        raise fault("", f"{quoted(value)} given; a finite number or the word least_acceleration is needed")
     return value
 
 

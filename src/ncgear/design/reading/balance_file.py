@@ -86,7 +86,7 @@ def rotor_runs(points: PointsFile) -> Measured:
     columns = points.values
     planes: dict[int, list[int]] = {}
     for row in sorted(range(len(points.lines)), key=lambda row: columns["sensor"][row]):
-        planes.setdefault(_whole(points, row), []).append(row)
+        planes.setdefault(_plane(points, row), []).append(row)
     if sorted(planes) != list(range(len(planes))) or not planes:
         problem = "planes are numbered 0 (without trial weight), 1, 2 and so on; one of them is missing"
         raise WrongInput(problem, key="plane", location=str(points.row(None)))
@@ -102,7 +102,7 @@ def rotor_runs(points: PointsFile) -> Measured:
     return Measured(points, {"first": readings[0], "trials": trials}, _rows_by_key(planes))
 
 
-def _whole(points: PointsFile, row: int) -> int:
+def _plane(points: PointsFile, row: int) -> int:
     """The number of the plane in a row."""
     plane = points.values["plane"][row]
     if not plane.is_integer():

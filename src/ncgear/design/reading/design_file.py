@@ -12,7 +12,7 @@ from ncgear.design.laws.table import ANGLE_COLUMNS, MOST_POINTS, VALUE_COLUMNS
 from ncgear.design.reading.messages import checked
 from ncgear.design.reading.places import Source
 from ncgear.design.reading.points import Columns, CsvKind, values_from_files
-from ncgear.design.reading.text import read_text, shown
+from ncgear.design.reading.text import quoted, read_text
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.errors import WrongInput
 
@@ -53,7 +53,7 @@ def parsed(text: str, path: Path) -> LoadedDesign:
     """A design from the text of a file; the files of points that it names must be beside ``path``."""
     document = read_yaml(text, str(path))
     if not isinstance(document.data, dict):
-        given = "is empty" if document.data is None else f"holds {shown(document.data)}"
+        given = "is empty" if document.data is None else f"holds {quoted(document.data)}"
         form = "a design file is lines of `key: value`, and begins with `name:` (`ncgear new NAME` writes one)"
         raise WrongInput(f"{given}; {form}", location=str(document.place("")))
     source = Source(document, values_from_files(document, path, FILES))

@@ -14,7 +14,7 @@ from ncgear.design.keys.base import FAULT_TYPE, Model, listed
 from ncgear.design.laws.registry import law_models
 from ncgear.design.naming import NAME_RULE
 from ncgear.design.reading.places import Source
-from ncgear.design.reading.text import shown
+from ncgear.design.reading.text import quoted
 from ncgear.errors import WrongInput
 
 MOST_PROBLEMS = 10
@@ -23,6 +23,9 @@ MOST_PROBLEMS = 10
 Root = TypeVar("Root", bound=Model)
 
 LAWS = law_models()
+
+Location = tuple[int | str, ...]
+"""The place of a fault in pydantic: names of fields, numbers of list items, and after ``motion`` the law's name."""
 
 
 def fields_of(model: type[BaseModel]) -> dict[str, FieldInfo]:
@@ -35,10 +38,6 @@ def models_in(annotation: Any) -> list[type[BaseModel]]:
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
     return [model for part in get_args(annotation) for model in models_in(part)]
-
-
-Location = tuple[int | str, ...]
-"""The place of a fault in pydantic: names of fields, numbers of list items, and after ``motion`` the law's name."""
 
 
 class Problem(NamedTuple):
@@ -105,12 +104,12 @@ def _wrong_value(detail: ErrorDetails, context: Mapping[str, Any], root: type[Ba
         return f"missing; give it{meaning}"
     model = _model_at(detail["loc"], root)
     if detail["type"] in ("model_type", "model_attributes_type") and model:
-        return f"{shown(detail['input'])} given; a group of keys is needed: {listed(_keys_of(model))}"
+        return f"{quoted(detail['input'])} given; a group of keys is needed: {listed(fields_of(model))}"
     needed = _NEEDED.get(detail["type"])
     if needed is None:
         # No field of today can have another kind of error; if one has, pydantic's own words are better than none.
-        return f"{shown(detail['input'])} is wrong: {detail['msg']}{meaning}"
-    return f"{shown(detail['input'])} given; {needed(context)} is needed{meaning}"
+        return f"{quoted(detail['input'])} is wrong: {detail['msg']}{meaning}"
+    return f"{quoted(detail['input'])} given; {needed(context)} is needed{meaning}"
 
 
 _NEEDED: dict[str, Callable[[Mapping[str, Any]], str]] = {
@@ -139,12 +138,11 @@ def _wrong_law(motion: Mapping[str, Any]) -> str:
     law = motion.get("law")
     if law is None:
         return f"missing; give one of {listed(LAWS)}"
-    return f"{shown(law)} is no known law; one of {listed(LAWS)} is right{_did_you_mean(str(law), LAWS)}"
+    return f"{quoted(law)} is no known law; one of {listed(LAWS)} is right{_did_you_mean(str(law), LAWS)}"
 
 
 def _unknown_key(detail: ErrorDetails, root: type[BaseModel]) -> str:
-    model = _model_at(detail["loc"][:-1], root)
-    allowed = _keys_of(model) if model else []
+    allowed = _keys_at(detail["loc"][:-1], root)
     hint = _did_you_mean(str(detail["loc"][-1]), allowed)
     return f"unknown key{hint}" if hint else f"unknown key; known are {listed(allowed, 'and')}"
 
@@ -157,12 +155,13 @@ def _did_you_mean(word: str, known: Sequence[str] | Mapping[str, Any]) -> str:
 def _suggestion(detail: ErrorDetails, root: type[BaseModel]) -> Location:
     """The location of the key that a person probably meant by an unknown one."""
     *parent, word = detail["loc"]
-    model = _model_at(tuple(parent), root)
-    return (*parent, *get_close_matches(str(word), _keys_of(model) if model else [], n=1))
+    return (*parent, *get_close_matches(str(word), _keys_at(tuple(parent), root), n=1))
 
 
-def _keys_of(model: type[BaseModel]) -> list[str]:
-    return list(fields_of(model))
+def _keys_at(location: Location, root: type[BaseModel]) -> list[str]:
+    """The known keys of the group at ``location``; none where there is no group."""
+    model = _model_at(location, root)
+    return list(fields_of(model)) if model else []
 
 
 def _field_at(location: Location, root: type[BaseModel]) -> FieldInfo | None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from ncgear.design.keys.base import spellings
+from ncgear.design.keys.base import quantity, spellings
 from ncgear.errors import WrongInput
 
 
@@ -68,7 +68,7 @@ class Source:
         """The plain values of the file with those of its CSV files; not to be changed."""
         data: dict[str, Any] = self.document.data
         for group, found in self.from_files.items():
-            data = _merged(data, group.split("."), found.values)
+            data = with_value(data, group, {**self.document.at(group), **found.values})
         return data
 
     def place(self, key: str) -> Place:
@@ -83,14 +83,16 @@ class Source:
         """``key`` in the spelling of the file: the key of an angle ends in the unit in which it was given."""
         if key in self.document.places:
             return key
-        quantity = key.rpartition("_")[0] if key.endswith(("_rad", "_deg", "_pi")) else key
-        return next((name for name in spellings(quantity) if name in self.document.places), key)
+        return next((name for name in spellings(quantity(key)) if name in self.document.places), key)
 
 
-def _merged(data: dict[str, Any], keys: list[str], values: Mapping[str, Any]) -> dict[str, Any]:
-    if not keys:
-        return {**data, **values}
-    return {**data, keys[0]: _merged(data[keys[0]], keys[1:], values)}
+def with_value(data: Any, key: str, value: Any) -> Any:
+    """A copy of plain values with another value at a dotted key; the rest is shared."""
+    first, _, rest = key.partition(".")
+    if isinstance(data, list):
+        place = int(first)
+        return [*data[:place], with_value(data[place], rest, value) if rest else value, *data[place + 1 :]]
+    return {**data, first: with_value(data[first], rest, value) if rest else value}
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ncgear.design.keys.base import listed
 from ncgear.design.reading.places import Document, FromFile, Place, named_by
-from ncgear.design.reading.text import plain_number, read_text, shown
+from ncgear.design.reading.text import plain_number, quoted, read_text
 from ncgear.errors import WrongInput
 
 LARGEST_MB = 20
@@ -111,7 +111,7 @@ def _names(header: list[str], file: str, columns: Columns) -> list[str]:
     for i, name in enumerate(names):
         if name not in columns.names or name in names[:i]:
             problem = "column given twice" if name in columns.names else "unknown column"
-            raise _wrong(file, 1, header, i, f"{problem}: {shown(name)}; columns can be {listed(columns.names)}")
+            raise _wrong(file, 1, header, i, f"{problem}: {quoted(name)}; columns can be {listed(columns.names)}")
     for kind in columns.kinds:
         if len(set(kind) & set(names)) != 1:
             problem = f"the first line must name one of the columns {listed(kind)}; it names {listed(names) or 'none'}"
@@ -129,7 +129,7 @@ def _append(points: PointsFile, names: list[str], line: int, cells: list[str], m
     for i, (name, cell) in enumerate(zip(names, cells, strict=True)):
         number = plain_number(cell.strip())
         if number is None or not isfinite(number):
-            raise _wrong(points.file, line, cells, i, f"{shown(cell)} is not a finite number; one is needed", name)
+            raise _wrong(points.file, line, cells, i, f"{quoted(cell)} is not a finite number; one is needed", name)
         points.values[name].append(float(number))
 
 

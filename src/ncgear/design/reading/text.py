@@ -7,7 +7,7 @@ text.
 from __future__ import annotations
 
 import re
-from math import inf, isinf, isnan, nan
+from math import inf, isfinite, nan
 from pathlib import Path
 
 from ncgear.errors import WrongInput
@@ -81,8 +81,13 @@ def plain_number(text: str) -> int | float | None:
     return float(text) if _FLOAT.fullmatch(text) else None
 
 
-def shown(value: object) -> str:
-    """``value`` in the words of a message: short, and in the form of the file."""
+def whole(value: float) -> float:
+    """The number as an integer if it is a whole one, so that a file shows it without a point."""
+    return int(value) if float(value).is_integer() else value
+
+
+def quoted(value: object) -> str:
+    """``value`` as messages quote it: short, and in the form of the file."""
     if value is None:
         return "nothing"
     if isinstance(value, dict):
@@ -91,15 +96,11 @@ def shown(value: object) -> str:
         return "a list"
     if isinstance(value, str):
         return repr(shortened(value))
-    return shortened(_number_or_truth(value))
-
-
-def _number_or_truth(value: object) -> str:
     if isinstance(value, bool):
         return str(value).lower()
-    if isinstance(value, float) and (isnan(value) or isinf(value)):
+    if isinstance(value, float) and not isfinite(value):
         return f"{value}".replace("nan", ".nan").replace("inf", ".inf")
-    return f"{value!r}"
+    return shortened(repr(value))
 
 
 def shortened(text: str, longest: int = _LONGEST_SHOWN) -> str:

@@ -23,14 +23,14 @@ from ruamel.yaml.events import (
 from ruamel.yaml.reader import ReaderError
 
 from ncgear.design.reading.places import Document, Place
-from ncgear.design.reading.text import plain_value, shortened, shown
+from ncgear.design.reading.text import plain_value, quoted, shortened
 from ncgear.errors import WrongInput
 
 LONGEST_FAULT = 200
 """Number of characters of a message of the parser, which may quote megabytes of the file."""
 
 DEEPEST = 12
-"""Levels of nesting; the schema needs four."""
+"""Levels of nesting; a design file needs four, a balance file five."""
 
 MOST_KEYS = 200
 """Keys in one group; a law needs two dozen.  Every unknown key is compared with the known ones, which takes time."""
@@ -45,7 +45,7 @@ CONTROL_CHARACTER = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f]"
 """Control characters, which YAML allows as escapes; terminals obey them, and HTML and XML do not allow all of them."""
 
 LONGEST_KEY = 100
-"""Characters of a key; the longest of the schema has 23."""
+"""Characters of a key; the longest known one has 24."""
 
 
 def read_yaml(text: str, file: str) -> Document:
@@ -166,7 +166,7 @@ def _syntax(error: MarkedYAMLError) -> str:
 
 
 def _cannot_stand(character: str) -> str:
-    return f"character {shown(character)} cannot stand in a text; remove it"
+    return f"character {quoted(character)} cannot stand in a text; remove it"
 
 
 def _place_of_offset(text: str, offset: int, file: str) -> str:

@@ -111,13 +111,12 @@ def contact_ratio(drive: Drive) -> Advice | None:
     if designed.longest_gap_pitches <= drive.overlap_ratio:
         return None
     error = max(side.transmission_error_rad for side in sides)
-    shortest = float(min(side.arcs.min() for side in sides))
     helix, words = bridging_helix(drive), "make the teeth helical, so that the next ones touch before these part"
     helical = (Remedy(words, changed(helix)),) if helix else ()
     return Advice(
         Kind.CONTACT_RATIO,
         (Where(angles_deg=tuple(_worst(designed, side) for side in sides if side.simultaneous.min() < 1)),),
-        f"contact ratio: the shortest contact of a flank pair lasts {shortest:.3g} pitches, and at some "
+        f"contact ratio: the shortest contact of a flank pair lasts {designed.contact_ratio:.3g} pitches, and at some "
         "positions no flanks touch",
         f"the driven gear is carried by an edge there, off the law by up to {error:.2g} rad; it knocks and wears",
         (*helical, FINER),

@@ -77,7 +77,8 @@ class Where:
         teeth = f"{word} {shown(list(self.teeth))}" if self.teeth else ""
         of = f"{self.gear} gear" if self.gear else ""
         named = " of the ".join(part for part in (teeth, of) if part)
-        return ", ".join(part for part in (named, _stretches(self.angles_deg)) if part)
+        stretches = ", ".join(f"{a:.4g}" if a == b else f"{a:.0f}..{b:.0f}" for a, b in self.angles_deg)
+        return ", ".join(part for part in (named, f"phi1 = {stretches} deg" if stretches else "") if part)
 
 
 @dataclass(frozen=True)
@@ -108,8 +109,3 @@ def _written(value: Setting) -> str:
         more = [f"and {len(value) - SHOWN} more"] if len(value) > SHOWN else []
         return f"[{', '.join([*(f'{number:.6g}' for number in value[:SHOWN]), *more])}]"
     return f"{value:.6g}" if isinstance(value, float) else str(value)
-
-
-def _stretches(angles_deg: tuple[tuple[float, float], ...]) -> str:
-    named = ", ".join(f"{a:.4g}" if a == b else f"{a:.0f}..{b:.0f}" for a, b in angles_deg)
-    return f"phi1 = {named} deg" if named else ""

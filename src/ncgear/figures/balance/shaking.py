@@ -30,10 +30,9 @@ from ncgear.balance.mechanism import (
     joint_masses,
     partial_counterweight_kg,
 )
-from ncgear.balance.shaking import Failure, Shaking, Speed, failure, shaking
+from ncgear.balance.shaking import Failure, Shaking, Speed, Track, failure, shaking
 from ncgear.balance.waveform import Statistics
-from ncgear.design.keys import balance as given_as
-from ncgear.design.keys.balance import Sweep
+from ncgear.design.keys import balance as keys
 from ncgear.errors import below
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.project.balancing import (
@@ -50,7 +49,7 @@ EVEN = 1e-12
 """A crank whose speeds differ by less than this, relatively, turns evenly: the difference is rounding."""
 
 
-def mechanism_figures(given: given_as.Mechanism, mechanism: DrivenCrank) -> dict[str, Any]:
+def mechanism_figures(given: keys.Mechanism, mechanism: DrivenCrank) -> dict[str, Any]:
     """All figures that the file asks for of one mechanism; keys end in their unit."""
     joints = joint_masses(mechanism.linkage, mechanism.masses)
     figures: dict[str, Any] = {
@@ -116,7 +115,7 @@ def _failure_figures(of: Failure) -> dict[str, float]:
     return {"max_n": of.peak_n, "largest_error_percent": 100.0 * of.largest_error}
 
 
-def _complete(asked: given_as.Complete, mechanism: DrivenCrank) -> dict[str, float]:
+def _complete(asked: keys.Complete, mechanism: DrivenCrank) -> dict[str, float]:
     with below("complete"):
         found = complete_balance(mechanism.linkage, mechanism.masses, asked.rod_arm_mm, asked.crank_arm_mm)
     added = (
@@ -132,7 +131,7 @@ def _complete(asked: given_as.Complete, mechanism: DrivenCrank) -> dict[str, flo
     }
 
 
-def _partial(asked: given_as.Partial, mechanism: DrivenCrank) -> list[dict[str, float]]:
+def _partial(asked: keys.Partial, mechanism: DrivenCrank) -> list[dict[str, float]]:
     joints, rows = joint_masses_of(asked, mechanism), []
     for share in asked.shares:
         mass = partial_counterweight_kg(mechanism.linkage, joints, asked.arm_mm, share)
@@ -141,7 +140,7 @@ def _partial(asked: given_as.Partial, mechanism: DrivenCrank) -> list[dict[str, 
     return rows
 
 
-def _best(asked: given_as.Best, mechanism: DrivenCrank) -> dict[str, Any]:
+def _best(asked: keys.Best, mechanism: DrivenCrank) -> dict[str, Any]:
     known = accelerations(mechanism)
     figures: dict[str, Any] = {}
     for name, found in ("least_squares", least_squares(mechanism, known)), ("least_peak", minimax(mechanism, known)):
@@ -160,7 +159,7 @@ def _left(mechanism: DrivenCrank, added: Counterweight) -> dict[str, float]:
     return {"max_n": left.maximum, "rms_n": left.rms}
 
 
-def _sweep(asked: given_as.Sweep, mechanism: DrivenCrank) -> list[dict[str, float]]:
+def _sweep(asked: keys.Sweep, mechanism: DrivenCrank) -> list[dict[str, float]]:
     tried = sweep(mechanism, crank_counterweight(asked), asked.masses_kg)
     return [
         {
@@ -168,23 +167,28 @@ def _sweep(asked: given_as.Sweep, mechanism: DrivenCrank) -> list[dict[str, floa
             **{f"bearing_{key}": value for key, value in statistics_figures(one.bearing_n).items()},
             "shaking_max_n": one.shaking_n.maximum,
             "shaking_rms_n": one.shaking_n.rms,
-            "track_along_mm": one.track.extent_mm[0],
-            "track_across_mm": one.track.extent_mm[1],
-            "track_area_mm2": one.track.area_mm2,
+            **_track(one.track),
         }
         for one in tried
     ]
+
+
+def _track(of: Track) -> dict[str, float]:
+    """The size of the track of the centre of mass."""
+    return {"track_along_mm": of.extent_mm[0], "track_across_mm": of.extent_mm[1], "track_area_mm2": of.area_mm2}
 
 
 def frame_figures(balancing: Balancing) -> dict[str, Any]:
     """All mechanisms together, the shares of each pair, and the best phase where the file asks for one."""
     mounted, balance = balancing.mounted, balancing.balance
     figures: dict[str, Any] = {"together": shaking_figures(frame_shaking(mounted)), "pairs": _pairs(balancing)}
-    swept = [(number, one) for number, one in enumerate(balance.mechanisms) if one.sweep is not None]
-    if swept:
-        figures["sweeps"] = {
-            one.name: _sweep_of_machine(one.sweep, mounted, number) for number, one in swept if one.sweep
-        }
+    sweeps = {
+        one.name: _sweep_of_machine(one.sweep, mounted, number)
+        for number, one in enumerate(balance.mechanisms)
+        if one.sweep is not None
+    }
+    if sweeps:
+        figures["sweeps"] = sweeps
     if balance.move_phase_of is not None:
         moved = [one.name for one in balance.mechanisms].index(balance.move_phase_of)
         found = best_phase(mounted, moved)
@@ -197,18 +201,16 @@ def frame_figures(balancing: Balancing) -> dict[str, Any]:
     return figures
 
 
-def _sweep_of_machine(asked: Sweep, mounted: list[Mounted], moved: int) -> list[dict[str, float]]:
+def _sweep_of_machine(asked: keys.Sweep, mounted: list[Mounted], moved: int) -> list[dict[str, float]]:
     """The counterweights of one mechanism, tried while all other mechanisms run."""
     tried = frame_sweep(mounted, moved, crank_counterweight(asked), asked.masses_kg)
     return [
         {
             "counterweight_kg": mass,
             **{f"shaking_{key}": value for key, value in statistics_figures(force.force).items()},
-            "track_along_mm": way.extent_mm[0],
-            "track_across_mm": way.extent_mm[1],
-            "track_area_mm2": way.area_mm2,
+            **_track(track),
         }
-        for mass, force, way in tried
+        for mass, force, track in tried
     ]
 
 

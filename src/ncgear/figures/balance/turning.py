@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from cmath import phase
+from dataclasses import asdict
 from math import degrees, radians
 from typing import Any
 
 from ncgear.balance.gears import GearBody
 from ncgear.balance.rotor import (
     ChainUnbalance,
-    Range,
     balanced,
     chain_unbalance,
     grade_reached,
@@ -96,9 +96,9 @@ def chain_figures(balancing: Balancing) -> dict[str, Any]:
     assert asked is not None
     found = chain_unbalance(weight_runs_of(asked), chain_phases_of(asked), "chain_drive.runs")
     return {
-        "effect_of_weight": _range(found.weight),
-        "tight_side": _range(found.tight),
-        "slack_side": _range(found.slack),
+        "effect_of_weight": asdict(found.weight),
+        "tight_side": asdict(found.tight),
+        "slack_side": asdict(found.slack),
         "predictions": [_prediction(asked, found, at) for at in asked.predict_deg],
     }
 
@@ -120,7 +120,3 @@ def _prediction(asked: ChainDrive, found: ChainUnbalance, weight_deg: float) -> 
 
 def _polar(value: complex, amplitude: str, angle: str) -> dict[str, float]:
     return {amplitude: abs(value), angle: degrees(phase(value)) % 360.0}
-
-
-def _range(of: Range) -> dict[str, float]:
-    return {"low": of.low, "high": of.high}

@@ -18,10 +18,10 @@ ONE_PIN = (
 
 LIMITS = (Column("least", "mm"), Column("greatest", "mm"))
 
-Place = tuple[int, ...]
+Spaces = tuple[int, ...]
 """The space of one pin, or the spaces of two pins."""
 
-Readings = dict[Place, float]
+Readings = dict[Spaces, float]
 
 
 def pin_tables(gear: MeasuredGear) -> tuple[Table, ...]:
@@ -58,13 +58,13 @@ def _over_one(pins: Pins) -> Readings:
 
 
 def _over_two(found: TwoPins) -> Readings:
-    places = zip(found.first.tolist(), found.second.tolist(), strict=True)
-    return dict(zip(places, found.distance_mm.tolist(), strict=True))
+    spaces = zip(found.first.tolist(), found.second.tolist(), strict=True)
+    return dict(zip(spaces, found.distance_mm.tolist(), strict=True))
 
 
-def _among(limits: list[Readings], place: Place) -> tuple[Value, ...]:
-    """The least and the greatest reading in a place over both limits; empty where pins do not measure at both."""
-    found = [readings[place] for readings in limits if place in readings]
+def _among(limits: list[Readings], spaces: Spaces) -> tuple[Value, ...]:
+    """The least and the greatest reading in some spaces over both limits; empty where pins do not measure at both."""
+    found = [readings[spaces] for readings in limits if spaces in readings]
     return tuple(sorted(found)) if len(found) == len(limits) else (None,) * len(limits)
 
 

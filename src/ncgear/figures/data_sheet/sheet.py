@@ -179,8 +179,7 @@ def _helix(drive: Drive) -> list[Entry]:
 def tooth_data(drive: Drive) -> Group:
     """Undercut and shortened teeth, and how long the teeth touch."""
     driving, driven = drive.teeth.driving, drive.teeth.driven
-    contact = drive.designed_contact
-    ratio = float(min(contact.pushing.arcs.min(), contact.back.arcs.min()))
+    ratio = drive.designed_contact.contact_ratio
     undercut = shown(driving.undercut), shown(driven.undercut)
     rows = (
         Entry("teeth that a tool of full depth undercuts", driving=undercut[0], driven=undercut[1]),

@@ -19,14 +19,15 @@ from ncgear.contact.written.as_written import AsWritten
 from ncgear.figures.advice.collected import build_advice
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.extrema import Extremum
+from ncgear.pitch.pair import PitchPair
+from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.teeth.gear import ToothedGear, teeth_free_of_undercut
+from ncgear.teeth.tips import Limit
 
 if TYPE_CHECKING:
-    from ncgear.pitch.pair import PitchPair
     from ncgear.solids.mesh.pair import GearSolid
     from ncgear.solids.plan.body import BodyPlan, Hub
-    from ncgear.teeth.gear import ToothedGear
 
 LEAST_JUMP = 1e-6
 """The least jump of curvature in the summary, times the centre distance.
@@ -65,8 +66,6 @@ def _overlap(drive: Drive, contact: PairContact) -> dict[str, float]:
 
 def pitch_summary(drive: Drive) -> dict[str, Any]:
     """Sizes, convexity, pressure angle, and the jumps of curvature."""
-    from ncgear.pitch.shape import Gear
-
     pitch = drive.pitch
     result: dict[str, Any] = {"mesh": pitch.mesh.value, "center_distance_mm": pitch.center_distance_mm}
     for gear in Gear:
@@ -76,7 +75,7 @@ def pitch_summary(drive: Drive) -> dict[str, Any]:
         result[f"min_radius_{name}_mm"] = pitch.least_radius_mm(gear)
         result[f"min_concave_radius_{name}_mm"] = pitch.least_concave_radius_mm(gear)
         result[f"concave_{name}_rad"] = [list(stretch) for stretch in pitch.concave_ranges(gear)]
-    tangent: Extremum = pitch.largest_tangent_angle_rad
+    tangent = pitch.largest_tangent_angle_rad
     result["max_tangent_angle_deg"] = degrees(tangent.value)
     result["max_pressure_angle_deg"] = pitch.largest_pressure_angle_deg(drive.rack.pressure_angle_rad)
     result["max_pressure_angle_at_rad"] = tangent.at
@@ -104,8 +103,6 @@ def _jumps(pitch: PitchPair) -> list[dict[str, float]]:
 
 def teeth_summary(drive: Drive) -> dict[str, Any]:
     """Numbers, sizes, undercut, shortened tips."""
-    from ncgear.teeth.gear import teeth_free_of_undercut
-
     teeth, size = drive.teeth, drive.pitch.size
     racks = teeth.driving.flanks.rack, teeth.driven.flanks.rack
     return {
@@ -130,8 +127,6 @@ def teeth_summary(drive: Drive) -> dict[str, Any]:
 
 def _tips(gear: ToothedGear) -> dict[str, Any]:
     """Least height of the tips, and numbers of the teeth whose tips are shortened, by reason."""
-    from ncgear.teeth.tips import Limit
-
     result: dict[str, Any] = {"least_height_mm": float(gear.flanks.tip_height_mm.min())}
     for reason in Limit:
         if reason is not Limit.FULL and (numbers := gear.shortened(reason)):

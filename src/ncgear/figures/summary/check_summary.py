@@ -9,6 +9,7 @@ from ncgear.design.keys.machine import Published
 from ncgear.figures.advice.collected import check_advice
 from ncgear.figures.numbers import shown
 from ncgear.kinematics.check import KinematicCheck
+from ncgear.pitch.pair import largest_tangent_angle_rad
 from ncgear.project.drive import Drive
 
 
@@ -69,8 +70,6 @@ def _stage(drive: Drive, stage: int) -> dict[str, Any]:
 
 
 def _range_and_angle(drive: Drive) -> dict[str, Any]:
-    from ncgear.pitch.pair import largest_tangent_angle_rad
-
     low, high = drive.pair.transmission.ratio_range
     tangent = degrees(largest_tangent_angle_rad(drive.pair.transmission).value)
     found = {"ratio_min": low.value, "ratio_max": high.value, "max_tangent_angle_deg": tangent}
@@ -116,15 +115,13 @@ def comparison_rows(drive: Drive) -> list[dict[str, Any]]:
     that its keys end in, None where one is not known.
     """
     speed = drive.design.operation.speed_rpm
-    rows = [
+    published = drive.design.comparison.published if drive.design.comparison else ()
+    return [
         _checked("this design", drive.check, speed, ""),
         _checked("uniform crank", drive.uniform_check, speed, _against(drive, drive.uniform_check.peak_power_w.value)),
+        *(_scaled(drive, mechanism) for mechanism in published),
+        *(row for mechanism in published for row in _mixed(drive, mechanism)),
     ]
-    published = drive.design.comparison.published if drive.design.comparison else ()
-    rows += [_scaled(drive, mechanism) for mechanism in published]
-    for mechanism in published:
-        rows += _mixed(drive, mechanism)
-    return rows
 
 
 def _against(drive: Drive, other_power_w: float | None) -> str:
@@ -136,16 +133,9 @@ def _against(drive: Drive, other_power_w: float | None) -> str:
 
 
 def _checked(name: str, check: KinematicCheck, speed: float, note: str) -> dict[str, Any]:
-    return {
-        "name": name,
-        "speed_rpm": speed,
-        "peak_power_w": check.peak_power_w.value,
-        "mean_power_w": check.mean_power_w,
-        "peak_acceleration_cycle_mm_s2": check.peak_acceleration_cycle_mm_s2.value,
-        "peak_speed_mm_s": check.peak_speed_mm_s.value,
-        "same_speed": True,
-        "note": note,
-    }
+    acceleration, velocity = check.peak_acceleration_cycle_mm_s2.value, check.peak_speed_mm_s.value
+    row = _row(name, speed, check.peak_power_w.value, acceleration, velocity)
+    return {**row, "mean_power_w": check.mean_power_w, "same_speed": True, "note": note}
 
 
 def _row(
