@@ -102,7 +102,7 @@ def searched(task: Task, wishes: Wishes, form: Form = grid) -> Search:
 def scales(task: Task, at: Stations) -> Scales:
     """Units of the order of what a uniform crank feels."""
     turning = task.speed_rad_s * 2.0 * pi / task.cycle_rad
-    power = float(np.max(at.force_n * at.first)) * turning / 1000.0
+    power = float(np.max(at.slider.force_n * at.slider.first)) * turning / 1000.0
     return Scales(task.speed_rad_s, task.linkage.crank_mm * turning**2, max(power, LEAST_POWER_W))
 
 
