@@ -33,7 +33,7 @@ class Screened:
     verdicts: tuple[str, ...]
 
     @property
-    def rows(self) -> IndexArray:
+    def numbers(self) -> IndexArray:
         """Numbers of the designs that the figures belong to, shape (m,)."""
         numbers: IndexArray = self.made.nonzero()[0]
         return numbers

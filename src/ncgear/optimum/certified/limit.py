@@ -7,7 +7,7 @@ smooth one, has little more.  The fastest motion under given peaks is also where
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from heapq import heappop, heappush
 from math import inf, sqrt
@@ -18,7 +18,7 @@ from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.passes import Ceilings
 from ncgear.optimum.certified.problem import Problem
-from ncgear.optimum.certified.refusals import refuse, refuse_ratios, turning_point
+from ncgear.optimum.certified.refusals import refusal, refuse_ratios, turning_point
 from ncgear.optimum.certified.road import Peaks, Road
 from ncgear.optimum.task import Limits, Task
 
@@ -86,7 +86,7 @@ def certified(problem: Problem, peaks: Callable[[float], Peaks], guess: float) -
     """A value that is certainly too little for any law, and one just above it that may be enough."""
     found = turning_point(lambda value: problem.is_open(peaks(value)), guess)
     if found is None:
-        raise refuse(problem, peaks(inf))
+        raise refusal(problem, peaks(inf))
     return found
 
 
@@ -106,11 +106,11 @@ def mean_power(problem: Problem) -> float:
 
 
 TOLERANCE = 5e-3
-"""Relative width to which the least sum is enclosed unless another is asked for."""
+"""Relative width to which the least sum is enclosed."""
 
 NEAR = 1.002
-"""Acceleration over its least bound at which it counts as the least where power is free: a grid attains its bounds to
-this with power free."""
+"""Acceleration, over its least bound, that counts as the least where power is free: a grid attains its bounds within
+this factor."""
 
 FINEST = 0.1
 """Relative width, in tolerances, of an interval of powers that is not split further: the gap left is the grid's own."""
@@ -161,12 +161,9 @@ def least_weighted_sum(
     for _ in range(MOST_SPLITS):
         floor, start, end, beyond = heappop(intervals)
         floor = min(floor, weights.of(least, highest))
-        best = WeightedBound(Bound(floor, best.sum.attained, problem.cells), best.peaks)
-        if (
-            best.sum.gap <= tolerance
-            or floor >= weights.of(least, highest)
-            or end <= start * (1.0 + FINEST * tolerance)
-        ):
+        best = replace(best, sum=replace(best.sum, value=floor))
+        finest = end <= start * (1.0 + FINEST * tolerance)
+        if best.sum.gap <= tolerance or floor >= weights.of(least, highest) or finest:
             break
         middle = sqrt(start * end)
         found = enclosed(problem, partial(Peaks, power_w=middle), beyond)
@@ -180,7 +177,7 @@ def _better(best: WeightedBound, peaks: Peaks, weights: Weights) -> WeightedBoun
     attained = weights.of(peaks.acceleration_mm_s2, peaks.power_w)
     if attained >= best.sum.attained:
         return best
-    return WeightedBound(Bound(best.sum.value, attained, best.sum.cells), peaks)
+    return WeightedBound(replace(best.sum, attained=attained), peaks)
 
 
 def _ends(problem: Problem) -> tuple[float, float, Peaks]:
@@ -213,7 +210,7 @@ def fastest_motion(task: Task, limits: Limits, cells: int | None = None) -> Fast
     problem = prepared(task, limits, cells)
     ceilings = problem.ceilings(problem.given_peaks)
     if ceilings is None or not problem.is_open(problem.given_peaks):
-        raise refuse(problem, problem.given_peaks)
+        raise refusal(problem, problem.given_peaks)
     out, back = problem.least_durations_s(problem.given_peaks, ceilings)
     return FastestMotion(
         crank_angle_rad=problem.road.crank_angle_rad,
