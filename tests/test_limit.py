@@ -256,13 +256,13 @@ def test_a_bound_pushed_up_is_beaten_by_a_motion() -> None:
     most = 1.009 * bound.value
     motion = fastest_motion(AT_SIXTY, replace(USUAL, peak_power_w=9000.0, peak_acceleration_mm_s2=most), 6400)
     energy = motion.speed_mm_s**2 / 2.0
-    assert np.abs(np.diff(energy) / np.diff(motion.way_mm)).max() <= most * (1.0 + 1e-6)
+    assert np.abs(np.diff(energy) / np.diff(motion.travel_mm)).max() <= most * (1.0 + 1e-6)
     out = motion.crank_angle_rad <= pi + 1e-12
-    power = PRESS.force_n(np.where(out, motion.way_mm, 0.0)) * motion.speed_mm_s / 1000.0
+    power = PRESS.force_n(np.where(out, motion.travel_mm, 0.0)) * motion.speed_mm_s / 1000.0
     assert power.max() <= 9000.0 * (1.0 + 1e-9)
     assert motion.slope.max() <= 5.0
     assert motion.slope.min() >= 0.2
-    seconds = (2.0 * np.diff(motion.way_mm) / (motion.speed_mm_s[1:] + motion.speed_mm_s[:-1])).sum()
+    seconds = (2.0 * np.diff(motion.travel_mm) / (motion.speed_mm_s[1:] + motion.speed_mm_s[:-1])).sum()
     assert seconds < 1.0
     assert seconds == pytest.approx(motion.driving_rad / (2.0 * pi), rel=1e-4)
     low = replace(USUAL, peak_power_w=9000.0, peak_acceleration_mm_s2=0.999 * bound.value)

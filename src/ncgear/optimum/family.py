@@ -182,7 +182,7 @@ def best_of_family(family: Family, least: Peak, cap: float = inf, *, seed: int =
 
 
 def _local_optima(family: Family, least: Peak, cap: float, seed: int, starts: int) -> list[Array]:
-    """Where the descents end, the best first; there are many, so the best one's neighbours are tried as well."""
+    """The ends of all descents, the best first; there are many optima, so neighbours of the best are tried as well."""
 
     def rank(point: Array) -> float:
         return float(_merit(family, least, cap * (1.0 + ALMOST), point[None])[0])

@@ -75,11 +75,11 @@ def _hub(asked: AskedHub, face_width_mm: float) -> Hub:
 
 
 def _web(body: GearBody) -> WebSize | None:
-    """The web; where the file gives no diameter that it leaves about the axis, it leaves the hub's."""
+    """The web; it ends at the given diameter about the axis, or else at the hub's."""
     if body.web is None:
         return None
-    around_axis = body.web.hub_mm if body.web.hub_mm is not None else body.hub.diameter_mm if body.hub else 0.0
-    return WebSize(body.web.thickness_mm, body.web.rim_mm, around_axis)
+    of_hub_mm = body.hub.diameter_mm if body.hub else 0.0
+    return WebSize(body.web.thickness_mm, body.web.rim_mm, of_hub_mm if body.web.hub_mm is None else body.web.hub_mm)
 
 
 def _ring_blank(gears: Gears, module_mm: float) -> RingBlank:

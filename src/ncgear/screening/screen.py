@@ -1,7 +1,7 @@
 """Thousands of designs screened: figures of those that can be made, and of the others which condition they fail.
 
-Designs of one kind are computed together.  The others, and all that a batch is not sure of, are computed one by one;
-only this refuses a law and gives the verdict.
+Designs of one kind are computed together.  The others, and all that a batch is not sure of, are computed one by one.
+A law is refused, and its verdict given, only where its design is computed by itself.
 """
 
 from __future__ import annotations

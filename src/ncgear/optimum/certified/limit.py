@@ -198,7 +198,7 @@ class FastestMotion:
     """
 
     crank_angle_rad: Array
-    way_mm: Array
+    travel_mm: Array
     speed_mm_s: Array
     slope: Array
     driving_rad: float
@@ -214,7 +214,7 @@ def fastest_motion(task: Task, limits: Limits, cells: int | None = None) -> Fast
     out, back = problem.least_durations_s(problem.given_peaks, ceilings)
     return FastestMotion(
         crank_angle_rad=problem.road.crank_angle_rad,
-        way_mm=problem.road.way_mm,
+        travel_mm=problem.road.travel_mm,
         speed_mm_s=np.sqrt(2.0 * ceilings.energy_mm2_s2),
         slope=_slope(problem.road, task, ceilings),
         driving_rad=(out + back) * task.speed_rad_s,

@@ -28,7 +28,7 @@ PRESSING = 1e-4
 """Share in keeping up the excess below which a cap counts as having none."""
 
 DEARER = 10.0
-"""How many times more an excess over the other caps costs than it can gain, so that there is none unless it must be."""
+"""How many times more an excess over the other caps costs than it gains: it is left only where no law is without."""
 
 TOGETHER = 1e3
 """Price of an excess over all caps where several levels are free, in units that are of the order of one."""
