@@ -233,7 +233,7 @@ def test_a_weighted_sum_touches_the_frontier_from_no_side() -> None:
     wishes = replace(HALF, goal=Goal.WEIGHTED, weights=weights, limits=USUAL)
     found = judged(wishes)
     value = weights.of(found.peak_acceleration_mm_s2, found.peak_power_w)
-    assert value > least_weighted_sum(BALER, USUAL, weights).sum.value
+    assert value > least_weighted_sum(BALER, USUAL, weights).value
     # On the frontier at its own power, and no other point of it has a lesser sum.
     on_it = judged(replace(HALF, limits=replace(USUAL, peak_power_w=round(found.peak_power_w, 3))))
     assert on_it.peak_acceleration_mm_s2 == pytest.approx(found.peak_acceleration_mm_s2, rel=1e-4)

@@ -53,7 +53,7 @@ class BestLaw:
             case Goal.POWER:
                 return limit.least_power(task, wishes.limits)
         assert wishes.weights is not None
-        return limit.least_weighted_sum(task, wishes.limits, wishes.weights).sum
+        return limit.least_weighted_sum(task, wishes.limits, wishes.weights)
 
     @cached_property
     def law(self) -> MakeableLaw:

@@ -7,7 +7,7 @@ smooth one, has little more.  The fastest motion under given peaks is also where
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from heapq import heappop, heappush
 from math import inf, sqrt
@@ -135,17 +135,9 @@ class Weights:
         return self.per_mm_s2 * acceleration_mm_s2 + self.per_w * power_w
 
 
-@dataclass(frozen=True)
-class WeightedBound:
-    """The enclosed least sum, and the peaks of a rough motion that has its ``attained`` value."""
-
-    sum: Bound
-    peaks: Peaks
-
-
 def least_weighted_sum(
     task: Task, limits: Limits, weights: Weights, cells: int | None = None, tolerance: float = TOLERANCE
-) -> WeightedBound:
+) -> Bound:
     """Least weighted sum of the peaks; limits on the two peaks themselves are not looked at.
 
     The least acceleration A*(P) never grows with P, so that between P1 and P2 the sum is no less than A*(P2) and P1
@@ -154,30 +146,22 @@ def least_weighted_sum(
     """
     problem = prepared(task, limits, cells or CELLS)
     lowest, least, rich = _ends(problem)
-    highest = rich.power_w
-    best = _better(WeightedBound(Bound(0.0, inf, problem.cells), Peaks()), rich, weights)
+    highest, attained = rich.power_w, weights.of(rich.acceleration_mm_s2, rich.power_w)
     # Beyond the highest power acceleration gains nothing, so its own interval needs no splitting.
+    above = weights.of(least, highest)
     intervals = [(weights.of(least, lowest), lowest, highest, least)]
     for _ in range(MOST_SPLITS):
         floor, start, end, beyond = heappop(intervals)
-        floor = min(floor, weights.of(least, highest))
-        best = replace(best, sum=replace(best.sum, value=floor))
+        floor = min(floor, above)
         finest = end <= start * (1.0 + FINEST * tolerance)
-        if best.sum.gap <= tolerance or floor >= weights.of(least, highest) or finest:
+        if Bound(floor, attained, problem.cells).gap <= tolerance or floor >= above or finest:
             break
         middle = sqrt(start * end)
         found = enclosed(problem, partial(Peaks, power_w=middle), beyond)
         heappush(intervals, (weights.of(found.value, start), start, middle, found.value))
         heappush(intervals, (weights.of(beyond, middle), middle, end, beyond))
-        best = _better(best, Peaks(found.attained, middle), weights)
-    return best
-
-
-def _better(best: WeightedBound, peaks: Peaks, weights: Weights) -> WeightedBound:
-    attained = weights.of(peaks.acceleration_mm_s2, peaks.power_w)
-    if attained >= best.sum.attained:
-        return best
-    return WeightedBound(replace(best.sum, attained=attained), peaks)
+        attained = min(attained, weights.of(found.attained, middle))
+    return Bound(floor, attained, problem.cells)
 
 
 def _ends(problem: Problem) -> tuple[float, float, Peaks]:
@@ -192,7 +176,7 @@ def _ends(problem: Problem) -> tuple[float, float, Peaks]:
 class FastestMotion:
     """The fastest motion at places of the cycle, both dead centres among them; arrays of shape (n + 1,).
 
-    ``slope`` is s = dphi2/dphi1 = 1/i12, and q(phi2) its square; without a limited pressure angle it may jump at the
+    ``slope`` is s = dphi2/dphi1 = 1/i12; without a limited pressure angle it may jump at the
     dead centres, and has there the value before them.  ``driving_rad`` is the driving angle that the motion takes, the
     cycle at most; ``working_rad`` is the part of it in the working stroke.
     """

@@ -114,16 +114,15 @@ def _too_little(key: str, text: str, problem: Problem, peaks: Peaks) -> NoSuchMe
 
 def _or_steeper(problem: Problem, peaks: Peaks) -> str:
     """The least pressure angle that would do in place of more power or acceleration, where there is one."""
+
+    def is_open(angle_rad: float | None) -> bool:
+        return replace(problem, limits=replace(problem.limits, pressure_angle_rad=angle_rad)).is_open(peaks)
+
     given = problem.limits.pressure_angle_rad
-    if given is None or not problem.under(replace(problem.limits, pressure_angle_rad=None)).is_open(peaks):
+    if given is None or not is_open(None):
         return ""
-
-    def holds(narrowing: float) -> bool:
-        """Whether an angle does whose distance from a right angle is divided by ``narrowing``."""
-        wider = pi / 2.0 - (pi / 2.0 - given) / narrowing
-        return problem.under(replace(problem.limits, pressure_angle_rad=wider)).is_open(peaks)
-
-    found = turning_point(holds, 1.0)
+    # The angle's distance from a right angle is divided by a factor that is sought.
+    found = turning_point(lambda narrowing: is_open(pi / 2.0 - (pi / 2.0 - given) / narrowing), 1.0)
     if found is None:
         return ""
     enough = shown_above(90.0 - (90.0 - degrees(given)) / found[1])
