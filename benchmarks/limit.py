@@ -42,9 +42,7 @@ SEARCHES: dict[str, Callable[[int], Bound]] = {
     "least acceleration at 9000 W, moving 20 kg, mm/s²": lambda cells: least_acceleration(
         BALER, Limits(0.2, 5.0, peak_power_w=9000.0, mass_kg=20.0), cells
     ),
-    "A/20 000 mm/s² + P/9000 W, to 0.5 %": lambda cells: (
-        least_weighted_sum(BALER, Limits(0.2, 5.0), WEIGHTS, cells).sum
-    ),
+    "A/20 000 mm/s² + P/9000 W, to 0.5 %": lambda cells: least_weighted_sum(BALER, Limits(0.2, 5.0), WEIGHTS, cells),
 }
 
 

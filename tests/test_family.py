@@ -25,8 +25,8 @@ from ncgear.optimum.family import (
     FamilyOptimum,
     Peak,
     best_of_family,
-    figures,
     request_at,
+    sampled_laws,
     strokes_at,
 )
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
@@ -88,7 +88,7 @@ def test_working_strokes_are_those_of_the_laws(linkage: CrankSlider) -> None:
     displacement, velocity, acceleration = (
         np.hstack(parts) for parts in zip(*working_motions(strokes, SEGMENT_POINTS), strict=True)
     )
-    assert np.isfinite(figures(family, points_of(SHAPES)).power).all()
+    assert np.isfinite(sampled_laws(family, points_of(SHAPES)).power).all()
     for number, shape in enumerate(SHAPES):
         machine = Machine(made(shape, family).transmission, linkage, RESISTANCE, OMEGA)
         theta2, theta3, theta4 = (getattr(strokes, f"theta{k}_rad")[number] for k in (2, 3, 4))
@@ -156,7 +156,7 @@ def baler_point() -> Array:
 
 def test_the_published_baler_is_a_member() -> None:
     """6315 W and 1500 mm/s^2 in the working stroke at 20 r/min, its headline figures."""
-    found = figures(Family(IN_LINE, RESISTANCE, 20.0 * pi / 30.0), baler_point()[None])
+    found = sampled_laws(Family(IN_LINE, RESISTANCE, 20.0 * pi / 30.0), baler_point()[None])
     assert found.power.max() == pytest.approx(6315.1, rel=1e-3)  # between samples
     assert np.abs(found.acceleration[:, : sum(SEGMENT_POINTS)]).max() == pytest.approx(
         1500.0, rel=1e-4
@@ -167,7 +167,7 @@ def test_shapes_that_turn_back_are_no_laws() -> None:
     random = np.random.default_rng(4)
     points = random.random((400, 7))
     family = Family(IN_LINE, RESISTANCE, OMEGA)
-    found = figures(family, points)
+    found = sampled_laws(family, points)
     possible = np.isfinite(found.power[:, 0])
     assert 0.3 < possible.mean() < 0.95
     strokes, _ = strokes_at(family, points)

@@ -135,19 +135,19 @@ def test_no_law_is_under_the_certified_limit(name: str) -> None:
 def gain_nearby(wishes: Wishes, found: MakeableLaw) -> float:
     """Relative gain to first order within all limits, no coefficient moved by over a thousandth: a linear programme."""
     on = grid(stations(BALER_LINKAGE, PRESS, 720), wishes.harmonics)
-    wanted = levels(wishes, scales(BALER, on.stations))
+    wanted, slider = levels(wishes, scales(BALER, on.stations)), on.stations.slider
 
     def terms(coefficients: Array) -> Array:
         """All sides of all levels at all places, one after the other."""
         at = ratios(on, coefficients, BALER.cycle_rad)
-        return np.concatenate([term for level in wanted for term in level.terms(at, on.slider, lengths(at))])
+        return np.concatenate([term for level in wanted for term in level.terms(at, slider, lengths(at))])
 
     best = np.concatenate([found.cosine, found.sine])
     values, moves = terms(best), 1e-6 * np.eye(best.size)
     slopes = np.column_stack([(terms(best + move) - terms(best - move)) / 2e-6 for move in moves])
     at = ratios(on, best, BALER.cycle_rad)
     owner = np.concatenate(
-        [np.full(len(level.terms(at, on.slider, [1.0])) * on.stations.count, k) for k, level in enumerate(wanted)]
+        [np.full(len(level.terms(at, slider, [1.0])) * on.stations.count, k) for k, level in enumerate(wanted)]
     )
     (goal,) = (k for k, level in enumerate(wanted) if level.weight)
     limits = np.array([np.inf if level.limit is None else level.limit for level in wanted])[owner]
@@ -233,7 +233,7 @@ def test_a_weighted_sum_touches_the_frontier_from_no_side() -> None:
     wishes = replace(HALF, goal=Goal.WEIGHTED, weights=weights, limits=USUAL)
     found = judged(wishes)
     value = weights.of(found.peak_acceleration_mm_s2, found.peak_power_w)
-    assert value > least_weighted_sum(BALER, USUAL, weights).sum.value
+    assert value > least_weighted_sum(BALER, USUAL, weights).value
     # On the frontier at its own power, and no other point of it has a lesser sum.
     on_it = judged(replace(HALF, limits=replace(USUAL, peak_power_w=round(found.peak_power_w, 3))))
     assert on_it.peak_acceleration_mm_s2 == pytest.approx(found.peak_acceleration_mm_s2, rel=1e-4)

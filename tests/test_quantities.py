@@ -78,13 +78,13 @@ def test_motion_against_the_jets_of_the_machine(seed: int) -> None:
     machine = Machine(transmission(seed), linkage(seed), PRESS, SPEED)
     displacement = machine.displacement(driving_angles(machine.transmission, on.stations.phi2_rad), 3)
     exact = [displacement.derivative(order) * SPEED**order for order in (1, 2, 3)]
-    assert close(quantities.velocity(at, on.slider, SPEED), exact[0])
-    assert close(quantities.acceleration(at, on.slider, SPEED), exact[1])
-    assert close(quantities.jerk(at, on.slider, SPEED), exact[2])
+    assert close(quantities.velocity(at, on.stations.slider, SPEED), exact[0])
+    assert close(quantities.acceleration(at, on.stations.slider, SPEED), exact[1])
+    assert close(quantities.jerk(at, on.stations.slider, SPEED), exact[2])
     force = np.where(on.stations.phi2_rad < linkage(seed).working_angle_rad, PRESS.force_n(displacement.value), 0.0)
-    assert close(quantities.power(at, on.slider, SPEED, 0.0), force * exact[0] / 1e3)
+    assert close(quantities.power(at, on.stations.slider, SPEED, 0.0), force * exact[0] / 1e3)
     moved = (force + 70.0 * exact[1] / 1e3) * exact[0] / 1e3
-    assert close(quantities.power(at, on.slider, SPEED, 70.0), moved)
+    assert close(quantities.power(at, on.stations.slider, SPEED, 70.0), moved)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -143,7 +143,7 @@ def test_thirty_digits_from_the_radii() -> None:
         for k in (3, 17, 29):
             t = mpmath.mpf(float(on.stations.phi2_rad[k]))
             found = Place(*(value[k] for value in at))
-            slides = type(on.slider)(*(value[k] for value in on.slider))
+            slides = type(on.stations.slider)(*(value[k] for value in on.stations.slider))
             turns2 = lambda q, u: mpmath.diff(q, u)  # noqa: E731
             pairs = (
                 (quantities.acceleration(found, slides, SPEED), acceleration(t)),
@@ -161,7 +161,7 @@ def peaks(seed: int, count: int) -> tuple[Array, Array]:
     """Largest acceleration, ratio, tangent, driving and driven curvature: with parabolas, and at the places alone."""
     on, at = on_grid(seed, count)
     terms = (
-        quantities.acceleration(at, on.slider, SPEED),
+        quantities.acceleration(at, on.stations.slider, SPEED),
         at.log,
         quantities.tangent(at),
         quantities.driving_curvature(at),

@@ -194,7 +194,7 @@ def test_too_few_points_would_not_agree(monkeypatch: pytest.MonkeyPatch) -> None
 def test_the_order_of_designs_and_their_neighbours_do_not_matter() -> None:
     designs = [*random_strokes(8, 10), *random_harmonics(8, 10)]
     whole, half = screened(designs), screened(designs[::-2])
-    mirrored = np.isin(whole.rows, np.arange(len(designs))[::-2])
+    mirrored = np.isin(whole.numbers, np.arange(len(designs))[::-2])
     for name in whole.figures:
         assert half.figures[name][::-1] == pytest.approx(whole.figures[name][mirrored], rel=1e-12, abs=1e-12)
 

@@ -139,7 +139,7 @@ def best_at_places(form: Form, count: int, places_per_count: int) -> LawAtPlaces
     if found is None:
         raise ArithmeticError(f"no law of {2 * count} coefficients was found")
     there = ratios(on, found.coefficients, TASK.cycle_rad)
-    largest = max(float(np.max(term)) for term in wanted[0].terms(there, on.slider, lengths(there)))
+    largest = max(float(np.max(term)) for term in wanted[0].terms(there, on.stations.slider, lengths(there)))
     unit, level = units.acceleration_mm_s2, float(reached(wanted, on, there)[0])
     return LawAtPlaces(found.coefficients, unit * largest, unit * level)
 

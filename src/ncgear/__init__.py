@@ -18,7 +18,7 @@ __version__ = "0.1.0"
 
 __all__ = ["DesignError", "Drive", "NoSuchMechanism", "WrongInput", "__version__", "load", "loads", "plots"]
 
-_ROOMS = {
+_MODULES = {
     "DesignError": "ncgear.errors",
     "Drive": "ncgear.project.drive",
     "NoSuchMechanism": "ncgear.errors",
@@ -32,9 +32,9 @@ _ROOMS = {
 def __getattr__(name: str) -> Any:
     if name == "plots":
         return import_module("ncgear.plots")
-    if name not in _ROOMS:
+    if name not in _MODULES:
         raise AttributeError(f"module 'ncgear' has no attribute {name!r}")
-    return getattr(import_module(_ROOMS[name]), name)
+    return getattr(import_module(_MODULES[name]), name)
 
 
 def __dir__() -> list[str]:

@@ -68,10 +68,10 @@ def _order(figure: str, found: Screened) -> IndexArray:
 def _best(title: str, figure: str, varied: Sequence[Varied], found: Screened) -> str:
     """A table of the designs with the least of a figure."""
     order = _order(figure, found)
-    values, rows = _values(varied), found.rows
+    values, numbers = _values(varied), found.numbers
     heads = [*(one.key for one in varied), *RANKED.values()]
     lines = [
-        [*map(shown, values[rows[number]]), *(shown(float(found.figures[name][number])) for name in RANKED.values())]
+        [*map(shown, values[numbers[number]]), *(shown(float(found.figures[name][number])) for name in RANKED.values())]
         for number in order.tolist()
     ]
     return "\n".join([f"Best by {title}", *aligned([heads, *lines])])

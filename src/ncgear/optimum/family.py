@@ -74,7 +74,7 @@ WITHIN = 1e-6
 """Relative excess of the exact peak over the cap that counts as none."""
 
 IMPOSSIBLE = 1e6
-"""Stands for a figure that is not finite, in units of the objective and of the cap."""
+"""What stands for a sample that is not finite, in units of the objective and of the cap."""
 
 
 class Peak(Enum):
@@ -96,7 +96,7 @@ class Family:
 
 
 @dataclass(frozen=True, eq=False)
-class Figures:
+class SampledLaws:
     """Sampled accelerations in mm/s^2 and powers in W, shape (n, points) each; infinite where there is no law."""
 
     acceleration: Array
@@ -118,15 +118,12 @@ class FamilyOptimum:
 
     def peak(self, peak: Peak) -> float:
         """Exact peak over the whole cycle in mm/s^2 or W."""
-        both = {
-            Peak.ACCELERATION: self.check.peak_acceleration_cycle_mm_s2,
-            Peak.POWER: self.check.peak_power_w,
-        }
-        return both[peak].value
+        check = self.check
+        return (check.peak_acceleration_cycle_mm_s2 if peak is Peak.ACCELERATION else check.peak_power_w).value
 
 
-def figures(family: Family, points: Array) -> Figures:
-    """Figures of laws given by numbers of the unit box, shape (n, 7)."""
+def sampled_laws(family: Family, points: Array) -> SampledLaws:
+    """Samples of the laws at points of the unit box, shape (n, 7)."""
     strokes, skewness = strokes_at(family, points)
     linkage, omega = family.linkage, family.speed_rad_s
     motions = working_motions(strokes, SEGMENT_POINTS)
@@ -140,7 +137,7 @@ def figures(family: Family, points: Array) -> Figures:
     possible = (advancing & (strokes.pressing_mm_rad > 0.0) & closed)[:, None]
     acceleration = np.hstack([working, back.acceleration[:, 0]]) * omega**2
     power = family.resistance.force_n(displacement) * velocity * (omega / 1000.0)
-    return Figures(np.where(possible, acceleration, inf), np.where(possible, power, inf))
+    return SampledLaws(np.where(possible, acceleration, inf), np.where(possible, power, inf))
 
 
 def strokes_at(family: Family, points: Array) -> tuple[WorkingStrokes[Array], Array]:
@@ -185,15 +182,19 @@ def best_of_family(family: Family, least: Peak, cap: float = inf, *, seed: int =
 
 
 def _local_optima(family: Family, least: Peak, cap: float, seed: int, starts: int) -> list[Array]:
-    """Where the descents end, the best first; there are many, so the best one's neighbours are tried as well."""
+    """The ends of all descents, the best first; there are many optima, so neighbours of the best are tried as well."""
+
+    def rank(point: Array) -> float:
+        return float(_merit(family, least, cap * (1.0 + ALMOST), point[None])[0])
+
     random = np.random.default_rng(seed)
     points = [_descended(family, least, cap, start) for start in _starts(family, least, cap, random, starts)]
     for _ in range(HOPS * starts):
-        points.sort(key=lambda point: _merit(family, least, cap * (1.0 + ALMOST), point[None])[0])
+        points.sort(key=rank)
         near = np.clip(points[0] + random.normal(0.0, HOP, len(BOX)), 0.0, 1.0)
         if np.isfinite(_merit(family, least, cap, near[None])[0]):
             points.append(_descended(family, least, cap, near))
-    return sorted(points, key=lambda point: _merit(family, least, cap * (1.0 + ALMOST), point[None])[0])
+    return sorted(points, key=rank)
 
 
 def _capped(least: Peak) -> Peak:
@@ -202,7 +203,7 @@ def _capped(least: Peak) -> Peak:
 
 def _merit(family: Family, least: Peak, cap: float, points: Array) -> Array:
     """The peak, made larger where the other one exceeds the cap; shape (n,)."""
-    found = figures(family, points)
+    found = sampled_laws(family, points)
     peak, other = (np.abs(found.of(kind)).max(axis=1) for kind in (least, _capped(least)))
     excess = np.maximum(other / cap - 1.0, 0.0) if isfinite(cap) else np.where(np.isfinite(other), 0.0, inf)
     merit: Array = peak * (1.0 + PENALTY * excess)
@@ -228,7 +229,7 @@ class _Descent:
     def __init__(self, family: Family, least: Peak, cap: float, start: Array) -> None:
         self._family, self._least, self._cap = family, least, cap
         # Without resistance there is no power to scale by.
-        self._scale = float(np.abs(figures(family, start[None]).of(least)).max()) or 1.0
+        self._scale = float(np.abs(sampled_laws(family, start[None]).of(least)).max()) or 1.0
         self._at, self._values, self._slopes = np.full(start.size, np.nan), np.empty(0), np.empty((0, 0))
         self.start = np.append(start, 1.0)
 
@@ -251,7 +252,7 @@ class _Descent:
         self._at, self._values, self._slopes = point.copy(), rows[0], (rows[1:] - rows[0]).T / steps
 
     def _rows(self, points: Array) -> Array:
-        found = figures(self._family, points)
+        found = sampled_laws(self._family, points)
         with np.errstate(invalid="ignore"):  # infinite over infinite, where there is neither law nor cap
             peak, other = found.of(self._least) / self._scale, found.of(_capped(self._least)) / self._cap
         self._is_peak = np.repeat([1.0, 0.0], [2 * peak.shape[1], 2 * other.shape[1]])
@@ -303,9 +304,8 @@ def _out_of_reach(family: Family, least: Peak, cap: float, seed: int, starts: in
     """The refusal of a cap, with the least that the family reaches where nothing else is asked of it."""
     capped = _capped(least)
     points = _local_optima(family, capped, inf, seed, starts)
-    lowest = float(np.abs(figures(family, points[0][None]).of(capped)).max())
+    lowest = float(np.abs(sampled_laws(family, points[0][None]).of(capped)).max())
     return NoSuchMechanism(
         f"no law of the three-segment family was found with a {capped.value} of {cap:.6g} or less; the least found is "
-        f"{lowest:.6g}",
-        key="",
+        f"{lowest:.6g}"
     )

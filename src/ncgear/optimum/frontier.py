@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -24,17 +25,17 @@ from ncgear.optimum.family import Family, FamilyOptimum, Peak, best_of_family
 from ncgear.optimum.makeable.wishes import Goal, Wishes
 from ncgear.optimum.task import Figures, Limits, Task, figures
 
-if TYPE_CHECKING:
-    from ncgear.optimum.makeable.law import MakeableLaw
-
 BEYOND = 1.02
 """The frontier runs from just over the least power to just over the power at which acceleration gains nothing more."""
 
 WITHIN_REACH = 1.1
-"""The limit alone is shown from a tenth over its least power on: below, accelerations grow beyond all measure."""
+"""The first cap of the limit's curve, over the least power: towards that power, accelerations grow without bound."""
+
+LIMIT_POINTS = 30
+"""Points of the limit's curve: enough for a smooth curve, and computed in half a second."""
 
 FAMILY_STARTS = 8
-"""Starts of the family's search at each point; neighbouring points are better known than any one would be alone."""
+"""Starts of the family's search at each cap: few are enough, because a law found at one cap counts at higher ones."""
 
 
 @dataclass(frozen=True)
@@ -64,12 +65,12 @@ def caps_w(task: Task, wishes: Wishes, count: int) -> list[float]:
 
     Raises NoSuchMechanism where no law keeps the wishes' other limits.
     """
-    least = figures_of(task, _law(task, _free(wishes, Goal.POWER))).peak_power_w
-    most = figures_of(task, _law(task, _free(wishes, Goal.ACCELERATION))).peak_power_w
+    least = _best_figures(task, _free(wishes, Goal.POWER)).peak_power_w
+    most = _best_figures(task, _free(wishes, Goal.ACCELERATION)).peak_power_w
     return [float(cap) for cap in np.geomspace(BEYOND * least, BEYOND * max(most, least), count)]
 
 
-def limit_points(task: Task, limits: Limits, most_w: float, count: int) -> list[tuple[float, float]]:
+def limit_points(task: Task, limits: Limits, most_w: float) -> list[tuple[float, float]]:
     """The certified limit alone: caps on the power in W and least accelerations in mm/s2, up to ``most_w``.
 
     The caps begin a tenth over the least power at any acceleration; there are none where nothing resists.  The grid has
@@ -82,8 +83,8 @@ def limit_points(task: Task, limits: Limits, most_w: float, count: int) -> list[
     problem = prepared(task, free, CELLS)
     points: list[tuple[float, float]] = []
     guess = resting_acceleration(task)
-    for cap in np.geomspace(most_w, least, count).tolist():
-        guess, _ = certified(problem, lambda value, cap=cap: Peaks(value, cap), guess)  # type: ignore[misc]
+    for cap in np.geomspace(most_w, least, LIMIT_POINTS).tolist():
+        guess, _ = certified(problem, partial(Peaks, power_w=cap), guess)
         points.append((cap, guess))
     return points[::-1]
 
@@ -92,7 +93,7 @@ def law_point(task: Task, wishes: Wishes, cap_w: float) -> LawPoint:
     """One point of the limit and of the makeable laws; raises NoSuchMechanism where no law is found."""
     free = _free(wishes, Goal.ACCELERATION)
     capped = replace(free, limits=replace(free.limits, peak_power_w=cap_w))
-    return LawPoint(cap_w, least_acceleration(task, capped.limits), figures_of(task, _law(task, capped)))
+    return LawPoint(cap_w, least_acceleration(task, capped.limits), _best_figures(task, capped))
 
 
 def family_point(task: Task, cap_w: float, seed: int) -> FamilyPoint:
@@ -125,18 +126,14 @@ def motion_of(best: FamilyOptimum) -> dict[str, Any]:
     }
 
 
-def figures_of(task: Task, law: MakeableLaw) -> Figures:
-    """Exact figures of a makeable law."""
-    return figures(task, law.train(task.lobes))
-
-
-def _law(task: Task, wishes: Wishes) -> MakeableLaw:
-    """The best law from the fastest rough motion."""
+def _best_figures(task: Task, wishes: Wishes) -> Figures:
+    """Exact figures of the best makeable law from the fastest rough motion."""
     from ncgear.optimum.makeable.law import makeable_law
     from ncgear.optimum.makeable.search import rough_start
 
     rough = least_acceleration(task, wishes.limits).attained
-    return makeable_law(task, wishes, [rough_start(task, wishes, rough if rough < inf else 1.0)])
+    law = makeable_law(task, wishes, [rough_start(task, wishes, rough if rough < inf else 1.0)])
+    return figures(task, law.train(task.lobes))
 
 
 def _free(wishes: Wishes, goal: Goal) -> Wishes:

@@ -16,7 +16,7 @@ HOLDS = 1e-9
 are three orders smaller; a term left out or a wrong sign makes six orders more (tests/test_ledger.py)."""
 
 BINARY = 1e-9
-"""Share of a half step that is added to it: a decimal half has no exact binary form and must not be lost for that."""
+"""What half a step is widened by, as a share of it, because a decimal half has no exact binary form."""
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,8 @@ from dataclasses import replace
 from math import atan, degrees, floor, radians
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ncgear.design.keys.design import Design
 from ncgear.errors import DesignError, WrongInput
 from ncgear.project.drive import Drive
@@ -195,8 +197,6 @@ def blunt_addendum(drive: Drive) -> Changes:
 
 def _least_addendum(gear: ToothedGear) -> float:
     """Addendum in modules just under the lowest tip that was cut to keep its land; infinite where no tip was cut."""
-    import numpy as np
-
     from ncgear.teeth.tips import Limit
 
     flanks, lowered = gear.flanks, gear.tips.limit == Limit.LAND

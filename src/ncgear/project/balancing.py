@@ -75,20 +75,20 @@ class Balancing:
         if given.linkage is not None and given.linkage.crank_mm is not None and given.masses is not None:
             with below(f"mechanisms.{number}"):
                 linkage = require_rod(mechanism_of(given.linkage), "balance", "linkage")
-            driven_by = linkage, uniform_law(Lobes())
+            transmission = uniform_law(Lobes())
             masses = masses_of(given.masses, linkage)
         else:
             drive = self._drive(f"mechanisms.{number}.design")
             with located(drive.places):
                 linkage = require_rod(drive.linkage, "balance", "linkage")
-            driven_by = linkage, drive.transmission
+            transmission = drive.transmission
             masses = drive.masses if given.masses is None else masses_of(given.masses, linkage)
         added = tuple(
             Counterweight(Carrier(one.on), one.mass_kg, one.arm_mm, radians(one.angle_deg))
             for one in given.counterweights
         )
         assert isinstance(masses, RodMasses)
-        mechanism = DrivenCrank(*driven_by, self._speed_rad_s, masses, added)
+        mechanism = DrivenCrank(linkage, transmission, self._speed_rad_s, masses, added)
         place = complex(given.x_mm, given.y_mm)
         return Mounted(mechanism, radians(given.direction_deg), radians(given.phase_deg), given.mirrored, place)
 

@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from ncgear.design.keys.design import Design
-from ncgear.design.mechanisms import mechanism_of
+from ncgear.design.keys.optimize import Optimize
 from ncgear.errors import DesignError
 from ncgear.extras import require
 from ncgear.optimum.makeable.wishes import Goal, Wishes
@@ -19,9 +19,6 @@ from ncgear.ratio.transmission import Train, single
 if TYPE_CHECKING:
     from ncgear.optimum.certified.limit import Bound
     from ncgear.optimum.makeable.law import MakeableLaw
-
-LIMIT_POINTS = 30
-"""Points of the limit's curve: enough for a smooth curve, and computed in half a second."""
 
 
 class BestLaw:
@@ -42,7 +39,7 @@ class BestLaw:
     @cached_property
     def task(self) -> Task:
         """The machine that the law is for."""
-        return task_of(self.design, mechanism_of(self.design.linkage))
+        return task_of(self.design)
 
     @cached_property
     def bound(self) -> Bound:
@@ -56,7 +53,7 @@ class BestLaw:
             case Goal.POWER:
                 return limit.least_power(task, wishes.limits)
         assert wishes.weights is not None
-        return limit.least_weighted_sum(task, wishes.limits, wishes.weights).sum
+        return limit.least_weighted_sum(task, wishes.limits, wishes.weights)
 
     @cached_property
     def law(self) -> MakeableLaw:
@@ -65,8 +62,8 @@ class BestLaw:
         from ncgear.optimum.makeable.law import makeable_law
         from ncgear.optimum.makeable.search import random_starts, rough_start
 
-        asked, wishes = self.design.optimize, self.wishes
-        random = random_starts(wishes.harmonics, asked.starts - 1, asked.seed) if asked else ()
+        asked, wishes = self.design.optimize or Optimize(), self.wishes
+        random = random_starts(wishes.harmonics, asked.starts - 1, asked.seed)
         return makeable_law(self.task, wishes, [rough_start(self.task, wishes, self._roughly), *random])
 
     @cached_property
@@ -109,7 +106,7 @@ class BestLaw:
         from ncgear.optimum.frontier import limit_points
 
         most = 1.2 * max(self.figures.peak_power_w, self.uniform_figures.peak_power_w)
-        return limit_points(self.task, self.wishes.limits, most, LIMIT_POINTS)
+        return limit_points(self.task, self.wishes.limits, most)
 
     @property
     def goal(self) -> float:

@@ -47,9 +47,6 @@ def _vector(gravity: Gravity | None) -> tuple[float, float]:
     return gravity.acceleration_m_s2 * cos(direction), gravity.acceleration_m_s2 * sin(direction)
 
 
-N_MM_PER_N_M = 1e3
-
-
 def meshing_of(given: Simulation, pitch: PitchPair, teeth: ToothedPair) -> Meshing:
     """The pair of gears under load."""
     rub = given.friction
@@ -77,4 +74,4 @@ def drive_line_of(given: Simulation, masses: Masses, speed_rad_s: float) -> Driv
             key="masses.driving_gear_kg_mm2",
         )
     inertia = N_PER_KG_MM_S2 * masses.driving_shaft_kg_mm2
-    return Motor(motor.no_load_speed_rpm * RAD_S_PER_RPM, N_MM_PER_N_M * motor.stall_torque_n_m, inertia)
+    return Motor(motor.no_load_speed_rpm * RAD_S_PER_RPM, 1000.0 * motor.stall_torque_n_m, inertia)

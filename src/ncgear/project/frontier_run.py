@@ -18,7 +18,7 @@ from typing import Any
 
 from ncgear import __version__
 from ncgear.design.keys.design import Design
-from ncgear.design.mechanisms import mechanism_of
+from ncgear.design.keys.optimize import Optimize
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.extras import require
 from ncgear.interrupts import deaf_processes, end_processes, uninterrupted
@@ -82,9 +82,9 @@ def frontier(design: Design, count: int, folder: Path, on_point: Callable[[int, 
     if design.resistance is None:
         raise WrongInput("missing; without it there is no power to set against acceleration", key="resistance")
     kept = FinishedPoints(folder / POINTS_FILE, design)
-    caps = _caps(design, count, kept)
-    jobs = [(kind, cap) for cap in caps for kind in ("law", "family")]
     found = kept.found()
+    caps = found["caps", float(count)]["caps_w"] if ("caps", float(count)) in found else _caps(design, count, kept)
+    jobs = [(kind, cap) for cap in caps for kind in ("law", "family")]
     missing = [job for job in jobs if job not in found]
     on_point(len(jobs) - len(missing), len(jobs))
     for done, (kind, cap, result) in enumerate(_computed(design, missing), start=len(jobs) - len(missing) + 1):
@@ -95,10 +95,8 @@ def frontier(design: Design, count: int, folder: Path, on_point: Callable[[int, 
 
 
 def _caps(design: Design, count: int, kept: FinishedPoints) -> list[float]:
-    found = kept.found()
-    if ("caps", float(count)) in found:
-        return list(found["caps", float(count)]["caps_w"])
-    caps = caps_w(task_of(design, mechanism_of(design.linkage)), wishes_of(design), count)
+    """The caps of a frontier of ``count`` points, which are kept as well."""
+    caps = caps_w(task_of(design), wishes_of(design), count)
     kept.add("caps", float(count), {"caps_w": caps})
     return caps
 
@@ -134,10 +132,9 @@ def _one_thread_each() -> Iterator[None]:
 
 def _point(design: Design, kind: str, cap_w: float) -> dict[str, Any]:
     """One point, computed in its own process; where no law keeps the limits, the refusal."""
-    task, wishes = task_of(design, mechanism_of(design.linkage)), wishes_of(design)
-    seed = design.optimize.seed if design.optimize else 0
+    task, wishes = task_of(design), wishes_of(design)
     if kind == "family":
-        return asdict(family_point(task, cap_w, seed))
+        return asdict(family_point(task, cap_w, (design.optimize or Optimize()).seed))
     try:
         return asdict(law_point(task, wishes, cap_w))
     except NoSuchMechanism as refusal:

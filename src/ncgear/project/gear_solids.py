@@ -31,11 +31,11 @@ def straight_solids(gears: Gears, pitch: PitchPair, teeth: ToothedPair, toleranc
     from ncgear.solids.mesh.pair import SolidPair, driven_solid, driving_solid, ring_solid
 
     module, outline = pitch.size.module_mm, teeth.driven.outline_mm
-    blank = blank_of(gears, gears.driving)
+    blank = _blank(gears, gears.driving)
     driving = driving_solid(teeth.driving.outline_mm, blank, module, tolerance_mm, pitch.mesh)
     if pitch.driven.is_ring:
         return SolidPair(driving, ring_solid(outline, _ring_blank(gears, module), module, tolerance_mm))
-    return SolidPair(driving, driven_solid(outline, blank_of(gears, gears.driven), module, tolerance_mm))
+    return SolidPair(driving, driven_solid(outline, _blank(gears, gears.driven), module, tolerance_mm))
 
 
 def helical_solids(gears: Gears, pitch: PitchPair, form: ToothForm, helix: Helix, tolerance_mm: float) -> SolidPair:
@@ -44,11 +44,11 @@ def helical_solids(gears: Gears, pitch: PitchPair, form: ToothForm, helix: Helix
 
     if pitch.driven.is_ring:
         raise WrongInput("helical teeth of internal pairs are not made; leave it out", key="gears.helix")
-    blanks = {Gear.DRIVING: blank_of(gears, gears.driving), Gear.DRIVEN: blank_of(gears, gears.driven)}
+    blanks = {Gear.DRIVING: _blank(gears, gears.driving), Gear.DRIVEN: _blank(gears, gears.driven)}
     return helical_pair(pitch, form, helix, blanks, tolerance_mm)
 
 
-def blank_of(gears: Gears, body: GearBody) -> Blank:
+def _blank(gears: Gears, body: GearBody) -> Blank:
     """The body that the file asks for, of one gear that is not a ring."""
     keyway = Keyway(body.keyway.width_mm, body.keyway.depth_mm) if body.keyway else None
     holes = body.lightening_holes
@@ -75,11 +75,11 @@ def _hub(asked: AskedHub, face_width_mm: float) -> Hub:
 
 
 def _web(body: GearBody) -> WebSize | None:
-    """The web; where the file gives no diameter that it leaves about the axis, it leaves the hub's."""
+    """The web; it ends at the given diameter about the axis, or else at the hub's."""
     if body.web is None:
         return None
-    around_axis = body.web.hub_mm if body.web.hub_mm is not None else body.hub.diameter_mm if body.hub else 0.0
-    return WebSize(body.web.thickness_mm, body.web.rim_mm, around_axis)
+    of_hub_mm = body.hub.diameter_mm if body.hub else 0.0
+    return WebSize(body.web.thickness_mm, body.web.rim_mm, of_hub_mm if body.web.hub_mm is None else body.web.hub_mm)
 
 
 def _ring_blank(gears: Gears, module_mm: float) -> RingBlank:

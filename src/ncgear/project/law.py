@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ncgear.design.keys.design import Design
 from ncgear.design.mechanisms import mechanism_of, mechanism_of_stroke
-from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance
+from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance, TableResistance
 from ncgear.ratio.transmission import Law, Lobes
 
 
@@ -31,9 +31,6 @@ def resistance_of(design: Design) -> Resistance:
         return PolynomialResistance()
     keep = given.where_negative == "keep"
     if given.table is not None:
-        # Only tables need SciPy's splines, which load slowly.
-        from ncgear.mechanisms.resistance import TableResistance
-
         return TableResistance(given.table.displacement_mm or (), given.table.force_n or (), keep)
     if given.expression_n is not None:
         return FormulaResistance(given.expression_n, keep)

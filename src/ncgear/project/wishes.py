@@ -9,8 +9,8 @@ from typing import NamedTuple
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.optimize import Limits, Optimize
+from ncgear.design.mechanisms import mechanism_of
 from ncgear.errors import WrongInput
-from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum import task
 from ncgear.optimum.certified.limit import Weights
@@ -22,9 +22,10 @@ RACK_ANGLE_DEG = 20.0
 """Pressure angle of the rack where a design has no gears; it is the one of ISO 53."""
 
 
-def task_of(design: Design, linkage: Mechanism) -> task.Task:
+def task_of(design: Design) -> task.Task:
     """The machine: mechanism, resistance, speed and lobes."""
-    return task.Task(linkage, resistance_of(design), design.operation.speed_rpm * RAD_S_PER_RPM, lobes_of(design))
+    speed = design.operation.speed_rpm * RAD_S_PER_RPM
+    return task.Task(mechanism_of(design.linkage), resistance_of(design), speed, lobes_of(design))
 
 
 def wishes_of(design: Design) -> Wishes:

@@ -137,8 +137,9 @@ def _strokes(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
     points = Points(RETURN_PIECES, count, CLOSING_STEPS)
     returns = returns_with_constant(strokes, linkage, period, _column(designs, "motion.return_.e"), points)
     sound = linkage.turns_fully & (strokes.theta4_rad < period)
-    if kind.law[-1] is False:
-        sound &= np.isclose(_column(designs, "motion.stroke_mm"), stroke_mm, rtol=SAME_STROKE / 2.0, atol=0.0)
+    given_mm = _given(designs, "stroke_mm")
+    if given_mm is not None:
+        sound &= np.isclose(given_mm, stroke_mm, rtol=SAME_STROKE / 2.0, atol=0.0)
     samples = _stroke_samples(strokes, linkage, return_samples(returns, linkage, points, 2), returns.length_rad)
     return Sampled(samples, sound, stroke_mm, strokes.law_speed_rad_s / RAD_S_PER_RPM, strokes.closing_error_mm)
 
@@ -225,7 +226,7 @@ def _harmonics(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
     """Harmonics of the ratio; the law holds at any speed, so its own speed is the speed of operation."""
     cosine, sine = _padded(designs, "motion.cosine", "motion.sine")
     linkage = mechanisms_of([design.linkage for design in designs])
-    samples = harmonic_samples(cosine, sine, linkage, kind.lobes, count)
+    samples = _harmonic_samples(cosine, sine, linkage, kind.lobes, count)
     speed = _column(designs, "operation.speed_rpm")
     return Sampled(samples, linkage.turns_fully, linkage.stroke_mm, speed, 0.0 * speed)
 
@@ -237,7 +238,7 @@ def _padded(designs: Sequence[Design], *names: str) -> list[Array]:
     return [np.array([[*values, *[0.0] * (longest - len(values))] for values in column]) for column in lists]
 
 
-def harmonic_samples(cosine: Array, sine: Array, linkage: Mechanisms[Array], lobes: Lobes, count: int) -> Samples:
+def _harmonic_samples(cosine: Array, sine: Array, linkage: Mechanisms[Array], lobes: Lobes, count: int) -> Samples:
     """Laws of coefficients of shape (n, harmonics) at ``count`` points a piece.
 
     The mechanisms (shape (n,)) must all have the first one's working angle, as crank-sliders without offset do.

@@ -1,7 +1,7 @@
 """Thousands of designs screened: figures of those that can be made, and of the others which condition they fail.
 
-Designs of one kind are computed together.  The others, and all that a batch is not sure of, are computed one by one;
-only this refuses a law and gives the verdict.
+Designs of one kind are computed together.  The others, and all that a batch is not sure of, are computed one by one.
+A law is refused, and its verdict given, only where its design is computed by itself.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Screened:
     verdicts: tuple[str, ...]
 
     @property
-    def rows(self) -> IndexArray:
+    def numbers(self) -> IndexArray:
         """Numbers of the designs that the figures belong to, shape (m,)."""
         numbers: IndexArray = self.made.nonzero()[0]
         return numbers

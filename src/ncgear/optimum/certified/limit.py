@@ -18,7 +18,7 @@ from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.passes import Ceilings
 from ncgear.optimum.certified.problem import Problem
-from ncgear.optimum.certified.refusals import refuse, refuse_ratios, turning_point
+from ncgear.optimum.certified.refusals import refusal, refuse_ratios, turning_point
 from ncgear.optimum.certified.road import Peaks, Road
 from ncgear.optimum.task import Limits, Task
 
@@ -86,7 +86,7 @@ def certified(problem: Problem, peaks: Callable[[float], Peaks], guess: float) -
     """A value that is certainly too little for any law, and one just above it that may be enough."""
     found = turning_point(lambda value: problem.is_open(peaks(value)), guess)
     if found is None:
-        raise refuse(problem, peaks(inf))
+        raise refusal(problem, peaks(inf))
     return found
 
 
@@ -106,11 +106,11 @@ def mean_power(problem: Problem) -> float:
 
 
 TOLERANCE = 5e-3
-"""Relative width to which the least sum is enclosed unless another is asked for."""
+"""Relative width to which the least sum is enclosed."""
 
 NEAR = 1.002
-"""Acceleration over its least bound at which it counts as the least where power is free: a grid attains its bounds to
-this with power free."""
+"""Acceleration, over its least bound, that counts as the least where power is free: a grid attains its bounds within
+this factor."""
 
 FINEST = 0.1
 """Relative width, in tolerances, of an interval of powers that is not split further: the gap left is the grid's own."""
@@ -135,17 +135,9 @@ class Weights:
         return self.per_mm_s2 * acceleration_mm_s2 + self.per_w * power_w
 
 
-@dataclass(frozen=True)
-class WeightedBound:
-    """The enclosed least sum, and the peaks of a rough motion that has its ``attained`` value."""
-
-    sum: Bound
-    peaks: Peaks
-
-
 def least_weighted_sum(
     task: Task, limits: Limits, weights: Weights, cells: int | None = None, tolerance: float = TOLERANCE
-) -> WeightedBound:
+) -> Bound:
     """Least weighted sum of the peaks; limits on the two peaks themselves are not looked at.
 
     The least acceleration A*(P) never grows with P, so that between P1 and P2 the sum is no less than A*(P2) and P1
@@ -154,33 +146,22 @@ def least_weighted_sum(
     """
     problem = prepared(task, limits, cells or CELLS)
     lowest, least, rich = _ends(problem)
-    highest = rich.power_w
-    best = _better(WeightedBound(Bound(0.0, inf, problem.cells), Peaks()), rich, weights)
+    highest, attained = rich.power_w, weights.of(rich.acceleration_mm_s2, rich.power_w)
     # Beyond the highest power acceleration gains nothing, so its own interval needs no splitting.
+    above = weights.of(least, highest)
     intervals = [(weights.of(least, lowest), lowest, highest, least)]
     for _ in range(MOST_SPLITS):
         floor, start, end, beyond = heappop(intervals)
-        floor = min(floor, weights.of(least, highest))
-        best = WeightedBound(Bound(floor, best.sum.attained, problem.cells), best.peaks)
-        if (
-            best.sum.gap <= tolerance
-            or floor >= weights.of(least, highest)
-            or end <= start * (1.0 + FINEST * tolerance)
-        ):
+        floor = min(floor, above)
+        finest = end <= start * (1.0 + FINEST * tolerance)
+        if Bound(floor, attained, problem.cells).gap <= tolerance or floor >= above or finest:
             break
         middle = sqrt(start * end)
         found = enclosed(problem, partial(Peaks, power_w=middle), beyond)
         heappush(intervals, (weights.of(found.value, start), start, middle, found.value))
         heappush(intervals, (weights.of(beyond, middle), middle, end, beyond))
-        best = _better(best, Peaks(found.attained, middle), weights)
-    return best
-
-
-def _better(best: WeightedBound, peaks: Peaks, weights: Weights) -> WeightedBound:
-    attained = weights.of(peaks.acceleration_mm_s2, peaks.power_w)
-    if attained >= best.sum.attained:
-        return best
-    return WeightedBound(Bound(best.sum.value, attained, best.sum.cells), peaks)
+        attained = min(attained, weights.of(found.attained, middle))
+    return Bound(floor, attained, problem.cells)
 
 
 def _ends(problem: Problem) -> tuple[float, float, Peaks]:
@@ -195,13 +176,13 @@ def _ends(problem: Problem) -> tuple[float, float, Peaks]:
 class FastestMotion:
     """The fastest motion at places of the cycle, both dead centres among them; arrays of shape (n + 1,).
 
-    ``slope`` is s = dphi2/dphi1 = 1/i12, and q(phi2) its square; without a limited pressure angle it may jump at the
+    ``slope`` is s = dphi2/dphi1 = 1/i12; without a limited pressure angle it may jump at the
     dead centres, and has there the value before them.  ``driving_rad`` is the driving angle that the motion takes, the
     cycle at most; ``working_rad`` is the part of it in the working stroke.
     """
 
     crank_angle_rad: Array
-    way_mm: Array
+    travel_mm: Array
     speed_mm_s: Array
     slope: Array
     driving_rad: float
@@ -213,11 +194,11 @@ def fastest_motion(task: Task, limits: Limits, cells: int | None = None) -> Fast
     problem = prepared(task, limits, cells)
     ceilings = problem.ceilings(problem.given_peaks)
     if ceilings is None or not problem.is_open(problem.given_peaks):
-        raise refuse(problem, problem.given_peaks)
+        raise refusal(problem, problem.given_peaks)
     out, back = problem.least_durations_s(problem.given_peaks, ceilings)
     return FastestMotion(
         crank_angle_rad=problem.road.crank_angle_rad,
-        way_mm=problem.road.way_mm,
+        travel_mm=problem.road.travel_mm,
         speed_mm_s=np.sqrt(2.0 * ceilings.energy_mm2_s2),
         slope=_slope(problem.road, task, ceilings),
         driving_rad=(out + back) * task.speed_rad_s,

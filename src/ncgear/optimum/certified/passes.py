@@ -25,8 +25,8 @@ SETTLED = 1e-7
 """Relative change of u in a round that ends the rounds."""
 
 ROUNDING = 1e-9
-"""Relative slack of comparisons.  Cancellation in the way and in the passes is below 1e-15 of A times two strokes, and
-matters in the cells at the dead centres only: by 1e-9 of their u with 3000 cells, by 1e-12 of the cycle time."""
+"""Relative slack of comparisons.  Cancellation in the travel and in the passes is below 1e-15 of A times two strokes.
+It matters in the cells at the dead centres only: by 1e-9 of their u with 3000 cells, by 1e-12 of the cycle time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ def fastest(road: Road, task: Task, limits: Limits, peaks: Peaks) -> Ceilings | 
 def _swept(highest: Array, road: Road, limits: Limits, peaks: Peaks) -> tuple[Array, Array]:
     """u at the places and its largest slope in the cells, from acceleration and, with a mass, power."""
     most = peaks.acceleration_mm_s2
-    energy = highest if isinf(most) else sloped(highest, road.way_mm, most)
+    energy = highest if isinf(most) else sloped(highest, road.travel_mm, most)
     if limits.mass_kg and not isinf(peaks.power_w):
         return _pushed(energy, road, limits.mass_kg, peaks)
     return energy, np.full(road.length_mm.shape, most)

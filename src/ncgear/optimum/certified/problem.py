@@ -6,7 +6,7 @@ be smooth: its acceleration, or the slope of its ratio, jumps between cells.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import cached_property
 from math import inf, isinf, pi
 
@@ -135,10 +135,6 @@ class Problem:
     def probes(self) -> Probes:
         """Points inside the cells."""
         return probes(self.road, self.task)
-
-    def under(self, limits: Limits) -> Problem:
-        """The same task under other limits."""
-        return replace(self, limits=limits)
 
     def ceilings(self, peaks: Peaks) -> Ceilings | None:
         """Upper bounds of the fastest motion with these peaks; None where there is no motion."""

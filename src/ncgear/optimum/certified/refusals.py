@@ -72,24 +72,24 @@ def refuse_ratios(task: Task, limits: Limits) -> None:
     _refuse_ratio(2.0 * pi - out, task.cycle_rad - working, limits, "the return")
 
 
-def refuse(problem: Problem, peaks: Peaks) -> NoSuchMechanism:
-    """Why no law has these peaks; a peak that is searched for is infinite.
+def refusal(problem: Problem, peaks: Peaks) -> NoSuchMechanism:
+    """The error that says why no law has these peaks; a peak that is searched for is infinite.
 
     Without limits on the peaks an evenly turning crank keeps all that ``refuse_ratios`` lets pass, so a peak binds.
     """
     power = _least(problem, lambda value: Peaks(inf, value), peaks.power_w)
     if power > peaks.power_w:
         text = f"{peaks.power_w:g} W is too little at any acceleration; at least {shown_above(power)} W"
-        return _refusal("peak_power_w", text, problem, replace(peaks, acceleration_mm_s2=inf))
+        return _too_little("peak_power_w", text, problem, replace(peaks, acceleration_mm_s2=inf))
     acceleration, given = peaks.acceleration_mm_s2, f"{peaks.acceleration_mm_s2:g} mm/s^2 is too little at"
     least = _least(problem, lambda value: Peaks(value, inf), acceleration)
     if least > acceleration:
         text = f"{given} any power; at least {shown_above(least)} mm/s^2"
-        return _refusal("peak_acceleration_mm_s2", text, problem, replace(peaks, power_w=inf))
+        return _too_little("peak_acceleration_mm_s2", text, problem, replace(peaks, power_w=inf))
     least = _least(problem, lambda value: Peaks(value, peaks.power_w), acceleration)
     power = _least(problem, lambda value: Peaks(acceleration, value), peaks.power_w)
     text = f"{given} {peaks.power_w:g} W; at least {shown_above(least)} mm/s^2, or {shown_above(power)} W"
-    return _refusal("peak_acceleration_mm_s2", text, problem, peaks)
+    return _too_little("peak_acceleration_mm_s2", text, problem, peaks)
 
 
 def _refuse_ratio(crank_rad: float, driving_rad: float, limits: Limits, stretch: str) -> None:
@@ -108,22 +108,21 @@ def _refuse_ratio(crank_rad: float, driving_rad: float, limits: Limits, stretch:
         )
 
 
-def _refusal(key: str, text: str, problem: Problem, peaks: Peaks) -> NoSuchMechanism:
+def _too_little(key: str, text: str, problem: Problem, peaks: Peaks) -> NoSuchMechanism:
     return NoSuchMechanism(f"{text}{_or_steeper(problem, peaks)} can be enough", key=f"optimize.limits.{key}")
 
 
 def _or_steeper(problem: Problem, peaks: Peaks) -> str:
     """The least pressure angle that would do in place of more power or acceleration, where there is one."""
+
+    def is_open(angle_rad: float | None) -> bool:
+        return replace(problem, limits=replace(problem.limits, pressure_angle_rad=angle_rad)).is_open(peaks)
+
     given = problem.limits.pressure_angle_rad
-    if given is None or not problem.under(replace(problem.limits, pressure_angle_rad=None)).is_open(peaks):
+    if given is None or not is_open(None):
         return ""
-
-    def holds(narrowing: float) -> bool:
-        """Whether an angle does whose distance from a right angle is divided by ``narrowing``."""
-        wider = pi / 2.0 - (pi / 2.0 - given) / narrowing
-        return problem.under(replace(problem.limits, pressure_angle_rad=wider)).is_open(peaks)
-
-    found = turning_point(holds, 1.0)
+    # The angle's distance from a right angle is divided by a factor that is sought.
+    found = turning_point(lambda narrowing: is_open(pi / 2.0 - (pi / 2.0 - given) / narrowing), 1.0)
     if found is None:
         return ""
     enough = shown_above(90.0 - (90.0 - degrees(given)) / found[1])

@@ -1,6 +1,6 @@
-"""The slider's way over one cycle, cut into cells: out and back laid one after the other.
+"""The slider's travel over one cycle, cut into cells: first the working stroke, then the return.
 
-Each place by itself bounds from above and below how fast the slider may be there, as u, half its speed squared.
+Each place by itself bounds the slider's speed there from above and below, as u, half the speed squared.
 ``Probes`` are points inside the cells at which a motion is compared with its limits.
 """
 
@@ -24,13 +24,13 @@ the square of the angle at a dead centre."""
 class Road:
     """Places of one cycle and cells between them; both dead centres are places, and all arrays rise with the crank.
 
-    Of shape (n + 1,): crank angle; way, the distance gone since the retracted end; slope and bend, the magnitudes of
+    Of shape (n + 1,): crank angle; travel, the distance gone since the retracted end; slope and bend, the magnitudes of
     the displacement's derivatives by the crank angle; force, zero in the return.  Of shape (n,): the cells' lengths in
     mm and in rad, and the work of the resistance in them.  ``extended`` is the index of the extended dead centre.
     """
 
     crank_angle_rad: Array
-    way_mm: Array
+    travel_mm: Array
     slope_mm_rad: Array
     bend_mm_rad2: Array
     force_n: Array
@@ -39,8 +39,8 @@ class Road:
 
     @property
     def length_mm(self) -> Array:
-        """Lengths of the cells along the slider's way."""
-        return np.diff(self.way_mm)
+        """Lengths of the cells along the slider's travel."""
+        return np.diff(self.travel_mm)
 
     @property
     def turn_rad(self) -> Array:
@@ -72,7 +72,7 @@ def road_at(task: Task, angles: Array, extended: int) -> Road:
     work = np.diff(task.resistance.work_n_mm(out[: extended + 1], stroke))
     return Road(
         crank_angle_rad=angles,
-        way_mm=np.concatenate([out[: extended + 1], 2.0 * stroke - out[extended + 1 :]]),
+        travel_mm=np.concatenate([out[: extended + 1], 2.0 * stroke - out[extended + 1 :]]),
         slope_mm_rad=slope,
         bend_mm_rad2=np.abs(position.derivative(2)),
         force_n=force,
@@ -104,7 +104,7 @@ class Peaks:
 
 
 def energy(speed_mm_s: Array) -> Array:
-    """u = v^2 / 2 in mm^2/s^2; its derivative by the way is the acceleration."""
+    """u = v^2 / 2 in mm^2/s^2; its derivative by the travel is the acceleration."""
     return speed_mm_s * speed_mm_s / 2.0
 
 
@@ -139,7 +139,7 @@ def _steerable(road: Road, task: Task, limits: Limits, peaks: Peaks) -> Array:
     least magnitude it can have is omega^2 ((|x''| - t |x'|) s^2 - t |x'| s); at a dead centre, omega^2 |x''| s^2.
     """
     if isinf(limits.steepness) or isinf(peaks.acceleration_mm_s2):
-        return np.full(road.way_mm.shape, inf)
+        return np.full(road.travel_mm.shape, inf)
     rest = peaks.acceleration_mm_s2 / task.speed_rad_s**2
     linear = limits.steepness * road.slope_mm_rad
     square = road.bend_mm_rad2 - linear
@@ -157,7 +157,7 @@ SHARES = np.linspace(0.0, 1.0, 9)
 class Probes:
     """The slider at points of the cells, all of shape (n, 9): ``share`` of the cell's length gone, slope and bend.
 
-    ``bend_mm_rad2`` is the second derivative of the way by the crank angle, with its sign; ``force_n`` the resistance.
+    ``bend_mm_rad2`` is the signed second derivative of the travel by the crank angle; ``force_n`` is the resistance.
     """
 
     share: Array

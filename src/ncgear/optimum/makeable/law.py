@@ -6,7 +6,7 @@ value is found with which all others can be kept.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.makeable.programme import Programme, Solution
+from ncgear.optimum.makeable.programme import Solution
 from ncgear.optimum.makeable.search import Kept, Search, kept, searched
 from ncgear.optimum.makeable.wishes import CONVEX, Level, Wishes
 from ncgear.optimum.task import Task
@@ -28,7 +28,7 @@ PRESSING = 1e-4
 """Share in keeping up the excess below which a cap counts as having none."""
 
 DEARER = 10.0
-"""How many times more an excess over the other caps costs than it can gain, so that there is none unless it must be."""
+"""How many times more an excess over the other caps costs than it gains: it is left only where no law is without."""
 
 TOGETHER = 1e3
 """Price of an excess over all caps where several levels are free, in units that are of the order of one."""
@@ -109,15 +109,11 @@ def law_of(search: Search, found: Kept) -> MakeableLaw:
 
 def _cannot_be(search: Search, near: Solution, others: Sequence[Easing]) -> NoSuchMechanism:
     """The refusal: what each limit would have to be with all the others, or all of them together."""
-    given = search.programme, search.caps, near, search.reached
-    said, found = "no law was found that keeps all limits; one of these is enough", [*easings(*given), *others]
+    enough, found = "one of these is enough", [*_easings(search, near), *others]
     if not found:
-        said, found = (
-            said.replace("one of these is enough", "all of these are enough together"),
-            list(easings_together(*given)),
-        )
+        enough, found = "all of these are enough together", list(_easings_together(search, near))
     return NoSuchMechanism(
-        f"{said}: {', '.join(map(str, found)) or 'none known'}",
+        f"no law was found that keeps all limits; {enough}: {', '.join(map(str, found)) or 'none known'}",
         key=f"optimize.limits.{found[0].wish}" if found else "optimize.limits",
     )
 
@@ -132,10 +128,6 @@ def _free_working(task: Task, wishes: Wishes, near: Solution) -> list[Easing]:
     return [Easing("working_angle_rad", "a working stroke of another driving angle")] if kept else []
 
 
-Judge = Callable[[Array], Array]
-"""Levels that coefficients reach everywhere, shape (levels,)."""
-
-
 class Easing(NamedTuple):
     """A wish, and the words for a value of it that makes room."""
 
@@ -146,24 +138,20 @@ class Easing(NamedTuple):
         return f"{self.said} (optimize.limits.{self.wish})"
 
 
-def pressing(programme: Programme, near: Solution) -> list[str]:
-    """The wishes that keep up the excess of the law that comes nearest to keeping all limits.
+def _easings(search: Search, near: Solution) -> Iterator[Easing]:
+    """For each wish that presses, the nearest value with which all others can be kept, if there is one.
 
-    The other wishes are not to blame: without any of them the same law would still be the nearest.
+    The wishes that press keep up the excess of ``near``, the law that comes nearest to keeping all limits.  Without any
+    of the others the same law would still be the nearest.
     """
-    return list(dict.fromkeys(level.wish for level, share in _shares(programme, near) if share > PRESSING))
-
-
-def easings(programme: Programme, caps: Array, near: Solution, judge: Judge) -> Iterator[Easing]:
-    """For each wish that presses, the nearest value with which all others can be kept, if there is one."""
-    for wish in pressing(programme, near):
-        share = sum(near.pressing[k] for k, level in enumerate(programme.levels) if level.wish == wish)
-        found = _without(programme, caps, [wish], DEARER / float(share), near)
+    for wish in dict.fromkeys(level.wish for level, share in _shares(search, near) if share > PRESSING):
+        share = sum(share for level, share in _shares(search, near) if level.wish == wish)
+        found = _without(search, [wish], DEARER / share, near)
         if found is not None and found.excess <= NO_EXCESS:
-            yield _easing(programme, wish, judge(found.coefficients))
+            yield _easing(search, wish, search.reached(found.coefficients))
 
 
-def easings_together(programme: Programme, caps: Array, near: Solution, judge: Judge) -> Iterator[Easing]:
+def _easings_together(search: Search, near: Solution) -> Iterator[Easing]:
     """Values of several wishes that are enough together, where no single one is.
 
     The most pressing wish is given up, then the one that presses most without it, and so on.
@@ -171,31 +159,32 @@ def easings_together(programme: Programme, caps: Array, near: Solution, judge: J
     freed: list[str] = []
     found: Solution | None = near
     while found is not None and found.excess > NO_EXCESS:
-        shares = [0.0 if level.wish in freed else share for level, share in _shares(programme, found)]
-        freed.append(programme.levels[int(np.argmax(shares))].wish)
-        found = _without(programme, caps, freed, TOGETHER, found)
-        if len(freed) == len(programme.levels):
+        levels = search.programme.levels
+        shares = [0.0 if level.wish in freed else share for level, share in _shares(search, found)]
+        freed.append(levels[int(np.argmax(shares))].wish)
+        found = _without(search, freed, TOGETHER, found)
+        if len(freed) == len(levels):
             return
     if found is not None:
-        reached = judge(found.coefficients)
-        yield from (_easing(programme, wish, reached) for wish in freed)
+        reached = search.reached(found.coefficients)
+        yield from (_easing(search, wish, reached) for wish in freed)
 
 
-def _without(programme: Programme, caps: Array, wishes: Sequence[str], price: float, near: Solution) -> Solution | None:
+def _without(search: Search, wishes: Sequence[str], price: float, near: Solution) -> Solution | None:
     """The law with these wishes' levels as low as they go; an excess over all other caps costs the price."""
-    freed = np.array([level.wish in wishes for level in programme.levels])
-    dents = np.array([level.wish == CONVEX for level in programme.levels])
-    free = np.where(freed, np.where(dents, ANY_DENT, np.inf), caps)
-    return programme.nearest(free, np.where(freed & ~dents, 1.0, 0.0), price, near.coefficients)
+    levels = search.programme.levels
+    freed = np.array([level.wish in wishes for level in levels])
+    dents = np.array([level.wish == CONVEX for level in levels])
+    free = np.where(freed, np.where(dents, ANY_DENT, np.inf), search.caps)
+    return search.programme.nearest(free, np.where(freed & ~dents, 1.0, 0.0), price, near.coefficients)
 
 
-def _shares(programme: Programme, near: Solution) -> Iterator[tuple[Level, float]]:
-    return zip(programme.levels, near.pressing.tolist(), strict=True)
+def _shares(search: Search, near: Solution) -> Iterator[tuple[Level, float]]:
+    """Every level, with its share in keeping up the excess."""
+    return zip(search.programme.levels, near.pressing.tolist(), strict=True)
 
 
-def _easing(programme: Programme, wish: str, reached: Array) -> Easing:
-    value, level = max(
-        ((value, level) for value, level in zip(reached, programme.levels, strict=True) if level.wish == wish),
-        key=lambda one: one[0],
-    )
+def _easing(search: Search, wish: str, reached: Array) -> Easing:
+    levels = zip(reached, search.programme.levels, strict=True)
+    value, level = max(((value, level) for value, level in levels if level.wish == wish), key=lambda one: one[0])
     return Easing(wish, level.shown(float(value)))

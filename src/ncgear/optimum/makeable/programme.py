@@ -23,7 +23,7 @@ from ncgear.optimum.makeable.wishes import Level
 
 SOLVED = {"Solve_Succeeded", "Solved_To_Acceptable_Level"}
 STOPPED = "User_Requested_Stop"
-"""What the solver makes of Ctrl-C."""
+"""The solver's status after Ctrl-C."""
 
 AHEAD = 0.1
 """How far levels start above what the start reaches: an interior-point method begins inside."""
@@ -244,7 +244,7 @@ def _mean(term: Any) -> Any:
 
 def _rows(levels: Sequence[Level], on: Grid, at: Sequence[Place], caps: Any, total: Sequence[Any]) -> list[Any]:
     """What must be at or below zero, every term at all places."""
-    slider = Slider(*(casadi.DM(column) for column in on.slider))
+    slider = Slider(*(casadi.DM(column) for column in on.stations.slider))
     return [term - caps[k] for k, one in enumerate(levels) for term in one.terms(at, slider, total)]
 
 

@@ -1,13 +1,12 @@
 """What is limited, at one place of the crank, from ln i12 there and its two derivatives by the driven angle.
 
-All is written in arithmetic that numbers, arrays and symbols share, so that the optimiser and its judges use the same
-formulas.  With i = dphi1/dphi2, s = 1/i, f = ln i and primes by phi2:  d/dphi1 = s d/dphi2, di/dphi1 = f',
-d2i/dphi1^2 = s f''.  Pitch radii r1 = a/(1 + i) and r2 = a i/(1 + i), a the centre distance.
+Numbers, arrays and symbols share the arithmetic used here, so the optimiser and its judges use the same formulas.
+With i = dphi1/dphi2, s = 1/i, f = ln i and primes by phi2:  d/dphi1 = s d/dphi2, di/dphi1 = f', d2i/dphi1^2 = s f''.
+Pitch radii r1 = a/(1 + i) and r2 = a i/(1 + i), a the centre distance.
 
-Two pairs in series at a place: the law of each by its own driven angle, from ln i12 and the second pair's ln iB.
-
-Both are functions of the crank's angle phi2, which the second pair drives, so ln iB needs no conversion.  The first
-pair drives the shaft between, with dphim = iB dphi2, so that with f = ln i12, g = ln iB
+With two pairs in series, the law of each pair over its own driven angle follows from ln i12 and the second pair's ln
+iB.  Both are functions of the crank's angle phi2, which the second pair drives, so ln iB needs no conversion.  The
+first pair drives the shaft between, with dphim = iB dphi2, so that with f = ln i12, g = ln iB
 
     ln iA = f - g,   d/dphim = exp(-g) d/dphi2
     d ln iA/dphim = exp(-g) (f' - g'),   d2 ln iA/dphim2 = exp(-2g) (f'' - g'' - g' (f' - g'))

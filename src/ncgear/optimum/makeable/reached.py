@@ -43,13 +43,10 @@ ORDER = 3
 
 @dataclass(frozen=True, eq=False)
 class Stations:
-    """n places of the crank: phi2, derivatives of the displacement by it (mm per rad and powers), force in N."""
+    """n places of the crank: phi2, and the slider there, shape (n,) each."""
 
     phi2_rad: Array
-    first: Array
-    second: Array
-    third: Array
-    force_n: Array
+    slider: Slider
 
     @property
     def count(self) -> int:
@@ -66,7 +63,7 @@ def stations(linkage: Mechanism, resistance: Resistance, count: int) -> Stations
     working = phi2 < linkage.working_angle_rad
     force = np.where(working, resistance.force_n(displacement.value), 0.0)
     first, second, third = (displacement.derivative(order) for order in range(1, ORDER + 1))
-    return Stations(phi2, first, second, third, force)
+    return Stations(phi2, Slider(first, second, third, force))
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,12 +72,6 @@ class Grid:
 
     stations: Stations
     basis: Basis
-
-    @property
-    def slider(self) -> Slider:
-        """The slider at all places, shape (n,) each."""
-        at = self.stations
-        return Slider(at.first, at.second, at.third, at.force_n)
 
 
 def grid(stations: Stations, harmonics: int) -> Grid:
@@ -133,7 +124,7 @@ def beyond(levels: Sequence[Level], finer: Grid, at: Sequence[Place], places: in
 
 def _terms(levels: Sequence[Level], on: Grid, at: Sequence[Place]) -> list[tuple[Array, ...]]:
     rolled = lengths(at)
-    return [level.terms(at, on.slider, rolled) for level in levels]
+    return [level.terms(at, on.stations.slider, rolled) for level in levels]
 
 
 def _around(values: Array, places: int) -> Array:

@@ -27,8 +27,8 @@ FEWEST_PLACES = 240
 """Fewest places: resistance and mechanism have waves of their own, as short where a law has few harmonics."""
 
 FINER = 20
-"""How many times finer the grid is on which limits are held against the law that was found: on ten times as fine a one
-the parabolas between its places missed the curvature of 36 harmonics by more than the margin."""
+"""How many times finer the grid is that judges the law: with ten times, the parabolas between its places missed the
+curvature of 36 harmonics by more than the margin."""
 
 ROUNDS = 6
 """Most rounds in which the programme is solved again; three are the rule."""
@@ -47,7 +47,7 @@ LEAST_POWER_W = 1.0
 """Least unit of power, for a machine that nothing resists."""
 
 Form = Callable[[Stations, int], Grid]
-"""From places and a number of harmonics, or of coefficients of another form of ln i12, to the form's matrices there."""
+"""Gives a form of ln i12 as matrices at places; the number is that of its harmonics, or of other coefficients."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,16 +81,16 @@ class Kept:
 
 
 def searched(task: Task, wishes: Wishes, form: Form = grid) -> Search:
-    """The search for the law that a task and wishes ask for; a working stroke of a given angle takes harmonics."""
+    """The search for the law that a task and wishes ask for.
+
+    Other forms than harmonics are for studies of accuracy; they take no working stroke of a given angle.
+    """
     count = max(PLACES_PER_HARMONIC * wishes.harmonics, FEWEST_PLACES)
     coarse = stations(task.linkage, task.resistance, count)
     finer = stations(task.linkage, task.resistance, FINER * count)
     wanted = levels(wishes, scales(task, finer))
-    working = (
-        None
-        if wishes.limits.working_rad is None
-        else Working(task.linkage.working_angle_rad, wishes.limits.working_rad)
-    )
+    driving_rad = wishes.limits.working_rad
+    working = None if driving_rad is None else Working(task.linkage.working_angle_rad, driving_rad)
     return Search(
         programme(wanted, form(coarse, wishes.harmonics), task.cycle_rad, working, wishes.pairs),
         form(finer, wishes.harmonics),
@@ -102,7 +102,7 @@ def searched(task: Task, wishes: Wishes, form: Form = grid) -> Search:
 def scales(task: Task, at: Stations) -> Scales:
     """Units of the order of what a uniform crank feels."""
     turning = task.speed_rad_s * 2.0 * pi / task.cycle_rad
-    power = float(np.max(at.force_n * at.first)) * turning / 1000.0
+    power = float(np.max(at.slider.force_n * at.slider.first)) * turning / 1000.0
     return Scales(task.speed_rad_s, task.linkage.crank_mm * turning**2, max(power, LEAST_POWER_W))
 
 
@@ -141,7 +141,7 @@ RESAMPLED = 16
 def rough_start(task: Task, wishes: Wishes, peak_acceleration_mm_s2: float) -> Array:
     """Coefficients cos 1.., sin 1.. of the fastest motion under a peak of acceleration, its corners smoothed.
 
-    Its ratio jumps; each harmonic is taken with Lanczos' factor, which takes the overshoot from jumps.
+    Its ratio jumps; Lanczos' sigma factors on the harmonics remove the overshoot at the jumps.
     """
     limits = replace(wishes.limits, peak_acceleration_mm_s2=peak_acceleration_mm_s2)
     motion = fastest_motion(task, limits)

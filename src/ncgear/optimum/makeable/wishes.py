@@ -96,9 +96,9 @@ Sides = Callable[[Place, Slider, Term], tuple[Term, ...]]
 class Level:
     """One level: the ``wish`` that it comes from, its ``limit`` (None: none) and its ``weight`` in the goal.
 
-    Terms and limit are in units in which they are of the order of one; ``shown`` gives the words for the user's limit
-    that makes room for a level over this limit.  ``of_pairs`` is true for a level of every pair of gears, false for one
-    of the machine as a whole.
+    Terms and limit are in units in which they are of the order of one; ``shown`` says in words what the user's limit
+    would have to be for a level that exceeds it.  ``of_pairs`` is true for a level of every pair of gears, false for
+    one of the machine as a whole.
     """
 
     wish: str

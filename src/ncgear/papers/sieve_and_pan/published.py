@@ -24,25 +24,21 @@ SIEVE_LINKAGE = CrankSlider(CRANK_MM, 1378.0)
 SIEVE_BOARD_KG, SIEVE_BOARD_FROM_ROLLER_MM = 90.4, 448.0
 SIEVE_PRINTED = JointMasses(rotating_kg=29.5, reciprocating_kg=61.26)
 
-PAN_BOARD_FITTING_MM = 1045.0 * 12.6 / 23.7
+PAN_BOARD_FITTING_MM = PAN_LINKAGE.rod_mm * 12.6 / PAN_BOARD_KG
 """Distance from the pin at which the printed masses of the board at pin and roller put its centre."""
 
 
-def masses(board_kg: float, center_mm: float) -> RodMasses:
-    """Crank, board and roller; the board's own inertia is not given and left out."""
-    return RodMasses(
+def mechanism(linkage: CrankSlider, board_kg: float, center_mm: float) -> DrivenCrank:
+    """Crank, board and roller, driven evenly at the printed speed; the board's own inertia is not given: left out."""
+    masses = RodMasses(
         slider_kg=ROLLER_KG,
         rod_kg=board_kg,
         rod_center_mm=center_mm,
         crank_kg=CRANK_KG,
         crank_center_mm=CRANK_CENTER_MM,
     )
-
-
-def mechanism(linkage: CrankSlider, board_kg: float, center_mm: float) -> DrivenCrank:
-    """One of the two at its speed, driven evenly."""
-    return DrivenCrank(linkage, uniform_law(Lobes()), SPEED_RAD_S, masses(board_kg, center_mm))
+    return DrivenCrank(linkage, uniform_law(Lobes()), SPEED_RAD_S, masses)
 
 
 PAN = mechanism(PAN_LINKAGE, PAN_BOARD_KG, PAN_BOARD_FITTING_MM)
-SIEVE = mechanism(SIEVE_LINKAGE, SIEVE_BOARD_KG, 1378.0 - SIEVE_BOARD_FROM_ROLLER_MM)
+SIEVE = mechanism(SIEVE_LINKAGE, SIEVE_BOARD_KG, SIEVE_LINKAGE.rod_mm - SIEVE_BOARD_FROM_ROLLER_MM)

@@ -62,13 +62,6 @@ WHICH_MASSES = (
     "masses put it."
 )
 
-FORCES = (
-    ("Table 1", "pan without counterweight", ("159", "968", "699", "737"), PAN, 0.0),
-    ("Table 1", "pan with 5.9 kg", ("546", "678", "610", "611"), PAN, 5.9),
-    ("Table 2", "sieve without counterweight", ("350", "2587", "1811", "1995"), SIEVE, 0.0),
-    ("Table 2", "sieve with 18.0 kg", ("881", "2044", "1442", "1487"), SIEVE, 18.0),
-)
-
 
 def track_extent(mechanism: DrivenCrank, mass_kg: float) -> Computed:
     """Extent in mm of the track of the common centre of mass, along the slider's line and across it."""
@@ -91,6 +84,13 @@ def _force(place: str, what: str, printed: tuple[str, ...], mechanism: DrivenCra
     )  # fmt: skip
 
 
+FORCES = (
+    _force("Table 1", "pan without counterweight", ("159", "968", "699", "737"), PAN, 0.0),
+    _force("Table 1", "pan with 5.9 kg", ("546", "678", "610", "611"), PAN, 5.9),
+    _force("Table 2", "sieve without counterweight", ("350", "2587", "1811", "1995"), SIEVE, 0.0),
+    _force("Table 2", "sieve with 18.0 kg", ("881", "2044", "1442", "1487"), SIEVE, 18.0),
+)
+
 TRACKS = (
     Entry(
         ("Fig. 9", "Fig. 10"), "way of the pan's centre without counterweight, along and across",
@@ -104,7 +104,7 @@ TRACKS = (
 
 ENTRIES = (
     *TRACKS,
-    *(_force(*row) for row in FORCES),
+    *FORCES,
     Entry(
         ("Table 3",), "both with 15.5 kg: least, largest, mean and r.m.s. force",
         Printed(("1612", "2518", "1930", "1957"), "N"), Verdict.NEEDS_DATA, None, NO_MODEL,
