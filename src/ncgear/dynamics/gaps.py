@@ -150,7 +150,7 @@ def reach_rad(rows: Rows, placement: Placement) -> Array:
 
 
 PER_TOOTH = 80
-"""Positions per tooth pitch.  At the ends of contact gaps begin to grow with the square of the way; with so many
+"""Positions per tooth pitch.  At the ends of contact gaps begin to grow with the square of the way; with this many
 positions first touches are met to some millionths of a radian even there (tests/test_gaps.py)."""
 
 WITHIN_IN_MODULES = 0.5

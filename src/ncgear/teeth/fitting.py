@@ -23,7 +23,7 @@ from ncgear.teeth.tips import Bounds, Limit, Tips, fitted_tips, held_below, no_t
 from ncgear.teeth.tool import PinionCircle
 
 FAR = 2.0
-"""Where no tool sets the depth, regular flanks are sought down to so many dedenda: deeper than any tip reaches."""
+"""Where no tool sets the depth, regular flanks are sought down to this many dedenda: deeper than any tip reaches."""
 
 BLUNT = 0.03
 """Least land, in modules, of teeth that are tools as well: they may lose a quarter of it to the land's slope and still
@@ -195,7 +195,7 @@ def _freed(tips: PairTips, paths: tuple[TipPaths, TipPaths] | None, first: int) 
 
 
 def _deepened(own: Tips, mate: Tips, mates: Mates, clearance: float) -> Tips:
-    """The gear with spaces for its mate's tips, rounded at the bottom by so much that the clearance is left."""
+    """The gear with spaces for its mate's tips, with rounded bottoms that leave the clearance."""
     rack = own.flanks.rack
     touched = _most(own.flanks.count, mates, mate.height_mm)
     radius = max(rack.root_radius_mm, clearance / (1.0 - sin(rack.pressure_angle_rad)))

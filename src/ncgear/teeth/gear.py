@@ -26,7 +26,7 @@ from ncgear.teeth.tips import Limit, Tips
 from ncgear.teeth.tool import chosen_tools
 
 MOST_ASTRAY = 3.0
-"""The driven gear as written may miss the law by so many chord tolerances, divided by the driven pitch radius."""
+"""The driven gear as written may miss the law by this many chord tolerances, divided by the driven pitch radius."""
 
 LEAST_COSINE = 0.1
 """Least cosine of the pressure angle that chords are fitted to: beyond 84 degrees no gear can be driven anyway."""

@@ -60,7 +60,7 @@ def _rough(gear: Gear, why: str) -> WrongInput:
 
 
 def _interpolated(sections: Sections, gear: Gear, up: int, along: int) -> Patches:
-    """Surfaces with so many spans, held against exact sections half way between those that they go through."""
+    """Surfaces with these numbers of spans, held against exact sections half way between those they go through."""
     heights, share = np.linspace(0.0, sections.helix.rise_mm, up + 1), np.linspace(0.0, 1.0, along + 1)
     curves = [_curves(sections, gear, float(height)) for height in heights]
     _require_alike(curves, gear)

@@ -29,7 +29,7 @@ GAUSS_POINTS = 8
 """Points of the quadrature between the heights of two corners of the hole's polygon."""
 
 LEVEL_DIGITS = 9
-"""Corners of the hole's polygon whose heights in mm agree to so many decimals are at one height."""
+"""Corners of the hole's polygon whose heights in mm agree to this many decimals are at one height."""
 
 
 def finished(toothed: Trimesh, plan: BodyPlan) -> Trimesh:

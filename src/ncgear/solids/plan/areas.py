@@ -23,7 +23,7 @@ from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
 
 SHARPEST = 10.0
-"""A corner is prolonged by up to so many times the distance moved: corners down to 12 degrees stay corners."""
+"""A corner is prolonged by up to this many times the distance moved: corners down to 12 degrees stay corners."""
 
 RESOLUTION_MM = 1e-4
 """Accuracy to which the largest size is found: a hundredth of the last digit in a message."""
