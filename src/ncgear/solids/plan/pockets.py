@@ -72,7 +72,7 @@ def _pockets(disc: Polygon, kept: BaseGeometry, rim: float, corner: float, toler
 def quarter_chords(radius_mm: float, tolerance_mm: float) -> int:
     """Parts of a quarter circle, by shapely's count, with which a parallel's arcs keep within a tolerance.
 
-    It closes an arc with a chord of up to two parts, which strays four times as far.
+    shapely closes an arc with a chord of up to two parts, which strays four times as far.
     """
     return max(2, ceil(pi / 4.0 / acos(max(1.0 - tolerance_mm / 4.0 / radius_mm, 0.0))))
 
