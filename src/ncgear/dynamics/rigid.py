@@ -19,6 +19,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from math import degrees, pi, sqrt
+from operator import attrgetter
 
 import numpy as np
 
@@ -260,15 +261,12 @@ def _range(rigid: RigidMachine, cycle: Sequence[Broken], quantity: Callable[[Loa
         extremes(partial(_along, rigid, stretch, quantity), stretch.start_rad, stretch.end_rad, breaks)
         for stretch, breaks in cycle
     ]
-    return min((low for low, _ in ranges), key=_value), max((high for _, high in ranges), key=_value)
+    value = attrgetter("value")
+    return min((low for low, _ in ranges), key=value), max((high for _, high in ranges), key=value)
 
 
 def _along(rigid: RigidMachine, stretch: Stretch, quantity: Callable[[Loads], Jet], phi1: Array) -> Jet:
     return quantity(rigid.on(stretch, phi1))
-
-
-def _value(extremum: Extremum) -> float:
-    return extremum.value
 
 
 @dataclass(frozen=True, eq=False)

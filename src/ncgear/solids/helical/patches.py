@@ -23,7 +23,7 @@ from ncgear.teeth.outline import whole_curves
 GRIDS = ((4, 8), (4, 12), (6, 16), (8, 24), (12, 32), (16, 48), (24, 64))
 """Spans up the gear and along each curve that are tried in turn: what takes more is no smooth surface."""
 
-REMEDY = "formats stl and 3mf have these teeth"
+REMEDY = "formats stl and 3mf can hold these teeth"
 
 
 @dataclass(frozen=True, eq=False)
