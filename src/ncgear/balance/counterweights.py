@@ -44,7 +44,7 @@ from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.units import N_PER_KG_MM_S2
 
 GAP = 1e-7
-"""Share by which the peak may be above its certified bound: far below what a counterweight can be made to."""
+"""Share by which the peak may be above its certified bound: far finer than a counterweight can be made."""
 
 FEASIBLE = 1e-10
 """Tolerance of the linear programme on planes, in forces of a slider mass at the pin: well below ``GAP``."""

@@ -116,7 +116,7 @@ class RigidMachine:
 
 
 IDLE = 1e-9
-"""Share of the largest torque below which nothing is carried: far over rounding errors, far below what is felt."""
+"""Share of the largest torque below which flanks carry nothing: far above rounding errors, far below any real load."""
 
 KG_MM2 = 1e3
 """One N mm s^2 in kg mm^2."""

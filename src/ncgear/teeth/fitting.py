@@ -167,7 +167,7 @@ def _regular_tips(
 
 
 def _raised(own: Flanks, mate: Tips, mates: Mates) -> Flanks:
-    """The gear with tips longer by as much as the mate's tips have lost against undercut, to lose less contact."""
+    """The gear with tips longer by what the mate's tips have lost to avoid undercut, so that less contact is lost."""
     short = np.where(mate.limit == Limit.UNDERCUT, mate.flanks.rack.tip_height_mm - mate.flanks.tip_height_mm, 0.0)
     missing = _most(own.count, mates, short)
     # Contact passes from tooth to tooth: a tip also makes up for what the next tooth's pair has lost.

@@ -26,7 +26,7 @@ START = 0.5
 a flank comes to the same height again beyond its cusp."""
 
 PROBES = 17
-"""Places on the way to a crossing at which the flank must be regular; fitted tips are held to the exact cusp."""
+"""Points on the way to a crossing at which the flank must be regular; fitted tips are held against the exact cusp."""
 
 FAR = 3.0
 """Flanks are followed up to this many tip heights; they lean so much that they reach the tip land before."""
@@ -39,7 +39,7 @@ MOST_SLOPE = 0.25
 
 
 class Limit(IntEnum):
-    """What limits the height of a tooth's tip; of two reasons the one with the greater number is the sharper."""
+    """What limits the height of a tooth's tip; of two that apply, the greater number counts."""
 
     FULL = 0
     SLOPE = 1

@@ -129,7 +129,7 @@ def _rows(stretch: Stretch, share: Array) -> tuple[Array, Array]:
 
 
 def _sharing_edges(poles: Array) -> Array:
-    """Poles with the last edge of each patch at the very first of the next; they differ by rounding errors."""
+    """Poles with each patch's last edge replaced by the next one's first; they differ by rounding errors."""
     following = np.roll(poles[:, 0], -1, axis=0)
     gap = float(np.abs(poles[:, -1] - following).max())
     if not gap <= SHORTEST_MM:

@@ -24,8 +24,8 @@ OUTLINE = 0.1
 """Share of the chord tolerance left to the outlines that sections are sampled from."""
 
 SAGITTA, TWIST, RISE = 0.5, 0.5, 0.6
-"""Shares of it that the chords of a section stray, the folds of quadrilaterals, and straight lines from one section to
-the next.  They are not at their largest at one place: what they do together is measured."""
+"""Shares of it for the chords of a section, the folds of quadrilaterals, and straight lines from section to section.
+They are largest at different places, and their sum is measured."""
 
 CHECKED = 3
 """Steps that are checked at least: those that seem to stray most.  All that seem to stray by more than their share are
@@ -49,7 +49,7 @@ COLUMN_HALVINGS = 16
 chord of an outline."""
 
 SPARE, LEAST = 1.05, 1e-3
-"""Columns are placed a twentieth closer than they seem to be needed, and on a straight piece at all."""
+"""Columns are placed a twentieth closer than seems needed; even a straight interval wants a thousandth of one."""
 
 TINY = float(np.finfo(float).tiny)
 
@@ -237,9 +237,9 @@ class Columns:
         return np.stack([section.at(self.piece, self.share) for section in sections])
 
     def spread(self, wanted: Array) -> Columns:
-        """As many columns on each piece as all its intervals want, spread according to what each interval wants.
+        """The columns spread anew: on each piece as many as its intervals want together, dense where one wants many.
 
-        ``wanted`` (c,) is into how many parts the interval after each column wants to be divided, whole or not.
+        ``wanted`` (c,) tells how many parts, whole or not, the interval after each column is to be divided into.
         """
         dense = np.maximum(wanted, LEAST) * SPARE
         reached = np.concatenate([[0.0], np.cumsum(dense)])

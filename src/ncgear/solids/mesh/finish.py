@@ -43,7 +43,7 @@ def finished(toothed: Trimesh, plan: BodyPlan) -> Trimesh:
     if plan.web is not None:
         floor, top = plan.web.thickness_mm, plan.face_width_mm
         for pocket in plan.web.pockets:
-            # The prism goes on beyond the upper face, so that no two faces lie in each other.
+            # The prism goes on beyond the upper face, so that no two faces coincide.
             solid -= _solid_of(slab_mesh((Slab(pocket, floor, 2.0 * top - floor),)))
             volume -= pocket.intersection(plan.section).area * (top - floor)
     if plan.hub is not None:

@@ -61,7 +61,7 @@ def _kept(mark: RoundHole | None, hub: float, module: float, tolerance: float) -
 def _pockets(disc: Polygon, kept: BaseGeometry, rim: float, corner: float, tolerance: float) -> list[Polygon]:
     """The room for pockets with rounded corners, without points that the tolerance does not need.
 
-    Chords of arcs and points left out may bring it nearer to a wall, by a tolerance and by half of one: hence two.
+    Chords of arcs may bring it nearer to a wall by a tolerance, points left out by half of one; so two are kept.
     """
     inside = disc.buffer(-rim - corner - 2.0 * tolerance, quad_segs=quarter_chords(rim + corner, tolerance))
     quarter = quarter_chords(corner, tolerance)

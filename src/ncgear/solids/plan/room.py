@@ -43,7 +43,7 @@ def full_disc(outline_mm: Array, key: str) -> Polygon:
 
 
 def common_disc(outlines_mm: Sequence[Array], key: str) -> Polygon:
-    """What all sections of a gear have in common around its axis; outlines of shape (n, 2) each, ``key`` as above."""
+    """What all sections of a gear have in common about its axis; outlines (n, 2) each, ``key`` as in ``full_disc``."""
     common = shapely.intersection_all([full_disc(outline, key) for outline in outlines_mm])
     return max(shapely.get_parts(common), key=lambda part: part.area)
 
