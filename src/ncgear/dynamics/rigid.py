@@ -56,7 +56,7 @@ class Loads:
     mesh: MeshForce | None
 
     @property
-    def gripped(self) -> MeshForce:
+    def mesh_force(self) -> MeshForce:
         """The mesh force of a machine that has gears."""
         assert self.mesh is not None
         return self.mesh
@@ -188,7 +188,7 @@ def refuse_locked(rigid: RigidMachine) -> None:
     for stretch in stretches(rigid.machine) if rigid.place else ():
         phi1 = grid_between(stretch.start_rad, stretch.end_rad, np.array(stretch.knots_rad))
         loads = rigid.on(stretch, phi1)
-        torque, angle = loads.driven_torque.value, loads.gripped.pressure_angle_rad.value
+        torque, angle = loads.driven_torque.value, loads.mesh_force.pressure_angle_rad.value
         locked = (np.abs(torque) > IDLE * np.abs(torque).max()) & (angle >= pi / 2.0)
         if locked.any():
             worst = int(np.argmax(np.where(locked, angle, 0.0)))
@@ -243,9 +243,9 @@ def _joint(name: str) -> Callable[[Loads], Vector]:
 
 
 def _mesh_peak(rigid: RigidMachine, cycle: Sequence[Broken]) -> MeshPeak:
-    found = [(part, _range(rigid, [part], lambda loads: loads.gripped.size_n)[1]) for part in cycle]
+    found = [(part, _range(rigid, [part], lambda loads: loads.mesh_force.size_n)[1]) for part in cycle]
     (stretch, _), highest = max(found, key=lambda item: item[1].value)
-    angle = rigid.on(stretch, np.array([highest.at])).gripped.pressure_angle_rad
+    angle = rigid.on(stretch, np.array([highest.at])).mesh_force.pressure_angle_rad
     return MeshPeak(highest, float(angle.value[0]))
 
 
