@@ -26,7 +26,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.solids.mesh import slabs
 from ncgear.solids.mesh.finish import SCREW_TOLERANCE, screw_hole_mm3
-from ncgear.solids.mesh.pair import GearSolid, driving_solid, ring_solid, solid_of_plan
+from ncgear.solids.mesh.pair import GearSolid, gear_solid, ring_solid, solid_of_plan
 from ncgear.solids.mesh.slabs import bevel_of, slab_mesh
 from ncgear.solids.plan.areas import moved_inwards
 from ncgear.solids.plan.body import (
@@ -58,7 +58,7 @@ def disc(radius: float = RADIUS, tolerance: float = FINE) -> Array:
 
 
 def made(blank: Blank, tolerance: float = FINE, outline: Array | None = None) -> GearSolid:
-    return driving_solid(disc() if outline is None else outline, blank, MODULE, tolerance)
+    return gear_solid(Gear.DRIVING, disc() if outline is None else outline, blank, MODULE, tolerance)
 
 
 def sections(solid: GearSolid, height: float) -> list[Array]:

@@ -35,7 +35,7 @@ from ncgear.ratio.laws.expression import ratio_expression_law
 from ncgear.ratio.laws.table import ratio_table_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
-from ncgear.solids.mesh.pair import driving_solid, ring_solid
+from ncgear.solids.mesh.pair import gear_solid, ring_solid
 from ncgear.solids.plan.body import Blank, RingBlank, circle_points
 from ncgear.solids.plan.plan import outer_radius_mm, ring_section
 from ncgear.solids.plan.room import INNER_WALL_IN_MODULES, OUTER_WALL_IN_MODULES
@@ -494,7 +494,9 @@ def test_a_ring_reads_back_from_its_stl() -> None:
 
 def test_the_index_hole_of_a_ring_stands_behind_its_root_and_faces_that_of_the_driving_gear() -> None:
     ring = ring_solid(wavy(4000), RingBlank(20.0, 8.0, index_hole=True), MODULE, TOLERANCE).index_hole
-    driving = driving_solid(wavy(4000) / 2.0, Blank(20.0, None, True), MODULE, TOLERANCE, Mesh.INTERNAL).index_hole
+    driving = gear_solid(
+        Gear.DRIVING, wavy(4000) / 2.0, Blank(20.0, None, True), MODULE, TOLERANCE, Mesh.INTERNAL
+    ).index_hole
     assert ring is not None
     assert driving is not None
     section = ring_section(wavy(4000), 8.0, TOLERANCE)

@@ -95,7 +95,7 @@ def scene(rigid: RigidMachine) -> newton_euler.Scene:
 
 def values(loads: Loads) -> dict[str, float]:
     """What the oracle calls it, at the only angle."""
-    mesh = loads.gripped
+    mesh = loads.mesh_force
     found = {
         "wrist_x": loads.joints["wrist"].x,
         "wrist_y": loads.joints["wrist"].y,
@@ -266,17 +266,17 @@ def test_uniform_crank_without_a_rods_mass() -> None:
 def test_circular_gears_press_by_the_torque_over_the_base_radius() -> None:
     loads = even(HEAVY, PRESS).at(np.linspace(0.0, 6.2, 60))
     size = np.abs(loads.driven_torque.value) / (100.0 * np.cos(radians(20.0)))
-    assert loads.gripped.size_n.value == pytest.approx(size, rel=1e-13)
-    assert loads.gripped.pressure_angle_rad.value == pytest.approx(radians(20.0), rel=1e-15)
+    assert loads.mesh_force.size_n.value == pytest.approx(size, rel=1e-13)
+    assert loads.mesh_force.pressure_angle_rad.value == pytest.approx(radians(20.0), rel=1e-15)
 
 
 def test_standing_weights_are_borne() -> None:
     """Nearly at rest and unpressed, guide and crank bearing together bear all weights but the mesh force's part."""
     loads = even(HEAVY, PolynomialResistance(), rpm=1e-6).at(np.linspace(0.0, 6.2, 30))
     down = HEAVY.slider_kg + HEAVY.rod_kg + HEAVY.crank_kg
-    upward = loads.guide.value + loads.crank_bearing.y.value + loads.gripped.force.y.value
+    upward = loads.guide.value + loads.crank_bearing.y.value + loads.mesh_force.force.y.value
     assert upward == pytest.approx(down * 9.0, rel=1e-12)
-    assert loads.crank_bearing.x.value + loads.gripped.force.x.value == pytest.approx(-down * 3.0, rel=1e-11)
+    assert loads.crank_bearing.x.value + loads.mesh_force.force.x.value == pytest.approx(-down * 3.0, rel=1e-11)
 
 
 @pytest.mark.parametrize("name", ["stroke, e = 0", "displacement table"])
@@ -309,7 +309,7 @@ def test_peaks_are_those_of_dense_samples(name: str) -> None:
     for peak, sampled in (
         (peaks.most_torque_n_mm.value, loads.driving_torque.value),
         (-peaks.least_torque_n_mm.value, -loads.driving_torque.value),
-        (peaks.mesh.force_n.value, loads.gripped.size_n.value),
+        (peaks.mesh.force_n.value, loads.mesh_force.size_n.value),
         (peaks.joints_n["wrist"].value, np.hypot(loads.joints["wrist"].x.value, loads.joints["wrist"].y.value)),
         (peaks.joints_n["pin"].value, np.hypot(loads.joints["pin"].x.value, loads.joints["pin"].y.value)),
         (peaks.crank_bearing_n.value, np.hypot(loads.crank_bearing.x.value, loads.crank_bearing.y.value)),
@@ -378,4 +378,4 @@ def test_without_gears_the_bearing_holds_the_linkage_alone() -> None:
     loads, geared = alone.at(np.array([1.0])), replace(alone, place=OUTSIDE).at(np.array([1.0]))
     assert loads.mesh is None
     assert load_peaks(alone).mesh is None
-    assert loads.crank_bearing.x.value == pytest.approx(geared.crank_bearing.x.value + geared.gripped.force.x.value)
+    assert loads.crank_bearing.x.value == pytest.approx(geared.crank_bearing.x.value + geared.mesh_force.force.x.value)

@@ -14,7 +14,8 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.assembly import Placed, assembled_pose, met_at, outline_radius_mm
 from ncgear.files.meshes import read_back, stl_bytes
 from ncgear.numerics.arrays import Array
-from ncgear.solids.mesh.pair import driven_solid, driving_solid
+from ncgear.pitch.shape import Gear
+from ncgear.solids.mesh.pair import gear_solid
 from ncgear.solids.mesh.slabs import slab_mesh
 from ncgear.solids.plan.body import Blank, Bore, Keyway, Slab, bore_points, circle_points
 from ncgear.solids.plan.room import INNER_WALL_IN_MODULES, OUTER_WALL_IN_MODULES, full_disc, index_hole, largest_bore_mm
@@ -34,7 +35,7 @@ def wavy(points: int = 40_000, phase: float = 0.0) -> Array:
 
 
 def extruded(outline: Array, width: float, bore: Bore | None, tolerance: float) -> Trimesh:
-    return driving_solid(outline, Blank(width, bore), MODULE, tolerance).mesh
+    return gear_solid(Gear.DRIVING, outline, Blank(width, bore), MODULE, tolerance).mesh
 
 
 def cut_area(bore: Bore) -> float:
@@ -135,7 +136,7 @@ def test_keyway_as_wide_as_the_bore_is_refused() -> None:
 )
 def test_bore_that_does_not_fit_is_refused_with_the_largest_that_does(bore: Bore, largest: float | None) -> None:
     with pytest.raises(WrongInput, match="largest that fits is") as caught:
-        driven_solid(wavy(4000), Blank(20.0, bore), MODULE, TOLERANCE)
+        gear_solid(Gear.DRIVEN, wavy(4000), Blank(20.0, bore), MODULE, TOLERANCE)
     assert caught.value.key == "gears.driven.bore_mm"
     stated = float(caught.value.problem.split("fits is ")[1].split(" mm")[0])
     extruded(wavy(4000), 20.0, Bore(stated, bore.keyway), TOLERANCE)
@@ -196,8 +197,8 @@ def test_keyway_takes_the_room_of_the_index_hole_on_its_own_side_only() -> None:
 
 def test_index_holes_face_each_other_on_the_line_of_centres() -> None:
     blank = Blank(20.0, Bore(30.0), index_hole=True)
-    driving = driving_solid(wavy(4000), blank, MODULE, TOLERANCE)
-    driven = driven_solid(wavy(4000, pi), blank, MODULE, TOLERANCE)
+    driving = gear_solid(Gear.DRIVING, wavy(4000), blank, MODULE, TOLERANCE)
+    driven = gear_solid(Gear.DRIVEN, wavy(4000, pi), blank, MODULE, TOLERANCE)
     assert driving.index_hole is not None
     assert driven.index_hole is not None
     assert 0.0 < driving.index_hole.x_mm < 2.0 * RADIUS + driven.index_hole.x_mm

@@ -11,7 +11,8 @@ import pytest
 from shapely import Polygon
 
 from ncgear.contact.placement import PER_TOOTH
-from ncgear.solids.mesh.pair import driving_solid
+from ncgear.pitch.shape import Gear
+from ncgear.solids.mesh.pair import gear_solid
 from ncgear.teeth.gear import toothed_pair
 from speed_against_error import contact, outlines, solids
 from speed_against_error.exact_gears import area_mm2
@@ -251,7 +252,7 @@ def test_a_solid_without_one_of_its_teeth_is_told() -> None:
     polar = np.arctan2(whole[:, 1], whole[:, 0])
     beside = np.abs(polar) < 1.02 * CIRCLE.fillet_mm[0] / CIRCLE.pitch_radius_mm
     assert 0 < beside.sum() <= len(whole) / TEETH
-    without = solids.Solid(driving_solid(whole[~beside], solids.BLANK, MODULE_MM, TOLERANCE_MM).mesh)
+    without = solids.Solid(gear_solid(Gear.DRIVING, whole[~beside], solids.BLANK, MODULE_MM, TOLERANCE_MM).mesh)
     # One tooth in 25 is a hundredth of the gear.
     assert solids.volume_error(without) > 5e-3
     assert solids.surface_error_mm(without) > 0.1 * MODULE_MM

@@ -12,7 +12,8 @@ from trimesh.exchange.stl import export_stl
 
 from ncgear.figures.csv_text import outline_csv
 from ncgear.files.meshes import FOOT_MM, outline_of_csv, outline_of_stl, section_rings, stl_bytes, written_outlines
-from ncgear.solids.mesh.pair import SolidPair, driven_solid, driving_solid
+from ncgear.pitch.shape import Gear
+from ncgear.solids.mesh.pair import SolidPair, gear_solid
 from ncgear.solids.plan.body import Blank, Bore, Hub, Keyway
 
 Array = np.ndarray
@@ -32,7 +33,7 @@ def test_a_table_reads_back_exactly() -> None:
 @pytest.mark.parametrize("bore", [None, Bore(20.0), Bore(20.0, Keyway(6.0, 2.8))])
 def test_a_solid_reads_back_as_its_outline(bore: Bore | None) -> None:
     """The same points in the same order, in single precision, whatever is cut out of the middle."""
-    found = outline_of_stl(stl_bytes(driving_solid(wavy(), Blank(12.0, bore), 2.0, 0.005).mesh), 6.0)
+    found = outline_of_stl(stl_bytes(gear_solid(Gear.DRIVING, wavy(), Blank(12.0, bore), 2.0, 0.005).mesh), 6.0)
     start = int(np.argmin(np.linalg.norm(found - wavy()[0], axis=1)))
     # 2^-24 of 42 mm, on each of both coordinates.
     assert np.abs(np.roll(found, -start, axis=0) - wavy()).max() <= 2.6e-6
@@ -51,7 +52,7 @@ def test_a_section_that_is_not_the_outline_is_seen() -> None:
 
 def test_the_foot_of_twisted_teeth_keeps_its_points() -> None:
     """Close above the foot the section has two points at each corner, one of them on a diagonal, and keeps one."""
-    twisted = driving_solid(wavy(), Blank(10.0), 2.0, 0.005).mesh
+    twisted = gear_solid(Gear.DRIVING, wavy(), Blank(10.0), 2.0, 0.005).mesh
     vertices = np.array(twisted.vertices)
     turn = np.exp(0.01j * (vertices[:, 2] > 5.0)) * (vertices[:, 0] + 1j * vertices[:, 1])
     twisted.vertices = np.column_stack([turn.real, turn.imag, vertices[:, 2]])
@@ -82,7 +83,9 @@ def test_both_forms_of_both_gears_are_read(clearance: float) -> None:
     """Below a hub that is higher than the gear, above the chamfer, and with the clearance put back on."""
     small, large = wavy(30.0), wavy(50.0)
     blank = Blank(10.0, hub=Hub(20.0, 30.0), chamfer_mm=0.3, clearance_mm=clearance)
-    solids = SolidPair(driving_solid(small, blank, 2.0, 0.005), driven_solid(large, blank, 2.0, 0.005))
+    solids = SolidPair(
+        gear_solid(Gear.DRIVING, small, blank, 2.0, 0.005), gear_solid(Gear.DRIVEN, large, blank, 2.0, 0.005)
+    )
     files = {
         "driving.csv": outline_csv(small).encode(),
         "driven.csv": outline_csv(large).encode(),

@@ -109,5 +109,5 @@ class Simulated:
     def dynamic(self, solver: str, accuracy: float) -> Array:
         """The motion in time, from the same start for every solver."""
         own = self.drive.course
-        found: Array = course(own.mechanism, own.states[:, 0], 1.0, accuracy, solver).at(self.time_s)[2]
+        found: Array = course(own.machine, own.states[:, 0], 1.0, accuracy, solver).at(self.time_s)[2]
         return found

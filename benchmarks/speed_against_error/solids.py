@@ -12,7 +12,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.solids.helical.helix import Hand, Helix
 from ncgear.solids.helical.mesh import helical_pair
-from ncgear.solids.mesh.pair import driving_solid
+from ncgear.solids.mesh.pair import gear_solid
 from ncgear.solids.plan.body import Blank
 from ncgear.teeth.gear import toothed_pair
 from speed_against_error.exact_gears import area_mm2
@@ -123,7 +123,7 @@ def _straight_even(count: int) -> Solid:
 
 def _extruded(outlines: tuple[Array, Array]) -> Solid:
     """Both gears, as a build makes them; the driving one."""
-    driving, _ = (driving_solid(outline, BLANK, MODULE_MM, TOLERANCE_MM).mesh for outline in outlines)
+    driving, _ = (gear_solid(Gear.DRIVING, outline, BLANK, MODULE_MM, TOLERANCE_MM).mesh for outline in outlines)
     return Solid(driving)
 
 

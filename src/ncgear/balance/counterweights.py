@@ -33,19 +33,18 @@ from ncgear.balance.mechanism import (
     Counterweight,
     DrivenCrank,
     accelerations,
-    as_complex,
+    complex_derivative,
     require_arm,
 )
 from ncgear.balance.shaking import Track, shaking, track
-from ncgear.balance.waveform import Statistics, Waveform, gauss_points, magnitude_statistics
+from ncgear.balance.waveform import Statistics, Waveform, gauss_points, magnitude_statistics, waveforms
 from ncgear.mechanisms.forces import EvenPace
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, ComplexArray
-from ncgear.numerics.chebyshev import PiecewiseChebyshev
 from ncgear.numerics.units import N_PER_KG_MM_S2
 
 GAP = 1e-7
-"""Share by which the peak may be above its certified bound: far below what a counterweight can be made to."""
+"""Share by which the peak may be above its certified bound: far finer than a counterweight can be made."""
 
 FEASIBLE = 1e-10
 """Tolerance of the linear programme on planes, in forces of a slider mass at the pin: well below ``GAP``."""
@@ -99,13 +98,13 @@ def minimax(mechanism: DrivenCrank, known: Accelerations | None = None) -> BestC
     ``known`` gives the accelerations of the same linkage and law where they are known.  Raises ArithmeticError, a fault
     of ncgear, where peak and bound do not meet within ``GAP``.
     """
-    of, size, crank_mm = known or accelerations(mechanism), abs(mechanism.wrist_kg), mechanism.linkage.crank_mm
+    known, size, crank_mm = known or accelerations(mechanism), abs(mechanism.wrist_kg), mechanism.linkage.crank_mm
     if size <= NOTHING * mechanism.total_kg:
-        return BestCounterweight(least_squares(mechanism, of).moment_kg_mm, 0.0)
+        return BestCounterweight(least_squares(mechanism, known).moment_kg_mm, 0.0)
     scale = N_PER_KG_MM_S2 * mechanism.speed_rad_s**2 * crank_mm * size
-    pin, slider = _pin_and_slider(mechanism, of, gauss_points(of.form.breaks)[0])
+    pin, slider = _pin_and_slider(mechanism, known, gauss_points(known.form.breaks)[0])
     slider, planes = slider / size, _Planes(np.empty((0, 3)), np.empty(0))
-    found = (least_squares(mechanism, of).moment_kg_mm / crank_mm + mechanism.pin_kg) / size
+    found = (least_squares(mechanism, known).moment_kg_mm / crank_mm + mechanism.pin_kg) / size
     for _ in range(MOST_ROUNDS):
         planes = planes.joined(pin, slider, found)
         found, bound = planes.lowest()
@@ -113,10 +112,10 @@ def minimax(mechanism: DrivenCrank, known: Accelerations | None = None) -> BestC
             continue
         moment = (found * size - mechanism.pin_kg) * crank_mm
         added = Counterweight(Carrier.CRANK, abs(moment) / crank_mm, crank_mm, phase(moment))
-        peak = shaking(replace(mechanism, counterweights=(*mechanism.counterweights, added)), of).peak
+        peak = shaking(mechanism.with_counterweight(added), known).peak
         if peak.value <= scale * bound * (1.0 + GAP):
             return BestCounterweight(moment, scale * bound)
-        more = _pin_and_slider(mechanism, of, np.array([peak.at]))
+        more = _pin_and_slider(mechanism, known, np.array([peak.at]))
         pin, slider = np.append(pin, more[0]), np.append(slider, more[1] / size)
     raise ArithmeticError("the counterweight of least peak was not found")
 
@@ -174,8 +173,7 @@ def sweep(mechanism: DrivenCrank, counterweight: Counterweight, masses_kg: Seque
     """
     known, found = accelerations(mechanism), []
     for mass in masses_kg:
-        added = (*mechanism.counterweights, replace(counterweight, mass_kg=mass))
-        one = replace(mechanism, counterweights=added)
+        one = mechanism.with_counterweight(replace(counterweight, mass_kg=mass))
         bearing_n = magnitude_statistics(*bearing_force(one))
         found.append(Tried(mass, bearing_n, shaking(one, known).force, track(one)))
     return found
@@ -188,10 +186,10 @@ def bearing_force(mechanism: DrivenCrank) -> tuple[Waveform, Waveform]:
         linkage, driven = mechanism.linkage, mechanism.transmission.driven_angle(phi1, 2)
         rod = linkage.joint_forces(driven, mechanism.masses, EvenPace(mechanism.speed_rad_s), 0.0).crank_axis
         gravity = complex(*mechanism.masses.gravity_m_s2)
-        pin = N_PER_KG_MM_S2 * mechanism.speed_rad_s**2 * as_complex(linkage.rod(driven).pin, 2) / linkage.crank_mm
+        bend = complex_derivative(linkage.rod(driven).pin, 2)
+        pin = N_PER_KG_MM_S2 * mechanism.speed_rad_s**2 * bend / linkage.crank_mm
         added = sum((w.mass_kg * (w.arm * pin - gravity) for w in mechanism.counterweights), np.zeros(phi1.shape))
         return np.column_stack([rod.x.value + added.real, rod.y.value + added.imag])
 
-    form = chebyshev.fitted(force, mechanism.breaks_rad)
-    along, across = (Waveform(PiecewiseChebyshev(form.breaks, form.coefficients[:, :, k])) for k in (0, 1))
+    along, across = waveforms(chebyshev.fitted(force, mechanism.breaks_rad))
     return along, across

@@ -24,13 +24,12 @@ from scipy.special import ellipe
 
 from ncgear.balance.mechanism import Counterweight, DrivenCrank, JointMasses
 from ncgear.balance.shaking import TRACK_POINTS, Shaking, Track, shaking
-from ncgear.balance.waveform import Waveform
+from ncgear.balance.waveform import Waveform, waveforms
 from ncgear.errors import WrongInput
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, ComplexArray
-from ncgear.numerics.chebyshev import PiecewiseChebyshev
 from ncgear.numerics.extrema import Extremum
 
 HARMONICS = 128
@@ -69,12 +68,11 @@ def frame_shaking(mounted: Sequence[Mounted]) -> Shaking:
     parts = [(one, shaking(one.mechanism)) for one in mounted]
 
     def total(angle: Array) -> Array:
-        return np.asarray(np.sum([_in_frame(one, of, angle) for one, of in parts], axis=0))
+        return np.asarray(np.sum([_in_frame(one, own, angle) for one, own in parts], axis=0))
 
-    breaks = np.unique(np.concatenate([[0.0, cycle], *(_breaks(one, of, cycle) for one, of in parts)]))
+    breaks = np.unique(np.concatenate([[0.0, cycle], *(_breaks(one, own, cycle) for one, own in parts)]))
     breaks = breaks[np.append(True, np.diff(breaks) > SAME * cycle)]
-    form = chebyshev.fitted(total, np.append(breaks[:-1], cycle))
-    return Shaking(*(Waveform(PiecewiseChebyshev(form.breaks, form.coefficients[:, :, k])) for k in range(3)))
+    return Shaking(*waveforms(chebyshev.fitted(total, np.append(breaks[:-1], cycle))))
 
 
 def best_phase(mounted: Sequence[Mounted], moved: int) -> Extremum:
@@ -113,9 +111,8 @@ def frame_sweep(
     """Shaking and track with a counterweight of each mass in turn on the crank of the mechanism number ``moved``."""
     found = []
     for mass in masses_kg:
-        mechanism = mounted[moved].mechanism
-        added = (*mechanism.counterweights, replace(counterweight, mass_kg=mass))
-        one = replace(mounted[moved], mechanism=replace(mechanism, counterweights=added))
+        mechanism = mounted[moved].mechanism.with_counterweight(replace(counterweight, mass_kg=mass))
+        one = replace(mounted[moved], mechanism=mechanism)
         together = [one if number == moved else other for number, other in enumerate(mounted)]
         found.append((mass, frame_shaking(together), frame_track(together)))
     return found
@@ -128,9 +125,9 @@ def _center(one: Mounted, angle: Array) -> ComplexArray:
     return np.asarray(one.place_mm + own * exp(1j * one.direction_rad))
 
 
-def _coefficients(of: Shaking) -> ComplexArray:
+def _coefficients(shaken: Shaking) -> ComplexArray:
     """Fourier coefficients of the force as a complex number, from the highest negative to the highest positive one."""
-    along, across = of.along.harmonics(HARMONICS), of.across.harmonics(HARMONICS)
+    along, across = shaken.along.harmonics(HARMONICS), shaken.across.harmonics(HARMONICS)
     positive, negative = along + 1j * across, np.conj(along) + 1j * np.conj(across)
     return np.concatenate([negative[:0:-1], positive])
 
@@ -141,7 +138,7 @@ def _common_cycle(mounted: Sequence[Mounted]) -> float:
     for number, one in enumerate(mounted):
         if not np.isclose(one.mechanism.speed_rad_s, mounted[0].mechanism.speed_rad_s, rtol=SAME):
             raise WrongInput(
-                "another driving speed than that of the first; one shaft drives all", key=f"mechanisms.{number}"
+                "its driving speed is not that of the first; one shaft drives all", key=f"mechanisms.{number}"
             )
         if abs(max(cycles) / cycles[number] - round(max(cycles) / cycles[number])) > SAME:
             raise WrongInput(
@@ -150,20 +147,20 @@ def _common_cycle(mounted: Sequence[Mounted]) -> float:
     return max(cycles)
 
 
-def _in_frame(one: Mounted, of: Shaking, angle: Array) -> Array:
+def _in_frame(one: Mounted, own: Shaking, angle: Array) -> Array:
     """Force and moment of one mechanism in the frame at shaft angles, shape (n, 3)."""
-    own = np.mod(angle + one.phase_rad, of.along.cycle_rad)
-    force, moment = of.along(own) + 1j * of.across(own), of.moment(own)
+    phi1 = np.mod(angle + one.phase_rad, own.along.cycle_rad)
+    force, moment = own.along(phi1) + 1j * own.across(phi1), own.moment(phi1)
     if one.mirrored:
         force, moment = np.conj(force), -moment
     turned = force * exp(1j * one.direction_rad)
     return np.column_stack([turned.real, turned.imag, moment + (np.conj(one.place_mm) * turned).imag])
 
 
-def _breaks(one: Mounted, of: Shaking, cycle: float) -> Array:
+def _breaks(one: Mounted, own: Shaking, cycle: float) -> Array:
     """Where the mechanism's own breaks fall in the common cycle."""
-    times = round(cycle / of.along.cycle_rad)
-    starts = np.arange(times)[:, None] * of.along.cycle_rad
+    times = round(cycle / own.along.cycle_rad)
+    starts = np.arange(times)[:, None] * own.along.cycle_rad
     return np.mod((starts + one.mechanism.breaks_rad - one.phase_rad).ravel(), cycle)
 
 

@@ -21,7 +21,7 @@ So counterweights change coefficients only, and the functions are fitted once fo
 from __future__ import annotations
 
 from cmath import exp
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from math import pi
 
@@ -29,7 +29,7 @@ import numpy as np
 
 from ncgear.errors import WrongInput
 from ncgear.mechanisms.masses import RodMasses
-from ncgear.mechanisms.mechanism import Rod, RodMechanism
+from ncgear.mechanisms.mechanism import RodMechanism
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
@@ -47,8 +47,7 @@ class JointMasses:
 
 @dataclass(frozen=True)
 class CompleteBalance:
-    """Counterweights in kg on the rod beyond the crank pin and on the crank beyond the axis, and the mass at the pin
-    between them."""
+    """Counterweights on the rod beyond the pin and on the crank beyond the axis, and the mass at the pin, all in kg."""
 
     rod_kg: float
     pin_kg: float
@@ -96,7 +95,7 @@ def partial_counterweight_kg(linkage: RodMechanism, at_joints: JointMasses, arm_
 def require_arm(arm_mm: float, key: str) -> None:
     """Refuse an arm that is not positive; raises WrongInput for ``key``."""
     if not arm_mm > 0.0:
-        raise WrongInput(f"{arm_mm:g} mm is no arm of a counterweight; a positive one is needed", key=key)
+        raise WrongInput(f"a counterweight cannot stand at an arm of {arm_mm:g} mm; a positive one is needed", key=key)
 
 
 def _required(moment_kg_mm: float, arm_mm: float, key: str) -> float:
@@ -178,21 +177,21 @@ class DrivenCrank:
     def breaks_rad(self) -> Array:
         """Driving angles of one cycle between which everything is smooth, both ends included."""
         transmission = self.transmission
-        inner = [angle for piece in transmission.pieces for angle in (piece.start_rad, *piece.knots_rad)]
         starts = np.arange(transmission.lobes.driven)[:, None] * transmission.lobes.driving_period_rad
-        return np.append((starts + np.array(inner)).ravel(), transmission.cycle_rad)
+        return np.append((starts + transmission.joints_rad[:-1]).ravel(), transmission.cycle_rad)
 
-    def rod(self, phi1_rad: Array) -> Rod:
-        """The rod with two derivatives by the driving angle, at driving angles of shape (n,)."""
-        return self.linkage.rod(self.transmission.driven_angle(phi1_rad, 2))
+    def with_counterweight(self, added: Counterweight) -> DrivenCrank:
+        """The same with one more counterweight."""
+        return replace(self, counterweights=(*self.counterweights, added))
 
     def center_of_mass_mm(self, phi1_rad: Array) -> ComplexArray:
         """Centre of mass of all that moves, shape (n,)."""
-        at = self.rod(phi1_rad)
-        return (self.pin_kg * as_complex(at.pin, 0) + self.wrist_kg * as_complex(at.wrist, 0)) / self.total_kg
+        at = self.linkage.rod(self.transmission.driven_angle(phi1_rad, 2))
+        pin, wrist = (complex_derivative(place, 0) for place in (at.pin, at.wrist))
+        return (self.pin_kg * pin + self.wrist_kg * wrist) / self.total_kg
 
 
-def as_complex(place: Vector, derivative: int) -> ComplexArray:
+def complex_derivative(place: Vector, derivative: int) -> ComplexArray:
     """A derivative of a place whose coordinates are jets, shape (n,)."""
     return np.asarray(place.x.derivative(derivative) + 1j * place.y.derivative(derivative))
 
@@ -227,8 +226,8 @@ def functions_at(mechanism: DrivenCrank, phi1_rad: Array) -> Array:
     """The seven functions at driving angles of shape (n,): shape (n, 7)."""
     linkage, driven = mechanism.linkage, mechanism.transmission.driven_angle(phi1_rad, 2)
     crank, rod, at = linkage.crank_mm, linkage.rod_mm, linkage.rod(driven)
-    pin, wrist = (as_complex(place, 0) for place in (at.pin, at.wrist))
-    pin_2, wrist_2 = (as_complex(place, 2) for place in (at.pin, at.wrist))
+    pin, wrist = (complex_derivative(place, 0) for place in (at.pin, at.wrist))
+    pin_2, wrist_2 = (complex_derivative(place, 2) for place in (at.pin, at.wrist))
     one, other = np.conj(pin) * wrist_2, np.conj(wrist) * pin_2
     both = (one + other).imag / (crank * rod), (one - other).real / (crank * rod)
     alone = driven.derivative(2), at.angle.derivative(2)

@@ -148,8 +148,7 @@ class ChainUnbalance:
 
 @dataclass(frozen=True)
 class Prediction:
-    """Bounds of the reading with a weight, one for each side of the chain, and the amplitude to expect: half of the
-    larger."""
+    """Bounds of the reading with a weight, one for each side of the chain; ``amplitude`` is half of the larger one."""
 
     by_tight: complex
     by_slack: complex

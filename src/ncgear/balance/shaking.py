@@ -11,7 +11,7 @@ The track of the common centre of mass shows the same thing: the less the centre
 Textbooks take two terms of the rod's series and a crank that turns evenly: the slider's acceleration is
 -w^2 r (cos t + (r/l) cos 2t), t from the extended dead centre (Z. Tang, Y. Li, Y. Zhou, H. Zhang, Shock and Vibration
 2019, eq. 8), and the pin's is w^2 r towards the axis.  That leaves out terms of (r/l)^3, and everything that an uneven
-crank adds; ``failure`` says how much.
+crank adds; ``two_term_formula`` says how much.
 """
 
 from __future__ import annotations
@@ -32,11 +32,12 @@ from ncgear.balance.mechanism import (
     TOGETHER,
     WRIST,
     Accelerations,
+    Carrier,
     DrivenCrank,
     accelerations,
     functions_at,
 )
-from ncgear.balance.waveform import Statistics, Waveform, magnitude_statistics, squared_magnitude
+from ncgear.balance.waveform import Statistics, Waveform, magnitude_statistics, squared_magnitude, waveforms
 from ncgear.errors import WrongInput
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array
@@ -66,12 +67,12 @@ class Shaking:
         return Extremum(float(np.sqrt(max(highest.value, 0.0))), highest.at)
 
 
-def shaking(mechanism: DrivenCrank, of: Accelerations | None = None) -> Shaking:
-    """Shaking force and moment; ``of`` gives the accelerations of the same linkage and law where they are known."""
-    known = of or accelerations(mechanism)
-    forms = known.combined(np.column_stack([*_force_weights(mechanism), _moment_weights(mechanism)]))
-    parts = (PiecewiseChebyshev(forms.breaks, forms.coefficients[:, :, k]) for k in range(3))
-    return Shaking(*map(Waveform, parts))
+def shaking(mechanism: DrivenCrank, known: Accelerations | None = None) -> Shaking:
+    """Shaking force and moment; ``known`` gives the accelerations of the same linkage and law where they are known."""
+    known = known or accelerations(mechanism)
+    return Shaking(
+        *waveforms(known.combined(np.column_stack([*_force_weights(mechanism), _moment_weights(mechanism)])))
+    )
 
 
 def _force_weights(mechanism: DrivenCrank) -> tuple[Array, Array]:
@@ -92,7 +93,7 @@ def _moment_weights(mechanism: DrivenCrank) -> Array:
     cross = sum((mass * (1.0 - share).conjugate() * share for mass, share in places), 0j)
     at_pin = sum(mass * abs(1.0 - share) ** 2 for mass, share in places)
     at_wrist = masses.slider_kg + sum(mass * abs(share) ** 2 for mass, share in places)
-    extra = sum(w.mass_kg * w.arm_mm**2 for w in mechanism.counterweights if w.carrier == "crank")
+    extra = sum(w.mass_kg * w.arm_mm**2 for w in mechanism.counterweights if w.carrier is Carrier.CRANK)
     weights = np.zeros(7)
     # The crank turns clockwise: its angular momentum is opposite to the sense of the moment
     weights[CRANK] = -(masses.crank_shaft_kg_mm2 + extra + at_pin * crank**2)
@@ -142,7 +143,7 @@ class Speed(StrEnum):
 
 
 @dataclass(frozen=True)
-class Failure:
+class TwoTermFormula:
     """The textbook formula beside the exact shaking force: its peak in N, and its largest error by the exact peak.
 
     The error is 0 where the exact force is balanced to rounding error.
@@ -152,7 +153,7 @@ class Failure:
     largest_error: float
 
 
-def failure(mechanism: DrivenCrank, speed: Speed = Speed.MEAN) -> Failure:
+def two_term_formula(mechanism: DrivenCrank, speed: Speed = Speed.MEAN) -> TwoTermFormula:
     """How far the textbook formula is off for a mechanism in line; raises WrongInput where there is an offset."""
     if mechanism.linkage.offset_mm != 0.0:
         raise WrongInput("the two-term formula is for linkages in line; leave the offset out", key="linkage.offset_mm")
@@ -166,7 +167,7 @@ def failure(mechanism: DrivenCrank, speed: Speed = Speed.MEAN) -> Failure:
         for part in (exact, formula, formula - exact)
     )
     unit = N_PER_KG_MM_S2 * mechanism.total_kg * mechanism.linkage.crank_mm * mechanism.speed_rad_s**2
-    return Failure(given, error / true if true > BALANCED * unit else 0.0)
+    return TwoTermFormula(given, error / true if true > BALANCED * unit else 0.0)
 
 
 def _formula(mechanism: DrivenCrank, speed: Speed, phi1: Array) -> Array:

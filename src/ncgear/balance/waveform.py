@@ -105,6 +105,11 @@ def waveform(function: Callable[[Array], Array], breaks: Array) -> Waveform:
     return Waveform(chebyshev.fitted(function, breaks))
 
 
+def waveforms(form: PiecewiseChebyshev) -> list[Waveform]:
+    """One waveform for each function of a form with values of shape (m,)."""
+    return [Waveform(PiecewiseChebyshev(form.breaks, column)) for column in np.moveaxis(form.coefficients, 2, 0)]
+
+
 def magnitude_statistics(along: Waveform, across: Waveform) -> Statistics:
     """Statistics of the length of a vector given by two waveforms with the same breaks.
 

@@ -75,7 +75,7 @@ def first_rows(contacts: Contacts, urge: float, values: Array, drift: Array) -> 
 
 
 @dataclass(frozen=True, eq=False)
-class Stretches:
+class RowCubics:
     """Cubics of rows over intervals, sorted by interval; ``coefficients`` have shape (4, k, q), the others (k,)."""
 
     row: IndexArray
@@ -83,8 +83,8 @@ class Stretches:
     coefficients: Array
 
 
-def stretches(rows: Rows, placement: Placement) -> Stretches:
-    """All intervals into which rows reach; beyond its ends a row goes straight on for one interval."""
+def row_cubics(rows: Rows, placement: Placement) -> RowCubics:
+    """Cubics over all intervals into which rows reach; beyond its ends a row goes straight on for one interval."""
     count = placement.count
     following, preceding = rows.neighbours(1, count), rows.neighbours(-1, count)
     slopes = _slopes(rows, placement, preceding, following)
@@ -96,7 +96,7 @@ def stretches(rows: Rows, placement: Placement) -> Stretches:
     ends = _ends(rows.values, slopes, start, end, width)
     order = np.argsort(interval, kind="stable")
     chosen = np.where(start < 0, end, start)
-    return Stretches(chosen[order], interval[order], cubics(width, *ends)[:, order])
+    return RowCubics(chosen[order], interval[order], cubics(width, *ends)[:, order])
 
 
 def _ends(
@@ -150,7 +150,7 @@ def reach_rad(rows: Rows, placement: Placement) -> Array:
 
 
 PER_TOOTH = 80
-"""Positions per tooth pitch.  At the ends of contact gaps begin to grow with the square of the way; with so many
+"""Positions per tooth pitch.  At the ends of contact gaps begin to grow with the square of the way; with this many
 positions first touches are met to some millionths of a radian even there (tests/test_gaps.py)."""
 
 WITHIN_IN_MODULES = 0.5
@@ -211,8 +211,9 @@ class Gaps:
         """
         pushing, back = self.play_rad(phi1_rad)
         pressed = np.maximum(pushing - error_rad, error_rad - back)
-        worst = int(np.argmax(pressed - self.reach_rad[self.table.place(phi1_rad)[1]]))
-        if pressed[worst] > self.reach_rad[self.table.place(phi1_rad)[1]][worst]:
+        reach = self.reach_rad[self.table.place(phi1_rad)[1]]
+        worst = int(np.argmax(pressed - reach))
+        if pressed[worst] > reach[worst]:
             raise _too_deep(float(phi1_rad[worst]), float(pressed[worst]))
 
 
@@ -229,7 +230,7 @@ def _rows(contacts: Contacts, urge: float, placement: Placement) -> Rows:
     tangent = placement.fixed_directions(contacts.tangent, contacts.position, contacts.error_rad)
     place = contacts.fixed_points(placement)
     from_axis = place - placement.center_distance_mm
-    # The sense is that of the normal force, whose arm keeps its sign; the way outwards does not on a steep tangent
+    # The sense is that of the normal force, whose arm keeps its sign; the way outwards does not on a steep tangent.
     tangent = tangent / np.abs(tangent) * np.sign(along(tangent, from_axis))
     lever = along(tangent, from_axis)
     driving, driven = along(tangent, 1j * place), placement.mesh.sense * along(tangent, 1j * from_axis)
@@ -240,7 +241,7 @@ def _rows(contacts: Contacts, urge: float, placement: Placement) -> Rows:
 
 def _slotted(rows: Rows, placement: Placement) -> Gaps:
     """Rows side by side in the slots of each interval."""
-    found = stretches(rows, placement)
+    found = row_cubics(rows, placement)
     slot = np.arange(found.interval.size) - np.searchsorted(found.interval, found.interval)
     place, shape = (found.interval, slot), (placement.count, int(slot.max()) + 1)
     coefficients = np.zeros((4, *shape, rows.values.shape[1]))

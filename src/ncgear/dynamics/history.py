@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.dynamics.meshing import force_on_driven
-from ncgear.dynamics.motion_in_time import Course
+from ncgear.dynamics.motion_in_time import Course, pressed_rad
 from ncgear.dynamics.rigid import RigidMachine
 from ncgear.mechanisms.forces import CrankPace, JointForces
 from ncgear.numerics.arrays import Array
@@ -56,29 +55,30 @@ class History:
         return self.joints.crank_axis - self.mesh
 
 
-def history(course: Course, machine: RigidMachine, place: MeshPlace, per_turn: int = PER_TURN) -> History:
-    """The motion at even times, ``per_turn`` in each turn; the course must be one of this machine and mesh."""
-    mechanism = course.mechanism
+def history(course: Course, rigid: RigidMachine, per_turn: int = PER_TURN) -> History:
+    """The motion at even times, ``per_turn`` in each turn; the course must be one of this machine, which has gears."""
+    toothed = course.machine
+    assert rigid.place is not None
     turns = float(course.states[0, -1] - course.states[0, 0]) / (2.0 * np.pi)
     time_s = np.linspace(0.0, float(course.time_s[-1]), max(2, round(per_turn * turns) + 1))
     states = course.at(time_s)
-    answer = mechanism.answer(states)
+    answer = toothed.answer(states)
     phi1, _, phi2, speed2 = states[:4]
-    ratio = mechanism.meshing.law.at(phi1)[1]
-    linkage, law = machine.machine.linkage, machine.machine.motion(phi1)
+    ratio = toothed.meshing.law.at(phi1)[1]
+    linkage, law = rigid.machine.linkage, rigid.machine.motion(phi1)
     urge, normal = answer.teeth.near.urge, answer.teeth.normal_n
     return History(
         time_s,
         phi1,
         phi2,
-        phi2 - mechanism.meshing.law.at(phi1)[0],
+        phi2 - toothed.meshing.law.at(phi1)[0],
         _slide(linkage.displacement(Jet.variable(phi2, 2)), speed2, answer.acceleration2_rad_s2),
         Slide(law.displacement_mm, law.velocity_mm_s, law.acceleration_mm_s2),
         np.where(urge > 0.0, normal, 0.0).max(axis=-1),
         np.where(urge < 0.0, normal, 0.0).max(axis=-1),
         answer.torque_n_mm,
-        machine.joints(phi2, CrankPace(speed2, answer.acceleration2_rad_s2)),
-        force_on_driven(answer.teeth, ratio, place),
+        rigid.joints(phi2, CrankPace(speed2, answer.acceleration2_rad_s2)),
+        force_on_driven(answer.teeth, ratio, rigid.place),
     )
 
 
@@ -86,8 +86,7 @@ def parted_s(course: Course) -> Array:
     """Starts and ends of the times at which no pushing flanks touch, shape (k, 2)."""
     edges = np.unique(np.concatenate([[0.0], course.pushing_s, course.time_s[-1:]]))
     states = course.at((edges[1:] + edges[:-1]) / 2.0)
-    near = course.mechanism.meshing.gaps.play_rad(states[0])[0]
-    apart = states[2] - course.mechanism.meshing.law.at(states[0])[0] >= near
+    apart = pressed_rad(course.machine.meshing, states) <= 0.0
     return np.column_stack([edges[:-1][apart], edges[1:][apart]])
 
 

@@ -25,8 +25,8 @@ from ncgear.pitch.shape import Gear, Mesh
 class MeshPlace:
     """How the gears lie: distance of their axes, angle of the rack, kind of mesh.
 
-    ``driving_axis_rad`` is the direction from the crank's axis to the driving gear's, in the frame of
-    the mechanism, counter-clockwise from the slider's line.
+    ``driving_axis_rad`` is the direction from the crank's axis to the driving gear's, in the frame of the mechanism,
+    counter-clockwise from the slider's line.
     """
 
     center_distance_mm: float

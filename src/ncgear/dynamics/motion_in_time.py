@@ -158,13 +158,13 @@ class Start(StrEnum):
     REST = "rest"
 
 
-def law_torque_n_mm(mechanism: ToothedMachine, transmission: Transmission, phi1_rad: Array) -> Array:
+def law_torque_n_mm(machine: ToothedMachine, transmission: Transmission, phi1_rad: Array) -> Array:
     """Torque in N mm that the driven shaft takes where it keeps the law at the drive's speed, shape (n,)."""
-    angle, speed = transmission.driven_angle(phi1_rad, 2), mechanism.drive.speed_rad_s
-    return mechanism.load.torque_n_mm(angle.value, angle.derivative(1) * speed, angle.derivative(2) * speed**2)
+    angle, speed = transmission.driven_angle(phi1_rad, 2), machine.drive.speed_rad_s
+    return machine.load.torque_n_mm(angle.value, angle.derivative(1) * speed, angle.derivative(2) * speed**2)
 
 
-def started(mechanism: ToothedMachine, transmission: Transmission, start: Start) -> Array:
+def started(machine: ToothedMachine, transmission: Transmission, start: Start) -> Array:
     """The state at phi1 = 0, shape (6,).
 
     On the law both shafts have its speeds, and the teeth are pressed as deep as the load at that speed asks.  At rest
@@ -172,12 +172,12 @@ def started(mechanism: ToothedMachine, transmission: Transmission, start: Start)
     has that speed from the start.
     """
     here = np.zeros(1)
-    speed = mechanism.drive.speed_rad_s
+    speed = machine.drive.speed_rad_s
     if start is Start.REST:
-        pushing = float(mechanism.meshing.gaps.play_rad(here)[0][0])
-        return np.array([0.0, mechanism.drive.starting_rad_s, pushing, 0.0, 0.0, 0.0])
-    torque = law_torque_n_mm(mechanism, transmission, here)
-    ahead = loaded_contact(mechanism.meshing, here, torque, speed).error_rad[0]
+        pushing = float(machine.meshing.gaps.play_rad(here)[0][0])
+        return np.array([0.0, machine.drive.starting_rad_s, pushing, 0.0, 0.0, 0.0])
+    torque = law_torque_n_mm(machine, transmission, here)
+    ahead = loaded_contact(machine.meshing, here, torque, speed).error_rad[0]
     ratio = float(transmission.driven_angle(here, 1).derivative(1)[0])
     return np.array([0.0, speed, float(ahead), ratio * speed, 0.0, 0.0])
 
@@ -196,35 +196,29 @@ def passing(row: int, angle_rad: float) -> Callable[[float, Array], float]:
     return beyond
 
 
-def pressed_rad(mechanism: ToothedMachine, states: Array, urge: float) -> Array:
-    """How far the driven gear is pressed beyond the first contact of one side in states (shape (6, n)), shape (n,)."""
-    angle, _ = mechanism.meshing.law.at(states[0])
-    pushing, back = mechanism.meshing.gaps.play_rad(states[0])
-    ahead = states[2] - angle
-    pressed: Array = pushing - ahead if urge > 0.0 else ahead - back
+def pressed_rad(meshing: Meshing, states: Array) -> Array:
+    """How far the driven gear is pressed beyond the pushing flanks' first contact in states (6, n), shape (n,)."""
+    pressed: Array = meshing.gaps.play_rad(states[0])[0] - (states[2] - meshing.law.at(states[0])[0])
     return pressed
 
 
-def meetings_s(mechanism: ToothedMachine, time_s: Array, at: Callable[[Array], Array], urge: float) -> Array:
-    """Times at which flanks of one side meet or part between the steps at ``time_s``; states are ``at`` times.
+def meetings_s(pressed: Callable[[Array], Array], time_s: Array) -> Array:
+    """Times, between the steps ``time_s``, at which flanks meet or part.
 
+    ``pressed`` tells how far they are pressed into each other at times, less than 0 where they are apart.
     The solver's own search for events is not used: it compares the states of steps with the interpolation between them,
     which LSODA does not join to them exactly.
     """
-
-    def pressed(times: Array) -> Array:
-        return pressed_rad(mechanism, at(times), urge)
-
     sign = np.sign(pressed(time_s))
     change = np.nonzero(sign[:-1] * sign[1:] < 0.0)[0]
     # The interpolation takes no empty times
     return zeros_between(pressed, time_s[change], time_s[change + 1]) if change.size else np.empty(0)
 
 
-def next_dead_centre_rad(mechanism: ToothedMachine, phi2_rad: float) -> float:
+def next_dead_centre_rad(machine: ToothedMachine, phi2_rad: float) -> float:
     """The first dead centre beyond a crank angle."""
     turn, local = divmod(phi2_rad + CLEAR_RAD, 2.0 * pi)
-    beyond = [angle for angle in mechanism.load.dead_centres_rad if angle > local]
+    beyond = [angle for angle in machine.load.dead_centres_rad if angle > local]
     return turn * 2.0 * pi + min([*beyond, 2.0 * pi])
 
 
@@ -248,7 +242,7 @@ class Course:
     ``pushing_s`` are the times at which pushing flanks meet or part.
     """
 
-    mechanism: ToothedMachine
+    machine: ToothedMachine
     time_s: Array
     states: Array
     pushing_s: Array
@@ -265,14 +259,14 @@ class Course:
     @cached_property
     def energy_error(self) -> float:
         """Largest imbalance of energy at any step, as a share of the most that was worked, lost or stored."""
-        stored = self.mechanism.stored_n_mm(self.states)
+        stored = self.machine.stored_n_mm(self.states)
         work, loss = self.states[4], self.states[5]
         most = max(float(np.abs(work).max()), float(loss.max()), float(np.ptp(stored)))
         return float(np.abs(work - loss - (stored - stored[0])).max()) / most if most else 0.0
 
 
 def course(
-    mechanism: ToothedMachine, state: Array, turns: float, accuracy: float = ACCURACY, method: str = METHOD
+    machine: ToothedMachine, state: Array, turns: float, accuracy: float = ACCURACY, method: str = METHOD
 ) -> Course:
     """The motion from a state (shape (6,)) over ``turns`` of the driving gear, by one of scipy's solvers.
 
@@ -280,58 +274,62 @@ def course(
     ArithmeticError where the solver fails or energy does not balance.
     """
     target = float(state[0]) + 2.0 * pi * turns
-    limit_s = SLOWEST * 2.0 * pi * turns / mechanism.drive.speed_rad_s
+    limit_s = SLOWEST * 2.0 * pi * turns / machine.drive.speed_rad_s
     legs: list[Any] = []
     time_s = 0.0
     while True:
-        leg = _leg(mechanism, (time_s, limit_s), state, target, (accuracy, method))
+        leg = _leg(machine, (time_s, limit_s), state, target, (accuracy, method))
         legs.append(leg)
         time_s, state = float(leg.t[-1]), leg.y[:, -1]
         if leg.status == 0:
-            raise _stalled(mechanism, state)
+            raise _stalled(state)
         if leg.t_events[0].size:
-            return _checked(_joined(mechanism, legs))
+            return _checked(_joined(machine, legs))
 
 
 def _leg(
-    mechanism: ToothedMachine, span_s: tuple[float, float], state: Array, target_rad: float, how: tuple[float, str]
+    machine: ToothedMachine, span_s: tuple[float, float], state: Array, target_rad: float, how: tuple[float, str]
 ) -> Any:
     """The solver's answer from one dead centre to the next, or to the end of the course."""
-    events = passing(0, target_rad), passing(2, next_dead_centre_rad(mechanism, float(state[2])))
+    events = passing(0, target_rad), passing(2, next_dead_centre_rad(machine, float(state[2])))
     accuracy, method = how
-    tolerance = {"rtol": accuracy, "atol": accuracy * _scales(mechanism)}
-    leg = solve_ivp(mechanism.change, span_s, state, method, dense_output=True, events=events, **tolerance)
+    tolerance = {"rtol": accuracy, "atol": accuracy * _scales(machine)}
+    leg = solve_ivp(machine.change, span_s, state, method, dense_output=True, events=events, **tolerance)
     if leg.status < 0:
         raise ArithmeticError(f"the motion could not be integrated: {leg.message}")
     return leg
 
 
-def _scales(mechanism: ToothedMachine) -> Array:
+def _scales(machine: ToothedMachine) -> Array:
     """What counts as small in each row of the state: a hundredth of a radian, of the speed, and of a turn's work."""
-    speed = mechanism.drive.speed_rad_s
-    moving = float(mechanism.load.energy_n_mm(np.array(0.0), np.array(speed)))
-    work = max(moving, float(mechanism.load.table.at(2.0 * pi)[0][1]))
+    speed = machine.drive.speed_rad_s
+    moving = float(machine.load.energy_n_mm(np.array(0.0), np.array(speed)))
+    work = max(moving, float(machine.load.table.at(2.0 * pi)[0][1]))
     return 1e-2 * np.array([1.0, speed, 1.0, speed, work, work])
 
 
-def _joined(mechanism: ToothedMachine, legs: list[Any]) -> Course:
+def _joined(machine: ToothedMachine, legs: list[Any]) -> Course:
     """Legs end to end; a leg's first state is the last one of the leg before."""
+
+    def pushing_s(leg: Any) -> Array:
+        return meetings_s(lambda time_s: pressed_rad(machine.meshing, leg.sol(time_s)), leg.t)
+
     time_s = np.concatenate([legs[0].t[:1], *(leg.t[1:] for leg in legs)])
     states = np.concatenate([legs[0].y[:, :1], *(leg.y[:, 1:] for leg in legs)], axis=1)
-    pushing = np.concatenate([meetings_s(mechanism, leg.t, leg.sol, 1.0) for leg in legs])
-    return Course(mechanism, time_s, states, pushing, tuple((float(leg.t[0]), leg.sol) for leg in legs))
+    pushing = np.concatenate([pushing_s(leg) for leg in legs])
+    return Course(machine, time_s, states, pushing, tuple((float(leg.t[0]), leg.sol) for leg in legs))
 
 
 def _checked(found: Course) -> Course:
     """The course itself, if its energy balances and its teeth are no deeper in each other than the tables follow."""
-    meshing, states = found.mechanism.meshing, found.states
+    meshing, states = found.machine.meshing, found.states
     meshing.gaps.require_reach(states[0], states[2] - meshing.law.at(states[0])[0])
     if not found.energy_error <= ENERGY:
         raise ArithmeticError(f"the energy of the motion misses its balance by {found.energy_error:.3g} of the work")
     return found
 
 
-def _stalled(mechanism: ToothedMachine, state: Array) -> NoSuchMechanism:
+def _stalled(state: Array) -> NoSuchMechanism:
     return NoSuchMechanism(
         f"the drive does not get round in {SLOWEST:g} times the time that it takes without load: it is at phi1 = "
         f"{in_words(float(state[0]))}; more torque or a heavier flywheel is needed",

@@ -108,9 +108,10 @@ def _bracket(
     way = np.where(push, np.minimum(pushing, back), np.maximum(pushing, back)) - start
     step = np.where(push, -FIRST_STEP_RAD, FIRST_STEP_RAD)
     for _ in range(DOUBLINGS):
-        short = np.where(push, missing(start + way + step) < 0.0, missing(start + way + step) > 0.0)
+        end = start + way + step
+        unmet = missing(end)
+        short = np.where(push, unmet < 0.0, unmet > 0.0)
         if not short.any():
-            end = start + way + step
             return np.where(push, end, start), np.where(push, start, end)
         step = np.where(short, 2.0 * step, step)
     raise NoSuchMechanism(

@@ -19,6 +19,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from math import degrees, pi, sqrt
+from operator import attrgetter
 
 import numpy as np
 
@@ -55,7 +56,7 @@ class Loads:
     mesh: MeshForce | None
 
     @property
-    def gripped(self) -> MeshForce:
+    def mesh_force(self) -> MeshForce:
         """The mesh force of a machine that has gears."""
         assert self.mesh is not None
         return self.mesh
@@ -115,7 +116,7 @@ class RigidMachine:
 
 
 IDLE = 1e-9
-"""Share of the largest torque below which nothing is carried: far over rounding errors, far below what is felt."""
+"""Share of the largest torque below which flanks carry nothing: far above rounding errors, far below any real load."""
 
 KG_MM2 = 1e3
 """One N mm s^2 in kg mm^2."""
@@ -187,7 +188,7 @@ def refuse_locked(rigid: RigidMachine) -> None:
     for stretch in stretches(rigid.machine) if rigid.place else ():
         phi1 = grid_between(stretch.start_rad, stretch.end_rad, np.array(stretch.knots_rad))
         loads = rigid.on(stretch, phi1)
-        torque, angle = loads.driven_torque.value, loads.gripped.pressure_angle_rad.value
+        torque, angle = loads.driven_torque.value, loads.mesh_force.pressure_angle_rad.value
         locked = (np.abs(torque) > IDLE * np.abs(torque).max()) & (angle >= pi / 2.0)
         if locked.any():
             worst = int(np.argmax(np.where(locked, angle, 0.0)))
@@ -242,9 +243,9 @@ def _joint(name: str) -> Callable[[Loads], Vector]:
 
 
 def _mesh_peak(rigid: RigidMachine, cycle: Sequence[Broken]) -> MeshPeak:
-    found = [(part, _range(rigid, [part], lambda loads: loads.gripped.size_n)[1]) for part in cycle]
+    found = [(part, _range(rigid, [part], lambda loads: loads.mesh_force.size_n)[1]) for part in cycle]
     (stretch, _), highest = max(found, key=lambda item: item[1].value)
-    angle = rigid.on(stretch, np.array([highest.at])).gripped.pressure_angle_rad
+    angle = rigid.on(stretch, np.array([highest.at])).mesh_force.pressure_angle_rad
     return MeshPeak(highest, float(angle.value[0]))
 
 
@@ -260,15 +261,12 @@ def _range(rigid: RigidMachine, cycle: Sequence[Broken], quantity: Callable[[Loa
         extremes(partial(_along, rigid, stretch, quantity), stretch.start_rad, stretch.end_rad, breaks)
         for stretch, breaks in cycle
     ]
-    return min((low for low, _ in ranges), key=_value), max((high for _, high in ranges), key=_value)
+    value = attrgetter("value")
+    return min((low for low, _ in ranges), key=value), max((high for _, high in ranges), key=value)
 
 
 def _along(rigid: RigidMachine, stretch: Stretch, quantity: Callable[[Loads], Jet], phi1: Array) -> Jet:
     return quantity(rigid.on(stretch, phi1))
-
-
-def _value(extremum: Extremum) -> float:
-    return extremum.value
 
 
 @dataclass(frozen=True, eq=False)

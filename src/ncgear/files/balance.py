@@ -50,8 +50,7 @@ def _forces(mechanism: DrivenCrank) -> dict[str, Array]:
         return curves
     for name, best in (("least squares", least_squares), ("least peak", minimax)):
         added = best(mechanism, known).at(crank)
-        balanced = replace(mechanism, counterweights=(*mechanism.counterweights, added))
-        curves[name] = _curve(shaking(balanced, known))
+        curves[name] = _curve(shaking(mechanism.with_counterweight(added), known))
     return curves
 
 
@@ -62,7 +61,7 @@ def _curve(of: Shaking) -> Array:
 
 def _track(mechanism: DrivenCrank, added: Counterweight) -> Array:
     """The track with a counterweight, moved so that its middle is the origin: the picture shows sizes, not places."""
-    points = track(replace(mechanism, counterweights=(*mechanism.counterweights, added))).points_mm
+    points = track(mechanism.with_counterweight(added)).points_mm
     return np.asarray(points - (points.min(axis=0) + points.max(axis=0)) / 2.0)
 
 

@@ -75,9 +75,8 @@ def simulation_text(found: Simulated, paths: Sequence[Path]) -> str:
 
 def _dynamic(drive: Drive) -> Simulated:
     """The motion of a drive in time, beside its law."""
-    course, rigid = drive.course, drive.rigid.machine
-    assert rigid.place is not None
-    shown = history(course, rigid, rigid.place)
+    course = drive.course
+    shown = history(course, drive.rigid.machine)
     apart_s = parted_s(course)
     apart_rad = np.stack([course.at(ends)[0] for ends in apart_s.T], axis=-1)
     pictures = dynamic_pictures(drive, shown, apart_rad)

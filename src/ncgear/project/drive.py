@@ -335,7 +335,7 @@ class Drive:
 
     @computed
     def course(self) -> Course:
-        """The motion of the toothed mechanism in time."""
+        """The motion of the toothed machine in time."""
         from ncgear.dynamics.crank_load import crank_load
         from ncgear.dynamics.motion_in_time import Start, ToothedMachine, course, started
         from ncgear.project.forces import drive_line_of
@@ -343,8 +343,8 @@ class Drive:
         given, masses, meshing = self.design.simulation, self.masses, self.meshing
         driving = drive_line_of(given, masses, self.machine.speed_rad_s)
         with self.stopwatch("motion in time"):
-            mechanism = ToothedMachine(driving, meshing, crank_load(self.linkage, masses, self.machine.resistance))
-            return course(mechanism, started(mechanism, self.transmission, Start(given.start)), given.turns)
+            toothed = ToothedMachine(driving, meshing, crank_load(self.linkage, masses, self.machine.resistance))
+            return course(toothed, started(toothed, self.transmission, Start(given.start)), given.turns)
 
 
 def load(path: str | Path) -> Drive:

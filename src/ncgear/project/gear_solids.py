@@ -28,14 +28,15 @@ From this thickness on, ISO 6336-3 counts no weakening of internal teeth (value 
 
 def straight_solids(gears: Gears, pitch: PitchPair, teeth: ToothedPair, tolerance_mm: float) -> SolidPair:
     """Both gears with straight teeth as closed meshes; raises WrongInput where a part of the body has no room."""
-    from ncgear.solids.mesh.pair import SolidPair, driven_solid, driving_solid, ring_solid
+    from ncgear.solids.mesh.pair import SolidPair, gear_solid, ring_solid
 
     module, outline = pitch.size.module_mm, teeth.driven.outline_mm
     blank = _blank(gears, gears.driving)
-    driving = driving_solid(teeth.driving.outline_mm, blank, module, tolerance_mm, pitch.mesh)
+    driving = gear_solid(Gear.DRIVING, teeth.driving.outline_mm, blank, module, tolerance_mm, pitch.mesh)
     if pitch.driven.is_ring:
         return SolidPair(driving, ring_solid(outline, _ring_blank(gears, module), module, tolerance_mm))
-    return SolidPair(driving, driven_solid(outline, _blank(gears, gears.driven), module, tolerance_mm))
+    driven = gear_solid(Gear.DRIVEN, outline, _blank(gears, gears.driven), module, tolerance_mm)
+    return SolidPair(driving, driven)
 
 
 def helical_solids(gears: Gears, pitch: PitchPair, form: ToothForm, helix: Helix, tolerance_mm: float) -> SolidPair:

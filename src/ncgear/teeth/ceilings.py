@@ -9,23 +9,20 @@ away from it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ncgear.numerics.arrays import Array, Mask
+from ncgear.teeth.flank import Flanks
 from ncgear.teeth.form import Ceiling, Ceilings
-
-if TYPE_CHECKING:
-    from ncgear.teeth.flank import Flanks
-    from ncgear.teeth.tips import Tips
+from ncgear.teeth.tips import Tips
 
 RISE = 0.5
 """How steeply ceilings rise along the pitch curve: steeper ones cost less contact, but take more sections."""
 
 STANDS_OUT = 1e-3
-"""A step of the height counts as a jump when it differs by so much, in modules, from the steps beside it.  Heights that
-only bend do not count; smaller jumps are lost in the chord tolerance."""
+"""A step of the height counts as a jump when it differs by this much, in modules, from the steps beside it.  Heights
+that only bend do not count; smaller jumps are lost in the chord tolerance."""
 
 HIGH = 10.0
 """Height, in modules, that stands for no ceiling."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.arrays import Array, IndexArray, Mask, counted_up
 
 PROBES = 33
 """Points per curve between which its turning is measured to place the chords."""
@@ -100,9 +100,8 @@ def split(stretch: Stretch, joints: Array) -> Stretch:
     low, high = stretch.rolled.min(axis=0), stretch.rolled.max(axis=0)
     first, last = np.searchsorted(joints, low, side="right"), np.searchsorted(joints, high, side="left")
     counts = np.maximum(last - first, 0)
-    cut = np.repeat(np.arange(counts.size), counts)
-    joint = joints[np.arange(cut.size) - np.repeat(np.cumsum(counts) - counts, counts) + first[cut]]
-    share_cut = (joint - stretch.rolled[0, cut]) / (stretch.rolled[1, cut] - stretch.rolled[0, cut])
+    cut, number = counted_up(first, counts)
+    share_cut = (joints[number] - stretch.rolled[0, cut]) / (stretch.rolled[1, cut] - stretch.rolled[0, cut])
     every = np.arange(counts.size)
     row, share = np.concatenate([every, cut]), np.concatenate([np.zeros(counts.size), share_cut])
     order = np.lexsort((share, row))
@@ -136,7 +135,7 @@ def straddled(stretch: Stretch, tolerance: float) -> tuple[Array, Array]:
     sagitta, across = _sagittas(stretch, row, at)
     shift = _standing_off(row, sagitta, tolerance)[:, None] * _left(stretch.at(row, at)[1])
     following = np.where((np.diff(row, append=-1) == 0)[:, None], np.roll(shift, -1, axis=0), 0.0)
-    # A whole chord stands off at least as far as the nearer of its ends, and strays by so much less to the other side.
+    # A whole chord stands off at least as far as the nearer of its ends, and strays that much less to the other side.
     taken = np.sign(sagitta) * np.sum([shift * across, following * across], axis=2)
     allowed = tolerance + np.maximum(taken.min(axis=0), 0.0)
     row, at, points = _with_halves(stretch, row, at, allowed, tolerance)
@@ -160,8 +159,7 @@ def _placed(stretch: Stretch, tolerance: float) -> tuple[IndexArray, Array]:
     every = np.arange(stretch.owner.size)
     needed = _chords_needed(*stretch.at(every[:, None], SHARES), tolerance * PLACED)
     counts = np.maximum(np.ceil(needed[:, -1]), 1).astype(int)
-    row = np.repeat(every, counts)
-    place = np.arange(row.size) - np.repeat(np.cumsum(counts) - counts, counts)
+    row, place = counted_up(np.zeros_like(counts), counts)
     return row, _inverse_rows(needed, row, place / counts[row])
 
 

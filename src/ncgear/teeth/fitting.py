@@ -23,7 +23,7 @@ from ncgear.teeth.tips import Bounds, Limit, Tips, fitted_tips, held_below, no_t
 from ncgear.teeth.tool import PinionCircle
 
 FAR = 2.0
-"""Where no tool sets the depth, regular flanks are sought down to so many dedenda: deeper than any tip reaches."""
+"""Where no tool sets the depth, regular flanks are sought down to this many dedenda: deeper than any tip reaches."""
 
 BLUNT = 0.03
 """Least land, in modules, of teeth that are tools as well: they may lose a quarter of it to the land's slope and still
@@ -167,7 +167,7 @@ def _regular_tips(
 
 
 def _raised(own: Flanks, mate: Tips, mates: Mates) -> Flanks:
-    """The gear with tips longer by as much as the mate's tips have lost against undercut, to lose less contact."""
+    """The gear with tips longer by what the mate's tips have lost to avoid undercut, so that less contact is lost."""
     short = np.where(mate.limit == Limit.UNDERCUT, mate.flanks.rack.tip_height_mm - mate.flanks.tip_height_mm, 0.0)
     missing = _most(own.count, mates, short)
     # Contact passes from tooth to tooth: a tip also makes up for what the next tooth's pair has lost.
@@ -195,7 +195,7 @@ def _freed(tips: PairTips, paths: tuple[TipPaths, TipPaths] | None, first: int) 
 
 
 def _deepened(own: Tips, mate: Tips, mates: Mates, clearance: float) -> Tips:
-    """The gear with spaces for its mate's tips, rounded at the bottom by so much that the clearance is left."""
+    """The gear with spaces for its mate's tips, with rounded bottoms that leave the clearance."""
     rack = own.flanks.rack
     touched = _most(own.flanks.count, mates, mate.height_mm)
     radius = max(rack.root_radius_mm, clearance / (1.0 - sin(rack.pressure_angle_rad)))

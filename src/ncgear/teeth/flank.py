@@ -107,8 +107,8 @@ class Flanks:
         angle, side = self.rack.pressure_angle_rad, self.side[flank][..., None]
         at = self.at_rolled(flank, self.rolled_mm(flank, height_mm))
         along = cos(angle) * at.normal - side * sin(angle) * at.tangent
-        speed = (sin(angle) + height_mm * at.curvature / sin(angle)) / self.rack.height_per_rolled
-        point, slope = at.position + height_mm[..., None] * (side / tan(angle) * at.tangent + at.normal), speed
+        slope = (sin(angle) + height_mm * at.curvature / sin(angle)) / self.rack.height_per_rolled
+        point = at.position + height_mm[..., None] * (side / tan(angle) * at.tangent + at.normal)
         if self.rack.relief is None:
             return point, slope[..., None] * along
         outwards = side * cos(angle) * at.tangent + sin(angle) * at.normal
@@ -229,7 +229,7 @@ def mating_flanks(driving_teeth: int, driven_teeth: int) -> tuple[IndexArray, In
     return np.concatenate([2 * own + 1, 2 * own]), np.concatenate([2 * ahead, 2 * behind + 1])
 
 
-def tooth_name(flanks: Flanks, flank: int) -> str:
+def flank_name(flanks: Flanks, flank: int) -> str:
     """A flank in the words of messages, with the driving angle at which it crosses the pitch point."""
     facing = "front" if flanks.side[flank] > 0 else "back"
     phi1 = float(flanks.curve.driving_angle(flanks.crossing_mm[flank : flank + 1])[0])
@@ -268,22 +268,19 @@ def _reach(flanks: Flanks, limit: float, sense: float) -> Array:
     low, high = flanks.curve.curvature_bounds
     if square + limit * min(sense * low, sense * high) > 0.0:
         return np.full(flanks.count, limit)
-    every = np.arange(flanks.count)
     per_mm = -sense * flanks.side * flanks.rack.height_per_rolled
-    ends = np.array([0.0, limit])
-    cuts = [_cuts(ends, (joints - flanks.crossing_mm[i]) * per_mm[i]) for i, joints in _joints(flanks, every)]
+    ends, joints = np.array([0.0, limit]), _joints(flanks)
+    cuts = [_cuts(ends, (joints - flanks.crossing_mm[i]) * per_mm[i]) for i in range(flanks.count)]
     return first_zeros(lambda i, height: flanks.regularity(i, sense * height), cuts)
 
 
 def folded_fillets(flanks: Flanks) -> Mask:
     """Which fillets fold between the flank and the root land; shape (2 z,)."""
-    rounding = flanks.rounding
-    every = np.arange(flanks.count)
-    start = flanks.rolled_mm(every, -flanks.flank_depth_mm)
     if _never_folds(flanks):
         return np.zeros(flanks.count, dtype=bool)
-    length = rounding.lowest_mm - start
-    cuts = [_cuts(np.array([0.0, 1.0]), (joints - start[i]) / length[i]) for i, joints in _joints(flanks, every)]
+    start = flanks.rolled_mm(np.arange(flanks.count), -flanks.flank_depth_mm)
+    length, joints = flanks.rounding.lowest_mm - start, _joints(flanks)
+    cuts = [_cuts(np.array([0.0, 1.0]), (joints - start[i]) / length[i]) for i in range(flanks.count)]
     regular = first_zeros(lambda i, share: flanks.fillet_regularity(i, start[i] + length[i] * share), cuts)
     folded: Mask = regular < 1.0 - CLEAR
     return folded
@@ -301,10 +298,9 @@ def _never_folds(flanks: Flanks) -> bool:
     return bool(below.all()) and (mated or straight)
 
 
-def _joints(flanks: Flanks, every: IndexArray) -> list[tuple[int, Array]]:
-    """Each flank's number and the arc lengths at which the curvature that rolls may jump."""
-    joints = np.empty(0) if flanks.equivalent else flanks.curve.joints_around_mm
-    return [(int(i), joints) for i in every]
+def _joints(flanks: Flanks) -> Array:
+    """Arc lengths at which the curvature of what rolls may jump."""
+    return np.empty(0) if flanks.equivalent else flanks.curve.joints_around_mm
 
 
 def _cuts(ends: Array, joints: Array) -> Array:

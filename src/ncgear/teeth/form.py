@@ -151,7 +151,7 @@ class Cutter:
 class Way(NamedTuple):
     """One way to shorten tips that foul each other.
 
-    ``raised`` says whether a gear's tips are first raised by as much as the mate's tips have lost against undercut.
+    ``raised`` says whether a gear's tips are first raised by what the mate's tips have lost to avoid undercut.
     ``first`` says which gear's tips are shortened first: 0 the driving gear's, 1 the driven gear's.
     """
 

@@ -20,7 +20,7 @@ from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import chord_crossings
 from ncgear.numerics.plane import as_complex
 from ncgear.pitch.curve import CurvePoints
-from ncgear.teeth.flank import Flanks, tooth_name
+from ncgear.teeth.flank import Flanks, flank_name
 from ncgear.teeth.tips import Limit, Tips, even_heights, no_tip, tip_crossing
 from ncgear.teeth.tool import PinionCircle
 
@@ -28,11 +28,11 @@ Mates = tuple[IndexArray, IndexArray]
 """Numbers of a gear's own flanks and of the mate's flanks that they meet."""
 
 CLEAR = 1.5
-"""Points that met count as clear when they are so many times the height of both tips apart; that covers tips that are
+"""Points that met count as clear when they are this many times the height of both tips apart; that covers tips that are
 raised against undercut."""
 
 PLACES = 4
-"""Places per pitch at which their distance is looked at: a share of a pitch hardly matters here."""
+"""Steps per pitch in which the rolled length is found after which tips are clear; a finer step hardly matters."""
 
 NEIGHBOURS = 3
 """Teeth on either side of the mating tooth that a tip's edge may run into on its way."""
@@ -63,11 +63,7 @@ class TipPaths:
     at: CurvePoints
     there: CurvePoints
 
-    def of(self, chosen: Mask) -> TipPaths:
-        """The paths of the chosen flanks, shape (2 z,)."""
-        return self.at_rows(chosen[self.own])
-
-    def at_rows(self, rows: Mask) -> TipPaths:
+    def kept(self, rows: Mask) -> TipPaths:
         """The paths of the chosen meetings."""
         return TipPaths(self.own[rows], self.other[rows], self.at.kept(rows), self.there.kept(rows))
 
@@ -87,7 +83,7 @@ def paths_near_concave(own: Flanks, mate: Flanks, mates: Mates) -> TipPaths:
     sigma = own.crossing_mm[mates[0]][:, None] + rolled
     at, there = own.curve.at_length(sigma), mate.curve.at_length(sigma)
     paths = TipPaths(*mates, at, there)
-    return paths.at_rows(np.any((at.curvature < 0.0) | (there.curvature < 0.0), axis=1))
+    return paths.kept(np.any((at.curvature < 0.0) | (there.curvature < 0.0), axis=1))
 
 
 def _reach_mm(own: Flanks, mate: Flanks) -> float:
@@ -117,11 +113,11 @@ def freed(own: Tips, mate: Tips, paths: TipPaths) -> Tips:
 
     Raises NoSuchMechanism, naming the tooth, where no tip is left.
     """
-    teeth = _upper_teeth(mate)
+    teeth = _teeth(mate.flanks, mate.height_mm[:, None] * np.linspace(ASIDE, 1.0, FLANK_POINTS))
     hit = _fouling(own.flanks, own.height_mm, paths, teeth)
     if not hit.any():
         return own
-    flanks = _lowered(own, paths.of(hit), teeth, hit)
+    flanks = _lowered(own, paths.kept(hit[paths.own]), teeth, hit)
     top, at, met = tip_crossing(flanks)
     if not met.all():
         raise no_tip(flanks, int(np.nonzero(~met)[0][0]))
@@ -145,17 +141,22 @@ def _lowered(own: Tips, paths: TipPaths, teeth: Array, hit: Mask) -> Flanks:
 def _fouling(flanks: Flanks, top: Array, paths: TipPaths, teeth: Array) -> Mask:
     """Which tip edges of a gear, at heights ``top``, run into the mate's teeth on their paths; shape (2 z,)."""
     path, hit = paths.in_mate(flanks.flank(paths.own, top[paths.own])[0]), np.zeros(flanks.count, dtype=bool)
-    for neighbour in range(-NEIGHBOURS, NEIGHBOURS + 1):
-        row, _, _ = chord_crossings(path, teeth[(paths.other // 2 + neighbour) % len(teeth)])
-        hit[paths.own[row]] = True
+    hit[paths.own[_running_into(path, teeth, paths.other // 2, NEIGHBOURS)]] = True
     return hit
 
 
-def _upper_teeth(gear: Tips) -> Array:
-    """The teeth of a gear above the pitch curve, up the back flank and down the front flank; shape (z, points, 2)."""
-    share = np.linspace(ASIDE, 1.0, FLANK_POINTS)
-    upper = gear.flanks.flank(np.arange(gear.flanks.count)[:, None], gear.height_mm[:, None] * share)[0]
-    return np.concatenate([upper[::2], upper[1::2, ::-1]], axis=1)
+def _running_into(path: Array, teeth: Array, tooth: IndexArray, neighbours: int) -> Mask:
+    """Which of n paths cross the tooth of their number (from 0) or a neighbour on either side of it; shape (n,)."""
+    hit = np.zeros(len(path), dtype=bool)
+    for neighbour in range(-neighbours, neighbours + 1):
+        hit[chord_crossings(path, teeth[(tooth + neighbour) % len(teeth)])[0]] = True
+    return hit
+
+
+def _teeth(flanks: Flanks, height: Array) -> Array:
+    """Outlines of teeth, up the back flank and down the front flank; shape (z, 2 m, 2) from heights (2 z, m)."""
+    side = flanks.flank(np.arange(flanks.count)[:, None], height)[0]
+    return np.concatenate([side[::2], side[1::2, ::-1]], axis=1)
 
 
 CUTTER_PROBES = 25
@@ -179,7 +180,7 @@ def refuse_fouling_cutter(tips: Tips) -> None:
     cut = np.nonzero(_cut_on_way_out(tips))[0]
     if cut.size:
         raise NoSuchMechanism(
-            f"the pinion cutter's tip cuts {tooth_name(tips.flanks, int(cut[0]))} on its way out of the space; fewer "
+            f"the pinion cutter's tip cuts {flank_name(tips.flanks, int(cut[0]))} on its way out of the space; fewer "
             "cutter teeth, or kind: mate, are needed",
             key="gears.cutter.teeth",
         )
@@ -192,10 +193,9 @@ def _cut_on_way_out(tips: Tips) -> Mask:
     start = flanks.rolled_mm(every, -flanks.flank_depth_mm)
     rolled = np.linspace(TANGENT * pitch, length, ceil(CUTTER_STEPS * length / pitch))
     path = flanks.fillet(every[:, None], start[:, None] + flanks.side[:, None] * rolled)[0]
-    teeth, hit = _working_teeth(tips), np.zeros(flanks.count, dtype=bool)
-    for neighbour in range(-CUTTER_NEIGHBOURS, CUTTER_NEIGHBOURS + 1):
-        hit[chord_crossings(path, teeth[(every // 2 + neighbour) % len(teeth)])[0]] = True
-    return hit
+    share = np.linspace(0.0, 1.0, CUTTER_PROBES)
+    working = -flanks.flank_depth_mm[:, None] * (1.0 - share) + tips.height_mm[:, None] * share
+    return _running_into(path, _teeth(flanks, working), every // 2, CUTTER_NEIGHBOURS)
 
 
 def _way_out_mm(tips: Tips) -> float:
@@ -209,11 +209,3 @@ def _way_out_mm(tips: Tips) -> float:
     turning = 1.0 / tool.radius_mm + flanks.curve.curvature_bounds[0]
     half_turn = pi * tool.radius_mm
     return half_turn if turning <= 0.0 else min(half_turn, BEYOND * sqrt(2.0 * depth / turning))
-
-
-def _working_teeth(tips: Tips) -> Array:
-    """Working flanks of the teeth, up the back and down the front; shape (z, points, 2)."""
-    flanks, share = tips.flanks, np.linspace(0.0, 1.0, CUTTER_PROBES)
-    heights = -flanks.flank_depth_mm[:, None] * (1.0 - share) + tips.height_mm[:, None] * share
-    side = flanks.flank(np.arange(flanks.count)[:, None], heights)[0]
-    return np.concatenate([side[::2], side[1::2, ::-1]], axis=1)

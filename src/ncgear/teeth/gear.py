@@ -26,7 +26,7 @@ from ncgear.teeth.tips import Limit, Tips
 from ncgear.teeth.tool import chosen_tools
 
 MOST_ASTRAY = 3.0
-"""The driven gear as written may miss the law by so many chord tolerances, divided by the driven pitch radius."""
+"""The driven gear as written may miss the law by this many chord tolerances, divided by the driven pitch radius."""
 
 LEAST_COSINE = 0.1
 """Least cosine of the pressure angle that chords are fitted to: beyond 84 degrees no gear can be driven anyway."""
@@ -119,7 +119,7 @@ def pair_tips(pitch: PitchPair, form: ToothForm, advance_mm: float) -> tuple[Cut
     """The kind of tool and both gears' flanks, fitted to each other but not yet trimmed; raises as ``toothed_pair``."""
     racks, size = shifted_racks(pitch, form), pitch.size
     kind, tools = chosen_tools(pitch, form)
-    # Shifts that do not cancel would press or part the flanks that push: both gears' teeth stand back by as much.
+    # Shifts that do not cancel would press together or part the pushing flanks: both gears' teeth stand back by that.
     eased = (racks[0].shift_mm + racks[1].shift_mm) / 2.0 * tan(form.rack.pressure_angle_rad)
     start = advance_mm + eased, advance_mm + racks[1].pitch_mm / 2.0 - eased
     # Arc length runs against the driving gear's turning: it pushes with its back flanks, onto the driven front ones.

@@ -28,7 +28,7 @@ class ChordTolerance:
     """How far chords may stray from the exact curve: on the working flanks, and on fillets and lands.
 
     With ``straddling`` the chords of flanks stray to both sides.  That takes fewer of them by the square root of 2, but
-    flanks that touch then overlap as much as they gape.
+    touching flanks then overlap as much as they gape.
     """
 
     flanks_mm: float

@@ -16,7 +16,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import chord_crossings, refined_crossings, zoomed_crossings
 from ncgear.numerics.units import in_words
-from ncgear.teeth.flank import FILLET, FLANK, Flanks, folded_fillets, regular_depth, tooth_name
+from ncgear.teeth.flank import FILLET, FLANK, Flanks, flank_name, folded_fillets, regular_depth
 from ncgear.teeth.spaces import Roots, roots_of
 from ncgear.teeth.tips import Tips
 from ncgear.teeth.tool import AGREEMENT
@@ -95,6 +95,7 @@ def refuse_folded_lands(flanks: Flanks, sides: Sides) -> None:
 
 
 def _refuse_folded_tips(flanks: Flanks, sides: Sides) -> None:
+    """Refuse a hollow that is sharper than its tip lands are high."""
     back, front = np.arange(0, flanks.count, 2), np.arange(1, flanks.count, 2)
     sigma = _probes(sides.tip_mm[back], sides.tip_mm[front])
     height = np.maximum(flanks.tip_height_mm[back], flanks.tip_height_mm[front])
@@ -156,10 +157,9 @@ def trimmed_sides(flanks: Flanks, sides: Sides, irregular: Mask) -> Sides:
         sides = _with_trimmed(sides, todo, trimmed)
         todo = todo[trimmed.folded]
     if todo.size:
-        flank = tooth_name(flanks, int(todo[0]))
         raise NoSuchMechanism(
-            f"the flank of {flank} crosses itself where no tool can cut it clean, so sharply does the "
-            "pitch curve bend there; more teeth of a smaller module are needed",
+            f"{flank_name(flanks, int(todo[0]))} crosses itself where no tool can cut it clean: the pitch curve bends "
+            "too sharply there; more teeth of a smaller module are needed",
             key="gears.teeth",
         )
     return sides

@@ -23,7 +23,7 @@ from scipy.optimize import elementwise
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.pitch.curve import CurvePoints, PitchCurve
-from ncgear.teeth.flank import CLEAR_OF_CUSPS, Flanks, regular_depth, tooth_name
+from ncgear.teeth.flank import CLEAR_OF_CUSPS, Flanks, flank_name, regular_depth
 from ncgear.teeth.tool import AGREEMENT, PinionCircle, RackLine, Rounding, rounding_of
 
 Depth = Callable[[Array, IndexArray], Array]
@@ -86,9 +86,7 @@ def _largest_radii(flanks: Flanks, depth: Array, wanted: float) -> Array:
 
 def _fitted(flanks: Flanks, radii: Array, depth_of: Depth) -> Array:
     """The radii, reduced where the tool's tooth is too narrow for them, or its tip would slope beyond 45 degrees."""
-    front = np.arange(1, flanks.count, 2)
-    back = (front + 1) % flanks.count
-    turn = np.where(back == 0, flanks.curve.length_mm, 0.0)
+    front, back, turn = _sides_of_spaces(flanks)
 
     def trial(flank: IndexArray, radius: Array) -> Rounding:
         depth = depth_of(radius, flank)
@@ -104,6 +102,13 @@ def _fitted(flanks: Flanks, radii: Array, depth_of: Depth) -> Array:
     fitted = np.empty(flanks.count)
     fitted[front] = fitted[back] = fitting
     return fitted
+
+
+def _sides_of_spaces(flanks: Flanks) -> tuple[IndexArray, IndexArray, Array]:
+    """Front and back flank of each space, and the arc length by which the back flank stands beyond the seam."""
+    front = np.arange(1, flanks.count, 2)
+    back = (front + 1) % flanks.count
+    return front, back, np.where(back == 0, flanks.curve.length_mm, 0.0)
 
 
 def _largest_fitting(flats: Callable[[Array, IndexArray], Array], most_mm: Array, least_mm: float) -> Array:
@@ -140,7 +145,7 @@ def _pointed(flanks: Flanks, flank: int) -> NoSuchMechanism:
         return no_root(flanks, flank, "the mate's tooth is pointed before its depth")
     return NoSuchMechanism(
         f"a pinion cutter of {flanks.tool.teeth} teeth is pointed before it is as deep as the space beside "
-        f"{tooth_name(flanks, flank)}; more cutter teeth, or kind: mate, are needed",
+        f"{flank_name(flanks, flank)}; more cutter teeth, or kind: mate, are needed",
         key="gears.cutter.teeth",
     )
 
@@ -148,7 +153,7 @@ def _pointed(flanks: Flanks, flank: int) -> NoSuchMechanism:
 def no_root(flanks: Flanks, flank: int, problem: str) -> NoSuchMechanism:
     """The error for a space that cannot be cut, named by a flank beside it."""
     return NoSuchMechanism(
-        f"the space beside {tooth_name(flanks, flank)} cannot be cut: {problem}; more teeth of a smaller module are "
+        f"the space beside {flank_name(flanks, flank)} cannot be cut: {problem}; more teeth of a smaller module are "
         "needed",
         key="gears.teeth",
     )
@@ -192,8 +197,9 @@ class Roots:
 
     def folding(self, tooth: IndexArray, sigma_mm: Array) -> tuple[Array, Array]:
         """Depth of the lands along the edges' normals, and the depth (or infinity) at which they would fold."""
-        turning = self.flanks.curve.at_length(sigma_mm).curvature + self.flanks.tool.at_length(sigma_mm).curvature
-        distance, _, square = self._edge(tooth, self.flanks.tool.at_length(sigma_mm))
+        tool = self.flanks.tool.at_length(sigma_mm)
+        turning = self.flanks.curve.at_length(sigma_mm).curvature + tool.curvature
+        distance, _, square = self._edge(tooth, tool)
         limit = np.full(turning.shape, np.inf)
         np.divide(-square, turning, out=limit, where=turning > 0.0)
         return distance, limit
@@ -210,9 +216,7 @@ def roots_of(flanks: Flanks) -> Roots:
 
     Raises NoSuchMechanism, naming the tooth, where a space has none.
     """
-    front = np.arange(1, flanks.count, 2)
-    back = (front + 1) % flanks.count
-    turn = np.where(back == 0, flanks.curve.length_mm, 0.0)
+    front, back, turn = _sides_of_spaces(flanks)
     first = flanks.rounding.center_mm[front]
     # Beyond the seam the tool has turned on: its next tooth stands elsewhere in its own frame.
     last = rounding_of(

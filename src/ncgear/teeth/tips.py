@@ -18,20 +18,18 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import refined_crossings
 from ncgear.pitch.curve import nearest
-from ncgear.teeth.flank import CLEAR_OF_CUSPS, Flanks, regular_height, tooth_name
-
-AGREEMENT = 1e-11
-"""Distance, in modules, at which two curves count as meeting: about 1000 rounding errors of a gear of 20 modules."""
+from ncgear.teeth.flank import CLEAR_OF_CUSPS, Flanks, flank_name, regular_height
+from ncgear.teeth.tool import AGREEMENT
 
 START = 0.5
 """Share of the tip's height at which the search for the contact's height starts: from below, since on concave stretches
 a flank comes to the same height again beyond its cusp."""
 
 PROBES = 17
-"""Places on the way to a crossing at which the flank must be regular; fitted tips are held to the exact cusp."""
+"""Points on the way to a crossing at which the flank must be regular; fitted tips are held against the exact cusp."""
 
 FAR = 3.0
-"""Flanks are followed up to so many tip heights; they lean so much that they reach the tip land before."""
+"""Flanks are followed up to this many tip heights; they lean so much that they reach the tip land before."""
 
 LOWEST = 0.05
 """Share of a pointed tip's height at which the search for the height of the least land begins."""
@@ -41,7 +39,7 @@ MOST_SLOPE = 0.25
 
 
 class Limit(IntEnum):
-    """What limits the height of a tooth's tip; of two reasons the one with the greater number is the sharper."""
+    """What limits the height of a tooth's tip; of two that apply, the greater number counts."""
 
     FULL = 0
     SLOPE = 1
@@ -251,7 +249,7 @@ def no_tip(flanks: Flanks, flank: int) -> NoSuchMechanism:
     """The error for a flank that cannot have a tip."""
     k = float(flanks.curve.at_length(flanks.crossing_mm[flank : flank + 1]).curvature[0])
     return NoSuchMechanism(
-        f"{tooth_name(flanks, flank)} has no tip above the pitch curve that is regular and free of its mate (curvature "
+        f"{flank_name(flanks, flank)} has no tip above the pitch curve that is regular and free of its mate (curvature "
         f"{k:.4g} 1/mm, {k * flanks.rack.module_mm:.3g} per module, pressure angle "
         f"{degrees(flanks.rack.pressure_angle_rad):g} deg); more teeth of a smaller module are needed",
         key="gears.teeth",

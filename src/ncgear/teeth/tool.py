@@ -1,8 +1,8 @@
 """The tool that leaves the fillets: a rack, a pinion cutter, or the mating gear itself with rounded tips.
 
-A tool is known by the curve with which it rolls on the pitch curve, in the tool's own frame: a straight line, a circle,
-or the mate's pitch curve.  Its teeth are conjugate to the gear's, so the working flanks are the same whatever the tool
-is; its rounded tip leaves the fillet.
+A tool is described by the curve with which it rolls on the pitch curve, in the tool's own frame: a straight line, a
+circle, or the mate's pitch curve.  Its teeth are conjugate to the gear's, so the working flanks are the same whatever
+the tool is; its rounded tip leaves the fillet.
 
 In the tool's frame, with the pitch point at sigma: the flank touches at depth f below the pitch curves' tangent when
 sigma = c + s f / (sin(alpha) cos(alpha)); one radius along the flank's normal from there is the rounding's centre
@@ -26,7 +26,8 @@ from ncgear.pitch.shape import Gear
 from ncgear.teeth.form import BasicRack, CutterKind, ToothForm
 
 AGREEMENT = 1e-11
-"""Distance, in modules, at which two points count as the same: about 1000 rounding errors of a gear of 20 modules."""
+"""Distance, in modules, at which two points or curves count as meeting: about 1000 rounding errors of a gear of 20
+modules."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +115,7 @@ def rounding_of(
 
 
 FEWER_TEETH = 10
-"""A pinion cutter that is chosen has so many teeth less than a ring of the concave stretch's radius would have.  With a
+"""A chosen pinion cutter has this many teeth fewer than a ring of the concave stretch's radius would have.  With a
 smaller difference its tips foul the gear's on their way out (the rule for internal gears of full height at 20 degrees).
 The chosen cutter is then checked on the curves."""
 

@@ -30,7 +30,7 @@ from ncgear.balance.mechanism import (
     joint_masses,
     partial_counterweight_kg,
 )
-from ncgear.balance.shaking import Failure, Shaking, Speed, Track, failure, shaking
+from ncgear.balance.shaking import Shaking, Speed, Track, TwoTermFormula, shaking, two_term_formula
 from ncgear.balance.waveform import Statistics
 from ncgear.design.keys import balance as keys
 from ncgear.errors import below
@@ -99,8 +99,8 @@ def _classical(mechanism: DrivenCrank) -> dict[str, Any]:
     if mechanism.linkage.offset_mm != 0.0:
         return {}
     if turns_evenly(mechanism):
-        return {"two_terms": _failure_figures(failure(mechanism))}
-    figures = {f"at_{speed}_speed": _failure_figures(failure(mechanism, speed)) for speed in Speed}
+        return {"two_terms": _two_term_figures(two_term_formula(mechanism))}
+    figures = {f"at_{speed}_speed": _two_term_figures(two_term_formula(mechanism, speed)) for speed in Speed}
     even = replace(mechanism, transmission=uniform_law(mechanism.transmission.lobes))
     return {"two_terms": figures, "even_crank": shaking_figures(shaking(even))}
 
@@ -111,7 +111,7 @@ def turns_evenly(mechanism: DrivenCrank) -> bool:
     return fastest.value <= slowest.value * (1.0 + EVEN)
 
 
-def _failure_figures(of: Failure) -> dict[str, float]:
+def _two_term_figures(of: TwoTermFormula) -> dict[str, float]:
     return {"max_n": of.peak_n, "largest_error_percent": 100.0 * of.largest_error}
 
 
@@ -155,7 +155,7 @@ def _best(asked: keys.Best, mechanism: DrivenCrank) -> dict[str, Any]:
 
 
 def _left(mechanism: DrivenCrank, added: Counterweight) -> dict[str, float]:
-    left = shaking(replace(mechanism, counterweights=(*mechanism.counterweights, added))).force
+    left = shaking(mechanism.with_counterweight(added)).force
     return {"max_n": left.maximum, "rms_n": left.rms}
 
 

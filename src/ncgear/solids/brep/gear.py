@@ -34,7 +34,7 @@ SHORT_OF_HUB = 4.0
 """Chord tolerances: a pocket that goes round a hub stops three short of it, for its chords' sake."""
 
 BEYOND_MM = 1.0
-"""How far tools go on beyond what they cut, so that no two faces lie in each other."""
+"""How far tools go on beyond what they cut, so that no two faces coincide."""
 
 SEWN_MM = 10.0 * SAME_MM
 """Distance at which edges are sewn: both have the same poles, and the kernel's own points stray by 1e-7 mm."""

@@ -23,6 +23,7 @@ from ncgear.solids.helical.stack import OUTLINE, Stack, close_stacks, falls, mid
 from ncgear.solids.mesh.finish import finished
 from ncgear.solids.mesh.pair import GearSolid, SolidPair
 from ncgear.solids.mesh.slabs import VOLUME_TOLERANCE, require_sound
+from ncgear.solids.plan.areas import stl_resolution_mm
 from ncgear.solids.plan.body import Blank, bore_points, hole_points
 from ncgear.solids.plan.plan import planned_within
 from ncgear.solids.plan.room import common_disc, full_disc
@@ -50,7 +51,7 @@ def helical_pair(
 def _solid(sections: Sections, stack: Stack, gear: Gear, blank: Blank, tolerance: float) -> GearSolid:
     """A gear's mesh; bore, holes and pockets keep their walls in every section."""
     key, module = f"gears.{gear.value}", sections.form.rack.module_mm
-    outlines = [sections.at(z).pieces[gear].points_mm[:-1] for z in stack.heights_mm]
+    outlines = [pieces.points_mm[:-1] for pieces in sections.pieces(gear, stack.heights_mm)]
     direction = meeting_direction_rad(gear, Mesh.EXTERNAL)
     room = common_disc(outlines, key)
     plan = planned_within(full_disc(outlines[0], key), room, blank, direction, module, tolerance, key)
@@ -64,8 +65,7 @@ def _solid(sections: Sections, stack: Stack, gear: Gear, blank: Blank, tolerance
 
 
 def lofted(rings_mm: Array, heights_mm: Array, holes_mm: Sequence[Array]) -> Trimesh:
-    """The solid through rings of shape (l, c, 2) at rising heights (l,), with holes (n, 2) along z, all
-    counter-clockwise.
+    """The solid through rings (l, c, 2) at rising heights (l,), with holes (n, 2) along z, all counter-clockwise.
 
     Neighbouring points of a ring that single precision cannot tell apart become one.  Raises RuntimeError if the mesh
     is not sound, a fault of ncgear.
@@ -83,10 +83,10 @@ def lofted(rings_mm: Array, heights_mm: Array, holes_mm: Sequence[Array]) -> Tri
 
 @dataclass(frozen=True, eq=False)
 class _Tube:
-    """A wall through rings (l, c, 2) at heights (l,), material on the left of the rings' sense; vertices from ``first``
-    on.
+    """A wall through rings (l, c, 2) at heights (l,), with the material on the left of the rings' sense.
 
-    ``column`` (l, c) is the vertex of its ring that stands for each point: points that coincide share one.
+    ``column`` (l, c) is the vertex of its ring that stands for each point: points that coincide share one.  Vertices
+    are numbered from ``first`` on.
     """
 
     rings: Array
@@ -108,8 +108,10 @@ class _Tube:
 
     @property
     def volume_mm3(self) -> float:
-        """Volume inside, negative for a hole: between two rings the area is a quadratic of height, so that Simpson's
-        rule is exact."""
+        """Volume inside, negative for a hole.
+
+        Between two rings the area is a quadratic of height, so that Simpson's rule is exact.
+        """
         lower, upper = self.rings[:-1], self.rings[1:]
         mean = (signed_area(lower) + 4.0 * signed_area(middle_section(lower, upper)) + signed_area(upper)) / 6.0
         return float(np.sum(mean * np.diff(self.heights)))
@@ -126,8 +128,7 @@ class _Tube:
 
 def _tube(rings: Array, heights: Array, first: int) -> _Tube:
     """The tube with points of a ring merged that the single precision of STL files could not tell apart."""
-    step = 2.0 * float(np.spacing(np.float32(np.abs(rings).max())))
-    distinct = np.linalg.norm(rings - np.roll(rings, 1, axis=1), axis=2) > step
+    distinct = np.linalg.norm(rings - np.roll(rings, 1, axis=1), axis=2) > stl_resolution_mm(rings)
     column = np.maximum.accumulate(np.where(distinct, np.arange(rings.shape[1]), -1), axis=1)
     # Points before the first distinct one belong to the last of the ring.
     column = np.where(column < 0, column[:, -1:], column)

@@ -23,7 +23,7 @@ from ncgear.teeth.outline import whole_curves
 GRIDS = ((4, 8), (4, 12), (6, 16), (8, 24), (12, 32), (16, 48), (24, 64))
 """Spans up the gear and along each curve that are tried in turn: what takes more is no smooth surface."""
 
-REMEDY = "formats stl and 3mf have these teeth"
+REMEDY = "formats stl and 3mf can hold these teeth"
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +60,7 @@ def _rough(gear: Gear, why: str) -> WrongInput:
 
 
 def _interpolated(sections: Sections, gear: Gear, up: int, along: int) -> Patches:
-    """Surfaces with so many spans, held against exact sections half way between those that they go through."""
+    """Surfaces with these numbers of spans, held against exact sections half way between those they go through."""
     heights, share = np.linspace(0.0, sections.helix.rise_mm, up + 1), np.linspace(0.0, 1.0, along + 1)
     curves = [_curves(sections, gear, float(height)) for height in heights]
     _require_alike(curves, gear)
@@ -129,7 +129,7 @@ def _rows(stretch: Stretch, share: Array) -> tuple[Array, Array]:
 
 
 def _sharing_edges(poles: Array) -> Array:
-    """Poles with the last edge of each patch at the very first of the next; they differ by rounding errors."""
+    """Poles with each patch's last edge replaced by the next one's first; they differ by rounding errors."""
     following = np.roll(poles[:, 0], -1, axis=0)
     gap = float(np.abs(poles[:, -1] - following).max())
     if not gap <= SHORTEST_MM:

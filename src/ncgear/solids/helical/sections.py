@@ -1,7 +1,7 @@
 """Exact sections of helical teeth at any height, and their outlines cut at corresponding places.
 
 Between two sections whose teeth stand d apart along a pitch curve of curvature k, straight lines cut across the surface
-by d^2 / (8 rho), where 1 / rho = |k| (1 + h k) on a land h outside the pitch curve: so many sections a solid needs.
+by d^2 / (8 rho), where 1 / rho = |k| (1 + h k) on a land h outside the pitch curve.  The number of sections follows.
 
 Each tooth is cut where its lands end and where flank and fillet join, tangentially or in the corner that an undercut
 leaves.  Between two such places every section has one piece of outline, and a place in it is named by its share of the

@@ -15,7 +15,7 @@ import numpy as np
 import shapely
 
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.arrays import Array, IndexArray, Mask, counted_up
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.shape import Gear
 from ncgear.solids.helical.sections import PER_TOOTH, Pieces, Sections
@@ -24,8 +24,8 @@ OUTLINE = 0.1
 """Share of the chord tolerance left to the outlines that sections are sampled from."""
 
 SAGITTA, TWIST, RISE = 0.5, 0.5, 0.6
-"""Shares of it that the chords of a section stray, the folds of quadrilaterals, and straight lines from one section to
-the next.  They are not at their largest at one place: what they do together is measured."""
+"""Shares of it for the chords of a section, the folds of quadrilaterals, and straight lines from section to section.
+They are largest at different places, and their sum is measured."""
 
 CHECKED = 3
 """Steps that are checked at least: those that seem to stray most.  All that seem to stray by more than their share are
@@ -49,15 +49,18 @@ COLUMN_HALVINGS = 16
 chord of an outline."""
 
 SPARE, LEAST = 1.05, 1e-3
-"""Columns are placed a twentieth closer than they seem to be needed, and on a straight piece at all."""
+"""Columns are placed a twentieth closer than seems needed; even a straight interval wants a thousandth of one."""
 
 TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True)
 class Limits:
-    """How far, in mm, a section's outline may be from the chords between columns, and the middle of a quadrilateral
-    between neighbouring sections from its diagonals."""
+    """How far, in mm, the mesh may stray.
+
+    ``sagitta_mm`` is for a section's outline from the chords between columns, ``twist_mm`` for the middle of a
+    quadrilateral between neighbouring sections from its diagonals.
+    """
 
     sagitta_mm: float
     twist_mm: float
@@ -129,8 +132,10 @@ def _checked(sections: Sections, stacks: dict[Gear, Stack], tolerance: float) ->
 
 
 def _too_abrupt(check: _Check, stacks: dict[Gear, Stack], sections: Sections, tolerance: float) -> NoSuchMechanism:
-    """Teeth jump where the mate's undercut, and with it the height of the tips that avoid it, ends from one section to
-    the next: halving does not help there, but letting the flanks be cut away does."""
+    """The error for teeth that jump, where the undercut that the mate's tips avoid ends from one section to the next.
+
+    Halving does not help there, but letting the flanks be cut away does.
+    """
     gear = max(Gear, key=lambda own: float(np.max(check.strays_mm[own])))
     step, column = np.unravel_index(int(np.argmax(check.strays_mm[gear])), check.strays_mm[gear].shape)
     tooth = int(stacks[gear].columns.piece[column]) // PER_TOOTH + 1
@@ -232,16 +237,16 @@ class Columns:
         return np.stack([section.at(self.piece, self.share) for section in sections])
 
     def spread(self, wanted: Array) -> Columns:
-        """As many columns on each piece as all its intervals want, spread according to what each interval wants.
+        """The columns spread anew: on each piece as many as its intervals want together, dense where one wants many.
 
-        ``wanted`` (c,) is into how many parts the interval after each column wants to be divided, whole or not.
+        ``wanted`` (c,) tells how many parts, whole or not, the interval after each column is to be divided into.
         """
         dense = np.maximum(wanted, LEAST) * SPARE
         reached = np.concatenate([[0.0], np.cumsum(dense)])
         begins = np.append(np.nonzero(np.diff(self.piece, prepend=-1))[0], self.piece.size)
         start, total = reached[begins[:-1]], np.diff(reached[begins])
         counts = np.ceil(total).astype(int)
-        piece, step = _numbered(counts)
+        piece, step = counted_up(np.zeros_like(counts), counts)
         target = start[piece] + (total / counts)[piece] * step
         place = np.interp(target, reached, np.append(self.piece + self.share, counts.size))
         return Columns(piece, np.where(step == 0, 0.0, place - piece))
@@ -250,7 +255,7 @@ class Columns:
         """The columns with another one half way after each that is marked, shape (c,)."""
         after = np.append(self.share[1:], 0.0)
         middle = (self.share + np.where(after > 0.0, after, 1.0)) / 2.0
-        row, step = _numbered(np.where(wide, 2, 1))
+        row, step = counted_up(np.zeros_like(self.piece), np.where(wide, 2, 1))
         return Columns(self.piece[row], np.where(step == 0, self.share[row], middle[row]))
 
 
@@ -308,9 +313,3 @@ def twists(rings: Array) -> Array:
     across = np.abs(lower[..., 0] * upper[..., 1] - lower[..., 1] * upper[..., 0])
     length = np.linalg.norm(lower + upper, axis=-1) / 2.0
     return np.asarray(np.max(across / np.maximum(length, TINY), axis=0) / 4.0)
-
-
-def _numbered(counts: IndexArray) -> tuple[IndexArray, IndexArray]:
-    """Each row's number as often as its count says, and beside it the numbers from 0 within the row."""
-    row = np.repeat(np.arange(counts.size), counts)
-    return row, np.arange(row.size) - np.repeat(np.cumsum(counts) - counts, counts)

@@ -29,7 +29,7 @@ GAUSS_POINTS = 8
 """Points of the quadrature between the heights of two corners of the hole's polygon."""
 
 LEVEL_DIGITS = 9
-"""Corners of the hole's polygon whose heights in mm agree to so many decimals are at one height."""
+"""Corners of the hole's polygon whose heights in mm agree to this many decimals are at one height."""
 
 
 def finished(toothed: Trimesh, plan: BodyPlan) -> Trimesh:
@@ -43,7 +43,7 @@ def finished(toothed: Trimesh, plan: BodyPlan) -> Trimesh:
     if plan.web is not None:
         floor, top = plan.web.thickness_mm, plan.face_width_mm
         for pocket in plan.web.pockets:
-            # The prism goes on beyond the upper face, so that no two faces lie in each other.
+            # The prism goes on beyond the upper face, so that no two faces coincide.
             solid -= _solid_of(slab_mesh((Slab(pocket, floor, 2.0 * top - floor),)))
             volume -= pocket.intersection(plan.section).area * (top - floor)
     if plan.hub is not None:

@@ -49,18 +49,17 @@ class SolidPair:
         return f"SolidPair(\n  driving: {self.driving!r},\n  driven: {self.driven!r})"
 
 
-def driving_solid(
-    outline_mm: Array, blank: Blank, module_mm: float, chord_tolerance_mm: float, mesh: Mesh = Mesh.EXTERNAL
+def gear_solid(
+    gear: Gear,
+    outline_mm: Array,
+    blank: Blank,
+    module_mm: float,
+    chord_tolerance_mm: float,
+    mesh: Mesh = Mesh.EXTERNAL,
 ) -> GearSolid:
-    """The driving gear, with all that its blank asks; raises as ``planned`` and ``solid_of_plan`` do."""
-    direction = meeting_direction_rad(Gear.DRIVING, mesh)
-    return solid_of_plan(planned(outline_mm, blank, direction, module_mm, chord_tolerance_mm, "gears.driving"))
-
-
-def driven_solid(outline_mm: Array, blank: Blank, module_mm: float, chord_tolerance_mm: float) -> GearSolid:
-    """The driven gear of an external pair with all that its blank asks; raises as ``driving_solid``."""
-    direction = meeting_direction_rad(Gear.DRIVEN, Mesh.EXTERNAL)
-    return solid_of_plan(planned(outline_mm, blank, direction, module_mm, chord_tolerance_mm, "gears.driven"))
+    """A gear that is no ring, with all that its blank asks; raises as ``planned`` and ``solid_of_plan`` do."""
+    direction, key = meeting_direction_rad(gear, mesh), f"gears.{gear.value}"
+    return solid_of_plan(planned(outline_mm, blank, direction, module_mm, chord_tolerance_mm, key))
 
 
 def ring_solid(outline_mm: Array, blank: RingBlank, module_mm: float, chord_tolerance_mm: float) -> GearSolid:

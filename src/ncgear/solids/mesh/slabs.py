@@ -20,7 +20,7 @@ from shapely.geometry.base import BaseGeometry
 from trimesh import Trimesh
 
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.numerics.plane import signed_area
+from ncgear.numerics.plane import as_complex, signed_area
 from ncgear.solids.plan.areas import moved_inwards, parallel, polygons, rings
 from ncgear.solids.plan.body import Slab
 
@@ -143,16 +143,12 @@ def _slopes(
 
 def _slope(area: BaseGeometry, foot: BaseGeometry, between: tuple[float, float]) -> Trimesh:
     """Triangles with the corners of the foot at the lower height and those of the area at the upper one."""
-    low = np.unique(_complex(shapely.get_coordinates(foot)))
+    low = np.unique(as_complex(shapely.get_coordinates(foot)))
     triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(area.difference(foot)))
     corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
-    heights = np.where(np.isin(_complex(corners), low), *between)
+    heights = np.where(np.isin(as_complex(corners), low), *between)
     vertices = np.concatenate([corners, heights[..., None]], axis=2).reshape(-1, 3)
     return facing(vertices, np.arange(len(vertices)).reshape(-1, 3), up=False)
-
-
-def _complex(points: Array) -> Array:
-    return np.asarray(points[..., 0] + 1j * points[..., 1])
 
 
 def _close(slope: Trimesh, area: BaseGeometry, height: float, top: float, tolerance: float) -> bool:

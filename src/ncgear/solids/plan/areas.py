@@ -16,14 +16,16 @@ from math import floor
 
 import numpy as np
 import shapely
+from numpy.typing import ArrayLike
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.plane import as_complex
 
 SHARPEST = 10.0
-"""A corner is prolonged by up to so many times the distance moved: corners down to 12 degrees stay corners."""
+"""A corner is prolonged by up to this many times the distance moved: corners down to 12 degrees stay corners."""
 
 RESOLUTION_MM = 1e-4
 """Accuracy to which the largest size is found: a hundredth of the last digit in a message."""
@@ -62,7 +64,7 @@ def _moments_within(ring: Array) -> tuple[complex, complex, complex]:
 
     Edge by edge, the triangle of the origin, p and q: p x q times 1/2, (p + q)/6 and (p.p + p.q + q.q)/12.
     """
-    p, q = ring[:-1, 0] + 1j * ring[:-1, 1], ring[1:, 0] + 1j * ring[1:, 1]
+    p, q = as_complex(ring[:-1]), as_complex(ring[1:])
     across = (np.conj(p) * q).imag
     polar = np.abs(p) ** 2 + (np.conj(p) * q).real + np.abs(q) ** 2
     return complex(across.sum() / 2.0), complex((across * (p + q)).sum() / 6.0), complex((across * polar).sum() / 12.0)
@@ -71,9 +73,12 @@ def _moments_within(ring: Array) -> tuple[complex, complex, complex]:
 def parallel(area: BaseGeometry, distance_mm: float) -> BaseGeometry:
     """The outer parallel of an area, or the inner one of a negative distance."""
     moved = area.buffer(distance_mm, join_style="mitre", mitre_limit=SHARPEST)
-    step = 2.0 * float(np.spacing(np.float32(np.abs(area.bounds).max())))
-    # Points that the single precision of STL files cannot tell apart would become one there.
-    return shapely.remove_repeated_points(moved, step)
+    return shapely.remove_repeated_points(moved, stl_resolution_mm(area.bounds))
+
+
+def stl_resolution_mm(coordinates_mm: ArrayLike) -> float:
+    """Distance up to which the single precision of STL files may make one point of two, by the largest coordinate."""
+    return 2.0 * float(np.spacing(np.float32(np.abs(coordinates_mm).max())))
 
 
 def moved_inwards(section: Polygon, distance_mm: float, tolerance_mm: float, key: str) -> Polygon:

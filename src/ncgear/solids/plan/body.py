@@ -172,8 +172,8 @@ class Slab:
 class BodyPlan:
     """One gear's body; see the module.
 
-    Curves become polygons whose chords stay within ``chord_tolerance_mm``.  Outline and bore have
-    already been moved by ``clearance_mm``.
+    Curves become polygons whose chords stay within ``chord_tolerance_mm``.  Outline and bore have already been moved by
+    ``clearance_mm``.
     """
 
     disc: Polygon

@@ -18,7 +18,7 @@ from shapely.geometry.base import BaseGeometry
 
 from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
-from ncgear.solids.plan.areas import largest_fitting, said_largest
+from ncgear.solids.plan.areas import largest_fitting, said_largest, stl_resolution_mm
 from ncgear.solids.plan.body import FEWEST_CHORDS, Bore, Hub, RoundHole, bore_points
 from ncgear.teeth.outline import simple_polygon
 
@@ -38,19 +38,17 @@ def full_disc(outline_mm: Array, key: str) -> Polygon:
 
     Raises NoSuchMechanism for ``key`` (``gears.driving``), naming the place, where the outline crosses itself.
     """
-    # The single precision of STL files could merge points that are closer together than this.
-    step = 2.0 * float(np.spacing(np.float32(np.abs(outline_mm).max())))
     gap = outline_mm - np.roll(outline_mm, 1, axis=0)
-    return simple_polygon(outline_mm[np.hypot(gap[:, 0], gap[:, 1]) > step], key)
+    return simple_polygon(outline_mm[np.hypot(gap[:, 0], gap[:, 1]) > stl_resolution_mm(outline_mm)], key)
 
 
 def common_disc(outlines_mm: Sequence[Array], key: str) -> Polygon:
-    """What all sections of a gear have in common around its axis; outlines of shape (n, 2) each, ``key`` as above."""
+    """What all sections of a gear have in common about its axis; outlines (n, 2) each, ``key`` as in ``full_disc``."""
     common = shapely.intersection_all([full_disc(outline, key) for outline in outlines_mm])
     return max(shapely.get_parts(common), key=lambda part: part.area)
 
 
-def require_room(disc: Polygon, bore: Bore, chord_tolerance_mm: float, key: str, clearance_mm: float = 0.0) -> None:
+def require_room(disc: Polygon, bore: Bore, chord_tolerance_mm: float, key: str, clearance_mm: float) -> None:
     """Raise WrongInput for ``key``.bore_mm unless bore and keyway leave a wall of one chord tolerance everywhere.
 
     They are widened by the clearance first.  The message states the largest bore that fits.
