@@ -16,8 +16,7 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
-import ncgear
-from drives import drive_of_text
+from drives import drive, drive_of_text
 from ncgear.drawings.charts.chart import EMPTY, Line, Role
 from ncgear.drawings.charts.drawer import MOTION_COLUMN, MOTION_LOOK, beside_png, column_png, mark_extreme
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, motion_chart, over_displacement
@@ -302,7 +301,7 @@ def test_a_curve_without_values_says_so(force: float, said: str) -> None:
 )
 def test_curvature_jumps_are_counted_only_where_it_jumps(name: str, angles_pi: list[float]) -> None:
     """A smooth law's seam is no jump; a law in segments jumps at its joints."""
-    jumps = pitch_summary(ncgear.load(Path(__file__).parents[1] / "designs" / f"{name}.yaml"))["curvature_jumps"]
+    jumps = pitch_summary(drive(name))["curvature_jumps"]
     assert [jump["phi1_rad"] / pi for jump in jumps] == pytest.approx(angles_pi)
 
 

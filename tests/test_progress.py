@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from drives import loaded
 from ncgear.cli import progress
-from ncgear.design.reading.design_file import load
 from ncgear.files.build import WRITTEN_STEPS, build, contacts_as_written, step_count
 from ncgear.project.drive import loads
 from ncgear.screening.screen import screened
@@ -38,7 +38,7 @@ def test_a_report_tells_as_many_as_it_says() -> None:
 
 
 def test_a_sweep_tells_every_design() -> None:
-    design, told = load(Path(__file__).parents[1] / "designs" / "baler.yaml").design, list[tuple[int, int]]()
+    design, told = loaded("baler").design, list[tuple[int, int]]()
     screened([design] * 3, on_done=lambda done, total: told.append((done, total)))
     assert told[-1] == (3, 3)
     assert [done for done, _ in told] == sorted(done for done, _ in told)

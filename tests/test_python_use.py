@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import doctest
 import re
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -17,10 +15,10 @@ from matplotlib.figure import Figure
 
 import ncgear
 import ncgear.plots
+from commands import ROOT, modules_after, python
 from ncgear.design.template import template
 from ncgear.drawings.plots.assembled_pair import Assembled
 
-ROOT = Path(__file__).parents[1]
 BALER = ROOT / "designs" / "baler.yaml"
 
 EXAMPLES = """
@@ -33,8 +31,7 @@ sys.exit(sum(doctest.testmod(module).failed for module in modules))
 
 @pytest.mark.slow
 def test_the_examples_in_docstrings_are_true() -> None:
-    environment = {"MPLBACKEND": "Agg", "PYTHONPATH": str(ROOT / "src")}
-    done = subprocess.run([sys.executable, "-c", EXAMPLES], cwd=ROOT, env=environment, capture_output=True, text=True)
+    done = python("-c", EXAMPLES, MPLBACKEND="Agg")
     assert (done.returncode, done.stdout) == (0, "")
 
 
@@ -44,8 +41,7 @@ def test_there_are_examples() -> None:
 
 
 def test_importing_the_package_loads_no_library() -> None:
-    code = "import ncgear, sys; assert not {'numpy', 'pydantic', 'matplotlib', 'typer'} & set(sys.modules)"
-    subprocess.run([sys.executable, "-c", code], check=True, env={"PYTHONPATH": str(ROOT / "src")})
+    assert modules_after("import ncgear") & {"numpy", "pydantic", "matplotlib", "typer"} == set()
 
 
 def test_every_public_name_is_there_and_explained() -> None:
