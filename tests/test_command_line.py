@@ -424,7 +424,7 @@ def test_exit_status(run: Run, monkeypatch: pytest.MonkeyPatch, error: BaseExcep
 
 
 def raising(error: Exception) -> Callable[[object], None]:
-    """A stand-in for a stage of the drive that raises ``error``."""
+    """A stand-in for a value of the drive that raises ``error``."""
 
     def law_of(design: object) -> None:
         raise error
@@ -433,7 +433,7 @@ def raising(error: Exception) -> Callable[[object], None]:
 
 
 def test_later_errors_get_the_place_of_their_key(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A stage names a quantity; the user reads the key as it is written in the file, and where."""
+    """A law names a quantity; the user reads the key as it is written in the file, and where."""
     Path(tmp_path, "d.yaml").write_text(STROKE)
     monkeypatch.setattr(
         "ncgear.project.drive.law_of", raising(NoSuchMechanism("the slider would jump", key="motion.theta2"))

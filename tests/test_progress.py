@@ -44,14 +44,14 @@ def test_a_sweep_tells_every_design() -> None:
     assert [done for done, _ in told] == sorted(done for done, _ in told)
 
 
-def test_the_bar_counts_the_stages_that_are_done(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_bar_counts_the_steps_that_are_done(monkeypatch: pytest.MonkeyPatch) -> None:
     made = []
     original = progress._bar
     monkeypatch.setattr(progress, "_bar", lambda *arguments: made.append(original(*arguments)) or made[-1])
     with progress.steps_shown(3) as on_step:
         seen = []
-        for stage in ("teeth", "contact", "solids"):
-            on_step(stage)
+        for step in ("teeth", "contact", "solids"):
+            on_step(step)
             seen.append((made[0].tasks[0].description, made[0].tasks[0].completed, made[0].tasks[0].total))
     assert seen == [("teeth", 0, 3), ("contact", 1, 3), ("solids", 2, 3)]
 
