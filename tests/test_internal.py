@@ -44,8 +44,7 @@ from ncgear.teeth.gear import ToothedPair, toothed_pair
 from oracles import meshing
 from oracles.rack_cut import involute
 from pairs import one_of, rack
-from plane import wave_ring
-from test_pitch import turned
+from plane import turned, wave_ring
 
 DISTANCE = 60.0
 
