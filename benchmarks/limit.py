@@ -10,39 +10,33 @@ import os
 import platform
 import statistics
 from collections.abc import Callable
-from math import pi, radians
+from math import radians
 from pathlib import Path
 from time import perf_counter
 
-from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.optimum.certified.limit import Bound, Weights, least_acceleration, least_power, least_weighted_sum
-from ncgear.optimum.task import Limits, Task
+from ncgear.optimum.task import Limits
+from speed_against_error.baler import TASK
 
 ROOT = Path(__file__).parents[1]
 RUNS = 5
 GRIDS = (200, 400, 800, 1600, 3200, 6400)
-BALER = Task(
-    CrankSlider(380.0, 960.0),
-    PolynomialResistance((-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7)),
-    2.0 * pi,
-)
 WEIGHTS = Weights(1.0 / 20000.0, 1.0 / 9000.0)
 
 SEARCHES: dict[str, Callable[[int], Bound]] = {
     "least acceleration at 6300 W, mm/s²": lambda cells: least_acceleration(
-        BALER, Limits(0.2, 5.0, peak_power_w=6300.0), cells
+        TASK, Limits(0.2, 5.0, peak_power_w=6300.0), cells
     ),
     "least power at 20 000 mm/s², W": lambda cells: least_power(
-        BALER, Limits(0.2, 5.0, peak_acceleration_mm_s2=20000.0), cells
+        TASK, Limits(0.2, 5.0, peak_acceleration_mm_s2=20000.0), cells
     ),
     "least acceleration at 9000 W, pressure angle 40°, mm/s²": lambda cells: least_acceleration(
-        BALER, Limits(0.2, 5.0, peak_power_w=9000.0, pressure_angle_rad=radians(40.0)), cells
+        TASK, Limits(0.2, 5.0, peak_power_w=9000.0, pressure_angle_rad=radians(40.0)), cells
     ),
     "least acceleration at 9000 W, moving 20 kg, mm/s²": lambda cells: least_acceleration(
-        BALER, Limits(0.2, 5.0, peak_power_w=9000.0, mass_kg=20.0), cells
+        TASK, Limits(0.2, 5.0, peak_power_w=9000.0, mass_kg=20.0), cells
     ),
-    "A/20 000 mm/s² + P/9000 W, to 0.5 %": lambda cells: least_weighted_sum(BALER, Limits(0.2, 5.0), WEIGHTS, cells),
+    "A/20 000 mm/s² + P/9000 W, to 0.5 %": lambda cells: least_weighted_sum(TASK, Limits(0.2, 5.0), WEIGHTS, cells),
 }
 
 

@@ -67,17 +67,17 @@ def least_ms(work: Callable[[], object], runs: int) -> float:
     return 1000.0 * min(times)
 
 
-def stages(name: str) -> Iterator[str]:
+def steps(name: str) -> Iterator[str]:
     """Where the time of one design goes, by itself."""
     taken: dict[str, list[float]] = {}
     for design in variations(name, 9):
         drive, clock = Drive(design), [process_time()]
-        for stage, ask in ASKED.items():
+        for step, ask in ASKED.items():
             ask(drive)
             clock.append(process_time())
-            taken.setdefault(stage, []).append(clock[-1] - clock[-2])
-    for stage, times in taken.items():
-        yield f"| {stage} | {1000.0 * min(times):.2f} |"
+            taken.setdefault(step, []).append(clock[-1] - clock[-2])
+    for step, times in taken.items():
+        yield f"| {step} | {1000.0 * min(times):.2f} |"
 
 
 ASKED: dict[str, Callable[[Drive], object]] = {
@@ -138,7 +138,7 @@ def report() -> str:
     ]
     for name, law in DESIGNS.items():
         lines += ["", f"## `designs/{name}.yaml`, {law}", "", "One design by itself:", ""]
-        lines += ["| stage | ms |", "|---|---|", *stages(name), ""]
+        lines += ["| step | ms |", "|---|---|", *steps(name), ""]
         lines += ["| designs | one by one, ms each | together, ms each | times as fast |", "|---|---|---|---|"]
         lines += [*rows(name), ""]
         lines.append(f"Largest disagreement of any figure over {COMPARED} designs: {disagreement(name):.1e}.")

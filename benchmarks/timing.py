@@ -1,4 +1,4 @@
-"""How long builds take: whole processes, and stages inside them.  Writes benchmarks/timing.md.
+"""How long builds take: whole processes, and the steps inside them.  Writes benchmarks/timing.md.
 
 Run as ``make bench`` or ``python benchmarks/timing.py``.  Medians of several runs; the machine's noise is shown by the
 range.  Whole processes include the interpreter's start and every import.
@@ -26,7 +26,7 @@ COMMANDS = {
     "ncgear build designs/baler-86.yaml": ["build", "designs/baler-86.yaml"],
 }
 
-STAGES = {
+STEPS = {
     "design file to pitch curves": ("law", "pitch curves"),
     "both tooth outlines": ("teeth",),
     "contact analysis": ("contact", "written contact"),
@@ -43,11 +43,11 @@ def wall_seconds(arguments: list[str]) -> float:
     return perf_counter() - start
 
 
-def stage_seconds(design: str, folder: Path) -> dict[str, float]:
-    """Stages of one build, from its summary."""
+def step_seconds(design: str, folder: Path) -> dict[str, float]:
+    """Steps of one build, from its summary."""
     wall_seconds(["build", f"designs/{design}.yaml", "--out", str(folder)])
     timing = json.loads((folder / "summary.json").read_text())["timing_s"]
-    return {name: sum(timing[stage] for stage in stages) for name, stages in STAGES.items()}
+    return {name: sum(timing[step] for step in steps) for name, steps in STEPS.items()}
 
 
 def row(name: str, seconds: list[float]) -> str:
@@ -72,9 +72,9 @@ def report(folder: Path) -> str:
         extra = ["--out", str(folder)] if arguments[0] == "build" else []
         lines.append(row(f"`{name}`", [wall_seconds(arguments + extra) for _ in range(RUNS)]))
     for design in ("baler", "baler-86"):
-        lines += ["", f"| stage of `{design}` {head[0]}", head[1]]
-        runs = [stage_seconds(design, folder) for _ in range(RUNS)]
-        lines += [row(stage, [run[stage] for run in runs]) for stage in STAGES]
+        lines += ["", f"| step of `{design}` {head[0]}", head[1]]
+        runs = [step_seconds(design, folder) for _ in range(RUNS)]
+        lines += [row(step, [run[step] for run in runs]) for step in STEPS]
     return "\n".join([*lines, ""])
 
 

@@ -1,9 +1,17 @@
-"""What tests of commands share: the type of the fixture that runs them in this process, and changed files."""
+"""What tests of commands share: runs in this process and in one of their own, changed files, what was written."""
 
 from __future__ import annotations
 
+import json
+import os
 import re
+import subprocess
+import sys
 from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 
@@ -11,6 +19,59 @@ Outcome = tuple[int, str, str]
 """Exit status, stdout and stderr."""
 
 Run = Callable[..., Outcome]
+
+ROOT = Path(__file__).parents[1]
+Process = subprocess.CompletedProcess[str]
+
+
+def on_text(run: Run, command: str) -> Run:
+    """The command on d.yaml, which holds the text that is given first."""
+
+    def run_once(text: str, *arguments: str) -> Outcome:
+        Path("d.yaml").write_text(text, encoding="utf-8")
+        return run(command, "d.yaml", *arguments)
+
+    return run_once
+
+
+def environment(**more: str) -> dict[str, str]:
+    """Variables of a process of its own, which imports the package of this checkout."""
+    return {**os.environ, "PYTHONPATH": str(ROOT / "src"), **more}
+
+
+def python(*arguments: str, folder: Path = ROOT, **more: str) -> Process:
+    """Python in a process of its own, with more variables."""
+    command = [sys.executable, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, cwd=folder, timeout=300, env=environment(**more))
+
+
+def fresh(*arguments: str, folder: Path = ROOT) -> Process:
+    """``python -m ncgear`` as a user runs it."""
+    return python("-m", "ncgear", *arguments, folder=folder)
+
+
+def modules_after(code: str, folder: Path = ROOT) -> set[str]:
+    """Top-level modules loaded by a fresh interpreter that has run ``code``."""
+    said = "print(json.dumps([name.partition('.')[0] for name in sys.modules]))"
+    done = python("-c", f"import json, sys\n{code}\n{said}", folder=folder)
+    assert done.returncode == 0, done.stderr
+    return set(json.loads(done.stdout.splitlines()[-1]))
+
+
+COMMAND = """
+import ncgear.cli
+sys.argv = {arguments}
+try:
+    ncgear.cli.main()
+except SystemExit as exit_:
+    assert exit_.code == 0, exit_
+"""
+"""A command as a user gives it, in an interpreter that has loaded nothing else."""
+
+
+def loaded_by(*arguments: str, folder: Path = ROOT) -> set[str]:
+    """Top-level modules that a command loads."""
+    return modules_after(COMMAND.format(arguments=["ncgear", *arguments]), folder)
 
 
 def changed(text: str, old: str, new: str) -> str:
@@ -24,3 +85,13 @@ def stated_angle(fault: NoSuchMechanism) -> float:
     found = re.search(r"phi1 = ([-0-9.e]+) rad", fault.problem)
     assert found is not None, fault.problem
     return float(found.group(1))
+
+
+def simulated(folder: str) -> dict[str, Any]:
+    """The figures that ``ncgear simulate`` wrote."""
+    return json.loads(Path(folder, "simulation.json").read_text())
+
+
+def simulated_table(folder: str) -> np.ndarray:
+    """The table that it wrote, its columns by name."""
+    return np.genfromtxt(Path(folder, "simulation.csv"), delimiter=",", names=True)

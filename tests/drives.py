@@ -82,5 +82,5 @@ class Built:
 def built(name: str) -> Built:
     """A file of designs/ as a user builds it."""
     folder = Path(mkdtemp(prefix="ncgear-test-")) / name
-    build(drive(name), folder, lambda stage: None)
+    build(drive(name), folder, lambda step: None)
     return Built(folder, json.loads((folder / "summary.json").read_text()))

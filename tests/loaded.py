@@ -38,6 +38,13 @@ LINKAGE = CrankSlider(60.0, 200.0)
 SPEED = 2.0 * pi
 
 
+class Giving(Impact):
+    """Damping of the wrong sign."""
+
+    def force_n(self, depth_mm: Array, rate_mm_s: Array) -> Array:
+        return super().force_n(depth_mm, -rate_mm_s)
+
+
 @cache
 def gaps(name: str, teeth: int, per_tooth: int = 80, **kinds: Any) -> Gaps:
     """The pairs of a mesh of ``engaged.made``."""

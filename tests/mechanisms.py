@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from math import pi
-
 import mpmath
 import numpy as np
 
@@ -13,8 +11,8 @@ from ncgear.mechanisms.masses import RodMasses
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from pairs import sine_law
+from published import RPM
 
-RPM = pi / 30.0
 LINKAGE = CrankSlider(265.0, 560.0)
 OFFSET = CrankSlider(265.0, 560.0, 90.0)
 MASSES = RodMasses(65.0, 20.0, 300.0, 4e5, 30.0, 60.0, 5e5)

@@ -6,12 +6,14 @@ from math import radians
 from typing import Any
 
 from drives import drive
+from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.form import BasicRack
 from ncgear.teeth.gear import ToothedGear, ToothedPair
+from ncgear.teeth.outline import ChordTolerance, outline_points
 
 
 def rack(
@@ -41,6 +43,11 @@ def baler_law() -> Transmission:
 def pitch_pair(law: Transmission, teeth: int) -> PitchPair:
     """Pitch curves of module 2 for so many driving teeth."""
     return sized_pair(law, teeth, 2.0, None)
+
+
+def exact_ring(gear: ToothedGear, tolerance_mm: float) -> Array:
+    """A gear's outline by chords so fine that it stands for the exact curves, shape (n, 2)."""
+    return outline_points(gear.tips, gear.sides, ChordTolerance(tolerance_mm, tolerance_mm))
 
 
 def one_of(pair: Any, gear: Gear) -> Any:

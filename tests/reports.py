@@ -20,7 +20,7 @@ from ncgear.project.drive import Drive
 @cache
 def contacts(name: str) -> list[PairContact]:
     made = drive(name)
-    return contacts_as_written(made, lambda stage: None) if made.design.gears is not None else []
+    return contacts_as_written(made, lambda step: None) if made.design.gears is not None else []
 
 
 @cache

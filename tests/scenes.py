@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import shutil
 from functools import cache
 
 import numpy as np
+import pytest
 
 from drives import drive, drive_of_text
 from ncgear.drawings.scene.bodies import Places
@@ -46,6 +48,10 @@ gears:
     web: {thickness_mm: 4, rim_mm: 4}
     lightening_holes: {count: 4, least_wall_mm: 2}
 """
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update"]
+in_a_browser = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on the path")
 
 TEXTS = {"askew": ASKEW, "gearless": GEARLESS, "webbed": WEBBED}
 

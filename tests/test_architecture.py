@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import ast
-import json
 import re
 import subprocess
-import sys
 from pathlib import Path
 
 import networkx
 import pytest
 
+from commands import ROOT, loaded_by
 from drives import loaded
 from ncgear.figures.terminal import check_text
 from ncgear.project.drive import Drive
 
-ROOT = Path(__file__).parents[1]
 SOURCE = ROOT / "src" / "ncgear"
 
 LAYERS = [
@@ -145,23 +143,6 @@ def test_files_are_written_in_few_places() -> None:
     assert found == WRITERS
 
 
-def modules_after(code: str) -> set[str]:
-    """Top-level modules loaded by a fresh interpreter that has run ``code``."""
-    script = f"import sys, json\n{code}\nsys.stderr.write(json.dumps(sorted({{m.split('.')[0] for m in sys.modules}})))"
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=ROOT)
-    return set(json.loads(done.stderr))
-
-
-COMMAND = """
-import ncgear.cli
-sys.argv = {arguments}
-try:
-    ncgear.cli.main()
-except SystemExit as exit_:
-    assert exit_.code == 0, exit_
-"""
-"""A command as a user gives it, in an interpreter that has loaded nothing else."""
-
 SOLVERS = {"sympy", "scipy", "casadi", "clarabel"}
 LIBRARIES = SOLVERS | {
     "trimesh",
@@ -175,10 +156,6 @@ LIBRARIES = SOLVERS | {
     "OCP",
 }
 """Every solver and algebra; meshes, plots, planes, drawings, pages, exact solids."""
-
-
-def loaded_by(*arguments: str) -> set[str]:
-    return modules_after(COMMAND.format(arguments=["ncgear", *arguments]))
 
 
 def test_help_loads_no_library_at_all() -> None:
@@ -203,23 +180,23 @@ def test_a_sweep_loads_neither_meshes_nor_plots_nor_solvers(tmp_path: Path) -> N
     assert loaded_by("sweep", "designs/baler.yaml", *vary) & LIBRARIES == set()
 
 
-STAGES = ("law", "machine", "check", "uniform_check", "pitch", "teeth", "designed_contact", "solids", "motion")
-"""Of a drive; each is made when it is first asked for."""
+VALUES = ("law", "machine", "check", "uniform_check", "pitch", "teeth", "designed_contact", "solids", "motion")
+"""Of a drive; each is computed when it is first asked for."""
 
 
 def test_a_check_makes_no_pitch_curve_and_no_tooth() -> None:
     drive = Drive(loaded("baler").design)
     check_text(drive)
-    made = [stage for stage in STAGES if stage in vars(drive)]
+    made = [value for value in VALUES if value in vars(drive)]
     assert made == ["law", "machine", "check", "uniform_check"]
 
 
-@pytest.mark.parametrize("stage", [stage for stage in STAGES if stage != "solids"])
-def test_asking_twice_for_a_stage_computes_once(stage: str) -> None:
+@pytest.mark.parametrize("name", [name for name in VALUES if name != "solids"])
+def test_asking_twice_for_a_value_computes_once(name: str) -> None:
     drive = Drive(loaded("ellipse").design)
-    first = getattr(drive, stage)
+    first = getattr(drive, name)
     counts = dict(drive.timing_s)
-    assert getattr(drive, stage) is first
+    assert getattr(drive, name) is first
     assert drive.timing_s == counts
 
 

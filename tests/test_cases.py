@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from functools import cache
-from pathlib import Path
 
 import pytest
 
+from commands import ROOT
 from hard.case import FOLDER, REFUSED, Case, cases, drive_of
 from hard.condition import conditions
 from hard.figures import reported, sampled_peak
@@ -17,7 +17,7 @@ from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.template import template
 from ncgear.ratio.transmission import CLOSED
 
-PAGE = (Path(__file__).parents[1] / "docs" / "hard-cases.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "hard-cases.md").read_text(encoding="utf-8")
 
 ALL = {case.name: case for case in cases()}
 MADE = [name for name in ALL if name not in REFUSED]

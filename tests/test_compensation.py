@@ -21,9 +21,10 @@ from ncgear.ratio.return_stroke import ReturnEnds, ReturnLaw, return_of_least_ac
 from ncgear.ratio.transmission import Lobes
 from ncgear.ratio.working_stroke import StrokeRequest, solved_stroke
 from oracles import stroke as oracle
+from published import BALER_LINKAGE, OFFSET
 from test_stroke import AT_LAW_SPEED, BALER
 
-LINKAGES = {"baler": CrankSlider(380.0, 960.0), "offset": CrankSlider(380.0, 960.0, 100.0)}
+LINKAGES = {"baler": BALER_LINKAGE, "offset": OFFSET}
 SPEED = 20.0 * pi / 30.0
 """The paper's 20 r/min, in rad/s."""
 

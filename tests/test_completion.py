@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
+from commands import ROOT, python
 from ncgear.cli.app import COMMANDS
 
-ROOT = Path(__file__).parents[1]
+# The shell calls it by the name under which it is installed.
+PROGRAM = "import sys; sys.argv = ['ncgear']; from ncgear.cli import main; main()"
 
 
 def offered(typed: str, folder: Path = ROOT) -> list[str]:
     """The words that bash is offered after ``typed``, a command line that is being written."""
     words = typed.split(" ")
     asked = {"_NCGEAR_COMPLETE": "complete_bash", "COMP_WORDS": " ".join(words), "COMP_CWORD": str(len(words) - 1)}
-    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src"), **asked}
-    # The shell calls it by the name under which it is installed.
-    code = "import sys; sys.argv = ['ncgear']; from ncgear.cli import main; main()"
-    command = [sys.executable, "-c", code]
-    done = subprocess.run(command, env=environment, cwd=folder, capture_output=True, text=True, timeout=60)
+    done = python("-c", PROGRAM, folder=folder, **asked)
     assert done.stderr == ""
     return done.stdout.split()
 
@@ -60,9 +56,7 @@ def test_files_are_designs_and_folders_that_may_hold_some(tmp_path: Path) -> Non
 
 
 def test_a_shell_gets_its_script() -> None:
-    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src"), "_NCGEAR_COMPLETE": "source_bash"}
-    code = "import sys; sys.argv = ['ncgear']; from ncgear.cli import main; main()"
-    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=60)
+    done = python("-c", PROGRAM, _NCGEAR_COMPLETE="source_bash")
     assert "complete" in done.stdout
     syntax = subprocess.run(["bash", "-n"], input=done.stdout, capture_output=True, text=True)
     assert (syntax.returncode, syntax.stderr) == (0, "")

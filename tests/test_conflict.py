@@ -12,15 +12,11 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.optimum.makeable.law import makeable_law
 from ncgear.optimum.makeable.search import rough_start
 from ncgear.optimum.makeable.wishes import CurvatureWish, Wishes
-from ncgear.optimum.task import Limits, Task
-from test_kinematics import PRESS
-from test_laws import BALER_LINKAGE
+from ncgear.optimum.task import Limits
+from published import AT_SIXTY, RPM, USUAL
 
 pytestmark = pytest.mark.slow
 
-RPM = pi / 30.0
-BALER = Task(BALER_LINKAGE, PRESS, 60.0 * RPM)
-USUAL = Limits(0.2, 5.0)
 LITTLE = Wishes(replace(USUAL, peak_power_w=9375.0), harmonics=8)
 
 
@@ -31,7 +27,7 @@ def refusal(wishes: Wishes) -> NoSuchMechanism:
 
 
 def search(wishes: Wishes) -> None:
-    makeable_law(BALER, wishes, [rough_start(BALER, replace(LITTLE, harmonics=wishes.harmonics), 25_000.0)])
+    makeable_law(AT_SIXTY, wishes, [rough_start(AT_SIXTY, replace(LITTLE, harmonics=wishes.harmonics), 25_000.0)])
 
 
 def offers(error: NoSuchMechanism) -> dict[str, str]:

@@ -38,9 +38,9 @@ from ncgear.teeth.contour import (
     ring_of_arcs,
 )
 from ncgear.teeth.form import TipRelief, ToothForm
-from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
-from ncgear.teeth.outline import ChordTolerance, exact_curves, outline_points
-from pairs import baler_law, rack, sine_law
+from ncgear.teeth.gear import ToothedPair, toothed_pair
+from ncgear.teeth.outline import exact_curves
+from pairs import baler_law, exact_ring, rack, sine_law
 
 TOLERANCE = 5e-4
 FINE = 5e-6
@@ -86,10 +86,6 @@ def ring_of(contour: Contour, count: int = DENSE) -> Array:
     return np.concatenate([points_of(curve, count) for curve in contour.curves])
 
 
-def exact_ring(gear: ToothedGear) -> Array:
-    return outline_points(gear.tips, gear.sides, ChordTolerance(FINE, FINE))
-
-
 SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in ("circle", "concave")]
 
 
@@ -97,7 +93,7 @@ SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in ("circle", "conca
 @pytest.mark.parametrize("name", ["undercut", "baler", *SLOW])
 def test_curves_and_exact_outline_are_close_both_ways(name: str) -> None:
     for gear in (pair(name).driving, pair(name).driven):
-        contour, exact = contour_of(gear, TOLERANCE), exact_ring(gear)
+        contour, exact = contour_of(gear, TOLERANCE), exact_ring(gear, FINE)
         assert contour.deviation_mm <= TOLERANCE
         assert farthest(ring_of(contour), exact) <= TOLERANCE + FINE
         # Chords of 8 times as many points stray by less than a hundredth of the tolerance.
@@ -108,7 +104,7 @@ def test_curves_and_exact_outline_are_close_both_ways(name: str) -> None:
 def test_the_stated_deviation_is_about_what_is_found() -> None:
     gear = pair("ellipse").driving
     contour = contour_of(gear, TOLERANCE)
-    found = farthest(ring_of(contour), exact_ring(gear))
+    found = farthest(ring_of(contour), exact_ring(gear, FINE))
     assert contour.deviation_mm / 3.0 < found <= contour.deviation_mm + FINE
 
 
@@ -122,7 +118,7 @@ def test_a_curve_that_is_moved_by_two_tolerances_is_seen() -> None:
     step = spline.end - spline.start
     away = 2.0 * TOLERANCE * np.array([-step[1], step[0]]) / np.hypot(*step)
     curves = (*contour.curves[:number], replace(spline, poles_mm=spline.poles_mm + away), *contour.curves[number + 1 :])
-    assert farthest(ring_of(replace(contour, curves=curves)), exact_ring(gear)) > 1.5 * TOLERANCE
+    assert farthest(ring_of(replace(contour, curves=curves)), exact_ring(gear, FINE)) > 1.5 * TOLERANCE
 
 
 @pytest.mark.slow
@@ -159,7 +155,7 @@ def test_tip_relief_parts_the_flanks_where_it_begins() -> None:
     gear = toothed_pair(PITCHES["circle"](), ToothForm(relieved), 0.005).driving
     counts = [len(contour_of(one, TOLERANCE).curves) for one in (plain, gear)]
     assert counts[1] - counts[0] == 2 * 22
-    assert farthest(ring_of(contour_of(gear, TOLERANCE)), exact_ring(gear)) <= TOLERANCE + FINE
+    assert farthest(ring_of(contour_of(gear, TOLERANCE)), exact_ring(gear, FINE)) <= TOLERANCE + FINE
 
 
 @pytest.mark.slow
@@ -171,8 +167,8 @@ def test_gaps_of_equivalent_gears_are_bridged_as_in_their_outlines() -> None:
     assert len(gaps) > 37
     assert max(gaps) < TOLERANCE
     # An outline's chord goes over the gap from some way before it, so that it misses the curve's end by less than it.
-    assert farthest(ring_of(contour), exact_ring(gear)) <= TOLERANCE + FINE + max(gaps)
-    assert farthest(exact_ring(gear), ring_of(contour, 8 * DENSE)) <= 1.01 * TOLERANCE
+    assert farthest(ring_of(contour), exact_ring(gear, FINE)) <= TOLERANCE + FINE + max(gaps)
+    assert farthest(exact_ring(gear, FINE), ring_of(contour, 8 * DENSE)) <= 1.01 * TOLERANCE
 
 
 # --- splines --------------------------------------------------------------------------------------------------------

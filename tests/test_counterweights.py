@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import sparse
 
-from mechanisms import MASSES, OFFSET, RPM, even, sampled, uneven
+from mechanisms import MASSES, OFFSET, even, sampled, uneven
 from ncgear.balance.counterweights import GAP, bearing_force, least_squares, minimax, sweep
 from ncgear.balance.frame import (
     Chassis,
@@ -38,8 +38,9 @@ from ncgear.mechanisms.masses import RodMasses
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.transmission import Lobes
 from pairs import baler_law, sine_law
+from published import BALER_LINKAGE, RPM
 
-BALER = DrivenCrank(CrankSlider(380.0, 960.0), baler_law(), 52.81 * RPM, MASSES)
+BALER = DrivenCrank(BALER_LINKAGE, baler_law(), 52.81 * RPM, MASSES)
 MECHANISMS = {"even": even(), "uneven": uneven(), "offset": uneven(OFFSET), "baler": BALER}
 
 

@@ -119,7 +119,7 @@ def test_the_other_reading_of_the_baler_is_flagged_and_refused(tmp_path: Path) -
     assert abs(refused.law_speed_rpm - 51.31) < 0.005
     assert (round(low.value, 2), round(high.value, 1)) == (0.12, 7.6)
     with pytest.raises(NoSuchMechanism, match=r"tooth \d+ of the \w+ gear \(phi1 = "):
-        build(refused, tmp_path / "out", lambda stage: None)
+        build(refused, tmp_path / "out", lambda step: None)
     assert not (tmp_path / "out").exists()
 
 

@@ -124,8 +124,8 @@ class TestFaults:
         assert anchors("# What is: 3.5?\n```sh\n# no\n```\n## `motion`, law\n") == {"what-is-35", "motion-law"}
 
 
-NAMED = re.compile(r"`([a-z_]+(?:/[a-z_]+)*/(?:[a-z_]+\.py)?)`")
-"""A file or folder that a page names: of the package, or of the repository."""
+NAMED = re.compile(r"`((?:\w+/)+|(?:\w+/)*\w+\.py)`")
+"""A file or folder that a page names, by its path from the package or from the repository."""
 
 
 def named_and_missing(text: str) -> list[str]:
@@ -138,4 +138,5 @@ def test_files_that_pages_name_are_there(page: str) -> None:
 
 
 def test_a_file_that_is_gone_is_seen() -> None:
-    assert named_and_missing("`teeth/flank.py` and `teeth/flunk.py`") == ["teeth/flunk.py"]
+    text = "`teeth/flank.py`, `teeth/flunk.py`, `teeth/` and `flank.py`"
+    assert named_and_missing(text) == ["teeth/flunk.py", "flank.py"]

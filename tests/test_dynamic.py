@@ -15,6 +15,7 @@ from loaded import (
     LINKAGE,
     MASSES,
     SPEED,
+    Giving,
     even_load,
     frictionless,
     mechanism,
@@ -23,7 +24,7 @@ from loaded import (
 )
 from ncgear.dynamics.history import history, parted_s
 from ncgear.dynamics.mesh_force import MeshPlace, mesh_force
-from ncgear.dynamics.meshing import Impact, force_on_driven, tangent
+from ncgear.dynamics.meshing import force_on_driven, tangent
 from ncgear.dynamics.motion_in_time import (
     Course,
     EvenDrive,
@@ -41,10 +42,10 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.masses import RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance
+from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.pitch.shape import Mesh
 
-Array = np.ndarray
 BASE = 12.0 * MODULE * cos(radians(20.0))
 PLACE = MeshPlace(62.0, radians(20.0), Mesh.EXTERNAL, pi)
 HEAVY = 2e4
@@ -75,13 +76,6 @@ def test_energy_balances(name: str, teeth: int, start: Start) -> None:
     found = run(mechanism(meshing(name, teeth), slider_load()), name, 0.12, start)
     assert found.states[4, -1] > 1e3
     assert found.energy_error < 1e-5
-
-
-class Giving(Impact):
-    """Damping of the wrong sign."""
-
-    def force_n(self, depth_mm: Array, rate_mm_s: Array) -> Array:
-        return super().force_n(depth_mm, -rate_mm_s)
 
 
 @pytest.mark.thorough

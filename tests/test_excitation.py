@@ -20,9 +20,9 @@ from ncgear.balance.excitation import (
     of_slider,
 )
 from ncgear.balance.mechanism import DrivenCrank
-from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.masses import RodMasses
 from pairs import baler_law
+from published import BALER_LINKAGE, RPM
 
 TABLE_1 = (
     ("engine", 2400, 15, None, (40, 600, None)),
@@ -113,7 +113,7 @@ def test_an_even_crank_has_two_strong_harmonics() -> None:
 @pytest.mark.thorough
 def test_the_baler_shakes_at_high_harmonics() -> None:
     """Parseval: 400 harmonics hold all of the mean square, twenty leave a hundred-thousandth."""
-    baler = DrivenCrank(CrankSlider(380.0, 960.0), baler_law(), 20.0 * pi / 30.0, ONE)
+    baler = DrivenCrank(BALER_LINKAGE, baler_law(), 20.0 * RPM, ONE)
     harmonics = np.array([one.amplitude for one in of_slider("slider", baler, 400)])
     phi1 = np.linspace(0.0, 2.0 * pi, 400_001)
     driven = baler.linkage.displacement(baler.transmission.driven_angle(phi1, 2)).derivative(2)

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import pytest
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
-from commands import Run
+from commands import ROOT, Run
 from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.base import FAULT_TYPE, folded, listed, quantity
 from ncgear.design.keys.design import Design
@@ -18,7 +18,6 @@ from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.reference import Key, allowed, example, keys_of, unit_of
 from ncgear.figures.explained import explained
 
-ROOT = Path(__file__).parents[1]
 FILES = [*ROOT.glob("designs/*.yaml"), *ROOT.glob("designs/balance/*.yaml")]
 ALL = [(root, key) for root in (Design, Balance) for key in keys_of(root)]
 EACH = pytest.mark.parametrize(("root", "key"), ALL, ids=[f"{root.__name__}-{key.law}-{key.path}" for root, key in ALL])

@@ -39,14 +39,13 @@ from ncgear.ratio.sampled_strokes import (
 )
 from ncgear.ratio.transmission import Lobes
 from ncgear.ratio.working_stroke import solved_stroke
+from published import BALER_LINKAGE, OFFSET, PRESS
 
-IN_LINE = CrankSlider(380.0, 960.0)
 LINKAGES = {
-    "in line": IN_LINE,
-    "offset": CrankSlider(380.0, 960.0, 100.0),
+    "in line": BALER_LINKAGE,
+    "offset": OFFSET,
     "short rod": CrankSlider(100.0, 120.0, -5.0),
 }
-RESISTANCE = PolynomialResistance((-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7))
 OMEGA = 2.0 * pi
 """60 r/min."""
 
@@ -69,7 +68,7 @@ def points_of(shapes: Array, skewness: float = 0.0) -> Array:
 
 def family_of(linkage: CrankSlider, *, inverse: bool = True, lobes: Lobes | None = None) -> Family:
     """The family against the baler's resistance."""
-    return Family(linkage, RESISTANCE, OMEGA, inverse, lobes or Lobes())
+    return Family(linkage, PRESS, OMEGA, inverse, lobes or Lobes())
 
 
 def made(shape: Array, family: Family) -> StrokeLaw:
@@ -90,7 +89,7 @@ def test_working_strokes_are_those_of_the_laws(linkage: CrankSlider) -> None:
     )
     assert np.isfinite(sampled_laws(family, points_of(SHAPES)).power).all()
     for number, shape in enumerate(SHAPES):
-        machine = Machine(made(shape, family).transmission, linkage, RESISTANCE, OMEGA)
+        machine = Machine(made(shape, family).transmission, linkage, PRESS, OMEGA)
         theta2, theta3, theta4 = (getattr(strokes, f"theta{k}_rad")[number] for k in (2, 3, 4))
         out, steady, back = (shares(count) for count in SEGMENT_POINTS)
         phi1 = np.concatenate([theta2 * out, theta2 + (theta3 - theta2) * steady, theta4 - (theta4 - theta3) * back])
@@ -135,7 +134,7 @@ def test_returns_are_those_of_the_laws(linkage: CrankSlider, lobes: Lobes, inver
 
 def test_a_wrong_skewness_is_seen() -> None:
     """Negative control of the test above."""
-    right, wrong = (returned(family_of(IN_LINE), SHAPES[0], skewness).acceleration for skewness in (0.1, 0.1001))
+    right, wrong = (returned(family_of(BALER_LINKAGE), SHAPES[0], skewness).acceleration for skewness in (0.1, 0.1001))
     assert np.max(np.abs(right - wrong)) > 1e-6 * np.abs(right).max()
 
 
@@ -146,7 +145,7 @@ def baler_point() -> Array:
 
     def ratio(chi: float) -> float:
         point = points_of(np.array([[0.65, 1.0 / 1.3, 0.7, 0.4 / 0.7, chi, brake]]))
-        strokes, _ = strokes_at(family_of(IN_LINE), point)
+        strokes, _ = strokes_at(family_of(BALER_LINKAGE), point)
         return float(strokes.v1_mm_s[0] / strokes.v2_mm_s[0])
 
     chi = brentq(lambda angle: ratio(angle) - 16.0 / 11.0, 0.0, 1.5)
@@ -156,7 +155,7 @@ def baler_point() -> Array:
 
 def test_the_published_baler_is_a_member() -> None:
     """6315 W and 1500 mm/s^2 in the working stroke at 20 r/min, its headline figures."""
-    found = sampled_laws(Family(IN_LINE, RESISTANCE, 20.0 * pi / 30.0), baler_point()[None])
+    found = sampled_laws(Family(BALER_LINKAGE, PRESS, 20.0 * pi / 30.0), baler_point()[None])
     assert found.power.max() == pytest.approx(6315.1, rel=1e-3)  # between samples
     assert np.abs(found.acceleration[:, : sum(SEGMENT_POINTS)]).max() == pytest.approx(
         1500.0, rel=1e-4
@@ -166,7 +165,7 @@ def test_the_published_baler_is_a_member() -> None:
 def test_shapes_that_turn_back_are_no_laws() -> None:
     random = np.random.default_rng(4)
     points = random.random((400, 7))
-    family = Family(IN_LINE, RESISTANCE, OMEGA)
+    family = Family(BALER_LINKAGE, PRESS, OMEGA)
     found = sampled_laws(family, points)
     possible = np.isfinite(found.power[:, 0])
     assert 0.3 < possible.mean() < 0.95
@@ -180,7 +179,7 @@ def test_shapes_that_turn_back_are_no_laws() -> None:
 @cache
 def best(cap_w: float, *, inverse: bool, seed: int = 1) -> FamilyOptimum:
     """The least acceleration on the baler's linkage at 60 r/min."""
-    return best_of_family(Family(IN_LINE, RESISTANCE, OMEGA, inverse), Peak.ACCELERATION, cap_w, seed=seed, starts=16)
+    return best_of_family(Family(BALER_LINKAGE, PRESS, OMEGA, inverse), Peak.ACCELERATION, cap_w, seed=seed, starts=16)
 
 
 @pytest.mark.slow
@@ -202,7 +201,7 @@ def test_the_reach_of_the_family_on_the_baler(cap_w: float, inverse: bool, at_mo
 
 @pytest.mark.slow
 def test_the_same_seed_gives_the_same_law() -> None:
-    again = best_of_family(Family(IN_LINE, RESISTANCE, OMEGA, True), Peak.ACCELERATION, 18750.0, starts=16)
+    again = best_of_family(Family(BALER_LINKAGE, PRESS, OMEGA, True), Peak.ACCELERATION, 18750.0, starts=16)
     assert again.request == best(18750.0, inverse=True).request
 
 
@@ -210,7 +209,7 @@ def test_the_same_seed_gives_the_same_law() -> None:
 def test_the_request_makes_the_law_again() -> None:
     """As a design file would, with v2 to be found."""
     optimum = best(18750.0, inverse=True)
-    again = stroke_law(solved_stroke(replace(optimum.request)), IN_LINE, Lobes(), inverse_basis=True)
+    again = stroke_law(solved_stroke(replace(optimum.request)), BALER_LINKAGE, Lobes(), inverse_basis=True)
     phi1 = np.linspace(0.0, 2.0 * pi, 50)
     exact = optimum.law.transmission.driven_angle(phi1).value
     assert np.array_equal(again.transmission.driven_angle(phi1).value, exact)
@@ -221,7 +220,7 @@ def test_least_power_under_the_acceleration_found_is_the_power_cap() -> None:
     """Both ways of asking lead to the same frontier."""
     optimum = best(12000.0, inverse=True)
     cap = optimum.peak(Peak.ACCELERATION)
-    other = best_of_family(Family(IN_LINE, RESISTANCE, OMEGA, True), Peak.POWER, cap, starts=16)
+    other = best_of_family(Family(BALER_LINKAGE, PRESS, OMEGA, True), Peak.POWER, cap, starts=16)
     assert other.peak(Peak.ACCELERATION) <= cap * (1.0 + 1e-6)
     assert other.peak(Peak.POWER) == pytest.approx(12000.0, rel=0.02)
 
@@ -239,7 +238,7 @@ def test_without_resistance_any_cap_is_kept(linkage: CrankSlider) -> None:
 @pytest.mark.slow
 def test_a_cap_out_of_reach_is_refused_with_what_is_in_reach() -> None:
     """The work of a stroke in a whole cycle is a power no law goes below."""
-    mean_w = work_per_stroke_j(RESISTANCE, 760.0)
+    mean_w = work_per_stroke_j(PRESS, 760.0)
     with pytest.raises(NoSuchMechanism, match=r"power of \d+ or less; the least found is (\d+)") as caught:
-        best_of_family(Family(IN_LINE, RESISTANCE, OMEGA, True), Peak.ACCELERATION, float(round(mean_w)), starts=4)
+        best_of_family(Family(BALER_LINKAGE, PRESS, OMEGA, True), Peak.ACCELERATION, float(round(mean_w)), starts=4)
     assert float(caught.value.problem.split()[-1]) > mean_w

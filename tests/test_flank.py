@@ -20,8 +20,9 @@ from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.flank import FILLET, FLANK, Flanks, flanks_of
 from ncgear.teeth.form import BasicRack, TipRelief
 from ncgear.teeth.tool import RackLine
+from oracles.rack_cut import involute
 from pairs import baler_law, rack
-from plane import cross, fourth_order
+from plane import cross, fourth_order, turned
 
 MODULE = 2.0
 ALPHA = radians(20.0)
@@ -55,11 +56,6 @@ def flanks(name: str, gear: Gear, basic: BasicRack | None = None) -> Flanks:
 def pitch_radius(gear: Gear) -> float:
     """Of the uniform pair, in closed form."""
     return LAWS["uniform"][1] * MODULE / 2.0 * (1.0 if gear is Gear.DRIVING else 2.0)
-
-
-def involute(angle: Array | float) -> Array:
-    """Involute function."""
-    return np.tan(angle) - np.asarray(angle)
 
 
 def wrapped(angle: Array) -> Array:
@@ -102,12 +98,6 @@ def test_cusp_of_a_circular_gear_is_on_its_base_circle(gear: Gear) -> None:
 
 
 # --- law of gearing ----------------------------------------------------------------------------------------------
-
-
-def turned(points: Array, angle: Array) -> Array:
-    """Vectors (n, 2) turned by angles (n,)."""
-    cosine, sine, (x, y) = np.cos(angle), np.sin(angle), points.T
-    return np.column_stack([x * cosine - y * sine, x * sine + y * cosine])
 
 
 def mates(own: Flanks, other: Flanks, number: Array) -> Array:

@@ -27,8 +27,9 @@ from ncgear.optimum.task import Figures
 from ncgear.project.best_law import BestLaw
 from ncgear.project.frontier_run import POINTS_FILE, FinishedPoints, Frontier, frontier
 from ncgear.project.wishes import task_of, wishes_of
+from published import FIT
 
-RESISTANCE = {"polynomial_n": (-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7)}
+RESISTANCE = {"polynomial_n": FIT}
 
 
 def design(harmonics: int = 8) -> Design:

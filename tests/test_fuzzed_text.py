@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import os
 import resource
 import subprocess
 import sys
@@ -16,14 +15,14 @@ import sympy
 from hypothesis import Phase, given, seed, settings
 from hypothesis import strategies as st
 
-import ncgear
+from commands import environment
+from drives import DESIGNS
 from ncgear.design.reading.design_file import LARGEST_MB, load
 from ncgear.errors import DesignError, WrongInput
 from ncgear.numerics.formula import FUNCTIONS, compiled
 
-SHIPPED = [path.read_text("utf-8") for path in sorted((Path(__file__).parents[1] / "designs").glob("*.yaml"))]
+SHIPPED = [path.read_text("utf-8") for path in sorted(DESIGNS.glob("*.yaml"))]
 
-ENVIRONMENT = {**os.environ, "PYTHONPATH": str(Path(ncgear.__file__).parents[1])}
 
 LONGEST_MESSAGE = 6000
 """Characters of what is said of a file: ten faults, each with a shortened value and its meaning."""
@@ -151,7 +150,7 @@ def test_harmful_files_are_refused_in_little_memory_and_time(tmp_path: Path, nam
     (tmp_path / "d.yaml").write_bytes(content if isinstance(content, bytes) else content.encode())
     done = subprocess.run(
         [sys.executable, "-m", "ncgear", "check", "d.yaml"],
-        capture_output=True, text=True, cwd=tmp_path, timeout=300, preexec_fn=limited, env=ENVIRONMENT,
+        capture_output=True, text=True, cwd=tmp_path, timeout=300, preexec_fn=limited, env=environment(),
     )  # fmt: skip
     assert done.returncode == 2, done.stderr[:500]
     assert said in done.stderr

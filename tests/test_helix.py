@@ -496,7 +496,7 @@ def test_what_a_design_file_may_not_say(helix: str, key: str, words: str) -> Non
 
 def summary_of(drive: Drive) -> dict[str, Any]:
     with TemporaryDirectory() as folder:
-        return build(drive, Path(folder), lambda stage: None).summaries[0]
+        return build(drive, Path(folder), lambda step: None).summaries[0]
 
 
 def test_the_summary_has_the_overlap_and_the_thrust() -> None:
@@ -550,7 +550,7 @@ def test_an_overlap_that_leaves_a_rest_to_the_sections_asks_for_it() -> None:
 
 
 def test_a_build_writes_the_section_at_no_height_as_the_outline(tmp_path: Path) -> None:
-    build(drive_of_text(DESIGN + HELIX), tmp_path / "out", lambda stage: None)
+    build(drive_of_text(DESIGN + HELIX), tmp_path / "out", lambda step: None)
     for gear in ("driving", "driven"):
         outline = np.genfromtxt(tmp_path / "out" / f"{gear}.csv", delimiter=",", skip_header=1)
         assert apart(meshing.read_outline(tmp_path / "out" / f"{gear}.stl", 1e-6), Polygon(outline)) <= 1.1 * TOLERANCE

@@ -42,8 +42,9 @@ from ncgear.solids.plan.room import INNER_WALL_IN_MODULES, OUTER_WALL_IN_MODULES
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
 from oracles import meshing
+from oracles.rack_cut import involute
 from pairs import one_of, rack
-from test_pitch import turned
+from plane import turned, wave_ring
 
 DISTANCE = 60.0
 
@@ -284,11 +285,6 @@ def made(law: str, teeth: int, backlash_mm: float = 0.0) -> Made:
     return pitch, toothed_pair(pitch, ToothForm(rack(addendum=0.8, backlash_mm=backlash_mm, module=MODULE)), TOLERANCE)
 
 
-def involute(angle: Array) -> Array:
-    """inv(alpha)."""
-    return np.asarray(np.tan(angle) - angle)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ["1:2", "1:3"])
 def test_spaces_of_a_circular_ring_are_involute_teeth_of_its_base_circle(law: str) -> None:
@@ -468,9 +464,7 @@ TEETH, WAVE, RADIUS = 40, 2.2, 50.0
 
 def wavy(points: int = 40_000) -> Array:
     """A hole like a ring's: a root at polar angle pi, radius RADIUS + WAVE cos(TEETH angle)."""
-    angle = np.linspace(0.0, 2.0 * pi, points, endpoint=False)
-    radius = RADIUS + WAVE * np.cos(TEETH * angle)
-    return np.asarray(radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)]), dtype=float)
+    return wave_ring(RADIUS, WAVE, TEETH, points)
 
 
 @pytest.mark.thorough

@@ -12,13 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import ncgear
+from commands import ROOT, environment, python
 from killed_runs import seen
 from ncgear.design.template import template
 from ncgear.interrupts import uninterrupted
 
-ROOT = Path(__file__).parents[1]
-SOURCE = str(Path(ncgear.__file__).parents[1])
 PATIENCE_S = 120.0
 
 BEGUN = "import sys; from ncgear.cli import main; print('begun', flush=True); main()"
@@ -27,13 +25,12 @@ BEGUN = "import sys; from ncgear.cli import main; print('begun', flush=True); ma
 
 def interrupted(seconds: float, *arguments: str, whole_group: bool = False) -> tuple[int, str]:
     """Exit status and stderr of a run that hears Ctrl-C after a time, with its processes if the group does."""
-    environment = {**os.environ, "PYTHONPATH": SOURCE, "COLUMNS": "100"}
     process = subprocess.Popen(
         [sys.executable, "-c", BEGUN, *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        env=environment,
+        env=environment(COLUMNS="100"),
         start_new_session=True,
     )
     assert process.stdout is not None
@@ -74,7 +71,7 @@ def test_builds_interrupted_at_random_moments_leave_the_last_good_one(tmp_path: 
     random, folder = np.random.default_rng(8), tmp_path / "out"
     command = [sys.executable, "-m", "ncgear", "build", str(design), "--out", str(folder)]
     start = time.perf_counter()
-    subprocess.run(command, check=True, capture_output=True, env={**os.environ, "PYTHONPATH": SOURCE})
+    subprocess.run(command, check=True, capture_output=True, env=environment())
     seconds, before, names = time.perf_counter() - start, seen(folder), places(folder)
     for _ in range(8):
         status, err = interrupted(random.uniform(0.0, 0.8 * seconds), "build", str(design), "--out", str(folder))
@@ -135,8 +132,7 @@ main()
 
 
 def test_ctrl_c_is_heard_also_where_it_cannot_be_raised() -> None:
-    environment = {**os.environ, "PYTHONPATH": SOURCE}
-    done = subprocess.run([sys.executable, "-c", AWAY], env=environment, capture_output=True, text=True, timeout=25)
+    done = python("-c", AWAY)
     assert_interrupted((done.returncode, done.stderr))
 
 
@@ -166,8 +162,7 @@ main()
 
 
 def test_ctrl_c_waits_for_the_import_of_a_compiled_library() -> None:
-    environment = {**os.environ, "PYTHONPATH": SOURCE}
-    done = subprocess.run([sys.executable, "-c", IMPORT], env=environment, capture_output=True, text=True, timeout=25)
+    done = python("-c", IMPORT)
     assert done.stdout == "pressed\n"
     assert_interrupted((done.returncode, done.stderr))
 

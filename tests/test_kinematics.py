@@ -23,11 +23,9 @@ from ncgear.ratio.laws.expression import ratio_expression_law
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
-from test_laws import BALER_LINKAGE, LAWS, OFFSET, law
+from published import BALER_LINKAGE, FIT, OFFSET, PRESS, RPM
+from test_laws import LAWS, law
 
-RPM = pi / 30.0
-FIT = (-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7)
-PRESS = PolynomialResistance(FIT)
 BALER_LAW = "stroke, e = 0"
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from commands import ROOT
 from ncgear.design.keys.design import Design
 from ncgear.design.laws.registry import LawName, design_law
 from ncgear.design.laws.uniform_crank import UniformCrank
@@ -20,7 +21,7 @@ from ncgear.ratio.transmission import Law, Lobes, PrescribedStroke, single
 from ncgear.screening.rows import single_figures
 from oracles.laws import REFERENCES
 
-SOURCE = Path(__file__).parents[1] / "src" / "ncgear"
+SOURCE = ROOT / "src" / "ncgear"
 
 
 def test_every_law_has_a_reference_of_its_own() -> None:

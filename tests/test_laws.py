@@ -27,10 +27,9 @@ from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Piece, Transmission
 from ncgear.ratio.working_stroke import StrokeRequest, solved_stroke
 from oracles import stroke as oracle
+from published import BALER_LINKAGE, OFFSET
 from test_stroke import AT_LAW_SPEED, BALER
 
-BALER_LINKAGE = CrankSlider(380.0, 960.0)
-OFFSET = CrankSlider(380.0, 960.0, 100.0)
 SMALL = CrankSlider(50.0, 200.0, -10.0)
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from dataclasses import replace
 from itertools import chain
 from math import pi
@@ -14,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import drives
+from commands import ROOT, fresh
 from ncgear.figures.ledger import PAGE, ledger_page
 from ncgear.papers.entry import (
     HOLDS,
@@ -32,8 +31,6 @@ from ncgear.papers.gear_baler import published as gear_baler
 from ncgear.papers.judgement import PAPERS, Contradicted, judged, judgement
 from ncgear.papers.track_chassis.frequencies import LINE_HZ
 from ncgear.papers.track_chassis.slider import LINKAGE
-
-ROOT = Path(__file__).parents[1]
 
 ENTRIES = [entry for paper in PAPERS for entry in paper.entries]
 
@@ -219,8 +216,7 @@ def test_spectra_have_lines() -> None:
 
 @pytest.mark.slow
 def test_the_command_writes_the_page(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "ncgear", "reproduce", "--out", str(tmp_path)]
-    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
+    done = fresh("reproduce", "--out", str(tmp_path))
     assert done.stdout.splitlines()[-1] == str(tmp_path / PAGE)
     assert f"{BALER}\n     8  reproduced\n" in done.stdout
     assert (tmp_path / PAGE).read_bytes() == (ROOT / "docs" / PAGE).read_bytes()

@@ -32,15 +32,12 @@ from ncgear.optimum.certified.road import Peaks
 from ncgear.optimum.task import Limits, Task
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Piece, Transmission
-from test_kinematics import FIT, PRESS
-from test_laws import BALER_LINKAGE, OFFSET, law
+from published import AT_SIXTY, BALER_LINKAGE, FIT, OFFSET, PRESS, RPM, USUAL
+from test_laws import law
 
-RPM = pi / 30.0
 LAW_RPM = 52.80854482726039
 NONE = PolynomialResistance()
 WIDE = Limits(1e-6, 1e6)
-USUAL = Limits(0.2, 5.0)
-AT_SIXTY = Task(BALER_LINKAGE, PRESS, 60.0 * RPM)
 
 
 def baler(rpm: float, resistance: Resistance = PRESS) -> Task:

@@ -11,10 +11,8 @@ from ncgear.mechanisms.resistance import PolynomialResistance, Resistance, Table
 from ncgear.optimum.certified.limit import least_acceleration
 from ncgear.optimum.task import Limits, Task
 from oracles import convex_limit
-from test_kinematics import PRESS
-from test_laws import BALER_LINKAGE
+from published import BALER_LINKAGE, PRESS, RPM
 
-RPM = pi / 30.0
 PLACES = 321
 
 

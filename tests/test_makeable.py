@@ -22,33 +22,29 @@ from ncgear.optimum.makeable.wishes import Goal, Wishes, levels
 from ncgear.optimum.task import Figures, Limits, Task, figures
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.transmission import Lobes
-from test_kinematics import FIT, PRESS
-from test_laws import BALER_LINKAGE, OFFSET
+from published import AT_SIXTY, BALER_LINKAGE, FIT, OFFSET, PRESS, RPM, USUAL
 
-RPM = pi / 30.0
-USUAL = Limits(0.2, 5.0)
-BALER = Task(BALER_LINKAGE, PRESS, 60.0 * RPM)
 HALF = Wishes(replace(USUAL, peak_power_w=9375.0), harmonics=8)
 ROUNDING = 1.0 + 1e-7
 
 
 @cache
-def law(wishes: Wishes, task: Task = BALER) -> MakeableLaw:
+def law(wishes: Wishes, task: Task = AT_SIXTY) -> MakeableLaw:
     return makeable_law(task, wishes, [start(wishes, task)])
 
 
-def start(wishes: Wishes, task: Task = BALER) -> Array:
+def start(wishes: Wishes, task: Task = AT_SIXTY) -> Array:
     allowed = wishes.limits.peak_acceleration_mm_s2
     return rough_start(task, wishes, allowed or least_acceleration(task, wishes.limits).attained)
 
 
 @cache
-def judged(wishes: Wishes, task: Task = BALER) -> Figures:
+def judged(wishes: Wishes, task: Task = AT_SIXTY) -> Figures:
     found = law(wishes, task)
     return figures(task, found.train(task.lobes))
 
 
-def machine(wishes: Wishes, task: Task = BALER) -> Machine:
+def machine(wishes: Wishes, task: Task = AT_SIXTY) -> Machine:
     found = law(wishes, task)
     return Machine(harmonic_law(found.cosine, found.sine, task.lobes), task.linkage, task.resistance, task.speed_rad_s)
 
@@ -56,7 +52,7 @@ def machine(wishes: Wishes, task: Task = BALER) -> Machine:
 def peak_jerk(wishes: Wishes) -> float:
     """Of dense samples: their peak is less than that by the second power of their distance."""
     displacement = machine(wishes).displacement(np.linspace(0.0, 2.0 * pi, 40_001), 3)
-    return float(np.abs(displacement.derivative(3)).max()) * BALER.speed_rad_s**3
+    return float(np.abs(displacement.derivative(3)).max()) * AT_SIXTY.speed_rad_s**3
 
 
 def peak_moving_power(wishes: Wishes, mass_kg: float) -> float:
@@ -99,7 +95,7 @@ def test_every_limit_is_kept_by_exact_figures(name: str) -> None:
     assert found.tangent_rad <= (limits.pressure_angle_rad or np.inf) * ROUNDING
     assert found.convex or not wishes.convex
     assert found.curvature_turns <= (wishes.curvature_turns or np.inf) * ROUNDING
-    assert BALER.speed_rad_s / found.ratio_min <= (wishes.driven_speed_rad_s or np.inf) * ROUNDING
+    assert AT_SIXTY.speed_rad_s / found.ratio_min <= (wishes.driven_speed_rad_s or np.inf) * ROUNDING
     assert peak_jerk(wishes) <= (wishes.peak_jerk_mm_s3 or np.inf) * ROUNDING
     if limits.working_rad:
         assert found.working_rad == pytest.approx(limits.working_rad, abs=1e-7)
@@ -114,7 +110,7 @@ def test_each_of_those_limits_binds() -> None:
     assert free.tangent_rad > radians(30.0)
     assert free.curvature_turns > 4.4 * pi
     assert free.ratio_max > 1.9
-    assert BALER.speed_rad_s / free.ratio_min > 80.0 * RPM
+    assert AT_SIXTY.speed_rad_s / free.ratio_min > 80.0 * RPM
     assert abs(free.working_rad - 3.5) > 0.1
     assert peak_jerk(replace(HALF, limits=replace(USUAL, peak_power_w=14_000.0))) > 170_000.0
     assert judged(KEPT["mass"]).peak_power_w > 12_000.0  # the mass, slowed down, presses along
@@ -126,26 +122,26 @@ def test_each_of_those_limits_binds() -> None:
 def test_no_law_is_under_the_certified_limit(name: str) -> None:
     wishes = KEPT[name]
     if wishes.goal is Goal.POWER:
-        bound, value = least_power(BALER, wishes.limits), judged(wishes).peak_power_w
+        bound, value = least_power(AT_SIXTY, wishes.limits), judged(wishes).peak_power_w
     else:
-        bound, value = least_acceleration(BALER, wishes.limits), judged(wishes).peak_acceleration_mm_s2
+        bound, value = least_acceleration(AT_SIXTY, wishes.limits), judged(wishes).peak_acceleration_mm_s2
     assert bound.value < value < 1.7 * bound.value
 
 
 def gain_nearby(wishes: Wishes, found: MakeableLaw) -> float:
     """Relative gain to first order within all limits, no coefficient moved by over a thousandth: a linear programme."""
     on = grid(stations(BALER_LINKAGE, PRESS, 720), wishes.harmonics)
-    wanted, slider = levels(wishes, scales(BALER, on.stations)), on.stations.slider
+    wanted, slider = levels(wishes, scales(AT_SIXTY, on.stations)), on.stations.slider
 
     def terms(coefficients: Array) -> Array:
         """All sides of all levels at all places, one after the other."""
-        at = ratios(on, coefficients, BALER.cycle_rad)
+        at = ratios(on, coefficients, AT_SIXTY.cycle_rad)
         return np.concatenate([term for level in wanted for term in level.terms(at, slider, lengths(at))])
 
     best = np.concatenate([found.cosine, found.sine])
     values, moves = terms(best), 1e-6 * np.eye(best.size)
     slopes = np.column_stack([(terms(best + move) - terms(best - move)) / 2e-6 for move in moves])
-    at = ratios(on, best, BALER.cycle_rad)
+    at = ratios(on, best, AT_SIXTY.cycle_rad)
     owner = np.concatenate(
         [np.full(len(level.terms(at, slider, [1.0])) * on.stations.count, k) for k, level in enumerate(wanted)]
     )
@@ -183,15 +179,15 @@ def test_a_law_for_tighter_limits_is_improved_by_small_changes() -> None:
 def test_the_same_from_several_starts() -> None:
     best = judged(HALF).peak_acceleration_mm_s2
     for one in [np.zeros(16), *random_starts(8, 3, 1)]:
-        found = makeable_law(BALER, HALF, [one])
-        again = figures(BALER, found.train(BALER.lobes)).peak_acceleration_mm_s2
+        found = makeable_law(AT_SIXTY, HALF, [one])
+        again = figures(AT_SIXTY, found.train(AT_SIXTY.lobes)).peak_acceleration_mm_s2
         assert again == pytest.approx(best, rel=1e-5)
 
 
 @pytest.mark.slow
 def test_the_best_of_several_starts_is_taken() -> None:
-    both = makeable_law(BALER, HALF, [np.zeros(16), start(HALF)])
-    each = [makeable_law(BALER, HALF, [one]).goal for one in (np.zeros(16), start(HALF))]
+    both = makeable_law(AT_SIXTY, HALF, [np.zeros(16), start(HALF)])
+    each = [makeable_law(AT_SIXTY, HALF, [one]).goal for one in (np.zeros(16), start(HALF))]
     assert both.goal == min(each)
 
 
@@ -204,7 +200,7 @@ def test_more_harmonics_are_never_worse() -> None:
 
 @pytest.mark.thorough
 def test_the_same_input_gives_the_same_bits() -> None:
-    first, again = (makeable_law(BALER, HALF, random_starts(8, 1, 3)) for _ in range(2))
+    first, again = (makeable_law(AT_SIXTY, HALF, random_starts(8, 1, 3)) for _ in range(2))
     assert np.array_equal(first.cosine, again.cosine)
     assert np.array_equal(first.sine, again.sine)
     other = random_starts(8, 1, 4)[0]
@@ -233,7 +229,7 @@ def test_a_weighted_sum_touches_the_frontier_from_no_side() -> None:
     wishes = replace(HALF, goal=Goal.WEIGHTED, weights=weights, limits=USUAL)
     found = judged(wishes)
     value = weights.of(found.peak_acceleration_mm_s2, found.peak_power_w)
-    assert value > least_weighted_sum(BALER, USUAL, weights).value
+    assert value > least_weighted_sum(AT_SIXTY, USUAL, weights).value
     # On the frontier at its own power, and no other point of it has a lesser sum.
     on_it = judged(replace(HALF, limits=replace(USUAL, peak_power_w=round(found.peak_power_w, 3))))
     assert on_it.peak_acceleration_mm_s2 == pytest.approx(found.peak_acceleration_mm_s2, rel=1e-4)
@@ -300,7 +296,7 @@ def test_least_power_of_other_machines(name: str) -> None:
 @pytest.mark.thorough
 def test_speed_scales_away() -> None:
     """Three times the speed: nine times the acceleration, three times the power, and the same law."""
-    fast = replace(BALER, speed_rad_s=3.0 * BALER.speed_rad_s)
+    fast = replace(AT_SIXTY, speed_rad_s=3.0 * AT_SIXTY.speed_rad_s)
     wishes = replace(HALF, limits=replace(HALF.limits, peak_power_w=3.0 * 9375.0))
     slow, found = judged(HALF), judged(wishes, fast)
     assert found.peak_acceleration_mm_s2 == pytest.approx(9.0 * slow.peak_acceleration_mm_s2, rel=1e-6)
@@ -310,7 +306,7 @@ def test_speed_scales_away() -> None:
 def test_size_scales_away() -> None:
     """Twice the machine against the same force at the same places: twice the acceleration at twice the power."""
     force: Resistance = PolynomialResistance(tuple(c / 2.0**k for k, c in enumerate(FIT)))
-    task = Task(CrankSlider(760.0, 1920.0), force, BALER.speed_rad_s)
+    task = Task(CrankSlider(760.0, 1920.0), force, AT_SIXTY.speed_rad_s)
     wishes = replace(HALF, limits=replace(HALF.limits, peak_power_w=2.0 * 9375.0))
     found = judged(wishes, task)
     assert found.peak_acceleration_mm_s2 == pytest.approx(2.0 * judged(HALF).peak_acceleration_mm_s2, rel=1e-6)

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from loaded import frictionless, meshing
-from ncgear.dynamics.meshing import Impact, Meshing, TwoShafts
+from loaded import Giving, frictionless, meshing
+from ncgear.dynamics.meshing import Meshing, TwoShafts
 
 Array = np.ndarray
 PAIRS = [("uniform", 24), ("sine", 31), ("baler", 25)]
@@ -42,13 +42,6 @@ def test_moments_give_what_is_stored_and_lost(name: str, teeth: int) -> None:
     # A difference over a joint of the tables is off by as much as the slopes jump there.
     assert np.quantile(np.abs(imbalance(meshing(name, teeth))), 0.99) < 1e-7
     assert np.abs(imbalance(meshing(name, teeth))).max() < 1e-4
-
-
-class Giving(Impact):
-    """Damping of the wrong sign."""
-
-    def force_n(self, depth_mm: Array, rate_mm_s: Array) -> Array:
-        return super().force_n(depth_mm, -rate_mm_s)
 
 
 def test_a_wrong_sign_of_the_damping_is_told_by_the_balance() -> None:

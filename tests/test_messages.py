@@ -5,17 +5,16 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
-import ncgear
+from commands import ROOT
 from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.base import quantity
 from ncgear.design.keys.design import Design
 from ncgear.design.reference import keys_of
 
-SOURCE = Path(ncgear.__file__).parent
+SOURCE = ROOT / "src" / "ncgear"
 RAISING = {"WrongInput", "NoSuchMechanism", "fault"}
 """What carries a message to the person who wrote the file."""
 

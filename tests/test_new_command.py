@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import pty
 import select
-import subprocess
 import sys
 import time
 from collections.abc import Sequence
@@ -15,7 +14,7 @@ from pathlib import Path
 import pytest
 
 import ncgear
-from commands import Run
+from commands import Run, fresh
 from ncgear.design.beginning import ANSWERS, begun, fault_of, filled, proportioned, template_answers
 from ncgear.design.laws.registry import LawName
 from ncgear.design.template import template
@@ -209,10 +208,8 @@ def test_what_is_written_builds_and_the_rest_is_refused_with_a_reason(run: Run, 
 
 @pytest.mark.thorough
 def test_no_file_is_touched_that_appears_while_answers_are_given(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "ncgear", "new", "a", "--teeth", "50"]
     (tmp_path / "a.yaml").write_text("precious")
-    environment = {**os.environ, "PYTHONPATH": SOURCE}
-    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=PATIENCE_S)
+    done = fresh("new", "a", "--teeth", "50", folder=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == "a.yaml: exists already; choose another name, or remove it\n"
     assert (tmp_path / "a.yaml").read_text() == "precious"

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from commands import Outcome, Run
+from commands import Run, loaded_by, on_text, python
 from ncgear.design.reading.design_file import load
 from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive
@@ -32,11 +30,7 @@ FEW = "optimize: {harmonics: 6, limits: {peak_power_w: 12000}}  # as wished\n"
 def run(run: Run) -> Run:
     """Optimise d.yaml, which holds the text."""
 
-    def run_once(text: str, *arguments: str) -> Outcome:
-        Path("d.yaml").write_text(text, encoding="utf-8")
-        return run("optimize", "d.yaml", *arguments)
-
-    return run_once
+    return on_text(run, "optimize")
 
 
 def numbers(value: object) -> Iterator[float]:
@@ -136,8 +130,7 @@ ncgear.cli.main()
 def test_a_missing_solver_is_named_with_the_command(command: str, tmp_path: Path) -> None:
     """In a process of its own, since what this one has already imported would hide an import made too early."""
     Path(tmp_path, "d.yaml").write_text(HEAD + FEW)
-    without = [sys.executable, "-c", WITHOUT_SOLVER.format(arguments=[command, "d.yaml"])]
-    done = subprocess.run(without, capture_output=True, text=True, cwd=tmp_path, timeout=120, check=False)
+    done = python("-c", WITHOUT_SOLVER.format(arguments=[command, "d.yaml"]), folder=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
     assert f"ncgear {command}: needs casadi" in done.stderr
     assert "python -m pip install 'ncgear[optimize]'" in done.stderr
@@ -235,36 +228,17 @@ def test_a_pressure_angle_counts_the_rack(run: Run) -> None:
     assert found["law"]["tangent_deg"] <= 7.0
 
 
-LOADED = """
-import sys
-import ncgear.cli
-sys.argv = ["ncgear", *{arguments}]
-try:
-    ncgear.cli.main()
-finally:
-    print("loaded:", [name for name in {names} if name in sys.modules])
-"""
-
-
-def loaded(folder: Path, arguments: list[str], names: tuple[str, ...]) -> str:
-    """What a fresh process has loaded of the names after a command; its last line."""
-    command = [sys.executable, "-c", LOADED.format(arguments=arguments, names=names)]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=folder, timeout=120, check=True)
-    return done.stdout.splitlines()[-1]
-
-
 @pytest.mark.slow
 def test_an_optimisation_loads_no_meshes(tmp_path: Path) -> None:
     Path(tmp_path, "d.yaml").write_text(HEAD + "optimize: {harmonics: 4}\n")
-    heavy = ("trimesh", "casadi")
-    assert loaded(tmp_path, ["optimize", "d.yaml"], heavy) == "loaded: ['casadi']"
+    assert loaded_by("optimize", "d.yaml", folder=tmp_path) & {"trimesh", "casadi"} == {"casadi"}
 
 
 @pytest.mark.slow
 def test_a_check_and_help_load_no_solver(tmp_path: Path) -> None:
     Path(tmp_path, "d.yaml").write_text(HEAD + FEW)
-    assert loaded(tmp_path, ["check", "d.yaml"], ("casadi",)) == "loaded: []"
-    assert loaded(tmp_path, ["optimize", "--help"], ("casadi", "numpy")) == "loaded: []"
+    assert "casadi" not in loaded_by("check", "d.yaml", folder=tmp_path)
+    assert loaded_by("optimize", "--help") & {"casadi", "numpy"} == set()
 
 
 @pytest.mark.slow

@@ -16,8 +16,7 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
-import ncgear
-from drives import drive_of_text
+from drives import drive, drive_of_text
 from ncgear.drawings.charts.chart import EMPTY, Line, Role
 from ncgear.drawings.charts.drawer import MOTION_COLUMN, MOTION_LOOK, beside_png, column_png, mark_extreme
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, motion_chart, over_displacement
@@ -31,6 +30,7 @@ from ncgear.files.build import build
 from ncgear.files.publish import STAGING_PREFIX, prepare, publish
 from ncgear.kinematics.motion import SliderMotion
 from ncgear.numerics.units import label_and_unit
+from plane import wave_ring
 
 FILES = {"a.txt": b"first", "b.txt": b"second", "summary.json": b"{}"}
 
@@ -101,14 +101,14 @@ def test_publish_replaces_earlier_files_and_leaves_others(tmp_path: Path) -> Non
     assert contents(tmp_path) == {**FILES, "mine.txt": b"keep"}
 
 
-@pytest.mark.parametrize("stage", ["write_bytes", "symlink_to", "replace"])
+@pytest.mark.parametrize("action", ["write_bytes", "symlink_to", "replace"])
 @pytest.mark.parametrize("fault", [OSError(28, "No space left on device"), KeyboardInterrupt()])
 def test_failure_in_the_middle_leaves_the_last_good_build(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stage: str, fault: BaseException
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, action: str, fault: BaseException
 ) -> None:
     old = {"a.txt": b"old first", "summary.json": b"old"}
     publish(tmp_path, old)
-    real, calls = getattr(Path, stage), []
+    real, calls = getattr(Path, action), []
 
     def failing(self: Path, *arguments: Any, **named: Any) -> Any:
         calls.append(self)
@@ -116,7 +116,7 @@ def test_failure_in_the_middle_leaves_the_last_good_build(
             raise fault
         return real(self, *arguments, **named)
 
-    monkeypatch.setattr(Path, stage, failing)
+    monkeypatch.setattr(Path, action, failing)
     with pytest.raises((WrongInput, KeyboardInterrupt)):
         publish(tmp_path, FILES)
     monkeypatch.undo()
@@ -302,7 +302,7 @@ def test_a_curve_without_values_says_so(force: float, said: str) -> None:
 )
 def test_curvature_jumps_are_counted_only_where_it_jumps(name: str, angles_pi: list[float]) -> None:
     """A smooth law's seam is no jump; a law in segments jumps at its joints."""
-    jumps = pitch_summary(ncgear.load(Path(__file__).parents[1] / "designs" / f"{name}.yaml"))["curvature_jumps"]
+    jumps = pitch_summary(drive(name))["curvature_jumps"]
     assert [jump["phi1_rad"] / pi for jump in jumps] == pytest.approx(angles_pi)
 
 
@@ -315,9 +315,7 @@ def test_timing_adds_up() -> None:
 
 
 def wavy(radius: float, phase: float) -> np.ndarray:
-    angle = np.linspace(0.0, 2.0 * pi, 4000, endpoint=False)
-    rim = radius + 2.0 * np.cos(40 * angle + phase)
-    return np.asarray(rim[:, None] * np.column_stack([np.cos(angle), np.sin(angle)]))
+    return wave_ring(radius, 2.0, 40, 4000, phase)
 
 
 def shades(png: bytes) -> np.ndarray:
@@ -410,10 +408,10 @@ gears:
 
 @pytest.mark.slow
 def test_build_writes_a_whole_set_of_files(tmp_path: Path) -> None:
-    stages: list[str] = []
+    steps: list[str] = []
     out = tmp_path / "out"
-    paths = build(drive_of_text(DESIGN), out, stages.append).paths
-    assert stages == [
+    paths = build(drive_of_text(DESIGN), out, steps.append).paths
+    assert steps == [
         "motion",
         "pitch curves",
         "teeth",
@@ -433,12 +431,12 @@ def test_build_writes_a_whole_set_of_files(tmp_path: Path) -> None:
     assert len((out / "law.csv").read_text().splitlines()) >= 2002
 
 
-def test_build_into_a_file_is_refused_before_any_stage(tmp_path: Path) -> None:
-    place, stages = tmp_path / "out", list[str]()
+def test_build_into_a_file_is_refused_before_any_step(tmp_path: Path) -> None:
+    place, steps = tmp_path / "out", list[str]()
     place.write_bytes(b"")
     with pytest.raises(WrongInput):
-        build(drive_of_text(DESIGN), place, stages.append)
-    assert not stages
+        build(drive_of_text(DESIGN), place, steps.append)
+    assert not steps
 
 
 @pytest.mark.slow

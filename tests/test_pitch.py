@@ -21,6 +21,7 @@ from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from oracles import stroke as oracle
 from pairs import one_of
+from plane import turned
 from test_laws import LAWS, law
 
 DISTANCE = 200.0
@@ -39,12 +40,6 @@ def pair(name: str) -> PitchPair:
 
 every_law = pytest.mark.parametrize("name", LAWS)
 every_gear = pytest.mark.parametrize("gear", list(Gear), ids=lambda gear: gear.value)
-
-
-def turned(vectors: Array, angles: Array) -> Array:
-    """Vectors (n, 2) turned counter-clockwise by angles (n,)."""
-    c, s = np.cos(angles), np.sin(angles)
-    return np.column_stack([c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]])
 
 
 # --- circles -------------------------------------------------------------------------------------------------------

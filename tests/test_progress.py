@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from drives import loaded
 from ncgear.cli import progress
-from ncgear.design.reading.design_file import load
 from ncgear.files.build import WRITTEN_STEPS, build, contacts_as_written, step_count
 from ncgear.project.drive import loads
 from ncgear.screening.screen import screened
@@ -38,20 +38,20 @@ def test_a_report_tells_as_many_as_it_says() -> None:
 
 
 def test_a_sweep_tells_every_design() -> None:
-    design, told = load(Path(__file__).parents[1] / "designs" / "baler.yaml").design, list[tuple[int, int]]()
+    design, told = loaded("baler").design, list[tuple[int, int]]()
     screened([design] * 3, on_done=lambda done, total: told.append((done, total)))
     assert told[-1] == (3, 3)
     assert [done for done, _ in told] == sorted(done for done, _ in told)
 
 
-def test_the_bar_counts_the_stages_that_are_done(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_bar_counts_the_steps_that_are_done(monkeypatch: pytest.MonkeyPatch) -> None:
     made = []
     original = progress._bar
     monkeypatch.setattr(progress, "_bar", lambda *arguments: made.append(original(*arguments)) or made[-1])
     with progress.steps_shown(3) as on_step:
         seen = []
-        for stage in ("teeth", "contact", "solids"):
-            on_step(stage)
+        for step in ("teeth", "contact", "solids"):
+            on_step(step)
             seen.append((made[0].tasks[0].description, made[0].tasks[0].completed, made[0].tasks[0].total))
     assert seen == [("teeth", 0, 3), ("contact", 1, 3), ("solids", 2, 3)]
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import doctest
 import re
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -17,10 +15,10 @@ from matplotlib.figure import Figure
 
 import ncgear
 import ncgear.plots
+from commands import ROOT, modules_after, python
 from ncgear.design.template import template
 from ncgear.drawings.plots.assembled_pair import Assembled
 
-ROOT = Path(__file__).parents[1]
 BALER = ROOT / "designs" / "baler.yaml"
 
 EXAMPLES = """
@@ -33,8 +31,7 @@ sys.exit(sum(doctest.testmod(module).failed for module in modules))
 
 @pytest.mark.slow
 def test_the_examples_in_docstrings_are_true() -> None:
-    environment = {"MPLBACKEND": "Agg", "PYTHONPATH": str(ROOT / "src")}
-    done = subprocess.run([sys.executable, "-c", EXAMPLES], cwd=ROOT, env=environment, capture_output=True, text=True)
+    done = python("-c", EXAMPLES, MPLBACKEND="Agg")
     assert (done.returncode, done.stdout) == (0, "")
 
 
@@ -44,8 +41,7 @@ def test_there_are_examples() -> None:
 
 
 def test_importing_the_package_loads_no_library() -> None:
-    code = "import ncgear, sys; assert not {'numpy', 'pydantic', 'matplotlib', 'typer'} & set(sys.modules)"
-    subprocess.run([sys.executable, "-c", code], check=True, env={"PYTHONPATH": str(ROOT / "src")})
+    assert modules_after("import ncgear") & {"numpy", "pydantic", "matplotlib", "typer"} == set()
 
 
 def test_every_public_name_is_there_and_explained() -> None:
@@ -77,16 +73,16 @@ def test_a_wrong_file_is_refused_with_its_place(tmp_path: Path) -> None:
         ncgear.load(wrong(tmp_path, "rod_mm", "rod_m"))
 
 
-def test_a_stage_that_cannot_be_made_names_the_place_in_the_file(tmp_path: Path) -> None:
-    """As the command line does, whether the stage is asked for itself or needed by another."""
+def test_a_value_that_cannot_be_made_names_the_place_in_the_file(tmp_path: Path) -> None:
+    """As the command line does, whether the value is asked for itself or needed by another."""
     path = wrong(tmp_path, "stroke_mm: 760", "stroke_mm: 700")
-    for stage in ("law", "check", "teeth"):
+    for value in ("law", "check", "teeth"):
         with pytest.raises(ncgear.WrongInput) as caught:
-            getattr(ncgear.load(path), stage)
+            getattr(ncgear.load(path), value)
         assert str(caught.value).startswith(f"{path}:28:3: motion.stroke_mm: 700 mm is shorter than the linkage's")
 
 
-def test_stages_of_a_design_without_a_file_name_their_key() -> None:
+def test_values_of_a_design_without_a_file_name_their_key() -> None:
     design = ncgear.load(BALER).design.model_copy(update={"gears": None})
     with pytest.raises(ncgear.WrongInput, match=r"^gears: missing"):
         ncgear.Drive(design).pitch  # noqa: B018
@@ -117,12 +113,12 @@ REPRS = {
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("stage", REPRS)
-def test_stages_say_in_a_few_lines_what_they_are_and_compute_nothing_more(drive: ncgear.Drive, stage: str) -> None:
-    value = getattr(drive, stage)
+@pytest.mark.parametrize("name", REPRS)
+def test_values_say_in_a_few_lines_what_they_are_and_compute_nothing_more(drive: ncgear.Drive, name: str) -> None:
+    value = getattr(drive, name)
     made, within = set(vars(drive)), set(vars(value))
     shown = repr(value)
-    assert re.fullmatch(REPRS[stage], shown, flags=re.DOTALL), shown
+    assert re.fullmatch(REPRS[name], shown, flags=re.DOTALL), shown
     assert len(shown.splitlines()) <= 5
     assert (set(vars(drive)), set(vars(value))) == (made, within)
 

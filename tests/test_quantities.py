@@ -21,8 +21,7 @@ from ncgear.pitch.curve import arc_length
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.transmission import Lobes, Transmission, single
-from test_kinematics import PRESS
-from test_laws import BALER_LINKAGE, OFFSET
+from published import BALER_LINKAGE, OFFSET, PRESS
 
 SPEED = 5.0
 COUNT = 240

@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import sys
 from collections import Counter
 from collections.abc import Callable
 from io import BytesIO, StringIO
@@ -24,7 +23,7 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 from shapely import Polygon
 
-import ncgear.cli
+from commands import Run
 from ncgear.cli.arguments import opened
 from ncgear.design.keys.design import Design
 from ncgear.errors import DesignError
@@ -253,19 +252,14 @@ def test_many_random_designs_are_built_or_refused(tmp_path: Path, batch: int) ->
 
 
 @pytest.mark.slow
-def test_the_program_ends_with_the_status_of_the_verdict(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_program_ends_with_the_status_of_the_verdict(run: Run, tmp_path: Path) -> None:
     status = {"made": 0, "refused 2": 2, "refused 3": 3}
 
     def judged(data: Data) -> str:
         expected = verdict(tmp_path, data, check_holds)
-        monkeypatch.setattr(sys, "argv", ["ncgear", "check", str(tmp_path / "d.yaml"), "--json"])
-        with pytest.raises(SystemExit) as ended:
-            ncgear.cli.main()
-        printed = capsys.readouterr()
-        assert (ended.value.code or 0) == status[expected], printed.err
-        assert bool(printed.out) == (expected == "made")
+        ended, out, err = run("check", "d.yaml", "--json")
+        assert ended == status[expected], err
+        assert bool(out) == (expected == "made")
         return expected
 
     assert len(each(25, 10**6, spoiled_designs(), judged)) == 3

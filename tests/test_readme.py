@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import json
 import re
-import subprocess
-import sys
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import pytest
 
+from commands import ROOT, fresh
 from ncgear.cli.app import COMMANDS
 
-ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BALER = (ROOT / "docs" / "baler.md").read_text(encoding="utf-8")
 
@@ -32,14 +29,7 @@ def test_the_two_commands() -> None:
 
 @cache
 def checked(design: str) -> dict[str, Any]:
-    done = subprocess.run(
-        [sys.executable, "-m", "ncgear", "check", f"designs/{design}.yaml", "--json"],
-        capture_output=True,
-        text=True,
-        check=True,
-        cwd=ROOT,
-    )
-    return json.loads(done.stdout)
+    return json.loads(fresh("check", f"designs/{design}.yaml", "--json").stdout)
 
 
 def table_rows() -> dict[str, tuple[float, float]]:

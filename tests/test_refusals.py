@@ -6,34 +6,26 @@ Refusals are told in this process; what goes to the pipes and what a failed buil
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
 
-from commands import Run, changed
+from commands import ROOT, Process, Run, changed, fresh
 from ncgear.design.laws.registry import LawName
 
-ROOT = Path(__file__).parents[1]
 BALER = (ROOT / "designs" / "baler.yaml").read_text(encoding="utf-8")
 MOTION = "motion: {law: ellipse, eccentricity: 0.35, phase_deg: 200}"
 ELLIPSE = (ROOT / "designs" / "ellipse.yaml").read_text(encoding="utf-8")
 
-Program = Callable[..., subprocess.CompletedProcess[str]]
+Program = Callable[..., Process]
 
 
 @pytest.fixture
 def program(tmp_path: Path) -> Program:
     """Run the program in a process of its own, in an empty folder."""
-
-    def ncgear(*arguments: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            [sys.executable, "-m", "ncgear", *arguments], capture_output=True, text=True, cwd=tmp_path, timeout=120
-        )
-
-    return ncgear
+    return partial(fresh, folder=tmp_path)
 
 
 def line_of(text: str, word: str) -> int:

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
 import re
-import subprocess
-import sys
 import tomllib
 from dataclasses import replace
 from fnmatch import fnmatch
@@ -21,7 +18,7 @@ from lxml.html import HtmlElement
 
 import drives
 import reports
-from commands import Run
+from commands import ROOT, Run, python
 from ncgear.drawings.charts.chart import decimals_of
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION
 from ncgear.drawings.page import REPORT_FILE
@@ -29,7 +26,6 @@ from ncgear.drawings.page.chart_svg import drawn
 from ncgear.drawings.page.page_charts import DIGITS, SIDE_RAD, PageChart, gear_charts, split_angles
 from ncgear.kinematics.motion import SliderMotion
 
-ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "src" / "ncgear" / "drawings" / "page"
 CSS = (PAGE / "page.css").read_text(encoding="utf-8")
 
@@ -146,10 +142,7 @@ def test_four_hundred_teeth_stay_under_five_megabytes(run: Run, tmp_path: Path) 
 @pytest.mark.slow
 def test_both_commands_and_any_order_of_hashing_give_the_same_bytes(run: Run, tmp_path: Path) -> None:
     design = str(ROOT / "designs" / "ellipse.yaml")
-    command = [sys.executable, "-m", "ncgear", "report", design, "--out", str(tmp_path / "alone")]
-    subprocess.run(
-        command, check=True, capture_output=True, env={**os.environ, "PYTHONHASHSEED": "7"}, cwd=ROOT / "src"
-    )
+    python("-m", "ncgear", "report", design, "--out", str(tmp_path / "alone"), PYTHONHASHSEED="7")
     assert run("build", design, "--report", "--out", str(tmp_path / "built"))[0] == 0
     alone, built = (tmp_path / folder / REPORT_FILE for folder in ("alone", "built"))
     assert alone.read_bytes() == built.read_bytes()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from math import degrees, pi, radians
@@ -17,17 +16,11 @@ import drives
 import reports
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION
 from ncgear.drawings.page.page_charts import PageChart, gear_charts
+from scenes import CHROMIUM, FLAGS, in_a_browser
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-
-pytestmark = [
-    pytest.mark.thorough,
-    pytest.mark.skipif(CHROMIUM is None, reason="no chromium on the path: the report is not tried in a browser"),
-]
-
-FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update"]
+pytestmark = [pytest.mark.thorough, in_a_browser]
 
 WIDE, MIDDLE, NARROW = (1440, 900), (1024, 768), (390, 844)
 

@@ -18,9 +18,8 @@ from ncgear.numerics.jet import Jet
 from ncgear.project.drive import Drive
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
+from published import BALER_LINKAGE, FIT
 from test_design_file import HEAD, loaded, refusal
-from test_kinematics import FIT
-from test_laws import BALER_LINKAGE
 
 STROKE = 760.0
 AS_TEXT = "-131.2779 + 3.447*x + 1.846e-2*x**2 - 1.575e-4*x**3 + 2.498e-7*x**4"

@@ -29,7 +29,8 @@ from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from oracles import newton_euler
-from test_kinematics import PRESS, RPM, machine
+from published import BALER_LINKAGE, PRESS, RPM
+from test_kinematics import machine
 from test_laws import LAWS
 
 HEAVY = RodMasses(
@@ -244,7 +245,7 @@ def test_reduced_inertia_by_differences_of_places() -> None:
 
 def even(masses: RodMasses, resistance: Resistance, rpm: float = 60.0) -> RigidMachine:
     """A uniform crank in line."""
-    linkage = CrankSlider(380.0, 960.0)
+    linkage = BALER_LINKAGE
     return RigidMachine(Machine(uniform_law(Lobes()), linkage, resistance, rpm * RPM), masses, OUTSIDE)
 
 

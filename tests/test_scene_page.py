@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
 import subprocess
 from functools import cache
 from math import pi
@@ -25,7 +24,7 @@ from ncgear.drawings.page.page import scene_script, scene_style
 from ncgear.drawings.page.scene_svg import closed_path, gear_tolerance_mm, grid_mm, scene_svg
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.numerics.arrays import Array
-from scenes import TWO_STAGES, scene
+from scenes import CHROMIUM, FLAGS, TWO_STAGES, in_a_browser, scene
 
 SCENES = ["baler", "ellipse", "internal-1-2", "pump-1-2", TWO_STAGES, "askew", "gearless"]
 every_scene = pytest.mark.parametrize("name", SCENES)
@@ -154,11 +153,12 @@ def test_every_class_that_is_drawn_has_a_colour() -> None:
     assert {"--ink", "--paper", "--driving", "--driven", "--material"} <= set(re.findall(r"var\((--[a-z]+)", style))
 
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-in_a_browser = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here")
 OPTIONS = [
-    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run"),
-    *("--disable-component-update", "--disable-sync", "--dump-dom"),
+    *FLAGS,
+    "--headless",
+    "--no-first-run",
+    "--disable-sync",
+    "--dump-dom",
 ]
 
 PAGE = """<!doctype html><style>svg {{ height: 400px }} {style}</style>{bodies}

@@ -30,8 +30,9 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.project.drive import Drive
 from ncgear.screening.rows import single_figures
+from scenes import in_a_browser
 from scotch_yoke import SCOTCH_YOKE, ScotchYoke
-from test_scene_page import hermite, in_a_browser, text_of
+from test_scene_page import hermite, text_of
 
 RADIUS, BAR, RPM = 380.0, 500.0, 20.0
 OMEGA = RPM * np.pi / 30.0

@@ -8,7 +8,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from mechanisms import AMPLITUDE, ASIDE, LINKAGE, MASSES, OFFSET, RPM, even, oracle, sampled, uneven
+from mechanisms import AMPLITUDE, ASIDE, LINKAGE, MASSES, OFFSET, even, oracle, sampled, uneven
 from ncgear.balance.mechanism import (
     Carrier,
     Counterweight,
@@ -24,6 +24,7 @@ from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.forces import EvenPace
 from ncgear.mechanisms.masses import RodMasses
 from pairs import baler_law
+from published import BALER_LINKAGE, RPM
 
 SLIDER = RodMasses(slider_kg=65.0)
 
@@ -154,7 +155,7 @@ def test_two_terms_become_exact_with_a_long_rod() -> None:
 
 def test_classical_formulas_fail_for_an_uneven_crank() -> None:
     """The baler: what a textbook's formula gives at the mean or the momentary speed, beside the truth."""
-    mechanism = DrivenCrank(CrankSlider(380.0, 960.0), baler_law(), 20.0 * RPM, SLIDER)
+    mechanism = DrivenCrank(BALER_LINKAGE, baler_law(), 20.0 * RPM, SLIDER)
     mean, momentary = two_term_formula(mechanism, Speed.MEAN), two_term_formula(mechanism, Speed.MOMENTARY)
     true = shaking(mechanism).peak.value
     assert true == pytest.approx(65.0 * 7.3411, rel=1e-4)  # the slider's peak acceleration in m/s^2

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
 from math import pi
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 import trimesh
 from ruamel.yaml import YAML
 
-from commands import Outcome, Run
+from commands import ROOT, Run, modules_after, on_text, simulated, simulated_table
 from drives import drive_of_text
 from ncgear.design.reading.design_file import load
 from ncgear.design.template import template
 from ncgear.project.drive import Drive
 
-ROOT = Path(__file__).parents[1]
 DESIGN = ROOT / "designs" / "baler-dynamics.yaml"
 
 HEAD = """\
@@ -39,20 +34,7 @@ MASSES = f"masses: {{{BODIES}, {CRANK}}}\n"
 @pytest.fixture
 def run(run: Run) -> Run:
     """Simulate d.yaml, which holds the text."""
-
-    def run_once(text: str, *arguments: str) -> Outcome:
-        Path("d.yaml").write_text(text, encoding="utf-8")
-        return run("simulate", "d.yaml", *arguments)
-
-    return run_once
-
-
-def figures(folder: str) -> dict[str, Any]:
-    return json.loads(Path(folder, "simulation.json").read_text())
-
-
-def table(folder: str) -> np.ndarray:
-    return np.genfromtxt(Path(folder, "simulation.csv"), delimiter=",", names=True)
+    return on_text(run, "simulate")
 
 
 @pytest.mark.slow
@@ -60,7 +42,7 @@ def test_the_published_baler_with_masses(run: Run) -> None:
     """Pinned: peaks of torque and mesh force beside the uniform crank's; the mean torque is the work's over 2 pi."""
     status, out, err = run(DESIGN.read_text(encoding="utf-8"))
     assert (status, err) == (0, "")
-    found, rows = figures("export/baler-dynamics-rigid"), table("export/baler-dynamics-rigid")
+    found, rows = (read("export/baler-dynamics-rigid") for read in (simulated, simulated_table))
     own, uniform = found["this_design"], found["uniform_crank"]
     assert own["peak_driving_torque_n_m"] == pytest.approx(2922.4, abs=0.05)
     assert own["least_driving_torque_n_m"] == pytest.approx(-809.9, abs=0.05)
@@ -112,7 +94,7 @@ def test_what_is_written(run: Run, gears: str) -> None:
     assert {path.name for path in Path("here").iterdir()} == {"simulation.csv", "simulation.json"} | pictures
     assert all(Path("here", name).read_bytes().startswith(b"\x89PNG") for name in pictures)
     assert str(Path("here/simulation.json")) in out
-    rows, own = table("here"), figures("here")["this_design"]
+    rows, own = simulated_table("here"), simulated("here")["this_design"]
     assert ("mesh_n" in rows.dtype.names) == ("peak_mesh_force_n" in own) == bool(gears)
     assert rows["driving_torque_n_m"].max() == pytest.approx(own["peak_driving_torque_n_m"], rel=1e-4)
     bearing = np.hypot(rows["crank_bearing_x_n"], rows["crank_bearing_y_n"])
@@ -210,7 +192,6 @@ def test_an_unknown_level_is_a_usage_error(run: Run) -> None:
 def after_simulating(check: str) -> set[str]:
     """Top-level modules loaded by a fresh interpreter that has simulated the baler, once ``check`` holds."""
     code = f"""
-import json, sys
 from ncgear.design.reading.design_file import load
 from pathlib import Path
 from ncgear.project.drive import Drive
@@ -219,10 +200,8 @@ from ncgear.files.simulation import simulate
 drive = Drive(load(Path({str(DESIGN)!r})).design)
 simulate(drive, Level.RIGID)
 {check}
-print(json.dumps(sorted({{name.split('.')[0] for name in sys.modules}})))
 """
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
-    return set(json.loads(done.stdout))
+    return modules_after(code)
 
 
 @pytest.mark.slow

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from commands import Outcome, Run
+from commands import ROOT, Outcome, Run, on_text, simulated, simulated_table
 from ncgear.design.reading.design_file import load
 from ncgear.project.drive import Drive
 from ncgear.project.forces import impact_of
 
-DESIGN = Path(__file__).parents[1] / "designs" / "baler-dynamics.yaml"
+DESIGN = ROOT / "designs" / "baler-dynamics.yaml"
 
 HEAD = """\
 name: press
@@ -33,18 +31,9 @@ def run(run: Run) -> Run:
     """Simulate d.yaml, which holds the text, into the folder here."""
 
     def run_once(text: str, level: str) -> Outcome:
-        Path("d.yaml").write_text(text, encoding="utf-8")
-        return run("simulate", "d.yaml", "--level", level, "--out", "here")
+        return on_text(run, "simulate")(text, "--level", level, "--out", "here")
 
     return run_once
-
-
-def figures() -> dict[str, Any]:
-    return json.loads(Path("here/simulation.json").read_text())
-
-
-def table() -> np.ndarray:
-    return np.genfromtxt("here/simulation.csv", delimiter=",", names=True)
 
 
 @pytest.mark.thorough
@@ -52,7 +41,7 @@ def test_loaded_contact_of_the_published_baler(run: Run) -> None:
     """Pinned: what its teeth give way and bear under the rigid level's torque, with chosen masses."""
     status, _, err = run(DESIGN.read_text(encoding="utf-8"), "quasi_static")
     assert (status, err) == (0, "")
-    found, rows = figures()["loaded_contact"], table()
+    found, rows = simulated("here")["loaded_contact"], simulated_table("here")
     assert found["contact_stiffness_n"] == pytest.approx(633516.0, abs=1.0)
     assert found["peak_tooth_force_n"] == pytest.approx(64061.0, rel=1e-3)
     assert found["peak_depth_mm"] == pytest.approx(0.3529, rel=1e-3)
@@ -71,7 +60,7 @@ def test_motion_in_time_of_the_published_baler(run: Run) -> None:
     """Pinned: the slider keeps to the law within 4 mm, its acceleration swings about it, and energy balances."""
     status, _, err = run(DESIGN.read_text(encoding="utf-8"), "dynamic")
     assert (status, err) == (0, "")
-    found, rows = figures(), table()
+    found, rows = simulated("here"), simulated_table("here")
     assert found["motion_in_time"]["energy_error"] < 1e-5
     assert found["motion_in_time"]["work_of_drive_j"] == pytest.approx(3182.2, rel=1e-3)
     assert found["motion_in_time"]["peak_pushing_force_n"] == pytest.approx(68449.0, rel=5e-3)
@@ -86,7 +75,7 @@ def test_motion_in_time_with_a_motor_from_rest(run: Run) -> None:
     motor = "simulation: {start: rest, turns: 0.1, motor: {no_load_speed_rpm: 60, stall_torque_n_m: 200}}\n"
     status, out, err = run(HEAD + motor, "dynamic")
     assert (status, err) == (0, "")
-    rows = table()
+    rows = simulated_table("here")
     assert rows["phi1_rad"][-1] == pytest.approx(0.2 * np.pi, rel=1e-6)
     assert rows["velocity_mm_s"][0] == 0.0
     assert "energy error" in out

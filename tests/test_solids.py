@@ -19,6 +19,7 @@ from ncgear.solids.mesh.pair import gear_solid
 from ncgear.solids.mesh.slabs import slab_mesh
 from ncgear.solids.plan.body import Blank, Bore, Keyway, Slab, bore_points, circle_points
 from ncgear.solids.plan.room import INNER_WALL_IN_MODULES, OUTER_WALL_IN_MODULES, full_disc, index_hole, largest_bore_mm
+from plane import wave_ring
 
 TOLERANCE = 0.005
 MODULE = 2.5
@@ -29,9 +30,7 @@ WAVE = 1.1 * MODULE
 
 def wavy(points: int = 40_000, phase: float = 0.0) -> Array:
     """A gear-like outline, radius RADIUS + WAVE cos(TEETH angle): a tooth on polar angle 0 when the phase is 0."""
-    angle = np.linspace(0.0, 2.0 * pi, points, endpoint=False)
-    radius = RADIUS + WAVE * np.cos(TEETH * angle + phase)
-    return np.asarray(radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)]), dtype=float)
+    return wave_ring(RADIUS, WAVE, TEETH, points, phase)
 
 
 def extruded(outline: Array, width: float, bore: Bore | None, tolerance: float) -> Trimesh:

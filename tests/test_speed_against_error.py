@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from commands import ROOT
 from ncgear.errors import WrongInput
 from speed_against_error import study as frame
 from speed_against_error.driven_angle import driven_angle_error_rad, panels, read, return_of_baler
@@ -35,7 +36,7 @@ from speed_against_error.return_period import (
 from speed_against_error.run import STUDIES, run
 from speed_against_error.study import Measured, Method, Point, Size, Study, knee, measured, order, rates
 
-PAGE = Path(__file__).parents[1] / "docs" / "speed-against-error.md"
+PAGE = ROOT / "docs" / "speed-against-error.md"
 
 every_study = pytest.mark.parametrize("key", STUDIES)
 

@@ -32,8 +32,8 @@ from ncgear.solids.helical.sections import Sections
 from ncgear.solids.plan.body import BodyPlan
 from ncgear.teeth.contour import Contour, Spline, contour_of
 from ncgear.teeth.gear import ToothedGear
-from ncgear.teeth.outline import ChordTolerance, outline_points
 from oracles.part21 import Entity, Part21
+from pairs import exact_ring
 
 FINE = 1e-5
 """Chord tolerance of the outlines that files are held against."""
@@ -61,10 +61,6 @@ def files(name: str) -> dict[str, bytes]:
     return step_files(drive(name))
 
 
-def exact_ring(gear: ToothedGear) -> Array:
-    return outline_points(gear.tips, gear.sides, ChordTolerance(FINE, FINE))
-
-
 def sections(file: Part21, solid: Entity, samples: int = DENSE) -> dict[float, list[Array]]:
     """The loops of the faces across z by their heights, the longest first."""
     flat = [face for face in file.faces(solid) if file.surface(face).name == "PLANE"]
@@ -84,7 +80,7 @@ def solid_of(data: bytes) -> tuple[Part21, Entity]:
 def require_agreement(data: bytes, gear: ToothedGear, tolerance: float, width: float, *, ring: bool = False) -> None:
     """Both ends of the solid hold the exact outline, and its walls stand straight on them."""
     file, solid = solid_of(data)
-    exact = exact_ring(gear)
+    exact = exact_ring(gear, FINE)
     coarse = sections(file, solid)
     assert sorted(coarse) == [0.0, width]
     for height in coarse:
@@ -361,7 +357,7 @@ def test_helical_sections_at_any_height_are_the_exact_ones(kind: str) -> None:
     for gear in Gear:
         data, height = made[f"{gear.value}.step"], 8.3 if gear is Gear.DRIVING else 3.14
         mirrored = 10.0 - height if kind == "herringbone" and height > 5.0 else height
-        exact = exact_ring(exact_sections.at(mirrored).of(gear))
+        exact = exact_ring(exact_sections.at(mirrored).of(gear), FINE)
         found = levels(data, height, DENSE)
         assert len(found) == 6 * 19
         assert farthest(found.reshape(-1, 2), exact) <= 5e-4 + FINE

@@ -18,8 +18,7 @@ from ncgear.design.laws.three_segment_stroke import ThreeSegmentStroke
 from ncgear.errors import NoSuchMechanism
 from ncgear.ratio.working_stroke import StrokeRequest, WorkingStroke, solved_stroke
 from oracles import stroke as oracle
-
-RPM = pi / 30.0
+from published import RPM
 
 BALER = StrokeRequest(0.4 * pi, 0.7 * pi, pi, 1.3 * pi, 1600.0, 1100.0, -1500.0, None, 760.0, 20.0 * RPM)
 """Table 1 of the baler paper, a1 at the 20 r/min of its simulation."""

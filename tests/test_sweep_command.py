@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from commands import Outcome, Run
+from commands import Outcome, Run, on_text
 from ncgear.design.laws.registry import LawName
 from ncgear.design.reading.design_file import load
 from ncgear.design.template import template
@@ -22,8 +22,7 @@ def run(run: Run) -> Run:
     """Sweep over d.yaml, which holds the text."""
 
     def run_once(*varied: str, text: str = template("press")) -> Outcome:
-        Path("d.yaml").write_text(text, encoding="utf-8")
-        return run("sweep", "d.yaml", *(part for one in varied for part in ("--vary", one)))
+        return on_text(run, "sweep")(text, *(part for one in varied for part in ("--vary", one)))
 
     return run_once
 

@@ -25,6 +25,7 @@ from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 from ncgear.teeth.tips import Limit, Tips, tip_crossing
 from ncgear.teeth.tool import RackLine
 from oracles import meshing
+from oracles.rack_cut import involute
 from pairs import baler_law, both, rack, sine_law
 
 pytestmark = pytest.mark.slow
@@ -177,11 +178,6 @@ def lands(gear: ToothedGear) -> Array:
     edges = own.flank(np.arange(own.count), gear.tips.height_mm)[0].reshape(-1, 2, 2)
     width: Array = np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1)
     return width
-
-
-def involute(angle: float) -> float:
-    """Involute function."""
-    return tan(angle) - angle
 
 
 def radius_of_land(teeth: int, land_mm: float) -> float:

@@ -32,8 +32,6 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from oracles import dxf
 
-ROOT = Path(__file__).parents[1]
-
 DESIGNS = ["baler", "ellipse", "internal-1-2"]
 """Keyway and concave curves; a bore alone; a ring."""
 

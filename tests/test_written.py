@@ -15,15 +15,14 @@ from ncgear.files.meshes import FOOT_MM, outline_of_csv, outline_of_stl, section
 from ncgear.pitch.shape import Gear
 from ncgear.solids.mesh.pair import SolidPair, gear_solid
 from ncgear.solids.plan.body import Blank, Bore, Hub, Keyway
+from plane import wave_ring
 
 Array = np.ndarray
 
 
 def wavy(radius: float = 40.0, count: int = 900) -> Array:
     """A gear-like ring of 20 teeth."""
-    angle = np.linspace(0.0, 2.0 * pi, count, endpoint=False)
-    rim = radius + 2.0 * np.cos(20 * angle)
-    return np.asarray(rim[:, None] * np.column_stack([np.cos(angle), np.sin(angle)]))
+    return wave_ring(radius, 2.0, 20, count)
 
 
 def test_a_table_reads_back_exactly() -> None:

@@ -1,6 +1,6 @@
 """The studies of phi2 by quadrature of 1/i12: over an ellipse's whole cycle, and over the baler's return.
 
-Each method makes phi2 once, as a function, and then reads it at many driving angles, as the later stages do.
+Each method makes phi2 once, as a function, and then reads it at many driving angles, as a check does.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ ECCENTRICITY = 0.98
 """i12 runs from 1/99 to 99, which is steeper than teeth can follow."""
 
 CALLS, ANGLES = 16, 16
-"""phi2 is read at this many angles, unsorted, in each of this many calls.  A stage asks for more: a check of the baler
+"""phi2 is read at this many angles, unsorted, in each of this many calls.  A design asks for more: a check of the baler
 reads its return in 30 calls, its gears take 60 more, most of them at a few angles."""
 
 GAPS = 128

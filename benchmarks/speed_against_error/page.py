@@ -42,8 +42,8 @@ def _head() -> str:
         "What each number costs by the methods it could be computed with, written by `make bench` on "
         f"{machine}. Times are the least of repeated runs in one process; errors are against references that none "
         "of the methods made. The point that ncgear works at is **bold** in the tables and has a ring in the pictures. "
-        "The knee is the quickest point whose error is enough: one below which nobody gains, or ten times the least "
-        "error of all where no method gets so far; adaptive methods find by themselves how fine they must be."
+        "The knee is the quickest point whose error is small enough: as small as anybody can use, or, where no method "
+        "gets so far, ten times the least error of all. Adaptive methods find by themselves how fine they must be."
     )
 
 
@@ -61,7 +61,7 @@ def _section(found: Measured) -> str:
     size = (study.size.name,) if study.size else ()
     parts = (
         f"## {study.title}",
-        f"Reference: {study.reference}. Errors in {study.unit}; nobody gains below {study.enough:g}.",
+        f"Reference: {study.reference}. Errors in {study.unit}; nothing is gained below {study.enough:g}.",
         f"![{study.title}: time against error]({PICTURES}/{study.key}.png)",
         _table(("method", "level", *size, "time", "error"), [_row(found, *one) for one in found.of_all]),
         _rates_text(found),

@@ -51,7 +51,7 @@ STUDIES: Mapping[str, Callable[[], Study]] = {
     "makeable": makeable_study,
     "makeable-places": places_study,
 }
-"""All studies by their keys, in the order of the stages."""
+"""All studies by their keys, in the order of the way of the data."""
 
 
 def run(arguments: Sequence[str] | None = None, timed_s: float = TIMED_S) -> None:

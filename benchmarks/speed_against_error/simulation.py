@@ -72,7 +72,7 @@ class Simulated:
 
     @cached_property
     def drive(self) -> Drive:
-        """The design's stages."""
+        """The design's drive."""
         return Drive(load(DESIGNS / f"{self.name}.yaml").design)
 
     @cached_property

@@ -66,7 +66,7 @@ class Method:
 
 @dataclass(frozen=True)
 class Size:
-    """The size of a result, which later stages pay for: its ``name``, and the function that counts it."""
+    """The size of a result, on which the cost of all that follows depends: its ``name``, and what counts it."""
 
     name: str
     of: Callable[[Any], float]
@@ -74,7 +74,7 @@ class Size:
 
 @dataclass(frozen=True)
 class Study:
-    """One number of a stage, and the methods that compute it.
+    """One number, and the methods that compute it.
 
     ``error`` gives the error of a result in ``unit`` against an independent reference, which ``reference`` describes.
     ``chosen`` is the name of the method and the level that ncgear uses, ``because`` gives the reason.  Smaller errors

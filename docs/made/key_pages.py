@@ -20,8 +20,8 @@ DESIGN_INTRODUCTION = f"""\
 
 Every key of a design file. Files are YAML: `ncgear new NAME` writes one with comments, [the tutorial](tutorial.md)
 fills one in, `ncgear explain KEY` tells about one key, `ncgear schema` prints the JSON Schema for editors. A key that
-is not here is refused, with the nearest that is. A key's end is its unit; of an angle's keys `_deg`, `_rad` and `_pi`
-(multiples of pi) one is given.
+is not here is refused, and the message names the nearest that is. A key's end is its unit; an angle can be given in
+degrees (`_deg`), radians (`_rad`) or multiples of pi (`_pi`), by one of these keys.
 """
 
 BALANCE_INTRODUCTION = f"""\

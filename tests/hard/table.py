@@ -15,13 +15,13 @@ INTRO = """# Hard cases
 Written by `make docs` (`python -m hard.table`); the tests assert what it says (`tests/test_cases.py`). Each case is a
 design file in [`tests/cases`](../tests/cases), or is made by `tests/hard/case.py`.
 
-Figures of a case that is made are its driven angle at seven angles, smallest and largest ratio, peak acceleration,
-peak power and length of the pitch curve. **Error** is the largest relative error of any of them against a reference
-of 40 digits that shares nothing with ncgear (`tests/oracles/laws.py`), and whose it is. **Condition** is, for the
-same figure, the sum of its relative changes per relative change of each input: numbers in a file have 16 digits, so
-no method can do better than the condition times 2.2e-16. **Roundings** is the largest error of any figure in that
-unit; up to {factor:.0f} the error is the problem's and not the method's: 18 rounding errors are the tail at which a
-Chebyshev form counts as resolved, the rest goes to the operations between an input and a figure.
+The figures of a case that is made are its driven angle at seven angles, smallest and largest ratio, peak
+acceleration, peak power and length of the pitch curve. **Error** is the largest relative error of all of these, against
+a reference of 40 digits that shares nothing with ncgear (`tests/oracles/laws.py`), and the figure that has it.
+**Condition** is, for that figure, the sum of its relative changes per relative change of each input. Numbers in a file
+have 16 digits, so no method can do better than the condition times 2.2e-16. **Roundings** is the largest error of any
+figure in that unit; up to {factor:.0f} the error is the problem's and not the method's: 18 rounding errors are
+the tail at which a Chebyshev form counts as resolved, the rest goes to the operations between an input and a figure.
 Held to a hundred: {names}, whose returns take over the rounding error of terms much larger than their ratio.
 Conditions over 1e6 are listed below the table.
 

@@ -134,7 +134,7 @@ def pinion_tooth(tooth: Proportions, pitch: float, radius: float) -> FloatArray:
     base = radius * np.cos(tooth.alpha)
     inner = max(base, radius - tooth.addendum - 0.25 * tooth.module)
     r = np.linspace(inner, radius + tooth.dedendum, 200)
-    half = (pitch / 4 + tooth.thinning / 2) / radius + _involute(tooth.alpha) - _involute(np.arccos(base / r))
+    half = (pitch / 4 + tooth.thinning / 2) / radius + involute(tooth.alpha) - involute(np.arccos(base / r))
     if half[-1] <= 0:
         raise ValueError("the pinion cutter's tooth is pointed: give it more teeth")
     # The tip circle's arc after the involute: a chord would be shallower by its sagitta.
@@ -152,7 +152,7 @@ def _rounded_tip(outline: FloatArray, radius: float) -> FloatArray:
     return shapely.get_coordinates(kept.exterior)[:-1]
 
 
-def _involute(angle: float | FloatArray) -> FloatArray:
+def involute(angle: float | FloatArray) -> FloatArray:
     """Involute function."""
     return np.tan(angle) - np.asarray(angle)
 
