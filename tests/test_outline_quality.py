@@ -72,7 +72,12 @@ DESIGNS: dict[str, Design] = {
 
 TOLERANCES = (0.005, 0.0002)
 CASES = [
-    pytest.param(name, tolerance, id=f"{name}, {tolerance}", marks=[pytest.mark.slow] if "many" in name else [])
+    pytest.param(
+        name,
+        tolerance,
+        id=f"{name}, {tolerance}",
+        marks=[pytest.mark.slow, *[pytest.mark.long] * (tolerance < 1e-3)] if "many" in name else [],
+    )
     for name in DESIGNS
     for tolerance in TOLERANCES
 ]

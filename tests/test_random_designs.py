@@ -46,14 +46,14 @@ BUILT, BUILT_BATCHES = 8, 8 * TIMES
 
 CLOSED_RAD = 1e-12
 
-IN_CI = 2
+IN_CI = 1
 """Batches of each kind that fit into the quarter of an hour of .ci/run; all are run by make slow."""
 
 POSITIONS = 97
 
 
 def batches(count: int) -> list[Any]:
-    """Numbers of batches as parameters, from the third on marked as long."""
+    """Numbers of batches as parameters; those beyond .ci/run are marked as long."""
     return [pytest.param(number, marks=[pytest.mark.long] if number >= IN_CI else []) for number in range(count)]
 
 
