@@ -171,7 +171,7 @@ def rewritten(text: str) -> list[str]:
         whole = sympy.sympify(text, locals=names)
     except TypeError:  # a condition
         return []
-    forms = (whole, sympy.expand(whole), sympy.together(whole), sympy.powdenest(whole), sympy.expand_trig(whole))
+    forms = (whole, sympy.expand(whole), sympy.together(whole), sympy.powdenest(whole))
     texts = {sympy.sstr(form).replace("Abs", "abs").replace("Min", "min").replace("Max", "max") for form in forms}
     known = {"phi", "pi", *FUNCTIONS, *CHOICES}
     return [text for text in texts if len(text) <= LONGEST and set(re.findall(r"[A-Za-z_]\w*", text)) <= known]
@@ -201,7 +201,7 @@ def test_formulas_say_what_they_say_however_they_are_written() -> None:
 
 @pytest.mark.slow
 def test_many_formulas_say_what_they_say_however_they_are_written() -> None:
-    assert judge_formulas(1500 * TIMES, 2) >= 500
+    assert judge_formulas(600 * TIMES, 2) >= 200
 
 
 @pytest.mark.parametrize(("text", "other"), [("sqrt(phi**2 - 6*phi + 9)", "phi - 3"), ("abs(phi)", "phi + 1e-9")])

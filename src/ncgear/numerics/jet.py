@@ -126,7 +126,8 @@ class Jet:
         power[0] = a[0] ** exponent
         for k in range(1, len(a)):
             terms = (((exponent + 1.0) * j - k) * a[j] * power[k - j] for j in range(1, k + 1))
-            power[k] = np.where(a[0] == 0.0, 0.0 if k < exponent else np.inf, sum(terms) / (k * a[0]))
+            power[k] = 0.0 if k < exponent else np.inf
+            np.divide(sum(terms), k * a[0], out=power[k], where=a[0] != 0.0)
         return Jet(power)
 
     def __rtruediv__(self, other: float | Array) -> Jet:
