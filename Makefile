@@ -14,8 +14,8 @@ test: .venv  ## quick and thorough tests, about two minutes on two quick cores
 slow: .venv  ## the tests that take longer
 	$(PYTHON) -m pytest -m slow
 
-fuzz: .venv  ## ten times as many random designs as the slow tests have
-	NCGEAR_FUZZ=10 $(PYTHON) -m pytest -m slow tests/test_random_designs.py
+fuzz: .venv  ## ten times as many random designs and formulas as the slow tests have
+	NCGEAR_FUZZ=10 $(PYTHON) -m pytest -m slow tests/test_random_designs.py tests/test_formula.py tests/test_proven.py
 
 lint: .venv  ## style, formatting, types
 	.venv/bin/ruff check . && .venv/bin/ruff format --check . && .venv/bin/mypy

@@ -48,7 +48,7 @@ SETTING = {
     "PYTHONHASHSEED": "0",
 }
 
-LIBRARIES = "ncgear|python|numpy|scipy|sympy|shapely|trimesh|mapbox-earcut|matplotlib|pydantic|ruamel.yaml"
+LIBRARIES = "ncgear|python|numpy|scipy|shapely|trimesh|mapbox-earcut|matplotlib|pydantic|ruamel.yaml"
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
 TIMING = re.compile(r'"timing_s": \{[^{}]*\}'), re.compile(r"^Time in s\n(?:  .*\n?)+", re.MULTILINE)
 VERSION = (

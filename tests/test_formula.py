@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Callable
+from random import Random
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+import sympy
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp
 
 from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.formula import FUNCTIONS, compiled
+from ncgear.numerics.formula import CHOICES, FUNCTIONS, LONGEST, composed
+from ncgear.numerics.jet import Jet
 
 KEY = "motion.ratio"
 ORDER = 4
+TIMES = int(os.environ.get("NCGEAR_FUZZ", "1"))
 POINTS = np.array([0.1, 0.7, 1.3, 2.9, 5.0])
 
 Function = Callable[[Any], Any]
@@ -45,6 +51,12 @@ EXPRESSIONS: dict[str, Function] = {
     "1.5e-3*phi + 1e2 + .5": lambda x: mp.mpf(1.5e-3) * x + 100.5,
     " ( phi +\n 1 ) ": lambda x: x + 1,
 }
+
+
+def compiled(text: str, key: str) -> Callable[[Array, int], Jet]:
+    """A function of phi and an order that returns the expression's jet."""
+    formula = composed(text, key, "phi")
+    return lambda points, order: formula(Jet.variable(points, order))
 
 
 def exact_taylor(function: Function, points: Array) -> Array:
@@ -92,57 +104,111 @@ def test_points_without_a_value_are_not_finite(text: str, where: int) -> None:
     assert np.isfinite(value).any()
 
 
-# Random expressions as (text, function): every operation keeps values moderate and away from poles.
-Made = tuple[str, Function]
+# --- a grammar of formulas, against mpmath and as sympy rewrites them ------------------------------------------------
+#
+# Every operation keeps values moderate and away from poles, so that a text says what it should give to 1e-12.
+
+LEAVES = ("phi", "pi", "2", "3", "0.5", "1.25", "0.07", "1e-3", "(2*phi - 3)", "sin(phi)", "cos(3*phi)")
+UNARY = (
+    "-({0})", "sin({0})", "cos({0})", "atan({0})", "tanh({0})", "exp(-({0})**2)", "log(1.5 + ({0})**2)",
+    "sqrt(0.5 + ({0})**2)", "sinh(atan({0}))", "cosh(sin({0}))", "tan(atan({0})/2)", "1/(1 + ({0})**2)",
+    "(2 + sin({0}))**-1.5", "sqrt(({0})**2)", "(({0})**2)**0.5", "(({0})**4)**0.25", "(({0})**2)**1.5",
+    "abs({0})", "sqrt(3*cosh(sin({0})))", "sqrt(2*(1 + ({0})**2))", "(4*exp(atan({0})))**0.5",
+    "(8*(1 + ({0})**2))**(1/3)",
+    "sqrt(({0})*({0}))", "sign({0})*({0})", "log(exp(sin({0})))", "(sin({0}) + 2)**3", "-(-({0}))",
+)  # fmt: skip
+BINARY = (
+    "({0}) + ({1})", "({0}) - ({1})", "({0})*({1})", "({0})/(2 + ({1})**2)", "min({0}, {1})", "max({0}, {1})",
+    "sqrt(({0})**2 + ({1})**2 + 0.1)", "abs(({0}) - ({1}))", "({0}) if ({0}) < ({1}) else ({1})",
+    "({1}) if ({0}) >= ({1}) else 2*({0}) - ({1})", "sin({0})**2 + cos({0})**2 + ({1})", "({0})*2/({1} - ({1}) + 4)",
+)  # fmt: skip
+
+PLAIN: dict[str, Any] = {
+    **{name: getattr(mp, name) for name in FUNCTIONS},
+    "pi": mp.pi,
+    "abs": abs,
+    "min": min,
+    "max": max,
+    "sign": lambda x: -1 if x < 0 else 1,
+}
 
 
-def combined(first: Made, second: Made, symbol: str) -> Made:
-    """A binary operation of two expressions; quotients get a divisor of 2 or more."""
-    (left, f), (right, g) = first, second
-    if symbol == "/":
-        return f"({left})/(2 + ({right})**2)", lambda x: f(x) / (2 + g(x) ** 2)
-    operation: Callable[[Any, Any], Any] = {"+": mp.fadd, "-": mp.fsub, "*": mp.fmul}[symbol]
-    return f"({left}){symbol}({right})", lambda x: operation(f(x), g(x))
+def drawn(random: Random, depth: int) -> str:
+    """A random formula of the grammar."""
+    if depth == 0 or random.random() < 0.1:
+        return random.choice(LEAVES)
+    form = random.choice(UNARY if random.random() < 0.6 else BINARY)
+    return form.format(drawn(random, depth - 1), drawn(random, depth - 1))
 
 
-def applied(inner: Made, name: str) -> Made:
-    """A bounded function of an expression."""
-    text, f = inner
-    wrappers: dict[str, Made] = {
-        "sin": (f"sin({text})", lambda x: mp.sin(f(x))),
-        "cos": (f"cos({text})", lambda x: mp.cos(f(x))),
-        "atan": (f"atan({text})", lambda x: mp.atan(f(x))),
-        "sqrt": (f"sqrt(1 + ({text})**2)", lambda x: mp.sqrt(1 + f(x) ** 2)),
-        "-": (f"-({text})", lambda x: -f(x)),
-    }
-    return wrappers[name]
+def written(text: str, point: float) -> Any:
+    """What the text says, read by Python and computed by mpmath; numbers are the floating-point ones."""
+    return eval(re.sub(r"(?<![\w.])(\d+(?:\.\d+)?(?:e-?\d+)?)", r"number(\1)", text), PLAIN | names_at(point))
 
 
-leaves: st.SearchStrategy[Made] = st.one_of(
-    st.just(("phi", lambda x: x)),
-    st.just(("pi", lambda x: mp.pi + 0 * x)),
-    st.floats(-2.0, 2.0).map(lambda c: (repr(c), lambda x: mp.mpf(c) + 0 * x)),
-)
-expressions = st.recursive(
-    leaves,
-    lambda inner: st.one_of(
-        st.builds(combined, inner, inner, st.sampled_from("+-*/")),
-        st.builds(applied, inner, st.sampled_from(["sin", "cos", "atan", "sqrt", "-"])),
-    ),
-    max_leaves=4,
-)
+def names_at(point: float) -> dict[str, Any]:
+    return {"number": mp.mpf, "phi": mp.mpf(point), "__builtins__": {}}
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-@given(expressions, st.floats(0.1, 2.0))
-def test_random_expressions_against_mpmath(made: Made, point: float) -> None:
-    text, function = made
-    found = compiled(text, KEY)(np.array([point]), 2).coefficients[:, 0]
+def assert_says(text: str, point: float) -> None:
+    """The value, and the slope unless a kink may be near; some ten operations, each as good as its size."""
+    found = compiled(text, KEY)(np.array([point]), 1).coefficients[:, 0]
     with mp.workdps(40):
-        exact = np.array([float(c) for c in mp.taylor(function, mp.mpf(point), 2)])
-        # How far the value moves with its constants is bounded by its third derivative for these tame expressions
-        wide = max(abs(float(c)) for c in mp.taylor(function, mp.mpf(point), 4))
-    assert np.max(np.abs(found - exact)) <= 1e-12 * (1.0 + wide)
+        exact = written(text, point)
+        step = mp.mpf(10) ** -15
+        sides = [(written(text, mp.mpf(point) + side * step) - exact) / (side * step) for side in (1, -1)]
+    # How much a rounding error of the argument or of a constant counts: by the slope, and by the size.
+    assert abs(found[0] - float(exact)) <= 1e-12 * (1.0 + abs(float(exact)) + abs(float(sides[0]))), text
+    if abs(sides[0] - sides[1]) <= 1e-9 * (1.0 + abs(sides[0])):
+        assert abs(found[1] - float(sides[0])) <= 1e-8 * (1.0 + abs(float(sides[0]))), text
+
+
+def rewritten(text: str) -> list[str]:
+    """The same formula as sympy writes it, where the grammar has words for it."""
+    phi = sympy.Symbol("phi", real=True)
+    names = {"abs": sympy.Abs, "min": sympy.Min, "max": sympy.Max, "sign": sympy.sign, "phi": phi}
+    try:
+        whole = sympy.sympify(text, locals=names)
+    except TypeError:  # a condition
+        return []
+    forms = (whole, sympy.expand(whole), sympy.together(whole), sympy.powdenest(whole))
+    texts = {sympy.sstr(form).replace("Abs", "abs").replace("Min", "min").replace("Max", "max") for form in forms}
+    known = {"phi", "pi", *FUNCTIONS, *CHOICES}
+    return [text for text in texts if len(text) <= LONGEST and set(re.findall(r"[A-Za-z_]\w*", text)) <= known]
+
+
+def judge_formulas(count: int, number: int) -> int:
+    """Draws formulas and holds them, and what sympy makes of them, against mpmath; how many rewritten ones."""
+    random, others = Random(number), 0
+    for _ in range(count):
+        text, point = drawn(random, random.choice((2, 3))), random.uniform(0.1, 6.2)
+        if len(text) > LONGEST:
+            continue
+        assert_says(text, point)
+        for other in rewritten(text) if len(text) < 80 else []:
+            try:
+                assert_says(other, point)
+            except WrongInput as refusal:
+                assert re.search("takes two arguments|not a finite real|a power must", refusal.problem), other
+                continue
+            others += other != text
+    return others
+
+
+def test_formulas_say_what_they_say_however_they_are_written() -> None:
+    assert judge_formulas(40, 1) >= 20
+
+
+@pytest.mark.slow
+def test_many_formulas_say_what_they_say_however_they_are_written() -> None:
+    assert judge_formulas(600 * TIMES, 2) >= 200
+
+
+@pytest.mark.parametrize(("text", "other"), [("sqrt(phi**2 - 6*phi + 9)", "phi - 3"), ("abs(phi)", "phi + 1e-9")])
+def test_the_judge_sees_another_formula(text: str, other: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(globals(), "written", lambda _, point: eval(other, PLAIN | {"phi": mp.mpf(point)}))
+    with pytest.raises(AssertionError):
+        assert_says(text, 2.0)
 
 
 REFUSED = [
@@ -153,13 +219,20 @@ REFUSED = [
     "phi[0]",
     "phi(1)",
     "pi(phi)",
-    "abs(phi)",
+    "round(phi)",
     "eval(phi)",
     "__import__('os')",
     "sin.__call__(phi)",
     "(lambda: phi)()",
     "getattr(phi, 'name')",
     # wrong number or kind of arguments
+    "abs()",
+    "abs(phi, 1)",
+    "min(phi)",
+    "max(phi, 1, 2)",
+    "max(*[phi, 1])",
+    "min(phi, 1, key=abs)",
+    "sign(phi)(phi)",
     "sin()",
     "sin(phi, phi)",
     "sin(x=phi)",
@@ -258,6 +331,18 @@ REFUSED = [
     "(" * 450 + "phi" + ")" * 450,
     "(" * 1000 + "phi" + ")" * 1000,
     "-" * 900 + "phi",
+    "~" * 900 + "phi",
+    "phi" + "()" * 490,
+    "phi" + ".real" * 190,
+    "1 if " * 100 + "phi < 1" + " else 2" * 100,
+    "abs(" * 60 + "phi" + ")" * 60,
+    # conditions
+    "1 if phi else 2",
+    "1 if phi == 2 else 3",
+    "1 if 1 < phi < 2 else 3",
+    "1 if phi < 2 and phi > 1 else 3",
+    "1 if phi != 1 else 3",
+    "1 if phi < x else 3",
     "sin(" * 60 + "phi" + ")" * 60,
     # constants that are not real and finite, wherever they arise
     "9" * 400,

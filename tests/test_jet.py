@@ -175,3 +175,26 @@ def test_sine_and_cosine_squares_add_to_one(coefficients: list[float], point: fl
     total = (sine * sine + cosine * cosine).coefficients[:, 0]
     scale = 1.0 + max(float(np.abs(part.coefficients).max()) ** 2 for part in (sine, cosine))
     assert np.allclose(total, [1.0] + [0.0] * ORDER, rtol=0.0, atol=ROUNDING * scale)
+
+
+@pytest.mark.parametrize("exponent", [1.5, 2.5, 0.5])
+def test_a_power_at_zero_has_the_derivatives_that_exist(exponent: float) -> None:
+    with np.errstate(all="ignore"):
+        power = Jet.variable(np.zeros(1), 3) ** exponent
+    assert power.coefficients[:, 0].tolist() == [0.0 if k < exponent else np.inf for k in range(4)]
+
+
+def test_hyperbolic_functions_near_zero_and_far_from_it() -> None:
+    """The difference of exponentials loses all digits at 1e-12, and tanh by exp(2 u) overflows at 400."""
+    for point in (1e-12, 0.3, -2.0, 20.0, 400.0, -9000.0):
+        found = jet.tanh(Jet.variable(np.array([point]), 3)).coefficients[:, 0]
+        with mp.workdps(40):
+            exact = (
+                [float(c) for c in mp.taylor(mp.tanh, mp.mpf(point), 3)]
+                if abs(point) < 30
+                else [np.sign(point), 0, 0, 0]
+            )
+        assert found == pytest.approx(exact, rel=1e-13, abs=1e-15)
+    sine, cosine = jet.sinh_cosh(Jet.variable(np.array([1e-12]), 2))
+    assert sine.coefficients[:, 0] == pytest.approx([1e-12, 1.0, 5e-13], rel=1e-14)
+    assert cosine.coefficients[:, 0] == pytest.approx([1.0, 1e-12, 0.5], rel=1e-14)

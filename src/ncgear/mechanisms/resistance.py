@@ -10,7 +10,6 @@ table that is nowhere negative stays so.  Beyond the table's ends the force keep
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -20,11 +19,12 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from ncgear.errors import WrongInput
-from ncgear.numerics import chebyshev, jet
+from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
-from ncgear.numerics.formula import composed
+from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev, joined, nodes
+from ncgear.numerics.formula import SHOWN, Formula, composed
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.proven import proven, smooth_parts
 from ncgear.numerics.zeros import all_zeros
 
 if TYPE_CHECKING:
@@ -174,44 +174,88 @@ class TableResistance(Resistance):
 KEY = "resistance.expression_n"
 
 
+MOST_TURNS = 200
+"""Most ups and downs over a stroke that are followed, each of which takes some milliseconds."""
+
+FLAT = 1e-13
+"""Slope, relative to the largest, that counts as zero: its form is resolved to some hundredth of that."""
+
+NO_JUMP = 1e-9
+"""Difference of the force on both sides of a joint, relative to the largest force, that counts as none."""
+
+
 @dataclass(frozen=True)
 class FormulaResistance(Resistance):
-    """Force in N as an expression in ``x``.
+    """Force in N as an expression in ``x``; it may have corners, as ``max`` makes them, but no jumps.
 
-    Raises WrongInput for what is no expression, or no smooth function over the stroke.
+    Raises WrongInput for what is no expression, or no continuous function over the stroke, smooth but for corners.
     """
 
     text: str
     keep_negative: bool = False
 
     @cached_property
-    def _function(self) -> Callable[[Jet], Jet]:
+    def _formula(self) -> Formula:
         return composed(self.text, KEY, "x")
 
     def fitted_n(self, displacement: Jet) -> Jet:
         """The expression itself, with derivatives."""
-        return self._function(displacement)
+        return self._formula(displacement)
 
     def work_from_retracted_n_mm(self, displacement_mm: Array, stroke_mm: float) -> Array:
         """The antiderivative of a piecewise Chebyshev form resolved to rounding error."""
-        return _form(self, 0, stroke_mm).integrated()(displacement_mm)
+        return _forms(self, stroke_mm).force.integrated()(displacement_mm)
 
     def zeros_mm(self, stroke_mm: float) -> Array:
         """Zeros of the Chebyshev form."""
-        return within(all_zeros(_form(self, 0, stroke_mm)), stroke_mm)
+        return within(all_zeros(_forms(self, stroke_mm).force), stroke_mm)
 
     def turns_mm(self, stroke_mm: float) -> Array:
-        """Zeros of the Chebyshev form of the derivative."""
-        return within(all_zeros(_form(self, 1, stroke_mm)), stroke_mm)
+        """Corners, and zeros of the Chebyshev form of the derivative."""
+        return within(_forms(self, stroke_mm).turns_mm, stroke_mm)
+
+
+@dataclass(frozen=True, eq=False)
+class _Forms:
+    """A proven form of a force over the stroke, and the places between which it is smooth and monotone."""
+
+    force: PiecewiseChebyshev
+    turns_mm: Array
 
 
 @lru_cache(maxsize=16)
-def _form(resistance: FormulaResistance, derivative: int, stroke_mm: float) -> PiecewiseChebyshev:
-    def values(displacement_mm: Array) -> Array:
-        return resistance.fitted_n(Jet.variable(displacement_mm, derivative)).derivative(derivative)
-
+def _forms(resistance: FormulaResistance, stroke_mm: float) -> _Forms:
+    text = resistance.text if len(resistance.text) <= SHOWN else f"{resistance.text[:SHOWN]}..."
+    right = f"one over the whole stroke, 0 to {stroke_mm:g} mm, or a table, is right"
     try:
-        return chebyshev.fitted(values, np.array([0.0, stroke_mm]))
+        parts = smooth_parts(resistance._formula, 0.0, stroke_mm)
+        forces = [proven(part, start, end) for start, end, part in parts]
+        slopes = [proven(part.derivative(), start, end) for start, end, part in parts]
     except NotSmooth as fault:
-        problem = f"{resistance.text!r} is no smooth function near x = {fault.at:.6g} mm; one over the whole stroke, "
-        raise WrongInput(f"{problem}0 to {stroke_mm:g} mm, or a table, is right", key=KEY) from fault
+        problem = (
+            f"{text!r} is no smooth function near x = {fault.at:.6g} mm, or changes there faster than can be followed"
+        )
+        raise WrongInput(f"{problem}; {right}", key=KEY) from fault
+    corners = np.array([start for start, _, _ in parts[1:]])
+    whole = joined(forces)
+    for corner, (_, _, before), (_, _, after) in zip(corners, parts, parts[1:], strict=False):
+        low, high = (float(part.values(np.array([corner]))[0]) for part in (before, after))
+        if not abs(high - low) <= NO_JUMP * np.abs(whole.coefficients).max():
+            raise WrongInput(f"{text!r} jumps from {low:.6g} to {high:.6g} N at x = {corner:.6g} mm; {right}", key=KEY)
+    turns = np.unique(np.concatenate([corners, _turns(joined(slopes))]))
+    if turns.size > MOST_TURNS:
+        problem = f"{text!r} turns up or down {turns.size} times over the stroke of {stroke_mm:g} mm"
+        raise WrongInput(f"{problem}; at most {MOST_TURNS} turns are followed", key=KEY)
+    return _Forms(whole, turns)
+
+
+def _turns(slope: PiecewiseChebyshev) -> Array:
+    """Zeros of a slope but for those between which it is nothing but rounding errors, shape (n,)."""
+    zeros = within(all_zeros(slope), float(slope.breaks[-1]))
+    edges = np.concatenate([slope.breaks[:1], zeros, slope.breaks[-1:]])
+    samples = [(edges[:-1] + edges[1:]) / 2.0, nodes(slope.breaks[:-1], slope.breaks[1:]).ravel()]
+    points = np.sort(np.concatenate(samples))
+    largest = np.maximum.reduceat(np.abs(slope(points)), np.searchsorted(points, edges[:-1]))
+    flat = largest <= FLAT * np.abs(slope.coefficients).max()
+    turns: Array = zeros[~(flat[:-1] & flat[1:])]
+    return turns

@@ -14,7 +14,7 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, IndexArray, Mask
 
 DEGREE = 24
 """Degree of each panel: a panel costs 25 evaluations, and halving it makes a smooth function's tail 2^24 times less."""
@@ -61,7 +61,7 @@ class PiecewiseChebyshev:
         left, right = self.breaks[panel], self.breaks[panel + 1]
         local = ((points - left) - (right - points)) / (right - left)
         if self.coefficients.ndim == 2:
-            return _clenshaw(self.coefficients, panel, local)
+            return on_panels(self.coefficients, panel, local)
         rows = _polynomials(local.ravel(), len(self.coefficients))[:, None]
         values: Array = rows @ self._by_panel[panel.ravel()]
         return values.reshape(panel.shape + self.coefficients.shape[2:])
@@ -91,11 +91,16 @@ class PiecewiseChebyshev:
 
 
 def fitted(
-    function: Callable[[Array], Array], breaks: Sequence[float] | Array, degree: int = DEGREE
+    function: Callable[[Array], Array],
+    breaks: Sequence[float] | Array,
+    degree: int = DEGREE,
+    agreed: Callable[[Array, Array, Array, Array], Mask] | None = None,
 ) -> PiecewiseChebyshev:
     """The piecewise form of a vectorised ``function`` (shape (n,) to (n, ...)) that is smooth between ``breaks``.
 
-    Each panel has this ``degree``, at least 3: the last three coefficients tell whether the panel is resolved.
+    Each panel has this ``degree``, at least 3: the last three coefficients tell whether the panel is resolved.  Where
+    ``agreed`` is given, it must agree: from left and right ends of panels, coefficients, and the sizes that these count
+    by, shape (m,), it tells which panels are resolved between the samples too.
 
     Raises NotSmooth where the function is not finite, or not resolved by panels of 2^-40 of its piece.
     """
@@ -112,6 +117,10 @@ def fitted(
         size = np.maximum(sizes, scale)
         noise = (tails <= ROUNDING * size) & (tails > 0.5 * coarser)
         resolved = (tails <= RESOLVED * size) | noise
+        if agreed is not None and resolved.any():
+            resolved[resolved] = agreed(left[resolved], right[resolved], coefficients[:, resolved], size[resolved])
+        # So do those that are resolved up to their own rounding errors, once that is known.
+        scale = max(scale, float(np.max(sizes, where=resolved & (tails <= ROUNDING * sizes), initial=0.0)))
         done.append((left[resolved], coefficients[:, resolved]))
         left, right = left[~resolved], right[~resolved]
         if not left.size:
@@ -121,6 +130,12 @@ def fitted(
         middle, coarser = (left + right) / 2.0, np.tile(tails[~resolved], 2)
         left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
     raise NotSmooth(float(left[0]))
+
+
+def joined(forms: Sequence[PiecewiseChebyshev]) -> PiecewiseChebyshev:
+    """One form of consecutive ones of the same degree."""
+    breaks = np.concatenate([forms[0].breaks[:1], *(form.breaks[1:] for form in forms)])
+    return PiecewiseChebyshev(breaks, np.concatenate([form.coefficients for form in forms], axis=1))
 
 
 def nodes(left: Array, right: Array, degree: int = DEGREE) -> Array:
@@ -174,10 +189,10 @@ def integration_matrix(degree: int) -> Array:
     return matrix
 
 
-def _clenshaw(coefficients: Array, panel: IndexArray, local: Array) -> Array:
-    """Sum of the series, each point with the coefficients of its own panel."""
+def on_panels(coefficients: Array, panel: IndexArray, local: Array) -> Array:
+    """Sums of series (shape (degree + 1, m)), each point of [-1, 1] with those of its own panel, by Clenshaw."""
     twice = 2.0 * local
-    older = newer = np.zeros(panel.shape)
+    older = newer = np.zeros(local.shape)
     for row in coefficients[:0:-1]:
         older, newer = newer, row[panel] + twice * newer - older
     total: Array = coefficients[0][panel] + local * newer - older

@@ -1,26 +1,29 @@
-"""Expressions in one variable: read through a whitelist of Python's grammar, compiled by sympy, differentiated by jets.
+"""Expressions in one variable: read through a whitelist of Python's grammar, run and differentiated by jets.
 
 The text is never evaluated.  It is parsed to a syntax tree of which only numbers, the variable, ``pi``, the four
-operations, powers with constant exponents and the functions listed below are translated; anything else is refused by
-name.  The compiled expression runs on Taylor arithmetic, so that derivatives cost no more than the text is long.
+operations, powers with constant exponents, the functions listed below and a condition between two expressions are
+taken; anything else is refused by name.  What is taken becomes a tape of operations, done in the order in which they
+are written: nothing rewrites a formula but that operations on numbers are done at once, and that the root of an even
+power is known as an absolute value.  The tape runs on Taylor arithmetic, so that derivatives cost no more than the text
+is long, and on discs, so that no feature of the formula stays unseen (``ncgear.numerics.proven``).
 """
 
 from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ncgear.errors import WrongInput
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.discs import DISC_FUNCTIONS, Disc
 from ncgear.numerics.jet import Jet
-
-if TYPE_CHECKING:
-    import sympy
+from ncgear.numerics.tape import NotReal, Tape, Writer
 
 FUNCTIONS: dict[str, Callable[[Jet], Jet]] = {
     "sin": lambda argument: jet.sin_cos(argument)[0],
@@ -30,94 +33,153 @@ FUNCTIONS: dict[str, Callable[[Jet], Jet]] = {
     "log": jet.log,
     "sqrt": jet.sqrt,
     "atan": jet.arctan,
-    "sinh": lambda argument: (jet.exp(argument) - jet.exp(-argument)) * 0.5,
-    "cosh": lambda argument: (jet.exp(argument) + jet.exp(-argument)) * 0.5,
-    "tanh": lambda argument: 1.0 - 2.0 / (jet.exp(2.0 * argument) + 1.0),
+    "sinh": lambda argument: jet.sinh_cosh(argument)[0],
+    "cosh": lambda argument: jet.sinh_cosh(argument)[1],
+    "tanh": jet.tanh,
 }
+CHOICES: dict[str, int] = {"abs": 1, "sign": 1, "min": 2, "max": 2}
+"""Functions that go over from one expression to another, with the number of their arguments."""
+
 LONGEST, DEEPEST, LARGEST_POWER = 1000, 40, 64
 """Most characters, most levels of nesting and the largest exponent that an expression may have."""
 
-WHOLE = 1e15
-"""Whole numbers up to here are kept as such; larger ones are not all exact in floating point anyway."""
+HUGE, MODERATE = 1e200, 1e100
+"""A number below the second by one over the first is zero by every tolerance of a design."""
+
+SHOWN = 40
+"""Most characters of a formula that a refusal repeats."""
 
 
-def compiled(text: str, key: str) -> Callable[[Array, int], Jet]:
-    """A function of phi (shape (n,)) and an order that returns the expression's jet.
+@dataclass(frozen=True)
+class Formula:
+    """A function of one variable; each method takes the variable as an array, a jet or discs."""
+
+    tape: Tape
+
+    def __call__(self, argument: Jet) -> Jet:
+        """The function's jet for the jet of its argument; not finite where the function has no value."""
+        with np.errstate(all="ignore"):
+            result = self.tape.run(argument, _JET_FUNCTIONS)
+        return result if isinstance(result, Jet) else argument * 0.0 + float(result)
+
+    def values(self, points: Array) -> Array:
+        """The function's values at points of shape (n,)."""
+        return self(Jet(points[None, :])).value
+
+    def spread(self, center: Array, radius: Array, *, real: bool) -> Array:
+        """How far values on discs about ``center`` (shape (n,)) are from some number, at most; inf where unknown.
+
+        A finite spread proves that the function is analytic on the disc; with ``real``, only real values are meant, and
+        it proves nothing but their spread.  The formula must be without choices.
+        """
+        with np.errstate(all="ignore"):
+            result = self.tape.run(Disc.about(center, radius, real=real), DISC_FUNCTIONS)
+        return result.radius if isinstance(result, Disc) else np.zeros_like(center)
+
+    @property
+    def condition(self) -> Formula | None:
+        """Where its sign changes, the function may go over from one expression to another; None for one expression."""
+        found = self.tape.first_condition
+        return None if found is None else Formula(found)
+
+    def where(self, *, negative: bool) -> Formula:
+        """The function as it is where its ``condition`` is negative, or where it is not."""
+        return Formula(self.tape.chosen(negative))
+
+    def reciprocal(self) -> Formula:
+        """One by the function."""
+        return Formula(self.tape.reciprocal())
+
+    def derivative(self) -> Formula:
+        """The derivative by the variable."""
+        return Formula(self.tape.derivative())
+
+
+def composed(text: str, key: str, variable: str) -> Formula:
+    """The formula of an expression in a variable.
 
     Raises WrongInput, naming ``key`` and the offending name or construct, for anything outside the whitelist.
     """
-    function = composed(text, key, "phi")
-
-    def evaluated(points: Array, order: int) -> Jet:
-        return function(Jet.variable(points, order))
-
-    return evaluated
+    return Formula(_Reader(variable, key, text).tape())
 
 
-def composed(text: str, key: str, variable: str) -> Callable[[Jet], Jet]:
-    """A function from the jet of ``variable`` to the expression's jet; raises the same errors as ``compiled``."""
-    import sympy  # heavy, and needed by expressions only
+def _quotient(over: Jet | float, under: Jet | float) -> Jet:
+    """A quotient of jets or numbers; what is divided by something huge is zero, with its derivatives.
 
-    symbol = sympy.Symbol(variable, real=True)
-    expression = _Translator(sympy, symbol, key).translated(text)
-    function = sympy.lambdify(symbol, expression, modules=[FUNCTIONS])
-
-    def evaluated(argument: Jet) -> Jet:
-        with np.errstate(all="ignore"):
-            result = function(argument)
-        return result if isinstance(result, Jet) else argument * 0.0 + float(result)
-
-    return evaluated
+    The derivatives of something huge overflow, those of the quotient are as good as zero.
+    """
+    result = over / under
+    assert isinstance(result, Jet)
+    if not isinstance(under, Jet):
+        return result
+    value = over.value if isinstance(over, Jet) else over
+    return Jet(np.where((np.abs(under.value) > HUGE) & (np.abs(value) < MODERATE), 0.0, result.coefficients))
 
 
-class _Translator:
-    """Syntax tree to sympy, one whitelisted node at a time; constants are folded in floating point as they arise."""
+def _either(condition: Jet, negative: Jet | float, otherwise: Jet | float) -> Jet:
+    """One jet where a condition is negative, another one elsewhere."""
+    sides = [side if isinstance(side, Jet) else condition * 0.0 + side for side in (negative, otherwise)]
+    return Jet(np.where(condition.value < 0.0, sides[0].coefficients, sides[1].coefficients))
 
-    def __init__(self, sympy: Any, symbol: sympy.Symbol, key: str) -> None:
-        self._sympy, self._key = sympy, key
-        self._names = {symbol.name: symbol, "pi": sympy.Float(math.pi, 17)}
 
-    def translated(self, text: str) -> Any:
-        if len(text) > LONGEST:
-            raise WrongInput(f"an expression of {len(text)} characters; at most {LONGEST} are read", key=self._key)
+_JET_FUNCTIONS: Mapping[str, Callable[..., Any]] = {
+    **FUNCTIONS,
+    "/": _quotient,
+    "power": lambda base, exponent: base**exponent,
+    "choice": _either,
+}
+
+_OPERATIONS: dict[type, str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
+
+
+class _Reader:
+    """Syntax tree to tape, one whitelisted node at a time."""
+
+    def __init__(self, variable: str, key: str, text: str) -> None:
+        self._variable, self._key, self._text = variable, key, text.strip()
+        self._writer = Writer()
+
+    def tape(self) -> Tape:
+        if len(self._text) > LONGEST:
+            raise WrongInput(
+                f"an expression of {len(self._text)} characters; at most {LONGEST} are read", key=self._key
+            )
         try:
-            tree = ast.parse(text.strip(), mode="eval")
+            tree = ast.parse(self._text, mode="eval")
         except (SyntaxError, ValueError, RecursionError, MemoryError) as fault:
-            problem = f"{text!r} is not an expression: {fault}; example: 1 + 0.3*cos({next(iter(self._names))})"
+            problem = f"{self._text!r} is not an expression: {fault}; example: 1 + 0.3*cos({self._variable})"
             raise WrongInput(problem, key=self._key) from None
-        return self._node(tree.body, 0)
+        return self._writer.tape(self._node(tree.body, 0))
 
-    def _node(self, node: ast.AST, depth: int) -> Any:
+    def _node(self, node: ast.expr, depth: int) -> int:
         if depth > DEEPEST:
             raise self._refusal(f"nested more than {DEEPEST} deep")
+        try:
+            return self._place(node, depth)
+        except NotReal:
+            raise self._refusal(f"{self._written(node)} is not a finite real number") from None
+
+    def _place(self, node: ast.expr, depth: int) -> int:
         if isinstance(node, ast.Constant) and isinstance(node.value, int | float) and not isinstance(node.value, bool):
-            return self._number(node.value)
+            return self._writer.number(node.value)
         if isinstance(node, ast.Name):
-            if node.id not in self._names:
-                raise self._refusal(f"unknown name {node.id!r}")
-            return self._names[node.id]
+            if node.id == self._variable:
+                return self._writer.variable()
+            if node.id != "pi":
+                raise self._refusal(f"unknown name {node.id[:SHOWN]!r}")
+            return self._writer.number(math.pi)
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.UAdd | ast.USub):
             inner = self._node(node.operand, depth + 1)
-            return -inner if isinstance(node.op, ast.USub) else inner
+            return self._writer.apply("negative", inner) if isinstance(node.op, ast.USub) else inner
         if isinstance(node, ast.BinOp):
             return self._chain(node, depth)
         if isinstance(node, ast.Call):
             return self._call(node, depth)
-        raise self._refusal(f"{ast.unparse(node)!r} is not allowed")
+        if isinstance(node, ast.IfExp):
+            return self._conditional(node, depth)
+        raise self._refusal(f"{self._written(node)} is not allowed")
 
-    def _number(self, value: Any) -> Any:
-        """A finite real number; whole ones stay whole, so that powers stay powers."""
-        try:
-            number = float(value)
-        except (TypeError, ValueError, OverflowError):
-            number = math.nan
-        if not math.isfinite(number):
-            raise self._refusal(f"{str(value)[:40]} is not a finite real number")
-        if number.is_integer() and abs(number) < WHOLE:
-            return self._sympy.Integer(int(number))
-        return self._sympy.Float(number, 17)
-
-    def _chain(self, node: ast.BinOp, depth: int) -> Any:
+    def _chain(self, node: ast.BinOp, depth: int) -> int:
         """Works off the operations of the left side one after the other, so that a long sum does not count as deep."""
         links: list[ast.BinOp] = []
         first: ast.expr = node
@@ -126,43 +188,68 @@ class _Translator:
             first = first.left
         value = self._node(first, depth + 1)
         for link in reversed(links):
-            value = self._settled(self._operation(link, value, self._node(link.right, depth + 1)))
+            try:
+                value = self._operation(link, value, self._node(link.right, depth + 1))
+            except NotReal:
+                raise self._refusal(f"{self._written(link)} is not a finite real number") from None
         return value
 
-    def _operation(self, node: ast.BinOp, left: Any, right: Any) -> Any:
-        match node.op:
-            case ast.Add():
-                return left + right
-            case ast.Sub():
-                return left - right
-            case ast.Mult():
-                return left * right
-            case ast.Div() if right == 0:
-                raise self._refusal("division by zero")
-            case ast.Div():
-                return left / right
-            case ast.Pow() if not right.free_symbols and abs(float(right)) <= LARGEST_POWER:
-                return left**right
-            case ast.Pow():
-                written = ast.unparse(node.right)
-                raise self._refusal(f"a power must be a number of at most {LARGEST_POWER}, not {written!r}")
-        raise self._refusal(f"{ast.unparse(node)!r} is not allowed")
+    def _operation(self, node: ast.BinOp, left: int, right: int) -> int:
+        if isinstance(node.op, ast.Pow):
+            exponent = self._writer.constant(right)
+            if exponent is None or abs(exponent) > LARGEST_POWER:
+                written = self._written(node.right)
+                raise self._refusal(f"a power must be a number of at most {LARGEST_POWER}, not {written}")
+            return self._writer.power(left, exponent)
+        name = _OPERATIONS.get(type(node.op))
+        if name is None:
+            raise self._refusal(f"{self._written(node)} is not allowed")
+        if name == "/" and self._writer.constant(right) == 0.0:
+            raise self._refusal("division by zero")
+        return self._writer.apply(name, left, right)
 
-    def _call(self, node: ast.Call, depth: int) -> Any:
-        if not (isinstance(node.func, ast.Name) and node.func.id in FUNCTIONS):
-            raise self._refusal(f"unknown function {ast.unparse(node.func)!r}")
-        if len(node.args) != 1 or node.keywords:
-            raise self._refusal(f"{node.func.id} takes one argument")
-        return self._settled(getattr(self._sympy, node.func.id)(self._node(node.args[0], depth + 1)))
+    def _call(self, node: ast.Call, depth: int) -> int:
+        if not (isinstance(node.func, ast.Name) and node.func.id in {**FUNCTIONS, **CHOICES}):
+            raise self._refusal(f"unknown function {self._written(node.func)}")
+        name = node.func.id
+        count = CHOICES.get(name, 1)
+        if len(node.args) != count or node.keywords or any(isinstance(part, ast.Starred) for part in node.args):
+            raise self._refusal(f"{name} takes {'one argument' if count == 1 else 'two arguments'}")
+        places = [self._node(part, depth + 1) for part in node.args]
+        writer = self._writer
+        match name:
+            case "abs":
+                return writer.absolute(places[0])
+            case "sign":
+                return writer.choice(places[0], writer.number(-1.0), writer.number(1.0))
+            case "min":
+                return writer.choice(writer.apply("-", *places), *places)
+            case "max":
+                return writer.choice(writer.apply("-", *places), places[1], places[0])
+        return writer.apply(name, *places)
 
-    def _settled(self, value: Any) -> Any:
-        """The value with constants in floating point; what is not real and finite is refused where it arises."""
-        if not value.free_symbols:
-            return self._number(value)
-        if value.has(self._sympy.I, self._sympy.zoo, self._sympy.oo, -self._sympy.oo, self._sympy.nan):
-            raise self._refusal(f"{str(value)[:40]} is not a real expression")
-        return value
+    def _conditional(self, node: ast.IfExp, depth: int) -> int:
+        """``a if u < v else b``; at u = v itself both must agree anyway."""
+        test = node.test
+        if not (isinstance(test, ast.Compare) and len(test.ops) == 1 and type(test.ops[0]) in _LESS):
+            raise self._refusal(f"{self._written(test)} is no condition; one of < <= > >= between two expressions is")
+        left, right = self._node(test.left, depth + 1), self._node(test.comparators[0], depth + 1)
+        sides = self._node(node.body, depth + 1), self._node(node.orelse, depth + 1)
+        low, high = (left, right) if _LESS[type(test.ops[0])] else (right, left)
+        return self._writer.choice(self._writer.apply("-", low, high), *sides)
+
+    def _written(self, node: ast.AST) -> str:
+        """A part of the formula as it was written, its beginning where it is long."""
+        text = ast.get_source_segment(self._text, node) or self._text
+        return repr(text if len(text) <= SHOWN else text[:SHOWN] + "...")
 
     def _refusal(self, problem: str) -> WrongInput:
-        allowed = f"known are the names {', '.join(self._names)}, the functions {', '.join(FUNCTIONS)} and + - * / **"
+        functions = ", ".join([*FUNCTIONS, *CHOICES])
+        allowed = (
+            f"known are the names {self._variable}, pi, the functions {functions}, + - * / ** and a if u < v else b"
+        )
         return WrongInput(f"{problem}; {allowed}", key=self._key)
+
+
+_LESS: dict[type, bool] = {ast.Lt: True, ast.LtE: True, ast.Gt: False, ast.GtE: False}
+"""The comparisons, and whether the left side is to be the smaller one."""

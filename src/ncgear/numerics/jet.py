@@ -115,7 +115,10 @@ class Jet:
         return Jet(quotient)
 
     def __pow__(self, exponent: float) -> Jet:
-        """A constant power; the values must be positive unless the exponent is a whole number that is not negative."""
+        """A constant power; the values must be positive unless the exponent is a whole number that is not negative.
+
+        At zero the derivatives below the exponent are zero, and the others infinite.
+        """
         if float(exponent).is_integer() and exponent >= 0:
             return _whole_power(self, int(exponent))
         a = self.coefficients
@@ -123,7 +126,8 @@ class Jet:
         power[0] = a[0] ** exponent
         for k in range(1, len(a)):
             terms = (((exponent + 1.0) * j - k) * a[j] * power[k - j] for j in range(1, k + 1))
-            power[k] = sum(terms) / (k * a[0])
+            power[k] = 0.0 if k < exponent else np.inf
+            np.divide(sum(terms), k * a[0], out=power[k], where=a[0] != 0.0)
         return Jet(power)
 
     def __rtruediv__(self, other: float | Array) -> Jet:
@@ -154,6 +158,30 @@ def sin_cos(argument: Jet) -> tuple[Jet, Jet]:
     return Jet(sine), Jet(cosine)
 
 
+def sinh_cosh(argument: Jet) -> tuple[Jet, Jet]:
+    """Hyperbolic sine and cosine together, since each one's recurrence needs the other."""
+    a = argument.coefficients
+    sine, cosine = np.empty_like(a), np.empty_like(a)
+    sine[0], cosine[0] = np.sinh(a[0]), np.cosh(a[0])
+    slopes = a[1:] * np.arange(1.0, len(a))[:, None]
+    for k in range(1, len(a)):
+        sine[k] = _paired(slopes[:k], cosine[:k]) / k
+        cosine[k] = _paired(slopes[:k], sine[:k]) / k
+    return Jet(sine), Jet(cosine)
+
+
+def tanh(argument: Jet) -> Jet:
+    """Hyperbolic tangent, by t' = u' / cosh(u)^2 for its slope and t'' after it; finite for every argument."""
+    a = argument.coefficients
+    value, slope = np.empty_like(a), np.empty_like(a)
+    value[0], slope[0] = np.tanh(a[0]), np.exp(-2.0 * np.logaddexp(a[0], -a[0]) + 2.0 * np.log(2.0))
+    slopes = a[1:] * np.arange(1.0, len(a))[:, None]
+    for k in range(1, len(a)):
+        value[k] = _paired(slopes[:k], slope[:k]) / k
+        slope[k] = -_paired(value[: k + 1], value[: k + 1])
+    return Jet(value)
+
+
 def _paired(rising: Array, falling: Array) -> Array:
     """Sum of products of rows: the first of one times the last of the other and so on; shape (n,)."""
     total: Array = (rising * falling[::-1]).sum(axis=0)
@@ -161,8 +189,10 @@ def _paired(rising: Array, falling: Array) -> Array:
 
 
 def _whole_power(base: Jet, exponent: int) -> Jet:
-    result = base * 0.0 + 1.0
-    for bit in bin(exponent)[2:]:
+    if exponent == 0:
+        return base * 0.0 + 1.0
+    result = base
+    for bit in bin(exponent)[3:]:
         result = result * result
         if bit == "1":
             result = result * base

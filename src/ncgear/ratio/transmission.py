@@ -18,8 +18,9 @@ import numpy as np
 
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.mechanisms.mechanism import Mechanism
-from ncgear.numerics import jet
+from ncgear.numerics import chebyshev, jet
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.chebyshev import NotSmooth
 from ncgear.numerics.extrema import Extremum, extremes
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import in_words
@@ -29,6 +30,10 @@ JetFunction = Callable[[Array, int], Jet]
 
 CLOSED = 1e-12
 """Closure error in rad that counts as none: about 500 rounding errors of a full turn (tests/test_compensation.py)."""
+
+CUT = 0.381966
+"""Where the check of a law cuts the stretch between two knots: a share that halving never meets, so that no point of
+the check is one that the law was made from."""
 
 STANDSTILL = 1e-6
 """Share of its largest speed below which the driven gear counts as standing still.
@@ -120,9 +125,15 @@ class Transmission:
 
     @cached_property
     def closure_error_rad(self) -> float:
-        """What the driven angle misses of its period at the end of the driving period."""
+        """What the driven angle misses of its period at the end of the driving period.
+
+        It is the larger of two errors: of the driven angle itself, and of the integral of dphi2/dphi1, which is taken
+        at points that no law uses.  Raises NoSuchMechanism where dphi2/dphi1 cannot be integrated.
+        """
         last = self.pieces[-1]
-        return float(last.driven_angle(np.array([last.end_rad]), 0).value[0]) - self.lobes.driven_period_rad
+        end = float(last.driven_angle(np.array([last.end_rad]), 0).value[0])
+        turned = (end, sum(_integrated_anew(piece) for piece in self.pieces))
+        return max((angle - self.lobes.driven_period_rad for angle in turned), key=abs)
 
     @cached_property
     def slope_range(self) -> tuple[Extremum, Extremum]:
@@ -152,6 +163,18 @@ class Transmission:
         turned = np.zeros((order + 1, points.size))
         turned[0] = cycles * self.lobes.driven_period_rad
         return jet.joined(parts) + Jet(turned)
+
+
+def _integrated_anew(piece: Piece) -> float:
+    """The integral of dphi2/dphi1 over a piece, by panels that are cut elsewhere than at knots."""
+    joints = np.array([piece.start_rad, *piece.knots_rad, piece.end_rad])
+    cuts = np.union1d(joints, joints[:-1] + CUT * np.diff(joints))
+    try:
+        return chebyshev.fitted(lambda phi1: piece.slope(phi1, 0).value, cuts).integrated().final
+    except NotSmooth as fault:
+        raise NoSuchMechanism(
+            f"dphi2/dphi1 is not smooth near phi1 = {in_words(fault.at)}; it must be over the whole cycle", key="motion"
+        ) from fault
 
 
 @dataclass(frozen=True, eq=False)

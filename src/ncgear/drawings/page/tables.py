@@ -17,7 +17,7 @@ from ncgear.figures.tables import Column, Table
 from ncgear.figures.terminal import COMPARED, MIXED_SPEEDS, SAME_SPEED, labelled
 from ncgear.project.drive import Drive
 
-LIBRARIES = ("numpy", "scipy", "sympy", "shapely", "trimesh", "mapbox-earcut", "matplotlib", "pydantic", "ruamel.yaml")
+LIBRARIES = ("numpy", "scipy", "shapely", "trimesh", "mapbox-earcut", "matplotlib", "pydantic", "ruamel.yaml")
 """The libraries that compute the figures of the page, beside ncgear and Python."""
 
 

@@ -1,71 +1,138 @@
-"""A law written as an expression in ``phi``: the ratio i12 itself, or the driven angle phi2."""
+"""A law written as an expression in ``phi``: the ratio i12 itself, or the driven angle phi2.
+
+Where an expression goes over from one to another, as ``abs`` and ``max`` do, the law has a joint.  The pitch curves
+must not have a corner there or at the seam, since no teeth roll around one: the ratio must go on, and its slope too.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.formula import compiled
+from ncgear.numerics.formula import Formula, composed
 from ncgear.numerics.jet import Jet
-from ncgear.ratio.laws.integrated import NEARLY_CLOSED, integrated_law
-from ncgear.ratio.transmission import Lobes, Piece, Transmission
+from ncgear.numerics.proven import proven, smooth_parts
+from ncgear.numerics.tape import NotReal
+from ncgear.numerics.units import in_words
+from ncgear.ratio.laws.integrated import NEARLY_CLOSED, Slope, integrated_law, smooth_or_refused
+from ncgear.ratio.transmission import JetFunction, Lobes, Piece, Transmission
 
 NO_JUMP = 1e-9
-"""Relative difference of the ratio between both ends of the cycle that counts as none: ten written digits give it."""
+"""Relative difference of the ratio on both sides of a joint that counts as none: ten written digits give it."""
+
+NO_CORNER = 1e-6
+"""Difference of the ratio's relative slope in 1/rad that counts as none: a corner of a pitch curve by less than a
+millionth of a radian, one micrometre in a metre."""
 
 
 def ratio_expression_law(text: str, lobes: Lobes, *, scale_to_close: bool) -> Transmission:
     """The law of a ratio i12(phi); raises WrongInput or NoSuchMechanism for the key ``motion.ratio``."""
     key = "motion.ratio"
-    ratio = compiled(text, key)
-    _refuse_jump(ratio, lobes, key)
-
-    def slope(phi1: Array, order: int) -> Jet:
-        with np.errstate(all="ignore"):
-            value = ratio(phi1, order)
-            inverse = 1.0 / value
-        # At a pole itself the derivatives are infinity less infinity, but the driven gear stands still.
-        return Jet(np.where(np.isinf(value.value), 0.0, inverse.coefficients))
-
-    return integrated_law(slope, np.empty(0), lobes, scale_to_close=scale_to_close, key=key)
+    parts = _parts(composed(text, key, "phi"), lobes, key)
+    _refuse_corners([(start, end, _by_angle(ratio)) for start, end, ratio in parts], "the ratio", lobes, key)
+    slopes = [_inverse(ratio, start, end, key) for start, end, ratio in parts]
+    return integrated_law(slopes, lobes, scale_to_close=scale_to_close, key=key)
 
 
 def driven_angle_expression_law(text: str, lobes: Lobes) -> Transmission:
     """The law of a driven angle phi2(phi), shifted so that phi2 = 0 at phi1 = 0; key ``motion.driven_angle``."""
     key = "motion.driven_angle"
-    angle = compiled(text, key)
-
-    def slope(phi1: Array, order: int) -> Jet:
-        return angle(phi1, order + 1).differentiated()
-
-    _refuse_jump(slope, lobes, key)
-    start, end = (float(value) for value in angle(np.array([0.0, lobes.driving_period_rad]), 0).value)
+    parts = _parts(composed(text, key, "phi"), lobes, key)
+    _refuse_jumping_angle(parts, key)
+    _refuse_corners([(start, end, _slope_of(angle)) for start, end, angle in parts], "dphi2/dphi1", lobes, key)
+    start, end = _value(parts[0][2], 0.0), _value(parts[-1][2], lobes.driving_period_rad)
     if not abs(end - start - lobes.driven_period_rad) <= NEARLY_CLOSED * lobes.driven_period_rad:
         raise NoSuchMechanism(
             f"the cycle does not close: the driven angle grows by {end - start:.12g} rad over a cycle, "
             f"and must grow by {lobes.driven_period_rad:.12g}",
             key=key,
         )
-    panels = integrated_law(slope, np.empty(0), lobes, scale_to_close=True, key=key).pieces[0]
     factor = lobes.driven_period_rad / (end - start)
+    return Transmission(tuple(_angle_piece(part, start, factor, key) for part in parts), lobes)
+
+
+_Part = tuple[float, float, Formula]
+"""A stretch of the period, from start to end in rad, with the expression there."""
+
+
+def _parts(formula: Formula, lobes: Lobes, key: str) -> list[_Part]:
+    with smooth_or_refused(key):
+        return smooth_parts(formula, 0.0, lobes.driving_period_rad)
+
+
+def _inverse(ratio: Formula, start: float, end: float, key: str) -> Slope:
+    """The slope that belongs to a ratio."""
+    try:
+        inverse = ratio.reciprocal()
+    except NotReal:
+        raise NoSuchMechanism("the ratio is zero; it must be positive over the whole cycle", key=key) from None
+    with smooth_or_refused(key):
+        return Slope(_by_angle(inverse), proven(inverse, start, end).integrated())
+
+
+def _angle_piece(part: _Part, zero: float, factor: float, key: str) -> Piece:
+    """A stretch of a driven angle, with what its slope had to be resolved by as knots."""
+    start, end, angle = part
+    jets = _by_angle(angle)
+    with smooth_or_refused(key):
+        knots = proven(angle.derivative(), start, end).breaks[1:-1]
 
     def driven_angle(phi1: Array, order: int) -> Jet:
-        return (angle(phi1, order) - start) * factor
+        return (jets(phi1, order) - zero) * factor
 
-    return Transmission((Piece(panels.start_rad, panels.end_rad, driven_angle, panels.knots_rad),), lobes)
+    return Piece(start, end, driven_angle, tuple(knots.tolist()))
 
 
-def _refuse_jump(function: Callable[[Array, int], Jet], lobes: Lobes, key: str) -> None:
-    """The ratio must come back to its value, or the slider's velocity would jump."""
-    ends = function(np.array([0.0, lobes.driving_period_rad]), 0).value
-    if not np.all(np.isfinite(ends)):
-        raise NoSuchMechanism("the expression has no finite value at the cycle's ends, phi1 = 0 or its period", key=key)
-    if abs(ends[1] - ends[0]) > NO_JUMP * np.max(np.abs(ends)):
-        raise NoSuchMechanism(
-            f"the ratio jumps where the cycle begins again: it goes from {ends[1]:.9g} at the end to {ends[0]:.9g} at "
-            f"phi1 = 0; an expression of period {lobes.driving_period_rad:.6g} rad is needed",
-            key=key,
-        )
+def _by_angle(formula: Formula) -> JetFunction:
+    return lambda phi1, order: formula(Jet.variable(phi1, order))
+
+
+def _slope_of(angle: Formula) -> JetFunction:
+    return lambda phi1, order: angle(Jet.variable(phi1, order + 1)).differentiated()
+
+
+def _value(formula: Formula, phi1: float) -> float:
+    return float(formula.values(np.array([phi1]))[0])
+
+
+def _refuse_jumping_angle(parts: Sequence[_Part], key: str) -> None:
+    for (_, joint, before), (_, _, after) in pairwise(parts):
+        sides = _value(before, joint), _value(after, joint)
+        if not abs(sides[1] - sides[0]) <= NO_JUMP * max(1.0, *map(abs, sides)):
+            raise NoSuchMechanism(
+                f"the driven angle jumps at phi1 = {in_words(joint)}, from {sides[0]:.9g} to {sides[1]:.9g} rad",
+                key=key,
+            )
+
+
+def _refuse_corners(parts: Sequence[tuple[float, float, JetFunction]], named: str, lobes: Lobes, key: str) -> None:
+    """Either ratio, ``named`` so, and its slope must go on at every joint and at the seam.
+
+    A jump of the ratio would be one of the slider's velocity.
+    """
+    for (_, end, before), (start, _, after) in zip([parts[-1], *parts[:-1]], parts, strict=True):
+        sides = [jets(np.array([phi1]), 2).coefficients[:, 0] for jets, phi1 in ((before, end), (after, start))]
+        (ratio, slope, _), (next_ratio, next_slope, _) = sides
+        size = max(abs(ratio), abs(next_ratio))
+        seam = start == 0.0
+        place = "where the cycle begins again, at phi1 = 0" if seam else f"at phi1 = {in_words(start)}"
+        problem = None
+        if not np.isfinite(size):
+            ends = "at the cycle's ends, phi1 = 0 or its period" if seam else place
+            problem = f"the expression has no finite value {ends}"
+        elif abs(next_ratio - ratio) > NO_JUMP * size:
+            wanted = f"; an expression of period {lobes.driving_period_rad:.6g} rad is needed" if seam else ""
+            problem = f"{named} jumps {place}: it goes from {ratio:.9g} before it to {next_ratio:.9g} after it{wanted}"
+        elif not np.all(np.isfinite(sides)):
+            problem = f"{named} has an infinite slope or curvature {place}; the pitch curves would have a point there"
+        elif abs(next_slope - slope) > NO_CORNER * size:
+            problem = (
+                f"the slope of {named} jumps {place}, from {slope:.6g} to {next_slope:.6g} per rad: the pitch curves "
+                "would have a corner, and no teeth roll around one; round it, as sqrt(u**2 + 0.01) rounds abs(u)"
+            )
+        if problem:
+            raise NoSuchMechanism(problem, key=key)

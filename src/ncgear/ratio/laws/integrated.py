@@ -2,51 +2,82 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.chebyshev import NotSmooth
+from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import in_words
-from ncgear.ratio.transmission import Lobes, Piece, Transmission
+from ncgear.ratio.transmission import JetFunction, Lobes, Piece, Transmission
 
 NEARLY_CLOSED = 1e-9
 """Relative closure error that is removed without being asked for: a ratio written with ten digits has one of this
 size."""
 
 
-def integrated_law(
-    slope: Callable[[Array, int], Jet], knots: Array, lobes: Lobes, *, scale_to_close: bool, key: str
-) -> Transmission:
-    """The law whose dphi2/dphi1 is ``slope`` times the constant that closes the cycle.
+@dataclass(frozen=True, eq=False)
+class Slope:
+    """dphi2/dphi1 on a stretch of the period, and its integral from the stretch's start.
 
-    ``knots`` (shape (m,), inner points of [0, period]) are where derivatives may jump.  Raises NoSuchMechanism where
-    the slope is not finite, or when the constant is not 1 and ``scale_to_close`` is not asked for.
+    The integral's breaks are the ends of the panels that resolve it, the ends of the stretch and the places where a
+    high derivative jumps.
     """
-    period = lobes.driving_period_rad
-    breaks = np.concatenate([[0.0], knots, [period]])
+
+    jets: JetFunction
+    integral: PiecewiseChebyshev
+
+    @property
+    def knots_rad(self) -> tuple[float, ...]:
+        """Inner breaks: knots for the law, so that nobody who looks at it misses what the integral had to resolve."""
+        return tuple(self.integral.breaks[1:-1].tolist())
+
+
+@contextmanager
+def smooth_or_refused(key: str) -> Iterator[None]:
+    """Turns a slope or a ratio that is not smooth into NoSuchMechanism for ``key``."""
     try:
-        integral = chebyshev.fitted(lambda phi1: slope(phi1, 0).value, breaks).integrated()
+        yield
     except NotSmooth as fault:
         raise NoSuchMechanism(
-            f"the ratio is zero, infinite or jumps near phi1 = {in_words(fault.at)}; it must be smooth "
-            "and positive over the whole cycle",
+            f"the ratio is zero, infinite or jumps near phi1 = {in_words(fault.at)}, or changes there faster than can "
+            "be followed; it must be smooth and positive over the whole cycle",
             key=key,
         ) from fault
-    factor = _closing_factor(integral.final, lobes, scale_to_close, key)
+
+
+def splined_slope(jets: JetFunction, knots: Array, lobes: Lobes, key: str) -> Slope:
+    """A slope that is smooth between ``knots`` (shape (m,), inner points of [0, period]); raises NoSuchMechanism."""
+    breaks = np.concatenate([[0.0], knots, [lobes.driving_period_rad]])
+    with smooth_or_refused(key):
+        return Slope(jets, chebyshev.fitted(lambda phi1: jets(phi1, 0).value, breaks).integrated())
+
+
+def integrated_law(slopes: Sequence[Slope], lobes: Lobes, *, scale_to_close: bool, key: str) -> Transmission:
+    """The law whose dphi2/dphi1 is that of consecutive stretches times the constant that closes the cycle.
+
+    Raises NoSuchMechanism when the constant is not 1 and ``scale_to_close`` is not asked for.
+    """
+    starts = np.cumsum([0.0, *(slope.integral.final for slope in slopes)])
+    factor = _closing_factor(float(starts[-1]), lobes, scale_to_close, key)
+    pieces = [_piece(slope, float(start), factor) for slope, start in zip(slopes, starts, strict=False)]
+    return Transmission(tuple(pieces), lobes)
+
+
+def _piece(slope: Slope, start: float, factor: float) -> Piece:
+    """The integral of a slope from the value ``start``, everything times a factor."""
 
     def driven_angle(phi1: Array, order: int) -> Jet:
-        values = factor * integral(phi1)
-        return (slope(phi1, order - 1) * factor).integrated(values) if order else Jet(values[None, :])
+        values = factor * (start + slope.integral(phi1))
+        return (slope.jets(phi1, order - 1) * factor).integrated(values) if order else Jet(values[None, :])
 
-    # The panels' ends are knots too, so that nobody who looks at the law misses what the integral had to resolve.
-    panels = integral.breaks
-    inner = np.unique(np.concatenate([panels[1:-1], knots]))
-    return Transmission((Piece(float(panels[0]), float(panels[-1]), driven_angle, tuple(inner.tolist())),), lobes)
+    breaks = slope.integral.breaks
+    return Piece(float(breaks[0]), float(breaks[-1]), driven_angle, slope.knots_rad)
 
 
 def _closing_factor(covered: float, lobes: Lobes, scale_to_close: bool, key: str) -> float:

@@ -14,7 +14,7 @@ from ncgear.errors import WrongInput
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
-from ncgear.ratio.laws.integrated import integrated_law
+from ncgear.ratio.laws.integrated import integrated_law, splined_slope
 from ncgear.ratio.transmission import Lobes, Piece, Transmission
 
 DEGREE = 5
@@ -62,7 +62,8 @@ def ratio_table_law(phi1_rad: Array, ratio: Array, lobes: Lobes, *, scale_to_clo
     def slope(points: Array, order: int) -> Jet:
         return _jet(spline, points, order)
 
-    return integrated_law(slope, phi1[phi1 > 0.0], lobes, scale_to_close=scale_to_close, key=key)
+    whole = splined_slope(slope, phi1[phi1 > 0.0], lobes, key)
+    return integrated_law([whole], lobes, scale_to_close=scale_to_close, key=key)
 
 
 def _without_closing_row(phi1: Array, values: Array, lobes: Lobes, key: str) -> tuple[Array, Array]:

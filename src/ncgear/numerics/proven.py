@@ -1,0 +1,168 @@
+"""Piecewise Chebyshev forms of formulas, proven to miss no feature of the formula, however narrow.
+
+A form that is fitted to samples cannot know what lies between them.  Here every panel of it is divided into cells, and
+discs about the cells (``ncgear.numerics.discs``) prove that the formula is analytic so far around a cell that its
+values at a few points of the cell give it everywhere: a function within r of some number on the ellipse with foci at
+the cell's ends and half axes adding up to 3 half cells differs from its interpolant at n Chebyshev points by at most
+2 r 3^(1 - n).  At those points, which the fit has not used, formula and form are compared.  A cell without such a proof
+is halved; a panel whose form misses the formula is halved too.  What neither proves within the budget is refused with
+its place.  Source of the bound: L. N. Trefethen, "Approximation Theory and Approximation Practice", SIAM 2013,
+theorem 8.2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncgear.numerics import chebyshev
+from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
+from ncgear.numerics.formula import Formula
+from ncgear.numerics.zeros import all_zeros
+
+POINTS = 41
+"""Points at which a cell is compared: 3^-40 is 1e-19, so that a bound may be a million times the formula's size."""
+
+AROUND = 5.0 / 3.0
+"""Radius of the disc about a cell by its half width: half the sum of 3 and 1/3, the ellipse's longer half axis."""
+
+AGREED = 1e-12
+"""How far a form may be from its formula, relative to the formula's size: what quantities of the design are held to."""
+
+TAIL = 100.0
+"""How far, as a multiple of the size of the form's last coefficients, it may be beyond that: these sizes tell how far
+rounding errors of the formula itself go, and a point's error is the sum of many such."""
+
+HALVINGS = 45
+"""Most halvings of a panel into cells: a root at the panel's end, as of x^0.9, must be that near before it counts as
+nothing."""
+
+SHORT = 8
+"""Halvings after which a cell's values may be proven by their range: beside a root, where the disc holds no proof."""
+
+MOST_CELLS = 20_000
+"""Most cells at once for one form; a wave needs one for about three turns, so this is some 50 000 turns."""
+
+MOST_PANELS = 2000
+"""Most panels of a form: a wave needs two."""
+
+MOST_CHOICES = 200
+"""Most places where a formula may go over from one expression to another."""
+
+AT_ONCE = 400
+"""Cells that are compared together: 16 400 points, some megabytes for the longest formula."""
+
+UNDECIDED = 1e-13
+"""Share of its largest value below which a condition counts as zero, so that it does not matter which side is taken."""
+
+
+def proven(formula: Formula, start: float, end: float) -> PiecewiseChebyshev:
+    """The form of a formula without choices on [start, end]; raises NotSmooth where it cannot be proven."""
+
+    def agreed(left: Array, right: Array, coefficients: Array, sizes: Array) -> Mask:
+        return _agreed(formula, _Panels(left, right, coefficients), sizes)
+
+    form = chebyshev.fitted(formula.values, np.array([start, end]), agreed=agreed)
+    if form.breaks.size > MOST_PANELS + 1:
+        raise NotSmooth(float(form.breaks[np.argmin(np.diff(form.breaks))]))
+    return form
+
+
+def smooth_parts(formula: Formula, start: float, end: float) -> list[tuple[float, float, Formula]]:
+    """Stretches of [start, end] with the one expression that the formula is there, free of choices.
+
+    Raises NotSmooth where there are too many of them, and where a condition cannot be proven.
+    """
+    done: list[tuple[float, float, Formula]] = []
+    waiting = [(start, end, formula)]
+    while waiting:
+        low, high, whole = waiting.pop()
+        if whole.condition is None:
+            done.append((low, high, whole))
+            continue
+        sides = _sides(whole.condition, low, high)
+        if len(done) + len(waiting) + len(sides) > MOST_CHOICES:
+            raise NotSmooth(low)
+        waiting.extend((a, b, whole.where(negative=negative)) for a, b, negative in reversed(sides))
+    return done
+
+
+def _sides(condition: Formula, low: float, high: float) -> list[tuple[float, float, bool]]:
+    """Stretches on which a condition is negative or not, in rising order."""
+    form = proven(condition, low, high)
+    zeros = all_zeros(form)
+    edges = np.array([low, *zeros[(zeros > low) & (zeros < high)], high])
+    values = condition.values((edges[:-1] + edges[1:]) / 2.0)
+    decided = np.abs(values) > UNDECIDED * np.abs(form.coefficients).max()
+    sides: list[tuple[float, float, bool]] = []
+    for a, b, value, sure in zip(edges[:-1].tolist(), edges[1:].tolist(), values, decided, strict=True):
+        negative = bool(value < 0.0) if sure or not sides else sides[-1][2]
+        if sides and negative == sides[-1][2]:
+            a = sides.pop()[0]
+        sides.append((a, b, negative))
+    return sides
+
+
+@dataclass(frozen=True, eq=False)
+class _Panels:
+    """Panels anywhere, from ``left`` to ``right`` (shape (m,)), with ``coefficients`` (shape (degree + 1, m))."""
+
+    left: Array
+    right: Array
+    coefficients: Array
+
+    def values(self, points: Array, owner: IndexArray) -> Array:
+        """Values at points (shape (n, k)), each column on the panel of that number."""
+        low, high = self.left[owner], self.right[owner]
+        return chebyshev.on_panels(self.coefficients, owner, ((points - low) - (high - points)) / (high - low))
+
+
+def _agreed(formula: Formula, panels: _Panels, sizes: Array) -> Mask:
+    """Which panels give the formula everywhere; ``sizes`` are the formula's sizes that count for them.
+
+    Raises NotSmooth where it takes too many cells to tell.
+    """
+    allowed = AGREED * sizes + TAIL * np.abs(panels.coefficients[-3:]).max(axis=0)
+    good = np.ones(panels.left.size, dtype=bool)
+    left, right, owner = panels.left, panels.right, np.arange(panels.left.size)
+    for halving in range(HALVINGS):
+        smooth = _without_surprise(formula, left, right, allowed[owner], short=halving >= SHORT)
+        missed = _missed(formula, panels, (left[smooth], right[smooth], owner[smooth]))
+        good[owner[smooth][missed > allowed[owner[smooth]]]] = False
+        open_still = ~smooth & good[owner]
+        left, right, owner = left[open_still], right[open_still], owner[open_still]
+        if not left.size:
+            return good
+        if left.size > MOST_CELLS:
+            raise NotSmooth(float(left[0]))
+        middle = (left + right) / 2.0
+        left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
+        owner = np.tile(owner, 2)
+    # The size that counts may not be known yet, beside a peak that is not resolved: shorter panels will tell.
+    good[owner] = False
+    return good
+
+
+def _without_surprise(formula: Formula, left: Array, right: Array, allowed: Array, *, short: bool) -> Mask:
+    """Which cells have no more of the formula than their points show."""
+    center, half = (left + right) / 2.0, (right - left) / 2.0
+    spread = formula.spread(center, AROUND * half, real=False)
+    smooth: Mask = 2.0 * spread * 3.0 ** (1 - POINTS) <= allowed
+    if short and not smooth.all():
+        smooth |= 2.0 * formula.spread(center, half, real=True) <= allowed
+    return smooth
+
+
+def _missed(formula: Formula, panels: _Panels, cells: tuple[Array, Array, IndexArray]) -> Array:
+    """The largest difference of formula and form at the points of each cell, shape (m,); infinite where it has none."""
+    left, right, owner = cells
+    worst = np.zeros(left.size)
+    for first in range(0, left.size, AT_ONCE):
+        part = slice(first, first + AT_ONCE)
+        points = chebyshev.nodes(left[part], right[part], POINTS - 1)
+        form = panels.values(points, owner[part])
+        difference = np.abs(form - formula.values(points.ravel()).reshape(points.shape)).max(axis=0)
+        worst[part] = np.where(np.isfinite(difference), difference, np.inf)
+    return worst
