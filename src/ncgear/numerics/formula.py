@@ -37,6 +37,9 @@ FUNCTIONS: dict[str, Callable[[Jet], Jet]] = {
 LONGEST, DEEPEST, LARGEST_POWER = 1000, 40, 64
 """Most characters, most levels of nesting and the largest exponent that an expression may have."""
 
+LONGEST_SHOWN = 40
+"""Characters of a part of an expression in a message."""
+
 WHOLE = 1e15
 """Whole numbers up to here are kept as such; larger ones are not all exact in floating point anyway."""
 
@@ -74,14 +77,15 @@ class _Translator:
     """Syntax tree to sympy, one whitelisted node at a time; constants are folded in floating point as they arise."""
 
     def __init__(self, sympy: Any, symbol: sympy.Symbol, key: str) -> None:
-        self._sympy, self._key = sympy, key
+        self._sympy, self._key, self._text = sympy, key, ""
         self._names = {symbol.name: symbol, "pi": sympy.Float(math.pi, 17)}
 
     def translated(self, text: str) -> Any:
         if len(text) > LONGEST:
             raise WrongInput(f"an expression of {len(text)} characters; at most {LONGEST} are read", key=self._key)
         try:
-            tree = ast.parse(text.strip(), mode="eval")
+            self._text = text.strip()
+            tree = ast.parse(self._text, mode="eval")
         except (SyntaxError, ValueError, RecursionError, MemoryError) as fault:
             problem = f"{text!r} is not an expression: {fault}; example: 1 + 0.3*cos({next(iter(self._names))})"
             raise WrongInput(problem, key=self._key) from None
@@ -103,7 +107,7 @@ class _Translator:
             return self._chain(node, depth)
         if isinstance(node, ast.Call):
             return self._call(node, depth)
-        raise self._refusal(f"{ast.unparse(node)!r} is not allowed")
+        raise self._refusal(f"{self._written(node)!r} is not allowed")
 
     def _number(self, value: Any) -> Any:
         """A finite real number; whole ones stay whole, so that powers stay powers."""
@@ -112,7 +116,7 @@ class _Translator:
         except (TypeError, ValueError, OverflowError):
             number = math.nan
         if not math.isfinite(number):
-            raise self._refusal(f"{str(value)[:40]} is not a finite real number")
+            raise self._refusal(f"{str(value)[:LONGEST_SHOWN]} is not a finite real number")
         if number.is_integer() and abs(number) < WHOLE:
             return self._sympy.Integer(int(number))
         return self._sympy.Float(number, 17)
@@ -144,13 +148,13 @@ class _Translator:
             case ast.Pow() if not right.free_symbols and abs(float(right)) <= LARGEST_POWER:
                 return left**right
             case ast.Pow():
-                written = ast.unparse(node.right)
+                written = self._written(node.right)
                 raise self._refusal(f"a power must be a number of at most {LARGEST_POWER}, not {written!r}")
-        raise self._refusal(f"{ast.unparse(node)!r} is not allowed")
+        raise self._refusal(f"{self._written(node)!r} is not allowed")
 
     def _call(self, node: ast.Call, depth: int) -> Any:
         if not (isinstance(node.func, ast.Name) and node.func.id in FUNCTIONS):
-            raise self._refusal(f"unknown function {ast.unparse(node.func)!r}")
+            raise self._refusal(f"unknown function {self._written(node.func)!r}")
         if len(node.args) != 1 or node.keywords:
             raise self._refusal(f"{node.func.id} takes one argument")
         return self._settled(getattr(self._sympy, node.func.id)(self._node(node.args[0], depth + 1)))
@@ -160,8 +164,12 @@ class _Translator:
         if not value.free_symbols:
             return self._number(value)
         if value.has(self._sympy.I, self._sympy.zoo, self._sympy.oo, -self._sympy.oo, self._sympy.nan):
-            raise self._refusal(f"{str(value)[:40]} is not a real expression")
+            raise self._refusal(f"{str(value)[:LONGEST_SHOWN]} is not a real expression")
         return value
+
+    def _written(self, node: ast.AST) -> str:
+        """The text of a part, shortened; a tree of any depth has one, where ``ast.unparse`` would nest as deep."""
+        return (ast.get_source_segment(self._text, node) or "")[:LONGEST_SHOWN]
 
     def _refusal(self, problem: str) -> WrongInput:
         allowed = f"known are the names {', '.join(self._names)}, the functions {', '.join(FUNCTIONS)} and + - * / **"
