@@ -16,7 +16,7 @@ from PIL import Image
 
 from commands import Run
 from ncgear import extras
-from ncgear.drawings.animation import AnimationFormat, packing
+from ncgear.drawings.animation import AnimationFormat, packing, require_shown
 from ncgear.drawings.animation import artists as looks
 from ncgear.drawings.animation.moving_picture import Frame, Picture, picture
 from ncgear.drawings.animation.packing import Loop, animated
@@ -227,6 +227,34 @@ def test_a_place_that_cannot_be_written_is_refused(run: Run, gearless: str) -> N
     status, _, err = run("animate", gearless, "--out", "file/one.gif")
     assert status == 2
     assert err.startswith(str(Path("file")))
+
+
+@pytest.mark.parametrize("name", ["fold\\er.gif", ".ncgear-a.gif", "x" * 300 + ".gif", "taken.gif"])
+def test_a_name_that_no_file_can_have_is_refused_before_a_frame_is_drawn(
+    run: Run, gearless: str, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    Path("taken.gif").mkdir()
+    monkeypatch.setattr(packing, "animated", lambda *_: pytest.fail("a frame is drawn"))
+    status, _, err = run("animate", gearless, *QUICK, "--out", name)
+    assert (status, err.partition(":")[0]) == (2, name)
+
+
+@pytest.mark.parametrize(("frames", "seconds"), [(51, 1.0), (9, 0.1), (600, 11.9), (90, 0.4)])
+def test_a_gif_too_fast_for_its_viewers_is_refused(
+    run: Run, gearless: str, monkeypatch: pytest.MonkeyPatch, frames: int, seconds: float
+) -> None:
+    monkeypatch.setattr(packing, "animated", lambda *_: pytest.fail("a frame is drawn"))
+    status, _, err = run("animate", gearless, "--frames", str(frames), "--seconds", str(seconds))
+    assert status == 2
+    assert "--frames" in err
+
+
+@pytest.mark.parametrize(("frames", "seconds"), [(50, 1.0), (2, 0.1), (600, 12.0), (37, 0.9), (72, 4.0)])
+def test_every_frame_of_a_gif_is_shown_for_at_least_two_hundredths_of_a_second(frames: int, seconds: float) -> None:
+    require_shown(AnimationFormat.GIF, frames, seconds)
+    durations = Loop(frames, seconds, 320).durations_ms
+    assert min(durations) >= 20
+    assert sum(durations) == pytest.approx(1000.0 * seconds, abs=10.0)
 
 
 def test_an_interrupted_run_leaves_the_last_picture(run: Run, gearless: str, monkeypatch: pytest.MonkeyPatch) -> None:

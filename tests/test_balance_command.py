@@ -313,10 +313,24 @@ def test_wrong_readings_are_told_by_line(name: str, run: Run) -> None:
     assert words in err
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["name: a\n---\nname: b\n", "[" * 40, "{a: " * 40, "".join(f"k{i}: 1\n" for i in range(300))],
+    ids=["two documents", "deep list", "deep group", "many keys"],
+)
+def test_faults_of_the_form_do_not_speak_of_a_design(text: str, run: Run) -> None:
+    Path("a.yaml").write_text(text)
+    status, _, err = run("a.yaml")
+    assert status == 2
+    assert err.startswith("a.yaml:")
+    assert "design" not in err
+
+
 RUNS = "weight_deg,amplitude,phase_deg\n60,0.4,275\n120,0.5,135\n180,0.4,124\n"
 WRONG_RUNS: dict[str, tuple[str, str, str]] = {
     "a word": (changed(RUNS, "0.5", "half"), "runs.csv:3:5: amplitude", "'half' is not a finite number"),
     "a column": (changed(RUNS, "amplitude", "size"), "runs.csv:1:12: ", "unknown column: 'size'"),
+    "a column below blank lines": ("\n\n" + changed(RUNS, "amplitude", "size"), "runs.csv:3:12: ", "column: 'size'"),
     "missing column": ("weight_deg,amplitude\n1,2\n", "runs.csv:1:1: ", "phase_deg"),
     "negative": (changed(RUNS, "0.5", "-0.5"), "runs.csv:3:1: chain_drive.runs.1.amplitude", "0 or over"),
     "few": (RUNS[: RUNS.index("180")], "a.yaml:6:3: chain_drive.runs", "at least 3"),

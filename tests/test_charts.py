@@ -13,7 +13,8 @@ from ncgear.drawings.animation.moving_picture import CHART_LOOK
 from ncgear.drawings.charts.chart import Across, Chart, Line, Role
 from ncgear.drawings.charts.drawer import MOTION_LOOK, Look, draw
 from ncgear.drawings.charts.slider_charts import POWER, VELOCITY, motion_chart, over_displacement, slider_chart
-from ncgear.drawings.page.chart_svg import PAGE_LOOK
+from ncgear.drawings.page.chart_svg import PAGE_LOOK, drawn
+from ncgear.drawings.page.page_charts import PageChart
 
 JOINTS = np.array([90.0, 180.0])
 
@@ -74,3 +75,11 @@ def test_over_the_displacement_the_values_stay() -> None:
     for line, before, motion in zip(across.lines, chart.lines, motions, strict=True):
         np.testing.assert_array_equal(line.values, before.values)
         np.testing.assert_array_equal(line.x, motion.displacement_mm)
+
+
+def test_an_extreme_that_rounds_to_zero_has_no_sign() -> None:
+    x = np.array([0.0, 120.0, 240.0, 360.0])
+    chart = Chart("ratio", "", (Line(Role.OWN, "own", x, np.array([-2e-4, 1.5, 0.7, -3e-5])),), 360.0)
+    assert drawn(PageChart("k", chart)).extremes == "0.000 at 0\u00b0 to 1.500 at 120\u00b0"
+    below = Chart("ratio", "", (Line(Role.OWN, "own", x, np.array([-0.04, 1.5, 0.7, 0.2])),), 360.0)
+    assert drawn(PageChart("k", below)).extremes.startswith("\u22120.040 at")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,7 +13,7 @@ import pytest
 
 import ncgear
 import ncgear.cli
-from commands import Run, changed, fresh
+from commands import Run, changed, environment, fresh
 from ncgear.design.laws.registry import LawName
 from ncgear.design.template import template
 from ncgear.errors import NoSuchMechanism
@@ -47,6 +49,9 @@ BAD: dict[str, tuple[str, str, str, str]] = {
         "description",
         "'\\x1b'",
     ),
+    "no character": (changed(STROKE, 'description: ""', r'description: "\UFEDCBA98"'), "6:12", "", "too large"),
+    "beyond the last character": (changed(STROKE, ROD, r'rod_mm: "\U00110000"'), "10:9", "", "too large"),
+    "version": ("%YAML 1." + "9" * 5000 + "\n---\nname: a\n", "1:1", "", "too large"),
     "null in a key": (r'"a\0": 1', "1:1", "", "cannot stand in a text"),
     "half a character as key": (r'"\ud800": 1', "1:1", "", "write the character itself"),
     "two documents": (PLAIN + "---\n" + PLAIN, "5:1", "", "a second document begins"),
@@ -106,7 +111,8 @@ BAD: dict[str, tuple[str, str, str, str]] = {
         "-.inf given; a finite number is needed",
     ),
     "overflow": (changed(STROKE, ROD, "rod_mm: 1e999"), "rod_mm", "linkage.rod_mm", "a finite number is needed"),
-    "400 digits": (changed(STROKE, ROD, f"rod_mm: {'9' * 399}"), "rod_mm", "linkage.rod_mm", "a number is needed"),
+    "400 digits": (changed(STROKE, ROD, f"rod_mm: {'9' * 399}"), "rod_mm", "linkage.rod_mm", "finite number is needed"),
+    "310 digits": (changed(STROKE, ROD, f"rod_mm: {'7' * 310}"), "rod_mm", "linkage.rod_mm", "inf given; a finite num"),
     "5000 digits": (changed(STROKE, ROD, f"rod_mm: {'9' * 5000}"), "rod_mm", "linkage.rod_mm", "number is needed"),
     "negative": (changed(STROKE, ROD, "rod_mm: -960"), "rod_mm", "linkage.rod_mm", "-960 given; a number over 0 is"),
     "number for a group": (
@@ -455,3 +461,41 @@ def test_help_names_every_command(tmp_path: Path) -> None:
     assert done.returncode == 0
     commands = "build", "check", "simulate", "sweep", "new", "schema"
     assert all(f"  {command} " in done.stdout for command in commands)
+
+
+def in_shell(redirected: str, folder: Path) -> tuple[int, str]:
+    """Exit status and stderr of a command line in bash; ``ncgear`` runs the package of this checkout."""
+    line = f'ncgear() {{ "{sys.executable}" -m ncgear "$@"; }}; {redirected}'
+    done = subprocess.run(["bash", "-c", line], capture_output=True, text=True, cwd=folder, env=environment())
+    return done.returncode, done.stderr
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(
+    ("line", "status"),
+    [
+        ("ncgear check right.yaml 2>&-", 0),
+        ("ncgear check right.yaml <&- >&- 2>&-", 0),
+        ("ncgear check missing.yaml 2>&-", 2),
+        ("ncgear check missing.yaml 2>/dev/full", 2),
+        ("ncgear check --unknown right.yaml 2>/dev/full", 2),
+        ("ncgear check impossible.yaml 2>/dev/full", 3),
+        ("ncgear check right.yaml --timing 2>/dev/full", 2),
+        ("ncgear check right.yaml >/dev/full", 2),
+        ("ncgear check right.yaml | true; exit ${PIPESTATUS[0]}", 141),
+    ],
+)
+def test_streams_that_take_nothing_do_not_change_what_a_status_means(tmp_path: Path, line: str, status: int) -> None:
+    (tmp_path / "right.yaml").write_text(template("right"))
+    (tmp_path / "impossible.yaml").write_text(changed(template("a"), "a1_mm_s2: -1500", "a1_mm_s2: 1700"))
+    assert in_shell(line, tmp_path)[0] == status
+
+
+@pytest.mark.thorough
+def test_a_file_does_not_get_the_number_of_a_closed_stream(tmp_path: Path) -> None:
+    """Whatever opens a file first after the start, here the design file, would otherwise take number 2."""
+    code = "import ncgear.cli.run as run; run._open_streams(); print(open('right.yaml').fileno() > 2)"
+    (tmp_path / "right.yaml").write_text("")
+    shell = f'"{sys.executable}" -c "{code}" 2>&- <&-'
+    done = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, cwd=tmp_path, env=environment())
+    assert done.stdout == "True\n"

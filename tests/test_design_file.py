@@ -222,7 +222,7 @@ ROWS = "0,1\n90,1\n180,1\n270,1\n"
 @pytest.mark.parametrize(
     ("csv", "said"),
     [
-        ("", "p.csv:1:1: the first line must name one of the columns phi1_rad"),
+        ("", "p.csv:1:1: the header must name one of the columns phi1_rad"),
         ("phi1_deg,ratio\n0,1\n90,x\n180,1\n", "p.csv:3:4: ratio: 'x' is not a finite number"),
         ("phi1_deg,ratio\n0,1\n\nnan,1\n", "p.csv:4:1: phi1_deg: 'nan' is not a finite number"),
         ("phi1_deg,ratio\n0,1e999\n", "p.csv:2:3: ratio: '1e999' is not a finite number"),
@@ -231,8 +231,15 @@ ROWS = "0,1\n90,1\n180,1\n270,1\n"
         ("phi1_deg;ratio\n" + ROWS, "p.csv:1:1: unknown column: 'phi1_deg;ratio'"),
         ("phi1_deg,speed\n" + ROWS, "p.csv:1:10: unknown column: 'speed'; columns can be phi1_rad"),
         ("ratio,ratio\n" + ROWS, "p.csv:1:7: column given twice: 'ratio'"),
-        ("phi1_deg,phi1_rad\n" + ROWS, "p.csv:1:1: the first line must name one of the columns phi1_rad"),
-        ("phi1_deg\n0\n90\n180\n270\n", "p.csv:1:1: the first line must name one of the columns displacement_mm"),
+        ("phi1_deg,phi1_rad\n" + ROWS, "p.csv:1:1: the header must name one of the columns phi1_rad"),
+        ("phi1_deg\n0\n90\n180\n270\n", "p.csv:1:1: the header must name one of the columns displacement_mm"),
+        ("\n\n \nphi1_deg,speed\n" + ROWS, "p.csv:4:10: unknown column: 'speed'"),
+        ("\nratio\n1\n", "p.csv:2:1: the header must name one of the columns phi1_rad"),
+        ("\n\nphi1_deg,ratio\n0,1\n90,1\n", "p.csv:3:1: motion.phi1_deg: a list given; a list of at least 4"),
+        (
+            f"phi1_deg,ratio\n0,{'5' * 333}\n",
+            "p.csv:2:3: ratio: '55555555555555555555",
+        ),
         ('phi1_deg,ratio\n0,"1\n', "p.csv:2:1: is not CSV"),
         ("phi1_deg,ratio\n0,1\n90,1\n\n90,1\n270,1\n", "p.csv:5:1: motion.phi1_deg.2: 90 follows 90"),
         ("phi1_deg,ratio\n0,1\n90,1\n", "p.csv:1:1: motion.phi1_deg: a list given; a list of at least 4, not 2"),

@@ -28,6 +28,7 @@ SNIPPETS = [
     *"-?:,[]{}#&*!|>'\"%@`\\\t\n ",
     "1e999", "-" * 40, "9" * 500, "0x1F", ".nan", "-.inf", "null", "~", "yes", "1_000", "12:30:45", "é\u2028\ufeff",
     "&a ", "*a", "<<: *a", "!!python/object/apply:os.system ['touch owned']", "!!binary aGk=", "!<!> ", "%TAG ! x\n",
+    "%YAML 1." + "9" * 5000 + "\n---\n", '"\\UFFFFFFFF"', '"\\U00110000"', "9" * 320,
     "---\n", "...\n", "? ", "- ", ": ", "\n  ", "\n\t", "|2-\n", ">+\n", "[[[[[[[[[[[[[[", "{a: " * 14, "x" * 2000,
     "\x00", "\x1b[31m", '"\\ud800"', '"\\x00"', "motion: {law: ", "name: again\n", "gears:\n",
 ]  # fmt: skip
@@ -108,8 +109,10 @@ HARMFUL: dict[str, tuple[str | bytes, str]] = {
     "deep groups": ("{a: " * (MOST // 4), "nested over 12 levels deep"),
     "deep items": ("- " * (MOST // 2), "nested over 12 levels deep"),
     "deep keys": ("? " * (MOST // 2), "stands as a key"),
-    "long list": ("a: [" + "1," * (MOST // 2) + "]", "over 200000 items in one list"),
-    "long block": ("a:\n" + "- 1\n" * (MOST // 4), "over 200000 items in one list"),
+    "long list": ("a: [" + "1," * (MOST // 2) + "]", "over 100000 values in one file"),
+    "long block": ("a:\n" + "- 1\n" * (MOST // 4), "over 100000 values in one file"),
+    "many lists": ("a: [" + "[]," * (MOST // 3) + "]", "over 100000 values in one file"),
+    "lists of lists": ("a: [" + f"[{'0,' * 9000}]," * (MOST // 18005) + "]", "over 100000 values in one file"),
     "many keys": ("".join(f"k{i}: 1\n" for i in range(MOST // 12)), "over 200 keys in one group"),
     "long anchor": ("a: &" + "x" * MOST, "is an anchor or alias"),
     "long tag": ("a: !" + "x" * MOST, "is a tag"),
@@ -211,6 +214,22 @@ def made_or_refused(text: str) -> None:
         return
     assert innocent(text)
     assert len(formula.tape.operations) <= MOST_OPERATIONS * len(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "-" + "~" * 700 + "phi",
+        "pi" + "()" * 480,
+        "1 + phi" + ".real" * 190,
+        "phi" + "[0]" * 300,
+        "phi**(" + "~" * 700 + "phi)",
+    ],
+)
+def test_what_is_refused_may_be_nested_as_deep_as_can_be_read(
+    made_or_refused: Callable[[str], None], text: str
+) -> None:
+    made_or_refused(text)
 
 
 def test_the_judge_tells_innocent_texts_from_others() -> None:

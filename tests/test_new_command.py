@@ -115,6 +115,7 @@ def test_without_a_terminal_nothing_is_asked(run: Run) -> None:
     [
         (["--crank-mm", "-5"], "--crank-mm: -5 given; a number over 0 is needed"),
         (["--module-mm", "nan"], "--module-mm: .nan given; a finite number is needed"),
+        (["--teeth", "6" * 350], "--teeth: 6666666666666666666666666666666666666666... given; a number of 10000"),
         (["--teeth", "2"], "--teeth: 2 given; a number of 3 or over is needed"),
         (["--crank-mm", "50", "--rod-mm", "40"], "the crank cannot turn fully: rod - crank = -10 mm"),
         (["--crank-mm", "50", "--stroke-mm", "90"], "a crank of 50 mm has a stroke of 100 mm; give one of the two"),

@@ -11,8 +11,14 @@ import pytest
 
 from commands import Run, loaded_by, on_text, python
 from ncgear.design.reading.design_file import load
+from ncgear.errors import NoSuchMechanism
+from ncgear.mechanisms.resistance import PolynomialResistance
+from ncgear.optimum.certified.limit import Weights, least_weighted_sum, rough_acceleration
+from ncgear.optimum.certified.problem import Problem
+from ncgear.optimum.task import Limits, Task
 from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive
+from published import BALER_LINKAGE
 
 HEAD = """\
 # the press of hall 2
@@ -251,3 +257,26 @@ def test_an_improvement_is_computed_once_and_starts_count(tmp_path: Path) -> Non
     path.write_text(HEAD + FEW.replace("harmonics: 6", "harmonics: 6, starts: 2"))
     two = BestLaw(load(path).design)
     assert two.goal <= one.goal * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize("goal", ["least_acceleration", "least_power", "weighted"])
+@pytest.mark.parametrize(("limit", "side"), [("ratio_min", "under 1"), ("ratio_max", "over 1")])
+def test_a_limit_at_the_mean_ratio_leaves_no_law_to_search(run: Run, goal: str, limit: str, side: str) -> None:
+    weights = ", weights: {acceleration_mm_s2: 900, power_w: 70}" if goal == "weighted" else ""
+    status, out, err = run(f"{HEAD}optimize: {{goal: {goal}{weights}, limits: {{{limit}: 1.0}}}}\n")
+    assert (status, out) == (3, "")
+    assert f"optimize.limits.{limit}: 1 leaves nothing to choose" in err
+    assert f"{side} is right" in err
+
+
+def test_limits_too_narrow_for_the_grid_are_refused_by_what_was_given(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No peak is named that nobody gave, and the sum of both peaks is not searched for."""
+    task = Task(BALER_LINKAGE, PolynomialResistance((50.0,)), 3.0)
+    monkeypatch.setattr(Problem, "is_reached", lambda *_: False)
+    for sought in (
+        lambda: rough_acceleration(task, Limits(0.8, 1.3)),
+        lambda: least_weighted_sum(task, Limits(0.8, 1.3), Weights(1e-3, 1e-2)),
+    ):
+        with pytest.raises(NoSuchMechanism, match="no motion within these limits was found") as refused:
+            sought()
+        assert refused.value.key == "optimize.limits"

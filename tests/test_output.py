@@ -22,9 +22,10 @@ from ncgear.drawings.charts.drawer import MOTION_COLUMN, MOTION_LOOK, beside_png
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, motion_chart, over_displacement
 from ncgear.drawings.plots import assembled_pair as gears
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.figures.csv_text import LAW_COLUMNS, law_csv, outline_csv
-from ncgear.figures.numbers import shown
+from ncgear.figures.csv_text import LAW_COLUMNS, law_csv, outline_csv, rows_text
+from ncgear.figures.numbers import json_text, shown
 from ncgear.figures.summary.build_summary import pitch_summary
+from ncgear.figures.tables import cell_text
 from ncgear.figures.terminal import MIXED_SPEEDS, SAME_SPEED, WIDTH, summary_text, timing_text
 from ncgear.files.build import build
 from ncgear.files.publish import STAGING_PREFIX, prepare, publish
@@ -520,3 +521,17 @@ def test_contact_is_drawn_with_and_without_backlash(tmp_path: Path) -> None:
         assert min(near(pixels, DRIVING), near(pixels, DRIVEN)) > 300
     # A row more, for the backlash.
     assert thin.shape[0] > plain.shape[0] + 100
+
+
+@pytest.mark.parametrize("wrong", [float("nan"), float("inf"), -float("inf"), np.float64("nan")])
+def test_what_is_no_finite_number_is_never_told_or_written(wrong: float) -> None:
+    """In text, in a cell, deep in JSON and in tables alike; what is finite passes unchanged."""
+    ways = shown, cell_text, json_text, lambda value: rows_text(("a", "b"), [(1, value)])
+    for way in ways:
+        with pytest.raises(ArithmeticError):
+            way(wrong)
+        assert "2.5" in way(2.5)
+    with pytest.raises(ArithmeticError, match=r"check\.peaks\.1\.power_w is -?(nan|inf)"):
+        json_text({"check": {"peaks": [{"power_w": 1.0}, {"power_w": wrong}]}})
+    with pytest.raises(ArithmeticError):
+        shown([1.0, (2.0, wrong)])

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from ncgear.design.keys.machine import NEAREST_MM
 from ncgear.design.reading.design_file import load
 from ncgear.errors import WrongInput
 from ncgear.kinematics.check import kinematic_check, work_per_stroke_j
@@ -165,6 +166,14 @@ def test_forms_in_a_design_file(tmp_path: Path) -> None:
         ('{polynomial_n: [1], expression_n: "x"}', "resistance.expression_n: polynomial_n and expression_n are given"),
         ("{table: {force_n: [1, 2]}}", "resistance.table.displacement_mm: missing; a table needs"),
         ("{table: {displacement_mm: [1, 2], force_n: [1, 2, 3]}}", "resistance.table.force_n: 3 values for 2"),
+        (
+            "{table: {displacement_mm: [0, 4.0e-311, 90], force_n: [0, 7, 50]}}",
+            "resistance.table.displacement_mm.1: 4e-311 follows 0; at least 1e-09 mm apart is right",
+        ),
+        (
+            "{table: {displacement_mm: [-2.0e-200, 0, 90], force_n: [3, 7, 50]}}",
+            "resistance.table.displacement_mm.1: 0 follows -2e-200",
+        ),
         ("{table: {displacement_mm: [1, 1], force_n: [1, 2]}}", "resistance.table.displacement_mm.1: 1 follows 1"),
         ("{table: {displacement_mm: [1], force_n: [1]}}", "resistance.table.displacement_mm: a list given"),
         ("{table: {file: f.csv, force_n: [1]}}", "resistance.table.force_n: given beside file; keep one"),
@@ -208,3 +217,13 @@ def test_what_is_no_table_is_refused(points: tuple[float, ...], forces: tuple[fl
     with pytest.raises(WrongInput) as caught:
         TableResistance(points, forces)
     assert caught.value.key == f"resistance.table.{key}"
+
+
+@pytest.mark.parametrize("start", [0.0, 0.4, -9e6])
+def test_points_as_near_as_they_may_be_have_finite_forces_and_slopes(start: float) -> None:
+    near = start + max(NEAREST_MM, 2.0 * np.spacing(abs(start)))
+    table = TableResistance((start, near, near + 300.0), (-1e15, 1e15, 1e15))
+    at = np.array([start, (start + near) / 2.0, near, 40.0])
+    found = table.fitted_n(Jet.variable(at, 2))
+    assert all(np.isfinite(found.derivative(order)).all() for order in range(3))
+    assert np.isfinite(table.work_from_retracted_n_mm(at, 80.0)).all()

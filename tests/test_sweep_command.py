@@ -107,6 +107,9 @@ def test_items_of_lists_can_be_varied(run: Run) -> None:
         (["motion.v1_mm_s=1:2"], "--vary: 'motion.v1_mm_s=1:2' given; KEY=FROM:TO:COUNT, as"),
         (["motion.v1_mm_s=1:x:3"], "--vary: 'motion.v1_mm_s=1:x:3' given; KEY=FROM:TO:COUNT, as"),
         (["motion.v1_mm_s=1:1e999:3"], "--vary: 'motion.v1_mm_s=1:1e999:3' given; KEY=FROM:TO:COUNT, as"),
+        ([f"motion.v1_mm_s=1:{'4' * 340}:3"], "--vary: 'motion.v1_mm_s=1:444"),
+        ([f"motion.v1_mm_s=-{'1' * 309}:{'1' * 309}:3"], "--vary: 'motion.v1_mm_s=-111"),
+        ([f"motion.v1_mm_s=1:2:{'8' * 320}"], "--vary: 'motion.v1_mm_s=1:2:888"),
         (["motion.v1_mm_s=1:2:1"], f"--vary: 1 values of motion.v1_mm_s asked for; 2 to {MOST_DESIGNS} are right"),
         (["motion.v1_mm_s=1:2:2.5"], "--vary: 2.5 values of motion.v1_mm_s asked for"),
         (

@@ -117,13 +117,14 @@ def animate(
     width: Annotated[int, typer.Option(min=320, max=1920, help="Width in pixels, rounded to an even number.")] = 960,
 ) -> None:
     """Show the mechanism moving: gears, crank, rod and slider over a whole cycle, as a GIF or MP4."""
-    from ncgear.drawings.animation import AnimationFormat, format_of
-    from ncgear.files.publish import prepare, publish
+    from ncgear.drawings.animation import AnimationFormat, format_of, require_shown
+    from ncgear.files.publish import prepare_file, publish
 
     kind = format_of(out) if out else AnimationFormat.GIF
+    require_shown(kind, frames, seconds)
     with opened(design_file) as loaded:
         path = out or EXPORT / loaded.design.name / "mechanism.gif"
-        prepare(path.parent)
+        prepare_file(path)
 
         from ncgear.drawings.animation.packing import Loop, animated
         from ncgear.drawings.scene.scene import scene_of

@@ -15,6 +15,9 @@ from typing import NoReturn
 from ncgear.errors import DesignError
 
 INTERRUPTED = 130
+READER_LEFT = 141
+"""As of a program that SIGPIPE ends: who reads the output has closed it, as ``head`` does."""
+
 WRONG_INPUT = 2
 FAULT = 1
 
@@ -63,6 +66,7 @@ def _imports_compiled(frame: FrameType | None) -> bool:
 
 def main() -> NoReturn:
     """Run the command line and exit with its status; at the end the process ignores Ctrl-C."""
+    _open_streams()
     ctrl_c = _CtrlC()
     signal.signal(signal.SIGINT, ctrl_c)
     sys.unraisablehook = _quiet_of_ctrl_c
@@ -71,8 +75,28 @@ def main() -> NoReturn:
     if ctrl_c.came and status:
         status, last_words = INTERRUPTED, LAST_WORDS
     if last_words:
-        print(last_words, file=sys.stderr)
+        _say(last_words)
     sys.exit(status)
+
+
+def _open_streams() -> None:
+    """Give the null device to the streams that a shell has closed (``2>&-``).
+
+    Without it the next file that is opened would get the number of the stream, and what libraries say there.
+    """
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            # The lowest free number is that of the stream, since those before it are open by now.
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
+
+
+def _say(last_words: str) -> None:
+    """Print to stderr; where it takes nothing (a full disk), the exit status alone must tell."""
+    try:
+        print(last_words, file=sys.stderr, flush=True)
+    except OSError:
+        # What is left in the buffer would fail again at the end of the interpreter, and change the exit status.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
 
 
 def _quiet_of_ctrl_c(unraisable: sys.UnraisableHookArgs) -> None:
@@ -89,6 +113,9 @@ def _run() -> tuple[int, str]:
 
         app()
     except SystemExit as exit_:
+        if isinstance(exit_.__context__, BrokenPipeError):
+            # typer makes status 1 of it, which stands for a fault.
+            return READER_LEFT, ""
         status = int(exit_.code or 0)
         return status, LAST_WORDS if status == INTERRUPTED else ""
     except KeyboardInterrupt:

@@ -84,10 +84,9 @@ def refuse_overlap(designed: AsDesigned, tolerance_mm: float) -> None:
 
 
 def refuse_bad_outlines(contact: PairContact, tolerance_mm: float) -> None:
-    """Refuse outlines that overlap by more than their chords explain.
+    """Refuse outlines that overlap by more than their chords explain, or that touch elsewhere than designed.
 
-    Raises NoSuchMechanism as ``refuse_overlap`` does, and RuntimeError, a fault of ncgear, where they touch elsewhere
-    than designed.
+    Raises NoSuchMechanism as ``refuse_overlap`` does.
     """
     for written in contact.as_written:
         _refuse(written.overlap_mm, CHORDS_OVERLAP * tolerance_mm, contact.as_designed)
@@ -114,8 +113,11 @@ def _require_as_designed(written: AsWritten, designed: AsDesigned, allowed_mm: f
         worst = int(np.argmax(astray))
         if astray[worst] > allowed_mm:
             phi1 = in_words(float(designed.placement.phi1_rad[worst]))
-            raise RuntimeError(
-                f"the outlines written as {written.source} touch {astray[worst]:.3g} mm off the design at phi1 = {phi1}"
+            tooth, _ = designed.placement.teeth_at(worst)
+            raise NoSuchMechanism(
+                f"the outlines written as {written.source} touch {astray[worst]:.3g} mm off the exact teeth near tooth "
+                f"{tooth} of the driving gear at phi1 = {phi1}: {CAUSES[designed.placement.mesh]}",
+                key="gears.teeth",
             )
 
 

@@ -42,6 +42,8 @@ def varied_of(text: str) -> Varied:
     low, high, count = (part for part in parts if part is not None)
     if not isinstance(count, int) or not 2 <= count <= MOST_DESIGNS:
         raise WrongInput(f"{count} values of {key} asked for; 2 to {MOST_DESIGNS} are right", key=OPTION)
+    if not isfinite(float(high) - float(low)):
+        raise WrongInput(f"{text!r} given; values nearer to each other are right", key=OPTION)
     return Varied(key, tuple(float(low + (high - low) * step / (count - 1)) for step in range(count)))
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ncgear.figures.numbers import finite
 from ncgear.kinematics.motion import SliderMotion
 from ncgear.numerics.arrays import Array, IndexArray
 
@@ -77,11 +78,18 @@ def csv_text(names: Sequence[str], columns: Sequence[Array | IndexArray]) -> str
     for name, column in zip(names, columns, strict=True):
         if not np.isfinite(column).all():
             raise ValueError(f"{name} holds a value that is not finite")
-    return rows_text(names, zip(*(column.tolist() for column in columns), strict=True))
+    return _written(names, zip(*(column.tolist() for column in columns), strict=True))
 
 
 def rows_text(names: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Rows of numbers, words and empty cells (None) under names; words with commas are put in quotes."""
+    """Rows of numbers, words and empty cells (None) under names; words with commas are put in quotes.
+
+    Raises ArithmeticError for a number that is not finite.
+    """
+    return _written(names, (finite(row, "a row") for row in rows))
+
+
+def _written(names: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     text = StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerows([names, *rows])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,22 @@ def readable(unit: str, *values: Array | float) -> tuple[float, str]:
     return (1e-3, THOUSANDS[unit]) if unit in THOUSANDS and largest >= 1000.0 else (1.0, unit)
 
 
+def finite(value: Any, name: str) -> Any:
+    """The value, the same; ArithmeticError, which names it, where it or a part of it is no finite number.
+
+    This is the check at the way out: everything that is told or written as text, table or JSON goes through it.
+    """
+    if isinstance(value, float) and not isfinite(value):
+        raise ArithmeticError(f"{name} is {value}, which is no figure of a machine")
+    if isinstance(value, Mapping):
+        for key, part in value.items():
+            finite(part, f"{name}.{key}" if name else str(key))
+    elif isinstance(value, list | tuple):
+        for place, part in enumerate(value):
+            finite(part, f"{name}.{place}" if name else str(place))
+    return value
+
+
 LONG_LIST = 12
 """Items up to which a list is written out."""
 
@@ -37,6 +54,7 @@ def shown(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
+        finite(value, "a figure")
         # Five significant digits, but never fewer than the digits before the point.
         return f"{value:.0f}" if 1e5 <= abs(value) < 1e12 else f"{value:.5g}"
     if isinstance(value, list | tuple):
@@ -69,5 +87,5 @@ def _runs(numbers: list[int]) -> list[str]:
 
 
 def json_text(content: Any) -> str:
-    """Content as indented JSON with a final line break; raises ValueError for NaN and infinities."""
-    return json.dumps(content, indent=2, allow_nan=False) + "\n"
+    """Content as indented JSON with a final line break; raises ArithmeticError as ``finite`` does."""
+    return json.dumps(finite(content, ""), indent=2, allow_nan=False) + "\n"

@@ -7,6 +7,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from ncgear.figures.numbers import finite
+
 Value = float | int | str | bool | None
 """The content of a cell; None leaves it empty."""
 
@@ -72,7 +74,7 @@ def cell_text(value: Value) -> str:
     """A cell for reading: numbers to ``DIGITS`` digits, nothing for None."""
     if value is None:
         return ""
-    return f"{value:.{DIGITS}g}" if isinstance(value, float) else str(value)
+    return f"{finite(value, 'a cell'):.{DIGITS}g}" if isinstance(value, float) else str(value)
 
 
 def aligned(

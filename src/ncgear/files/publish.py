@@ -42,6 +42,22 @@ def prepare(folder: Path) -> None:
         raise WrongInput(f"cannot be written; {REMEDY}", location=str(existing))
 
 
+def prepare_file(path: Path) -> None:
+    """Refuse a file that cannot be written, as ``prepare`` refuses its folder, which is included."""
+    if not _is_inside(path.name):
+        raise WrongInput(f"{path.name!r} names no file here; letters, digits, - and _ are right", location=str(path))
+    prepare(path.parent)
+    try:
+        in_the_way = path.is_dir()
+        path.lstat()
+    except FileNotFoundError:
+        return
+    except OSError as error:
+        raise WrongInput(f"cannot be written ({error.strerror}); choose another name", location=str(path)) from error
+    if in_the_way:
+        raise WrongInput("is a folder; choose another name", location=str(path))
+
+
 def publish(folder: Path, files: Mapping[str, bytes], obsolete: Collection[str] = ()) -> list[Path]:
     """Write ``files`` (names to contents) into ``folder``, which is created if need be; returns their paths.
 
@@ -51,7 +67,8 @@ def publish(folder: Path, files: Mapping[str, bytes], obsolete: Collection[str] 
     files in the folder are untouched.
     """
     for name in (*files, *obsolete):
-        _require_inside(name)
+        if not _is_inside(name):
+            raise ValueError(f"{name!r} is not a plain file name")
     prepare(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -64,12 +81,11 @@ def publish(folder: Path, files: Mapping[str, bytes], obsolete: Collection[str] 
     return [folder / name for name in files]
 
 
-def _require_inside(name: str) -> None:
-    """Refuse names that could lead out of the folder, or into a staging folder."""
+def _is_inside(name: str) -> bool:
+    """Whether a name does not lead out of the folder, nor into a staging folder."""
     parts = name.split("/")
     wrong = any(part in ("", ".", "..") or "\\" in part or "\0" in part for part in parts)
-    if wrong or len(parts) > 2 or name.startswith(STAGING_PREFIX):
-        raise ValueError(f"{name!r} is not a plain file name")
+    return not wrong and len(parts) <= 2 and not name.startswith(STAGING_PREFIX)
 
 
 @contextmanager

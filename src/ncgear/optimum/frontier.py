@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import partial
-from math import inf
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from ncgear.optimum.certified.limit import (
     least_power,
     prepared,
     resting_acceleration,
+    rough_acceleration,
 )
 from ncgear.optimum.certified.road import Peaks
 from ncgear.optimum.family import Family, FamilyOptimum, Peak, best_of_family
@@ -131,8 +131,7 @@ def _best_figures(task: Task, wishes: Wishes) -> Figures:
     from ncgear.optimum.makeable.law import makeable_law
     from ncgear.optimum.makeable.search import rough_start
 
-    rough = least_acceleration(task, wishes.limits).attained
-    law = makeable_law(task, wishes, [rough_start(task, wishes, rough if rough < inf else 1.0)])
+    law = makeable_law(task, wishes, [rough_start(task, wishes, rough_acceleration(task, wishes.limits))])
     return figures(task, law.train(task.lobes))
 
 

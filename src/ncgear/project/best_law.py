@@ -72,7 +72,7 @@ class BestLaw:
         from ncgear.optimum.certified import limit
 
         allowed = self.wishes.limits.peak_acceleration_mm_s2
-        return allowed if allowed is not None else limit.least_acceleration(self.task, self.wishes.limits).attained
+        return allowed if allowed is not None else limit.rough_acceleration(self.task, self.wishes.limits)
 
     @cached_property
     def train(self) -> Train:

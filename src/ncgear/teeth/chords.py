@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array, IndexArray, Mask, counted_up
 
 PROBES = 33
@@ -22,6 +23,12 @@ SHARES = np.linspace(0.0, 1.0, PROBES)
 
 PLACED = 0.95
 """Share of the tolerance for which chords are placed: between probes the turning is known to a few per cent only."""
+
+MOST_CHORDS, MOST_OF_ONE = 30_000, 25
+"""Chords of all curves together, and of each where there are very many curves: half a minute of all that follows.
+
+Teeth of a usual module take some twenty points each; their number grows with the root of module over tolerance.
+"""
 
 HALVINGS = 12
 """Rounds of halving chords that stray too far: near a cusp the turning is not seen by the probes."""
@@ -158,9 +165,20 @@ def _placed(stretch: Stretch, tolerance: float) -> tuple[IndexArray, Array]:
     """Row and share of the beginning of every chord."""
     every = np.arange(stretch.owner.size)
     needed = _chords_needed(*stretch.at(every[:, None], SHARES), tolerance * PLACED)
+    _refuse_too_many(float(np.sum(needed[:, -1])), max(MOST_CHORDS, MOST_OF_ONE * every.size))
     counts = np.maximum(np.ceil(needed[:, -1]), 1).astype(int)
     row, place = counted_up(np.zeros_like(counts), counts)
     return row, _inverse_rows(needed, row, place / counts[row])
+
+
+def _refuse_too_many(needed: float, most: int) -> None:
+    """Raise WrongInput where a tolerance is out of all proportion to the curves."""
+    if needed > most:
+        raise WrongInput(
+            f"the teeth are so large for it that flanks, fillets or lands need {needed:.3g} points; at most {most} are "
+            f"made: at least {(needed / most) ** 2:.2g} times the tolerance, or so much less module_mm, is right",
+            key="output.chord_tolerance_mm",
+        )
 
 
 def _sagittas(stretch: Stretch, row: IndexArray, share: Array) -> tuple[Array, Array]:

@@ -17,6 +17,7 @@ import numpy as np
 from ncgear.contact.placement import Placement
 from ncgear.contact.written.play import outline_play
 from ncgear.contact.written.polar import polar_outline
+from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, ComplexArray, counted_up
 from ncgear.numerics.plane import across, along, as_complex
 from ncgear.pitch.internal import passed_mm
@@ -65,12 +66,16 @@ class AsWritten:
 def as_written(outlines: Outlines, teeth: ToothedPair, placement: Placement, reach_mm: float) -> AsWritten:
     """Contact of outlines over a whole cycle of meetings, compared as far as ``reach_mm`` from the pitch point.
 
-    Raises RuntimeError, a fault of ncgear, where outlines that are written do not reach each other.
+    Raises NoSuchMechanism where outlines that are written do not reach each other.
     """
     play = outline_play(outlines.driving_mm, outlines.driven_mm, placement, reach_mm)
     tips = _tip_clearances(outlines, teeth, placement)
     if not all(np.isfinite(values).all() for values in (play.up_rad, play.down_rad, tips)):
-        raise RuntimeError(f"the outlines written as {outlines.source} do not reach each other")
+        raise NoSuchMechanism(
+            f"the outlines written as {outlines.source} do not reach each other at some angles; less backlash_mm, "
+            "taller teeth (rack), or a smaller chord_tolerance_mm are needed",
+            key="gears.teeth",
+        )
     bounds = placement.bounds_rad(play.up_rad, play.down_rad)
     return AsWritten(outlines.source, *bounds, play.overlap_mm, *tips)
 

@@ -91,6 +91,9 @@ FEWEST_POINTS = 2
 STRONGEST_N = 1e15
 """Far beyond any machine, and far below where slopes between two points overflow."""
 
+NEAREST_MM = 1e-9
+"""Far below what can be measured, and far above where the slope from one point to the next overflows."""
+
 Points = Field(min_length=FEWEST_POINTS, max_length=MOST_RESISTANCE_POINTS)
 Displacement = Annotated[float, Field(ge=-LONGEST_MM, le=LONGEST_MM)]
 Displacements = Annotated[tuple[Displacement, ...], Strict(False), Points]
@@ -126,6 +129,9 @@ class ResistanceTable(Model):
         for i in range(1, len(points)):
             if not points[i] > points[i - 1]:
                 problem = f"{points[i]:g} follows {points[i - 1]:g}; the displacements must rise strictly"
+                raise fault(f"displacement_mm.{i}", problem)
+            if points[i] - points[i - 1] < NEAREST_MM:
+                problem = f"{points[i]:g} follows {points[i - 1]:g}; at least {NEAREST_MM:g} mm apart is right"
                 raise fault(f"displacement_mm.{i}", problem)
         return self
 

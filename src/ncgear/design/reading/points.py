@@ -34,15 +34,16 @@ class Columns:
 
 @dataclass(frozen=True)
 class PointsFile:
-    """Columns of a CSV file by name, and the line of each row."""
+    """Columns of a CSV file by name, and the line of the header and of each row."""
 
     file: str
+    header: int
     values: dict[str, list[float]]
     lines: list[int]
 
     def row(self, row: int | None) -> Place:
         """The place where a row begins; None stands for the header."""
-        return Place(self.file, 1 if row is None else self.lines[row], 1)
+        return Place(self.file, self.header if row is None else self.lines[row], 1)
 
     def place(self, key: str) -> Place:
         """The place of a column (``ratio``) or of a number in it (``ratio.12``)."""
@@ -88,9 +89,9 @@ def read_points(path: Path, columns: Columns) -> PointsFile:
     """Read the columns; WrongInput names the line of a cell that is no finite number, or of an unknown column."""
     text = read_text(path, limit_mb=LARGEST_MB)
     rows = _rows(text, str(path))
-    _, header = next(rows, (1, []))
-    names = _names(header, str(path), columns)
-    points = PointsFile(str(path), {name: [] for name in names}, [])
+    line, header = next(rows, (1, []))
+    names = _names(header, str(path), line, columns)
+    points = PointsFile(str(path), line, {name: [] for name in names}, [])
     for line, cells in rows:
         _append(points, names, line, cells, columns.most_points)
     return points
@@ -106,16 +107,16 @@ def _rows(text: str, file: str) -> Iterator[tuple[int, list[str]]]:
         raise WrongInput(problem, location=f"{file}:{reader.line_num}:1") from error
 
 
-def _names(header: list[str], file: str, columns: Columns) -> list[str]:
+def _names(header: list[str], file: str, line: int, columns: Columns) -> list[str]:
     names = [cell.strip() for cell in header]
     for i, name in enumerate(names):
         if name not in columns.names or name in names[:i]:
             problem = "column given twice" if name in columns.names else "unknown column"
-            raise _wrong(file, 1, header, i, f"{problem}: {quoted(name)}; columns can be {listed(columns.names)}")
+            raise _wrong(file, line, header, i, f"{problem}: {quoted(name)}; columns can be {listed(columns.names)}")
     for kind in columns.kinds:
         if len(set(kind) & set(names)) != 1:
-            problem = f"the first line must name one of the columns {listed(kind)}; it names {listed(names) or 'none'}"
-            raise WrongInput(problem, location=f"{file}:1:1")
+            problem = f"the header must name one of the columns {listed(kind)}; it names {listed(names) or 'none'}"
+            raise WrongInput(problem, location=f"{file}:{line}:1")
     return names
 
 

@@ -61,7 +61,7 @@ _WORDS: dict[str, bool | float | None] = {
     **{"-" + word: -inf for word in (".inf", ".Inf", ".INF")},
 }
 
-# Python refuses to read integers of thousands of digits; as numbers they are infinite long before.
+# Python refuses to read integers of thousands of digits, even if nearly all of them are zeros in front.
 _LONGEST_INTEGER = 400
 _LONGEST_SHOWN = 40
 
@@ -75,15 +75,17 @@ def plain_value(text: str) -> object:
 
 
 def plain_number(text: str) -> int | float | None:
-    """``text`` as a decimal number; None where it is not one."""
-    if _INTEGER.fullmatch(text) and len(text) <= _LONGEST_INTEGER:
-        return int(text)
-    return float(text) if _FLOAT.fullmatch(text) else None
+    """``text`` as a decimal number, infinite if it is beyond floating point; None where it is not a number."""
+    if not _FLOAT.fullmatch(text):
+        return None
+    number = float(text)
+    whole_number = _INTEGER.fullmatch(text) and len(text) <= _LONGEST_INTEGER and isfinite(number)
+    return int(text) if whole_number else number
 
 
 def whole(value: float) -> float:
     """The number as an integer if it is a whole one, so that a file shows it without a point."""
-    return int(value) if float(value).is_integer() else value
+    return int(value) if isinstance(value, int) or value.is_integer() else value
 
 
 def quoted(value: object) -> str:

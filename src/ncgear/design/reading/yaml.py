@@ -35,8 +35,8 @@ DEEPEST = 12
 MOST_KEYS = 200
 """Keys in one group; a law needs two dozen.  Every unknown key is compared with the known ones, which takes time."""
 
-MOST_ITEMS = 200_000
-"""Items in one list: the largest number of points of a table; millions of items would take a minute to read."""
+MOST_VALUES = 100_000
+"""Values in one file, with lists and groups: a few seconds of reading; a CSV file holds longer tables."""
 
 LONG_TAG = re.compile(r"!\S{200}")
 """A long tag, refused before the parser sees it: its time to decode a tag grows with the square of the length."""
@@ -73,8 +73,8 @@ class _Reader:
     def __init__(self, text: str, file: str) -> None:
         self._file = file
         self._places: dict[str, Place] = {}
-        # Every machine uses the parser in pure Python, because the one in C has other error messages.
-        self._events: Iterator[Any] = iter(YAML(typ="safe", pure=True).parse(text))
+        self._count = 0
+        self._events = _events(text, file)
 
     def document(self) -> Document:
         """The only document of the stream; an empty file gives None."""
@@ -83,18 +83,22 @@ class _Reader:
         for event in self._events:
             if isinstance(event, ScalarEvent | SequenceStartEvent | MappingStartEvent | AliasEvent):
                 if begun:
-                    raise self._wrong(event, "", "a second document begins; one design per file is right")
+                    raise self._wrong(event, "", "a second document begins; one in each file is right")
                 self._places[""] = self._place(event)
                 data, begun = self._value(event, ()), True
         return Document(data, self._places)
 
     def _value(self, event: Any, path: tuple[str, ...]) -> Any:
+        self._count += 1
+        if self._count > MOST_VALUES:
+            problem = f"over {MOST_VALUES} values in one file; fewer are right, and long tables in a CSV file"
+            raise self._wrong(event, ".".join(path), problem)
         self._refuse_indirect(event, path)
         if isinstance(event, ScalarEvent):
             text = self._text(event, path)
             return plain_value(text) if event.implicit[0] else text
         if len(path) >= DEEPEST:
-            raise self._wrong(event, "", f"nested over {DEEPEST} levels deep; a design needs four")
+            raise self._wrong(event, "", f"nested over {DEEPEST} levels deep; no key of ncgear needs over five")
         return self._mapping(path) if isinstance(event, MappingStartEvent) else self._sequence(path)
 
     def _refuse_indirect(self, event: Any, path: tuple[str, ...]) -> None:
@@ -117,9 +121,7 @@ class _Reader:
                 first = self._places[".".join(inner)].line
                 raise self._wrong(event, ".".join(inner), f"given twice, first in line {first}; keep one")
             if len(values) == MOST_KEYS:
-                raise self._wrong(
-                    event, ".".join(path), f"over {MOST_KEYS} keys in one group; a design needs two dozen"
-                )
+                raise self._wrong(event, ".".join(path), f"over {MOST_KEYS} keys in one group; no group has two dozen")
             self._places[".".join(inner)] = self._place(event)
             values[key] = self._value(next(self._events), inner)
         return values
@@ -145,8 +147,6 @@ class _Reader:
     def _sequence(self, path: tuple[str, ...]) -> list[Any]:
         values: list[Any] = []
         while not isinstance(event := next(self._events), SequenceEndEvent):
-            if len(values) == MOST_ITEMS:
-                raise self._wrong(event, ".".join(path), f"over {MOST_ITEMS} items in one list; fewer are right")
             inner = (*path, str(len(values)))
             self._places[".".join(inner)] = self._place(event)
             values.append(self._value(event, inner))
@@ -157,6 +157,22 @@ class _Reader:
 
     def _wrong(self, event: Any, key: str, problem: str) -> WrongInput:
         return WrongInput(problem, key=key, location=str(self._place(event)))
+
+
+def _events(text: str, file: str) -> Iterator[Any]:
+    """What the parser finds; every machine uses the one in pure Python, because that in C has other error messages.
+
+    The parser makes numbers of escapes (``"\\UFFFFFFFF"``) and of the version after %YAML without a look at their size.
+    Such a fault gets the place where what is readable ends.
+    """
+    place = Place(file, 1, 1)
+    try:
+        for event in YAML(typ="safe", pure=True).parse(text):
+            place = Place(file, event.end_mark.line + 1, event.end_mark.column + 1)
+            yield event
+    except (ValueError, OverflowError) as error:
+        problem = "is not YAML: a number after \\U or %YAML is too large; write the character itself, and no version"
+        raise WrongInput(problem, location=str(place)) from error
 
 
 def _syntax(error: MarkedYAMLError) -> str:

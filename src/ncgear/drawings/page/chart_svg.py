@@ -127,7 +127,11 @@ class ChartFigure:
         """Words for the least and greatest value of this design's line, with their angles."""
         line, decimals = self.page_chart.chart.own, self.page_chart.decimals
         places = int(np.argmin(line.values)), int(np.argmax(line.values))
-        texts = [f"{line.values[place]:.{decimals}f} at {line.x[place]:.0f}\u00b0" for place in places]
+        # Plus 0.0, for a value that rounds to zero has no sign.
+        texts = [
+            f"{round(float(line.values[place]), decimals) + 0.0:.{decimals}f} at {line.x[place]:.0f}\u00b0"
+            for place in places
+        ]
         return " to ".join(texts).replace("-", "\u2212")
 
 

@@ -14,7 +14,7 @@ from math import inf, sqrt
 
 import numpy as np
 
-from ncgear.errors import WrongInput
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.passes import Ceilings
 from ncgear.optimum.certified.problem import Problem
@@ -55,6 +55,25 @@ def least_acceleration(task: Task, limits: Limits, cells: int | None = None) -> 
     problem = prepared(task, limits, cells)
     power = problem.given_peaks.power_w
     return enclosed(problem, lambda value: Peaks(value, power), resting_acceleration(task))
+
+
+def rough_acceleration(task: Task, limits: Limits) -> float:
+    """The peak in mm/s^2 of some motion within the limits.
+
+    Raises NoSuchMechanism as ``least_acceleration`` does, and where limits are so narrow that the grid has no motion.
+    """
+    found = least_acceleration(task, limits).attained
+    if found == inf:
+        raise _too_narrow()
+    return found
+
+
+def _too_narrow() -> NoSuchMechanism:
+    return NoSuchMechanism(
+        "no motion within these limits was found, though none is certain to be too narrow; a wider range of the "
+        "ratio, a larger pressure angle or a longer working stroke is needed",
+        key="optimize.limits",
+    )
 
 
 def least_power(task: Task, limits: Limits, cells: int | None = None) -> Bound:
@@ -146,6 +165,8 @@ def least_weighted_sum(
     """
     problem = prepared(task, limits, cells or CELLS)
     lowest, least, rich = _ends(problem)
+    if rich.power_w == inf:
+        raise _too_narrow()
     highest, attained = rich.power_w, weights.of(rich.acceleration_mm_s2, rich.power_w)
     # Beyond the highest power acceleration gains nothing, so its own interval needs no splitting.
     above = weights.of(least, highest)

@@ -57,6 +57,10 @@ DIGITS = 5
 """Significant digits of a nearest value; it is rounded to the side that is allowed."""
 
 
+LEAST_ROOM = 1e-6
+"""Share of the mean ratio by which a limit must differ from it: with less, rounding decides whether there is a law."""
+
+
 def refuse_ratios(task: Task, limits: Limits) -> None:
     """Refuse ratios that cannot close the cycle or a given working stroke; raises NoSuchMechanism."""
     out, working = task.linkage.working_angle_rad, limits.working_rad
@@ -94,6 +98,14 @@ def refusal(problem: Problem, peaks: Peaks) -> NoSuchMechanism:
 
 def _refuse_ratio(crank_rad: float, driving_rad: float, limits: Limits, stretch: str) -> None:
     mean = driving_rad / crank_rad
+    for key, given in (("ratio_min", limits.ratio_min), ("ratio_max", limits.ratio_max)):
+        if abs(given - mean) <= LEAST_ROOM * mean:
+            side = f"under {shown_below(mean)}" if key == "ratio_min" else f"over {shown_above(mean)}"
+            raise NoSuchMechanism(
+                f"{given:g} leaves nothing to choose: the mean ratio of {stretch} is {mean:.6g}, so the ratio would be "
+                f"constant; {side} is right",
+                key=f"optimize.limits.{key}",
+            )
     if limits.ratio_min > mean:
         raise NoSuchMechanism(
             f"at {limits.ratio_min:g} throughout, {stretch} takes {limits.ratio_min * crank_rad:.5g} rad of the "
