@@ -79,7 +79,9 @@ class Rack(Model):
     """The basic rack: a profile of ISO 53, any of whose coefficients can be given by itself."""
 
     profile: Literal["A", "B", "C", "D"] = Field(default="A", description="basic rack profile of ISO 53: A, B, C or D")
-    pressure_angle_deg: float = Field(default=20.0, gt=5.0, lt=40.0, description="pressure angle in degrees")
+    pressure_angle_deg: float = Field(
+        default=20.0, gt=5.0, lt=40.0, description="pressure angle of the rack's flanks in degrees"
+    )
     addendum: float = Field(
         default_factory=lambda data: _of_profile(data).addendum, gt=0.0, le=10.0, description="addendum in modules"
     )
