@@ -217,8 +217,8 @@ class Gears(Model):
     )
     index_holes: bool = Field(
         default=False,
-        description="true: a small hole in each gear, which face each other at phi1 = 0: half a module wide, and 2 mm at "
-        "least, or 1 mm where there is no room for more",
+        description="true: a small hole in each gear, which face each other at phi1 = 0: half a module wide, and 2 mm "
+        "at least, or 1 mm where there is no room for more",
     )
     measuring_pin_mm: Length | None = Field(
         default=None,
