@@ -12,6 +12,7 @@ import pytest
 from drives import loaded
 from ncgear.design.keys.design import Design, json_schema
 from ncgear.figures.advice.collected import build_advice, check_advice
+from ncgear.figures.advice.law_advice import crank_pin
 from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where
 from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive
@@ -52,6 +53,10 @@ CASES: dict[str, Data] = {
     },
     "negative resistance": {"resistance": {"expression_n": "x - 10"}},
     "helical": {"gears": {"helix": {"angle_deg": 12, "kind": "helical", "hand": "left"}}},
+    "pin at the shaft": {
+        "linkage": {"crank_mm": 72, "rod_mm": 250},
+        "gears": {"driving": {"bore_mm": 10}, "driven": {"bore_mm": 10}},
+    },
     "loses contact": {
         "gears": {"rack": {"addendum": 0.5}, "teeth": 20},
     },
@@ -243,3 +248,28 @@ def test_values_read_as_text() -> None:
     assert str(where) == "teeth 1-3, 7 of the driving gear, phi1 = 10, 20..31 deg"
     assert str(Change("motion.sine", (0.5, 0.25, 0.1, 0.05))) == "motion.sine: [0.5, 0.25, 0.1, and 1 more]"
     assert str(Remedy("do it", (Change("a.b", True),), "ncgear optimize")) == "do it (a.b: true, then ncgear optimize)"
+
+
+@pytest.mark.parametrize(
+    ("crank", "driving", "driven", "near"),
+    [
+        # The axes are 80 mm apart, and the pin is taken to be as thick as the driven shaft
+        (72.0, {"bore_mm": 10}, {"bore_mm": 8}, ["driving"]),
+        (70.9, {"bore_mm": 10}, {"bore_mm": 8}, []),
+        (88.9, {"bore_mm": 10}, {"bore_mm": 8}, ["driving"]),
+        (89.1, {"bore_mm": 10}, {"bore_mm": 8}, []),
+        (48.0, {"bore_mm": 10, "hub": {"diameter_mm": 57, "height_mm": 9}}, {"bore_mm": 8}, ["driving"]),
+        (38.0, {"bore_mm": 10}, {"bore_mm": 8, "hub": {"diameter_mm": 69, "height_mm": 9}}, ["driven"]),
+        (80.0, {"bore_mm": 10}, {}, ["driving"]),
+        (80.0, {}, {}, []),
+    ],
+)
+def test_a_crank_pin_that_meets_a_shaft_or_hub_is_told(
+    crank: float, driving: Data, driven: Data, near: list[str]
+) -> None:
+    data = merged(SMALL, {"linkage": {"crank_mm": crank, "rod_mm": 300}, "gears": {"driving": driving}})
+    told = crank_pin(drive_of(merged(data, {"gears": {"driven": driven}})))
+    assert [advice.where[0].gear for advice in told] == near
+    for advice in told:
+        passed = abs(80.0 - crank) if near == ["driving"] else crank
+        assert f"{passed:.3g} mm from the {near[0]} gear" in advice.what

@@ -162,6 +162,19 @@ def test_few_holes_fill_the_way_from_bore_to_outline() -> None:
     assert [hole.diameter_mm for hole in holes] == pytest.approx([RADIUS - 5.0 - 2.0 * 4.0] * 3, abs=0.011)
 
 
+@pytest.mark.parametrize("count", [1, 3])
+def test_holes_too_small_to_save_weight_are_not_made_unasked(count: int) -> None:
+    """Between bore and outline there is room for 1.7 mm, as a given diameter, and not for what takes off weight."""
+    wall = (RADIUS - 5.0 - 1.7) / 2.0
+    with pytest.raises(WrongInput, match=r"the largest that fits is 1\.(69|7) mm, and under 2 mm") as caught:
+        made(Blank(WIDTH, Bore(10.0), holes=HoleSet(count, wall)))
+    assert caught.value.key.endswith("lightening_holes")
+    assert "fewer holes" in caught.value.problem
+    assert made(Blank(WIDTH, Bore(10.0), holes=HoleSet(count, wall, 1.6))).plan.lightening_holes[0].diameter_mm == 1.6
+    enough = made(Blank(WIDTH, Bore(10.0), holes=HoleSet(count, wall - 0.2))).plan.lightening_holes
+    assert enough[0].diameter_mm == pytest.approx(2.1, abs=0.02)
+
+
 @pytest.mark.thorough
 def test_many_holes_leave_the_wall_to_each_other() -> None:
     """On the circle of centres R - w - d/2 neighbours stand 2 (R - w - d/2) sin(pi/n) apart, which is d + w."""

@@ -54,3 +54,24 @@ def test_nothing_to_look_for_is_nothing_found() -> None:
 def test_a_function_that_is_no_number_has_no_zero() -> None:
     with pytest.raises(ArithmeticError, match="no zero"):
         zeros_between(lambda points: points * np.nan, np.zeros(2), np.ones(2))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_zero_that_is_found_early_stays_while_others_are_sought(seed: int) -> None:
+    """Functions that are themselves solved for have digits that vary.
+
+    Steps in a bracket that was narrow already led out of it then, and to where there is no number.
+    """
+    noise, tried = np.random.default_rng(seed), []
+    zero = noise.uniform(0.2, 0.8, 200)
+    low, high = np.zeros(200), np.ones(200)
+
+    def function(points: Array) -> Array:
+        tried.append(points)
+        values = np.tanh(points - zero) + noise.normal(0.0, 1e-16, 200)
+        values[-1] = (points[-1] - zero[-1]) ** 9
+        return values
+
+    found = zeros_between(function, low, high)
+    assert len(tried) > 40  # the last one is slow, the others need a dozen steps
+    assert np.max(np.abs(found - zero)[:-1]) <= 1e-15

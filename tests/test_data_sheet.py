@@ -10,15 +10,19 @@ from typing import Any
 import numpy as np
 import pytest
 from pydantic import ValidationError
+from shapely import Point, Polygon
 
 from drives import drive, loaded
 from ncgear.design.keys.design import Design
 from ncgear.drawings.charts.chart import joints_up_to
 from ncgear.drawings.page.tables import sheet_tables
+from ncgear.errors import NoSuchMechanism
+from ncgear.figures.data_sheet import sheet as sheet_module
 from ncgear.figures.data_sheet.pitch_table import pitch_csv, turn_deg
 from ncgear.figures.data_sheet.sheet import DataSheet, Entry, data_sheet, sheet_text
 from ncgear.figures.tables import Table
 from ncgear.project.drive import Drive
+from ncgear.project.measured import MeasuredGear
 
 LIMITS = {"standard": "ISO 1328-1", "tooth_thickness_upper_mm": -0.05, "tooth_thickness_lower_mm": -0.1}
 
@@ -195,3 +199,62 @@ def test_text_of_the_design_stays_within_its_cell() -> None:
     assert len(cells) == 4
     assert "end" in cells[1]
     assert not re.search(r"(?<!\\)[<*`]", cells[1])
+
+
+FIGURES = [
+    ("spans", "places of a span", "Span of the driven gear"),
+    ("pins", "spaces in which they measure", "Pins in the driving gear"),
+]
+
+
+@pytest.mark.parametrize(("figure", "label", "title"), FIGURES)
+def test_a_figure_that_cannot_be_computed_says_why_and_ends_nothing(
+    figure: str, label: str, title: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def failing(gear: MeasuredGear) -> None:
+        raise ArithmeticError(f"no zero for the {gear.gear.value} gear | in 3 steps")
+
+    monkeypatch.setattr(MeasuredGear, figure, property(failing))
+    found = data_sheet(drive("ellipse"))
+    assert row(found, label).driven == "could not be computed: no zero for the driven gear | in 3 steps"
+    assert table(found, title).notes[0].startswith("could not be computed: no zero")
+    assert row(found, "module").pair == 2.0
+    assert f"## {title}\n\nCould not be computed: no zero" in sheet_text(found)
+    assert [one.title for one in sheet_tables(found)][-1].startswith("Pins in" if figure == "pins" else "Measurement")
+
+
+def test_a_section_that_cannot_be_measured_leaves_all_other_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(*given: object) -> None:
+        raise NoSuchMechanism("tooth 3 of the driven gear is too thin", key="gears.teeth")
+
+    monkeypatch.setattr(sheet_module, "measured_gears", failing)
+    monkeypatch.setattr(sheet_module, "pitch_table", failing)
+    found = data_sheet(drive("ellipse"))
+    assert (
+        row(found, "these figures").pair == "could not be computed: gears.teeth: tooth 3 of the driven gear is too thin"
+    )
+    assert [one.rows for one in found.tables] == [()] * 5
+    assert row(found, "greatest pitch radius").driving == pytest.approx(sheet_radius("ellipse"))
+
+
+def sheet_radius(name: str) -> float:
+    """Largest pitch radius of the driving gear, by the law's ratio: r1 = a / (i + 1)."""
+    pair = drive(name)
+    return pair.pitch.center_distance_mm / (1.0 + pair.transmission.ratio_range[0].value)
+
+
+@pytest.mark.thorough
+def test_round_holes_are_told_as_they_are_made() -> None:
+    """Diameters and places of the sheet are those of the circles in the solids' plan, whatever the keys say."""
+    found, solids = sheet("printed-pump"), drive("printed-pump").solids
+    count, size = str(row(found, "lightening holes, number x diameter").driven).split(" x ")
+    section = solids.driven.plan.section
+    areas = sorted(Polygon(ring).area for ring in section.interiors)
+    assert int(count) == 5
+    assert np.sqrt(4.0 * areas[-2] / np.pi) == pytest.approx(float(size), rel=2e-3)  # the largest is the bore
+    assert row(found, "diameter of index hole").driving == solids.driving.index_hole.diameter_mm
+    x, y = map(float, str(row(found, "centre of index hole, x and y").driven).split(", "))
+    assert not section.contains(Point(x, y))
+    assert section.distance(Point(x, y)) == pytest.approx(
+        float(row(found, "diameter of index hole").driven) / 2, rel=0.02
+    )

@@ -17,7 +17,7 @@ from shapely import Polygon, affinity
 from trimesh import Trimesh
 
 from drives import drive_of_text
-from ncgear.contact.designed.as_designed import as_designed
+from ncgear.contact.designed.as_designed import SideContact, as_designed
 from ncgear.contact.placement import placed
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.files.build import build
@@ -547,6 +547,38 @@ def test_an_overlap_that_leaves_a_rest_to_the_sections_asks_for_it() -> None:
     with pytest.raises(NoSuchMechanism) as helical:
         assert drive_of_text(text + HELIX.replace("15", "0.01")).designed_contact
     assert helical.value.key == straight.value.key == "gears.least_contact_ratio"
+
+
+@pytest.mark.parametrize(
+    ("helix_deg", "shares", "refused"),
+    [
+        (2.0, (1.001, 1.03), True),  # contact ceases, and the little overlap hid it from ratios just over 1
+        (12.0, (1.0,), False),  # the overlap bridges what the flanks leave
+        (12.0, (1.15, 1.2), True),  # and does not make up for the whole of these
+    ],
+)
+def test_flanks_and_helix_together_touch_over_what_is_asked(
+    helix_deg: float, shares: tuple[float, ...], refused: bool
+) -> None:
+    """Teeth of half height touch over less than a pitch."""
+    low = DESIGN.replace("teeth: 23", "teeth: 23\n  rack: {addendum: 0.5}")
+    for share in shares:
+        drive = drive_of_text(f"{low}{HELIX.replace('15', str(helix_deg))}  least_contact_ratio: {share}\n")
+        arcs = [side.arcs.min() for side in made_contact(drive)]
+        assert max(arcs) < 1.0
+        assert (min(arcs) + drive.overlap_ratio < share or drive.overlap_ratio < 0.05) == refused
+        if refused:
+            with pytest.raises(NoSuchMechanism, match=r"touch over|no flanks touch") as caught:
+                assert drive.designed_contact
+            assert caught.value.key == "gears.least_contact_ratio"
+        else:
+            assert drive.designed_contact
+
+
+def made_contact(drive: Drive) -> tuple[SideContact, SideContact]:
+    """Both sides' contact in the section at z = 0, whether it is enough or not."""
+    found = as_designed(drive.teeth, placed(drive.pitch))
+    return found.pushing, found.back
 
 
 def test_a_build_writes_the_section_at_no_height_as_the_outline(tmp_path: Path) -> None:

@@ -25,6 +25,7 @@ from ncgear.metrology.pins import (
 from ncgear.metrology.span import measuring_chords, spans
 from ncgear.metrology.working import WorkingFlanks, root_radii_mm, tip_radii_mm, working_flanks
 from ncgear.pitch.pair import sized_pair
+from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.teeth.form import TipRelief, ToothForm
@@ -233,6 +234,26 @@ def test_chords_begin_and_end_where_the_curve_is_convex() -> None:
     assert chords.start_mm.size
     for ends in (chords.start_mm, chords.end_mm):
         assert np.all(pitch.driving.at_length(ends).curvature > 0.0)
+
+
+@pytest.mark.parametrize(
+    ("cosine", "sine", "angle_deg"),
+    [
+        ((0.095, 0.053, -0.01), (0.091, 0.103, -0.031), 22.5),  # convex; no end was found here
+        ((-0.533, -0.061, -0.071), (0.124, 0.275, 0.342), 20.0),  # dented; ends that leap over the dent counted
+    ],
+)
+def test_chords_leave_and_come_in_at_the_pressure_angle(
+    cosine: tuple[float, ...], sine: tuple[float, ...], angle_deg: float
+) -> None:
+    curve = sized_pair(harmonic_law(np.array(cosine), np.array(sine), Lobes()), 51, 1.7, None).driven
+    chords = measuring_chords(curve, radians(angle_deg))
+    first, last = curve.at_length(chords.start_mm), curve.at_length(chords.end_mm)
+    way = last.position - first.position
+    way /= np.linalg.norm(way, axis=1)[:, None]
+    assert len(way) >= 2
+    for tangent in (first.tangent, last.tangent):
+        np.testing.assert_allclose(np.degrees(np.arccos(np.sum(tangent * way, axis=1))), angle_deg, atol=1e-7)
 
 
 def test_a_ring_has_no_span() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cmath import exp
 from dataclasses import replace
 from math import pi
 
@@ -16,6 +17,7 @@ from ncgear.balance.mechanism import (
     JointMasses,
     complete_balance,
     joint_masses,
+    partial_counterweight,
     partial_counterweight_kg,
 )
 from ncgear.balance.shaking import Shaking, Speed, shaking, two_term_formula
@@ -65,16 +67,16 @@ def test_the_frame_feels_what_the_joints_bear(mechanism: DrivenCrank) -> None:
 
 
 def completely_balanced(mechanism: DrivenCrank, more: float = 1.0) -> DrivenCrank:
-    found = complete_balance(mechanism.linkage, mechanism.masses, 200.0, 250.0)
-    added = Counterweight(Carrier.ROD, more * found.rod_kg, 200.0), Counterweight(Carrier.CRANK, found.crank_kg, 250.0)
+    found = complete_balance(mechanism, 200.0, 250.0)
+    added = replace(found.rod, mass_kg=more * found.rod.mass_kg), found.crank
     return replace(mechanism, counterweights=added)
 
 
 def test_the_published_complete_balance() -> None:
-    found = complete_balance(LINKAGE, SLIDER, 200.0, 250.0)
-    assert found.rod_kg == pytest.approx(182.0, rel=1e-15)
+    found = complete_balance(even(masses=SLIDER), 200.0, 250.0)
+    assert found.rod.mass_kg == pytest.approx(182.0, rel=1e-15)
     assert found.pin_kg == pytest.approx(247.0, rel=1e-15)
-    assert round(found.crank_kg, 2) == 261.82
+    assert round(found.crank.mass_kg, 2) == 261.82
 
 
 @pytest.mark.parametrize("mechanism", [even(), uneven(OFFSET), even(masses=SLIDER)])
@@ -95,14 +97,14 @@ def test_the_center_of_mass_rests_when_balanced() -> None:
 @pytest.mark.parametrize(("rod", "crank", "key"), [(0.0, 1.0, "rod_arm_mm"), (1.0, -1.0, "crank_arm_mm")])
 def test_arms_must_be_positive(rod: float, crank: float, key: str) -> None:
     with pytest.raises(WrongInput, match="cannot stand at an arm") as error:
-        complete_balance(LINKAGE, SLIDER, rod, crank)
+        complete_balance(even(masses=SLIDER), rod, crank)
     assert error.value.key == key
 
 
 def test_a_crank_too_heavy_behind_is_refused() -> None:
     heavy = RodMasses(slider_kg=1.0, crank_kg=100.0, crank_center_mm=-100.0)
     with pytest.raises(WrongInput, match="too heavy by 8993 kg mm"):
-        complete_balance(LINKAGE, heavy, 200.0, 250.0)
+        complete_balance(even(masses=heavy), 200.0, 250.0)
 
 
 # --- partial balance ----------------------------------------------------------------------------------------------
@@ -122,6 +124,46 @@ def test_the_published_partial_balance() -> None:
     for at, expected in ((printed, [16.64, 20.04]), (given, [16.88, 20.28])):
         assert [round(partial_counterweight_kg(sieve, at, 45.0, k), 2) for k in (1 / 3, 1 / 2)] == expected
     assert round(given.rotating_kg, 2) == 30.21
+
+
+THERE = (
+    Counterweight(Carrier.CRANK, 3.7, 38.0, pi),
+    Counterweight(Carrier.CRANK, 0.9, 55.0, 2.2),  # aside
+    Counterweight(Carrier.ROD, 1.3, 400.0, pi),
+)
+SHAKEN = replace(even(CrankSlider(15.0, 1378.0), SIEVE), counterweights=THERE)
+
+
+@pytest.mark.judges("balance")
+def test_all_balances_are_beside_the_counterweights_already_there() -> None:
+    """Once the one that is asked for is there, nothing more is asked for; nor does it matter who brought it."""
+    parts, bare = joint_masses(SHAKEN.linkage, SIEVE), replace(SHAKEN, counterweights=())
+    for share in (0.0, 0.4, 1.0):
+        whole = partial_counterweight(bare, parts, 45.0, share)
+        assert whole.mass_kg == pytest.approx(partial_counterweight_kg(bare.linkage, parts, 45.0, share), rel=1e-14)
+        added = partial_counterweight(SHAKEN, parts, 45.0, share)
+        done = SHAKEN.with_counterweight(added)
+        # The rule itself, on all that moves: the mass at the pin opposes the share of the mass at the slider
+        assert done.pin_kg == pytest.approx(-share * done.wrist_kg, abs=1e-12)
+        again = partial_counterweight(done, parts, 70.0, share)
+        assert again.mass_kg == pytest.approx(0.0, abs=1e-12)
+        assert again.angle_rad == pi
+    complete = complete_balance(SHAKEN, 300.0, 60.0)
+    still = replace(SHAKEN, counterweights=(*THERE, complete.rod, complete.crank))
+    assert shaking(still).peak.value <= 1e-12 * shaking(SHAKEN).peak.value
+    assert complete.rod.mass_kg == pytest.approx(complete_balance(bare, 300.0, 60.0).rod.mass_kg - 1.3 * 4.0 / 3.0)
+    assert complete.pin_kg == pytest.approx(SIEVE.slider_kg + SIEVE.rod_kg + 1.3 + complete.rod.mass_kg)
+
+
+def test_counterweights_that_are_too_heavy_are_answered_on_the_other_side_or_refused() -> None:
+    heavy = replace(SHAKEN, counterweights=(Counterweight(Carrier.CRANK, 40.0, 45.0),))
+    added = partial_counterweight(heavy, joint_masses(SHAKEN.linkage, SIEVE), 45.0, 1.0 / 3.0)
+    assert abs(exp(1j * added.angle_rad) - 1.0) <= 1e-12
+    assert added.mass_kg == pytest.approx(40.0 - 16.88, abs=0.005)
+    on_rod = replace(SHAKEN, counterweights=(Counterweight(Carrier.ROD, 500.0, 400.0),))
+    with pytest.raises(WrongInput, match="take counterweights off it") as error:
+        complete_balance(on_rod, 300.0, 60.0)
+    assert error.value.key == "rod_arm_mm"
 
 
 def test_joint_masses_move_the_center_of_mass_as_the_parts_do() -> None:

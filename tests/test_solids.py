@@ -174,7 +174,7 @@ def test_index_hole_keeps_its_walls(bore: Bore | None, direction: float) -> None
     hole = index_hole(disc, bore, direction, MODULE)
     assert hole is not None
     assert np.arctan2(hole.y_mm, hole.x_mm) == pytest.approx(direction, abs=1e-9)
-    assert hole.diameter_mm == MODULE / 2.0
+    assert hole.diameter_mm == 2.0  # half a module would be 1.25 mm
     wall = disc.exterior.distance(Point(hole.x_mm, hole.y_mm)) - hole.diameter_mm / 2.0
     # As far out as the wall allows; buffers are polygons, a thousandth off.
     assert wall == pytest.approx(OUTER_WALL_IN_MODULES * MODULE, rel=5e-3)
@@ -185,6 +185,18 @@ def test_index_hole_is_left_out_without_room() -> None:
     free = RADIUS - WAVE - (INNER_WALL_IN_MODULES + OUTER_WALL_IN_MODULES + 0.5) * MODULE
     assert index_hole(disc, Bore(2.0 * free - 0.5), pi, MODULE) is not None
     assert index_hole(disc, Bore(2.0 * free + 0.5), pi, MODULE) is None
+
+
+@pytest.mark.parametrize(("module", "bore", "diameter"), [(7.0, 12.0, 3.5), (1.2, 12.0, 2.0), (1.2, 95.5, 1.0)])
+def test_index_holes_can_be_printed_or_drilled(module: float, bore: float, diameter: float) -> None:
+    """Half a module, but 2 mm at least where they have room, and nowhere under 1 mm."""
+    disc = Polygon(circle_points(52.0, TOLERANCE))
+    hole = index_hole(disc, Bore(bore), 2.0, module)
+    assert hole is not None
+    assert hole.diameter_mm == diameter
+    walls = 52.0 - bore / 2.0 - 2.5 * module
+    assert diameter <= walls < (2.0 if diameter == 1.0 else np.inf)
+    assert index_hole(disc, Bore(2.0 * (52.0 - 2.5 * module - 0.98)), 2.0, module) is None
 
 
 def test_keyway_takes_the_room_of_the_index_hole_on_its_own_side_only() -> None:

@@ -9,8 +9,10 @@ import pytest
 from scipy.special import ellipe
 
 from ncgear.pitch.curve import PitchCurve
-from ncgear.pitch.shape import Gear
+from ncgear.pitch.pair import sized_pair
+from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.laws.ellipse import elliptical_law
+from ncgear.ratio.laws.expression import ratio_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.flank import FLANK, Flanks, flanks_of, regular_depth, regular_height
@@ -95,6 +97,15 @@ def test_chosen_shift_is_limited_and_halves_what_cannot_be_freed() -> None:
     assert shift_against_undercut(few, rack()) == pytest.approx(0.7 * MODULE)
     assert shift_against_undercut(equal, rack()) == pytest.approx(0.0, abs=1e-12)
     assert shift_against_undercut(pitch_pair(uniform_law(Lobes()), 30), rack()) == 0.0
+
+
+@pytest.mark.parametrize(("teeth", "expected"), [(11, 1.0 - 5.5 * sin(radians(20.0)) ** 2), (18, 0.0), (33, 0.0)])
+def test_a_ring_sets_no_bound_to_the_chosen_shift(teeth: int, expected: float) -> None:
+    """No tool undercuts a ring's teeth, so the driving gear takes what it needs and no more."""
+    circles = sized_pair(uniform_law(Lobes(1, 3)), teeth, MODULE, None, Mesh.INTERNAL)
+    assert shift_against_undercut(circles, full_flank(20.0)) == pytest.approx(expected * MODULE, abs=1e-8)
+    waved = ratio_expression_law("3 + 0.2*sin(phi)", Lobes(1, 3), scale_to_close=True)
+    assert shift_against_undercut(sized_pair(waved, 60, MODULE, None, Mesh.INTERNAL), rack()) == 0.0
 
 
 @pytest.mark.parametrize("depth", [0.08, 0.15])

@@ -16,15 +16,14 @@ Counterweights tried one by one give the tables of C. Wei, L. Xu, J. Wang, Y. Li
 
 from __future__ import annotations
 
-from cmath import phase
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import pi
 
 import numpy as np
 from scipy.optimize import linprog
 
 from ncgear.balance.mechanism import (
+    NOTHING,
     PIN_X,
     PIN_Y,
     WRIST,
@@ -52,9 +51,6 @@ FEASIBLE = 1e-10
 BOX = 100.0
 """Largest mass at the pin that is looked for, in slider masses: more would need an x'' a hundred times c''."""
 
-NOTHING = 1e-12
-"""Share of all masses below which S is rounding error: the rod is then balanced, and a crank mass balances the rest."""
-
 MOST_ROUNDS = 200
 """Linear programmes after which the search ends as a fault."""
 
@@ -75,9 +71,7 @@ class BestCounterweight:
     def at(self, arm_mm: float) -> Counterweight:
         """The counterweight at an arm in mm on the crank; raises WrongInput for an arm that is not positive."""
         require_arm(arm_mm, "arm_mm")
-        return Counterweight(
-            Carrier.CRANK, abs(self.moment_kg_mm) / arm_mm, arm_mm, phase(self.moment_kg_mm) % (2 * pi)
-        )
+        return Counterweight.of_moment(Carrier.CRANK, self.moment_kg_mm, arm_mm)
 
 
 def least_squares(mechanism: DrivenCrank, known: Accelerations | None = None) -> BestCounterweight:
@@ -99,7 +93,7 @@ def minimax(mechanism: DrivenCrank, known: Accelerations | None = None) -> BestC
     of ncgear, where peak and bound do not meet within ``GAP``.
     """
     known, size, crank_mm = known or accelerations(mechanism), abs(mechanism.wrist_kg), mechanism.linkage.crank_mm
-    if size <= NOTHING * mechanism.total_kg:
+    if size <= NOTHING * mechanism.total_kg:  # the rod is balanced, and a crank mass balances the rest
         return BestCounterweight(least_squares(mechanism, known).moment_kg_mm, 0.0)
     scale = N_PER_KG_MM_S2 * mechanism.speed_rad_s**2 * crank_mm * size
     pin, slider = _pin_and_slider(mechanism, known, gauss_points(known.form.breaks)[0])
@@ -111,7 +105,7 @@ def minimax(mechanism: DrivenCrank, known: Accelerations | None = None) -> BestC
         if float(np.abs(found * pin + slider).max()) > bound * (1.0 + GAP / 2.0):
             continue
         moment = (found * size - mechanism.pin_kg) * crank_mm
-        added = Counterweight(Carrier.CRANK, abs(moment) / crank_mm, crank_mm, phase(moment))
+        added = Counterweight.of_moment(Carrier.CRANK, moment, crank_mm)
         peak = shaking(mechanism.with_counterweight(added), known).peak
         if peak.value <= scale * bound * (1.0 + GAP):
             return BestCounterweight(moment, scale * bound)

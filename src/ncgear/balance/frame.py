@@ -31,6 +31,7 @@ from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.extrema import Extremum
+from ncgear.numerics.units import STANDARD_GRAVITY_M_S2
 
 HARMONICS = 128
 """Harmonics used to correlate two forces over their phase.  They fall off slowest for a law with jumps of acceleration,
@@ -221,9 +222,6 @@ def combined_counterweight_kg(one: JointMasses, shares: tuple[float, float], arm
 
 # --- counterweight of a chassis -------------------------------------------------------------------------------------
 
-GRAVITY_M_S2 = 9.81
-"""The paper's value; it matters against inertia only, not against dead weight."""
-
 
 @dataclass(frozen=True)
 class Chassis:
@@ -256,13 +254,15 @@ def dynamic_counterweights(chassis: Chassis, mechanism: DrivenCrank) -> DynamicC
     """M1 = F a sin(tilt) / (c g): the weight that holds the vertical part of the exact inertia force F of the slider.
 
     The paper's weight is that of the retracted dead centre; driven evenly, the force is larger at the extended one.
+    g is that of the mechanism's masses or, where they have none, the standard one.
     """
+    gravity = abs(complex(*mechanism.masses.gravity_m_s2)) or STANDARD_GRAVITY_M_S2
     along = shaking(mechanism).along
     machine = Machine(mechanism.transmission, mechanism.linkage, PolynomialResistance(), mechanism.speed_rad_s)
     at_ends = along(np.array([machine.extended_rad, 0.0]))
     largest = max(along.extremes, key=lambda extremum: abs(extremum.value))
     extended, retracted, worst = (
-        abs(float(force)) * sin(chassis.tilt_rad) * chassis.support_mm / (chassis.counterweight_mm * GRAVITY_M_S2)
+        abs(float(force)) * sin(chassis.tilt_rad) * chassis.support_mm / (chassis.counterweight_mm * gravity)
         for force in (*at_ends, largest.value)
     )
     return DynamicCounterweights(extended, retracted, Extremum(worst, largest.at))

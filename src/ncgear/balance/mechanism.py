@@ -20,7 +20,7 @@ So counterweights change coefficients only, and the functions are fitted once fo
 
 from __future__ import annotations
 
-from cmath import exp
+from cmath import exp, phase
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from math import pi
@@ -36,6 +36,9 @@ from ncgear.numerics.chebyshev import PiecewiseChebyshev
 from ncgear.numerics.plane import Vector
 from ncgear.ratio.transmission import Transmission
 
+NOTHING = 1e-12
+"""Share of masses and moments below which a difference of them is rounding error."""
+
 
 @dataclass(frozen=True)
 class JointMasses:
@@ -45,40 +48,11 @@ class JointMasses:
     reciprocating_kg: float
 
 
-@dataclass(frozen=True)
-class CompleteBalance:
-    """Counterweights on the rod beyond the pin and on the crank beyond the axis, and the mass at the pin, all in kg."""
-
-    rod_kg: float
-    pin_kg: float
-    crank_kg: float
-
-
 def joint_masses(linkage: RodMechanism, masses: RodMasses) -> JointMasses:
     """m_B = m_crank c/r + m_rod (1 - d/l), m_C = m_rod d/l + m_slider."""
     share = masses.rod_center_mm / linkage.rod_mm
     crank = masses.crank_kg * masses.crank_center_mm / linkage.crank_mm
     return JointMasses(crank + masses.rod_kg * (1.0 - share), masses.rod_kg * share + masses.slider_kg)
-
-
-def complete_balance(
-    linkage: RodMechanism, masses: RodMasses, rod_arm_mm: float, crank_arm_mm: float
-) -> CompleteBalance:
-    """The two counterweights that keep the common centre of mass on the crank axis, at arms in mm beyond pin and axis.
-
-    The one on the rod brings the centre of slider and rod to the pin, the one on the crank brings all to the axis.
-    They hold for every drive, circular or not; the shaking moment stays.  Z. Tang, Y. Li, Y. Zhou, H. Zhang, "Inertial
-    Vibration Characteristics of Track Chassis Caused by Reciprocating Motion of Crank Slider", Shock and Vibration
-    2019, section 3.1.  Raises WrongInput for arms that are not positive, and where a part is too heavy on that side
-    already.
-    """
-    require_arm(rod_arm_mm, "rod_arm_mm")
-    require_arm(crank_arm_mm, "crank_arm_mm")
-    about_pin = masses.slider_kg * linkage.rod_mm + masses.rod_kg * masses.rod_center_mm
-    rod = _required(about_pin, rod_arm_mm, "rod_arm_mm")
-    pin = rod + masses.slider_kg + masses.rod_kg
-    about_axis = pin * linkage.crank_mm + masses.crank_kg * masses.crank_center_mm
-    return CompleteBalance(rod, pin, _required(about_axis, crank_arm_mm, "crank_arm_mm"))
 
 
 def partial_counterweight_kg(linkage: RodMechanism, at_joints: JointMasses, arm_mm: float, share: float) -> float:
@@ -96,16 +70,6 @@ def require_arm(arm_mm: float, key: str) -> None:
     """Refuse an arm that is not positive; raises WrongInput for ``key``."""
     if not arm_mm > 0.0:
         raise WrongInput(f"a counterweight cannot stand at an arm of {arm_mm:g} mm; a positive one is needed", key=key)
-
-
-def _required(moment_kg_mm: float, arm_mm: float, key: str) -> float:
-    if moment_kg_mm < 0.0:
-        raise WrongInput(
-            f"the part is too heavy by {-moment_kg_mm:.6g} kg mm on the counterweight's side already; "
-            "move its centre of mass towards the slider or the pin",
-            key=key,
-        )
-    return moment_kg_mm / arm_mm
 
 
 class Carrier(StrEnum):
@@ -132,6 +96,12 @@ class Counterweight:
     def arm(self) -> complex:
         """Place on its body in mm, along it and across it."""
         return self.arm_mm * exp(1j * self.angle_rad)
+
+    @classmethod
+    def of_moment(cls, carrier: Carrier, moment_kg_mm: complex, arm_mm: float) -> Counterweight:
+        """The counterweight with a first moment on its body, at an arm; opposite where the moment is zero."""
+        angle = phase(moment_kg_mm) % (2.0 * pi) if moment_kg_mm else pi
+        return cls(carrier, abs(moment_kg_mm) / arm_mm, arm_mm, angle)
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,6 +159,58 @@ class DrivenCrank:
         at = self.linkage.rod(self.transmission.driven_angle(phi1_rad, 2))
         pin, wrist = (complex_derivative(place, 0) for place in (at.pin, at.wrist))
         return (self.pin_kg * pin + self.wrist_kg * wrist) / self.total_kg
+
+
+@dataclass(frozen=True)
+class CompleteBalance:
+    """Counterweights on rod and crank, beside those already there, and the mass in kg at the pin with the rod's own."""
+
+    rod: Counterweight
+    pin_kg: float
+    crank: Counterweight
+
+
+def complete_balance(mechanism: DrivenCrank, rod_arm_mm: float, crank_arm_mm: float) -> CompleteBalance:
+    """The two counterweights, beside those already there, that keep the common centre of mass on the crank axis.
+
+    The one on the rod brings the centre of slider and rod to the pin, the one on the crank brings all to the axis; arms
+    are in mm beyond pin and axis.  They hold for every drive, circular or not; the shaking moment stays.  Z. Tang,
+    Y. Li, Y. Zhou, H. Zhang, "Inertial Vibration Characteristics of Track Chassis Caused by Reciprocating Motion of
+    Crank Slider", Shock and Vibration 2019, section 3.1.  Raises WrongInput for arms that are not positive, and where a
+    part is too heavy on that side already.
+    """
+    require_arm(rod_arm_mm, "rod_arm_mm")
+    require_arm(crank_arm_mm, "crank_arm_mm")
+    about_pin = mechanism.wrist_kg * mechanism.linkage.rod_mm
+    rod = _against(mechanism, Carrier.ROD, about_pin, rod_arm_mm)
+    balanced = mechanism.with_counterweight(rod)
+    crank = _against(mechanism, Carrier.CRANK, balanced.pin_kg * mechanism.linkage.crank_mm, crank_arm_mm)
+    at_pin = mechanism.masses.slider_kg + sum(mass for mass, _ in balanced.on_rod)
+    return CompleteBalance(rod, at_pin, crank)
+
+
+def _against(mechanism: DrivenCrank, carrier: Carrier, moment_kg_mm: complex, arm_mm: float) -> Counterweight:
+    """The counterweight on one body against a moment in kg mm, which must not be on the counterweight's side."""
+    if moment_kg_mm.real < -NOTHING * mechanism.total_kg * arm_mm:
+        there = any(one.carrier is carrier for one in mechanism.counterweights)
+        lighter = "take counterweights off it" if there else "move its centre of mass towards the slider or the pin"
+        raise WrongInput(
+            f"the part is too heavy by {-moment_kg_mm.real:.6g} kg mm on the counterweight's side already; {lighter}",
+            key=f"{carrier.value}_arm_mm",
+        )
+    return Counterweight.of_moment(carrier, -moment_kg_mm, arm_mm)
+
+
+def partial_counterweight(mechanism: DrivenCrank, parts: JointMasses, arm_mm: float, share: float) -> Counterweight:
+    """The counterweight of ``partial_counterweight_kg``, less those already there, for the masses of the parts.
+
+    It stands opposite the pin, unless those already there are too heavy or stand aside.  Raises WrongInput alike.
+    """
+    bare, linkage = replace(mechanism, counterweights=()), mechanism.linkage
+    pin, wrist = mechanism.pin_kg - bare.pin_kg, mechanism.wrist_kg - bare.wrist_kg
+    wanted = partial_counterweight_kg(linkage, parts, arm_mm, share) * arm_mm
+    moment = -wanted - (pin + share * wrist) * linkage.crank_mm
+    return Counterweight.of_moment(Carrier.CRANK, moment if abs(moment) > NOTHING * abs(wanted) else 0.0, arm_mm)
 
 
 def complex_derivative(place: Vector, derivative: int) -> ComplexArray:

@@ -141,23 +141,26 @@ REMEDY = (
 )
 
 
-def refuse_short_contact(designed: AsDesigned, teeth: ToothedPair, least: float) -> None:
+def refuse_short_contact(designed: AsDesigned, teeth: ToothedPair, least: float, overlap: float = 0.0) -> None:
     """Refuse a pair whose flanks touch over fewer than ``least`` pitches, or that loses contact.
 
+    ``overlap`` is what a helix adds, in pitches: to the contact of each pair of flanks, and across gaps between pairs.
     A pair of flanks may touch over less than one pitch while its neighbours bridge the rest: a ``least`` of exactly 1
-    asks only that contact never ceases, one below 1 asks for nothing.  The message tells what limits both tips; no
-    other tool could lift these conditions.  Raises NoSuchMechanism with both teeth.
+    asks only that contact never ceases, one above 1 asks for both, one below 1 for nothing.  The message tells what
+    limits both tips; no other tool could lift these conditions.  Raises NoSuchMechanism with both teeth.
     """
+    parts = designed.longest_gap_pitches > overlap
+    helix = f" and {overlap:.3g} more by the helix" if overlap else ""
     for side in (designed.pushing, designed.back):
         shortest = int(np.argmin(side.arcs))
-        if least > 1.0 and side.arcs[shortest] < least - ROUNDING:
+        if least > 1.0 and side.arcs[shortest] + overlap < least - ROUNDING:
             raise NoSuchMechanism(
-                f"the flanks of {_pair(side, teeth, shortest)} touch over {side.arcs[shortest]:.3g} pitches only, less "
-                f"than {least:.3g}: {_limits(side, teeth, shortest)}; {REMEDY}",
+                f"the flanks of {_pair(side, teeth, shortest)} touch over {side.arcs[shortest]:.3g} pitches{helix} "
+                f"only, less than {least:.3g}: {_limits(side, teeth, shortest)}; {REMEDY}",
                 key="gears.least_contact_ratio",
             )
         parted = int(np.argmin(side.simultaneous))
-        if least >= 1.0 and side.simultaneous[parted] == 0:
+        if least >= 1.0 and parts and side.simultaneous[parted] == 0:
             raise NoSuchMechanism(
                 f"no flanks touch at phi1 = {in_words(float(designed.placement.phi1_rad[parted]))}: one pair parts "
                 f"before the next one meets; the shortest contact is that of {_pair(side, teeth, shortest)}, "

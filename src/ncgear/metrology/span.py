@@ -155,17 +155,24 @@ def measuring_chords(curve: PitchCurve, angle_rad: float) -> MeasuringChords:
     """
     if curve.is_ring:
         return NO_CHORDS
-    start, end, offset, length = _tried(curve, angle_rad)
+    start, end, leaps = _tried(curve, angle_rad)
+    offset, length = _offset(curve, angle_rad, start, end)
     if np.all(np.abs(offset) <= EVEN * length):
         return MeasuringChords(start[:1], end[:1], np.ones(1, dtype=bool), everywhere=True)
-    neighbours = np.diff(start) < NEIGHBOURS * curve.length_mm / STEPS
+    neighbours = (np.diff(start) < NEIGHBOURS * curve.length_mm / STEPS) & (np.diff(leaps) == 0)
     change = np.nonzero(((offset[:-1] < 0.0) != (offset[1:] < 0.0)) & neighbours)[0]
     found = _closed_in(curve, angle_rad, (start, end), change)
+    # A dent flatter than a step lets the end leap unseen: there the offset changes sign and is nowhere zero
+    offset, length = _offset(curve, angle_rad, *found)
+    found = found[0][np.abs(offset) <= EVEN * length], found[1][np.abs(offset) <= EVEN * length]
     return MeasuringChords(*found, _is_least(curve, angle_rad, *found))
 
 
-def _tried(curve: PitchCurve, angle: float) -> tuple[Array, Array, Array, Array]:
-    """Starts over one turn, the ends after a turning of 2 alpha, their offsets and lengths; shape (n,) each."""
+def _tried(curve: PitchCurve, angle: float) -> tuple[Array, Array, IndexArray]:
+    """Starts over one turn, the ends after a turning of 2 alpha, and how many steps of dents the ends have leapt over.
+
+    Shape (n,) each.
+    """
     step = curve.length_mm / STEPS
     grid = np.linspace(-curve.length_mm, 2.0 * curve.length_mm, 3 * STEPS + 1)
     # How far the curve has turned, up to a constant; it grows where the curve is convex.
@@ -178,7 +185,8 @@ def _tried(curve: PitchCurve, angle: float) -> tuple[Array, Array, Array, Array]
     kept = (after < grid.size) & (turned[np.minimum(first + 1, grid.size - 1)] > turned[first])
     first, after = first[kept], after[kept]
     end = _end_of(curve, angle, grid[first], grid[after] - (1.0 + HAIR) * step, grid[after] + HAIR * step)
-    return grid[first], end, *_offset(curve, angle, grid[first], end)
+    dented: IndexArray = np.cumsum((turned < farthest).astype(np.intp))
+    return grid[first], end, dented[after]
 
 
 def _sense(curve: PitchCurve) -> float:

@@ -106,9 +106,12 @@ def zeros_between(function: Callable[[Array], Array], low: Array, high: Array) -
             new, value = at, at_value
             best = np.where(np.abs(value) < np.abs(old_value), new, old)
             least = CLOSE * (np.abs(best) + CLOSE * np.abs(high - low)) / np.abs(old - new)
-            if np.all((least > 0.5) | (value == 0.0) | (old_value == 0.0)):
+            done = (least > 0.5) | (value == 0.0) | (old_value == 0.0)
+            if np.all(done):
                 return best
             share = _next_share((new, old, older), (value, old_value, older_value), least)
+            # A zero that is found stays where it is: a step within so narrow a bracket could leave it.
+            share = np.where(done, 0.0, share)
     raise ArithmeticError("no zero was found between points at which a function has different signs")
 
 

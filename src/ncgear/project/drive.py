@@ -220,17 +220,8 @@ class Drive:
         with self.stopwatch("contact"):
             contact = as_designed(teeth, placed(pitch))
             refuse_overlap(contact, self.design.output.chord_tolerance_mm)
-            refuse_short_contact(contact, teeth, self._asked_of_section(contact.longest_gap_pitches))
+            refuse_short_contact(contact, teeth, self.gears.least_contact_ratio, self.overlap_ratio)
             return contact
-
-    def _asked_of_section(self, gap: float) -> float:
-        """The least contact ratio of a section that loses contact over ``gap`` pitches.
-
-        The overlap of helical teeth lessens what each section needs.  Where the overlap does not bridge the gap, a
-        ratio of 1 or less is asked of the section undiminished: with 1, contact must then never cease.
-        """
-        least = self.gears.least_contact_ratio
-        return least if gap > self.overlap_ratio and least <= 1.0 else least - self.overlap_ratio
 
     def require_sound_teeth(self) -> None:
         """Raise WrongInput or NoSuchMechanism where the contact of the exact teeth is not sound."""

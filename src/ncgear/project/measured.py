@@ -19,14 +19,27 @@ from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 
 @dataclass(frozen=True, eq=False)
 class MeasuredGear:
-    """One gear and the pins chosen for it; ``limits_mm`` are the lower and upper deviation of its tooth thickness."""
+    """One gear in the section that is measured.
+
+    ``pins_mm`` are the diameters of pins to choose from; ``limits_mm`` are the lower and upper deviation of its tooth
+    thickness, None where they are not given.
+    """
 
     gear: Gear
     working: WorkingFlanks
     toothed: ToothedGear
-    pins: Pins
+    pins_mm: tuple[float, ...]
     tolerance_mm: float
     limits_mm: tuple[float, float] | None
+
+    @cached_property
+    def pins(self) -> Pins:
+        """The pins that fit in the most spaces; of several such, those tried first."""
+        found = [
+            pins_in_spaces(self.working, diameter, self.toothed.outline_mm, self.tolerance_mm)
+            for diameter in self.pins_mm
+        ]
+        return max(found, key=lambda pins: pins.space.size)
 
     @cached_property
     def spans(self) -> Spans:
@@ -75,17 +88,15 @@ def measured_section(drive: Drive) -> ToothedPair:
 def _measured(drive: Drive, gear: Gear, toothed: ToothedGear) -> MeasuredGear:
     tolerance = drive.design.output.chord_tolerance_mm
     working = working_flanks(toothed, drive.helix.angle_rad if drive.helix else 0.0)
-    return MeasuredGear(gear, working, toothed, _fitting(drive, working, toothed, tolerance), tolerance, _limits(drive))
+    return MeasuredGear(gear, working, toothed, _pins_to_try_mm(drive, working), tolerance, _limits(drive))
 
 
-def _fitting(drive: Drive, working: WorkingFlanks, toothed: ToothedGear, tolerance: float) -> Pins:
-    """The pins of the given diameter, or else those that fit in the most spaces; of several such, the first tried."""
+def _pins_to_try_mm(drive: Drive, working: WorkingFlanks) -> tuple[float, ...]:
+    """The given diameter, or else those that are sold near the nominal one."""
     helix, given = drive.helix, drive.gears.measuring_pin_mm
     normal_module = drive.rack.module_mm * (cos(helix.angle_rad) if helix else 1.0)
     nominal = nominal_pin_mm(normal_module, internal=working.is_ring)
-    tried = (given,) if given is not None else pins_to_try(nominal)
-    found = [pins_in_spaces(working, diameter, toothed.outline_mm, tolerance) for diameter in tried]
-    return max(found, key=lambda pins: pins.space.size)
+    return (given,) if given is not None else pins_to_try(nominal)
 
 
 def _limits(drive: Drive) -> tuple[float, float] | None:

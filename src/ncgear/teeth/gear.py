@@ -8,7 +8,7 @@ the outlines.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil, cos, sin, tan
+from math import ceil, cos, inf, sin, tan
 
 import numpy as np
 
@@ -160,7 +160,7 @@ def shifted_racks(pitch: PitchPair, form: ToothForm) -> tuple[BasicRack, BasicRa
     driving, driven = form.driving_shift_mm, form.driven_shift_mm
     if form.shift_for_undercut:
         driving = shift_against_undercut(pitch, form.rack)
-        driven = -driving
+        driven = 0.0 - driving  # no -0.0 to be told
     spare = form.rack.backlash_mm - 2.0 * (driving + driven) * sin(form.rack.pressure_angle_rad)
     if spare < -1e-12 * form.rack.module_mm:
         raise WrongInput(
@@ -176,12 +176,13 @@ def shift_against_undercut(pitch: PitchPair, rack: BasicRack) -> float:
     """The driving gear's shift in mm that leaves least undercut; the driven gear's is its opposite.
 
     Where k is a gear's largest curvature, its flank of depth f - x is regular while (f - x) k < sin^2(alpha).  That
-    bounds the shift from below and from above.  Between both bounds the shift nearest to zero is taken; where the
-    bounds leave nothing between them, their mean.
+    bounds the shift from below and from above.  A gear that is nowhere convex, as most rings are, sets no bound.
+    Between both bounds the shift nearest to zero is taken; where the bounds leave nothing between them, their mean.
     """
     square, depth = sin(rack.pressure_angle_rad) ** 2 * (1.0 - ROUNDING), rack.flank_depth_mm
-    least = depth - square / pitch.curvature_range[Gear.DRIVING][1].value
-    most = square / pitch.curvature_range[Gear.DRIVEN][1].value - depth
+    sharpest = (pitch.curvature_range[gear][1].value for gear in Gear)
+    driving, driven = (square / k if k > 0.0 else inf for k in sharpest)
+    least, most = depth - driving, driven - depth
     wanted = float(np.clip(0.0, least, most)) if least <= most else (least + most) / 2.0
     reach = MOST_SHIFT * rack.addendum_mm
     return float(np.clip(wanted, -reach, reach))

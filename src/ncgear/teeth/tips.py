@@ -250,7 +250,7 @@ def no_tip(flanks: Flanks, flank: int) -> NoSuchMechanism:
     k = float(flanks.curve.at_length(flanks.crossing_mm[flank : flank + 1]).curvature[0])
     return NoSuchMechanism(
         f"{flank_name(flanks, flank)} has no tip above the pitch curve that is regular and free of its mate (curvature "
-        f"{k:.4g} 1/mm, {k * flanks.rack.module_mm:.3g} per module, pressure angle "
-        f"{degrees(flanks.rack.pressure_angle_rad):g} deg); more teeth of a smaller module are needed",
+        f"{k:.4g} 1/mm, {k * flanks.rack.module_mm:.3g} per module, pressure angle of "
+        f"the rack {degrees(flanks.rack.pressure_angle_rad):g} deg); more teeth of a smaller module are needed",
         key="gears.teeth",
     )

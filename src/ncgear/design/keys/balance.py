@@ -6,9 +6,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, Strict, model_validator
 
-from ncgear.design.keys.base import LONGEST_MM, Length, Model, Positive, Speed, fault, given, listed, require_one
+from ncgear.design.keys.base import FASTEST_RPM, LONGEST_MM, Length, Model, fault, given, listed, require_one
 from ncgear.design.keys.machine import Linkage
-from ncgear.design.keys.masses import Coordinate, Mass, Masses
+from ncgear.design.keys.masses import HEAVIEST_KG, Coordinate, Mass, Masses
 from ncgear.design.naming import NAME_PATTERN
 
 MOST_COUNT = 10_000
@@ -17,6 +17,13 @@ MOST_ITEMS = 200
 Angle = Annotated[float, Field(ge=-3600.0, le=3600.0)]
 Amplitude = Annotated[float, Field(ge=0.0, le=1e9)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
+
+SLOWEST_RPM, HIGHEST_ORDER, HIGHEST_HZ = 1e-6, 1e4, 1e9
+"""One turn in two years, and bounds far above whatever a machine has: products of them stay far from overflow."""
+
+Turning = Annotated[float, Field(ge=SLOWEST_RPM, le=FASTEST_RPM)]
+Frequency = Annotated[float, Field(ge=1e-8, le=HIGHEST_HZ)]
+Effect = Annotated[float, Field(ge=1e-9, le=1e9)]
 
 
 class Fixed(Model):
@@ -33,14 +40,14 @@ class Fixed(Model):
 
 
 class Complete(Model):
-    """Complete balance by two counterweights."""
+    """Complete balance by two counterweights, beside those already there."""
 
     rod_arm_mm: Length = Field(description="arm of the rod's counterweight beyond the crank pin in mm")
     crank_arm_mm: Length = Field(description="arm of the crank's counterweight beyond the axis in mm")
 
 
 class Partial(Model):
-    """Partial balance by a counterweight on the crank."""
+    """Partial balance by a counterweight on the crank, beside those already there."""
 
     arm_mm: Length = Field(description="arm of the counterweight in mm")
     shares: Annotated[tuple[Share, ...], Strict(False), Field(min_length=1, max_length=MOST_ITEMS)] = Field(
@@ -55,13 +62,13 @@ class Partial(Model):
 
 
 class Best(Model):
-    """The best counterweight on the crank for the actual motion."""
+    """The best counterweight on the crank for the actual motion, beside those already there."""
 
     arm_mm: Length = Field(description="arm of the counterweight in mm")
 
 
 class Sweep(Model):
-    """Counterweights tried one after the other."""
+    """Counterweights tried one after the other, beside those already there."""
 
     arm_mm: Length = Field(description="arm of the counterweight in mm")
     angle_deg: Angle = Field(default=180.0, description="its direction in degrees as above; left out: opposite the pin")
@@ -82,17 +89,23 @@ class Mechanism(Model):
     )
     masses: Masses | None = Field(default=None, description="its masses; left out: those of the design file")
     counterweights: Annotated[tuple[Fixed, ...], Strict(False), Field(max_length=MOST_ITEMS)] = Field(
-        default=(), description="counterweights that the mechanism already has, a list"
+        default=(),
+        description="counterweights that the mechanism already has, a list; complete, partial, best and sweep "
+        "add to them",
     )
     direction_deg: Angle = Field(default=0.0, description="direction of the slider's way out in the frame in degrees")
     phase_deg: Angle = Field(default=0.0, description="driving angle in degrees by which it is ahead of the shaft")
     mirrored: bool = Field(default=False, description="true: its crank turns counter-clockwise")
     x_mm: Coordinate = Field(default=0.0, description="place of its crank axis in the frame in mm")
     y_mm: Coordinate = Field(default=0.0, description="place of its crank axis in the frame in mm")
-    complete: Complete | None = Field(default=None, description="what would balance its forces completely")
-    partial: Partial | None = Field(default=None, description="what would balance them in part")
-    best: Best | None = Field(default=None, description="the counterweight that leaves least")
-    sweep: Sweep | None = Field(default=None, description="counterweights to try")
+    complete: Complete | None = Field(
+        default=None, description="what would balance its forces completely, beside the counterweights that it has"
+    )
+    partial: Partial | None = Field(
+        default=None, description="what would balance them in part, beside the counterweights that it has"
+    )
+    best: Best | None = Field(default=None, description="the counterweight that leaves least, beside those that it has")
+    sweep: Sweep | None = Field(default=None, description="counterweights to try, beside those that it has")
 
     @model_validator(mode="after")
     def _driven_and_massive(self) -> Self:
@@ -122,7 +135,7 @@ class Shaft(Model):
     """A shaft that may shake the machine."""
 
     name: str = Field(min_length=1, max_length=100, description="what it is called")
-    speed_rpm: Speed = Field(description="its speed in r/min")
+    speed_rpm: Turning = Field(description="its speed in r/min")
     rollers: int | None = Field(default=None, ge=1, le=MOST_COUNT, description="rolling elements of its bearing")
     roller_ratio: float | None = Field(
         default=None,
@@ -138,16 +151,18 @@ class Engine(Model):
     """A reciprocating engine."""
 
     name: str = Field(default="engine", min_length=1, max_length=100, description="what it is called")
-    speed_rpm: Speed = Field(description="its speed in r/min")
+    speed_rpm: Turning = Field(description="its speed in r/min")
     cylinders: int = Field(ge=1, le=100, description="number of cylinders")
     strokes: int = Field(default=4, ge=2, le=4, description="strokes of a cycle, 2 or 4")
-    inertia_order: Positive = Field(default=2.0, description="order of its strongest free inertia force")
+    inertia_order: float = Field(
+        default=2.0, ge=0.001, le=HIGHEST_ORDER, description="order of its strongest free inertia force"
+    )
 
 
 class Excitations(Model):
     """Frequencies that shake the machine, compared with its natural frequencies."""
 
-    natural_hz: Annotated[tuple[Positive, ...], Strict(False), Field(min_length=1, max_length=MOST_ITEMS)] = Field(
+    natural_hz: Annotated[tuple[Frequency, ...], Strict(False), Field(min_length=1, max_length=MOST_ITEMS)] = Field(
         description="natural frequencies in Hz"
     )
     band: float = Field(
@@ -232,7 +247,7 @@ class Trial(Model):
 class Rotor(Model):
     """Field balancing from trial weights."""
 
-    speed_rpm: Speed = Field(description="speed of the runs in r/min")
+    speed_rpm: Turning = Field(description="speed of the runs in r/min")
     first: Readings | None = Field(default=None, description="readings of every sensor without trial weights, a list")
     trials: Annotated[tuple[Trial, ...], Strict(False), Field(min_length=1, max_length=20)] | None = Field(
         default=None, description="one run for each plane, a list"
@@ -243,8 +258,11 @@ class Rotor(Model):
         description="CSV file of both instead, one reading in each row, with columns plane (0: without trial weight), "
         "mass_g, angle_deg, sensor, amplitude, phase_deg; its path counts from this file",
     )
-    mass_kg: Positive | None = Field(
-        default=None, description="mass of the rotor in kg; left out: the permissible unbalance is not told"
+    mass_kg: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=HEAVIEST_KG,
+        description="mass of the rotor in kg; left out: the permissible unbalance is not told",
     )
     radius_mm: Length | None = Field(default=None, description="radius of the weights in mm, with mass_kg")
     grade: float = Field(
@@ -287,7 +305,7 @@ class ChainDrive(Model):
     predict_deg: Annotated[tuple[Angle, ...], Strict(False), Field(max_length=MOST_ITEMS)] = Field(
         default=(), description="phases of the weight in degrees for which readings are predicted"
     )
-    effect_per_g: Positive | None = Field(
+    effect_per_g: Effect | None = Field(
         default=None, description="amplitude per g of a weight, for corrections; left out: none"
     )
 
@@ -306,7 +324,7 @@ class Balance(Model):
 
     name: str = Field(pattern=NAME_PATTERN, description="name of the file's subject and of its output folder")
     description: str = Field(default="", max_length=10_000, description="free text")
-    speed_rpm: Speed | None = Field(
+    speed_rpm: Turning | None = Field(
         default=None, description="speed in r/min of the shaft that drives the mechanisms and the gears"
     )
     mechanisms: Annotated[tuple[Mechanism, ...], Strict(False), Field(max_length=50)] = Field(

@@ -74,7 +74,8 @@ class LighteningHoles(Model):
         description="least wall in mm to tooth outline, bore, hub, pocket sides, index hole and between the holes"
     )
     diameter_mm: Length | None = Field(
-        default=None, description="diameter of the holes in mm; left out: the largest that keeps the walls"
+        default=None,
+        description="diameter of the holes in mm; left out: the largest that keeps the walls, 2 mm or more",
     )
 
 

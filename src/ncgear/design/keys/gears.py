@@ -79,7 +79,9 @@ class Rack(Model):
     """The basic rack: a profile of ISO 53, any of whose coefficients can be given by itself."""
 
     profile: Literal["A", "B", "C", "D"] = Field(default="A", description="basic rack profile of ISO 53: A, B, C or D")
-    pressure_angle_deg: float = Field(default=20.0, gt=5.0, lt=40.0, description="pressure angle in degrees")
+    pressure_angle_deg: float = Field(
+        default=20.0, gt=5.0, lt=40.0, description="pressure angle of the rack's flanks in degrees"
+    )
     addendum: float = Field(
         default_factory=lambda data: _of_profile(data).addendum, gt=0.0, le=10.0, description="addendum in modules"
     )
@@ -215,7 +217,8 @@ class Gears(Model):
     )
     index_holes: bool = Field(
         default=False,
-        description="true: a small hole in each gear, half a module wide, which face each other at phi1 = 0",
+        description="true: a small hole in each gear, which face each other at phi1 = 0: half a module wide, and 2 mm "
+        "at least, or 1 mm where there is no room for more",
     )
     measuring_pin_mm: Length | None = Field(
         default=None,

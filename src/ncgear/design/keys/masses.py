@@ -13,6 +13,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import LONGEST_MM, Model, Positive, Speed, fault
+from ncgear.numerics.units import STANDARD_GRAVITY_M_S2
 
 HEAVIEST_KG = 1e7
 """Ten thousand tonnes: beyond any machine."""
@@ -77,7 +78,9 @@ class Flywheel(Model):
 class Gravity(Model):
     """Which way is down."""
 
-    acceleration_m_s2: float = Field(default=9.80665, ge=0.0, le=1000.0, description="acceleration of gravity in m/s2")
+    acceleration_m_s2: float = Field(
+        default=STANDARD_GRAVITY_M_S2, ge=0.0, le=1000.0, description="acceleration of gravity in m/s2"
+    )
     direction_deg: float = Field(
         default=-90.0,
         ge=-360.0,

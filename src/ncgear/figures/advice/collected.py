@@ -23,6 +23,7 @@ def build_advice(drive: Drive) -> tuple[Advice, ...]:
         law_advice.pressure_angle(drive),
         law_advice.ring(drive),
         *(law_advice.concave(drive, gear) for gear in Gear),
+        *law_advice.crank_pin(drive),
     ]
     of_teeth = [teeth_advice.undercut(drive), teeth_advice.pointed(drive), *teeth_advice.shortened(drive)]
     return _given(*of_curves, *of_teeth, teeth_advice.contact_ratio(drive), teeth_advice.thrust(drive))

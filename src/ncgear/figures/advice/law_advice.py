@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import cos, degrees, radians
 
+from ncgear.design.keys.bodies import GearBody
 from ncgear.design.laws.registry import LawName, design_law
 from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where, changed
 from ncgear.pitch import shape
@@ -125,6 +126,47 @@ def ring(drive: Drive) -> Advice | None:
         "wire, mill, print, or a shaper with a smaller cutter can; it is carried on its rim, or by a plate behind the "
         "driving gear",
     )
+
+
+def crank_pin(drive: Drive) -> list[Advice]:
+    """A crank pin that comes near to the driving shaft, or to the hub or shaft that carries it.
+
+    The crank is carried by the last driven shaft.  Its pin, of which a design says nothing, is taken to be as thick as
+    that shaft or, where that has no bore, as the driving one.
+    """
+    if drive.stage not in (None, drive.design.stages):
+        return []
+    gears, crank = drive.gears, drive.linkage.crank_mm
+    pin = (gears.driven.bore_mm or gears.driving.bore_mm or 0.0) / 2.0
+    passing = {Gear.DRIVING: abs(drive.pitch.center_distance_mm - crank), Gear.DRIVEN: crank}
+    bodies = {Gear.DRIVING: gears.driving, Gear.DRIVEN: gears.driven}
+    near = [(gear, *_about_axis(bodies[gear])) for gear in Gear]
+    return [
+        Advice(
+            Kind.CRANK_PIN,
+            (Where(gear.value),),
+            f"the crank pin passes {round(passing[gear], 2):g} mm from the {gear.value} gear's axis, about which "
+            f"there is a {part} of {2.0 * radius:g} mm diameter",
+            f"a pin of {2.0 * pin:g} mm diameter touches it, where both are on the same side of the gears",
+            (Remedy(NO_MEETING[gear]),),
+        )
+        for gear, part, radius in near
+        if part and passing[gear] < radius + pin
+    ]
+
+
+NO_MEETING = {
+    Gear.DRIVING: "let the driving shaft end below the crank, carry the crank on the other side of the gears, or take "
+    "another centre distance",
+    Gear.DRIVEN: "make hub and shaft thinner, or make crank and shaft of one piece",
+}
+
+
+def _about_axis(body: GearBody) -> tuple[str, float]:
+    """What stands about a gear's axis, and its radius in mm; nothing where neither hub nor bore is given."""
+    if body.hub is not None:
+        return "hub", body.hub.diameter_mm / 2.0
+    return ("shaft", body.bore_mm / 2.0) if body.bore_mm is not None else ("", 0.0)
 
 
 def concave(drive: Drive, gear: Gear) -> Advice | None:

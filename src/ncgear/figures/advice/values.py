@@ -26,6 +26,7 @@ class Kind(StrEnum):
     SHORTENED = "shortened"
     CONTACT_RATIO = "contact_ratio"
     THRUST = "thrust"
+    CRANK_PIN = "crank_pin"
 
 
 @dataclass(frozen=True)

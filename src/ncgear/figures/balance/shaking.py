@@ -21,14 +21,13 @@ from ncgear.balance.frame import (
     static_counterweight_kg,
 )
 from ncgear.balance.mechanism import (
-    Carrier,
     Counterweight,
     DrivenCrank,
     JointMasses,
     accelerations,
     complete_balance,
     joint_masses,
-    partial_counterweight_kg,
+    partial_counterweight,
 )
 from ncgear.balance.shaking import Shaking, Speed, Track, TwoTermFormula, shaking, two_term_formula
 from ncgear.balance.waveform import Statistics
@@ -117,27 +116,28 @@ def _two_term_figures(of: TwoTermFormula) -> dict[str, float]:
 
 def _complete(asked: keys.Complete, mechanism: DrivenCrank) -> dict[str, float]:
     with below("complete"):
-        found = complete_balance(mechanism.linkage, mechanism.masses, asked.rod_arm_mm, asked.crank_arm_mm)
-    added = (
-        Counterweight(Carrier.ROD, found.rod_kg, asked.rod_arm_mm),
-        Counterweight(Carrier.CRANK, found.crank_kg, asked.crank_arm_mm),
-    )
-    left = shaking(replace(mechanism, counterweights=added))
+        found = complete_balance(mechanism, asked.rod_arm_mm, asked.crank_arm_mm)
+    left = shaking(replace(mechanism, counterweights=(*mechanism.counterweights, found.rod, found.crank)))
     return {
-        "rod_counterweight_kg": found.rod_kg,
+        "rod_counterweight_kg": found.rod.mass_kg,
+        "rod_angle_deg": degrees(found.rod.angle_rad),
         "mass_at_pin_kg": found.pin_kg,
-        "crank_counterweight_kg": found.crank_kg,
+        "crank_counterweight_kg": found.crank.mass_kg,
+        "crank_angle_deg": degrees(found.crank.angle_rad),
         "moment_max_n_m": shaking_figures(left)["moment_max_n_m"],
     }
 
 
 def _partial(asked: keys.Partial, mechanism: DrivenCrank) -> list[dict[str, float]]:
-    joints, rows = joint_masses_of(asked, mechanism), []
+    parts, rows = joint_masses_of(asked, mechanism), []
     for share in asked.shares:
-        mass = partial_counterweight_kg(mechanism.linkage, joints, asked.arm_mm, share)
-        added = Counterweight(Carrier.CRANK, mass, asked.arm_mm)
-        rows.append({"share": share, "counterweight_kg": mass, **_left(mechanism, added)})
+        added = partial_counterweight(mechanism, parts, asked.arm_mm, share)
+        rows.append({"share": share, **_added(added), **_left(mechanism, added)})
     return rows
+
+
+def _added(counterweight: Counterweight) -> dict[str, float]:
+    return {"counterweight_kg": counterweight.mass_kg, "angle_deg": degrees(counterweight.angle_rad)}
 
 
 def _best(asked: keys.Best, mechanism: DrivenCrank) -> dict[str, Any]:
@@ -146,8 +146,7 @@ def _best(asked: keys.Best, mechanism: DrivenCrank) -> dict[str, Any]:
     for name, found in ("least_squares", least_squares(mechanism, known)), ("least_peak", minimax(mechanism, known)):
         added = found.at(asked.arm_mm)
         figures[name] = {
-            "counterweight_kg": added.mass_kg,
-            "angle_deg": degrees(added.angle_rad),
+            **_added(added),
             **_left(mechanism, added),
             **({} if found.bound_n is None else {"certified_bound_n": found.bound_n}),
         }

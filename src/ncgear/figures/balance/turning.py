@@ -18,7 +18,7 @@ from ncgear.balance.rotor import (
     predicted,
 )
 from ncgear.design.keys.balance import ChainDrive, Rotor
-from ncgear.numerics.units import RAD_S_PER_RPM
+from ncgear.numerics.units import N_M_PER_N_MM, N_PER_KG_MM_S2, RAD_S_PER_RPM, STANDARD_GRAVITY_M_S2
 from ncgear.project.balancing import (
     BalancedGear,
     Balancing,
@@ -27,6 +27,10 @@ from ncgear.project.balancing import (
     trial_runs_of,
     weight_runs_of,
 )
+
+NOTICED = 0.1
+"""Share of a gear's weight below which nobody notices the force of its unbalance: bearings and frame carry the weight
+all the time."""
 
 
 def gear_figures(balancing: Balancing) -> dict[str, Any]:
@@ -42,9 +46,14 @@ def _gear(gear: BalancedGear, grade: float) -> dict[str, Any]:
         **_body(gear.body, gear.speed_rad_s, grade),
     }
     if gear.corrected is not None:
+        # Grades are limits of fast rotors: beside the weight of a slow gear, what they forbid is not felt
+        force, weight = figures["unbalance_force_n"], STANDARD_GRAVITY_M_S2 * gear.body.mass_kg
+        figures["worth_correcting"] = not figures["permitted"] and force > NOTICED * weight
         holes, boss = gear.corrected.holes, gear.corrected.boss
+        left = _body(gear.corrected.body, gear.speed_rad_s, grade)
         figures["corrected"] = {
-            **_body(gear.corrected.body, gear.speed_rad_s, grade),
+            **left,
+            "force_removed_n": force - left["unbalance_force_n"],
             "holes": [{"x_mm": hole.x_mm, "y_mm": hole.y_mm, "diameter_mm": hole.diameter_mm} for hole in holes],
             "boss_height_mm": boss.height_mm if boss else None,
             "boss_area_mm2": float(boss.section.area) if boss else None,
@@ -62,6 +71,8 @@ def _body(body: GearBody, speed_rad_s: float, grade: float) -> dict[str, Any]:
         "direction_deg": degrees(phase(body.unbalance_kg_mm)),
         "inertia_kg_mm2": body.inertia_kg_mm2,
         "unbalance_kg_mm": unbalance,
+        "unbalance_force_n": N_PER_KG_MM_S2 * unbalance * speed_rad_s**2,
+        "torque_of_weight_n_m": N_M_PER_N_MM * STANDARD_GRAVITY_M_S2 * unbalance,
         "couple_kg_mm2": abs(body.couple_kg_mm2),
         "permissible_kg_mm": permissible,
         "permitted": unbalance <= permissible,

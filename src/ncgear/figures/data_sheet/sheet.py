@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cache, partial
 from math import degrees, isclose
 from typing import TYPE_CHECKING
 
-from ncgear.design.keys.bodies import GearBody, Hub, LighteningHoles, Web
+from ncgear.design.keys.bodies import GearBody, Hub, Web
+from ncgear.errors import DesignError
 from ncgear.figures.data_sheet.measured_tables import pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import shown
@@ -23,6 +25,7 @@ from ncgear.teeth.form import CutterKind
 from ncgear.teeth.tips import Limit
 
 if TYPE_CHECKING:
+    from ncgear.solids.plan.body import BodyPlan, RoundHole
     from ncgear.teeth.gear import ToothedGear
 
 ROUND = 1e-9
@@ -68,20 +71,71 @@ class DataSheet:
 def data_sheet(pair: Drive) -> DataSheet:
     """The sheet of one pair of gears; a design in two stages has one for each drive in ``by_stage``.
 
-    Raises WrongInput or NoSuchMechanism as the drive does up to the contact of the teeth.
+    Raises WrongInput or NoSuchMechanism as the drive does up to the contact of the teeth, and nothing beyond: a figure
+    that cannot be computed says why, where it would stand.
     """
+    pair.require_sound_teeth()
     name = pair.design.name if pair.stage is None else f"{pair.design.name}, stage {pair.stage}"
-    gears = measured_gears(pair)
-    groups = (sizes(pair), rack_data(pair), tooth_data(pair), bodies(pair), *tolerances(pair))
-    measured = [table for gear in gears for table in (*span_table(gear), *pin_tables(gear))]
-    filled = tuple(group for group in (*groups, measurements(pair, gears)) if group.entries)
-    return DataSheet(name, filled, (pitch_table(pair), *measured))
+    gears = cache(partial(measured_gears, pair))
+    rows: dict[str, Callable[[], Sequence[Entry]]] = {
+        "Sizes": partial(sizes, pair),
+        "Basic rack": partial(rack_data, pair),
+        "Teeth": partial(tooth_data, pair),
+        "Bodies": partial(bodies, pair),
+        "Tolerances, as given": partial(tolerances, pair),
+        "Measurements of the teeth": lambda: measurements(pair, gears()),
+    }
+    groups = (Group(title, _entries(of)) for title, of in rows.items())
+    tables: dict[str, Callable[[], tuple[Table, ...]]] = {"Pitch curves": lambda: (pitch_table(pair),)}
+    for number, gear in enumerate(Gear):
+        tables[f"Span of the {gear.value} gear"] = partial(_of_one, gears, number, span_table)
+        tables[f"Pins in the {gear.value} gear"] = partial(_of_one, gears, number, pin_tables)
+    told = tuple(table for title, of in tables.items() for table in _tables(title, of))
+    return DataSheet(name, tuple(group for group in groups if group.entries), told)
 
 
-def sizes(drive: Drive) -> Group:
+MISSING = (ArithmeticError, ValueError, DesignError)
+"""What computations raise where they fail."""
+
+
+def _missing(error: Exception) -> str:
+    return f"could not be computed: {error}"
+
+
+def _entries(rows: Callable[[], Sequence[Entry]]) -> tuple[Entry, ...]:
+    """The rows of a group, or one that says why they are missing."""
+    try:
+        return tuple(rows())
+    except MISSING as error:
+        return (Entry("these figures", pair=_missing(error)),)
+
+
+def _cell(value: Callable[[], Value]) -> Value:
+    """A value, or why it is missing."""
+    try:
+        return value()
+    except MISSING as error:
+        return _missing(error)
+
+
+def _tables(title: str, tables: Callable[[], tuple[Table, ...]]) -> tuple[Table, ...]:
+    """Tables, or an empty one that says why they are missing."""
+    try:
+        return tables()
+    except MISSING as error:
+        return (Table(title, (), (), (_missing(error),)),)
+
+
+def _of_one(
+    gears: Callable[[], Sequence[MeasuredGear]], number: int, tables: Callable[[MeasuredGear], tuple[Table, ...]]
+) -> tuple[Table, ...]:
+    return tables(gears()[number])
+
+
+def sizes(drive: Drive) -> tuple[Entry, ...]:
     """The sizes of the gears and their places to each other."""
     size, pitch = drive.pitch.size, drive.pitch
-    rows = (
+    return (
         Entry("kind of gear", driving=_kind(pitch.driving), driven=_kind(pitch.driven)),
         Entry("number of teeth", driving=size.driving_teeth, driven=size.driven_teeth),
         Entry("module", "mm", pair=size.module_mm),
@@ -91,7 +145,6 @@ def sizes(drive: Drive) -> Group:
         *_radii(drive),
         _of_both("least radius of curvature", pitch.least_radius_mm(Gear.DRIVING), pitch.least_radius_mm(Gear.DRIVEN)),
     )
-    return Group("Sizes", rows)
 
 
 def _kind(curve: PitchCurve) -> str:
@@ -130,13 +183,13 @@ CUTTERS = {
 """The workshop's words for the tool that leaves the fillets."""
 
 
-def rack_data(drive: Drive) -> Group:
+def rack_data(drive: Drive) -> tuple[Entry, ...]:
     """The basic rack that generates both gears."""
     rack, module = drive.rack, drive.rack.module_mm
     given = drive.gears.rack.model_fields_set & {"addendum", "dedendum", "root_radius"}
     departed = ", coefficients as below" if given else ""
-    rows = (
-        Entry("pressure angle", "deg", pair=degrees(rack.pressure_angle_rad)),
+    return (
+        Entry("pressure angle of the rack", "deg", pair=degrees(rack.pressure_angle_rad)),
         Entry("basic rack of ISO 53", pair=f"profile {drive.gears.rack.profile}{departed}"),
         Entry("addendum coefficient", pair=rack.addendum_mm / module),
         Entry("dedendum coefficient", pair=rack.dedendum_mm / module),
@@ -147,7 +200,6 @@ def rack_data(drive: Drive) -> Group:
         *_helix(drive),
         Entry("cutter", pair=CUTTERS[drive.teeth.cutter]),
     )
-    return Group("Basic rack", rows)
 
 
 def _relief(drive: Drive) -> list[Entry]:
@@ -176,18 +228,17 @@ def _helix(drive: Drive) -> list[Entry]:
     ]
 
 
-def tooth_data(drive: Drive) -> Group:
+def tooth_data(drive: Drive) -> tuple[Entry, ...]:
     """Undercut and shortened teeth, and how long the teeth touch."""
     driving, driven = drive.teeth.driving, drive.teeth.driven
     ratio = drive.designed_contact.contact_ratio
     undercut = shown(driving.undercut), shown(driven.undercut)
-    rows = (
+    return (
         Entry("teeth that a tool of full depth undercuts", driving=undercut[0], driven=undercut[1]),
         Entry("teeth with shortened tips", driving=_shortened(driving), driven=_shortened(driven)),
         Entry("least contact ratio in the section at z = 0" if drive.helix else "least contact ratio", pair=ratio),
         *([Entry("overlap ratio", pair=drive.overlap_ratio)] if drive.helix else []),
     )
-    return Group("Teeth", rows)
 
 
 def _shortened(gear: ToothedGear) -> str:
@@ -195,7 +246,7 @@ def _shortened(gear: ToothedGear) -> str:
     return shown(sorted(numbers))
 
 
-def bodies(drive: Drive) -> Group:
+def bodies(drive: Drive) -> tuple[Entry, ...]:
     """Bores, keyways and the other parts of the bodies."""
     driving, driven = drive.gears.driving, drive.gears.driven
     rim = rim_mm_of(drive.gears, drive.rack.module_mm) if drive.pitch.driven.is_ring else None
@@ -204,12 +255,12 @@ def bodies(drive: Drive) -> Group:
         Entry("keyway, width x depth", "mm", driving=_keyway(driving), driven=_keyway(driven)),
         Entry("hub, diameter x height", "mm", driving=_hub(driving.hub), driven=_hub(driven.hub)),
         Entry("thickness of web", "mm", driving=_thickness(driving.web), driven=_thickness(driven.web)),
-        Entry("lightening holes", driving=_holes(driving.lightening_holes), driven=_holes(driven.lightening_holes)),
+        *_round_holes(drive),
         Entry("rim outside the deepest root", "mm", driven=rim),
         Entry("bevel of the edges at z = 0", "mm", pair=drive.gears.first_layer_chamfer_mm or None),
         Entry("clearance for the process", "mm", pair=drive.gears.process_clearance_mm or None),
     ]
-    return Group("Bodies", tuple(row for row in rows if row.of_pair or row.driving or row.driven))
+    return tuple(row for row in rows if row.of_pair or row.driving or row.driven)
 
 
 def _keyway(body: GearBody) -> Value:
@@ -224,15 +275,34 @@ def _thickness(web: Web | None) -> Value:
     return web.thickness_mm if web else None
 
 
-def _holes(holes: LighteningHoles | None) -> Value:
-    if holes is None:
-        return None
-    size = "the largest that fit" if holes.diameter_mm is None else f"{holes.diameter_mm:g} mm"
-    return f"{holes.count}, {size}"
+def _round_holes(drive: Drive) -> list[Entry]:
+    """The round holes as they are made; solids are made only where a gear has some."""
+    gears = drive.gears
+    if not gears.index_holes and gears.driving.lightening_holes is None and gears.driven.lightening_holes is None:
+        return []
+    driving, driven = drive.solids.driving.plan, drive.solids.driven.plan
+    rows = [
+        Entry("lightening holes, number x diameter", "mm", driving=_lightening(driving), driven=_lightening(driven))
+    ]
+    if gears.index_holes:
+        sizes, places = zip(_marked(driving.index_hole), _marked(driven.index_hole), strict=True)
+        rows.append(Entry("diameter of index hole", "mm", None, *sizes))
+        rows.append(Entry("centre of index hole, x and y", "mm", None, *places))
+    return rows
 
 
-def tolerances(drive: Drive) -> tuple[Group, ...]:
-    """The group of the tolerances; none where the design gives none."""
+def _lightening(plan: BodyPlan) -> Value:
+    holes = plan.lightening_holes
+    return f"{len(holes)} x {holes[0].diameter_mm:g}" if holes else None
+
+
+def _marked(hole: RoundHole | None) -> tuple[Value, Value]:
+    """Diameter and centre of an index hole."""
+    return ("no room for one", None) if hole is None else (hole.diameter_mm, f"{hole.x_mm:.3f}, {hole.y_mm:.3f}")
+
+
+def tolerances(drive: Drive) -> tuple[Entry, ...]:
+    """The tolerances; empty where the design gives none."""
     given = drive.gears.tolerances
     if given is None:
         return ()
@@ -243,20 +313,23 @@ def tolerances(drive: Drive) -> tuple[Group, ...]:
         Entry("lower deviation of tooth thickness", "mm", pair=given.tooth_thickness_lower_mm),
         Entry("note", pair=given.note or None),
     )
-    return (Group("Tolerances, as given", tuple(row for row in rows if row.of_pair)),)
+    return tuple(row for row in rows if row.of_pair)
 
 
-def measurements(drive: Drive, gears: tuple[MeasuredGear, MeasuredGear]) -> Group:
+def measurements(drive: Drive, gears: tuple[MeasuredGear, MeasuredGear]) -> tuple[Entry, ...]:
     """The means of measuring, and the number of places where they can be used."""
     driving, driven = gears
     tool = "pins" if driving.working.base_cosine == 1.0 else "balls"
-    rows = (
+
+    def of_both(label: str, value: Callable[[MeasuredGear], Value], unit: str = "") -> Entry:
+        return Entry(label, unit, driving=_cell(partial(value, driving)), driven=_cell(partial(value, driven)))
+
+    return (
         *([Entry("section that is measured, z", "mm", pair=drive.helix.rise_mm / 2.0)] if drive.helix else []),
-        Entry(f"diameter of measuring {tool}", "mm", driving=driving.pins.diameter_mm, driven=driven.pins.diameter_mm),
-        Entry("spaces in which they measure", driving=_spaces(driving), driven=_spaces(driven)),
-        Entry("places of a span", driving=_places(driving), driven=_places(driven)),
+        of_both(f"diameter of measuring {tool}", lambda gear: gear.pins.diameter_mm, "mm"),
+        of_both("spaces in which they measure", _spaces),
+        of_both("places of a span", _places),
     )
-    return Group("Measurements of the teeth", rows)
 
 
 def _spaces(gear: MeasuredGear) -> Value:
@@ -291,5 +364,7 @@ def sheet_text(sheet: DataSheet) -> str:
 
 
 def _headed(title: str, heads: Sequence[str], rows: Iterable[Cells]) -> str:
+    """A heading and a table below it, which is left out where it has no columns."""
     texts = [[markdown_text(value) for value in row] for row in rows]
-    return "\n".join([f"## {title}", "", *markdown([markdown_text(head) for head in heads], texts, " --- ")])
+    table = ["", *markdown([markdown_text(head) for head in heads], texts, " --- ")] if heads else []
+    return "\n".join([f"## {title}", *table])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from math import radians
 
@@ -27,6 +28,7 @@ SPEED_RAD_S = 96.5 * RAD_S_PER_RPM
 ROD_ARM_MM, CRANK_ARM_MM = 200.0, 250.0
 CHASSIS = Chassis(support_mm=370.0, counterweight_mm=1000.0, tilt_rad=radians(8.0))
 WEIGHT_KG, WEIGHT_LEVER_MM = 500.0, 470.0
+GRAVITY_M_S2 = 9.81
 
 MECHANISM = DrivenCrank(LINKAGE, uniform_law(Lobes()), SPEED_RAD_S, RodMasses(slider_kg=SLIDER_KG))
 """Rod and crank have no mass: the paper puts all that it weighed at the slider."""
@@ -115,14 +117,15 @@ MOTION = (
 
 @cache
 def tail_weights() -> DynamicCounterweights:
-    """M1, against the slider's inertia: at both dead centres, and the largest over the turn."""
-    return dynamic_counterweights(CHASSIS, MECHANISM)
+    """M1, against the slider's inertia: at both dead centres, and the largest over the turn, at the paper's gravity."""
+    weighing = replace(MECHANISM, masses=replace(MECHANISM.masses, gravity_m_s2=(0.0, -GRAVITY_M_S2)))
+    return dynamic_counterweights(CHASSIS, weighing)
 
 
 @cache
 def complete() -> CompleteBalance:
     """Counterweights that keep the common centre of mass on the crank axis."""
-    return complete_balance(LINKAGE, MECHANISM.masses, ROD_ARM_MM, CRANK_ARM_MM)
+    return complete_balance(MECHANISM, ROD_ARM_MM, CRANK_ARM_MM)
 
 
 def against_dead_weight_kg() -> float:
@@ -133,11 +136,11 @@ def against_dead_weight_kg() -> float:
 COUNTERWEIGHTS = (
     Entry(
         ("section 3.1",), "counterweight beyond the crank pin, and mass at the pin", Printed(("182", "247"), "kg"),
-        Verdict.REPRODUCED, lambda: computed(complete().rod_kg, complete().pin_kg),
+        Verdict.REPRODUCED, lambda: computed(complete().rod.mass_kg, complete().pin_kg),
     ),
     Entry(
         ("section 3.1",), "counterweight beyond the crank axis", Printed(("261.82",), "kg"), Verdict.UNDER_READING,
-        lambda: computed(complete().crank_kg), "At 250 mm from the axis; its place is not printed.",
+        lambda: computed(complete().crank.mass_kg), "At 250 mm from the axis; its place is not printed.",
     ),
     Entry(
         ("section 3.5",), "crank's speed from 96.5 r/min", Printed(("10.10",), "rad/s"), Verdict.NOT_REPRODUCIBLE,

@@ -18,16 +18,13 @@ from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.solids.plan.areas import floored, largest_fitting, polygons, said_largest
 from ncgear.solids.plan.body import HoleSet, RoundHole, Web, WebSize, circle_points, hole_points
-from ncgear.solids.plan.room import INNER_WALL_IN_MODULES
+from ncgear.solids.plan.room import INNER_WALL_IN_MODULES, USEFUL_MM
 
 CORNER_IN_MODULES = 1.0
 """Least radius of a pocket's corners: a round tool's, which leaves out whatever is narrower."""
 
 TURNS = 12
 """Ways, between one direction and the next, in which the directions of holes are turned to find most room."""
-
-LEAST_MM = 0.1
-"""Diameter in mm of the smallest hole that is made unasked."""
 
 
 def web_of(
@@ -80,14 +77,15 @@ def quarter_chords(radius_mm: float, tolerance_mm: float) -> int:
 def lightening_holes(room: BaseGeometry, asked: HoleSet, tolerance_mm: float, key: str) -> tuple[RoundHole, ...]:
     """Holes within a room in mm, with walls to its edges and to each other.
 
-    Raises WrongInput for ``key``.lightening_holes, with the largest diameter that fits, where they have no room.
+    Raises WrongInput for ``key``.lightening_holes, with the largest diameter that fits, where they have no room, and
+    where none is given and only holes under ``USEFUL_MM`` fit.
     """
     wanted = asked.diameter_mm
     if wanted is not None and (places := _places(room, asked, wanted, tolerance_mm)) is not None:
         return _holes(places, wanted)
     most = wanted if wanted is not None else float(np.abs(room.bounds).max()) if not room.is_empty else 0.0
     largest = largest_fitting(lambda size: _places(room, asked, size, tolerance_mm) is not None, 0.0, most)
-    if wanted is None and largest >= LEAST_MM:
+    if wanted is None and largest >= USEFUL_MM:
         size = floored(largest)
         places = _places(room, asked, size, tolerance_mm)
         assert places is not None
@@ -103,7 +101,10 @@ def _without_room(asked: HoleSet, largest: float, key: str) -> WrongInput:
     """The refusal of holes that have no room, with the largest diameter that fits."""
     given = asked.diameter_mm is not None
     named = f"{asked.count} holes of {asked.diameter_mm:g} mm" if given else f"{asked.count} holes"
-    right = said_largest(largest, "none fit; fewer holes, thinner walls, or a smaller hub are needed")
+    helps = "fewer holes, thinner walls, or a smaller hub are needed"
+    right = said_largest(largest, f"none fit; {helps}")
+    if 0.0 < largest < USEFUL_MM:
+        right = f"{right}, and under {USEFUL_MM:g} mm holes take off next to nothing; {helps}"
     problem = f"{named} do not keep walls of {asked.wall_mm:g} mm to every edge and to each other; {right}"
     return WrongInput(problem, key=f"{key}.diameter_mm" if given else key)
 

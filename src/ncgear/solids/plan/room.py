@@ -23,7 +23,11 @@ from ncgear.solids.plan.body import FEWEST_CHORDS, Bore, Hub, RoundHole, bore_po
 from ncgear.teeth.outline import simple_polygon
 
 DIAMETER_IN_MODULES = 0.5
-"""Diameter of an index hole."""
+"""Diameter of an index hole, if that is over ``USEFUL_MM``."""
+
+USEFUL_MM, LEAST_MM = 2.0, 1.0
+"""Diameters in mm: of holes that a printer leaves open and that take off weight, and of the smallest common drill, for
+index holes of gears that have no room for more.  Holes that have no size of their own are not made smaller."""
 
 OUTER_WALL_IN_MODULES = 1.5
 """Least material between the hole and the tooth outline: enough that the hole does not reach into the foot of a tooth,
@@ -99,8 +103,9 @@ def index_hole(
 ) -> RoundHole | None:
     """The hole farthest out on the ray from the axis at polar angle ``direction_rad``; None where no wall allows one.
 
-    Its diameter is half a module, and the walls above are left all around it.  ``disc`` is the gear's section without
-    bore, in mm; ``hub_mm`` is the diameter of its hub, beside which the hole stands.
+    Its diameter is half a module, or ``USEFUL_MM`` where that is more and has room, or ``LEAST_MM``.  The walls above
+    are left all around it.  ``disc`` is the gear's section without bore, in mm; ``hub_mm`` is the diameter of its hub,
+    beside which the hole stands.
     """
     return _hole_on_ray(disc, direction_rad, module_mm, disc.exterior, _axis(bore, hub_mm, module_mm), np.argmax)
 
@@ -126,13 +131,14 @@ def _hole_on_ray(
     chosen: Callable[[Array], np.intp],
 ) -> RoundHole | None:
     """The hole of which the centre is ``chosen`` by distance from the axis, with walls to the outline and the other."""
-    diameter = DIAMETER_IN_MODULES * module
-    beside_teeth = outline.buffer(diameter / 2.0 + OUTER_WALL_IN_MODULES * module)
-    beside_other = other.buffer(diameter / 2.0 + INNER_WALL_IN_MODULES * module)
     reach = float(np.abs(section.bounds).max()) * 2.0
     ray = LineString([(0.0, 0.0), (reach * cos(direction), reach * sin(direction))]).intersection(section)
-    points = shapely.get_coordinates(ray.difference(beside_teeth.union(beside_other)))
-    if not len(points):
-        return None
-    x, y = points[chosen(np.hypot(points[:, 0], points[:, 1]))]
-    return RoundHole(float(x), float(y), diameter)
+    for least in (USEFUL_MM, LEAST_MM):
+        diameter = max(DIAMETER_IN_MODULES * module, least)
+        beside_teeth = outline.buffer(diameter / 2.0 + OUTER_WALL_IN_MODULES * module)
+        beside_other = other.buffer(diameter / 2.0 + INNER_WALL_IN_MODULES * module)
+        points = shapely.get_coordinates(ray.difference(beside_teeth.union(beside_other)))
+        if len(points):
+            x, y = points[chosen(np.hypot(points[:, 0], points[:, 1]))]
+            return RoundHole(float(x), float(y), diameter)
+    return None
