@@ -300,7 +300,7 @@ def _joined(machine: ToothedMachine, legs: list[Any]) -> Course:
 
 def _checked(found: Course) -> Course:
     """The course itself, if its energy balances and its teeth are no deeper in each other than the tables follow."""
-    meshing, states = found.machine.meshing, found.states
+    meshing, states = found.machine.meshing, found.at(found.fine_s)
     meshing.gaps.require_reach(states[0], states[2] - meshing.law.at(states[0])[0])
     if not found.energy_error <= ENERGY:
         raise ArithmeticError(f"the energy of the motion misses its balance by {found.energy_error:.3g} of the work")

@@ -66,7 +66,9 @@ def motion_peaks(course: Course, rigid: RigidMachine) -> MotionPeaks:
     peaks = {name: Peak(one.value, one.at, float(angle)) for name, one, angle in zip(names, found, phi1, strict=True)}
     forces = {name.removesuffix(FORCE): peaks.pop(name) for name in names if name.endswith(FORCE)}
     least = peaks.pop("least_torque_n_mm")
-    return MotionPeaks(**peaks, least_torque_n_mm=Peak(-least.value, least.time_s, least.phi1_rad), forces_n=forces)
+    return MotionPeaks(
+        **peaks, least_torque_n_mm=Peak(0.0 - least.value, least.time_s, least.phi1_rad), forces_n=forces
+    )
 
 
 FORCE = " force"
