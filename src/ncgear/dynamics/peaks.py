@@ -65,10 +65,9 @@ def motion_peaks(course: Course, rigid: RigidMachine) -> MotionPeaks:
     phi1 = course.at(np.array([one.at for one in found]))[0]
     peaks = {name: Peak(one.value, one.at, float(angle)) for name, one, angle in zip(names, found, phi1, strict=True)}
     forces = {name.removesuffix(FORCE): peaks.pop(name) for name in names if name.endswith(FORCE)}
-    least = peaks.pop("least_torque_n_mm")
-    return MotionPeaks(
-        **peaks, least_torque_n_mm=Peak(0.0 - least.value, least.time_s, least.phi1_rad), forces_n=forces
-    )
+    braking = peaks.pop("least_torque_n_mm")
+    least = Peak(0.0 - braking.value, braking.time_s, braking.phi1_rad)
+    return MotionPeaks(**peaks, least_torque_n_mm=least, forces_n=forces)
 
 
 FORCE = " force"
