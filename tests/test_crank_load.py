@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from loaded import LINKAGE, MASSES, slider_load
-from ncgear.dynamics.crank_load import crank_load
+from ncgear.dynamics.crank_load import INTERVALS, crank_angles_rad, crank_load
 from ncgear.errors import WrongInput
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.forces import CrankPace
 from ncgear.mechanisms.masses import RodMasses
-from ncgear.mechanisms.resistance import PolynomialResistance
+from ncgear.mechanisms.resistance import PolynomialResistance, TableResistance
 from ncgear.numerics.jet import Jet
 
 WEIGHT = replace(MASSES, gravity_m_s2=(1.3, -9.81))
@@ -31,6 +31,30 @@ def test_torque_of_any_motion_is_that_of_the_joint_forces(linkage: CrankSlider) 
     expected = linkage.joint_forces(Jet.variable(angle, 2), WEIGHT, pace, resisting).torque_n_mm
     found = crank_load(linkage, WEIGHT, RESISTANCE).torque_n_mm(angle, speed, acceleration)
     assert np.abs(found - expected).max() < 1e-6 * np.abs(expected).max()
+
+
+def test_a_narrow_peak_of_the_resistance_is_in_the_table() -> None:
+    """A thousandth of an even interval wide; a smooth resistance has no narrow stretch."""
+    peak = TableResistance((0.0, 33.1, 33.1001, 33.1002, 120.0), (50.0, 50.0, 5e4, 50.0, 50.0))
+    load = crank_load(LINKAGE, MASSES, peak)
+    (start, end, way), *others = load.narrow_rad
+    assert not others
+    angle = np.linspace(start, end, 1000)
+    inside = np.linspace(*crank_angles_rad(LINKAGE, np.array([33.1, 33.1002])), 400)
+    assert start < inside[0] < inside[-1] < end
+    assert way < (inside[-1] - inside[0])
+    for places in (angle, inside):
+        slide = LINKAGE.displacement(Jet.variable(places, 1))
+        expected = peak.force_n(slide.value) * slide.derivative(1)
+        still = np.zeros_like(places)
+        np.testing.assert_allclose(load.torque_n_mm(places, still, still), expected, atol=1e-4 * expected.max())
+    assert crank_load(LINKAGE, MASSES, RESISTANCE).narrow_rad.shape == (0, 3)
+
+
+def test_a_resistance_that_begins_with_a_kink_takes_no_more_knots() -> None:
+    """The baler's, negative below 33.7 mm: its table is the one of evenly spaced knots."""
+    baler = PolynomialResistance((-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7))
+    assert crank_load(CrankSlider(380.0, 960.0), MASSES, baler).table.breaks.size == INTERVALS + 1
 
 
 def test_acceleration_undoes_torque() -> None:

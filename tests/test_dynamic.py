@@ -22,7 +22,7 @@ from loaded import (
     meshing,
     slider_load,
 )
-from ncgear.dynamics.history import history, parted_s
+from ncgear.dynamics.history import even_times_s, history
 from ncgear.dynamics.mesh_force import MeshPlace, mesh_force
 from ncgear.dynamics.meshing import force_on_driven, tangent
 from ncgear.dynamics.motion_in_time import (
@@ -33,11 +33,11 @@ from ncgear.dynamics.motion_in_time import (
     ToothedMachine,
     course,
     law_torque_n_mm,
-    meetings_s,
     started,
 )
 from ncgear.dynamics.quasi_static import loaded_contact
 from ncgear.dynamics.rigid import RigidMachine
+from ncgear.dynamics.touching import meetings_s, parted_s, pressed_rad, pushing_parted_s
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.masses import RodMasses
@@ -53,7 +53,12 @@ HEAVY = 2e4
 
 
 def run(found: ToothedMachine, name: str, turns: float = 0.3, start: Start = Start.ON_LAW, **kinds: Any) -> Course:
-    return course(found, started(found, (LAWS | RINGS)[name](), start), turns, **kinds)
+    return course(found, started(found, (LAWS | RINGS)[name](), start, found.drive.speed_rad_s), turns, **kinds)
+
+
+def pushing_meet_s(out: Course) -> Array:
+    """Times at which pushing flanks meet or part."""
+    return meetings_s(lambda time_s: pressed_rad(out.machine.meshing, out.at(time_s))[0], out.fine_s)
 
 
 def backs_meet_s(out: Course) -> Array:
@@ -151,7 +156,7 @@ def test_at_a_slow_speed_the_motion_is_that_of_loaded_contact() -> None:
     time_s = np.linspace(0.1, out.time_s[-1], 50)
     states = out.at(time_s)
     phi1 = states[0]
-    torque = law_torque_n_mm(found, LAWS["sine"](), phi1)
+    torque = law_torque_n_mm(found.load, LAWS["sine"](), phi1, 0.5)
     rest = loaded_contact(found.meshing, phi1, torque, 0.5)
     error = states[2] - found.meshing.law.at(phi1)[0]
     np.testing.assert_allclose(error, rest.error_rad, atol=0.05 * np.abs(rest.error_rad).max())
@@ -179,7 +184,7 @@ def test_without_resistance_teeth_part_and_meet_and_no_energy_appears(backlash_m
     """The slider's inertia carries the driven gear ahead; nothing is lost, so nothing may be gained."""
     smooth = frictionless(meshing("sine", 31, backlash_mm=backlash_mm), damping_n_s_mm=0.0)
     out = run(mechanism(smooth, slider_load((0.0,))), "sine", 0.6)
-    assert len(parted_s(out)) >= 2
+    assert len(pushing_parted_s(out)) >= 2
     assert out.states[5].max() == 0.0
     assert out.energy_error < 1e-5
 
@@ -195,8 +200,33 @@ def test_damping_takes_energy_at_every_knock() -> None:
 @pytest.mark.slow
 def test_without_play_a_reversed_load_changes_flanks_at_once() -> None:
     out = run(mechanism(meshing("sine", 31), slider_load((0.0,))), "sine", 0.6)
-    assert out.pushing_s.size >= 2
-    np.testing.assert_allclose(out.pushing_s, backs_meet_s(out), atol=1e-3)
+    parting = pushing_meet_s(out)
+    assert parting.size >= 2
+    np.testing.assert_allclose(parting, backs_meet_s(out), atol=1e-3)
+
+
+@pytest.mark.slow
+def test_without_play_some_flank_always_touches() -> None:
+    """Pushing flanks part for a good part of the time, but then the backs carry."""
+    out = run(mechanism(meshing("sine", 31), slider_load((0.0,))), "sine", 0.6)
+    apart = pushing_parted_s(out)
+    assert np.sum(np.diff(apart)) > 0.1 * out.time_s[-1]
+    assert parted_s(out).size == 0
+
+
+@pytest.mark.slow
+def test_with_play_no_flank_touches_where_none_bears_load() -> None:
+    """The spans without contact, told from depths, against the forces at shifted times; and they are fewer than the
+    spans in which pushing flanks are apart."""
+    out = run(mechanism(meshing("sine", 31, backlash_mm=0.2), slider_load((0.0,))), "sine", 0.6)
+    free, apart = parted_s(out), pushing_parted_s(out)
+    assert 0.0 < np.sum(np.diff(free)) < np.sum(np.diff(apart))
+    time_s = np.linspace(0.0, out.time_s[-1], 7919)[1:-1]
+    bears = out.machine.answer(out.at(time_s)).teeth.normal_n.max(axis=-1) > 0.0
+    within = np.any((time_s[:, None] > free[:, 0]) & (time_s[:, None] < free[:, 1]), axis=1)
+    assert not bears[within].any()
+    # Damping may hold parting flanks at no force before they are apart
+    assert np.mean(bears[~within]) > 0.95
 
 
 @pytest.mark.slow
@@ -205,7 +235,7 @@ def test_a_fast_drive_reverses_the_load_of_the_teeth_and_a_slow_one_does_not() -
     angles = np.linspace(0.3, 2.8, 400)
     for speed, reverses in ((1.0, False), (120.0, True)):
         found = mechanism(meshing("uniform", 24), slider_load(), EvenDrive(speed))
-        least = law_torque_n_mm(found, LAWS["uniform"](), angles).min()
+        least = law_torque_n_mm(found.load, LAWS["uniform"](), angles, speed).min()
         assert bool(least < 0.0) is reverses
         out = run(found, "uniform", 0.45)
         assert (backs_meet_s(out).size > 0) is reverses
@@ -218,7 +248,7 @@ def test_an_undercut_pair_bears_load_on_its_shorter_contact() -> None:
     assert pair.driving.undercut
     out = run(mechanism(meshing("uniform", 12, **kinds), slider_load()), "uniform", 0.3)
     assert out.energy_error < 1e-5
-    assert parted_s(out).size == 0
+    assert pushing_parted_s(out).size == 0
 
 
 # Drive and start
@@ -240,6 +270,20 @@ def test_a_motor_without_load_has_the_closed_forms_run_up() -> None:
     out = run(found, "uniform", 0.2, Start.REST)
     expected = 10.0 * (1.0 - np.exp(-1e4 * out.time_s[-1] / ((100.0 + 1e-3 * HEAVY) * 10.0)))
     assert out.states[1, -1] == pytest.approx(expected, rel=2e-3)
+
+
+@pytest.mark.parametrize("no_load", [1.3 * SPEED, 4.0 * SPEED])
+def test_on_the_law_a_motor_starts_at_the_operating_speed(no_load: float) -> None:
+    """Whatever its speed without load is: both shafts have the law's speeds, and the teeth bear the law's torque."""
+    found = mechanism(frictionless(meshing("sine", 31)), slider_load(), Motor(no_load, 5e5, 50.0))
+    state = started(found, LAWS["sine"](), Start.ON_LAW, SPEED)
+    slope = float(LAWS["sine"]().driven_angle(np.zeros(1), 1).derivative(1)[0])
+    assert state[1] == SPEED
+    assert state[3] == pytest.approx(slope * SPEED, rel=1e-12)
+    asked = law_torque_n_mm(found.load, LAWS["sine"](), np.zeros(1), SPEED)
+    brought = found.answer(state).teeth.driven_n_mm.sum()
+    # Speeds on the law close the flanks by no more than tables miss it, which the damping answers
+    assert brought == pytest.approx(float(asked[0]), rel=1e-3)
 
 
 @pytest.mark.thorough
@@ -265,8 +309,8 @@ def test_pushing_flanks_bear_nothing_where_they_are_told_apart() -> None:
     """Zero in every interval of lost contact; and whatever they bear is outside of these."""
     out = run(mechanism(meshing("sine", 31, backlash_mm=0.2), slider_load((0.0,))), "sine", 0.6)
     machine = RigidMachine(Machine(LAWS["sine"](), LINKAGE, PolynomialResistance((0.0,)), SPEED), MASSES, PLACE)
-    shown = history(out, machine)
-    lost = parted_s(out)
+    shown = history(out, machine, even_times_s(out))
+    lost = pushing_parted_s(out)
     assert len(lost) >= 1
     apart = np.any((shown.time_s[:, None] > lost[:, 0]) & (shown.time_s[:, None] < lost[:, 1]), axis=1)
     assert 0.05 < apart.mean() < 0.95
@@ -278,7 +322,7 @@ def test_pushing_flanks_bear_nothing_where_they_are_told_apart() -> None:
 def test_a_history_is_the_motion_beside_its_law() -> None:
     machine = Machine(LAWS["sine"](), LINKAGE, PolynomialResistance((500.0,)), SPEED)
     out = run(mechanism(meshing("sine", 31), slider_load()), "sine", 0.5)
-    shown = history(out, RigidMachine(machine, MASSES, PLACE), 4000)
+    shown = history(out, RigidMachine(machine, MASSES, PLACE), even_times_s(out, 2000))
     np.testing.assert_allclose(shown.law.velocity_mm_s, machine.motion(shown.phi1_rad).velocity_mm_s, atol=1e-9)
     assert np.abs(shown.slide.displacement_mm - shown.law.displacement_mm).max() < 0.3
     # Velocity and acceleration are the derivatives of what is shown beside them.
@@ -295,7 +339,7 @@ def test_joints_bear_what_newton_and_euler_ask_of_the_simulated_motion() -> None
     """The torque asked of the crank shaft is what the teeth bring, though the motion came from Lagrange's equation."""
     machine = RigidMachine(Machine(LAWS["sine"](), LINKAGE, PolynomialResistance((500.0,)), SPEED), MASSES, PLACE)
     out = run(mechanism(meshing("sine", 31), slider_load()), "sine", 0.15)
-    shown = history(out, machine)
+    shown = history(out, machine, even_times_s(out))
     brought = out.machine.answer(out.at(shown.time_s)).teeth.driven_n_mm.sum(axis=-1)
     np.testing.assert_allclose(shown.joints.torque_n_mm, brought, atol=1e-6 * np.abs(brought).max())
 

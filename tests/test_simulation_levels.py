@@ -43,9 +43,11 @@ def test_loaded_contact_of_the_published_baler(run: Run) -> None:
     assert (status, err) == (0, "")
     found, rows = simulated("here")["loaded_contact"], simulated_table("here")
     assert found["contact_stiffness_n"] == pytest.approx(633516.0, abs=1.0)
-    assert found["peak_tooth_force_n"] == pytest.approx(64061.0, rel=1e-3)
+    assert found["peak_tooth_force_n"] == pytest.approx(64077.8, abs=0.5)
     assert found["peak_depth_mm"] == pytest.approx(0.3529, rel=1e-3)
-    assert found["transmission_error_rad"] == pytest.approx(np.ptp(rows["error_rad"]), rel=1e-6)
+    # Closed in on between the rows, which miss a little of both
+    assert 64000.0 < rows["tooth_force_n"].max() < found["peak_tooth_force_n"]
+    assert 0.999 < np.ptp(rows["error_rad"]) / found["transmission_error_rad"] < 1.0
     assert {path.name for path in Path("here").iterdir()} == {
         "simulation.csv",
         "simulation.json",
@@ -63,7 +65,9 @@ def test_motion_in_time_of_the_published_baler(run: Run) -> None:
     found, rows = simulated("here"), simulated_table("here")
     assert found["motion_in_time"]["energy_error"] < 1e-5
     assert found["motion_in_time"]["work_of_drive_j"] == pytest.approx(3182.2, rel=1e-3)
-    assert found["motion_in_time"]["peak_pushing_force_n"] == pytest.approx(68449.0, rel=5e-3)
+    assert found["motion_in_time"]["peak_pushing_force_n"] == pytest.approx(68553.0, rel=1e-3)
+    assert found["motion_in_time"]["time_with_pushing_flanks_apart_s"] == pytest.approx(0.4512, rel=1e-2)
+    assert found["motion_in_time"]["losses_of_contact"] == found["motion_in_time"]["time_without_contact_s"] == 0
     assert found["slider"]["largest_displacement_error_mm"] == pytest.approx(3.5204, rel=1e-2)
     assert rows["displacement_mm"].max() == pytest.approx(760.0, abs=1e-2)
     names = {"slider_motion.png", "tooth_force.png", "bearing_forces.png"}
@@ -79,6 +83,40 @@ def test_motion_in_time_with_a_motor_from_rest(run: Run) -> None:
     assert rows["phi1_rad"][-1] == pytest.approx(0.2 * np.pi, rel=1e-6)
     assert rows["velocity_mm_s"][0] == 0.0
     assert "energy error" in out
+
+
+ROUND = HEAD.replace("{law: ellipse, eccentricity: 0.3}", "{law: uniform_crank}")
+
+
+@pytest.mark.thorough
+def test_an_impact_between_the_rows_is_told(run: Run) -> None:
+    """Driven from rest, the driven gear is struck within the first row; text, figures and rows tell which pair's force
+    is meant, and how long no flank touches."""
+    text = ROUND.replace("face_width_mm: 10", "face_width_mm: 10, backlash_mm: 0.15") + (
+        "simulation: {start: rest, turns: 0.004}\n"
+    )
+    status, out, err = run(text, "dynamic")
+    assert (status, err) == (0, "")
+    found, rows = simulated("here"), simulated_table("here")
+    peak = found["motion_in_time"]["peak_pushing_force_n"]
+    assert rows.size == 9
+    assert peak > 2.0 * rows["pushing_force_n"].max()
+    assert found["bearings"]["peak_mesh_force_n"] > 1.9 * peak
+    assert f"peak pushing force, one pair of teeth  {peak:.5g} N at phi1 = " in out
+    assert "peak mesh force, all pairs together" in out
+
+
+@pytest.mark.thorough
+def test_a_motor_on_the_law_starts_at_the_operating_speed(run: Run) -> None:
+    """Its speed without load is 90 r/min, the design's is 60; the slider keeps to the law at the motor's own speed."""
+    motor = "simulation: {turns: 0.02, motor: {no_load_speed_rpm: 90, stall_torque_n_m: 300}}\n"
+    status, out, err = run(HEAD + motor, "dynamic")
+    assert (status, err) == (0, "")
+    found, rows = simulated("here"), simulated_table("here")
+    assert found["motion_in_time"]["start_speed_rpm"] == pytest.approx(60.0, rel=1e-12)
+    assert found["motion_in_time"]["end_speed_rpm"] > 61.0
+    assert "start speed" in out
+    assert found["slider"]["largest_velocity_error_mm_s"] < 0.05 * rows["velocity_mm_s"].max()
 
 
 def test_a_stiffness_is_hertzs_or_the_one_given() -> None:

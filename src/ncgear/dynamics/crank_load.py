@@ -17,7 +17,7 @@ back a little within the stroke is pushed back with the force it had there.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import reduce
 from math import ceil, pi
 from operator import add
@@ -28,10 +28,11 @@ from ncgear.errors import WrongInput
 from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Mechanism, MovingMass
 from ncgear.mechanisms.resistance import Resistance
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.periodic_table import PeriodicTable, cubics
 from ncgear.numerics.units import N_PER_KG_MM_S2
+from ncgear.numerics.zeros import zeros_between
 
 
 def reduced_inertia(moving: Sequence[MovingMass], masses: Masses) -> tuple[Array, Array]:
@@ -57,15 +58,32 @@ INTERVALS = 4096
 (tests/test_crank_load.py)."""
 
 
+NO_STRETCHES = np.empty((0, 3))
+
+CLEAR_RAD = 1e-9
+"""Angle within which a crank counts as being at a stop: rounding errors of the event that took it there."""
+
+
 @dataclass(frozen=True, eq=False)
 class CrankLoad:
     """M in N mm s^2 and U in N mm as one table over the crank's angle; U rises by the work of each turn.
 
-    ``dead_centres_rad`` are the crank angles at which the working stroke begins and ends.
+    ``dead_centres_rad`` are the crank angles at which the working stroke begins and ends.  ``narrow_rad`` (shape (k,
+    3)) are the start and the end of each stretch in which the resistance changes within an interval or two, and the
+    least distance of knots there: who follows a motion must not step over it.
     """
 
     table: PeriodicTable
     dead_centres_rad: tuple[float, float]
+    narrow_rad: Array = field(default_factory=lambda: NO_STRETCHES)
+
+    def next_stop_rad(self, crank_rad: float) -> tuple[float, float]:
+        """The first dead centre or end of a narrow stretch beyond a crank angle, and the largest way to go at once."""
+        turn, local = divmod(crank_rad + CLEAR_RAD, 2.0 * pi)
+        stops = np.concatenate([self.dead_centres_rad, self.narrow_rad[:, :2].ravel(), [2.0 * pi]])
+        within = (self.narrow_rad[:, 0] <= local) & (local < self.narrow_rad[:, 1])
+        way = self.narrow_rad[within, 2].min(initial=np.inf)
+        return turn * 2.0 * pi + float(stops[stops > local].min()), float(way)
 
     def acceleration_rad_s2(self, angle_rad: Array, speed_rad_s: Array, moment_n_mm: Array) -> Array:
         """Acceleration of the crank shaft under a moment of the teeth; any shape."""
@@ -90,7 +108,8 @@ class CrankLoad:
 def crank_load(linkage: Mechanism, masses: Masses, resistance: Resistance) -> CrankLoad:
     """The load of a mechanism; raises WrongInput where nothing has inertia, as at a dead centre without a gear."""
     working = linkage.working_angle_rad
-    parts = [_knots(0.0, working), _knots(working, 2.0 * pi)]
+    parts = [_working_knots(linkage, resistance), _knots(working, 2.0 * pi)]
+    narrow = _narrow_rad(linkage, resistance, parts[0])
     whole = resistance.work_n_mm(np.array([linkage.stroke_mm]), linkage.stroke_mm)
     back = np.broadcast_to(whole, parts[1].shape), np.zeros_like(parts[1])
     work = [_working(linkage, resistance, parts[0]), back]
@@ -110,11 +129,86 @@ def crank_load(linkage: Mechanism, masses: Masses, resistance: Resistance) -> Cr
     values = np.column_stack([N_PER_KG_MM_S2 * inertia, work_value + weight.value])
     slopes = np.column_stack([N_PER_KG_MM_S2 * change, work_slope + weight.derivative(1)])
     table = cubics(np.diff(knots), (values[:-1], slopes[:-1]), (values[1:], slopes[1:]))
-    return CrankLoad(PeriodicTable(knots, table, np.array([0.0, float(work_value[-1])])), (0.0, working))
+    return CrankLoad(PeriodicTable(knots, table, np.array([0.0, float(work_value[-1])])), (0.0, working), narrow)
 
 
 def _knots(low: float, high: float) -> Array:
     return np.linspace(low, high, ceil((high - low) * INTERVALS / (2.0 * pi)) + 1)
+
+
+MISSED = 1e-5
+"""Share of the largest moment of the resistance that the table may miss between its knots.  Where a resistance begins
+with a kink, as the shipped baler's does, evenly spaced knots miss less."""
+
+NARROW = 1e-2
+"""Share that evenly spaced knots miss where the resistance is narrow: steps of a solver might miss it too."""
+
+CLOSEST_RAD = 1e-9
+"""Crank angle below which knots come no closer: rounding errors of the work would show in its slope."""
+
+MOST_KNOTS = 1 << 16
+"""Knots at which refining ends: sixteen times those of a smooth resistance."""
+
+LEAST_WAY = 1e-3
+"""Least way to go at once in a narrow stretch, as a share of the stretch."""
+
+SHARES = np.array([[0.25], [0.6]])
+"""Places of an interval at which the table is held against the resistance.  They do not lie evenly about its middle,
+where a table that is met at both ends may agree with a curve that it misses."""
+
+
+def _working_knots(linkage: Mechanism, resistance: Resistance) -> Array:
+    """Crank angles of the working stroke, closer together where the resistance changes fast.
+
+    The table is tried where the resistance turns or begins as well, so that no narrow peak is between two knots.
+    """
+    stroke = linkage.stroke_mm
+    turns = crank_angles_rad(linkage, np.union1d(resistance.turns_mm(stroke), resistance.zeros_mm(stroke)))
+    knots = _knots(0.0, linkage.working_angle_rad)
+    while knots.size < MOST_KNOTS:
+        width = np.diff(knots)
+        tried = np.union1d((knots[:-1] + width * SHARES).ravel(), turns)
+        missed = np.unique(_missed_at(linkage, resistance, knots, tried, MISSED))
+        missed = missed[width[missed] > CLOSEST_RAD]
+        if not missed.size:
+            break
+        within = turns[np.isin(np.searchsorted(knots, turns, side="right") - 1, missed)]
+        knots = np.unique(np.concatenate([knots, knots[missed] + width[missed] / 2.0, within]))
+    return knots
+
+
+def _missed_at(linkage: Mechanism, resistance: Resistance, knots: Array, tried: Array, share: float) -> IndexArray:
+    """The intervals of tried places at which a table would miss more than a share of the largest moment."""
+    work, moment = _working(linkage, resistance, knots)
+    table = PeriodicTable(knots, cubics(np.diff(knots), (work[:-1], moment[:-1]), (work[1:], moment[1:])))
+    exact = _working(linkage, resistance, tried)[1]
+    missed = np.abs(table.at(tried)[1] - exact) > share * max(np.abs(exact).max(), np.abs(moment).max())
+    return table.place(tried[missed])[1]
+
+
+def _narrow_rad(linkage: Mechanism, resistance: Resistance, knots: Array) -> Array:
+    """Start, end and least distance of knots of the stretches that evenly spaced knots would miss, shape (k, 3)."""
+    even = _knots(0.0, linkage.working_angle_rad)
+    tried = np.union1d(knots[:-1], knots[:-1] + np.diff(knots) * SHARES)
+    missed = np.unique(_missed_at(linkage, resistance, even, tried, NARROW))
+    if not missed.size:
+        return NO_STRETCHES
+    runs = np.split(missed, np.nonzero(np.diff(missed) > 1)[0] + 1)
+    return np.array([_stretch(knots, float(even[run[0]]), float(even[run[-1] + 1])) for run in runs])
+
+
+def _stretch(knots: Array, low: float, high: float) -> tuple[float, float, float]:
+    """A stretch between two angles, with the least distance of the knots in it."""
+    least = float(np.diff(knots[(knots >= low) & (knots <= high)]).min())
+    return low, high, max(least, LEAST_WAY * (high - low))
+
+
+def crank_angles_rad(linkage: Mechanism, places_mm: Array) -> Array:
+    """Crank angles of the working stroke at which the slider is at places within its stroke, shape (n,)."""
+    if not places_mm.size:
+        return places_mm
+    ends = np.zeros(places_mm.shape), np.full(places_mm.shape, linkage.working_angle_rad)
+    return zeros_between(lambda angle: linkage.displacement(Jet.variable(angle, 0)).value - places_mm, *ends)
 
 
 def _working(linkage: Mechanism, resistance: Resistance, angle: Array) -> tuple[Array, Array]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from ncgear.dynamics.meshing import force_on_driven
-from ncgear.dynamics.motion_in_time import Course, pressed_rad
+from ncgear.dynamics.motion_in_time import Course
 from ncgear.dynamics.rigid import RigidMachine
 from ncgear.mechanisms.forces import CrankPace, JointForces
 from ncgear.numerics.arrays import Array
@@ -29,12 +30,13 @@ class Slide:
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """A motion at n even times, shape (n,) each.
+    """A motion at n times, shape (n,) each.
 
-    ``slide`` is the slider's motion, ``law`` the one it would have on the law at the machine's speed;
-    ``error_rad`` is the driven angle beyond the law's.  ``pushing_n`` and ``back_n`` are the largest normal forces of
-    any pair on either side of the teeth, ``torque_n_mm`` is the drive's.  ``joints`` are the forces in the mechanism,
-    ``mesh`` is the force of all teeth on the driven gear; the driving shaft's bearings exert the same force.
+    ``slide`` is the slider's motion, ``law`` the one it would have if the driven gear kept the law while the driving
+    gear turns as it does; ``error_rad`` is the driven angle beyond the law's.  ``pushing_n`` and ``back_n`` are the
+    largest normal forces of any one pair on either side of the teeth, ``torque_n_mm`` is the drive's.  ``joints`` are
+    the forces in the mechanism, ``mesh`` is the force of all teeth on the driven gear; the driving shaft's bearings
+    exert the same force.
     """
 
     time_s: Array
@@ -54,40 +56,40 @@ class History:
         """Force of its bearing on the crank shaft in N."""
         return self.joints.crank_axis - self.mesh
 
+    @property
+    def forces(self) -> Mapping[str, Vector]:
+        """The forces in the joints and between the teeth, by the names that columns and figures give them."""
+        return {**self.joints.joints, "crank_bearing": self.crank_bearing, "mesh": self.mesh}
 
-def history(course: Course, rigid: RigidMachine, per_turn: int = PER_TURN) -> History:
-    """The motion at even times, ``per_turn`` in each turn; the course must be one of this machine, which has gears."""
+
+def even_times_s(course: Course, least: int = 0) -> Array:
+    """Even times over a course, PER_TURN intervals in each turn of the driving gear and at least ``least`` in all."""
+    turns = float(course.states[0, -1] - course.states[0, 0]) / (2.0 * np.pi)
+    return np.linspace(0.0, float(course.time_s[-1]), max(1, least, round(PER_TURN * turns)) + 1)
+
+
+def history(course: Course, rigid: RigidMachine, time_s: Array) -> History:
+    """The motion at times of shape (n,); the course must be one of this machine, which has gears."""
     toothed = course.machine
     assert rigid.place is not None
-    turns = float(course.states[0, -1] - course.states[0, 0]) / (2.0 * np.pi)
-    time_s = np.linspace(0.0, float(course.time_s[-1]), max(2, round(per_turn * turns) + 1))
     states = course.at(time_s)
     answer = toothed.answer(states)
-    phi1, _, phi2, speed2 = states[:4]
-    ratio = toothed.meshing.law.at(phi1)[1]
-    linkage, law = rigid.machine.linkage, rigid.machine.motion(phi1)
+    phi1, speed1, phi2, speed2 = states[:4]
+    angle, ratio = toothed.meshing.law.at(phi1)
     urge, normal = answer.teeth.near.urge, answer.teeth.normal_n
     return History(
         time_s,
         phi1,
         phi2,
-        phi2 - toothed.meshing.law.at(phi1)[0],
-        _slide(linkage.displacement(Jet.variable(phi2, 2)), speed2, answer.acceleration2_rad_s2),
-        Slide(law.displacement_mm, law.velocity_mm_s, law.acceleration_mm_s2),
+        phi2 - angle,
+        _slide(rigid.machine.linkage.displacement(Jet.variable(phi2, 2)), speed2, answer.acceleration2_rad_s2),
+        _slide(rigid.machine.displacement(phi1, 2), speed1, answer.acceleration1_rad_s2),
         np.where(urge > 0.0, normal, 0.0).max(axis=-1),
         np.where(urge < 0.0, normal, 0.0).max(axis=-1),
         answer.torque_n_mm,
         rigid.joints(phi2, CrankPace(speed2, answer.acceleration2_rad_s2)),
         force_on_driven(answer.teeth, ratio, rigid.place),
     )
-
-
-def parted_s(course: Course) -> Array:
-    """Starts and ends of the times at which no pushing flanks touch, shape (k, 2)."""
-    edges = np.unique(np.concatenate([[0.0], course.pushing_s, course.time_s[-1:]]))
-    states = course.at((edges[1:] + edges[:-1]) / 2.0)
-    apart = pressed_rad(course.machine.meshing, states) <= 0.0
-    return np.column_stack([edges[:-1][apart], edges[1:][apart]])
 
 
 def _slide(displacement: Jet, speed_rad_s: Array, acceleration_rad_s2: Array) -> Slide:

@@ -3,7 +3,7 @@
 The driving gear turns at a speed that nothing changes, or a motor with a flywheel turns it.  The state is (phi1, phi1',
 phi2, phi2', work of the drive, losses of the teeth); the last two are integrated along with the motion for the balance
 of energy.  The motion starts on the law under its load, or from rest.  The solver starts anew at each dead centre,
-where the resistance goes on or off.
+where the resistance goes on or off, and about each narrow peak of it, which its steps might pass over.
 """
 
 from __future__ import annotations
@@ -25,7 +25,6 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.periodic_table import PeriodicTable, quintics
 from ncgear.numerics.units import in_words
-from ncgear.numerics.zeros import zeros_between
 from ncgear.ratio.transmission import Piece, Transmission
 
 INTERVALS = 2048
@@ -158,32 +157,27 @@ class Start(StrEnum):
     REST = "rest"
 
 
-def law_torque_n_mm(machine: ToothedMachine, transmission: Transmission, phi1_rad: Array) -> Array:
-    """Torque in N mm that the driven shaft takes where it keeps the law at the drive's speed, shape (n,)."""
-    angle, speed = transmission.driven_angle(phi1_rad, 2), machine.drive.speed_rad_s
-    return machine.load.torque_n_mm(angle.value, angle.derivative(1) * speed, angle.derivative(2) * speed**2)
+def law_torque_n_mm(load: CrankLoad, transmission: Transmission, phi1_rad: Array, speed_rad_s: float) -> Array:
+    """Torque in N mm that the driven shaft takes where it keeps the law at a driving speed, shape (n,)."""
+    angle = transmission.driven_angle(phi1_rad, 2)
+    return load.torque_n_mm(angle.value, angle.derivative(1) * speed_rad_s, angle.derivative(2) * speed_rad_s**2)
 
 
-def started(machine: ToothedMachine, transmission: Transmission, start: Start) -> Array:
+def started(machine: ToothedMachine, transmission: Transmission, start: Start, speed_rad_s: float) -> Array:
     """The state at phi1 = 0, shape (6,).
 
-    On the law both shafts have its speeds, and the teeth are pressed as deep as the load at that speed asks.  At rest
-    the driven gear stands on pushing flanks, and so does the driving gear if a motor starts it; a drive of one speed
-    has that speed from the start.
+    On the law both shafts have its speeds at the driving speed, whatever speed a motor has without load, and the teeth
+    are pressed as deep as the load at that speed asks.  At rest the driven gear stands on pushing flanks, and so does
+    the driving gear if a motor starts it; a drive of one speed has that speed from the start.
     """
     here = np.zeros(1)
-    speed = machine.drive.speed_rad_s
     if start is Start.REST:
         pushing = float(machine.meshing.gaps.play_rad(here)[0][0])
         return np.array([0.0, machine.drive.starting_rad_s, pushing, 0.0, 0.0, 0.0])
-    torque = law_torque_n_mm(machine, transmission, here)
-    ahead = loaded_contact(machine.meshing, here, torque, speed).error_rad[0]
+    torque = law_torque_n_mm(machine.load, transmission, here, speed_rad_s)
+    ahead = loaded_contact(machine.meshing, here, torque, speed_rad_s).error_rad[0]
     ratio = float(transmission.driven_angle(here, 1).derivative(1)[0])
-    return np.array([0.0, speed, float(ahead), ratio * speed, 0.0, 0.0])
-
-
-CLEAR_RAD = 1e-9
-"""Angle within which a leg counts as starting at a dead centre: rounding errors of the event before it."""
+    return np.array([0.0, speed_rad_s, float(ahead), ratio * speed_rad_s, 0.0, 0.0])
 
 
 def passing(row: int, angle_rad: float) -> Callable[[float, Array], float]:
@@ -196,32 +190,6 @@ def passing(row: int, angle_rad: float) -> Callable[[float, Array], float]:
     return beyond
 
 
-def pressed_rad(meshing: Meshing, states: Array) -> Array:
-    """How far the driven gear is pressed beyond the pushing flanks' first contact in states (6, n), shape (n,)."""
-    pressed: Array = meshing.gaps.play_rad(states[0])[0] - (states[2] - meshing.law.at(states[0])[0])
-    return pressed
-
-
-def meetings_s(pressed: Callable[[Array], Array], time_s: Array) -> Array:
-    """Times, between the steps ``time_s``, at which flanks meet or part.
-
-    ``pressed`` tells how far they are pressed into each other at times, less than 0 where they are apart.
-    The solver's own search for events is not used: it compares the states of steps with the interpolation between them,
-    which LSODA does not join to them exactly.
-    """
-    sign = np.sign(pressed(time_s))
-    change = np.nonzero(sign[:-1] * sign[1:] < 0.0)[0]
-    # The interpolation takes no empty times
-    return zeros_between(pressed, time_s[change], time_s[change + 1]) if change.size else np.empty(0)
-
-
-def next_dead_centre_rad(machine: ToothedMachine, phi2_rad: float) -> float:
-    """The first dead centre beyond a crank angle."""
-    turn, local = divmod(phi2_rad + CLEAR_RAD, 2.0 * pi)
-    beyond = [angle for angle in machine.load.dead_centres_rad if angle > local]
-    return turn * 2.0 * pi + min([*beyond, 2.0 * pi])
-
-
 METHOD = "LSODA"
 """The stiff solver of scipy that has the least error in the same time (docs/speed-against-error.md)."""
 
@@ -231,6 +199,10 @@ ACCURACY = 1e-7
 ENERGY = 1e-4
 """Share of the work done that the balance of energy may miss."""
 
+BETWEEN = 3
+"""Places looked at within each step of the solver, besides its ends: the top of a parabola is then met to a sixteenth
+of its rise over the step, and closed in on from there."""
+
 SLOWEST = 20.0
 """The drive must get round in this many times the time that it takes without load."""
 
@@ -239,13 +211,12 @@ SLOWEST = 20.0
 class Course:
     """A motion from time 0 on: solver steps at ``time_s`` (shape (n,)) in ``states`` (shape (6, n)).
 
-    ``pushing_s`` are the times at which pushing flanks meet or part.
+    ``legs`` are the starts of the solver's runs from stop to stop of the load, with the states between their steps.
     """
 
     machine: ToothedMachine
     time_s: Array
     states: Array
-    pushing_s: Array
     legs: tuple[tuple[float, Callable[[Array], Array]], ...]
 
     def at(self, time_s: Array) -> Array:
@@ -255,6 +226,13 @@ class Course:
         for leg in np.unique(number):
             states[:, number == leg] = self.legs[leg][1](time_s[number == leg])
         return states
+
+    @property
+    def fine_s(self) -> Array:
+        """The times of the steps and of BETWEEN places within each step, rising."""
+        shares = np.arange(BETWEEN + 1) / (BETWEEN + 1)
+        within = self.time_s[:-1, None] + np.diff(self.time_s)[:, None] * shares
+        return np.append(within.ravel(), self.time_s[-1])
 
     @cached_property
     def energy_error(self) -> float:
@@ -290,11 +268,16 @@ def course(
 def _leg(
     machine: ToothedMachine, span_s: tuple[float, float], state: Array, target_rad: float, how: tuple[float, str]
 ) -> Any:
-    """The solver's answer from one dead centre to the next, or to the end of the course."""
-    events = passing(0, target_rad), passing(2, next_dead_centre_rad(machine, float(state[2])))
+    """The solver's answer up to the next stop of the load, or to the end of the course."""
+    stop_rad, way_rad = machine.load.next_stop_rad(float(state[2]))
+    events = passing(0, target_rad), passing(2, stop_rad)
     accuracy, method = how
-    tolerance = {"rtol": accuracy, "atol": accuracy * _scales(machine)}
-    leg = solve_ivp(machine.change, span_s, state, method, dense_output=True, events=events, **tolerance)
+    limits = {
+        "rtol": accuracy,
+        "atol": accuracy * _scales(machine),
+        "max_step": way_rad / max(abs(float(state[3])), machine.drive.speed_rad_s),
+    }
+    leg = solve_ivp(machine.change, span_s, state, method, dense_output=True, events=events, **limits)
     if leg.status < 0:
         raise ArithmeticError(f"the motion could not be integrated: {leg.message}")
     return leg
@@ -310,19 +293,14 @@ def _scales(machine: ToothedMachine) -> Array:
 
 def _joined(machine: ToothedMachine, legs: list[Any]) -> Course:
     """Legs end to end; a leg's first state is the last one of the leg before."""
-
-    def pushing_s(leg: Any) -> Array:
-        return meetings_s(lambda time_s: pressed_rad(machine.meshing, leg.sol(time_s)), leg.t)
-
     time_s = np.concatenate([legs[0].t[:1], *(leg.t[1:] for leg in legs)])
     states = np.concatenate([legs[0].y[:, :1], *(leg.y[:, 1:] for leg in legs)], axis=1)
-    pushing = np.concatenate([pushing_s(leg) for leg in legs])
-    return Course(machine, time_s, states, pushing, tuple((float(leg.t[0]), leg.sol) for leg in legs))
+    return Course(machine, time_s, states, tuple((float(leg.t[0]), leg.sol) for leg in legs))
 
 
 def _checked(found: Course) -> Course:
     """The course itself, if its energy balances and its teeth are no deeper in each other than the tables follow."""
-    meshing, states = found.machine.meshing, found.states
+    meshing, states = found.machine.meshing, found.at(found.fine_s)
     meshing.gaps.require_reach(states[0], states[2] - meshing.law.at(states[0])[0])
     if not found.energy_error <= ENERGY:
         raise ArithmeticError(f"the energy of the motion misses its balance by {found.energy_error:.3g} of the work")

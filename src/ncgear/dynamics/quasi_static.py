@@ -14,6 +14,8 @@ import numpy as np
 from ncgear.dynamics.meshing import Meshing, ToothForces, TwoShafts
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.extrema import Extremum
+from ncgear.numerics.highest import largest_of_each
 from ncgear.numerics.zeros import zeros_between
 
 FIRST_STEP_RAD = 1e-7
@@ -75,6 +77,32 @@ def loaded_contact(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_
     ahead[loaded] = _balanced(resting, phi1_rad[loaded], torque_n_mm[loaded], speed_rad_s)
     meshing.gaps.require_reach(phi1_rad, ahead)
     return LoadedContact(phi1_rad, ahead, _forces(resting, phi1_rad, ahead, speed_rad_s))
+
+
+@dataclass(frozen=True)
+class LoadedPeaks:
+    """Largest values over all positions, with the driving angle of each; meaning as in ``LoadedContact``."""
+
+    tooth_force_n: Extremum
+    depth_mm: Extremum
+    driving_torque_n_mm: Extremum
+    transmission_error_rad: float
+
+
+def loaded_peaks(loaded_at: Callable[[Array], LoadedContact], phi1_rad: Array) -> LoadedPeaks:
+    """The peaks between the first and the last of rising driving angles, shape (n,), of the teeth loaded at any angles.
+
+    Between two angles the loaded teeth are taken to have one top: the angles have to be dense enough for that.
+    """
+
+    def sizes(phi1: Array) -> Array:
+        loaded = loaded_at(phi1)
+        depth = np.maximum(loaded.forces.depth_mm.max(axis=-1), 0.0)
+        error = loaded.error_rad
+        return np.stack([loaded.tooth_force_n, depth, loaded.driving_torque_n_mm, error, -error])
+
+    force, depth, torque, ahead, behind = largest_of_each(sizes, phi1_rad)
+    return LoadedPeaks(force, depth, torque, ahead.value + behind.value)
 
 
 def _forces(meshing: Meshing, phi1_rad: Array, ahead_rad: Array, speed_rad_s: float) -> ToothForces:

@@ -17,11 +17,13 @@ import numpy as np
 
 from ncgear.dynamics.history import History
 from ncgear.dynamics.level import Level
+from ncgear.dynamics.peaks import MotionPeaks, Peak
 from ncgear.dynamics.rigid import Loads, Rigid
+from ncgear.dynamics.touching import parted_s, pushing_parted_s
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.plane import Vector
-from ncgear.numerics.units import N_M_PER_N_MM
+from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drive import Drive
 
 KG_M2 = 1e-6
@@ -146,24 +148,18 @@ def quasi_static_table(drive: Drive, rigid_torque_n_m: Array) -> dict[str, Array
 
 def quasi_static_figures(drive: Drive) -> dict[str, Any]:
     """The stiffness of the contact, and the peaks of the loaded teeth with the driving angles at which they are."""
-    loaded, phi1 = drive.loaded_contact, drive.motion.phi1_rad
+    peaks = drive.loaded_peaks
     return {
         **_about(drive, Level.QUASI_STATIC),
         "loaded_contact": {
             "contact_stiffness_n": drive.meshing.impact.stiffness,
-            "transmission_error_rad": loaded.transmission_error_rad,
-            **_largest_of("peak_tooth_force", "n", loaded.tooth_force_n, phi1),
-            **_largest_of("peak_depth", "mm", loaded.forces.depth_mm.max(axis=-1), phi1),
-            **_largest_of("peak_driving_torque", "n_m", N_M_PER_N_MM * loaded.driving_torque_n_mm, phi1),
-            "most_pairs": int(loaded.pairs.max()),
+            "transmission_error_rad": peaks.transmission_error_rad,
+            **_peak("peak_tooth_force", "n", peaks.tooth_force_n),
+            **_peak("peak_depth", "mm", peaks.depth_mm),
+            **_peak("peak_driving_torque", "n_m", peaks.driving_torque_n_mm, N_M_PER_N_MM),
+            "most_pairs": int(drive.loaded_contact.pairs.max()),
         },
     }
-
-
-def _largest_of(name: str, unit: str, values: Array, phi1_rad: Array) -> dict[str, float]:
-    """The largest value and its driving angle, out of values and angles of shape (n,)."""
-    place = int(np.argmax(values))
-    return {f"{name}_{unit}": float(values[place]), f"{name}_at_rad": float(phi1_rad[place])}
 
 
 def dynamic_table(history: History) -> dict[str, Array]:
@@ -172,7 +168,7 @@ def dynamic_table(history: History) -> dict[str, Array]:
     for prefix, slide in (("", history.slide), ("law_", history.law)):
         columns.update({f"{prefix}{name}": values for name, values in vars(slide).items()})
     joints: dict[str, Array] = {}
-    for name, force in joint_forces(history).items():
+    for name, force in history.forces.items():
         joints.update({f"{name}_x_n": force.x, f"{name}_y_n": force.y})
     return {
         **columns,
@@ -185,41 +181,49 @@ def dynamic_table(history: History) -> dict[str, Array]:
     }
 
 
-def joint_forces(history: History) -> dict[str, Vector]:
-    """The forces in the joints and between the teeth, by the names that columns and figures give them."""
-    return {**history.joints.joints, "crank_bearing": history.crank_bearing, "mesh": history.mesh}
-
-
-def dynamic_figures(drive: Drive, history: History, apart_s: Array) -> dict[str, Any]:
-    """The slider beside its law, the bearings, and the teeth; ``apart_s`` (k, 2) are the spans in which none touch."""
+def dynamic_figures(drive: Drive, peaks: MotionPeaks) -> dict[str, Any]:
+    """The slider beside its law, the bearings, and the teeth, with the driving angle of each peak."""
     course, work = drive.course, drive.course.states[4:, -1]
+    pushing_parted, parted = pushing_parted_s(course), parted_s(course)
     return {
         **_about(drive, Level.DYNAMIC),
         "slider": {
-            "largest_displacement_error_mm": _largest(history.slide.displacement_mm - history.law.displacement_mm),
-            "largest_velocity_error_mm_s": _largest(history.slide.velocity_mm_s - history.law.velocity_mm_s),
-            "peak_acceleration_mm_s2": _largest(history.slide.acceleration_mm_s2),
-            "peak_acceleration_of_law_mm_s2": _largest(history.law.acceleration_mm_s2),
+            **_peak_at("largest_displacement_error", "mm", peaks.displacement_error_mm),
+            **_peak_at("largest_velocity_error", "mm_s", peaks.velocity_error_mm_s),
+            **_peak_at("peak_acceleration", "mm_s2", peaks.acceleration_mm_s2),
+            **_peak_at("peak_acceleration_of_law", "mm_s2", peaks.law_acceleration_mm_s2),
         },
         "bearings": {
-            f"peak_{name}_force_n": _largest(np.hypot(force.x, force.y))
-            for name, force in joint_forces(history).items()
+            key: value
+            for name, peak in peaks.forces_n.items()
+            for key, value in _peak_at(f"peak_{name}_force", "n", peak).items()
         },
         "motion_in_time": {
+            "start_speed_rpm": float(course.states[1, 0]) / RAD_S_PER_RPM,
+            "end_speed_rpm": float(course.states[1, -1]) / RAD_S_PER_RPM,
             "contact_stiffness_n": drive.meshing.impact.stiffness,
-            "peak_pushing_force_n": _largest(history.pushing_n),
-            "peak_back_force_n": _largest(history.back_n),
-            "peak_driving_torque_n_m": N_M_PER_N_MM * float(history.torque_n_mm.max()),
-            "least_driving_torque_n_m": N_M_PER_N_MM * float(history.torque_n_mm.min()),
+            **_peak_at("peak_pushing_force", "n", peaks.pushing_n),
+            **_peak_at("peak_back_force", "n", peaks.back_n),
+            **_peak_at("peak_driving_torque", "n_m", peaks.most_torque_n_mm, N_M_PER_N_MM),
+            **_peak_at("least_driving_torque", "n_m", peaks.least_torque_n_mm, N_M_PER_N_MM),
             "work_of_drive_j": N_M_PER_N_MM * float(work[0]),
             "loss_of_teeth_j": N_M_PER_N_MM * float(work[1]),
-            "losses_of_contact": len(apart_s),
-            "time_without_contact_s": float(np.sum(apart_s[:, 1] - apart_s[:, 0])),
+            "partings_of_pushing_flanks": len(pushing_parted),
+            "time_with_pushing_flanks_apart_s": _lasting_s(pushing_parted),
+            "losses_of_contact": len(parted),
+            "time_without_contact_s": _lasting_s(parted),
             "energy_error": course.energy_error,
             "solver_steps": int(course.time_s.size - 1),
         },
     }
 
 
-def _largest(values: Array) -> float:
-    return float(np.abs(values).max())
+def _peak_at(name: str, unit: str, found: Peak, factor: float = 1.0) -> dict[str, float | None]:
+    """A peak with its driving angle; one of 0 is at no place of its own."""
+    place = found.phi1_rad if found.value else None
+    return {f"{name}_{unit}": factor * found.value, f"{name}_at_rad": place}
+
+
+def _lasting_s(spans_s: Array) -> float:
+    """Sum of spans of time, shape (k, 2)."""
+    return float(np.sum(spans_s[:, 1] - spans_s[:, 0]))

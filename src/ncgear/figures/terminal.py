@@ -20,8 +20,13 @@ INDENT = "  "
 LABELS = {
     "peak acceleration working": "peak acceleration, working stroke",
     "peak acceleration cycle": "peak acceleration, whole cycle",
+    "peak tooth force": "peak tooth force, one pair of teeth",
+    "peak pushing force": "peak pushing force, one pair of teeth",
+    "peak back force": "peak back force, one pair of teeth",
+    "peak mesh force": "peak mesh force, all pairs together",
+    "time without contact": "time without contact of any flanks",
 }
-"""Labels for keys whose own words would be hard to read."""
+"""Labels for keys whose own words would be hard to read or would leave open what they count."""
 
 PLACE = "_at_rad"
 """End of a key that holds the driving angle at which another key has its extreme value."""

@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 
 from ncgear.drawings.pictures import dynamic_pictures, quasi_static_pictures, rigid_pictures
-from ncgear.dynamics.history import history, parted_s
+from ncgear.dynamics.history import PER_TURN, even_times_s, history
 from ncgear.dynamics.level import Level
+from ncgear.dynamics.peaks import motion_peaks
+from ncgear.dynamics.touching import pushing_parted_s
 from ncgear.figures.csv_text import csv_text
 from ncgear.figures.numbers import json_text
 from ncgear.figures.simulated import (
@@ -74,10 +76,13 @@ def simulation_text(found: Simulated, paths: Sequence[Path]) -> str:
 
 
 def _dynamic(drive: Drive) -> Simulated:
-    """The motion of a drive in time, beside its law."""
-    course = drive.course
-    shown = history(course, drive.rigid.machine)
-    apart_s = parted_s(course)
-    apart_rad = np.stack([course.at(ends)[0] for ends in apart_s.T], axis=-1)
-    pictures = dynamic_pictures(drive, shown, apart_rad)
-    return Simulated(dynamic_table(shown), dynamic_figures(drive, shown, apart_s), pictures)
+    """The motion of a drive in time, beside its law: rows at even times, peaks from the solver's steps.
+
+    Pictures have a point at each peak besides even ones, so that they show what the figures say.
+    """
+    course, rigid = drive.course, drive.rigid.machine
+    peaks = motion_peaks(course, rigid)
+    drawn = history(course, rigid, np.union1d(even_times_s(course, PER_TURN), peaks.times_s))
+    apart_rad = np.stack([course.at(ends)[0] for ends in pushing_parted_s(course).T], axis=-1)
+    table = dynamic_table(history(course, rigid, even_times_s(course)))
+    return Simulated(table, dynamic_figures(drive, peaks), dynamic_pictures(drive, drawn, apart_rad))

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from ncgear.contact.written.as_written import Outlines
     from ncgear.dynamics.meshing import Meshing
     from ncgear.dynamics.motion_in_time import Course
-    from ncgear.dynamics.quasi_static import LoadedContact
+    from ncgear.dynamics.quasi_static import LoadedContact, LoadedPeaks
     from ncgear.dynamics.rigid import Rigid
     from ncgear.pitch.pair import PitchPair
     from ncgear.solids.helical.helix import Helix
@@ -314,15 +314,29 @@ class Drive:
         with self.stopwatch("gaps"):
             return meshing_of(self.design.simulation, pitch, teeth)
 
+    def _loaded_at(self, phi1_rad: Array) -> LoadedContact:
+        """The teeth under the torque of the rigid level, at driving angles in rad, shape (n,)."""
+        from ncgear.dynamics.quasi_static import loaded_contact
+
+        torque = self.rigid.machine.at(phi1_rad).driven_torque.value
+        return loaded_contact(self.meshing, phi1_rad, torque, self.machine.speed_rad_s)
+
     @computed
     def loaded_contact(self) -> LoadedContact:
         """The teeth under the torque of the rigid level, at the angles of ``motion``."""
-        from ncgear.dynamics.quasi_static import loaded_contact
-
-        phi1, meshing = self.motion.phi1_rad, self.meshing
-        torque = self.rigid.machine.at(phi1).driven_torque.value
+        phi1, _, _ = self.motion.phi1_rad, self.rigid, self.meshing
         with self.stopwatch("loaded contact"):
-            return loaded_contact(meshing, phi1, torque, self.machine.speed_rad_s)
+            return self._loaded_at(phi1)
+
+    @computed
+    def loaded_peaks(self) -> LoadedPeaks:
+        """The peaks of the teeth under the torque of the rigid level, over the angles of ``motion``."""
+        from ncgear.dynamics.quasi_static import loaded_peaks
+        from ncgear.project.forces import loaded_places_rad
+
+        places = loaded_places_rad(self.motion.phi1_rad, self.meshing, self.rigid.machine)
+        with self.stopwatch("peaks of loaded contact"):
+            return loaded_peaks(self._loaded_at, places)
 
     @computed
     def course(self) -> Course:
@@ -332,10 +346,12 @@ class Drive:
         from ncgear.project.forces import drive_line_of
 
         given, masses, meshing = self.design.simulation, self.masses, self.meshing
-        driving = drive_line_of(given, masses, self.machine.speed_rad_s)
+        speed = self.machine.speed_rad_s
+        driving = drive_line_of(given, masses, speed)
         with self.stopwatch("motion in time"):
             toothed = ToothedMachine(driving, meshing, crank_load(self.linkage, masses, self.machine.resistance))
-            return course(toothed, started(toothed, self.transmission, Start(given.start)), given.turns)
+            state = started(toothed, self.transmission, Start(given.start), speed)
+            return course(toothed, state, given.turns)
 
 
 def load(path: str | Path) -> Drive:

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from math import cos, pi, radians, sin
 
+import numpy as np
+
 from ncgear.design.keys.masses import Gravity, MechanismMasses, Simulation
 from ncgear.dynamics.gaps import gaps_of
 from ncgear.dynamics.meshing import Friction, Impact, Meshing, hertz_stiffness
 from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, Motor, law_table
+from ncgear.dynamics.rigid import RigidMachine
 from ncgear.errors import WrongInput
+from ncgear.kinematics.motion import stretches
 from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Mechanism
+from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import N_PER_KG_MM_S2, RAD_S_PER_RPM
 from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.gear import ToothedPair
@@ -61,6 +66,17 @@ def impact_of(given: Simulation, pitch: PitchPair) -> Impact:
         radii = pitch.driving.length_mm / (2.0 * pi), -pitch.mesh.sense * pitch.driven.length_mm / (2.0 * pi)
         stiffness = hertz_stiffness(given.youngs_modulus_gpa, given.poisson, radii)
     return Impact(stiffness, given.exponent, given.damping_n_s_mm, given.full_damping_depth_mm)
+
+
+def loaded_places_rad(phi1_rad: Array, meshing: Meshing, rigid: RigidMachine) -> Array:
+    """Driving angles up to the last of those given at which the peaks of loaded teeth are looked for, rising.
+
+    Those given, those at which pairs of teeth are known, and those at which the law has a joint or the load turns.
+    """
+    breaks = [rigid.breaks(stretch) for stretch in stretches(rigid.machine)]
+    places = np.unique(np.concatenate([phi1_rad, meshing.gaps.table.breaks, *breaks]))
+    kept: Array = places[places <= phi1_rad[-1]]
+    return kept
 
 
 def drive_line_of(given: Simulation, masses: Masses, speed_rad_s: float) -> DriveLine:

@@ -190,6 +190,8 @@ class Simulation(Model):
         description="what drives the level dynamic; left out: operation.speed_rpm, whatever torque it takes",
     )
     start: Literal["on_law", "rest"] = Field(
-        default="on_law", description="on_law: both gears run as the law says; rest: the driven gear stands still"
+        default="on_law",
+        description="on_law: both gears run as the law says, the driving one at operation.speed_rpm; rest: the driven "
+        "gear stands still, and so does a motor",
     )
     turns: float = Field(default=1.0, gt=0.0, le=MOST_TURNS, description="turns of the driving gear in level dynamic")

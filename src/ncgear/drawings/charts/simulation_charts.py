@@ -89,7 +89,7 @@ def teeth_under_load(drive: Drive, rigid_n_m: Array) -> list[Chart]:
     torque = N_M_PER_N_MM * loaded.driving_torque_n_mm
     return [
         simulated_chart("driving torque", "N m", phi1, (own, torque), ("rigid", rigid_n_m)),
-        simulated_chart("tooth force", "N", phi1, (own, loaded.tooth_force_n)),
+        simulated_chart("force of one pair", "N", phi1, (own, loaded.tooth_force_n)),
         simulated_chart("ahead of the law", "mrad", phi1, (own, 1e3 * loaded.error_rad)),
     ]
 
@@ -108,12 +108,12 @@ def slider_in_time(shown: History, apart_deg: Array) -> list[Chart]:
 
 
 def teeth_in_time(shown: History, apart_deg: Array) -> list[Chart]:
-    """Forces on both sides of the teeth, and the driving torque."""
+    """Forces of the most loaded pair on both sides of the teeth, and the driving torque."""
     return [
         simulated_chart(name, unit, shown.phi1_rad, (SIMULATED, values), apart_deg=apart_deg)
         for name, unit, values in (
-            ("pushing force", "N", shown.pushing_n),
-            ("back force", "N", shown.back_n),
+            ("pushing force, one pair", "N", shown.pushing_n),
+            ("back force, one pair", "N", shown.back_n),
             ("driving torque", "N m", N_M_PER_N_MM * shown.torque_n_mm),
         )
     ]
@@ -124,7 +124,7 @@ def bearings_in_time(drive: Drive, shown: History, apart_deg: Array) -> list[Cha
     forces = {
         **{words: shown.joints.joints[name] for name, words in drive.linkage.JOINTS.items()},
         "crank bearing": shown.crank_bearing,
-        "mesh force": shown.mesh,
+        "force of all pairs": shown.mesh,
     }
     return [
         simulated_chart(name, "N", shown.phi1_rad, (SIMULATED, np.hypot(force.x, force.y)), apart_deg=apart_deg)
