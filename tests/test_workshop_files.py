@@ -26,7 +26,7 @@ from commands import Run
 from drives import drive
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING
 from ncgear.files.workshop.drawing import Layer, Use, pitch_points
-from ncgear.files.workshop.formats import NAMES, USUAL, WRITERS, workshop_files
+from ncgear.files.workshop.formats import USUAL, WRITERS, workshop_files
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -397,9 +397,7 @@ def test_drawings_do_not_hang_on_how_a_process_orders_words() -> None:
 
 def test_every_kind_writes_what_it_is_said_to_write() -> None:
     written = files("baler")
-    for kind in USUAL:
-        assert set(WRITERS[kind].names) <= set(written)
-    assert set(written) <= set(NAMES)
+    assert set(written) == {name for kind in USUAL for name in WRITERS[kind].names}
 
 
 WHEEL = """\
