@@ -54,7 +54,7 @@ def steps(place: Path, every: int) -> range:
 
 
 def struck(folder: Path, fault: Fault, at: int) -> bool:
-    """Whether a fault at a call has struck a run; checks that what is there then is whole, and mended by the next run."""
+    """Whether a fault at a call has struck a run; checks that what is there is whole, and mended by the next run."""
     said, ended = "", False
     with Disk(fault, at).used() as disk:
         try:
@@ -90,7 +90,7 @@ MEMORY = Path("/dev/shm")
 
 @pytest.fixture
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A folder in memory, if there is one: which call goes wrong is what counts, not how long this machine's disk takes."""
+    """A folder in memory, if there is one: which call goes wrong counts, not how long this machine's disk takes."""
     monkeypatch.setattr(os, "fsync", lambda handle: None)
     with TemporaryDirectory(prefix="ncgear-", dir=MEMORY if os.access(MEMORY, os.W_OK) else tmp_path) as name:
         yield Path(name)
