@@ -17,6 +17,9 @@ slow: .venv  ## the tests that take longer
 fuzz: .venv  ## ten times as many random designs and formulas as the slow tests have
 	NCGEAR_FUZZ=10 $(PYTHON) -m pytest -m slow tests/test_random_designs.py tests/test_formula.py tests/test_proven.py
 
+attack: .venv  ## faults of the disk and death at every call, kills, generated designs and formulas, ten times as many
+	NCGEAR_FUZZ=10 $(PYTHON) -m pytest -m attack
+
 lint: .venv  ## style, formatting, types
 	.venv/bin/ruff check . && .venv/bin/ruff format --check . && .venv/bin/mypy
 
@@ -37,4 +40,4 @@ docs: .venv  ## make the pictures, the heads of command pages, the pages of keys
 	PYTHONPATH=tests $(PYTHON) -m hard.table
 	.venv/bin/ncgear reproduce --out docs
 
-.PHONY: quick test slow fuzz lint bench beside docs
+.PHONY: quick test slow fuzz attack lint bench beside docs

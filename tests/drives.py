@@ -23,6 +23,7 @@ DESIGNS = Path(__file__).parents[1] / "designs"
 
 FILES = {
     "summary.json",
+    "manifest.json",
     "assembly.json",
     "law.csv",
     "pitch.csv",

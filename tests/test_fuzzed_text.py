@@ -85,11 +85,13 @@ def judge_texts(path: Path, count: int, number: int) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.attack
 def test_mangled_designs_are_read_or_refused_with_a_place(tmp_path: Path) -> None:
     judge_texts(tmp_path / "d.yaml", 150, 10**6)
 
 
 @pytest.mark.slow
+@pytest.mark.attack
 @pytest.mark.parametrize("batch", range(4))
 def test_many_mangled_designs_are_read_or_refused_with_a_place(tmp_path: Path, batch: int) -> None:
     judge_texts(tmp_path / "d.yaml", 600, batch)
@@ -143,6 +145,7 @@ def test_code_in_a_file_is_not_run(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.attack
 @pytest.mark.parametrize("name", HARMFUL)
 def test_harmful_files_are_refused_in_little_memory_and_time(tmp_path: Path, name: str) -> None:
     """The limits are the system's; files are as large as they may be."""
@@ -263,6 +266,7 @@ def test_random_expressions_are_functions_or_refused() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.attack
 @pytest.mark.parametrize("batch", range(4))
 def test_many_random_expressions_are_functions_or_refused(batch: int) -> None:
     judge_expressions(1000, batch)

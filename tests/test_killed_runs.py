@@ -11,7 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from disk import leftovers
 from killed_runs import Files, build, killed_after, killed_at_step, seen, together
+from ncgear.files.manifest import MANIFEST, publish_run
 from ncgear.files.publish import publish
 
 ONE = {"driving.csv": b"one, driving", "driven.csv": b"one, driven", "extra.png": b"one", "summary.json": b"one"}
@@ -22,50 +24,57 @@ KEPT = {"mine.txt": b"not of ncgear", "below/notes.txt": b"nor this"}
 
 
 def filled(folder: Path, files: Files) -> Path:
-    """A folder in which a person keeps files of their own, with ``files`` published into it."""
+    """A folder in which a person keeps files of their own, with ``files`` built into it."""
     for name, content in KEPT.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(content)
-    publish(folder, files)
+    publish_run(folder, files, "build")
     return folder
 
 
+def found(folder: Path) -> dict[str, bytes]:
+    """What a reader finds, but for the manifest."""
+    return {name: content for name, content in seen(folder).items() if name != MANIFEST}
+
+
 @pytest.mark.slow
+@pytest.mark.attack
 @pytest.mark.parametrize(("before", "after"), [(ONE, OTHER), (STAGES, OTHER_STAGES)])
 def test_killed_at_each_step_the_folder_is_whole_and_the_next_run_clears_up(
     tmp_path: Path, before: Files, after: Files
 ) -> None:
     for step in count(1):
         folder = filled(tmp_path / str(step), before)
-        killed = killed_at_step(step, publish, folder, after)
-        assert seen(folder) in ({**KEPT, **before}, {**KEPT, **before, **after}), f"killed before step {step}"
-        publish(folder, after)
-        assert seen(folder) == {**KEPT, **before, **after}
-        assert not [place for place in folder.rglob("*") if place.is_symlink() or place.name.startswith(".")]
+        killed = killed_at_step(step, publish_run, folder, after, "build")
+        assert found(folder) in ({**KEPT, **before}, {**KEPT, **after}), f"killed before step {step}"
+        publish_run(folder, after, "build")
+        assert found(folder) == {**KEPT, **after}
+        assert leftovers(folder) == []
         if not killed:
             break
     assert step > 4 * len(after)
 
 
 @pytest.mark.slow
+@pytest.mark.attack
 def test_a_run_killed_over_and_over_at_any_step_never_leaves_a_mixture(tmp_path: Path) -> None:
     """Nobody clears up between the kills: each run meets what the others have left, and may die while it mends it."""
     folder, whole = filled(tmp_path, ONE), {**KEPT, **ONE}
     for step in (*range(1, 160, 3), *range(158, 1, -3)):
-        for files, others in ((STAGES, ONE), (ONE, STAGES)):
-            killed_at_step(step, publish, folder, files, tuple(others))
-            found, wanted = seen(folder), {**KEPT, **files}
-            assert found in (whole, wanted), f"killed before step {step}"
-            whole = found
-    publish(folder, OTHER, (*ONE, *STAGES))
-    assert seen(folder) == {**KEPT, **OTHER}
-    assert not [place for place in folder.iterdir() if place.name.startswith(".")]
+        for files in (STAGES, ONE):
+            killed_at_step(step, publish_run, folder, files, "build")
+            there, wanted = found(folder), {**KEPT, **files}
+            assert there in (whole, wanted), f"killed before step {step}"
+            whole = there
+    publish_run(folder, OTHER, "build")
+    assert found(folder) == {**KEPT, **OTHER}
+    assert leftovers(folder) == []
 
 
 def test_names_of_an_earlier_build_go_with_it(tmp_path: Path) -> None:
     folder = filled(tmp_path, STAGES)
-    publish(folder, ONE, tuple(STAGES))
-    assert seen(folder) == {**KEPT, **ONE}
+    publish_run(folder, ONE, "build")
+    assert found(folder) == {**KEPT, **ONE}
     assert not (folder / "stage-1").exists()
 
 
@@ -89,7 +98,7 @@ def built(folder: Path) -> dict[str, Any]:
     """What a reader finds of a build; of summaries what they say but for how long it took."""
     return {
         name: {**json.loads(content), "timing_s": None} if name.endswith("summary.json") else content
-        for name, content in seen(folder).items()
+        for name, content in found(folder).items()
     }
 
 
@@ -107,6 +116,7 @@ def designs(tmp_path: Path) -> dict[Path, tuple[float, dict[str, Any]]]:
 
 
 @pytest.mark.slow
+@pytest.mark.attack
 def test_builds_killed_at_random_moments_leave_one_build_whole(
     tmp_path: Path, designs: dict[Path, tuple[float, dict[str, Any]]]
 ) -> None:
@@ -116,34 +126,35 @@ def test_builds_killed_at_random_moments_leave_one_build_whole(
     for path in cycle(designs):
         seconds, wanted = designs[path]
         kills += killed_after(random.uniform(0.0, 1.1 * seconds), build, path, folder)
-        found = built(folder)
-        assert found in (whole, wanted), f"{path.name} after {kills} kills"
-        whole = found
+        there = built(folder)
+        assert there in (whole, wanted), f"{path.name} after {kills} kills"
+        whole = there
         if kills == KILLS:
             break
     assert whole
 
 
 @pytest.mark.slow
+@pytest.mark.attack
 def test_runs_killed_while_they_publish_leave_one_build_whole(
     tmp_path: Path, designs: dict[Path, tuple[float, dict[str, Any]]]
 ) -> None:
     random, folder, whole = np.random.default_rng(3), tmp_path / "out", dict[str, bytes]()
-    builds = [seen(tmp_path / path.stem) for path in designs]
-    obsolete = {name for files in builds for name in files}
+    builds = [found(tmp_path / path.stem) for path in designs]
     start = perf_counter()
     publish(tmp_path / "once", builds[0])
     seconds = 3.0 * (perf_counter() - start)
     for moment in range(KILLS):
         files = builds[moment % len(builds)]
-        killed_after(random.uniform(0.0, seconds), publish, folder, files, obsolete)
-        found = seen(folder)
-        assert found in (whole, files), f"after {moment} runs"
-        whole = found
+        killed_after(random.uniform(0.0, seconds), publish_run, folder, files, "build")
+        there = found(folder)
+        assert there in (whole, files), f"after {moment} runs"
+        whole = there
 
 
 @pytest.mark.slow
+@pytest.mark.attack
 def test_runs_that_publish_at_the_same_time_wait_for_each_other(tmp_path: Path) -> None:
-    together(*[(publish, tmp_path, files, (*ONE, *STAGES, *OTHER)) for files in (ONE, STAGES, OTHER, STAGES, ONE)])
-    assert seen(tmp_path) in (ONE, STAGES, OTHER)
-    assert not [place for place in tmp_path.iterdir() if place.name.startswith(".")]
+    together(*[(publish_run, tmp_path, files, "build") for files in (ONE, STAGES, OTHER, STAGES, ONE)])
+    assert found(tmp_path) in (ONE, STAGES, OTHER)
+    assert leftovers(tmp_path) == []

@@ -57,7 +57,7 @@ def test_what_is_written(run: Run) -> None:
     status, out, err = run(HEAD + FEW)
     assert (status, err) == (0, "")
     folder = Path("export/press-optimized")
-    files = ["certificate.json", "frontier.png", "press-optimized.yaml"]
+    files = ["certificate.json", "frontier.png", "manifest.json", "press-optimized.yaml"]
     assert sorted(path.name for path in folder.iterdir()) == files
     assert all(str(path) in out for path in folder.iterdir())
     text = (folder / "press-optimized.yaml").read_text()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+from hashlib import sha256
 from io import BytesIO
 from math import pi
 from pathlib import Path
@@ -28,7 +29,9 @@ from ncgear.figures.summary.build_summary import pitch_summary
 from ncgear.figures.tables import cell_text
 from ncgear.figures.terminal import MIXED_SPEEDS, SAME_SPEED, WIDTH, summary_text, timing_text
 from ncgear.files.build import build
+from ncgear.files.manifest import MANIFEST, publish_run
 from ncgear.files.publish import STAGING_PREFIX, prepare, publish
+from ncgear.files.workshop.formats import Format
 from ncgear.kinematics.motion import SliderMotion
 from ncgear.numerics.units import label_and_unit
 from plane import wave_ring
@@ -102,22 +105,22 @@ def test_publish_replaces_earlier_files_and_leaves_others(tmp_path: Path) -> Non
     assert contents(tmp_path) == {**FILES, "mine.txt": b"keep"}
 
 
-@pytest.mark.parametrize("action", ["write_bytes", "symlink_to", "replace"])
+@pytest.mark.parametrize("action", ["write", "symlink", "replace"])
 @pytest.mark.parametrize("fault", [OSError(28, "No space left on device"), KeyboardInterrupt()])
 def test_failure_in_the_middle_leaves_the_last_good_build(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, action: str, fault: BaseException
 ) -> None:
     old = {"a.txt": b"old first", "summary.json": b"old"}
     publish(tmp_path, old)
-    real, calls = getattr(Path, action), []
+    real, calls = getattr(os, action), []
 
-    def failing(self: Path, *arguments: Any, **named: Any) -> Any:
-        calls.append(self)
+    def failing(*arguments: Any, **named: Any) -> Any:
+        calls.append(arguments)
         if len(calls) == 3:
             raise fault
-        return real(self, *arguments, **named)
+        return real(*arguments, **named)
 
-    monkeypatch.setattr(Path, action, failing)
+    monkeypatch.setattr(os, action, failing)
     with pytest.raises((WrongInput, KeyboardInterrupt)):
         publish(tmp_path, FILES)
     monkeypatch.undo()
@@ -133,9 +136,11 @@ def without_links(*_: Any, **__: Any) -> None:
 
 def test_without_symbolic_links_files_are_moved_one_by_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Path, "symlink_to", without_links)
-    publish(tmp_path, {"a.txt": b"old", "gone.txt": b"old", "mine.txt": b"keep"})
-    publish(tmp_path, FILES, obsolete=["gone.txt"])
-    assert contents(tmp_path) == {**FILES, "mine.txt": b"keep"}
+    publish_run(tmp_path, {"a.txt": b"old", "gone.txt": b"old"}, "build")
+    (tmp_path / "mine.txt").write_bytes(b"keep")
+    publish_run(tmp_path, FILES, "build")
+    found = contents(tmp_path)
+    assert {name: found[name] for name in found if name != MANIFEST} == {**FILES, "mine.txt": b"keep"}
 
 
 def test_without_symbolic_links_a_failure_leaves_the_last_good_build(
@@ -166,12 +171,85 @@ def test_failure_because_a_folder_is_in_the_way_of_a_file(tmp_path: Path) -> Non
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.txt", "b.txt"]
 
 
-def test_leftovers_of_killed_runs_are_removed(tmp_path: Path) -> None:
-    leftover = tmp_path / f"{STAGING_PREFIX}killed" / "fresh"
-    leftover.mkdir(parents=True)
-    (leftover / "a.txt").write_bytes(b"half")
+def test_hidden_folders_of_others_stay(tmp_path: Path) -> None:
+    """A name like that of a staging folder is not enough, with and without files."""
+    others = [f"{STAGING_PREFIX}mine", f"{STAGING_PREFIX}0123456789ab-0123456789ab", f"{STAGING_PREFIX}abcdefgh"]
+    for name in others:
+        (tmp_path / name / "new").mkdir(parents=True)
+        (tmp_path / name / "new" / "a.txt").write_bytes(b"precious")
+    (tmp_path / f"{STAGING_PREFIX}empty").mkdir()
     publish(tmp_path, FILES)
-    assert contents(tmp_path) == FILES
+    assert {name: (tmp_path / name).read_bytes() for name in FILES} == FILES
+    assert [(tmp_path / name / "new" / "a.txt").read_bytes() for name in others] == [b"precious"] * 3
+    assert (tmp_path / f"{STAGING_PREFIX}empty").is_dir()
+
+
+# --- the manifest
+
+
+STAGED = {"stage-1/law.csv": b"1, 2", "stage-2/law.csv": b"3, 4", "pair.step": b"ISO-10303-21", "rack.txt": b"old"}
+
+
+def test_a_run_takes_away_only_what_the_manifest_says_and_nobody_changed(tmp_path: Path) -> None:
+    publish_run(tmp_path, STAGED, "build")
+    publish_run(tmp_path, {"page.html": b"of another command"}, "report")
+    (tmp_path / "pair.step").write_bytes(b"changed in another program")
+    (tmp_path / "stage-2" / "photo.png").write_bytes(b"mine")
+    run = publish_run(tmp_path, FILES, "build")
+    assert (run.paths, run.kept) == ([tmp_path / name for name in (*FILES, MANIFEST)], [])
+    left = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()}
+    assert left == {*FILES, MANIFEST, "page.html", "pair.step", "stage-2/photo.png"}
+    assert (tmp_path / "pair.step").read_bytes() == b"changed in another program"
+    assert not (tmp_path / "stage-1").exists()
+    named = json.loads((tmp_path / MANIFEST).read_bytes())["files"]
+    assert {name: entry["command"] for name, entry in named.items()} == {
+        **dict.fromkeys(FILES, "build"),
+        "page.html": "report",
+    }
+    for name, entry in named.items():
+        assert sha256((tmp_path / name).read_bytes()).hexdigest() == entry["sha256"]
+
+
+def test_files_of_others_in_the_places_of_new_ones_are_kept_beside_them(tmp_path: Path) -> None:
+    (tmp_path / "a.txt").write_bytes(b"mine")
+    (tmp_path / "b.txt").write_bytes(FILES["b.txt"])
+    assert publish_run(tmp_path, FILES, "build").kept == [tmp_path / "a-kept.txt"]
+    assert publish_run(tmp_path, FILES, "build").kept == []
+    (tmp_path / "a.txt").write_bytes(b"mine again")
+    assert publish_run(tmp_path, {**FILES, "b.txt": b"other"}, "build").kept == [tmp_path / "a-kept-2.txt"]
+    kept = {"a-kept.txt": b"mine", "a-kept-2.txt": b"mine again"}
+    found = contents(tmp_path)
+    assert {name: found[name] for name in found if name != MANIFEST} == {**FILES, "b.txt": b"other", **kept}
+    assert not set(kept) & set(json.loads(found[MANIFEST])["files"])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        b"",
+        b"[]",
+        b"{",
+        b"\xff",
+        b'{"files": {"rack.txt": "mine"}}',
+        b'{"name": "a page", "icons": []}',
+        b"[" * 100_000,
+        b'{"ncgear": "1", "files": {"../rack.txt": {"command": "build", "sha256": "DIGEST"}}}',
+        b'{"ncgear": "1", "files": {"below/rack.txt/": {"command": "build", "sha256": "DIGEST"}}}',
+        b'{"ncgear": "1", "files": {"rack.txt": {"command": "build", "sha256": "DIGEST", "more": 1}}}',
+    ],
+    ids=lambda text: text[:60].decode("latin-1"),
+)
+def test_a_manifest_that_is_none_takes_nothing_away(tmp_path: Path, text: bytes) -> None:
+    """Not out of the folder either, whatever it names."""
+    folder = tmp_path / "out"
+    folder.mkdir()
+    text = text.replace(b"DIGEST", sha256(b"mine").hexdigest().encode())
+    for place in (tmp_path / "rack.txt", folder / "rack.txt"):
+        place.write_bytes(b"mine")
+    (folder / MANIFEST).write_bytes(text)
+    assert publish_run(folder, FILES, "build").kept == [folder / "manifest-kept.json"]
+    assert (folder / "manifest-kept.json").read_bytes() == text
+    assert [place.read_bytes() for place in (tmp_path / "rack.txt", folder / "rack.txt")] == [b"mine", b"mine"]
 
 
 def test_folder_that_is_a_file_is_refused(tmp_path: Path) -> None:
@@ -424,12 +502,27 @@ def test_build_writes_a_whole_set_of_files(tmp_path: Path) -> None:
         "plots",
     ]
     assert sorted(path.name for path in out.iterdir()) == sorted(path.name for path in paths)
-    assert paths[-1].name == "summary.json"
+    assert [path.name for path in paths[-2:]] == ["summary.json", MANIFEST]
     assembly = json.loads((out / "assembly.json").read_text())
     assert (assembly["driving"]["on_line_of_centers"], assembly["driven"]["on_line_of_centers"]) == ("tooth", "space")
     summary = json.loads((out / "summary.json").read_text())
     assert {"plots", "files", "written contact"} <= summary["timing_s"].keys()
     assert len((out / "law.csv").read_text().splitlines()) >= 2002
+
+
+@pytest.mark.slow
+def test_a_build_leaves_what_it_did_not_write_and_takes_away_what_it_did(tmp_path: Path) -> None:
+    """Two stages and STEP-like names of a person, then one pair with fewer kinds of files."""
+    mine = {"report.html", "driving.step", "gears.3mf", "stage-1/contact.csv", "stage-2/driven.svg", ".ncgear-old/a"}
+    for name in mine:
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(f"mine: {name}")
+    drive = drive_of_text(DESIGN)
+    first = build(drive, tmp_path, lambda _: None, (Format.DXF, Format.SVG))
+    build(drive, tmp_path, lambda _: None, (Format.SVG,))
+    left = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()}
+    assert left == mine | {path.name for path in first.paths if path.suffix != ".dxf"}
+    assert all((tmp_path / name).read_text() == f"mine: {name}" for name in mine)
 
 
 def test_build_into_a_file_is_refused_before_any_step(tmp_path: Path) -> None:

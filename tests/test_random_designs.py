@@ -147,6 +147,7 @@ def test_random_designs_are_checked_or_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.attack
 @pytest.mark.parametrize("batch", batches(BATCHES))
 def test_many_random_designs_are_checked_or_refused(tmp_path: Path, batch: int) -> None:
     found = judge_checks(tmp_path, CHECKED, batch)
@@ -203,6 +204,7 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.attack
 @pytest.mark.usefixtures("undrawn")
 def test_random_designs_are_built_or_refused(tmp_path: Path) -> None:
     found = judge_builds(tmp_path, 4, 10**6)
@@ -244,6 +246,7 @@ def test_the_judge_sees_what_is_wrong_in_a_file(name: str) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.attack
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("batch", batches(BUILT_BATCHES))
 def test_many_random_designs_are_built_or_refused(tmp_path: Path, batch: int) -> None:
@@ -252,6 +255,7 @@ def test_many_random_designs_are_built_or_refused(tmp_path: Path, batch: int) ->
 
 
 @pytest.mark.slow
+@pytest.mark.attack
 def test_the_program_ends_with_the_status_of_the_verdict(run: Run, tmp_path: Path) -> None:
     status = {"made": 0, "refused 2": 2, "refused 3": 3}
 

@@ -24,6 +24,7 @@ from ncgear.drawings.charts.slider_charts import LOAD, MOTION
 from ncgear.drawings.page import REPORT_FILE
 from ncgear.drawings.page.chart_svg import drawn
 from ncgear.drawings.page.page_charts import DIGITS, SIDE_RAD, PageChart, gear_charts, split_angles
+from ncgear.files.manifest import MANIFEST
 from ncgear.kinematics.motion import SliderMotion
 
 PAGE = ROOT / "src" / "ncgear" / "drawings" / "page"
@@ -151,19 +152,39 @@ def test_both_commands_and_any_order_of_hashing_give_the_same_bytes(run: Run, tm
 # --- the commands
 
 
+SMALL = """\
+name: NAME
+linkage: {crank_mm: 21, rod_mm: 77}
+operation: {speed_rpm: 45}
+motion: {law: uniform_crank}
+gears: {teeth: 17, module_mm: 2.5, face_width_mm: 8}
+output: {chord_tolerance_mm: 0.05}
+"""
+
+
 @pytest.mark.slow
-def test_a_build_without_a_report_leaves_none(run: Run, tmp_path: Path) -> None:
-    design, out = str(ROOT / "designs" / "uniform-crank.yaml"), tmp_path / "out"
-    assert run("build", design, "--report", "--out", str(out))[0] == 0
-    with_report = {path.name for path in out.iterdir()}
-    assert run("build", design, "--out", str(out))[0] == 0
-    assert with_report - {path.name for path in out.iterdir()} == {REPORT_FILE}
+def test_a_build_makes_the_report_of_an_earlier_design_anew(run: Run, tmp_path: Path) -> None:
+    for name in ("first", "second"):
+        (tmp_path / f"{name}.yaml").write_text(SMALL.replace("NAME", name))
+    page = tmp_path / "made" / REPORT_FILE
+    assert run("report", "first.yaml", "--out", "made")[0] == 0
+    assert run("build", "second.yaml", "--out", "made", "--format", "svg")[0] == 0
+    assert run("report", "second.yaml", "--out", "alone")[0] == 0
+    assert page.read_bytes() == (tmp_path / "alone" / REPORT_FILE).read_bytes()
+    # One that somebody changed is theirs: it stays, or is kept where a new one is asked for.
+    page.write_text("notes on the second design")
+    assert run("build", "first.yaml", "--out", "made", "--format", "svg")[0] == 0
+    assert page.read_text() == "notes on the second design"
+    status, out, _ = run("report", "first.yaml", "--out", "made")
+    assert (status, "made/report-kept.html" in out) == (0, True)
+    assert page.with_name("report-kept.html").read_text() == "notes on the second design"
+    assert parsed(page.read_text()).xpath("//h1")[0].text == "first"
 
 
 def test_a_design_without_gears_has_a_report_of_its_motion(run: Run, tmp_path: Path) -> None:
     (tmp_path / "hostile.yaml").write_text(DESIGN)
     status, out, _ = run("report", "hostile.yaml", "--out", "made")
-    assert (status, [path.name for path in (tmp_path / "made").iterdir()]) == (0, [REPORT_FILE])
+    assert (status, {path.name for path in (tmp_path / "made").iterdir()}) == (0, {REPORT_FILE, MANIFEST})
     assert f"made/{REPORT_FILE}" in out
     tree = parsed((tmp_path / "made" / REPORT_FILE).read_text())
     assert "no gears" in tree.text_content()

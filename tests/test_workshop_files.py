@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from functools import cache
@@ -22,11 +23,11 @@ from svgelements import SVG, Arc, Group, Move
 from svgelements import Path as SvgPath
 from trimesh import Trimesh
 
-from commands import Run
+from commands import Run, environment
 from drives import drive
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING
 from ncgear.files.workshop.drawing import Layer, Use, pitch_points
-from ncgear.files.workshop.formats import NAMES, USUAL, WRITERS, workshop_files
+from ncgear.files.workshop.formats import USUAL, WRITERS, workshop_files
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -395,11 +396,40 @@ def test_drawings_do_not_hang_on_how_a_process_orders_words() -> None:
     assert made[0] == made[1]
 
 
+WHOLE_BUILD = """
+import sys
+from ncgear.cli import main
+sys.argv = ["ncgear", "build", sys.argv[1], "--out", sys.argv[2], "--report"]
+for kind in ("dxf", "svg", "3mf", "glb", "step"):
+    sys.argv += ["--format", kind]
+main()
+"""
+TIMES = re.compile(rb"\"timing_s\": \{[^{}]*\}")
+WITH_TIMES = {"summary.json", "manifest.json"}
+"""The summary says how long a run took, and the manifest has its digest."""
+
+
+@pytest.mark.slow
+def test_files_of_all_kinds_do_not_hang_on_how_a_process_orders_words(tmp_path: Path) -> None:
+    pytest.importorskip("OCP")
+    (tmp_path / "wheel.yaml").write_text(WHEEL)
+    made = []
+    for seed in ("0", "3", "11", "4294967295"):
+        command = [sys.executable, "-c", WHOLE_BUILD, str(tmp_path / "wheel.yaml"), str(tmp_path / seed)]
+        subprocess.run(command, env=environment(PYTHONHASHSEED=seed), check=True, stdout=subprocess.DEVNULL)
+        found = {path.name: path.read_bytes() for path in (tmp_path / seed).iterdir()}
+        said = TIMES.sub(b"", found["summary.json"])
+        assert said != found["summary.json"]
+        made.append({**{name: found[name] for name in found if name not in WITH_TIMES}, "summary.json": said})
+    assert {Path(name).suffix for name in made[0]} >= {".dxf", ".svg", ".3mf", ".glb", ".step", ".stl", ".png", ".html"}
+    for other in made[1:]:
+        assert [name for name in made[0] if made[0][name] != other.get(name)] == []
+        assert set(other) == set(made[0])
+
+
 def test_every_kind_writes_what_it_is_said_to_write() -> None:
     written = files("baler")
-    for kind in USUAL:
-        assert set(WRITERS[kind].names) <= set(written)
-    assert set(written) <= set(NAMES)
+    assert set(written) == {name for kind in USUAL for name in WRITERS[kind].names}
 
 
 WHEEL = """\

@@ -47,7 +47,12 @@ def build(
             help="Files for the workshop, may be given again; left out: all but step, which needs an extra.",
         ),
     ] = None,
-    report: Annotated[bool, typer.Option("--report", help="Also write report.html, as ncgear report does.")] = False,
+    report: Annotated[
+        bool,
+        typer.Option(
+            "--report", help="Also write report.html, as ncgear report does; one that is there is made anew anyway."
+        ),
+    ] = False,
     timing: Timing = False,
 ) -> None:
     """Build the gears: outlines, solids, plots, motion law and summary, into a folder."""
@@ -59,15 +64,19 @@ def build(
         if loaded.design.gears is None:
             raise WrongInput("missing; a build needs it (teeth, module_mm, face_width_mm, ...)", key="gears")
 
+        from ncgear.drawings.page import REPORT_FILE
         from ncgear.figures.terminal import build_text, timing_text
         from ncgear.files.build import build as build_files
         from ncgear.files.build import step_count
+        from ncgear.files.manifest import holds_as_written
         from ncgear.project.drive import Drive
 
         drive = Drive(loaded.design)
+        # The report of an earlier design would lie beside gears that it does not show.
+        report = report or holds_as_written(folder, REPORT_FILE)
         with steps_shown(step_count(drive, report=report)) as on_step:
             built = build_files(drive, folder, on_step, kinds or USUAL, loaded if report else None)
-        typer.echo(build_text(built.summaries, built.paths))
+        typer.echo(build_text(built.summaries, built.paths, built.kept))
         if timing:
             typer.echo(timing_text(drive), err=True)
 
@@ -80,7 +89,7 @@ def report(
     timing: Timing = False,
 ) -> None:
     """Write report.html: the machine running, its curves, comparison, warnings, data sheet and design file."""
-    from ncgear.files.publish import prepare, publish
+    from ncgear.files.publish import prepare
 
     with opened(design_file) as loaded:
         folder = out or EXPORT / loaded.design.name
@@ -88,8 +97,9 @@ def report(
 
         from ncgear.drawings.page import REPORT_FILE
         from ncgear.drawings.page.page import report_page
-        from ncgear.figures.terminal import timing_text
+        from ncgear.figures.terminal import kept_lines, timing_text
         from ncgear.files.build import WRITTEN_STEPS, contacts_as_written
+        from ncgear.files.manifest import publish_run
         from ncgear.project.drive import Drive
 
         drive = Drive(loaded.design)
@@ -98,8 +108,9 @@ def report(
             contacts = contacts_as_written(drive, on_step) if has_gears else []
             on_step("report")
             page = report_page(drive, loaded, contacts)
-        (path,) = publish(folder, {REPORT_FILE: page})
-        typer.echo(f"{path} ({len(page) / 1e6:.1f} MB): open it in a browser")
+        run = publish_run(folder, {REPORT_FILE: page}, "report")
+        said = f"{folder / REPORT_FILE} ({len(page) / 1e6:.1f} MB): open it in a browser"
+        typer.echo("\n".join([said, *kept_lines(run.kept)]))
         if timing:
             typer.echo(timing_text(drive), err=True)
 

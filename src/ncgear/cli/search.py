@@ -18,7 +18,8 @@ def optimize(
     ] = None,
 ) -> None:
     """Find the best law for a design's machine, with a certificate of how close to the limit it is."""
-    from ncgear.files.publish import prepare, publish
+    from ncgear.files.manifest import publish_run
+    from ncgear.files.publish import prepare
 
     with opened(design_file) as loaded:
         from ncgear.figures.best_law import certificate, optimized_design, optimized_name, optimized_text
@@ -41,8 +42,8 @@ def optimize(
             if best.limit_points:
                 on_step("picture")
                 files[PICTURE] = limit_picture(best)
-        paths = publish(folder, files, obsolete=[PICTURE])
-        typer.echo(optimized_text(best, paths))
+        run = publish_run(folder, files, "optimize")
+        typer.echo(optimized_text(best, run.paths, run.kept))
 
 
 def frontier(

@@ -121,9 +121,9 @@ LAW_WIDTH = 18
 LAW_HEADS = ("peak power, W", "peak accel., mm/s2", "ratio", "tangent, deg", "convex")
 
 
-def optimized_text(best: BestLaw, paths: Sequence[Path]) -> str:
-    """The law beside its limit and the other mechanisms at equal speed, and the files written."""
-    return "\n".join([*_limit(best), "", *_table(best), "", *written_lines(paths)])
+def optimized_text(best: BestLaw, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
+    """The law beside its limit and the other mechanisms at equal speed, the files written, and those kept."""
+    return "\n".join([*_limit(best), "", *_table(best), "", *written_lines(paths, kept)])
 
 
 def _limit(best: BestLaw) -> list[str]:

@@ -75,9 +75,9 @@ def check_text(drive: Drive) -> str:
     return summary_text(check_summary(drive))
 
 
-def build_text(summaries: Sequence[Mapping[str, Any]], paths: Sequence[Path]) -> str:
-    """The results of a build: the summary of every pair, and the files written."""
-    return "\n\n".join([*map(summary_text, summaries), "\n".join(written_lines(paths))])
+def build_text(summaries: Sequence[Mapping[str, Any]], paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
+    """The results of a build: the summary of every pair, the files written, and those of others that were kept."""
+    return "\n\n".join([*map(summary_text, summaries), "\n".join(written_lines(paths, kept))])
 
 
 def summary_text(summary: Mapping[str, Any]) -> str:
@@ -209,6 +209,13 @@ def timing_text(drive: Drive) -> str:
     return "\n".join(["Time in s", *aligned(rows, left=1, least=[0, LEAST_WIDTH])])
 
 
-def written_lines(paths: Sequence[Path]) -> list[str]:
-    """The files that a command has written."""
-    return ["Written", *(f"{INDENT}{path}" for path in paths)]
+def written_lines(paths: Sequence[Path], kept: Sequence[Path] = ()) -> list[str]:
+    """The files that a command has written, and those in their places that it has kept."""
+    return ["Written", *(f"{INDENT}{path}" for path in paths), *kept_lines(kept)]
+
+
+def kept_lines(kept: Sequence[Path]) -> list[str]:
+    """The new names of files that were not as ncgear had written them."""
+    if not kept:
+        return []
+    return ["Kept under a new name, because they were not as ncgear had written them", *(f"{INDENT}{p}" for p in kept)]

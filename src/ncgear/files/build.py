@@ -22,9 +22,10 @@ from ncgear.figures.data_sheet.pitch_table import pitch_csv
 from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
 from ncgear.figures.numbers import json_text
 from ncgear.figures.summary.build_summary import build_summary
+from ncgear.files.manifest import publish_run
 from ncgear.files.meshes import stl_bytes, written_outlines
-from ncgear.files.publish import prepare, publish
-from ncgear.files.workshop.formats import NAMES, Format, workshop_files
+from ncgear.files.publish import prepare
+from ncgear.files.workshop.formats import Format, workshop_files
 from ncgear.project.drive import Drive
 
 STEPS = {
@@ -43,9 +44,10 @@ PAIR_STEPS = (*WRITTEN_STEPS, "workshop files", "plots")
 
 @dataclass(frozen=True)
 class Built:
-    """The paths of the files that a build wrote, and the summary of every pair of gears."""
+    """The paths of the files that a build wrote and of those of others that it kept, the summary of every pair."""
 
     paths: list[Path]
+    kept: list[Path]
     summaries: list[dict[str, Any]]
 
 
@@ -59,9 +61,10 @@ def build(
     """Compute everything, and write all files into ``folder``, which is created if need be.
 
     Files of the kinds ``formats`` are written beside CSV and STL.  A report is written if ``reported``, the design as
-    loaded, is given.  Both pairs of two stages are written at the same instant.  ``on_step`` is called with the name of
-    each step before the step begins.  Raises WrongInput or NoSuchMechanism from the steps, and WrongInput when the
-    folder cannot be written; whatever fails, the last good build in ``folder`` stays.
+    loaded, is given.  Both pairs of two stages are written at the same instant.  Files that an earlier build wrote and
+    this one does not write, of the other number of stages or of other kinds, are removed then; files of others stay.
+    ``on_step`` is called with the name of each step before the step begins.  Raises WrongInput or NoSuchMechanism from
+    the steps, and WrongInput when the folder cannot be written; whatever fails, the last good build stays.
     """
     prepare(folder)
     pairs = {_place(pair.stage): _made(pair, _named(pair, on_step), formats) for pair in drive.by_stage}
@@ -71,10 +74,8 @@ def build(
 
         with _timed(drive, "report", on_step):
             files[REPORT_FILE] = report_page(drive, reported, [pair.contact for pair in pairs.values()])
-    # An earlier build in the folder may have had the other number of stages, other kinds of files, or a report.
-    names = {*NAMES, *(name for pair in pairs.values() for name in pair.files)}
-    obsolete = [_place(stage) + name for stage in (None, 1, 2) for name in sorted(names)]
-    return Built(publish(folder, files, [*obsolete, REPORT_FILE]), [pair.summary for pair in pairs.values()])
+    run = publish_run(folder, files, "build")
+    return Built(run.paths, run.kept, [pair.summary for pair in pairs.values()])
 
 
 def step_count(drive: Drive, *, report: bool) -> int:

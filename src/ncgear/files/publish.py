@@ -1,23 +1,27 @@
 """Files reach the output folder all together or not at all: a failed or killed run leaves the last good build.
 
-The new files are first written into a staging folder beside their places.  Then all of them replace the earlier files
-at one instant, although a file system moves one file at a time.  First, every name becomes a symbolic link through one
-pointer to a copy of its old file.  Then one move turns the pointer to the new files.  Then the files themselves replace
-the links.  So at each moment either all names lead to old files, or all names lead to new files.
+The new files are first written into a staging folder beside their places, down to the disk.  Then all of them replace
+the earlier files at one instant, although a file system moves one file at a time.  First, every name becomes a symbolic
+link through one pointer to its old file.  Then one move turns the pointer to the new files.  Then the files themselves
+replace the links.  So at each moment either all names lead to old files, or all names lead to new files.
 
     folder/a.csv -> .ncgear-xyz/current/a.csv        .ncgear-xyz/current -> old, then new
 
-A killed run leaves a staging folder and links into it.  The next run finishes the exchange and clears up.
+A killed run leaves a staging folder and links into it.  The next run finishes the exchange and clears up.  A staging
+folder is known by its name, of which one half is computed from the other: other folders are never touched.
 """
 
 from __future__ import annotations
 
 import os
+import secrets
 import shutil
-import tempfile
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from errno import EINVAL, EIO, ENOSYS, EOPNOTSUPP, EPERM, EROFS
+from hashlib import sha256
 from pathlib import Path
+from stat import S_ISDIR, S_ISLNK
 
 from ncgear.errors import WrongInput
 from ncgear.interrupts import uninterrupted
@@ -29,22 +33,26 @@ _POINTER, _LINK = "current", "link"
 
 REMEDY = "choose another folder with --out"
 
+WITHOUT_LINKS = {EPERM, ENOSYS, EOPNOTSUPP, EROFS}
+"""What file systems answer that have no links; shared folders of virtual machines say that they can only be read."""
+
 
 def prepare(folder: Path) -> None:
     """Refuse an output folder that cannot be written, before anything is computed; creates nothing.
 
     Raises WrongInput, with the path at fault, when a file is in the way or the folder is not writable.
     """
-    existing = next(place for place in (folder, *folder.absolute().parents) if os.path.lexists(place))
-    if not existing.is_dir():
-        raise WrongInput(f"is no folder; {REMEDY}", location=str(existing))
-    if not os.access(existing, os.W_OK | os.X_OK):
-        raise WrongInput(f"cannot be written; {REMEDY}", location=str(existing))
+    with _refused(folder):
+        existing = next(place for place in (folder, *folder.absolute().parents) if _is_there(place))
+        if not existing.is_dir():
+            raise WrongInput(f"is no folder; {REMEDY}", location=str(existing))
+        if not os.access(existing, os.W_OK | os.X_OK):
+            raise WrongInput(f"cannot be written; {REMEDY}", location=str(existing))
 
 
 def prepare_file(path: Path) -> None:
     """Refuse a file that cannot be written, as ``prepare`` refuses its folder, which is included."""
-    if not _is_inside(path.name):
+    if not is_inside(path.name):
         raise WrongInput(f"{path.name!r} names no file here; letters, digits, - and _ are right", location=str(path))
     prepare(path.parent)
     try:
@@ -58,34 +66,70 @@ def prepare_file(path: Path) -> None:
         raise WrongInput("is a folder; choose another name", location=str(path))
 
 
-def publish(folder: Path, files: Mapping[str, bytes], obsolete: Collection[str] = ()) -> list[Path]:
-    """Write ``files`` (names to contents) into ``folder``, which is created if need be; returns their paths.
-
-    A name is plain, or has one folder before it: ``stage-1/law.csv``.  Files with the names of ``obsolete``, which an
-    earlier run may have left and which do not belong beside the new files, are removed at the same instant.  Raises
-    WrongInput when the folder cannot be written, ValueError when a name has another form; in both cases the earlier
-    files in the folder are untouched.
-    """
-    for name in (*files, *obsolete):
-        if not _is_inside(name):
-            raise ValueError(f"{name!r} is not a plain file name")
-    prepare(folder)
+@contextmanager
+def _refused(folder: Path) -> Iterator[None]:
+    """A context that turns what the disk refuses into WrongInput."""
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with uninterrupted(), _alone_in(folder):
-            _clear_up(folder)
-            _write_and_exchange(folder, files, set(obsolete) - set(files))
+        yield
     except OSError as error:
         place = str(error.filename or folder)
         raise WrongInput(f"cannot be written ({error.strerror or error}); {REMEDY}", location=place) from error
+
+
+def publish(folder: Path, files: Mapping[str, bytes]) -> list[Path]:
+    """Write ``files`` (names to contents) into ``folder``, which is created if need be; returns their paths.
+
+    A name is plain, or has one folder before it: ``stage-1/law.csv``.  Files of these names are replaced, whoever wrote
+    them.  Raises WrongInput when the folder cannot be written, ValueError when a name has another form; in both cases
+    the earlier files in the folder are untouched.
+    """
+    require_inside(files)
+    with opened(folder):
+        exchange(folder, files)
     return [folder / name for name in files]
 
 
-def _is_inside(name: str) -> bool:
-    """Whether a name does not lead out of the folder, nor into a staging folder."""
+def require_inside(names: Iterable[str]) -> None:
+    """Raise ValueError at a name that could lead out of the folder, or into a staging folder."""
+    for name in names:
+        if not is_inside(name):
+            raise ValueError(f"{name!r} is not a plain file name")
+
+
+def is_inside(name: str) -> bool:
+    """Whether a name is that of a file in a folder or in one below it, and of no staging folder."""
     parts = name.split("/")
     wrong = any(part in ("", ".", "..") or "\\" in part or "\0" in part for part in parts)
     return not wrong and len(parts) <= 2 and not name.startswith(STAGING_PREFIX)
+
+
+@contextmanager
+def opened(folder: Path) -> Iterator[None]:
+    """A context for one process at a time that changes files of ``folder``, which is created if need be.
+
+    In it the folder is as the last whole run left it.  Ctrl-C waits for its end.  Raises WrongInput, also for an
+    OSError of its body, when the folder cannot be written; a folder created for nothing is removed.
+    """
+    prepare(folder)
+    with _refused(folder), uninterrupted():
+        missing = [place for place in (folder, *folder.absolute().parents) if not _is_there(place)]
+        with _removed_if_failed(missing):
+            folder.mkdir(parents=True, exist_ok=True)
+            with _alone_in(folder):
+                _clear_up(folder)
+                yield
+
+
+@contextmanager
+def _removed_if_failed(folders: Iterable[Path]) -> Iterator[None]:
+    """A context that removes these folders, given from the inside out, if it fails and they are empty."""
+    try:
+        yield
+    except BaseException:
+        for place in folders:
+            with suppress(OSError):
+                place.rmdir()
+        raise
 
 
 @contextmanager
@@ -105,59 +149,154 @@ def _alone_in(folder: Path) -> Iterator[None]:
             fcntl.flock(handle, fcntl.LOCK_EX)
         yield
     finally:
-        os.close(handle)
+        # Whatever its end says, it tells nothing of the files.
+        with suppress(OSError):
+            os.close(handle)
+
+
+def _new_staging(folder: Path) -> Path:
+    """An empty staging folder in ``folder``."""
+    token = secrets.token_hex(6)
+    staging = folder / f"{STAGING_PREFIX}{token}-{_sign(token)}"
+    staging.mkdir(mode=0o700)
+    return staging
+
+
+def _sign(token: str) -> str:
+    return sha256(f"staging folder of ncgear {token}".encode()).hexdigest()[:12]
+
+
+def is_staging(place: Path) -> bool:
+    """Whether a path is a staging folder of a run."""
+    token, _, sign = place.name.removeprefix(STAGING_PREFIX).partition("-")
+    return place.name.startswith(STAGING_PREFIX) and sign == _sign(token) and S_ISDIR(place.lstat().st_mode)
 
 
 def _clear_up(folder: Path) -> None:
     """Finish the exchanges of killed runs, and remove their staging folders."""
-    for leftover in folder.glob(f"{STAGING_PREFIX}*"):
-        if leftover.is_dir() and not leftover.is_symlink():
-            _settle(folder, leftover)
-            shutil.rmtree(leftover)
+    for name in sorted(os.listdir(folder)):
+        if is_staging(folder / name):
+            _settle(folder, folder / name)
+            shutil.rmtree(folder / name)
 
 
-def _write_and_exchange(folder: Path, files: Mapping[str, bytes], obsolete: Iterable[str]) -> None:
-    """Write files to their places in the folder, and remove the obsolete ones."""
-    gone = [name for name in obsolete if (folder / name).is_file()]
-    staging = Path(tempfile.mkdtemp(prefix=STAGING_PREFIX, dir=folder))
+def exchange(folder: Path, files: Mapping[str, bytes], gone: Collection[str] = ()) -> None:
+    """Write files to their places in an opened folder, and remove those of the names ``gone``, at the same instant.
+
+    Raises OSError when that cannot be done, and the old files are visible; WrongInput where it is done but could not be
+    tidied up, and the new files are visible.
+    """
+    names = [*files, *(name for name in gone if name not in files)]
+    places = {folder, *((folder / name).parent for name in names)}
+    with _removed_if_failed([place for place in places if not _is_there(place)]):
+        staging = _new_staging(folder)
+        try:
+            _stage(folder, staging, files, names)
+            _exchange(folder, staging, names)
+        except BaseException:
+            # What cannot be undone now are links to the old files; the next run clears them up.
+            with suppress(OSError):
+                _settle(folder, staging)
+                shutil.rmtree(staging)
+            raise
     try:
-        for name, content in files.items():
-            for place in (folder / name, staging / NEW / name, staging / OLD / name):
-                place.parent.mkdir(parents=True, exist_ok=True)
-            (staging / NEW / name).write_bytes(content)
-        for name in (*files, *gone):
-            if (folder / name).exists():
-                # The old file is copied, not moved, so that a killed run leaves a file at each place.
-                (staging / OLD / name).parent.mkdir(parents=True, exist_ok=True)
-                shutil.copy2(folder / name, staging / OLD / name)
-        _exchange(folder, staging, [*files, *gone])
-    finally:
-        # If this fails, the files that links lead to stay for the next run.
         _settle(folder, staging)
-        shutil.rmtree(staging, ignore_errors=True)
+        for place in places:
+            _sync_folder(place)
+        shutil.rmtree(staging)
+    except OSError as error:
+        said = f"the new files are in place, but links into {staging.name} stay ({error.strerror or error})"
+        raise WrongInput(f"{said}; the next run that can write here tidies up", location=str(folder)) from error
     for place in {(folder / name).parent for name in gone} - {folder}:
         # A folder goes if it has lost its last file.
         with suppress(OSError):
             place.rmdir()
 
 
+def _stage(folder: Path, staging: Path, files: Mapping[str, bytes], names: Iterable[str]) -> None:
+    """Fill ``staging/new`` and ``staging/old``, down to the disk."""
+    folders = {(side / name).parent for name in names for side in (folder, staging / NEW, staging / OLD)}
+    for place in sorted(folders):
+        place.mkdir(parents=True, exist_ok=True)
+    for name in names:
+        if _is_there(folder / name):
+            # The old file is linked or copied, not moved, so that a killed run leaves a file at each place.
+            _second(folder / name, staging / OLD / name)
+    for name, content in files.items():
+        _write(staging / NEW / name, content)
+    for place in (*sorted(folders), staging, folder):
+        _sync_folder(place)
+
+
+def _second(place: Path, other: Path) -> None:
+    """Make another name for a file; where the file system has no such links, or it is a link itself, a copy."""
+    if not S_ISLNK(place.lstat().st_mode):
+        try:
+            os.link(place, other)
+            return
+        except OSError as error:
+            if error.errno not in WITHOUT_LINKS:
+                raise
+    _write(other, place.read_bytes())
+    shutil.copystat(place, other)
+
+
+def _write(place: Path, content: bytes) -> None:
+    """Write a new file, all of it, and wait until the disk has it; raises OSError."""
+    handle = os.open(place, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666)
+    try:
+        left = memoryview(content)
+        while left:
+            written = os.write(handle, left)
+            if written == 0:
+                raise OSError(EIO, os.strerror(EIO), str(place))
+            left = left[written:]
+        os.fsync(handle)
+    except OSError as error:
+        # What writes by a handle does not know the file's name.
+        raise OSError(error.errno, error.strerror, str(place)) from error
+    finally:
+        os.close(handle)
+
+
+def _sync_folder(place: Path) -> None:
+    """Wait until the disk has the names of a folder, where the system can say so."""
+    if os.name != "posix":
+        return
+    handle = os.open(place, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    except OSError as error:
+        if error.errno != EINVAL:
+            raise
+    finally:
+        os.close(handle)
+
+
 def _exchange(folder: Path, staging: Path, names: Iterable[str]) -> None:
     """Make the files of ``staging/new`` visible at their places in ``folder``, and no file at the other ``names``.
 
-    ``staging`` is in ``folder``; ``staging/old`` has copies of the files that are replaced.  Folders in ``names`` exist
-    already.  Raises OSError when something is in the way; the old files are then visible.  In both cases ``_settle``
-    must follow.  Where the file system has no symbolic links, the files are moved one by one; only there can a killed
-    run leave a mixture of old and new files.
+    ``staging`` is in ``folder``; ``staging/old`` has the files that are replaced.  Folders in ``names`` exist already.
+    Raises OSError when something is in the way; the old files are then visible.  In both cases ``_settle`` must follow.
+    Where the file system has no symbolic links, the files are moved one by one; only there can a killed run leave a
+    mixture of old and new files.
     """
     try:
         _point(staging, OLD)
-    except (OSError, NotImplementedError):
+    except NotImplementedError:
+        _exchange_one_by_one(folder, staging, list(names))
+        return
+    except OSError as error:
+        if error.errno not in WITHOUT_LINKS and os.name == "posix":
+            raise
         _exchange_one_by_one(folder, staging, list(names))
         return
     link = staging / _LINK
     for name in names:
         link.symlink_to(os.path.relpath(staging / _POINTER / name, (folder / name).parent))
         link.replace(folder / name)
+    for place in {folder, *((folder / name).parent for name in names)}:
+        _sync_folder(place)
     _point(staging, NEW)
 
 
@@ -183,21 +322,54 @@ def _exchange_one_by_one(folder: Path, staging: Path, names: list[str]) -> None:
 
 def _put(file: Path, place: Path) -> None:
     """Move a file to a place; where there is no such file the place becomes empty."""
-    if file.exists():
+    if _is_there(file):
         file.replace(place)
     else:
         place.unlink(missing_ok=True)
 
 
 def _settle(folder: Path, staging: Path) -> None:
-    """Replace all links that an exchange has left by their files, and remove links that lead to no file."""
-    for side in (staging / OLD, staging / NEW):
-        # The list is made first, because files leave this folder in the loop.
-        for file in [place for place in sorted(side.rglob("*")) if not place.is_dir()]:
-            place = folder / file.relative_to(side)
-            if not (place.is_symlink() and staging.name in place.readlink().parts):
-                continue
-            if place.exists():
-                place.resolve().replace(place)
+    """Replace all links that an exchange has left by their files, and remove links that lead to no file.
+
+    Raises OSError where the disk gives no answer: what is not known to be missing is not removed.
+    """
+    try:
+        shown = staging / os.readlink(staging / _POINTER)
+    except FileNotFoundError:
+        return  # Before there is a pointer, there are no links.
+    names = {file.relative_to(side) for side in (staging / OLD, staging / NEW) for file in _files_below(side)}
+    for name in sorted(names):
+        place = folder / name
+        if not _leads_into(staging, place):
+            continue
+        if _is_there(shown / name):
+            (shown / name).replace(place)
+        else:
+            place.unlink()
+
+
+def _files_below(folder: Path) -> Iterator[Path]:
+    """All that is in a folder and in those below it, but for folders; nothing where there is no folder."""
+    if _is_there(folder):
+        for name in os.listdir(folder):
+            if S_ISDIR((folder / name).lstat().st_mode):
+                yield from _files_below(folder / name)
             else:
-                place.unlink()
+                yield folder / name
+
+
+def _leads_into(staging: Path, place: Path) -> bool:
+    """Whether a place has a link of an exchange; raises OSError where the disk gives no answer."""
+    return _is_there(place) and S_ISLNK(place.lstat().st_mode) and staging.name in place.readlink().parts
+
+
+def _is_there(place: Path) -> bool:
+    """Whether a path is one of something, be it a link to nothing; raises OSError where the disk gives no answer.
+
+    Python's own questions take any fault of the disk for a no, some of them from version 3.12 or 3.14 on.
+    """
+    try:
+        place.lstat()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    return True

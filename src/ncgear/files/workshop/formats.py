@@ -43,9 +43,6 @@ WRITERS = {
     Format.STEP: Writer("step", "step_files", ("driving.step", "driven.step", "pair.step")),
 }
 
-NAMES = tuple(name for writer in WRITERS.values() for name in writer.names)
-"""All files that a build may write; an earlier build may have left some of them."""
-
 
 def workshop_files(drive: Drive, formats: Collection[Format]) -> dict[str, bytes]:
     """The files of one pair of gears by their names; raises the errors of the drive."""

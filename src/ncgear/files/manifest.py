@@ -1,0 +1,123 @@
+"""The manifest of a folder: which files ncgear wrote there, and their contents by SHA-256.
+
+A later run removes or replaces only what the manifest names and what is still as it was written.  Where another file
+has the place of a new one, somebody made or changed it: it is kept beside it, as ``law-kept.csv``.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from hashlib import sha256
+from itertools import count
+from pathlib import Path
+
+from ncgear import __version__
+from ncgear.files.publish import exchange, is_inside, opened, require_inside
+
+MANIFEST = "manifest.json"
+KEYS = {"ncgear", "files"}
+"""The keys of a manifest; other programs have files of this name, too."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """The command that wrote a file, and the SHA-256 of what it wrote, in hexadecimal digits."""
+
+    command: str
+    sha256: str
+
+
+@dataclass(frozen=True)
+class Run:
+    """The paths of the files that a run wrote, and of those of others that it kept beside them under new names."""
+
+    paths: list[Path]
+    kept: list[Path]
+
+
+def publish_run(folder: Path, files: Mapping[str, bytes], command: str) -> Run:
+    """Write the files of a command into ``folder``, in the place of those that it wrote there before, and a manifest.
+
+    Names are as in ``publish``.  All happens at one instant.  Files that the same command wrote earlier and does not
+    write now are removed.  Raises WrongInput when the folder cannot be written, and it is as it was.
+    """
+    require_inside(files)
+    with opened(folder):
+        earlier = entries_in(folder)
+        still = {name: earlier[name] for name in _as_written(folder, earlier) if name not in files}
+        gone = [name for name, entry in still.items() if entry.command == command]
+        others = {name: entry for name, entry in still.items() if name not in gone}
+        now = {name: Entry(command, _digest(content)) for name, content in files.items()}
+        written = {**files, MANIFEST: _text({**others, **now})}
+        kept = _kept(folder, written, earlier)
+        exchange(folder, {**written, **kept}, gone)
+    return Run([folder / name for name in written], [folder / name for name in kept])
+
+
+def holds_as_written(folder: Path, name: str) -> bool:
+    """Whether a folder has a file that ncgear wrote there and nobody has changed since, as far as can be read."""
+    with suppress(OSError):
+        return name in _as_written(folder, entries_in(folder))
+    return False
+
+
+def entries_in(folder: Path) -> dict[str, Entry]:
+    """The entries of a folder's manifest by the names of files; none where it is not as ncgear writes it.
+
+    Raises OSError where it cannot be read.
+    """
+    try:
+        found = json.loads(_content(folder / MANIFEST) or b"")
+        entries = {name: Entry(**entry) for name, entry in found["files"].items()} if set(found) == KEYS else {}
+    except (ValueError, TypeError, AttributeError, RecursionError):
+        return {}
+    return {name: entry for name, entry in entries.items() if is_inside(name)}
+
+
+def _content(place: Path) -> bytes | None:
+    """What a file holds, None where no file is; raises OSError where it cannot be read."""
+    try:
+        return place.read_bytes()
+    except (FileNotFoundError, NotADirectoryError, IsADirectoryError):
+        return None
+
+
+def _text(entries: Mapping[str, Entry]) -> bytes:
+    files = {name: asdict(entry) for name, entry in sorted(entries.items())}
+    return (json.dumps({"ncgear": __version__, "files": files}, indent=2, ensure_ascii=False) + "\n").encode()
+
+
+def _digest(content: bytes) -> str:
+    return sha256(content).hexdigest()
+
+
+def _as_written(folder: Path, entries: Mapping[str, Entry]) -> Iterator[str]:
+    """The names of files that are in the folder as their entries say."""
+    for name, entry in entries.items():
+        content = _content(folder / name)
+        if content is not None and _digest(content) == entry.sha256:
+            yield name
+
+
+def _kept(folder: Path, files: Mapping[str, bytes], earlier: Mapping[str, Entry]) -> dict[str, bytes]:
+    """The files of others that have the places of new ones, by new names that are free."""
+    kept: dict[str, bytes] = {}
+    for name, content in files.items():
+        found = _content(folder / name)
+        # A manifest with entries is ncgear's own.
+        if found is None or found == content or (name == MANIFEST and earlier):
+            continue
+        if name not in earlier or earlier[name].sha256 != _digest(found):
+            kept[_free_name(folder, name, {*files, *kept})] = found
+    return kept
+
+
+def _free_name(folder: Path, name: str, taken: set[str]) -> str:
+    """``law-kept.csv``, or ``law-kept-2.csv`` where that is taken."""
+    path = Path(name)
+    names = (path.with_name(f"{path.stem}-kept{f'-{n}' if n > 1 else ''}{path.suffix}").as_posix() for n in count(1))
+    return next(name for name in names if name not in taken and not os.path.lexists(folder / name))
