@@ -58,6 +58,7 @@ class Limits:
 
     ``ratio_min`` and ``ratio_max`` bound i12 = dphi1/dphi2; ``working_rad`` is the driving angle of the working stroke;
     ``pressure_angle_rad`` bounds the tangent angle of the pitch curves, |atan(r1'/r1)|, not counting the rack's own;
+    ``rack_angle_rad`` is the rack's own, which the limit in a design file and messages include;
     ``mass_kg`` moves with the slider and takes power.  Raises WrongInput for a value that bounds nothing, with its key
     in the design file.
     """
@@ -68,6 +69,7 @@ class Limits:
     peak_acceleration_mm_s2: float | None = None
     working_rad: float | None = None
     pressure_angle_rad: float | None = None
+    rack_angle_rad: float = 0.0
     mass_kg: float = 0.0
 
     def __post_init__(self) -> None:

@@ -50,6 +50,7 @@ def wishes_of(design: Design) -> Wishes:
             peak_acceleration_mm_s2=limits.peak_acceleration_mm_s2,
             working_rad=limits.working_angle,
             pressure_angle_rad=None if shared else tangent_rad,
+            rack_angle_rad=radians(_rack_angle_deg(design.gears)),
             mass_kg=asked.slider_mass_kg,
         ),
         goal=Goal(asked.goal),
@@ -60,7 +61,6 @@ def wishes_of(design: Design) -> Wishes:
         curvature_turns=curvature.turns,
         curvature_wish=curvature.wish,
         curvature_given=curvature.given,
-        rack_angle_rad=radians(_rack_angle_deg(design.gears)),
         harmonics=asked.harmonics,
         two_stages=TwoStages(tangent_rad) if shared else None,
     )
