@@ -88,7 +88,9 @@ def test_refusals_are_told_to_their_end_with_the_design_and_the_keys_of_the_file
     assert told
     assert "theta1_rad" not in said
     for verdict in told:
-        values = ", ".join(f"{key} = {float(refused[verdict][key]):.5g}" for key in ("motion.theta1_pi", "motion.v1_mm_s"))
+        values = ", ".join(
+            f"{key} = {float(refused[verdict][key]):.5g}" for key in ("motion.theta1_pi", "motion.v1_mm_s")
+        )
         assert f"at {values}: {verdict}" in said
 
 
