@@ -15,7 +15,6 @@ from PIL import Image
 import ncgear.project.frontier_run as of_design
 from drives import loaded
 from ncgear.design.keys.design import Design
-from ncgear.design.mechanisms import mechanism_of
 from ncgear.drawings.plots import frontier_plot as picture
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.best_law import frontier_csv, frontier_json, frontier_text, other_mechanisms
@@ -59,7 +58,7 @@ def found() -> Frontier:
 
 @pytest.mark.slow
 def test_caps_run_from_the_least_power_to_where_more_is_of_no_use() -> None:
-    task, wishes = task_of(design(), mechanism_of(design().linkage)), wishes_of(design())
+    task, wishes = task_of(design()), wishes_of(design())
     caps = caps_w(task, wishes, 3)
     assert caps == sorted(caps)
     assert caps[1] ** 2 == pytest.approx(caps[0] * caps[2], rel=1e-12)
@@ -83,7 +82,7 @@ def test_a_law_allowed_under_one_cap_is_allowed_under_every_higher_one() -> None
 @pytest.mark.slow
 def test_the_familys_motion_makes_the_law_it_says() -> None:
     """As the motion of a design file, by way of the schema; cheap starts, for any law will do."""
-    task = task_of(design(), mechanism_of(design().linkage))
+    task = task_of(design())
     family = Family(task.linkage, task.resistance, task.speed_rad_s)
     best = best_of_family(family, Peak.ACCELERATION, 15_000.0, starts=1)
     said = {"motion": motion_of(best), "name": "again", "linkage": {"crank_mm": 380.0, "rod_mm": 960.0}}
@@ -234,7 +233,7 @@ def test_the_picture_has_the_units_of_its_size(
 @pytest.mark.slow
 def test_points_come_from_processes_and_are_those_of_one(tmp_path: Path) -> None:
     whole = frontier(design(6), 2, tmp_path, lambda done, total: None)
-    task, wishes = task_of(design(6), mechanism_of(design(6).linkage)), wishes_of(design(6))
+    task, wishes = task_of(design(6)), wishes_of(design(6))
     alone = law_point(task, wishes, whole.laws[0].cap_w)
     assert whole.laws[0].law.peak_acceleration_mm_s2 == pytest.approx(alone.law.peak_acceleration_mm_s2, rel=1e-9)
     assert sum(bool(line) for line in (tmp_path / POINTS_FILE).read_text(encoding="utf-8").splitlines()) == 5

@@ -458,13 +458,13 @@ def test_the_pressure_angle_of_a_refusal_includes_the_rack() -> None:
         ({"peak_acceleration_mm_s2": float("nan")}, "limits.peak_acceleration_mm_s2"),
         ({"working_rad": 0.0}, "limits.working_angle_rad"),
         ({"pressure_angle_rad": pi / 2.0}, "limits.pressure_angle_deg"),
-        ({"mass_kg": -1.0}, "slider_mass_kg"),
+        ({"mass_kg": -1.0}, "masses.slider_kg"),
     ],
 )
 def test_limits_that_bound_nothing_are_refused(wrong: dict[str, float], key: str) -> None:
     with pytest.raises(WrongInput) as caught:
         replace(USUAL, **wrong)
-    assert caught.value.key == f"optimize.{key}"
+    assert caught.value.key.removeprefix("optimize.") == key
 
 
 @pytest.mark.parametrize("at", [1e-6, 0.3, 1.0, 2.0, 1e6])

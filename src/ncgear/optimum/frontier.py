@@ -133,7 +133,7 @@ def _best_figures(task: Task, wishes: Wishes) -> Figures:
 
     rough = least_acceleration(task, wishes.limits).attained
     law = makeable_law(task, wishes, [rough_start(task, wishes, rough if rough < inf else 1.0)])
-    return figures(task, law.train(task.lobes))
+    return figures(task, law.train(task.lobes), wishes.limits.mass_kg)
 
 
 def _free(wishes: Wishes, goal: Goal) -> Wishes:

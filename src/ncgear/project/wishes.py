@@ -51,7 +51,7 @@ def wishes_of(design: Design) -> Wishes:
             working_rad=limits.working_angle,
             pressure_angle_rad=None if shared else tangent_rad,
             rack_angle_rad=radians(_rack_angle_deg(design.gears)),
-            mass_kg=asked.slider_mass_kg,
+            mass_kg=design.masses.slider_kg if design.masses else 0.0,
         ),
         goal=Goal(asked.goal),
         weights=Weights(1.0 / weights.acceleration_mm_s2, 1.0 / weights.power_w) if weights else None,
