@@ -29,8 +29,8 @@ PAGE = Path(__file__).parent / "makeable.md"
 
 def stages_row(name: str, best: BestLaw, train: Train, seconds: float) -> str:
     """One line of the table of stages: peak acceleration, larger pressure angle, ranges of the ratios, time."""
-    found = figures(best.task, train)
-    angle = degrees(found.tangent_rad + best.wishes.rack_angle_rad)
+    found = figures(best.task, train, best.wishes.limits.mass_kg)
+    angle = degrees(found.tangent_rad + best.wishes.limits.rack_angle_rad)
     ranges = ", ".join(
         f"{lowest.value:.2f} to {highest.value:.2f}"
         for lowest, highest in (one.transmission.ratio_range for one in train.pairs)

@@ -15,6 +15,7 @@ from ncgear.drawings.charts.drawer import MOTION_LOOK, Look, draw
 from ncgear.drawings.charts.slider_charts import POWER, VELOCITY, motion_chart, over_displacement, slider_chart
 from ncgear.drawings.page.chart_svg import PAGE_LOOK, drawn
 from ncgear.drawings.page.page_charts import PageChart
+from ncgear.drawings.plots.canvas import JOINT
 
 JOINTS = np.array([90.0, 180.0])
 
@@ -46,7 +47,7 @@ def test_a_line_is_repeated_over_a_longer_chart() -> None:
 def test_more_joints_than_can_be_told_apart_are_not_marked(count: int, drawn: int) -> None:
     axes = Figure().subplots()
     draw(axes, ramp(joints=np.linspace(10.0, 350.0, count)), MOTION_LOOK)
-    assert sum(line.get_color() == "#8A8A8A" for line in axes.lines) == drawn
+    assert sum(line.get_color() == JOINT for line in axes.lines) == drawn
 
 
 def test_a_chart_in_thousands_has_the_unit_to_match() -> None:

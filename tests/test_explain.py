@@ -16,7 +16,7 @@ from ncgear.design.keys.design import Design
 from ncgear.design.laws.registry import LawName
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.reference import Key, allowed, example, keys_of, unit_of
-from ncgear.figures.explained import explained
+from ncgear.figures.explained import IDEAS, explained
 
 FILES = [*ROOT.glob("designs/*.yaml"), *ROOT.glob("designs/balance/*.yaml")]
 ALL = [(root, key) for root in (Design, Balance) for key in keys_of(root)]
@@ -149,15 +149,50 @@ def test_the_names_of_all_laws(run: Run) -> None:
         ("thta2", "motion.theta2"),
         ("gears.rack.profil", "gears.rack.profile"),
         ("modul", "gears.module_mm"),
-        ("v1", "motion.v1_mm_s"),
-        ("center", "gears.center_distance_mm"),
-        ("Bore", "gears.driving.bore_mm"),
+        ("centre_distanc", "gears.center_distance_mm"),
+        ("Teethh", "gears.teeth"),
     ],
 )
 def test_an_unknown_key_is_refused_with_what_was_meant(run: Run, asked: str, meant: str) -> None:
     status, out, err = run("explain", asked)
     assert (status, out) == (2, "")
     assert re.match(rf"{re.escape(asked)}: unknown key; did you mean .*{re.escape(meant)}", err)
+
+
+@pytest.mark.parametrize(
+    ("asked", "first"),
+    [
+        ("v1", "motion.v1_mm_s"),
+        ("motion.law_speed", "motion.law_speed_rpm"),
+        ("Bore", "gears.driving.bore_mm"),
+        ("speed", "operation.speed_rpm"),
+        ("face width", "gears.face_width_mm"),
+        ("slider", "masses.slider_kg"),
+    ],
+)
+def test_a_key_without_its_unit(run: Run, asked: str, first: str) -> None:
+    """As people write quantities; where several keys have it, they come in the order of the file."""
+    status, out, _ = run("explain", asked)
+    assert status == 0
+    assert out.splitlines()[0] == first
+
+
+def test_a_word_that_names_no_key_finds_the_keys_that_speak_of_it(run: Run) -> None:
+    status, out, _ = run("explain", "hob")
+    assert status == 0
+    assert out.startswith("gears.cutter.kind\n")
+    assert "rack (hob)" in out
+
+
+@pytest.mark.parametrize("idea", IDEAS)
+def test_ideas_without_a_key_are_told(run: Run, idea: str) -> None:
+    """Each idea is no key of either file, and every key that it names is one."""
+    for root in (Design, Balance):
+        assert idea not in {quantity(key.name) for key in keys_of(root)} | {key.name for key in keys_of(root)}
+    status, out, _ = run("explain", idea.replace("_", " "))
+    assert (status, out.splitlines()[0]) == (0, f"{idea.replace('_', ' ')} (no key)")
+    paths = re.findall(r"\b(?:gears|motion|optimize)\.[\w.]+\w", IDEAS[idea])
+    assert set(paths) <= {key.path for key in keys_of(Design)}
 
 
 def test_a_key_like_no_other(run: Run) -> None:

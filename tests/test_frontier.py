@@ -198,7 +198,7 @@ def test_the_picture_and_the_text(tmp_path: Path) -> None:
     files = frontier_files(found(), BestLaw(design()))
     assert set(files) == {"frontier.csv", "frontier.json", "frontier.png"}
     pixels = np.asarray(Image.open(BytesIO(files["frontier.png"])).convert("RGB")).reshape(-1, 3)
-    for colour in ((0x00, 0x72, 0xB2), (0xD5, 0x5E, 0x00), (0xCC, 0x79, 0xA7)):
+    for colour in ((0x00, 0x64, 0xA0), (0xB0, 0x4A, 0x00), (0xA0, 0x2C, 0x6A)):
         assert np.any(np.all(pixels == colour, axis=1))
     text = frontier_text(found(), BestLaw(design()), [tmp_path / "frontier.csv"])
     assert "33.3" in text
@@ -212,6 +212,19 @@ def test_small_powers_keep_their_digits_in_the_text() -> None:
     )
     row = frontier_text(small, BestLaw(design()), []).splitlines()[2].split()
     assert row == ["8.7023", "635.52", "656.51", "3.3", "702.18"]
+
+
+def test_nothing_is_called_impossible_that_the_points_do_not_prove(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a limit that falls and is hollow, each point holds for smaller powers; chords between points lie above it."""
+    drawn: list[Axes] = []
+    monkeypatch.setattr(picture, "legend_above", drawn.append)
+    powers = np.array([3000.0, 6000.0, 12_000.0])
+    picture.frontier(np.column_stack([powers, 9e7 / powers]), picture.rows([(9000.0, 2e4)]), picture.rows([]), [], "x")
+    area = drawn[0].collections[0].get_paths()[0]
+    for power in np.geomspace(2000.0, 11_900.0, 40):
+        assert not area.contains_point((power / 1e3, 1.0001 * 9e7 / power / 1e3))
+    for power in powers:
+        assert area.contains_point((0.999 * power / 1e3, 0.999 * 9e7 / power / 1e3))
 
 
 @pytest.mark.parametrize(("times", "power", "acceleration"), [(1.0, "kW", "m/s\u00b2"), (1e-3, "W", "mm/s\u00b2")])

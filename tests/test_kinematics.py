@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial, legendre
 
-from ncgear.kinematics.check import KinematicCheck, kinematic_check, work_per_stroke_j
+from drives import drive
+from ncgear.kinematics.check import KinematicCheck, kinematic_check, peak_driving_power_w, work_per_stroke_j
 from ncgear.kinematics.motion import Machine, sample_angles
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import PolynomialResistance, Resistance
@@ -363,3 +364,23 @@ def test_a_law_that_begins_a_rounding_error_early_meets_its_force() -> None:
     assert pump.driven_angle(np.zeros(1)).value[0] < 0.0
     of = Machine(pump, CrankSlider(30.0, 120.0), PolynomialResistance((400.0,)), 1.0)
     assert of.motion(np.zeros(1)).force_n[0] == 400.0
+
+
+@pytest.mark.parametrize(
+    ("name", "mass_kg", "power_w"),
+    [
+        ("baler-66", 50.0, 7165.0),
+        ("baler-66", 150.0, 21339.0),
+        ("baler-half", 150.0, 9319.0),
+        ("baler-smooth", 50.0, 18222.0),
+        ("baler-smooth", 150.0, 17229.0),
+    ],
+)
+def test_the_power_with_a_mass_on_the_slider(name: str, mass_kg: float, power_w: float) -> None:
+    """Figures computed by another program, with all digits that it printed."""
+    assert peak_driving_power_w(drive(name).machine, mass_kg).value == pytest.approx(power_w, abs=0.51)
+
+
+def test_the_power_without_a_mass_is_that_of_the_check() -> None:
+    found = drive("baler")
+    assert peak_driving_power_w(found.machine, 0.0).value == pytest.approx(found.check.peak_power_w.value, rel=1e-12)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
@@ -489,7 +490,13 @@ def changed(values: Array, index: int, value: float) -> Array:
         (GOOD_ANGLES, changed(GOOD, 4, 99.0), "must be the extended end, 100 mm"),
         (GOOD_ANGLES, changed(GOOD, 4, 101.0), "must be the extended end, 100 mm"),
         (GOOD_ANGLES, changed(GOOD, 2, 9.0), "turns back after phi1 = 0.785398"),
-        (GOOD_ANGLES, changed(GOOD, 2, 10.0), "turns back after phi1 = 0.785398"),
+        (GOOD_ANGLES, changed(GOOD, 2, 10.0), "stands still at 10 mm after phi1 = 0.785398"),
+        (GOOD_ANGLES, changed(GOOD, 2, 10.0), "1.5708 rad (90 deg) over 10 and under 80 mm is right"),
+        (GOOD_ANGLES, changed(GOOD, 5, 100.0), "3.92699 rad (225 deg) over 40 and under 100 mm is right"),
+        (GOOD_ANGLES, changed(GOOD, 3, 100.0), "stands still at 100 mm after phi1 = 2.35619"),
+        (GOOD_ANGLES, changed(GOOD, 3, 120.0), "the largest displacement is 120 mm"),
+        (GOOD_ANGLES, changed(GOOD, 1, 42.0), "1.5708 rad (90 deg) over 42 and under 80 mm is right"),
+        (GOOD_ANGLES, changed(GOOD, 7, 0.0), "5.49779 rad (315 deg) over 0 and under 40 mm is right"),
         (GOOD_ANGLES, changed(GOOD, 6, 85.0), "turns back after phi1 = 3.92699"),
         (changed(GOOD_ANGLES, 7, 6.4), GOOD, "one cycle ends at 6.28319"),
         (changed(GOOD_ANGLES, 7, 2.0 * pi), GOOD, "ends with 10 but begins with 0"),
@@ -498,8 +505,15 @@ def changed(values: Array, index: int, value: float) -> Array:
 def test_displacement_tables_that_are_wrong_are_refused(phi1: Array, displacement: Array, said: str) -> None:
     with pytest.raises(WrongInput) as caught:
         displacement_table_law(phi1, displacement, IN_LINE, Lobes())
-    assert caught.value.key == "motion.displacement_mm"
+    number = re.fullmatch(r"motion\.displacement_mm(?:\.(\d))?", caught.value.key)
+    assert number is not None
     assert said in caught.value.problem
+    right = re.search(r"at ([\d.]+) rad .* over (\d+) and under (\d+) mm is right", caught.value.problem)
+    if right:
+        assert number[1] is not None
+        assert GOOD_ANGLES[int(number[1])] == pytest.approx(float(right[1]), abs=1e-5)
+        middle = (float(right[2]) + float(right[3])) / 2.0
+        displacement_table_law(phi1, changed(displacement, int(number[1]), middle), IN_LINE, Lobes())
 
 
 def test_the_table_that_was_changed_is_a_law_unchanged() -> None:
@@ -512,6 +526,31 @@ def test_a_table_whose_spline_turns_back_is_refused() -> None:
     with pytest.raises(NoSuchMechanism) as caught:
         displacement_table_law(GOOD_ANGLES, steps, IN_LINE, Lobes())
     assert "stops or turns back" in caught.value.problem
+    assert "no single point of the table mends that" in caught.value.problem
+
+
+def test_a_rising_table_that_turns_back_between_its_points_is_told_which_point_to_move() -> None:
+    """The point that was moved off a smooth curve is named, and its new value makes the law."""
+    good = displacement_table_law(GOOD_ANGLES, GOOD, IN_LINE, Lobes())
+    phi1 = np.linspace(0.0, 2.0 * pi, 24, endpoint=False)
+    smooth = IN_LINE.displacement(good.driven_angle(phi1)).value
+    rough = changed(smooth, 8, 0.9 * smooth[9] + 0.1 * smooth[8])
+    with pytest.raises(NoSuchMechanism, match="stops or turns back") as caught:
+        displacement_table_law(phi1, rough, IN_LINE, Lobes())
+    assert caught.value.key == "motion.displacement_mm.8"
+    new = float(re.findall(r"with ([\d.]+) mm in place of", caught.value.problem)[0])
+    assert new == pytest.approx(smooth[8], rel=1e-2)
+    displacement_table_law(phi1, changed(rough, 8, new), IN_LINE, Lobes())
+
+
+def test_a_table_of_positive_ratios_whose_spline_is_not_positive_is_told_which_point_to_move() -> None:
+    phi1 = np.arange(16) * (2.0 * pi / 16.0)
+    ratio = changed(1.0 + 0.2 * np.sin(phi1), 5, 0.02)
+    with pytest.raises(NoSuchMechanism, match="stops or turns back") as caught:
+        ratio_table_law(phi1, ratio, Lobes(), scale_to_close=True)
+    assert caught.value.key == "motion.ratio.5"
+    new = float(re.findall(r"with ([\d.]+) in place of 0\.02", caught.value.problem)[0])
+    assert new == pytest.approx(1.0 + 0.2 * np.sin(phi1[5]), rel=1e-2)
 
 
 @pytest.mark.parametrize("value", [0.0, -0.2])

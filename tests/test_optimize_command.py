@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from commands import Run, loaded_by, on_text, python
@@ -191,8 +192,57 @@ WRONG: dict[str, tuple[str, str, str]] = {
     ),
     "no harmonics": ("harmonics: 1", "harmonics", "a number of 2 or over"),
     "many starts": ("starts: 21", "starts", "a number of 20 or under"),
-    "negative mass": ("slider_mass_kg: -1", "slider_mass_kg", "a number of 0 or over"),
+    "a second mass": ("slider_mass_kg: 12", "slider_mass_kg", "unknown key"),
 }
+
+
+MASSES = """\
+masses:
+  slider_kg: 80
+  rod: {mass_kg: 0, center_mm: 0, inertia_kg_mm2: 0}
+  crank: {mass_kg: 0, center_mm: 0, inertia_kg_mm2: 0}
+"""
+
+
+@pytest.mark.thorough
+def test_the_power_of_limit_law_and_comparison_counts_the_mass_of_the_slider(run: Run) -> None:
+    """One mass for every command; the power is the greatest of (F + m a) v over the whole cycle, sampled anew."""
+    status, out, _ = run(HEAD + MASSES + "optimize: {goal: least_power, harmonics: 6}\n")
+    assert status == 0
+    assert "Powers include the slider's 80 kg" in out
+    found = json.loads(Path("export/press-optimized/certificate.json").read_text())
+    assert found["slider_kg"] == 80.0
+    written = Drive(load(Path("export/press-optimized/press-optimized.yaml")).design)
+    uniform = Drive(load(Path("d.yaml")).design)
+    for drive, told in ((written, found["law"]), (uniform, found["uniform_crank"])):
+        motion = drive.machine.motion(np.linspace(0.0, 2.0 * np.pi, 40_001))
+        force = motion.force_n + 80.0 * motion.acceleration_mm_s2 / 1000.0
+        assert told["peak_power_w"] == pytest.approx(np.max(force * motion.velocity_mm_s) / 1000.0, rel=1e-6)
+    assert found["law"]["peak_power_w"] == found["goal"]["law"] > found["goal"]["limit"]
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(
+    ("motion", "lost"),
+    [
+        ("{law: uniform_crank}", ""),
+        (
+            "{law: table, phi1_deg: [0, 90, 180, 270], displacement_mm: [0, 370, 760, 390]}",
+            "the displacements of the table",
+        ),
+        (
+            "{law: three_segment_stroke, solve_for: law_speed, theta1_pi: 0.4, theta2_pi: 0.6, theta3_pi: 0.95, "
+            "theta4_pi: 1.3, v1_mm_s: 1500, v2_mm_s: 1100, a1_mm_s2: -1500, a1_speed_rpm: 20}",
+            "the constant speed v2 from theta2 to theta3 (108 to 171 deg)",
+        ),
+    ],
+)
+def test_what_the_law_does_not_keep_of_the_given_motion_is_said(run: Run, motion: str, lost: str) -> None:
+    status, out, err = run(HEAD.replace("{law: uniform_crank}", motion) + "optimize: {harmonics: 4}\n")
+    assert (status, err) == (0, "")
+    assert (f"This law does not keep {lost} of the design as given." in out) is bool(lost)
+    certificate = json.loads(Path("export/press-optimized/certificate.json").read_text())
+    assert certificate["not_kept"] == lost
 
 
 @pytest.mark.parametrize(("block", "key", "said"), WRONG.values(), ids=WRONG.keys())

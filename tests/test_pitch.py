@@ -11,12 +11,14 @@ import pytest
 from mpmath import mp
 from numpy.polynomial import Chebyshev, legendre
 
+from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
 from ncgear.pitch import shape
 from ncgear.pitch.curve import CurvePoints
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.laws.ellipse import elliptical_law
+from ncgear.ratio.laws.expression import ratio_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from oracles import stroke as oracle
@@ -397,6 +399,27 @@ def test_baler_curvature_jumps_at_its_inner_joints() -> None:
         # Two derivatives at the end of an interpolant of degree 47 multiply rounding by 47^4 / 3 and more
         assert (jump.driving_before, jump.driving_after) == pytest.approx(tuple(sides), abs=1e-8)
         assert abs(jump.driving_after - jump.driving_before) > 1e-3 / DISTANCE
+
+
+@pytest.mark.parametrize(("lobes", "rise"), [(Lobes(), 0.04), (Lobes(2, 1), -0.07), (Lobes(1, 2), 0.02)])
+def test_a_law_whose_slope_jumps_where_the_cycle_begins_again_has_no_gears(lobes: Lobes, rise: float) -> None:
+    """No number of teeth helps: the message has the corner of the pitch curve, by r = a / (1 + i)."""
+    period = lobes.driving_period_rad
+    bowed = ratio_expression_law(f"1 + {rise}*phi*({period!r} - phi)", lobes, scale_to_close=True)
+    # The law scales the expression, which is 1 there, to the ratio that closes the cycle
+    ratio = 1.0 / float(bowed.driven_angle(np.zeros(1), 1).derivative(1)[0])
+    slope = np.array([-1.0, 1.0]) * rise * period
+    corner = np.degrees(np.diff(np.arctan(ratio * slope / (1.0 + ratio))))[0]
+    with pytest.raises(NoSuchMechanism) as caught:
+        sized_pair(bowed, 40 * lobes.driving, 2.0, None)
+    assert f"a corner of {abs(corner):.4g} deg at phi1 = 0 rad" in caught.value.problem
+    assert "where the cycle begins again" in caught.value.problem
+    assert "more teeth" not in caught.value.problem
+
+
+def test_a_slope_that_jumps_by_a_rounding_is_no_corner() -> None:
+    wave = ratio_expression_law("1 + 0.1*sin(phi) + 1e-7*phi*(2*pi - phi)", Lobes(), scale_to_close=True)
+    assert sized_pair(wave, 40, 2.0, None).size.driven_teeth == 40
 
 
 def exact_side(joint: float, after: bool) -> float:

@@ -19,11 +19,13 @@ from lxml.html import HtmlElement
 import drives
 import reports
 from commands import ROOT, Run, python
+from ncgear.drawings.animation import artists
 from ncgear.drawings.charts.chart import decimals_of
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION
 from ncgear.drawings.page import REPORT_FILE
 from ncgear.drawings.page.chart_svg import drawn
 from ncgear.drawings.page.page_charts import DIGITS, SIDE_RAD, PageChart, gear_charts, split_angles
+from ncgear.drawings.plots import canvas
 from ncgear.files.manifest import MANIFEST
 from ncgear.kinematics.motion import SliderMotion
 
@@ -355,6 +357,17 @@ PAIRS: list[tuple[str, str, float]] = [
 
 def colors(css: str) -> dict[str, str]:
     return dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6});", css))
+
+
+def test_pictures_and_page_give_the_same_thing_the_same_colour() -> None:
+    """On light ground; a scene in a page without colours of its own falls back on them too."""
+    light = colors(LIGHT)
+    names = {"driving": canvas.DRIVING, "driven": canvas.DRIVEN, "highlight": canvas.HIGHLIGHT, "ink": canvas.INK}
+    names |= {"uniform": canvas.REFERENCE, "joint": canvas.JOINT, "grid": canvas.GRID, "material": artists.MATERIAL}
+    assert {name: light[name] for name in names} == names
+    fallbacks = re.findall(r"var\(--([\w-]+), (#[0-9a-f]{6})\)", (PAGE / "scene.css").read_text(encoding="utf-8"))
+    assert {name for name, _ in fallbacks} > {"driving", "driven", "ink"}
+    assert all(light[name] == color for name, color in fallbacks)
 
 
 def luminance(color: str) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from itertools import permutations
 from math import pi
@@ -296,6 +297,58 @@ def test_a_speed_that_would_be_negative_is_refused_with_what_helps(
     assert "closing the stroke needs v" in fault.problem
     assert remedy in fault.problem.partition(";")[2]
     solved_stroke(replace(request_, **eased))
+
+
+def told(problem: str, words: str) -> float:
+    return float(re.findall(rf"{words} (-?[\d.]+)", problem)[0])
+
+
+STEEP = replace(BALER, v1_mm_s=7000.0, v2_mm_s=800.0)
+NEAR_END = replace(BALER, theta1_rad=0.55 * pi, v1_mm_s=2600.0)
+NEAR_START = replace(BALER, theta1_rad=0.12 * pi, v1_mm_s=1900.0)
+SOLVED_V1 = replace(BALER, v1_mm_s=None, v2_mm_s=700.0, law_speed_rad_s=70.0 * RPM)
+
+
+@pytest.mark.parametrize("request_", [STEEP, NEAR_END, NEAR_START])
+def test_speeds_too_far_apart_are_refused_with_the_values_that_would_do(request_: StrokeRequest) -> None:
+    """A hair inside what is named the slider advances; a hair outside it turns back."""
+    fault = refusal(request_)
+    assert fault.key in ("motion.v1_mm_s", "motion.theta1_rad")
+    v1 = told(fault.problem, "v1 under")
+    solved_stroke(replace(request_, v1_mm_s=v1 * (1.0 - 1e-4)))
+    refusal(replace(request_, v1_mm_s=v1 * (1.0 + 1e-4)))
+    if "v2 over" in fault.problem:
+        v2 = told(fault.problem, "v2 over")
+        solved_stroke(replace(request_, v2_mm_s=v2 * (1.0 + 1e-4)))
+        refusal(replace(request_, v2_mm_s=v2 * (1.0 - 1e-4)))
+    for words in ("theta1 from", "theta1 from [\\d.]+ to"):
+        solved_stroke(replace(request_, theta1_rad=told(fault.problem, words) * pi))
+
+
+def test_a_v1_that_is_solved_for_is_named_with_what_would_do() -> None:
+    fault = refusal(SOLVED_V1)
+    assert fault.key == "motion.v1_mm_s"
+    needed, most = told(fault.problem, "closing the stroke needs v1 ="), told(fault.problem, "v1 under")
+    given = replace(SOLVED_V1, law_speed_rad_s=None, v1_mm_s=most * (1.0 - 1e-4))
+    assert needed > most
+    assert solved_stroke(given).v1_mm_s < most
+    low, high = told(fault.problem, "law speed over"), told(fault.problem, "law speed over [\\d.]+ and under")
+    for speed, stays in ((0.999 * low, False), (1.001 * low, True), (0.999 * high, True), (1.001 * high, False)):
+        tried = replace(SOLVED_V1, law_speed_rad_s=speed * RPM)
+        if stays:
+            assert 0.0 < solved_stroke(tried).v1_mm_s < most
+        else:
+            refusal(tried)
+
+
+def test_a_v2_that_is_solved_for_is_named_with_what_would_do() -> None:
+    request = replace(BALER, v2_mm_s=None, v1_mm_s=2300.0, law_speed_rad_s=48.0 * RPM)
+    fault = refusal(request)
+    assert fault.key == "motion.v2_mm_s"
+    assert 0.0 < told(fault.problem, "closing the stroke needs v2 =") < told(fault.problem, "; over")
+    least = told(fault.problem, "law speed over")
+    assert solved_stroke(replace(request, law_speed_rad_s=1.001 * least * RPM)).v2_mm_s > told(fault.problem, "; over")
+    refusal(replace(request, law_speed_rad_s=0.999 * least * RPM))
 
 
 def test_a1_that_accelerates_leaves_no_law_speed_in_the_other_reading() -> None:

@@ -76,7 +76,22 @@ def test_designs_that_cannot_be_made_have_a_verdict_and_no_figures(run: Run) -> 
     refused = table()[1]
     assert refused["verdict"].startswith("motion.v1_mm_s: the slider stops or reverses inside the working stroke")
     assert {refused[name] for name in refused if name.startswith(("ratio.", "check.", "pitch."))} == {""}
-    assert "      1  motion.v1_mm_s: the slider stops or reverses inside the working stroke" in out
+    assert f" 1 at motion.v1_mm_s = 6000: {refused['verdict']}" in " ".join(out.split())
+
+
+def test_refusals_are_told_to_their_end_with_the_design_and_the_keys_of_the_file(run: Run) -> None:
+    """Many designs share one refusal; the first of them is named, with every word of its own."""
+    _, out, _ = run("motion.theta1_pi=0.3:0.68:3", "motion.v1_mm_s=1700:9000:3")
+    refused = {row["verdict"]: row for row in reversed(table()) if row["verdict"] != "made"}
+    said = " ".join(out.split("Refused\n")[1].split("\n\n")[0].split())
+    told = [verdict for verdict in refused if verdict in said]
+    assert told
+    assert "theta1_rad" not in said
+    for verdict in told:
+        values = ", ".join(
+            f"{key} = {float(refused[verdict][key]):.5g}" for key in ("motion.theta1_pi", "motion.v1_mm_s")
+        )
+        assert f"at {values}: {verdict}" in said
 
 
 @pytest.mark.thorough

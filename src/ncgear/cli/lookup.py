@@ -17,19 +17,19 @@ def explain(
         str | None,
         typer.Argument(
             metavar="[KEY]",
-            help="A key, or its last part: gears.rack.profile, profile, theta2. Left out: all keys.",
+            help="A key, its last part or an idea: gears.rack.profile, profile, v2, dwell. Left out: all keys.",
             autocompletion=keys_to_complete,
         ),
     ] = None,
     of: Annotated[FileKind, typer.Option(help="The kind of file.")] = FileKind.DESIGN,
 ) -> None:
     """Say what a key of a design or a balance file means: unit, values, default, an example."""
-    from ncgear.design.reference import keys_of, looked_up
-    from ncgear.figures.explained import explained, tree
+    from ncgear.design.reference import keys_of
+    from ncgear.figures.explained import told, tree
 
     root = model_of(of)
     keys = keys_of(root)
-    typer.echo(tree(keys) if key is None else explained(keys, looked_up(keys, key), root))
+    typer.echo(tree(keys) if key is None else told(keys, key, root))
 
 
 def schema(

@@ -97,5 +97,5 @@ def sweep(
         from ncgear.screening.screen import screened
 
         with counted("designs") as on_done:
-            found = screened(list(designs_of(loaded, varied)), on_done=on_done)
+            found = screened(list(designs_of(loaded, varied)), on_done=on_done, as_written=loaded.source.as_written)
         typer.echo(sweep_text(varied, found, publish(folder, {"sweep.csv": sweep_csv(varied, found).encode()})))

@@ -7,6 +7,7 @@ is the template's value, or else an allowed value.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -107,14 +108,17 @@ MOST_GUESSES = 3
 
 
 def looked_up(keys: Sequence[Key], asked: str) -> list[Key]:
-    """The keys that match best: by the whole path, else by its last parts, else as an angle in any of its units.
+    """The keys that match best: by the whole path, else by its last parts, else by these without their unit.
 
-    ``asked`` may have numbers of list items, which messages have too.  Raises WrongInput for an unknown key; the
-    message names the keys that a person may have meant.
+    A word that names no quantity finds the keys whose meaning has that word.  ``asked`` may have numbers of list items,
+    which messages have too.  Raises WrongInput for an unknown key; the message names the keys that a person may have
+    meant.
     """
-    wanted = ".".join(part for part in asked.split(".") if not part.isdigit())
+    wanted = ".".join(part for part in asked.strip().replace(" ", "_").split(".") if not part.isdigit())
     whole = [key for key in keys if key.path == wanted]
     found = whole or _ending_in(keys, (wanted,)) or _ending_in(keys, spellings(wanted))
+    found = found or [key for key in keys if f".{_quantity(key.path)}".endswith(f".{wanted.lower()}")]
+    found = found or _meaning(keys, wanted.replace("_", " "))
     if not found:
         raise WrongInput(_unknown(keys, wanted), key=asked)
     return found
@@ -124,13 +128,31 @@ def _ending_in(keys: Sequence[Key], names: Sequence[str]) -> list[Key]:
     return [key for key in keys if any(f".{key.path}".endswith(f".{name}") for name in names)]
 
 
+def _quantity(path: str) -> str:
+    """``motion.v2`` for ``motion.v2_mm_s``: a path without the unit at its end."""
+    above, dot, name = path.rpartition(".")
+    return f"{above}{dot}{label_and_unit(name)[0].replace(' ', '_')}"
+
+
+LEAST_WORD = 3
+"""Letters from which on a word is looked for in the meanings of keys."""
+
+
+def _meaning(keys: Sequence[Key], words: str) -> list[Key]:
+    """The keys whose meaning has these words, in singular or plural."""
+    if len(words) < LEAST_WORD:
+        return []
+    pattern = re.compile(rf"\b{re.escape(words)}s?\b", re.IGNORECASE)
+    return [key for key in keys if pattern.search(key.meaning)]
+
+
 def _unknown(keys: Sequence[Key], wanted: str) -> str:
     """The message about an unknown key: first the keys that begin with the word, then those with a similar spelling."""
     begun = [key.path for key in keys if key.name.startswith(f"{wanted.lower()}_")]
-    by_name = {key.name: key.path for key in keys}
+    by_name = {key.name: key.path for key in reversed(keys)}
     by_quantity = {name.rpartition("_")[0]: path for name, path in by_name.items() if "_" in name}
     known = {**by_quantity, **by_name, **{key.path: key.path for key in keys}}
-    close = [known[word] for word in get_close_matches(wanted, known, n=MOST_GUESSES)]
+    close = [known[word] for word in get_close_matches(wanted.lower(), known, n=MOST_GUESSES)]
     meant = list(dict.fromkeys([*begun, *close]))[:MOST_GUESSES]
     hint = f"did you mean {' or '.join(meant)}?" if meant else "`ncgear explain` lists all keys"
     return f"unknown key; {hint}"

@@ -86,6 +86,8 @@ def certificate(best: BestLaw) -> dict[str, Any]:
             "gap": best.goal / bound.value - 1.0 if bound.value > 0.0 else None,
             "argument": ARGUMENT,
         },
+        "slider_kg": best.wishes.limits.mass_kg,
+        "not_kept": best.design.motion.prescribed,
         "wishes": best.design.optimize.model_dump(mode="json") if best.design.optimize else {},
         "frontier": [
             {"power_cap_w": power, "limit_acceleration_mm_s2": acceleration}
@@ -123,7 +125,18 @@ LAW_HEADS = ("peak power, W", "peak accel., mm/s2", "ratio", "tangent, deg", "co
 
 def optimized_text(best: BestLaw, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
     """The law beside its limit and the other mechanisms at equal speed, the files written, and those kept."""
-    return "\n".join([*_limit(best), "", *_table(best), "", *written_lines(paths, kept)])
+    return "\n".join([*_limit(best), "", *_table(best), *_notes(best), "", *written_lines(paths, kept)])
+
+
+def _notes(best: BestLaw) -> list[str]:
+    """What the figures count besides the resistance, and what of the given motion the law does not keep."""
+    mass, lost = best.wishes.limits.mass_kg, best.design.motion.prescribed
+    notes = []
+    if mass:
+        notes.append(f"Powers include the slider's {mass:g} kg (masses.slider_kg), in the return as well.")
+    if lost:
+        notes.append(f"This law does not keep {lost} of the design as given.")
+    return ["", *notes] if notes else []
 
 
 def _limit(best: BestLaw) -> list[str]:
@@ -218,6 +231,7 @@ def frontier_json(found: Frontier, best: BestLaw) -> str:
     content = {
         "design": best.design.name,
         "speed_rpm": best.design.operation.speed_rpm,
+        "slider_kg": best.wishes.limits.mass_kg,
         "argument_of_limit": ARGUMENT,
         "points": [
             {
@@ -235,6 +249,9 @@ def frontier_json(found: Frontier, best: BestLaw) -> str:
         "mechanisms": [vars(mechanism) for mechanism in other_mechanisms(best)],
     }
     return json_text(content)
+
+
+FAMILY_WITHOUT_MASS = "The family is left out: its search knows the power of the resistance alone."
 
 
 def frontier_text(found: Frontier, best: BestLaw, paths: Sequence[Path]) -> str:
@@ -255,6 +272,8 @@ def frontier_text(found: Frontier, best: BestLaw, paths: Sequence[Path]) -> str:
         "",
         "At the same speed",
         *aligned(others, left=1, least=(0, 11, 15)),
+        *_notes(best),
+        *([FAMILY_WITHOUT_MASS] if best.wishes.limits.mass_kg else []),
         "",
         *written_lines(paths),
     ]

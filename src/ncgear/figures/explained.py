@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 from textwrap import fill, wrap
 from typing import Any
 
 from ncgear.design.keys.base import folded, listed, quantity
-from ncgear.design.reference import Key, allowed, default_words, example, unit_of
+from ncgear.design.reference import Key, allowed, default_words, example, looked_up, unit_of
 
 WIDTH = 100
 PATH_WIDTH, NAME_WIDTH = 36, 13
@@ -18,13 +19,41 @@ MOST_EXPLAINED = 4
 """If a name stands for at most so many different keys, each is explained; otherwise they are listed."""
 
 
+IDEAS = {
+    "dwell": "A dwell, in which the slider stands still while the driving gear turns, needs an infinite ratio, and no "
+    "gears have one. Two things come near: a stretch of constant speed (law three_segment_stroke, from theta2 to "
+    "theta3), and a slow stretch, where the ratio is large (law table or ratio_expression); gears follow ratios up to "
+    "5 or so well.",
+    "closure": "The cycle closes where the driven gear has turned by whole lobes when the driving gear has; otherwise "
+    "the gears would not fit at the next turn. For ratio_expression and table, scale_to_close: true multiplies the "
+    "ratio by the constant that closes it; three_segment_stroke closes it with its return.",
+    "contact_ratio": "How many pairs of teeth touch on average over a pitch; under 1 the teeth lose each other. It is "
+    "computed, not given: a greater addendum or a smaller pressure angle of the rack (gears.rack), or more teeth of a "
+    "smaller module raise it.",
+    "transmission_error": "By how much the driven gear's angle departs from the law. It is computed, not given: "
+    "contact.transmission_error_rad in summary.json.",
+    "dead_centre": "The two ends of the slider's way: retracted at phi1 = 0, extended at theta4 of the law "
+    "three_segment_stroke, or wherever else the ratio leads. Displacements count from the retracted one.",
+}
+"""Ideas that people look for, and which no key has by name."""
+
+
+def told(keys: Sequence[Key], asked: str, root: type[Any]) -> str:
+    """The explanation of a key or an idea; raises WrongInput for a word that is neither."""
+    idea = IDEAS.get(re.sub(r"[\s-]+", "_", asked.strip().lower()).replace("center", "centre").removesuffix("s"))
+    if idea is not None:
+        return f"{asked} (no key)\n{fill(idea, WIDTH, initial_indent='  ', subsequent_indent='  ')}"
+    return explained(keys, looked_up(keys, asked), root)
+
+
 def explained(keys: Sequence[Key], found: Sequence[Key], root: type[Any]) -> str:
-    """The explanation of the keys ``found``, or a list of them where they are many.
+    """The explanation of the keys ``found`` in the order of the file, or a list of them where they are many.
 
     ``keys`` are all keys of the file, and ``root`` is its model.
     """
     ordered = sorted(found, key=_same)
     alike = [list(group) for _, group in groupby(ordered, _same)]
+    alike.sort(key=lambda group: keys.index(group[0]))
     if len(alike) > MOST_EXPLAINED:
         lines = [_entry(group[0].path, group[0].meaning, PATH_WIDTH) for group in alike]
         return "\n".join([f"{len(alike)} keys; one of them by its whole name:", *lines])

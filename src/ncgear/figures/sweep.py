@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 from itertools import product
 from pathlib import Path
-from textwrap import shorten
+from textwrap import fill
 
 import numpy as np
 
@@ -27,7 +27,7 @@ RANKED = {
     "least power": "check.peak_power_w",
 }
 
-WIDTH = 110
+WIDTH, COUNT_WIDTH = 110, 7
 
 
 def sweep_csv(varied: Sequence[Varied], found: Screened) -> str:
@@ -45,9 +45,8 @@ def sweep_text(varied: Sequence[Varied], found: Screened, paths: Sequence[Path])
     blocks = [f"{len(found.made)} designs, of which {made} can be made"]
     if made:
         blocks += [_best(title, figure, varied, found) for title, figure in RANKED.items()]
-    refused = Counter(_problem(verdict) for verdict in found.verdicts if verdict != MADE)
-    if refused:
-        blocks.append("\n".join(["Refused", *(f"{count:>7}  {text}" for text, count in refused.most_common(BEST))]))
+    if made < len(found.made):
+        blocks.append("\n".join(["Refused", *_refused(varied, found)]))
     return "\n\n".join([*blocks, "\n".join(written_lines(paths))])
 
 
@@ -77,6 +76,23 @@ def _best(title: str, figure: str, varied: Sequence[Varied], found: Screened) ->
     return "\n".join([f"Best by {title}", *aligned([heads, *lines])])
 
 
+def _refused(varied: Sequence[Varied], found: Screened) -> list[str]:
+    """The most frequent problems, each with the first design that has it and all that is said of that one."""
+    values = _values(varied)
+    refused = [number for number, verdict in enumerate(found.verdicts) if verdict != MADE]
+    counts = Counter(_problem(found.verdicts[number]) for number in refused)
+    first = {_problem(found.verdicts[number]): number for number in reversed(refused)}
+    lines = []
+    for problem, count in counts.most_common(BEST):
+        number = first[problem]
+        where = ", ".join(f"{one.key} = {shown(value)}" for one, value in zip(varied, values[number], strict=True))
+        said = f"{'first ' if count > 1 else ''}at {where}: {found.verdicts[number]}"
+        space = " " * (COUNT_WIDTH + 2)
+        text = fill(said, WIDTH, initial_indent=space, subsequent_indent=space, break_on_hyphens=False)
+        lines.append(f"{count:>{COUNT_WIDTH}}{text[COUNT_WIDTH:]}")
+    return lines
+
+
 def _problem(verdict: str) -> str:
-    """A verdict up to its first number, so that many designs share it."""
-    return shorten(re.split(r"( at phi1)?( =)? -?\d", verdict, maxsplit=1)[0], WIDTH, placeholder=" ...")
+    """A verdict up to its first number, which many designs share."""
+    return re.split(r"-?\d", verdict, maxsplit=1)[0]

@@ -24,6 +24,10 @@ MEANT = re.compile(r"[\\|<&`*_\[\]]")
 """Characters with a meaning in Markdown; a backslash before them takes the meaning away."""
 
 
+DECIMALS = 9
+"""Decimals beyond which a cell has only rounding errors: a millionth of a micrometre."""
+
+
 class Column(NamedTuple):
     """Heading of a column; ``unit`` may be empty."""
 
@@ -74,7 +78,8 @@ def cell_text(value: Value) -> str:
     """A cell for reading: numbers to ``DIGITS`` digits, nothing for None."""
     if value is None:
         return ""
-    return f"{finite(value, 'a cell'):.{DIGITS}g}" if isinstance(value, float) else str(value)
+    # Adding zero takes the sign off a rounded-away negative
+    return f"{round(finite(value, 'a cell'), DECIMALS) + 0.0:.{DIGITS}g}" if isinstance(value, float) else str(value)
 
 
 def aligned(

@@ -137,7 +137,7 @@ def _labelled_value(key: str, value: Any, prefix: str = "", place_rad: float | N
     label, unit = label_and_unit(key)
     nothing = value is None or (isinstance(value, list) and not value)
     text = shown(value) if nothing or not unit else f"{shown(value)} {unit}"
-    place = "" if place_rad is None else f" at phi1 = {degrees(place_rad):.4g} deg"
+    place = "" if place_rad is None else f" at phi1 = {round(degrees(place_rad), 7) + 0.0:.4g} deg"
     return prefix + LABELS.get(label, label), text + place
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import degrees
 
 import numpy as np
@@ -13,7 +14,7 @@ from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum, extremes
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.units import RAD_S_PER_RPM
+from ncgear.numerics.units import N_PER_KG_MM_S2, RAD_S_PER_RPM
 
 
 @dataclass(frozen=True)
@@ -87,6 +88,30 @@ def _peak_power(machine: Machine, working: Sequence[Stretch]) -> Extremum:
 
     found = [_extremes(part, power, 2)[1] for stretch in working for part in cut(stretch, turns)]
     return max((Extremum(0.0, working[0].start_rad), *found), key=lambda extremum: extremum.value)
+
+
+def peak_driving_power_w(machine: Machine, mass_kg: float) -> Extremum:
+    """Largest power in W that the resistance and a mass moving with the slider take; never below zero.
+
+    (F + m a) v over the whole cycle: the mass is speeded up in the return as well.
+    """
+    resistance, stroke_mm, omega = machine.resistance, machine.linkage.stroke_mm, machine.speed_rad_s
+    edges = np.union1d(resistance.turns_mm(stroke_mm), resistance.zeros_mm(stroke_mm))
+
+    def power(position: Jet, resisted: bool) -> Jet:
+        velocity = position.differentiated()
+        force = velocity.differentiated() * (mass_kg * omega**2 * N_PER_KG_MM_S2)
+        if resisted:
+            force = force + resistance.fitted_n(position.truncated(1))
+        return force * velocity.truncated(1)
+
+    def resisted(part: Stretch) -> bool:
+        middle = part.displacement(np.array([(part.start_rad + part.end_rad) / 2.0]), 0)
+        return part.working and bool(resistance.keep_negative or resistance.fitted_n(middle).value[0] > 0.0)
+
+    parts = [part for one in stretches(machine) for part in (cut(one, edges) if one.working else [one])]
+    found = [_extremes(part, partial(power, resisted=resisted(part)), 3)[1] for part in parts]
+    return _scaled(max((Extremum(0.0, 0.0), *found), key=lambda extremum: extremum.value), omega / 1000.0)
 
 
 def _at(peak: Extremum, unit: str) -> str:

@@ -132,7 +132,7 @@ def _best_figures(task: Task, wishes: Wishes) -> Figures:
     from ncgear.optimum.makeable.search import rough_start
 
     law = makeable_law(task, wishes, [rough_start(task, wishes, rough_acceleration(task, wishes.limits))])
-    return figures(task, law.train(task.lobes))
+    return figures(task, law.train(task.lobes), wishes.limits.mass_kg)
 
 
 def _free(wishes: Wishes, goal: Goal) -> Wishes:

@@ -8,7 +8,7 @@ from math import degrees, inf, isfinite, pi, tan
 import numpy as np
 
 from ncgear.errors import WrongInput
-from ncgear.kinematics.check import kinematic_check
+from ncgear.kinematics.check import kinematic_check, peak_driving_power_w
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.resistance import Resistance
@@ -58,6 +58,7 @@ class Limits:
 
     ``ratio_min`` and ``ratio_max`` bound i12 = dphi1/dphi2; ``working_rad`` is the driving angle of the working stroke;
     ``pressure_angle_rad`` bounds the tangent angle of the pitch curves, |atan(r1'/r1)|, not counting the rack's own;
+    ``rack_angle_rad`` is the rack's own, which the limit in a design file and messages include;
     ``mass_kg`` moves with the slider and takes power.  Raises WrongInput for a value that bounds nothing, with its key
     in the design file.
     """
@@ -68,6 +69,7 @@ class Limits:
     peak_acceleration_mm_s2: float | None = None
     working_rad: float | None = None
     pressure_angle_rad: float | None = None
+    rack_angle_rad: float = 0.0
     mass_kg: float = 0.0
 
     def __post_init__(self) -> None:
@@ -88,7 +90,7 @@ class Limits:
             said = "deg without the rack's own given; over 0 and under 90 is right"
             raise WrongInput(f"{degrees(tangent):g} {said}", key="optimize.limits.pressure_angle_deg")
         if not (self.mass_kg >= 0.0 and isfinite(self.mass_kg)):
-            raise _wrong("slider_mass_kg", self.mass_kg, "0 or a positive number is needed")
+            raise WrongInput(f"{self.mass_kg:g} given; 0 or a positive number is needed", key="masses.slider_kg")
 
     @property
     def steepness(self) -> float:
@@ -122,14 +124,17 @@ class Figures:
     curvature_turns: float
 
 
-def figures(task: Task, train: Train) -> Figures:
-    """The figures of a law on a machine; raises NoSuchMechanism for curves too sharp to be computed."""
+def figures(task: Task, train: Train, mass_kg: float = 0.0) -> Figures:
+    """The figures of a law on a machine; raises NoSuchMechanism for curves too sharp to be computed.
+
+    The power is that of the resistance and of ``mass_kg``, which moves with the slider.
+    """
     machine = Machine(train.whole, task.linkage, task.resistance, task.speed_rad_s)
     check = kinematic_check(machine)
     pairs = [sized_pair(one.transmission, TEETH * task.lobes.driving, 1.0, None) for one in train.pairs]
     lowest, highest = train.whole.ratio_range
     return Figures(
-        peak_power_w=check.peak_power_w.value,
+        peak_power_w=peak_driving_power_w(machine, mass_kg).value if mass_kg else check.peak_power_w.value,
         peak_acceleration_mm_s2=check.peak_acceleration_cycle_mm_s2.value,
         peak_speed_mm_s=check.peak_speed_mm_s.value,
         ratio_min=lowest.value,

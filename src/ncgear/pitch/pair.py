@@ -11,9 +11,10 @@ from math import atan, degrees, isclose, pi
 
 import numpy as np
 
-from ncgear.errors import WrongInput
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
+from ncgear.numerics.units import in_words
 from ncgear.pitch import shape
 from ncgear.pitch.curve import ArcLength, PitchCurve, arc_length, period_length
 from ncgear.pitch.internal import require_ring, require_room
@@ -170,6 +171,31 @@ def largest_tangent_angle_rad(transmission: Transmission, mesh: Mesh = Mesh.EXTE
     return Extremum(atan(abs(worst.value)), worst.at)
 
 
+CORNER_RAD = 1e-4
+"""Corner of a pitch curve that no tooth notices: it moves a tip 10 mm off the curve by a micrometre."""
+
+
+def refuse_corners(transmission: Transmission, mesh: Mesh = Mesh.EXTERNAL) -> None:
+    """Refuse pitch curves with corners, which are where the slope of the ratio jumps, whatever their size.
+
+    Raises NoSuchMechanism with the driving angle.
+    """
+    pieces = transmission.pieces
+    for before, after in zip((pieces[-1], *pieces[:-1]), pieces, strict=True):
+        slopes = before.slope(np.array([before.end_rad]), 2), after.slope(np.array([after.start_rad]), 2)
+        left, right = (atan(float(shape.tangent_slope(slope, mesh).value[0])) for slope in slopes)
+        if abs(left - right) <= CORNER_RAD:
+            continue
+        was, becomes = (float((1.0 / slope).derivative(1)[0]) for slope in slopes)
+        where = ", where the cycle begins again," if after is pieces[0] else ""
+        raise NoSuchMechanism(
+            f"the pitch curves have a corner of {degrees(abs(left - right)):.4g} deg at phi1 = "
+            f"{in_words(after.start_rad)}{where} since the slope of the ratio jumps there from {was:.4g} to "
+            f"{becomes:.4g} per rad; no teeth roll over a corner, a ratio with a continuous slope is needed",
+            key="motion",
+        )
+
+
 def sized_pair(
     transmission: Transmission,
     teeth: int | None,
@@ -184,6 +210,7 @@ def sized_pair(
     """
     if mesh is Mesh.INTERNAL:
         require_ring(transmission)
+    refuse_corners(transmission, mesh)
     arc = arc_length(transmission, mesh)
     size = solved_size(
         transmission.lobes.driving * arc.period, transmission.lobes, teeth, module_mm, center_distance_mm

@@ -82,18 +82,18 @@ class BestLaw:
     @cached_property
     def figures(self) -> Figures:
         """Exact figures of the law."""
-        return figures(self.task, self.train)
+        return figures(self.task, self.train, self._mass_kg)
 
     @cached_property
     def uniform_figures(self) -> Figures:
         """Exact figures of a uniform crank on the same machine."""
-        return figures(self.task, single(uniform_law(self.task.lobes)))
+        return figures(self.task, single(uniform_law(self.task.lobes)), self._mass_kg)
 
     @cached_property
     def given_figures(self) -> Figures | None:
         """Exact figures of the design's own law at the same speed; None where that law cannot be made."""
         try:
-            return figures(self.task, law_of(self.design).train)
+            return figures(self.task, law_of(self.design).train, self._mass_kg)
         except DesignError:
             return None
 
@@ -107,6 +107,11 @@ class BestLaw:
 
         most = 1.2 * max(self.figures.peak_power_w, self.uniform_figures.peak_power_w)
         return limit_points(self.task, self.wishes.limits, most)
+
+    @property
+    def _mass_kg(self) -> float:
+        """Mass of the slider, which takes part in every power."""
+        return self.wishes.limits.mass_kg
 
     @property
     def goal(self) -> float:

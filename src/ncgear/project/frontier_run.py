@@ -133,6 +133,9 @@ def _one_thread_each() -> Iterator[None]:
 def _point(design: Design, kind: str, cap_w: float) -> dict[str, Any]:
     """One point, computed in its own process; where no law keeps the limits, the refusal."""
     task, wishes = task_of(design), wishes_of(design)
+    if kind == "family" and wishes.limits.mass_kg:
+        # The family's search knows the power of the resistance alone
+        return asdict(FamilyPoint(cap_w, None, None))
     if kind == "family":
         return asdict(family_point(task, cap_w, (design.optimize or Optimize()).seed))
     try:

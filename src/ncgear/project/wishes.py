@@ -50,7 +50,8 @@ def wishes_of(design: Design) -> Wishes:
             peak_acceleration_mm_s2=limits.peak_acceleration_mm_s2,
             working_rad=limits.working_angle,
             pressure_angle_rad=None if shared else tangent_rad,
-            mass_kg=asked.slider_mass_kg,
+            rack_angle_rad=radians(_rack_angle_deg(design.gears)),
+            mass_kg=design.masses.slider_kg if design.masses else 0.0,
         ),
         goal=Goal(asked.goal),
         weights=Weights(1.0 / weights.acceleration_mm_s2, 1.0 / weights.power_w) if weights else None,
@@ -60,7 +61,6 @@ def wishes_of(design: Design) -> Wishes:
         curvature_turns=curvature.turns,
         curvature_wish=curvature.wish,
         curvature_given=curvature.given,
-        rack_angle_rad=radians(_rack_angle_deg(design.gears)),
         harmonics=asked.harmonics,
         two_stages=TwoStages(tangent_rad) if shared else None,
     )

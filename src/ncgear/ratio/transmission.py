@@ -90,6 +90,18 @@ class Piece:
         return extremes(quantity, self.start_rad, self.end_rad, np.array(self.knots_rad))
 
 
+class DrivenGearStops(NoSuchMechanism):
+    """A law whose driven gear does not advance everywhere; ``at_rad`` is the driving angle where it does so least."""
+
+    def __init__(self, slope: Extremum) -> None:
+        super().__init__(
+            f"the driven gear stops or turns back at phi1 = {in_words(slope.at)}, where "
+            f"dphi2/dphi1 = {slope.value:.4g}; the ratio must stay positive and finite",
+            key="motion",
+        )
+        self.at_rad = slope.at
+
+
 @dataclass(frozen=True, eq=False)
 class Transmission:
     """A closed law phi2(phi1); raises NoSuchMechanism where the ratio is not positive and finite."""
@@ -101,11 +113,7 @@ class Transmission:
         fastest = self.slope_range[1].value
         for extremum in self.slope_range:
             if not (np.isfinite(extremum.value) and extremum.value > STANDSTILL * abs(fastest)):
-                raise NoSuchMechanism(
-                    f"the driven gear stops or turns back at phi1 = {in_words(extremum.at)}, where "
-                    f"dphi2/dphi1 = {extremum.value:.4g}; the ratio must stay positive and finite",
-                    key="motion",
-                )
+                raise DrivenGearStops(extremum)
 
     def __repr__(self) -> str:
         low, high = (extremum.value for extremum in self.ratio_range)

@@ -25,7 +25,7 @@ from numpy.polynomial import Polynomial
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, Number
-from ncgear.numerics.units import in_words
+from ncgear.numerics.units import RAD_S_PER_RPM, in_words
 
 
 @dataclass(frozen=True)
@@ -272,7 +272,11 @@ def _refuse_backwards(request: StrokeRequests[float]) -> None:
     """Without braking, v1 and v2 must lead forwards, whatever law speed is to be found."""
     per_v1, per_v2, _ = _stroke_sensitivities(request)
     if not per_v1 * _known(request.v1_mm_s) + per_v2 * _known(request.v2_mm_s) > 0.0:
-        reason = "the approach goes backwards altogether; theta1 lies too near 0 or theta2"
+        most = _most_of_v1(request) * _known(request.v2_mm_s)
+        reason = (
+            f"the approach goes backwards altogether; theta1 lies too near 0 or theta2: v1 under {most:.5g} mm/s is "
+            f"right there, or {_free_theta1(request)}"
+        )
         raise _reversal(request.theta1_rad, reason, "motion.theta1_rad")
 
 
@@ -286,22 +290,78 @@ def _refuse_reversal(stroke: WorkingStroke, request: StrokeRequest) -> None:
     is a sum of terms that are not negative.
     """
     if not stroke.v1_mm_s > 0.0:
-        raise _not_closing(request.theta1_rad, "v1_mm_s", stroke.v1_mm_s, _remedy_of_v1(request))
+        remedy = f"{_remedy_of_v1(request)}{_closing_speeds(request)}"
+        raise _not_closing(request.theta1_rad, "v1_mm_s", stroke.v1_mm_s, remedy)
     if not stroke.v2_mm_s > 0.0:
-        remedy = "lower v1, bring a1 nearer to zero or lengthen the stroke"
+        remedy = f"lower v1, bring a1 nearer to zero or lengthen the stroke{_closing_speeds(request)}"
         raise _not_closing(stroke.theta2_rad, "v2_mm_s", stroke.v2_mm_s, remedy)
     if not stroke.a1_mm_s2 < 0.0:
         raise _reversal(stroke.theta4_rad, f"a1 = {stroke.a1_mm_s2:.4g} mm/s^2 is not negative", "motion.a1_mm_s2")
     angle = _first_zero(stroke.approach_slope, stroke.theta2_rad)
     if angle is not None:
-        raise _reversal(angle, "v1 and v2 are too far apart, or theta1 lies too near theta2 or 0", "motion.v1_mm_s")
+        key = "motion.v2_mm_s" if request.v2_mm_s is None else "motion.v1_mm_s"
+        raise _reversal(angle, _too_far_apart(stroke, request), key)
+
+
+def _too_far_apart(stroke: WorkingStroke, request: StrokeRequest) -> str:
+    """The words for v1 and v2 between which the slider turns back, with the values that would do."""
+    most, v1, v2 = _most_of_v1(request), stroke.v1_mm_s, stroke.v2_mm_s
+    enough = f"v1 under {most * v2:.5g} mm/s is right"
+    if request.v1_mm_s is None:
+        said = f"closing the stroke needs v1 = {v1:.5g} mm/s, too much for v2 = {v2:g}; {enough} with this v2"
+    elif request.v2_mm_s is None:
+        said = f"closing the stroke needs v2 = {v2:.5g} mm/s, too little for v1 = {v1:g}; over {v1 / most:.5g} is right"
+    else:
+        said = f"v1 = {v1:g} and v2 = {v2:g} mm/s are too far apart; {enough}, or v2 over {v1 / most:.5g}"
+    return f"{said}{_closing_speeds(request)}, or {_free_theta1(request)}"
+
+
+def _most_of_v1(request: StrokeRequests[float]) -> float:
+    """v1/v2 from which on the slider turns back on its way to theta2; infinite where every v1 does.
+
+    Q is v1 A + v2 B, where B is nowhere negative (it is (phi1 - theta1)^2 times a positive line), and A is negative
+    only where theta1 is under a quarter or over a half of theta2.
+    """
+    per_v1 = Polynomial(_approach_through(request, 1.0, 0.0))
+    per_v2 = Polynomial(_approach_through(request, 0.0, 1.0))
+    turning = (per_v2.deriv() * per_v1 - per_v2 * per_v1.deriv()).roots().real
+    angles = np.concatenate([[0.0], turning[(turning >= 0.0) & (turning <= request.theta2_rad)]])
+    backwards = angles[per_v1(angles) < 0.0]
+    return float(np.min(-per_v2(backwards) / per_v1(backwards), initial=inf))
+
+
+def _free_theta1(request: StrokeRequests[float]) -> str:
+    low, high = request.theta2_rad / 4.0, request.theta2_rad / 2.0
+    return f"theta1 from {low / pi:.4g} to {high / pi:.4g} pi (a quarter to a half of theta2), which suits any v1"
+
+
+def _closing_speeds(request: StrokeRequest) -> str:
+    """The law speeds at which a v1 or v2 that is solved for is one that advances; empty where there are none."""
+    most = _most_of_v1(request)
+    if request.v1_mm_s is None:
+        ends = {"v1_mm_s": (0.0, most * _known(request.v2_mm_s))}
+    elif request.v2_mm_s is None:
+        ends = {"v2_mm_s": (request.v1_mm_s / most, inf)}
+    else:
+        return ""
+    name, values = next(iter(ends.items()))
+    with np.errstate(all="ignore"):
+        speeds = [
+            _known(_closed(replace(request, law_speed_rad_s=None, **{name: value})).law_speed_rad_s) / RAD_S_PER_RPM
+            for value in values
+            if value < inf
+        ]
+    if not all(0.0 < speed < inf for speed in speeds):
+        return ""
+    words = " and ".join(f"{side} {speed:.5g}" for side, speed in zip(("over", "under"), sorted(speeds), strict=False))
+    return f", or a law speed {words} r/min"
 
 
 def _remedy_of_v1(request: StrokeRequest) -> str:
     """The words for what gives the approach a part of the stroke to cover, or lets it cover one."""
     if _stroke_sensitivities(request)[0] > 0.0:
         return "lower v2, shorten the stretch at v2 (theta2 to theta3), bring a1 nearer to zero or lengthen the stroke"
-    return "theta1 lies too near 0 or theta2"
+    return f"theta1 lies too near 0 or theta2; take {_free_theta1(request)}"
 
 
 def _first_zero(coefficients: Array, end: float) -> float | None:

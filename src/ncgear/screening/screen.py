@@ -50,11 +50,12 @@ def screened(
     designs: Sequence[Design | DesignError],
     counts: Sequence[int] = COUNTS,
     on_done: Callable[[int, int], None] = lambda done, total: None,
+    as_written: Callable[[str], str] = str,
 ) -> Screened:
     """Figures and verdicts of n designs, which must all have gears, or none; errors stand for designs refused before.
 
     ``counts`` are the points of a piece that are tried one after the other; ``on_done`` hears how many of how many
-    designs are done.
+    designs are done, and ``as_written`` spells the key of an error as the design file does.
     """
     found: dict[int, Row] = {n: design for n, design in enumerate(designs) if isinstance(design, DesignError)}
 
@@ -69,7 +70,7 @@ def screened(
                 add({number: single_figures(design)})
             except DesignError as error:
                 add({number: error})
-    return _table([found[number] for number in range(len(designs))])
+    return _table([found[number] for number in range(len(designs))], as_written)
 
 
 def computed_together(
@@ -99,7 +100,10 @@ def _batch(kind: Kind, designs: dict[int, Design], counts: Sequence[int]) -> dic
     return {**rows, **_batch(kind, left, counts[1:])}
 
 
-def _table(rows: list[Row]) -> Screened:
+def _table(rows: list[Row], as_written: Callable[[str], str]) -> Screened:
+    for row in rows:
+        if isinstance(row, DesignError):
+            row.key = as_written(row.key)
     figures = [row for row in rows if isinstance(row, dict)]
     names = figures[0] if figures else {}
     return Screened(

@@ -44,7 +44,8 @@ class Design(Model):
     gears: Gears | None = Field(default=None, description="the pair of gears; a check does without, a build needs it")
     resistance: Resistance | None = Field(default=None, description="the force against the slider; left out: none")
     masses: Masses | None = Field(
-        default=None, description="what moves, as masses; ncgear simulate needs it, check and build take no notice"
+        default=None,
+        description="what moves, as masses: ncgear simulate needs it, ncgear optimize counts the slider's",
     )
     simulation: Simulation = Field(
         default_factory=Simulation,

@@ -82,9 +82,6 @@ class Optimize(Model):
         default=None, description="the acceleration and the power that count alike; only for goal weighted"
     )
     limits: Limits = Field(default_factory=Limits, description="what the law may nowhere exceed")
-    slider_mass_kg: float = Field(
-        default=0.0, ge=0.0, le=1e6, description="mass that moves with the slider and takes part in the power, in kg"
-    )
     harmonics: int = Field(
         default=24, ge=2, le=MOST_HARMONICS, description="harmonics of ln i12: more come closer to the limit"
     )

@@ -34,6 +34,11 @@ class LawKeys(Model):
         return False
 
     @property
+    def prescribed(self) -> str:
+        """What the law prescribes of the slider's motion, in words; empty where it prescribes nothing."""
+        return ""
+
+    @property
     def pairs_in_series(self) -> int:
         """Pairs of gears that make the ratio: 1 or 2."""
         return 1

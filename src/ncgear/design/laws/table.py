@@ -85,6 +85,11 @@ class TableLaw(LawKeys):
         """Points of the displacement prescribe the slider's motion, points of the ratio do not."""
         return self.displacement_mm is not None
 
+    @property
+    def prescribed(self) -> str:
+        """The points of the displacement."""
+        return "the displacements of the table" if self.gives_slider else ""
+
     def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
         """The law through the points."""
         import numpy as np

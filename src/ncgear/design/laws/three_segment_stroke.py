@@ -5,7 +5,7 @@ All quantities together would over-determine the stroke, so a file leaves one of
 
 from __future__ import annotations
 
-from math import isclose, pi
+from math import degrees, isclose, pi
 from sys import float_info
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -192,6 +192,14 @@ class ThreeSegmentStroke(LawKeys):
     def gives_slider(self) -> bool:
         """The working stroke is the slider's motion."""
         return True
+
+    @property
+    def prescribed(self) -> str:
+        """The constant speed, where there is a stretch of it."""
+        if not self.theta3 > self.theta2:
+            return ""
+        start, end = degrees(self.theta2), degrees(self.theta3)
+        return f"the constant speed v2 from theta2 to theta3 ({start:.5g} to {end:.5g} deg)"
 
     @property
     def gives_stroke(self) -> bool:

@@ -25,7 +25,7 @@ from ncgear.drawings.scene.scene import Poses, Scene
 from ncgear.drawings.scene.standing import simplified, straws
 from ncgear.numerics.arrays import Array
 
-MATERIAL = "#C9A227"
+MATERIAL = "#a8841a"
 
 PURE = (INK, DRIVING, DRIVEN, HIGHLIGHT, MATERIAL)
 """Colours of lines and dots; a palette that is made from the areas of colours would not have them."""

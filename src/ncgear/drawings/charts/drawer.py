@@ -14,6 +14,7 @@ from ncgear.drawings.plots.canvas import (
     DRIVING,
     HIGHLIGHT,
     INK,
+    JOINT,
     NORMAL,
     REFERENCE,
     SMALL,
@@ -72,7 +73,7 @@ CONTACT_LOOK = Look(
     label_break="\n",
 )
 
-JOINT: Style = {"color": "#8A8A8A", "linewidth": 0.8, "linestyle": (0, (1.5, 2.5)), "zorder": 0.8}
+AT_JOINTS: Style = {"color": JOINT, "linewidth": 0.8, "linestyle": (0, (1.5, 2.5)), "zorder": 0.8}
 APART: Style = {"color": HIGHLIGHT, "alpha": 0.25, "linewidth": 0.0}
 
 MOST_JOINTS = 12
@@ -97,7 +98,7 @@ def draw(axes: Axes, chart: Chart, look: Look) -> None:
         axes.plot(x, values, label=line.label, **look.styles[line.role], **steps)
     if shown.joints_deg.size <= MOST_JOINTS:
         for number, joint in enumerate(shown.joints_deg):
-            axes.axvline(joint, label=None if number else "joints of the law", **JOINT)
+            axes.axvline(joint, label=None if number else "joints of the law", **AT_JOINTS)
     for number, (start, end) in enumerate(shown.apart_deg):
         axes.axvspan(start, end, label="" if number else "pushing flanks apart", **APART)
     if shown.counts:
@@ -131,7 +132,10 @@ def mark_extreme(axes: Axes, line: Line, unit: str) -> None:
     across = "left" if share < EDGE else "right" if share > 1.0 - EDGE else "center"
     side: Style = {"ha": across, "va": "bottom" if y > 0.0 else "top"}
     offset = (0.0, 5.0 if y > 0.0 else -5.0)
-    axes.annotate(text, (x, y), xytext=offset, textcoords="offset points", size=SMALL, color=INK, **side)
+    note = axes.annotate(text, (x, y), xytext=offset, textcoords="offset points", size=SMALL, color=INK, **side)
+    # A curve that runs through digits makes them another number: the note covers it with the paper.
+    note.set_bbox({"facecolor": axes.get_facecolor(), "edgecolor": "none", "alpha": 0.85, "pad": 0.8})
+    note.set_zorder(5.0)
     axes.margins(y=0.16)
 
 

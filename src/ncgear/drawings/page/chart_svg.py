@@ -23,6 +23,7 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 from ncgear.drawings.charts.chart import Chart, Role
 from ncgear.drawings.charts.drawer import DASHED, Look, draw
 from ncgear.drawings.page.page_charts import BETWEEN, DRIVING, PageChart
+from ncgear.drawings.plots.canvas import JOINT
 
 WIDTH, HEIGHT = 430.0, 190.0
 """Size of a chart in SVG units, which are CSS pixels where it is not scaled."""
@@ -34,15 +35,14 @@ POINTS_PER_INCH = 72
 
 TEXT_SIZE = 11.0
 
-OWN_COLOR, OTHER_COLOR, UNIFORM_COLOR, INK, GRID = (f"#a1000{number}" for number in range(1, 6))
+OWN_COLOR, UNIFORM_COLOR, INK, GRID = (f"#a1000{number}" for number in range(1, 5))
 
 COLORS = {
     OWN_COLOR: "var(--driving)",
-    OTHER_COLOR: "var(--driven)",
     UNIFORM_COLOR: "var(--uniform)",
     INK: "var(--ink)",
     GRID: "var(--grid)",
-    "#8a8a8a": "var(--joint)",
+    JOINT: "var(--joint)",
 }
 """Colours that stand for those of the page while matplotlib draws; the last one is the colour of joints."""
 
@@ -81,7 +81,7 @@ def _dress(axes: Axes, chart: Chart, _: str) -> None:
 PAGE_LOOK = Look(
     {
         Role.OWN: {"color": OWN_COLOR, "linewidth": 2.0, "zorder": 3.0},
-        Role.OTHER: {"color": OTHER_COLOR, "linewidth": 1.2, "zorder": 2.5},
+        Role.OTHER: {"color": UNIFORM_COLOR, "linewidth": 1.2, "zorder": 2.5},
         Role.UNIFORM: {"color": UNIFORM_COLOR, "linewidth": 1.3, "linestyle": DASHED, "zorder": 3.5},
     },
     marks_extremes=False,

@@ -19,13 +19,16 @@ from ncgear.numerics.plane import signed_area
 
 DPI = 110
 
-DRIVING = "#0072B2"
-DRIVEN = "#D55E00"
-HIGHLIGHT = "#CC79A7"
-REFERENCE = "#6E6E6E"
-INK = "#222222"
-GRID = "#E2E2E2"
-"""Colours after M. Okabe and K. Ito, which differ for any colour vision, and in lightness when printed."""
+DRIVING = "#0064a0"
+DRIVEN = "#b04a00"
+HIGHLIGHT = "#a02c6a"
+REFERENCE = "#5f6773"
+INK = "#1b1f24"
+GRID = "#e6e9ee"
+JOINT = "#868d98"
+"""Colours near those of M. Okabe and K. Ito, which differ for any colour vision, dark enough for text on white.
+
+The style sheets of the page have the same ones on light ground (tests/test_report.py)."""
 
 FILL = 0.16
 """Opacity of areas, small enough to show where two of them overlap."""

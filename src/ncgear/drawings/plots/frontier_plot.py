@@ -29,6 +29,9 @@ WIDTH_IN, HEIGHT_IN = 8.2, 5.8
 ROOM = 1.6
 """Room above the highest mechanism, as a factor; the steep end of the family may be outside the picture."""
 
+WEAKEST = 1e-9
+"""A power beyond the left edge of every picture, in its unit."""
+
 Named = tuple[str, float, float]
 """A mechanism by its name, its power in W and its acceleration in mm/s2."""
 
@@ -64,14 +67,17 @@ def rows(points: Sequence[tuple[float, float]]) -> Array:
 
 
 def _draw_curves(axes: Axes, limit: Array, laws: Array, family: Array) -> None:
-    axes.fill_between(limit[:, 0], limit[:, 1], 1e-3, color=REFERENCE, alpha=0.14, linewidth=0.0)
+    # More power never needs more acceleration: so each point of the limit holds for all smaller powers, up to the point
+    # before it.  Straight lines between points would lie above a curve that is hollow.
+    powers, heights = np.append(WEAKEST, limit[:, 0]), np.append(limit[:1, 1], limit[:, 1])
+    axes.fill_between(powers, heights, 1e-3, step="pre", color=REFERENCE, alpha=0.14, linewidth=0.0)
     note: Style = {"transform": axes.transAxes, "size": SMALL, "color": REFERENCE, "style": "italic"}
     axes.text(0.03, 0.05, "impossible for any law", **note)
     axes.plot(*limit.T, color=INK, linewidth=1.6, label="certified limit")
     # A single law may coincide with a mechanism and must still show on top of it.
     size = 3.5 if len(laws) > 1 else 8.0
     style: Style = {"color": DRIVING, "linewidth": 1.8, "marker": "o", "markersize": size, "zorder": 4}
-    axes.plot(*laws.T, label="laws that can be made", **style)
+    axes.plot(*laws.T, label="laws that can be made" if len(laws) > 1 else "this law", **style)
     if family.size:
         axes.plot(*family.T, color=DRIVEN, linewidth=1.4, marker="s", markersize=3.0, label="published family")
 

@@ -247,7 +247,7 @@ def pair_notes(drive: Drive) -> tuple[str, ...]:
     return (
         f"{_title(drive)}: both gears assembled at phi1 = 0",
         _scale(drive),
-        f"driving axis at the origin, driven axis at x = {drive.pitch.center_distance_mm:.6f} mm",
+        f"driving axis at the origin, driven axis at x = {drive.pitch.center_distance_mm:.4f} mm",
     )
 
 

@@ -125,20 +125,24 @@ def _too_little(key: str, text: str, problem: Problem, peaks: Peaks) -> NoSuchMe
 
 
 def _or_steeper(problem: Problem, peaks: Peaks) -> str:
-    """The least pressure angle that would do in place of more power or acceleration, where there is one."""
+    """The least pressure angle, the rack's own included, that would do in place of more power or acceleration.
+
+    Empty where none under a right angle does.
+    """
 
     def is_open(angle_rad: float | None) -> bool:
         return replace(problem, limits=replace(problem.limits, pressure_angle_rad=angle_rad)).is_open(peaks)
 
-    given = problem.limits.pressure_angle_rad
-    if given is None or not is_open(None):
+    given, rack = problem.limits.pressure_angle_rad, problem.limits.rack_angle_rad
+    if given is None or not is_open(pi / 2.0 - rack if rack else None):
         return ""
     # The angle's distance from a right angle is divided by a factor that is sought.
     found = turning_point(lambda narrowing: is_open(pi / 2.0 - (pi / 2.0 - given) / narrowing), 1.0)
     if found is None:
         return ""
-    enough = shown_above(90.0 - (90.0 - degrees(given)) / found[1])
-    return f", or a pressure angle of {enough} deg beside the rack's own,"
+    enough = 90.0 - (90.0 - degrees(given)) / found[1] + degrees(rack)
+    of_rack = f" (of which the rack has {degrees(rack):.6g})" if rack else ""
+    return f", or a pressure angle of {shown_above(enough)} deg{of_rack},"
 
 
 def _least(problem: Problem, peaks: Callable[[float], Peaks], given: float) -> float:

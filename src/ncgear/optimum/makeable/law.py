@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.makeable.programme import Solution
-from ncgear.optimum.makeable.search import Kept, Search, kept, searched
+from ncgear.optimum.makeable.search import DECIMALS, Kept, Search, kept, searched
 from ncgear.optimum.makeable.wishes import CONVEX, Level, Wishes
 from ncgear.optimum.task import Task
 from ncgear.ratio.laws.harmonic import LogSeries, harmonic_law, staged_law
@@ -37,10 +38,7 @@ ANY_DENT = 10.0
 """Depth of a dent, in units of the level of convexity, that no law of any use has."""
 
 
-BETWEEN = (
-    "a law was found that keeps all limits at the places of the search, and none that keeps them everywhere; limits a "
-    "little wider can be kept"
-)
+BETWEEN = "a law was found that keeps all limits at the places of the search, and none that keeps them everywhere; "
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,11 +86,34 @@ def _kept_at_last(search: Search, task: Task, wishes: Wishes, start: Array) -> M
     if near is None:
         raise NoSuchMechanism("no law was found, not even one that oversteps the limits", key="optimize.limits")
     if near.excess <= NO_EXCESS:
-        law = _kept(search, near.coefficients)
-        if law is None:
-            raise NoSuchMechanism(BETWEEN, key="optimize.limits")
-        return law
+        return _kept(search, near.coefficients) or _kept_between(search, np.round(near.coefficients, DECIMALS))
     raise _cannot_be(search, near, _free_working(task, wishes, near))
+
+
+def _kept_between(search: Search, near: Array) -> MakeableLaw:
+    """A law that keeps all limits between the places too, from coefficients that keep them at the places.
+
+    Raises NoSuchMechanism with the least value found of each limit with which a law keeps all others everywhere; where
+    none was found, with what the coefficients reach of those that they overstep.
+    """
+    levels, reached = search.programme.levels, search.reached(near)
+    limited = dict.fromkeys(level.wish for level in levels if level.limit is not None and level.wish != CONVEX)
+    found = {wish: law for wish in limited if (law := _kept_without(search, wish, near)) is not None}
+    for law in (Kept(near, reached), *found.values()):
+        if not np.any(law.reached > search.caps):
+            return law_of(search, law)
+    if found:
+        eased = [easing for wish, law in found.items() for easing in _easing(search, wish, law.reached)]
+        raise _offered(f"{BETWEEN}one of these is enough", eased)
+    over = dict.fromkeys(level.wish for level, yes in zip(levels, reached > search.caps, strict=True) if yes)
+    eased = [easing for wish in over for easing in _easing(search, wish, reached)]
+    raise _offered(f"{BETWEEN}that law does with all of these together", eased)
+
+
+def _kept_without(search: Search, wish: str, start: Array) -> Kept | None:
+    """Coefficients that keep all limits but one everywhere, and that one as nearly as they can."""
+    freed = np.array([level.wish == wish for level in search.programme.levels])
+    return kept(replace(search, caps=np.where(freed, np.inf, search.caps), weights=freed.astype(float)), start)
 
 
 def _kept(search: Search, start: Array) -> MakeableLaw | None:
@@ -112,9 +133,13 @@ def _cannot_be(search: Search, near: Solution, others: Sequence[Easing]) -> NoSu
     enough, found = "one of these is enough", [*_easings(search, near), *others]
     if not found:
         enough, found = "all of these are enough together", list(_easings_together(search, near))
+    return _offered(f"no law was found that keeps all limits; {enough}", found)
+
+
+def _offered(said: str, easings: Sequence[Easing]) -> NoSuchMechanism:
     return NoSuchMechanism(
-        f"no law was found that keeps all limits; {enough}: {', '.join(map(str, found)) or 'none known'}",
-        key=f"optimize.limits.{found[0].wish}" if found else "optimize.limits",
+        f"{said}: {', '.join(map(str, easings)) or 'none known'}",
+        key=f"optimize.limits.{easings[0].wish}" if easings else "optimize.limits",
     )
 
 
@@ -148,7 +173,7 @@ def _easings(search: Search, near: Solution) -> Iterator[Easing]:
         share = sum(share for level, share in _shares(search, near) if level.wish == wish)
         found = _without(search, [wish], DEARER / share, near)
         if found is not None and found.excess <= NO_EXCESS:
-            yield _easing(search, wish, search.reached(found.coefficients))
+            yield from _easing(search, wish, search.reached(found.coefficients))
 
 
 def _easings_together(search: Search, near: Solution) -> Iterator[Easing]:
@@ -167,7 +192,8 @@ def _easings_together(search: Search, near: Solution) -> Iterator[Easing]:
             return
     if found is not None:
         reached = search.reached(found.coefficients)
-        yield from (_easing(search, wish, reached) for wish in freed)
+        eased = [list(_easing(search, wish, reached)) for wish in freed]
+        yield from chain(*eased) if all(eased) else ()
 
 
 def _without(search: Search, wishes: Sequence[str], price: float, near: Solution) -> Solution | None:
@@ -184,7 +210,9 @@ def _shares(search: Search, near: Solution) -> Iterator[tuple[Level, float]]:
     return zip(search.programme.levels, near.pressing.tolist(), strict=True)
 
 
-def _easing(search: Search, wish: str, reached: Array) -> Easing:
+def _easing(search: Search, wish: str, reached: Array) -> Iterator[Easing]:
+    """The value that a law has reached; none where no file may ask for so wide a limit."""
     levels = zip(reached, search.programme.levels, strict=True)
     value, level = max(((value, level) for value, level in levels if level.wish == wish), key=lambda one: one[0])
-    return Easing(wish, level.shown(float(value)))
+    if value < level.widest:
+        yield Easing(wish, level.shown(float(value)))

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from math import atan, ceil, degrees, exp, log, radians, tan
+from math import atan, ceil, degrees, exp, inf, log, pi, radians, tan
 
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.certified.limit import Weights
@@ -50,8 +50,7 @@ class Wishes:
     ``limits`` are those that a certified bound exists for, the others restrict makeable laws only.
     ``curvature_turns`` limits the curvature of both pitch curves, dents as well as bulges, times the length that they
     roll in one cycle: 2 pi on circles; with two stages, that limit and ``convex`` hold for each pair.  It follows from
-    ``curvature_given``, the user's value for ``curvature_wish``.  ``rack_angle_rad`` is what the rack adds to the
-    limited angle of the pitch curves.
+    ``curvature_given``, the user's value for ``curvature_wish``.
     """
 
     limits: Limits
@@ -63,7 +62,6 @@ class Wishes:
     curvature_turns: float | None = None
     curvature_wish: CurvatureWish = CurvatureWish.LEAST_RADIUS
     curvature_given: float = 1.0
-    rack_angle_rad: float = 0.0
     harmonics: int = 24
     two_stages: TwoStages | None = None
 
@@ -98,7 +96,7 @@ class Level:
 
     Terms and limit are in units in which they are of the order of one; ``shown`` says in words what the user's limit
     would have to be for a level that exceeds it.  ``of_pairs`` is true for a level of every pair of gears, false for
-    one of the machine as a whole.
+    one of the machine as a whole.  Beyond ``widest`` no limit can be asked for.
     """
 
     wish: str
@@ -107,6 +105,7 @@ class Level:
     sides: Sides
     shown: Callable[[float], str]
     of_pairs: bool = False
+    widest: float = inf
 
     def terms(self, ratios: Sequence[Place], slider: Slider, lengths: Sequence[Term]) -> tuple[Term, ...]:
         """All that stays at or below the level, from i12, and iB where there are two pairs, and every pair's length."""
@@ -231,7 +230,7 @@ def _greatest_ratio(limit: float, of_pairs: bool) -> Level:
 
 
 def _of_curves(wishes: Wishes) -> Iterator[Level]:
-    shared, rack = wishes.two_stages, wishes.rack_angle_rad
+    shared, rack = wishes.two_stages, wishes.limits.rack_angle_rad
     if shared is not None:
         given = shared.pressure_angle_rad
         yield _pressure_angle(STEEPEST, EASE, rack) if given is None else _pressure_angle(tan(given), EVENLY, rack)
@@ -252,6 +251,7 @@ def _pressure_angle(most: float, weight: float, rack_rad: float) -> Level:
         lambda at, *_: _both(quantities.tangent(at)),
         lambda level: f"a pressure angle of {shown_above(degrees(atan(level) + rack_rad))} deg",
         of_pairs=True,
+        widest=tan(pi / 2.0 - rack_rad) if rack_rad else inf,
     )
 
 

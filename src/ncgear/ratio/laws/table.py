@@ -7,15 +7,19 @@ Ratios are interpolated as 1/i12, so that the driven angle is the spline's exact
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
-from ncgear.errors import WrongInput
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.mechanisms.mechanism import Mechanism
-from ncgear.numerics.arrays import Array, Mask
+from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.units import in_words
 from ncgear.ratio.laws.integrated import integrated_law, splined_slope
-from ncgear.ratio.transmission import Lobes, Piece, Transmission
+from ncgear.ratio.transmission import DrivenGearStops, Lobes, Piece, Transmission
 
 DEGREE = 5
 MOST_POINTS = 2000
@@ -36,13 +40,21 @@ def displacement_table_law(phi1_rad: Array, displacement_mm: Array, linkage: Mec
     lobes.require_one_cycle()
     phi1, displacement = _without_closing_row(phi1_rad, displacement_mm, lobes, key)
     crank = linkage.crank_angle(*_strokes(phi1, displacement, linkage, key))
-    excess = crank - phi1 * lobes.driving
-    spline = _periodic_spline(phi1, excess, lobes, key)
 
-    def driven_angle(points: Array, order: int) -> Jet:
-        return _jet(spline, points, order) + Jet.variable(points, order) * float(lobes.driving)
+    def through(crank_rad: Array) -> Transmission:
+        spline = _periodic_spline(phi1, crank_rad - phi1 * lobes.driving, lobes, key)
 
-    return Transmission((Piece(0.0, lobes.driving_period_rad, driven_angle, tuple(phi1[1:].tolist())),), lobes)
+        def driven_angle(points: Array, order: int) -> Jet:
+            return _jet(spline, points, order) + Jet.variable(points, order) * float(lobes.driving)
+
+        return Transmission((Piece(0.0, lobes.driving_period_rad, driven_angle, tuple(phi1[1:].tolist())),), lobes)
+
+    def in_file(crank_rad: float) -> float:
+        return float(linkage.displacement(Jet(np.array([[crank_rad]]))).value[0])
+
+    movable = np.nonzero((displacement > 0.0) & (displacement < np.max(displacement)))[0]
+    points = Points(phi1, crank, movable, phi1 * lobes.driving, in_file, "mm", key)
+    return _with_advice(through, points, lobes)
 
 
 def ratio_table_law(phi1_rad: Array, ratio: Array, lobes: Lobes, *, scale_to_close: bool) -> Transmission:
@@ -57,13 +69,18 @@ def ratio_table_law(phi1_rad: Array, ratio: Array, lobes: Lobes, *, scale_to_clo
         raise WrongInput(
             f"the ratio is {values[worst]:g} at phi1 = {phi1[worst]:.6g} rad; it must be positive", key=key
         )
-    spline = _periodic_spline(phi1, 1.0 / values, lobes, key)
 
-    def slope(points: Array, order: int) -> Jet:
-        return _jet(spline, points, order)
+    def through(inverse: Array) -> Transmission:
+        spline = _periodic_spline(phi1, inverse, lobes, key)
 
-    whole = splined_slope(slope, phi1[phi1 > 0.0], lobes, key)
-    return integrated_law([whole], lobes, scale_to_close=scale_to_close, key=key)
+        def slope(points: Array, order: int) -> Jet:
+            return _jet(spline, points, order)
+
+        whole = splined_slope(slope, phi1[phi1 > 0.0], lobes, key)
+        return integrated_law([whole], lobes, scale_to_close=scale_to_close, key=key)
+
+    points = Points(phi1, 1.0 / values, np.arange(phi1.size), np.zeros_like(phi1), lambda value: 1.0 / value, "", key)
+    return _with_advice(through, points, lobes)
 
 
 def _without_closing_row(phi1: Array, values: Array, lobes: Lobes, key: str) -> tuple[Array, Array]:
@@ -93,15 +110,95 @@ def _strokes(phi1: Array, displacement: Array, linkage: Mechanism, key: str) -> 
             f"{stroke:.9g} mm",
             key=key,
         )
-    steps = np.diff(displacement)
-    wrong = np.nonzero(np.where(np.arange(steps.size) < top, steps <= 0.0, steps >= 0.0))[0]
-    if wrong.size:
-        raise WrongInput(
-            f"the slider turns back after phi1 = {phi1[wrong[0]]:.6g} rad; it may only at both ends", key=key
-        )
+    _refuse_turning(phi1, displacement, top, key)
     snapped = np.clip(displacement, 0.0, stroke)
     snapped[0], snapped[top] = 0.0, stroke
     return snapped, np.arange(snapped.size) > top
+
+
+def _refuse_turning(phi1: Array, displacement: Array, top: int, key: str) -> None:
+    """Displacements must rise to the extended end and fall from there to the end of the cycle, where it is 0 again."""
+    closed = np.append(displacement, 0.0)
+    steps = np.diff(closed) * np.where(np.arange(displacement.size) < top, 1.0, -1.0)
+    wrong = np.nonzero(steps <= 0.0)[0]
+    if not wrong.size:
+        return
+    first = int(wrong[0])
+    fixed = 0, top, displacement.size
+    # Either end of the step can be moved, but for the dead centres: the later one, where its neighbours leave it room.
+    moved = next((at for at in (first + 1, first) if at not in fixed and _between(closed, at, top)), None)
+    room = "" if moved is None else f"; at {in_words(phi1[moved])} over {_between(closed, moved, top)} is right"
+    if steps[first] < 0.0:
+        done = f"turns back after phi1 = {in_words(phi1[first])}; it may only at both ends"
+    else:
+        done = f"stands still at {closed[first]:g} mm after phi1 = {in_words(phi1[first])}; no ratio is infinite"
+    raise WrongInput(f"the slider {done}{room}", key=key if moved is None else f"{key}.{moved}")
+
+
+def _between(closed: Array, at: int, top: int) -> str:
+    """``30 and under 70 mm``: what lies between a point's neighbours, empty where they leave no room in its stroke."""
+    low, high = (closed[at - 1], closed[at + 1]) if at < top else (closed[at + 1], closed[at - 1])
+    return f"{low:g} and under {high:g} mm" if low < high else ""
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Points at phi1 (shape (n,)), their interpolated ``values``, and the numbers of those that may be moved.
+
+    ``values`` less ``trend`` are periodic.  ``in_file`` turns a value into that of the file, in its ``unit``.
+    """
+
+    phi1: Array
+    values: Array
+    movable: IndexArray
+    trend: Array
+    in_file: Callable[[float], float]
+    unit: str
+    key: str
+
+
+NEAR = 6
+"""Points on which a smooth curve that turns back is blamed: three on each side, as many as a quintic's piece feels."""
+
+
+def _with_advice(through: Callable[[Array], Transmission], points: Points, lobes: Lobes) -> Transmission:
+    """The law through the points; where the curve between them turns back, the refusal names a point to move."""
+    try:
+        return through(points.values)
+    except DrivenGearStops as fault:
+        problem, at = fault.problem, fault.at_rad
+    moves = list(_moves(through, points, lobes, at))
+    if not moves:
+        advice = "no single point of the table mends that: points on a smoother curve are needed"
+        raise NoSuchMechanism(f"{problem}. A smooth curve through the points does this; {advice}", key=points.key)
+    _, number, value = max(moves)
+    unit = f" {points.unit}" if points.unit else ""
+    raise NoSuchMechanism(
+        f"{problem}. A smooth curve through the points does this; with {value:.4g}{unit} in place of "
+        f"{points.in_file(points.values[number]):.6g}{unit} at {in_words(points.phi1[number])} it does not",
+        key=f"{points.key}.{number}",
+    )
+
+
+def _moves(
+    through: Callable[[Array], Transmission], points: Points, lobes: Lobes, at_rad: float
+) -> Iterator[tuple[float, int, float]]:
+    """Moves of one point near an angle onto the curve of the others, where that makes a law.
+
+    Each has the least dphi2/dphi1 of that law, the point's number and its new value in the file.
+    """
+    period = lobes.driving_period_rad
+    distance = np.abs((points.phi1[points.movable] - at_rad + period / 2.0) % period - period / 2.0)
+    for number in points.movable[np.argsort(distance)[:NEAR]].tolist():
+        kept = np.arange(points.phi1.size) != number
+        others = _periodic_spline(points.phi1[kept], (points.values - points.trend)[kept], lobes, points.key)
+        value = float(_jet(others, points.phi1[[number]], 0).value[0]) + points.trend[number]
+        moved = np.where(kept, points.values, value)
+        try:
+            slowest = through(moved).slope_range[0].value
+        except NoSuchMechanism:
+            continue
+        yield slowest, number, points.in_file(value)
 
 
 def _periodic_spline(phi1: Array, values: Array, lobes: Lobes, key: str) -> BSpline:
