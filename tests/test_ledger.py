@@ -179,6 +179,18 @@ def test_a_claim_of_more_or_less_holds_for_all_pairs() -> None:
     assert claim.computed_text(computed(1.0, 2.0, 5.0, 3.0)) == "5 > 3; holds for 1 of 2"
 
 
+def test_the_acceleration_at_the_retracted_end_by_plain_equations() -> None:
+    """v as a polynomial of degree 4 from eqs. 3.3 and 3.4, at the law's speed; its slope at phi1 = 0, at 20 r/min."""
+    t1, t2 = 0.4 * pi, 0.7 * pi
+    rows = [[at**k for k in range(5)] for at in (0.0, t1, t2)]
+    rows += [[k * at ** max(k - 1, 0) for k in range(5)] for at in (t1, t2)]
+    omega = 52.80854482726039 * pi / 30.0
+    found = np.linalg.solve(np.array(rows), [0.0, 1600.0 / omega, 1100.0 / omega, 0.0, 0.0])[1]
+    entry = next(one for one in ENTRIES if one.what == "acceleration where the return ends")
+    assert entry.compute is not None
+    assert entry.compute().values[0] == pytest.approx(found * (20.0 * pi / 30.0) ** 2, rel=1e-9)
+
+
 def test_the_earlier_mechanisms_speed_is_inferred() -> None:
     """60.44 r/min follow from 28.6 % below an even crank with this linkage; its power is sampled here."""
     crank, rod = gear_baler.LINKAGE.crank_mm, gear_baler.LINKAGE.rod_mm

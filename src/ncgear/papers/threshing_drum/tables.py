@@ -68,13 +68,12 @@ def front_and_rear() -> Computed:
 
 
 def spread_of_holes() -> Computed:
-    """Of each bar, the larger quotient of largest by least amplitude below 800 r/min, and the smaller one above."""
+    """Of each bar, the largest quotient of largest by least amplitude of its holes, below 800 r/min and above."""
 
-    def quotient(bar: int, speed: int) -> float:
-        return max(at(bar, speed)) / min(at(bar, speed))
+    def quotient(bar: int, *speeds_rpm: int) -> float:
+        return max(max(at(bar, speed)) / min(at(bar, speed)) for speed in speeds_rpm)
 
-    pairs = [(max(quotient(bar, n) for n in (600, 700)), min(quotient(bar, n) for n in (900, 1000))) for bar in BY_HOLE]
-    return computed(*(value for pair in pairs for value in pair))
+    return computed(*(value for bar in BY_HOLE for value in (quotient(bar, 600, 700), quotient(bar, 900, 1000))))
 
 
 def single_and_spiral() -> Computed:
