@@ -124,7 +124,9 @@ def test_a_written_gear_balances(gear: str) -> None:
     mesh = trimesh.load_mesh(BytesIO(worked("baler")[1][f"{gear}-balanced.stl"]), file_type="stl")
     assert mesh.is_watertight
     assert abs(complex(*mesh.center_mass[:2])) <= 1e-5
-    assert worked("baler")[0]["gears"][gear]["eccentricity_mm"] > 27.0
+    assert round(worked("baler")[0]["gears"][gear]["eccentricity_mm"]) == 27  # docs/method.md
+    heights = {"driving": 40.0, "driven": 75.0}
+    assert worked("baler")[0]["gears"][gear]["corrected"]["boss_height_mm"] == heights[gear]
 
 
 # --- the command -------------------------------------------------------------------------------------------------

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import re
+from itertools import chain
 from pathlib import Path
 
 import pytest
 import shapely
 
+import drives
 import ncgear
 from documented.installing import ROOT
 from documented.pages import PAGES
 from made import command_heads, drawings, figures, key_pages
+from ncgear.figures.summary.check_summary import check_summary
 from speed_against_error.run import STUDIES
 
 DOCS = ROOT / "docs"
@@ -140,3 +143,28 @@ def test_files_that_pages_name_are_there(page: str) -> None:
 def test_a_file_that_is_gone_is_seen() -> None:
     text = "`teeth/flank.py`, `teeth/flunk.py`, `teeth/` and `flank.py`"
     assert named_and_missing(text) == ["teeth/flunk.py", "flank.py"]
+
+
+JUDGES = TEXTS["docs/how-it-is-tested.md"]
+
+
+def groups_without_a_judge(page: str) -> set[str]:
+    """Groups of what ``ncgear build`` and ``ncgear check`` write of some designs that no row of the page names."""
+    summaries = [drives.built("ellipse").summary, check_summary(drives.drive("baler-66-two-stage"))]
+    rows = [line.split("|")[1] for line in page.splitlines() if line.startswith("| `")]
+    return set(chain.from_iterable(summaries)) - set(re.findall(r"`(\w+)`", " ".join(rows)))
+
+
+@pytest.mark.thorough
+def test_every_group_of_the_summary_has_a_judge() -> None:
+    assert groups_without_a_judge(JUDGES) == set()
+    assert groups_without_a_judge(JUDGES.replace("| `bodies` |", "| bodies |")) == {"bodies"}
+
+
+def test_every_row_of_judges_names_a_test() -> None:
+    """But for the clock's, which no test asserts; files that are named exist, as on every page."""
+    rows = [line for line in JUDGES.splitlines() if line.startswith("|") and not line.startswith("|---")]
+    heads = [line for line in rows if line.endswith("| where |")]
+    assert len(heads) == 6
+    without = [line.split("|")[1].strip() for line in rows if line not in heads and "`tests/" not in line]
+    assert without == ["`timing_s`"]

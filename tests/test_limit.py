@@ -26,7 +26,7 @@ from ncgear.optimum.certified.limit import (
     least_power,
     least_weighted_sum,
 )
-from ncgear.optimum.certified.problem import Problem
+from ncgear.optimum.certified.problem import PRESSING_SHARE, Problem
 from ncgear.optimum.certified.refusals import turning_point
 from ncgear.optimum.certified.road import Peaks
 from ncgear.optimum.task import Limits, Task
@@ -280,6 +280,17 @@ def test_moving_a_mass_against_an_integrated_motion(mass_kg: float) -> None:
         found = problem.least_durations_s(peaks, ceilings)[0]
         assert found <= exact
         assert found == pytest.approx(exact, rel=rel)
+
+
+@pytest.mark.slow
+def test_a_mass_on_the_cells_taken_then_costs_0_2_per_cent() -> None:
+    """docs/method.md; the limit from two finer grids, the error being of first order in the cell."""
+    limits = replace(USUAL, peak_power_w=6300.0, mass_kg=100.0)
+    coarse, fine, finer = (least_acceleration(AT_SIXTY, limits, cells).value for cells in (6400, 12800, 25600))
+    limit = 2.0 * finer - fine
+    assert (finer - fine) / (fine - coarse) == pytest.approx(0.5, abs=0.1)
+    assert round(100.0 * (limit - coarse) / limit, 1) == 0.2
+    assert PRESSING_SHARE == 0.8  # four cells in five
 
 
 def pushed_seconds(peaks: Peaks, mass_kg: float) -> float:

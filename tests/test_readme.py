@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from functools import cache
+from math import degrees, pi, radians
 from typing import Any
 
+import numpy as np
 import pytest
 
+import drives
 from commands import ROOT, fresh
 from ncgear.cli.app import COMMANDS
+from ncgear.optimum.certified.limit import least_acceleration
+from published import AT_SIXTY, USUAL
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BALER = (ROOT / "docs" / "baler.md").read_text(encoding="utf-8")
@@ -71,6 +77,63 @@ def test_what_is_possible_is_todays() -> None:
         name: (round(check["peak_power_w"]), round(check["peak_acceleration_cycle_mm_s2"]))
         for name, check in found.items()
     }
+
+
+def cells_of(first: str) -> list[str]:
+    """The cells of a row of "What is possible", without thin spaces."""
+    line = next(line for line in BALER.split("## What is possible")[1].splitlines() if line.startswith(f"| {first}"))
+    return [cell.strip().replace(" ", "") for cell in line.strip("|").split("|")][1:]
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(
+    ("name", "power_w", "tangent_deg"),
+    [
+        ("baler-66", 6300.0, None),
+        ("baler-66-two-stage", 6300.0, None),
+        ("baler-half", 9375.0, 40.0),
+        pytest.param("baler-smooth", 18750.0, 20.0, marks=pytest.mark.slow),
+    ],
+)
+def test_the_certified_limits_are_todays(name: str, power_w: float, tangent_deg: float | None) -> None:
+    """What no law has less than, under the same power and pressure angle; tests/test_limit.py judges the limit."""
+    angle = None if tangent_deg is None else radians(tangent_deg)
+    limits = replace(USUAL, peak_power_w=power_w, pressure_angle_rad=angle)
+    assert round(least_acceleration(AT_SIXTY, limits).value) == int(cells_of(f"`designs/{name}.yaml`")[2])
+
+
+@pytest.mark.parametrize("name", ["baler-66", "baler-half", "baler-smooth"])
+def test_the_pressure_angles_are_todays(name: str) -> None:
+    """From the stored series itself: tan mu = |d ln i12 / dphi2| / (1 + i12), on samples, and the rack's 20 degrees."""
+    motion = drives.loaded(name).design.motion
+    angle, orders = np.linspace(0.0, 2.0 * pi, 40_001), np.arange(1, len(motion.cosine) + 1)
+    cosines, sines = np.cos(np.outer(angle, orders)), np.sin(np.outer(angle, orders))
+    series = cosines @ motion.cosine + sines @ motion.sine
+    slope = cosines @ (orders * motion.sine) - sines @ (orders * motion.cosine)
+    ratio = np.exp(series) / np.exp(series)[:-1].mean()
+    found = 20.0 + degrees(np.arctan(np.abs(slope / (1.0 + ratio)).max()))
+    assert f"{found:.1f}°" == cells_of(f"`designs/{name}.yaml`")[3]
+
+
+def test_the_pressure_angles_of_two_stages_are_todays() -> None:
+    stages = drives.drive("baler-66-two-stage").by_stage
+    found = [stage.pitch.largest_pressure_angle_deg(radians(20.0)) for stage in stages]
+    assert cells_of("`designs/baler-66-two-stage.yaml`")[3] == "50.0°each"
+    assert [f"{angle:.1f}" for angle in found] == ["50.0", "50.0"]
+
+
+def test_the_mechanisms_without_a_design_are_todays() -> None:
+    """At 60 r/min by scaling from 20 r/min: power with the speed, acceleration with its square."""
+    rows = {row["name"]: row for row in checked("baler")["comparison"] if row["same_speed"]}
+    for first, name in (("the paper's mechanism", "this design"), ("uniform crank", "uniform crank")):
+        row = rows[name]
+        scaled = (3.0 * row["peak_power_w"], 9.0 * row["peak_acceleration_cycle_mm_s2"])
+        assert [float(cell) for cell in cells_of(first)[:2]] == pytest.approx(scaled, abs=0.6)
+    published = drives.loaded("baler").design.comparison.published[0]
+    assert cells_of("earlier mechanism")[:2] == [
+        f"{published.peak_power_w:.0f}",
+        f"{published.peak_acceleration_mm_s2:.0f}",
+    ]
 
 
 def test_every_command_of_the_readme_exists() -> None:

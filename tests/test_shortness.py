@@ -85,6 +85,15 @@ def test_a_least_ratio_over_one_names_the_shortest_contact() -> None:
 
 
 @pytest.mark.thorough
+@pytest.mark.parametrize(("undercut", "pitches"), [(False, "1.16"), (True, "0.83")])
+def test_the_published_baler_touches_over_as_many_pitches_as_the_method_says(undercut: bool, pitches: str) -> None:
+    """25 teeth with shortened tips, and undercut by a tool of full depth: docs/method.md."""
+    contact = designed("baler", 25, undercut=True) if undercut else designed("baler", 25)
+    assert f"{min(side.arcs.min() for side in (contact.pushing, contact.back)):.2f}" == pitches
+    assert min(side.simultaneous.min() for side in (contact.pushing, contact.back)) == (0 if undercut else 1)
+
+
+@pytest.mark.thorough
 @pytest.mark.parametrize("teeth", [24, 37])
 def test_below_one_nothing_is_asked(teeth: int) -> None:
     refuse("deep sine", teeth, 0.99)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from ncgear.figures.tables import markdown
-from ncgear.papers.entry import Verdict
+from ncgear.papers.entry import Paper, Reason, Verdict
 from ncgear.papers.judgement import Judged, Judgement
 
 PAGE = "reproduction.md"
@@ -17,15 +17,25 @@ Every figure of the four papers that can be computed, computed by ncgear from wh
 `ncgear reproduce --out docs`; a test holds this page against the code, and every verdict against its computation.
 
 - **reproduced**: the computed number is within half a step of the last digit printed. Zeros at the end of a whole
-  number do not count as digits. Where a number is made of readings that are printed rounded, their rounding is allowed
-  for as well; dimensions are taken as exact.
+  number do not count as digits. Dimensions are taken as exact. Where a number is made of others that the paper prints
+  rounded, readings or results, their rounding is allowed for as well.
 - **reproduced under a stated reading**: the same, with something that the paper leaves open, or says otherwise, read as
-  stated.
-- **not reproducible**: the computed number is another, for the reason given.
+  stated, for a reason that would stand without the figure.
+- **reproduced under a reading chosen because it fits**: the same, but the figure itself told which reading to take. It
+  shows that the figure can be explained, not that it is so.
+- **an input given back**: the figure is one of those that the computation starts from. That it comes out again says
+  that the computation keeps to its input, and no more.
+- **not reproducible**: the computed number is another, or a claim does not hold, for the reason given.
 - **needs data the paper does not give**: nothing can be computed, or only with an assumption that is stated.
 
-An equation is reproduced where it agrees with the exact motion or with what it is derived from to 1e-9 of its largest
-term. Nothing is tuned to match."""
+What the paper makes of numbers that it prints itself (sums, differences, quotients, comparisons) is computed from these
+as printed; such a line says "of printed numbers". It judges the paper's arithmetic; the numbers that go into it have
+lines of their own, or stand in the list of what is left out, with the reason, below each table. A claim of more or less
+shows the pair of numbers that bears it out least. An equation is reproduced where it agrees with the exact motion or
+with what it is derived from to 1e-9 of its largest term.
+
+`tests/printed_figures.py` lists, by table and section, what the papers print, made from their texts and not from this
+page; a test holds that every number and every claim of it stands here."""
 
 COLUMNS = ("place", "figure", "published", "computed", "difference", "verdict", "reading, reason or missing data")
 
@@ -47,10 +57,22 @@ def ledger_text(judgements: Sequence[Judgement], paths: Iterable[Path]) -> str:
 
 
 def _section(one: Judgement) -> str:
-    """A paper with the table of its figures, and the list of figures that are given and not computed."""
+    """A paper with the table of its figures, and the list of what is left out."""
     paper, table = one.paper, markdown(COLUMNS, map(_row, one.entries))
-    given = ["Given, not computed:", "", *(f"- {_places(item.places)}: {item.content}" for item in paper.given)]
-    return "\n".join([f"## {paper.title}", "", f"{paper.reference}.", "", *table, "", *given])
+    return "\n".join([f"## {paper.title}", "", f"{paper.reference}.", "", *table, *_left_out(paper)])
+
+
+def _left_out(paper: Paper) -> list[str]:
+    """What is not computed, by reason, with how many numbers it is."""
+    lines = []
+    for reason in Reason:
+        items = [item for item in paper.left_out if item.reason is reason]
+        if items:
+            lines += ["", f"Left out, {reason}:", ""]
+        for item in items:
+            count = f" ({len(item.figures)} numbers)" if len(item.figures) > 1 else ""
+            lines.append(f"- {_places(item.places)}: {item.content}{count}")
+    return lines
 
 
 def _row(judged: Judged) -> tuple[str, ...]:
@@ -58,7 +80,8 @@ def _row(judged: Judged) -> tuple[str, ...]:
     published = entry.published
     found = published.computed_text(computed) if computed else "-"
     difference = published.difference_text(computed) if computed else "-"
-    return (_places(entry.places), entry.what, published.text, found, difference, entry.verdict, entry.words)
+    what = f"{entry.what}, of printed numbers" if entry.of_printed else entry.what
+    return (_places(entry.places), what, published.text, found, difference, entry.verdict, entry.words)
 
 
 def _places(places: Sequence[str]) -> str:

@@ -1,7 +1,8 @@
 """One line of the reproduction ledger: what a paper prints, what ncgear computes for it, and the verdict claimed.
 
 A computed number agrees with a printed one if it is within the rounding of the digits that are printed; an equation
-agrees if both of its sides do, to rounding errors.  ``papers.judgement`` holds the verdicts against the numbers.
+agrees if both of its sides do, to rounding errors; a claim that numbers are smaller than others agrees if all are.
+``papers.judgement`` holds the verdicts against the numbers.
 """
 
 from __future__ import annotations
@@ -99,7 +100,7 @@ class Printed:
 
 @dataclass(frozen=True)
 class Relation:
-    """An equation or a claim that holds or does not; its computed value is the largest relative residual."""
+    """An equation that holds or does not; its computed value is the largest relative residual."""
 
     text: str = "equation"
 
@@ -116,6 +117,34 @@ class Relation:
     def difference_text(self, computed: Computed) -> str:
         """The residual, 0 for an equation that holds."""
         return "0" if self.agrees(computed) else f"{max(map(abs, computed.values)):.2g}"
+
+
+@dataclass(frozen=True)
+class Below:
+    """A claim that numbers are smaller than others; the computed values are pairs, each the smaller one first."""
+
+    text: str
+
+    def agrees(self, computed: Computed) -> bool:
+        """Whether it is so for every pair."""
+        return all(small < large for small, large in _pairs(computed))
+
+    def computed_text(self, computed: Computed) -> str:
+        """The pair that bears the claim out least, or contradicts it most, and how many do."""
+        pairs = _pairs(computed)
+        small, large = max(pairs, key=lambda pair: pair[0] / pair[1])
+        sign = "<" if small < large else "=" if small == large else ">"
+        worst = f"{small:.4g} {sign} {large:.4g}"
+        held = sum(one < other for one, other in pairs)
+        return worst if len(pairs) == 1 else f"{worst}; holds for {held} of {len(pairs)}"
+
+    def difference_text(self, computed: Computed) -> str:
+        """A claim of more or less has no difference."""
+        return "0" if self.agrees(computed) else "-"
+
+
+def _pairs(computed: Computed) -> list[tuple[float, float]]:
+    return list(zip(computed.values[::2], computed.values[1::2], strict=True))
 
 
 def texts(line: str) -> tuple[str, ...]:
@@ -144,8 +173,17 @@ class Verdict(StrEnum):
 
     REPRODUCED = "reproduced"
     UNDER_READING = "reproduced under a stated reading"
+    FITTED = "reproduced under a reading chosen because it fits"
+    GIVEN_BACK = "an input given back"
     NOT_REPRODUCIBLE = "not reproducible"
     NEEDS_DATA = "needs data the paper does not give"
+
+
+AGREEING = (Verdict.REPRODUCED, Verdict.UNDER_READING, Verdict.FITTED, Verdict.GIVEN_BACK)
+"""Verdicts on figures that come out."""
+
+OF_PRINTED = (Verdict.REPRODUCED, Verdict.FITTED, Verdict.NOT_REPRODUCIBLE)
+"""Verdicts on what a paper makes of numbers that it prints: a sum is right or wrong, or it is one of other numbers."""
 
 
 @dataclass(frozen=True)
@@ -153,40 +191,60 @@ class Entry:
     """A printed figure with its places in the paper, how it is computed, and the verdict claimed for it.
 
     ``words`` state the reading, the reason, or the missing data; only a figure that is simply reproduced needs none.
-    Raises ValueError where the words are missing, or where a verdict other than ``NEEDS_DATA`` has no computation.
+    ``of_printed`` tells that nothing but numbers which the paper prints goes into the computation by sums, quotients or
+    comparison.  Raises ValueError where the words are missing, where a verdict other than ``NEEDS_DATA`` has no
+    computation, or where what is made of printed numbers has a verdict that is none of ``OF_PRINTED``.
     """
 
     places: tuple[str, ...]
     what: str
-    published: Printed | Relation
+    published: Printed | Relation | Below
     verdict: Verdict
     compute: Callable[[], Computed] | None = None
     words: str = ""
+    of_printed: bool = False
 
     def __post_init__(self) -> None:
         if self.verdict is not Verdict.REPRODUCED and not self.words:
             raise ValueError(f"{self.what}: {self.verdict} without a word why")
         if self.verdict is not Verdict.NEEDS_DATA and self.compute is None:
             raise ValueError(f"{self.what}: {self.verdict}, but nothing is computed")
+        if self.of_printed and self.verdict not in OF_PRINTED:
+            raise ValueError(
+                f"{self.what}: of printed numbers, so neither {self.verdict} nor anything but right or wrong"
+            )
+
+
+class Reason(StrEnum):
+    """Why a printed figure is not computed."""
+
+    GIVEN = "dimensions, settings and choices, from which the figures above are computed if they depend on them"
+    MEASURED = "readings, which nothing in the paper makes"
+    DRAWN = "pictures and curves without a number"
+    DEFINED = "definitions, with no figure to them"
+    ELSEWHERE = "figures taken from other publications"
+    VAGUE = "claims without a number to hold them to"
 
 
 @dataclass(frozen=True)
-class Given:
-    """What a place of a paper gives without computing it: dimensions, settings, definitions."""
+class LeftOut:
+    """What a place of a paper prints and the ledger does not compute, with the reason; ``figures`` are its numbers."""
 
     places: tuple[str, ...]
     content: str
+    reason: Reason
+    figures: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class Paper:
-    """A paper, its entries, and what it gives; each of the ``promised`` places must be named by one or the other."""
+    """A paper, its entries, and what is left out; each of the ``promised`` places must be named by one or the other."""
 
     title: str
     reference: str
     promised: tuple[str, ...]
     entries: tuple[Entry, ...]
-    given: tuple[Given, ...]
+    left_out: tuple[LeftOut, ...]
 
 
 def equations(*numbers: str | int) -> tuple[str, ...]:

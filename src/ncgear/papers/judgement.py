@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ncgear.papers import gear_baler, sieve_and_pan, threshing_drum, track_chassis
-from ncgear.papers.entry import Computed, Entry, Paper, Verdict
+from ncgear.papers.entry import AGREEING, Computed, Entry, Paper, Verdict
 
 PAPERS: tuple[Paper, ...] = (gear_baler.PAPER, track_chassis.PAPER, threshing_drum.PAPER, sieve_and_pan.PAPER)
 
@@ -46,7 +46,7 @@ def judged(entry: Entry) -> Judged:
     """
     computed = entry.compute() if entry.compute else None
     agrees = computed is not None and entry.published.agrees(computed)
-    if agrees != (entry.verdict in (Verdict.REPRODUCED, Verdict.UNDER_READING)):
+    if agrees != (entry.verdict in AGREEING):
         found = entry.published.computed_text(computed) if computed else "nothing computed"
         raise Contradicted(
             f"{entry.places[0]}, {entry.what}: printed {entry.published.text}, {found}; claimed {entry.verdict}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ncgear.balance.mechanism import DrivenCrank, JointMasses
+from ncgear.balance.mechanism import DrivenCrank
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.masses import RodMasses
 from ncgear.numerics.units import RAD_S_PER_RPM
@@ -18,11 +18,13 @@ USUAL_SHARES = (1.0 / 3.0, 1.0 / 2.0)
 
 PAN_LINKAGE = CrankSlider(CRANK_MM, 1045.0)
 PAN_BOARD_KG, PAN_BOARD_PRINTED_MM = 23.7, 12.3
-PAN_PRINTED = JointMasses(rotating_kg=11.9, reciprocating_kg=12.86)
+PAN_PRINTED = ("11.9", "12.86")
+"""Masses of the pan in kg at the pin and at the roller, as printed."""
 
 SIEVE_LINKAGE = CrankSlider(CRANK_MM, 1378.0)
 SIEVE_BOARD_KG, SIEVE_BOARD_FROM_ROLLER_MM = 90.4, 448.0
-SIEVE_PRINTED = JointMasses(rotating_kg=29.5, reciprocating_kg=61.26)
+SIEVE_PRINTED = ("29.5", "61.26")
+"""Masses of the sieve in kg at the pin and at the roller, as printed."""
 
 PAN_BOARD_FITTING_MM = PAN_LINKAGE.rod_mm * 12.6 / PAN_BOARD_KG
 """Distance from the pin at which the printed masses of the board at pin and roller put its centre."""

@@ -10,7 +10,7 @@ from math import degrees, radians
 
 from ncgear.balance.excitation import critical_speed_rpm
 from ncgear.balance.rotor import GRADES_MM_S, TrialRun, balanced
-from ncgear.papers.entry import Computed, Entry, Printed, Verdict, computed, from_readings, texts
+from ncgear.papers.entry import Below, Computed, Entry, Printed, Verdict, computed, from_readings, texts
 
 NATURAL_HZ = texts("143.76 143.77 197.05 293.1 298.33 198.41")
 CRITICAL_RPM = texts("8625.60 8626.20 11823 17586 17899.80 11904.60")
@@ -71,12 +71,16 @@ MODEL = "The drum's geometry and its finite-element model."
 
 ENTRIES = (
     Entry(
-        ("Table 2",), "natural frequencies", Printed(NATURAL_HZ, "Hz"), Verdict.NEEDS_DATA, None,
+        ("Table 2", "section 3.1"), "natural frequencies", Printed(NATURAL_HZ, "Hz"), Verdict.NEEDS_DATA, None,
         f"{MODEL} The sixth is printed below the fourth and the fifth.",
     ),
     Entry(
-        ("Table 2",), "critical speeds", Printed(CRITICAL_RPM, "r/min"), Verdict.REPRODUCED,
-        lambda: computed(*(critical_speed_rpm(float(text)) for text in NATURAL_HZ)),
+        ("Table 2", "section 3.1"), "critical speeds", Printed(CRITICAL_RPM, "r/min"), Verdict.REPRODUCED,
+        lambda: computed(*(critical_speed_rpm(float(text)) for text in NATURAL_HZ)), of_printed=True,
+    ),
+    Entry(
+        ("section 3.1",), "working speeds below the first critical speed", Below("much higher than working speeds"),
+        Verdict.REPRODUCED, lambda: computed(1000.0, 8625.6), of_printed=True,
     ),
     Entry(
         ("section 3.2",), "first balancing: weight and its phase", Printed(("143.4", "115"), "g, deg"),
@@ -90,6 +94,7 @@ ENTRIES = (
     Entry(
         ("section 3.2",), "reduction of the amplitude", Printed(("70",), "%"), Verdict.REPRODUCED,
         lambda: from_readings(lambda left, first: (100.0 * (1.0 - left / first),), "0.37", "1.234"),
+        of_printed=True,
     ),
     Entry(
         ("section 3.2",), "grade that 0.37 mm/s meets", Printed(("0.4",), "mm/s"), Verdict.UNDER_READING, finest_grade,

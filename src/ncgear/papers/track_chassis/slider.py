@@ -18,7 +18,7 @@ from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.papers.entry import Computed, Entry, Printed, Relation, Verdict, computed, equations
+from ncgear.papers.entry import Computed, Entry, Printed, Relation, Verdict, computed, equations, from_readings
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 
@@ -102,7 +102,8 @@ MOTION = (
     ),
     Entry(equations("7"), "velocity by two terms", Relation(), Verdict.REPRODUCED, velocity_residual),
     Entry(
-        equations("8", "16"), "acceleration by two terms", Relation(), Verdict.UNDER_READING, acceleration_residual,
+        equations("8", "16"), "acceleration by two terms, growing with the square of the speed", Relation(),
+        Verdict.UNDER_READING, acceleration_residual,
         "Counted positive away from the crank axis, against the sense in which the stroke is counted.",
     ),
     Entry(
@@ -139,17 +140,18 @@ COUNTERWEIGHTS = (
         Verdict.REPRODUCED, lambda: computed(complete().rod.mass_kg, complete().pin_kg),
     ),
     Entry(
-        ("section 3.1",), "counterweight beyond the crank axis", Printed(("261.82",), "kg"), Verdict.UNDER_READING,
-        lambda: computed(complete().crank.mass_kg), "At 250 mm from the axis; its place is not printed.",
+        ("section 3.1",), "counterweight beyond the crank axis", Printed(("261.82",), "kg"), Verdict.FITTED,
+        lambda: computed(complete().crank.mass_kg),
+        "At 250 mm from the axis: its place is not printed, and this round one gives the printed mass.",
     ),
     Entry(
         ("section 3.5",), "crank's speed from 96.5 r/min", Printed(("10.10",), "rad/s"), Verdict.NOT_REPRODUCIBLE,
         lambda: computed(SPEED_RAD_S), "Cut off, not rounded.",
     ),
     Entry(
-        equations("16", "17", "18"), "weight against the slider's inertia", Printed(("5",), "kg"),
-        Verdict.UNDER_READING, lambda: computed(tail_weights().retracted_kg),
-        "With the inertia force at the retracted dead centre, which is the smaller of the two.",
+        (*equations("16", "17", "18"), "section 3.5"), "weight against the slider's inertia", Printed(("5",), "kg"),
+        Verdict.FITTED, lambda: computed(tail_weights().retracted_kg),
+        "With the inertia force at the retracted dead centre, the smaller of the two: the text names no dead centre.",
     ),
     Entry(
         equations("16", "17", "18"), "weight against the slider's largest inertia force", Printed(("5",), "kg"),
@@ -157,12 +159,17 @@ COUNTERWEIGHTS = (
         "The force is largest at the extended dead centre; the printed weight is not the safe one.",
     ),
     Entry(
-        equations("19"), "weight against the dead weight", Printed(("260",), "kg"), Verdict.REPRODUCED,
+        (*equations("19"), "section 3.5"), "weight against the dead weight", Printed(("260",), "kg"),
+        Verdict.REPRODUCED,
         lambda: computed(against_dead_weight_kg()),
     ),
     Entry(
-        equations("20"), "both weights", Printed(("265",), "kg"), Verdict.NOT_REPRODUCIBLE,
+        (*equations("20"), "section 3.5"), "both weights", Printed(("265",), "kg"), Verdict.REPRODUCED,
+        lambda: from_readings(lambda one, other: (one + other,), "5", "260"), of_printed=True,
+    ),
+    Entry(
+        equations("20"), "both weights, from the dimensions", Printed(("265",), "kg"), Verdict.NOT_REPRODUCIBLE,
         lambda: computed(tail_weights().retracted_kg + against_dead_weight_kg()),
-        "The sum of the printed weights, each rounded up; unrounded they make less.",
+        "Each of the printed weights is rounded up; unrounded they make less.",
     ),
 )  # fmt: skip

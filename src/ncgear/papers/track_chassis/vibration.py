@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
-from ncgear.papers.entry import Computed, Entry, Printed, Verdict, computed, half_step, texts
+from ncgear.papers.entry import Below, Computed, Entry, Printed, Verdict, computed, half_step, texts
 
 
 @dataclass(frozen=True)
@@ -21,10 +22,18 @@ class Readings:
         return Computed(values, tuple(abs(up) * half_step(one) + abs(down) * half_step(other) for one, other in pairs))
 
     @property
-    def steadiest(self) -> Computed:
-        """Number of the point that moves least."""
-        peaks = self.combined(1.0, -1.0).values
-        return computed(1 + peaks.index(min(peaks)))
+    def peaks(self) -> tuple[float, ...]:
+        """Peak to peak in mm at the sixteen points."""
+        return self.combined(1.0, -1.0).values
+
+    def steadiest(self, count: int) -> Computed:
+        """Numbers of the points that move least, in their order."""
+        return computed(*sorted(sorted(range(1, 17), key=lambda point: self.peaks[point - 1])[:count]))
+
+    @property
+    def largest(self) -> Computed:
+        """The largest displacement in mm, whether up or down."""
+        return computed(max(abs(float(text)) for text in (*self.up, *self.down)))
 
 
 WITHOUT = Readings(
@@ -53,28 +62,67 @@ def _table(
     place: str, readings: Readings, peak: tuple[str, ...], mean: tuple[str, ...], difference: tuple[str, ...]
 ) -> tuple[Entry, ...]:
     """Entries of a table with its columns of peaks, means and differences."""
-    reproduced = Verdict.REPRODUCED
-    return (
+    columns = (
+        ("peak to peak", peak, (1.0, -1.0)),
+        ("means of up and down", mean, (0.5, -0.5)),
+        ("differences of up and down", difference, (1.0, 1.0)),
+    )
+    return tuple(
         Entry(
-            (place,), "amplitudes up and down at sixteen points", Printed((readings.up[-1], readings.down[-1]), "mm"),
-            Verdict.NEEDS_DATA, None, "The records of the measurement; the last point's stand for all.",
-        ),
-        Entry((place,), "peak to peak", Printed(peak, "mm"), reproduced, lambda: readings.combined(1.0, -1.0)),
-        Entry((place,), "means of up and down", Printed(mean, "mm"), reproduced, lambda: readings.combined(0.5, -0.5)),
-        Entry(
-            (place,), "differences of up and down", Printed(difference, "mm"), reproduced,
-            lambda: readings.combined(1.0, 1.0),
-        ),
+            (place,), what, Printed(column, "mm"), Verdict.REPRODUCED, partial(readings.combined, *factors),
+            of_printed=True,
+        )
+        for what, column, factors in columns
     )  # fmt: skip
+
+
+def ends_and_middle() -> Computed:
+    """Peak to peak of the points 4 to 6 below that of either end."""
+    middle = max(WITHOUT.peaks[3:6])
+    return computed(middle, WITHOUT.peaks[0], middle, WITHOUT.peaks[15])
+
+
+def with_below_without() -> Computed:
+    """Peak to peak with the weight below that without it, at all points."""
+    return computed(*(one for pair in zip(WITH.peaks, WITHOUT.peaks, strict=True) for one in pair))
 
 
 ENTRIES = (
     *_table("Table 6", WITHOUT, *MADE_WITHOUT),
     *_table("Table 7", WITH, *MADE_WITH),
-    Entry(("Fig. 16",), "point that moves least", Printed(("6",)), Verdict.REPRODUCED, lambda: WITHOUT.steadiest),
+    Entry(
+        ("Fig. 16", "section 3.5"), "point that moves least", Printed(("6",)), Verdict.REPRODUCED,
+        lambda: WITHOUT.steadiest(1), of_printed=True,
+    ),
+    Entry(
+        ("Fig. 16", "section 3.5", "section 4"), "points that move least", Printed(("4", "5", "6")),
+        Verdict.NOT_REPRODUCIBLE, lambda: WITHOUT.steadiest(3),
+        "Point 7 with 2.46 mm moves less than point 4 with 3.46 mm.", of_printed=True,
+    ),
+    Entry(
+        ("section 3.5",), "both ends move more than the points 4 to 6", Below("much larger at the ends"),
+        Verdict.REPRODUCED, ends_and_middle, of_printed=True,
+    ),
+    Entry(
+        ("section 3.5",), "largest amplitude without the weight", Printed(("7.40",), "mm"), Verdict.NOT_REPRODUCIBLE,
+        lambda: WITHOUT.largest, "7.4 mm is the largest upwards; downwards Table 6 has 7.56 mm.", of_printed=True,
+    ),
+    Entry(
+        ("section 3.5",), "largest amplitude with the weight", Printed(("0.56",), "mm"), Verdict.REPRODUCED,
+        lambda: WITH.largest, of_printed=True,
+    ),
+    Entry(
+        ("section 3.5",), "less movement with the weight than without, at every point", Below("obviously decreased"),
+        Verdict.REPRODUCED, with_below_without, of_printed=True,
+    ),
+    Entry(
+        ("section 3.5",), "points 1 to 7 move less than points 8 to 14 with the weight", Below("grounded at 1 to 7"),
+        Verdict.REPRODUCED, lambda: computed(max(WITH.peaks[:7]), min(WITH.peaks[7:14])),
+        "What is called tiny at points 8 to 14 is the largest that is left.", of_printed=True,
+    ),
     Entry(
         ("section 4",), "vibration left at the point that moves most", Printed(("0",), "mm"),
-        Verdict.NOT_REPRODUCIBLE, lambda: computed(max(WITH.combined(1.0, -1.0).values)),
-        "Said to be gone completely; Table 7 says otherwise.",
+        Verdict.NOT_REPRODUCIBLE, lambda: computed(max(WITH.peaks)),
+        "Said to be gone completely; Table 7 says otherwise.", of_printed=True,
     ),
 )  # fmt: skip
