@@ -8,8 +8,7 @@ reaches into the intervals between its positions and one interval beyond either 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -18,7 +17,7 @@ from ncgear.contact.designed.as_designed import contacts_within
 from ncgear.contact.designed.curves import Contacts
 from ncgear.contact.placement import Placement, placed
 from ncgear.errors import NoSuchMechanism
-from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.arrays import Array, Columns, IndexArray
 from ncgear.numerics.periodic_table import PeriodicTable, cubics
 from ncgear.numerics.plane import along
 from ncgear.numerics.units import in_words
@@ -27,7 +26,7 @@ from ncgear.teeth.gear import ToothedPair
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class Rows(Columns):
     """The first contact of n pairs and positions, in the order of pairs and then positions; shape (n,) each.
 
     ``values`` (shape (n, q)) are the quantities to be followed, the first of them the driven angle beyond the law's;
@@ -40,15 +39,9 @@ class Rows:
     values: Array
     drift: Array
 
-    @staticmethod
-    def joined(parts: Sequence[Rows]) -> Rows:
-        """The rows of several parts, in order again."""
-        rows = Rows(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Rows)))
-        return rows.kept(np.lexsort((rows.position, *rows.teeth.T, rows.urge)))
-
-    def kept(self, chosen: IndexArray | Mask) -> Rows:
-        """Chosen rows."""
-        return Rows(*(getattr(self, field.name)[chosen] for field in fields(self)))
+    def in_order(self) -> Rows:
+        """The rows in the order of sides, pairs and positions."""
+        return self.kept(np.lexsort((self.position, *self.teeth.T, self.urge)))
 
     @cached_property
     def pair(self) -> IndexArray:
@@ -222,7 +215,7 @@ def gaps_of(teeth: ToothedPair, pitch: PitchPair, per_tooth: int = PER_TOOTH) ->
     placement = placed(pitch, per_tooth)
     found = contacts_within(teeth, placement, WITHIN_IN_MODULES * teeth.driving.flanks.rack.module_mm)
     sides = [_rows(contacts, urge, placement) for contacts, urge in zip(found, (1.0, -1.0), strict=True)]
-    return _slotted(Rows.joined(sides), placement)
+    return _slotted(Rows.joined(sides).in_order(), placement)
 
 
 def _rows(contacts: Contacts, urge: float, placement: Placement) -> Rows:

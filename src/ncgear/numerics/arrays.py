@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Self, TypeVar
 
@@ -37,6 +38,11 @@ class Columns:
     def kept(self, rows: Mask | IndexArray) -> Self:
         """The chosen rows of every array; fields that are no arrays stay."""
         return replace(self, **{name: values[rows] for name, values in _arrays(self).items()})
+
+    @classmethod
+    def joined(cls, parts: Sequence[Self]) -> Self:
+        """All rows of several parts whose fields are all arrays."""
+        return cls(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(cls)))
 
 
 def _arrays(many: Any) -> dict[str, Any]:

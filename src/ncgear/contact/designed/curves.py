@@ -9,8 +9,7 @@ As the driven gear sees it, the driven gear is at rest, and the driving gear sta
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -38,11 +37,6 @@ class Contacts(Columns):
     point: ComplexArray
     tangent: ComplexArray
     flanks: Mask
-
-    @staticmethod
-    def joined(parts: Sequence[Contacts]) -> Contacts:
-        """All contacts of several parts."""
-        return Contacts(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Contacts)))
 
     @property
     def driving_tooth(self) -> IndexArray:
@@ -120,7 +114,7 @@ class SidePaths:
 
 
 @dataclass(frozen=True, eq=False)
-class _Runs:
+class _Runs(Columns):
     """Runs of curves in the order of their paths, and along a path from the tip inwards; shape (r,) each.
 
     ``path`` numbers the flank that a path begins with.  ``owner`` numbers the flank that the curve belongs to; of a
@@ -173,9 +167,8 @@ def _runs(flanks: Flanks, sides: Sides) -> _Runs:
     facing = (sides.owner[fillet] + flanks.side[sides.owner[fillet]].astype(int)) % flanks.count
     across = _Runs(facing, sides.kind[fillet], sides.owner[fillet], sides.end[fillet], sides.start[fillet])
     # Path by path, and within a path part by part.
-    columns = [np.concatenate([getattr(part, field.name) for part in (own, lands, across)]) for field in fields(_Runs)]
-    order = np.argsort(columns[0], kind="stable")
-    return _Runs(*(column[order] for column in columns))
+    runs = _Runs.joined([own, lands, across])
+    return runs.kept(np.argsort(runs.path, kind="stable"))
 
 
 def _curve(flanks: Flanks, sides: Sides, kind: IndexArray, owner: IndexArray, parameter: Array) -> tuple[Array, Array]:
