@@ -42,7 +42,7 @@ class PairContact:
 
     @property
     def contact_ratio(self) -> float:
-        """Least arc of contact of any pair of flanks, in pitches."""
+        """Least arc of contact of any pair of flanks, in pitches, without load."""
         return self.as_designed.contact_ratio
 
     @property
@@ -147,11 +147,11 @@ def refuse_short_contact(designed: AsDesigned, teeth: ToothedPair, least: float)
     other tool could lift these conditions.  Raises NoSuchMechanism with both teeth.
     """
     for side in (designed.pushing, designed.back):
-        shortest = int(np.argmin(side.arcs))
-        if least > 1.0 and side.arcs[shortest] < least - ROUNDING:
+        shortest = int(np.argmin(side.reaches))
+        if least > 1.0 and side.reaches[shortest] < least - ROUNDING:
             raise NoSuchMechanism(
-                f"the flanks of {_pair(side, teeth, shortest)} touch over {side.arcs[shortest]:.3g} pitches only, less "
-                f"than {least:.3g}: {_limits(side, teeth, shortest)}; {REMEDY}",
+                f"the flanks of {_pair(side, teeth, shortest)} touch over {side.reaches[shortest]:.3g} pitches only, "
+                f"less than {least:.3g}: {_limits(side, teeth, shortest)}; {REMEDY}",
                 key="gears.least_contact_ratio",
             )
         parted = int(np.argmin(side.simultaneous))
@@ -159,7 +159,7 @@ def refuse_short_contact(designed: AsDesigned, teeth: ToothedPair, least: float)
             raise NoSuchMechanism(
                 f"no flanks touch at phi1 = {in_words(float(designed.placement.phi1_rad[parted]))}: one pair parts "
                 f"before the next one meets; the shortest contact is that of {_pair(side, teeth, shortest)}, "
-                f"{side.arcs[shortest]:.3g} pitches: {_limits(side, teeth, shortest)}; {REMEDY}",
+                f"{side.reaches[shortest]:.3g} pitches: {_limits(side, teeth, shortest)}; {REMEDY}",
                 key="gears.least_contact_ratio",
             )
 

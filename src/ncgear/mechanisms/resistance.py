@@ -25,6 +25,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
 from ncgear.numerics.formula import composed
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.proven import fitted_by_noise, proven_form
 from ncgear.numerics.zeros import all_zeros
 
 if TYPE_CHECKING:
@@ -55,6 +56,14 @@ class Resistance(ABC):
     @abstractmethod
     def turns_mm(self, stroke_mm: float) -> Array:
         """Displacements inside the stroke between which the curve is smooth and monotone, in rising order."""
+
+    def panels_mm(self, stroke_mm: float) -> Array:
+        """Displacements inside the stroke between which a polynomial is the curve, more of them where it is sharp."""
+        return np.empty(0)
+
+    def knots_mm(self, stroke_mm: float) -> Array:
+        """Displacements inside the stroke between which a search misses nothing of the curve, in rising order."""
+        return np.union1d(self.turns_mm(stroke_mm), self.panels_mm(stroke_mm))
 
     def negative_stretches_mm(self, stroke_mm: float) -> list[tuple[float, float]]:
         """Stretches of the stroke on which the curve is negative."""
@@ -194,24 +203,43 @@ class FormulaResistance(Resistance):
 
     def work_from_retracted_n_mm(self, displacement_mm: Array, stroke_mm: float) -> Array:
         """The antiderivative of a piecewise Chebyshev form resolved to rounding error."""
-        return _form(self, 0, stroke_mm).integrated()(displacement_mm)
+        return _form(self, stroke_mm).integrated()(displacement_mm)
 
     def zeros_mm(self, stroke_mm: float) -> Array:
         """Zeros of the Chebyshev form."""
-        return within(all_zeros(_form(self, 0, stroke_mm)), stroke_mm)
+        return within(all_zeros(_form(self, stroke_mm)), stroke_mm)
 
     def turns_mm(self, stroke_mm: float) -> Array:
         """Zeros of the Chebyshev form of the derivative."""
-        return within(all_zeros(_form(self, 1, stroke_mm)), stroke_mm)
+        return within(all_zeros(_slope_form(self, stroke_mm)), stroke_mm)
+
+    def panels_mm(self, stroke_mm: float) -> Array:
+        """The panels of the Chebyshev form of the derivative."""
+        return _slope_form(self, stroke_mm).breaks[1:-1]
 
 
 @lru_cache(maxsize=16)
-def _form(resistance: FormulaResistance, derivative: int, stroke_mm: float) -> PiecewiseChebyshev:
-    def values(displacement_mm: Array) -> Array:
-        return resistance.fitted_n(Jet.variable(displacement_mm, derivative)).derivative(derivative)
-
+def _form(resistance: FormulaResistance, stroke_mm: float) -> PiecewiseChebyshev:
     try:
-        return chebyshev.fitted(values, np.array([0.0, stroke_mm]))
+        return proven_form(resistance.fitted_n, 0.0, stroke_mm)
     except NotSmooth as fault:
-        problem = f"{resistance.text!r} is no smooth function near x = {fault.at:.6g} mm; one over the whole stroke, "
-        raise WrongInput(f"{problem}0 to {stroke_mm:g} mm, or a table, is right", key=KEY) from fault
+        raise _not_smooth(resistance.text, stroke_mm, fault) from fault
+
+
+@lru_cache(maxsize=16)
+def _slope_form(resistance: FormulaResistance, stroke_mm: float) -> PiecewiseChebyshev:
+    """The derivative; its panels begin where those of the curve do, which miss no feature."""
+
+    def slope(displacement_mm: Array, order: int) -> Jet:
+        return resistance.fitted_n(Jet.variable(displacement_mm, order + 1)).differentiated()
+
+    breaks = _form(resistance, stroke_mm).breaks
+    try:
+        return fitted_by_noise(slope, breaks, chebyshev.nodes(breaks[:-1], breaks[1:]).ravel())
+    except NotSmooth as fault:
+        raise _not_smooth(resistance.text, stroke_mm, fault) from fault
+
+
+def _not_smooth(text: str, stroke_mm: float, fault: NotSmooth) -> WrongInput:
+    problem = f"{text!r} is no smooth function near x = {fault.at:.6g} mm; one over the whole stroke, "
+    return WrongInput(f"{problem}0 to {stroke_mm:g} mm, or a table, is right", key=KEY)

@@ -29,8 +29,8 @@ function's tail falls by 2^-24 when its panel is halved, so one that falls by le
 HALVINGS = 40
 
 MOST_PANELS = 1 << 12
-"""Most panels per piece, on average over the pieces, that are halved at once; a function that needs more is taken for
-noise.  Beside a pole or a corner only a few are halved, and only a wave of over 5000 turns along a piece needs more."""
+"""Most panels, and 16 for each piece, that are halved at once; a function that needs more is taken for noise.  Beside a
+pole or a corner only a few are halved, and only a wave of over 5000 turns needs more."""
 
 
 class NotSmooth(ValueError):
@@ -91,11 +91,17 @@ class PiecewiseChebyshev:
 
 
 def fitted(
-    function: Callable[[Array], Array], breaks: Sequence[float] | Array, degree: int = DEGREE
+    function: Callable[[Array], Array],
+    breaks: Sequence[float] | Array,
+    degree: int = DEGREE,
+    scale: float = 0.0,
+    rounding: float = ROUNDING,
 ) -> PiecewiseChebyshev:
     """The piecewise form of a vectorised ``function`` (shape (n,) to (n, ...)) that is smooth between ``breaks``.
 
-    Each panel has this ``degree``, at least 3: the last three coefficients tell whether the panel is resolved.
+    Each panel has this ``degree``, at least 3: the last three coefficients tell whether the panel is resolved.  They
+    are judged by the function's largest value, of which ``scale`` is a lower bound where one is known; ``rounding`` is
+    the share of it that may be rounding error.
 
     Raises NotSmooth where the function is not finite, or not resolved by panels of 2^-40 of its piece.
     """
@@ -103,20 +109,19 @@ def fitted(
     left, right = edges[:-1], edges[1:]
     coarser = np.full(left.size, np.inf)
     done: list[tuple[Array, Array]] = []
-    scale = 0.0
     for _ in range(HALVINGS):
         coefficients = _panel_coefficients(function, left, right, degree)
         tails, sizes = _largest(coefficients[-3:]), _largest(coefficients)
         # Only panels that are resolved by their own size set the scale: one value beside a pole would dwarf all others.
         scale = max(scale, float(np.max(sizes, where=tails <= RESOLVED * sizes, initial=0.0)))
         size = np.maximum(sizes, scale)
-        noise = (tails <= ROUNDING * size) & (tails > 0.5 * coarser)
+        noise = (tails <= rounding * size) & (tails > 0.5 * coarser)
         resolved = (tails <= RESOLVED * size) | noise
         done.append((left[resolved], coefficients[:, resolved]))
         left, right = left[~resolved], right[~resolved]
         if not left.size:
             return _assembled(done, float(edges[-1]))
-        if left.size > MOST_PANELS * (edges.size - 1):
+        if left.size > MOST_PANELS + 16 * edges.size:
             break
         middle, coarser = (left + right) / 2.0, np.tile(tails[~resolved], 2)
         left, right = np.concatenate([left, middle]), np.concatenate([middle, right])

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import pi
+from math import fsum, pi
 from operator import attrgetter
 
 import numpy as np
@@ -22,6 +22,7 @@ from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum, extremes
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.quadrature import integrated_slope
 from ncgear.numerics.units import in_words
 
 JetFunction = Callable[[Array, int], Jet]
@@ -76,6 +77,12 @@ class Piece:
     driven_angle: JetFunction
     knots_rad: tuple[float, ...] = ()
 
+    @property
+    def turned_rad(self) -> float:
+        """The integral of dphi2/dphi1, which judges the driven angle's growth."""
+        breaks = np.array([self.start_rad, *self.knots_rad, self.end_rad])
+        return integrated_slope(lambda phi1: self.driven_angle(phi1, 1), breaks)
+
     def slope(self, phi1: Array, order: int) -> Jet:
         """dphi2/dphi1 = 1/i12 with derivatives by phi1."""
         return self.driven_angle(phi1, order + 1).differentiated()
@@ -120,9 +127,15 @@ class Transmission:
 
     @cached_property
     def closure_error_rad(self) -> float:
-        """What the driven angle misses of its period at the end of the driving period."""
-        last = self.pieces[-1]
-        return float(last.driven_angle(np.array([last.end_rad]), 0).value[0]) - self.lobes.driven_period_rad
+        """What the driven angle misses of its period at the end of the driving period.
+
+        Two judges say it, and the worse one is believed: the driven angle there, and the integral of 1/i12 over the
+        period at points that no law is made from.
+        """
+        last, period = self.pieces[-1], self.lobes.driven_period_rad
+        there = float(last.driven_angle(np.array([last.end_rad]), 0).value[0])
+        turned = fsum(piece.turned_rad for piece in self.pieces)
+        return max(there - period, turned - period, key=abs)
 
     @cached_property
     def slope_range(self) -> tuple[Extremum, Extremum]:
