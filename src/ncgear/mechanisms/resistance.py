@@ -25,7 +25,6 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
 from ncgear.numerics.formula import composed
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.proven import fitted_by_noise, proven_form
 from ncgear.numerics.zeros import all_zeros
 
 if TYPE_CHECKING:
@@ -220,6 +219,8 @@ class FormulaResistance(Resistance):
 
 @lru_cache(maxsize=16)
 def _form(resistance: FormulaResistance, stroke_mm: float) -> PiecewiseChebyshev:
+    from ncgear.numerics.proven import proven_form
+
     try:
         return proven_form(resistance.fitted_n, 0.0, stroke_mm)
     except NotSmooth as fault:
@@ -229,6 +230,7 @@ def _form(resistance: FormulaResistance, stroke_mm: float) -> PiecewiseChebyshev
 @lru_cache(maxsize=16)
 def _slope_form(resistance: FormulaResistance, stroke_mm: float) -> PiecewiseChebyshev:
     """The derivative; its panels begin where those of the curve do, which miss no feature."""
+    from ncgear.numerics.proven import fitted_by_noise
 
     def slope(displacement_mm: Array, order: int) -> Jet:
         return resistance.fitted_n(Jet.variable(displacement_mm, order + 1)).differentiated()
