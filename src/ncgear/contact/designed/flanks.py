@@ -108,7 +108,8 @@ def foremost_two(contacts: Contacts, urge: float, placement: Placement) -> Array
     value = urge * contacts.error_rad
     order = np.lexsort((value, contacts.position))
     rising = contacts.position[order]
-    leading = np.append(rising[1:] != rising[:-1], True)
+    leading = np.ones(rising.size, dtype=bool)
+    leading[:-1] = rising[1:] != rising[:-1]
     two = np.full((2, placement.count), -np.inf)
     two[0, rising[leading]] = value[order[leading]]
     np.maximum.at(two[1], rising[~leading], value[order[~leading]])
