@@ -9,6 +9,7 @@ from math import cos, floor, lcm, pi, radians, sin
 import numpy as np
 import pytest
 import shapely
+from scipy.optimize import brentq
 from shapely import Polygon
 
 from engaged import MODULE, TOLERANCE, designed, made, outlines, read, written
@@ -436,6 +437,26 @@ def test_tip_relief_is_a_transmission_error_of_its_own_depth() -> None:
         assert found.first.flanks.mean() > 0.9
         assert side * found.error_rad == pytest.approx(expected, abs=0.02 * relief.amount_mm / base)
         assert found.transmission_error_rad > 0.1 * relief.amount_mm / base
+
+
+@pytest.mark.parametrize(("amount_mm", "start"), [(0.03, 0.3), (0.004, 0.5)])
+def test_contact_ratio_does_not_count_flanks_that_a_relief_holds_apart(amount_mm: float, start: float) -> None:
+    """Circular gears: a pair touches from where it lags by no more than a micrometre behind the one before it."""
+    relief = TipRelief(amount_mm, start * MODULE, MODULE)
+    contact, pitch = designed("uniform", 25, relief=relief), pi * MODULE
+
+    def lag_mm(rolled_mm: float) -> float:
+        high = abs(rolled_mm) * sin(ALPHA) * cos(ALPHA)
+        return amount_mm * (max(high - relief.start_mm, 0.0) / (MODULE - relief.start_mm)) ** 2
+
+    half = brentq(lambda rolled: lag_mm(rolled) - lag_mm(pitch - rolled) - 1e-3, 0.5 * pitch, pitch)
+    for side in both(contact):
+        assert side.arcs == pytest.approx(2.0 * half / pitch, abs=0.02)
+        assert side.simultaneous.mean() == pytest.approx(2.0 * half / pitch, abs=0.06)
+        assert side.reaches.min() > side.arcs.max() + 0.1
+    plain = designed("uniform", 25)
+    assert all(np.array_equal(side.arcs, side.reaches) for side in both(plain))
+    assert contact.reach == pytest.approx(plain.contact_ratio, abs=0.05)
 
 
 @pytest.mark.slow

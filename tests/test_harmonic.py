@@ -276,9 +276,14 @@ def test_ratios_beyond_sense_are_refused(cosine: list[float], sine: list[float],
     assert "1:1e" in caught.value.problem
 
 
+def residual_rad(transmission: Transmission) -> float:
+    """What rounding leaves: the last digit of a driving angle, times the fastest the driven gear turns."""
+    return 1e-12 + 2.0 * np.pi * np.finfo(float).eps * transmission.slope_range[1].value
+
+
 def test_just_below_the_largest_range_is_a_law() -> None:
     transmission = law([6.9], [])
-    assert abs(transmission.closure_error_rad) <= 1e-12
+    assert abs(transmission.closure_error_rad) <= residual_rad(transmission)
     assert transmission.ratio_range[1].value / transmission.ratio_range[0].value == pytest.approx(
         np.exp(13.8), rel=1e-9
     )
@@ -291,7 +296,7 @@ def test_every_list_gives_a_law_or_a_refusal(cosine: list[float], sine: list[flo
         transmission = law(cosine, sine)
     except DesignError:
         return
-    assert abs(transmission.closure_error_rad) <= 1e-12
+    assert abs(transmission.closure_error_rad) <= residual_rad(transmission)
 
 
 def test_evaluation_is_fast() -> None:

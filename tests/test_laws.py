@@ -34,6 +34,17 @@ from test_stroke import AT_LAW_SPEED, BALER
 SMALL = CrankSlider(50.0, 200.0, -10.0)
 
 
+def test_a_driven_angle_that_passes_a_bump_of_its_ratio_by_does_not_close() -> None:
+    """The negative control of the residual: at the period's end the driven angle itself is exact."""
+
+    def blind(phi1: Array, order: int) -> Jet:
+        slope = 1.0 + 0.2 * np.exp(-(((phi1 - 3.3) / 0.05) ** 2))
+        return Jet(np.stack([phi1, slope, *[0.0 * phi1] * max(order - 1, 0)])[: order + 1])
+
+    law = Transmission((Piece(0.0, 2.0 * pi, blind),), Lobes())
+    assert law.closure_error_rad == pytest.approx(0.2 * 0.05 * sqrt(pi), rel=1e-4)
+
+
 def stroke_of(
     request: StrokeRequest, linkage: CrankSlider, lobes: Lobes, constant: float | None = None, inverse: bool = False
 ) -> Transmission:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from math import pi
+from math import erf, exp, pi, sqrt
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.optimize import minimize_scalar
 
 from ncgear.design.keys.machine import NEAREST_MM
 from ncgear.design.reading.design_file import load
@@ -138,6 +139,44 @@ def test_narrow_peaks_between_the_samples_are_found() -> None:
     at = float(BALER_LINKAGE.crank_angle(np.array([400.05]), np.array([False]))[0])
     exact = 1e4 * float(machine.displacement(np.array([at]), 1).derivative(1)[0]) * 2.0 * pi / 1000.0
     assert kinematic_check(machine).peak_power_w.value == pytest.approx(exact, rel=1e-6)
+
+
+@pytest.mark.parametrize("width_mm", [40.0, 1.0, 0.05, 3e-3])
+@pytest.mark.parametrize("at_mm", [123.456, 611.07])
+def test_narrow_peaks_of_an_expression_are_found(at_mm: float, width_mm: float) -> None:
+    """Peak power and work of a bell of any width, against the closed form and scipy's search on the bell alone."""
+    resistance = FormulaResistance(f"150 + 4e3*exp(-((x - {at_mm})/{width_mm})**2)")
+    machine = Machine(uniform_law(Lobes()), BALER_LINKAGE, resistance, 2.0 * pi)
+    middle, side = (
+        float(BALER_LINKAGE.crank_angle(np.array([x]), np.array([False]))[0]) for x in (at_mm, at_mm + 3.0 * width_mm)
+    )
+
+    def power_w(angle: float) -> float:
+        slider = machine.displacement(np.array([angle]), 1)
+        force = 150.0 + 4e3 * exp(-(((float(slider.value[0]) - at_mm) / width_mm) ** 2))
+        return force * float(slider.derivative(1)[0]) * 2.0 * pi / 1000.0
+
+    reach = 2.0 * abs(side - middle)
+    best = minimize_scalar(lambda t: -power_w(t), bounds=(middle - reach, middle + reach), options={"xatol": 1e-13})
+    check = kinematic_check(machine)
+    # A search by values alone stops where they differ by rounding errors, which is up to 1e-8 short of the peak.
+    assert -best.fun * (1.0 - 1e-12) <= check.peak_power_w.value <= -best.fun * (1.0 + 1e-7)
+    bell = 4e3 * width_mm * sqrt(pi) / 2.0 * (erf((STROKE - at_mm) / width_mm) + erf(at_mm / width_mm))
+    assert check.mean_power_w == pytest.approx((150.0 * STROKE + bell) / 1000.0, rel=1e-12)
+
+
+def test_the_turns_of_narrow_waves_are_all_there() -> None:
+    """Half a wave apart; the wave packet is 0.2 mm wide."""
+    resistance = FormulaResistance("80 + 30*sin(900*x)*exp(-((x - 222.2)/0.1)**2)")
+    turns = resistance.turns_mm(STROKE)
+    apart = np.diff(turns[np.abs(turns - 222.2) < 0.1])
+    assert apart.size > 50
+    assert apart == pytest.approx(pi / 900.0, rel=0.02)
+
+
+def test_a_peak_too_narrow_for_sixteen_digits_is_refused_with_its_place() -> None:
+    with pytest.raises(WrongInput, match=r"near x = 611\.07"):
+        FormulaResistance("150 + 4e3*exp(-((x - 611.07)/1e-7)**2)").work_n_mm(np.array([STROKE]), STROKE)
 
 
 UNIFORM = HEAD + "motion: {law: uniform_crank}\n"

@@ -117,6 +117,18 @@ def test_shipped_designs_are_screened_together(name: str) -> None:
     assert tuple(found.figures) == CHECK_FIGURES + PITCH_FIGURES
 
 
+@pytest.mark.parametrize(("width_mm", "batch"), [(90.0, True), (0.02, False)])
+def test_a_narrow_peak_of_the_resistance_is_not_left_to_a_batch(width_mm: float, batch: bool) -> None:
+    """The samples of a batch see nothing of it, and their series is resolved all the same."""
+    data = data_of("baler")
+    data["resistance"] = {"expression_n": f"500 + 3e3*exp(-((x - 401.77)/{width_mm})**2)"}
+    designs = [Design.model_validate(data)]
+    assert together(designs).all() == batch
+    found = screened(designs)
+    assert disagreement(found, designs) <= AGREEMENT
+    assert found.figures["check.peak_power_w"][0] > 1000.0
+
+
 def random_strokes(seed: int, count: int) -> list[Design]:
     random = np.random.default_rng(seed)
     return [stroke_design(random) for _ in range(count)]

@@ -13,10 +13,9 @@ from itertools import pairwise
 from math import ceil, pi
 
 import numpy as np
-from numpy.polynomial import legendre
 from scipy.integrate import tanhsinh
 
-from ncgear.numerics import chebyshev
+from ncgear.numerics import chebyshev, quadrature
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
 from ncgear.numerics.extrema import Extremum
@@ -130,10 +129,7 @@ def squared_magnitude(along: Waveform, across: Waveform) -> Waveform:
 
 def gauss_points(breaks: Array) -> tuple[Array, Array]:
     """Points and weights of Gauss-Legendre quadrature on all panels, shape (NODES m,) each."""
-    unit, weights = legendre.leggauss(NODES)
-    left, right = breaks[:-1, None], breaks[1:, None]
-    half = (right - left) / 2.0
-    return ((left + right) / 2.0 + half * unit).ravel(), (half * weights).ravel()
+    return quadrature.gauss_points(breaks, NODES)
 
 
 def _mean_root(squared: Waveform) -> float:

@@ -42,7 +42,7 @@ class PairContact:
 
     @property
     def contact_ratio(self) -> float:
-        """Least arc of contact of any pair of flanks, in pitches."""
+        """Least arc of contact of any pair of flanks, in pitches, without load."""
         return self.as_designed.contact_ratio
 
     @property
@@ -152,10 +152,10 @@ def refuse_short_contact(designed: AsDesigned, teeth: ToothedPair, least: float,
     parts = designed.longest_gap_pitches > overlap
     helix = f" and {overlap:.3g} more by the helix" if overlap else ""
     for side in (designed.pushing, designed.back):
-        shortest = int(np.argmin(side.arcs))
-        if least > 1.0 and side.arcs[shortest] + overlap < least - ROUNDING:
+        shortest = int(np.argmin(side.reaches))
+        if least > 1.0 and side.reaches[shortest] + overlap < least - ROUNDING:
             raise NoSuchMechanism(
-                f"the flanks of {_pair(side, teeth, shortest)} touch over {side.arcs[shortest]:.3g} pitches{helix} "
+                f"the flanks of {_pair(side, teeth, shortest)} touch over {side.reaches[shortest]:.3g} pitches{helix} "
                 f"only, less than {least:.3g}: {_limits(side, teeth, shortest)}; {REMEDY}",
                 key="gears.least_contact_ratio",
             )
@@ -164,7 +164,7 @@ def refuse_short_contact(designed: AsDesigned, teeth: ToothedPair, least: float,
             raise NoSuchMechanism(
                 f"no flanks touch at phi1 = {in_words(float(designed.placement.phi1_rad[parted]))}: one pair parts "
                 f"before the next one meets; the shortest contact is that of {_pair(side, teeth, shortest)}, "
-                f"{side.arcs[shortest]:.3g} pitches: {_limits(side, teeth, shortest)}; {REMEDY}",
+                f"{side.reaches[shortest]:.3g} pitches: {_limits(side, teeth, shortest)}; {REMEDY}",
                 key="gears.least_contact_ratio",
             )
 

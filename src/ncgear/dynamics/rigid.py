@@ -186,7 +186,14 @@ def fluctuation(rigid: RigidMachine) -> Fluctuation:
 def refuse_locked(rigid: RigidMachine) -> None:
     """Raises NoSuchMechanism, with the driving angle, where flanks carry at a pressure angle of 90 degrees or more."""
     for stretch in stretches(rigid.machine) if rigid.place else ():
-        phi1 = grid_between(stretch.start_rad, stretch.end_rad, np.array(stretch.knots_rad))
+        breaks = rigid.breaks(stretch)
+        steepest = extremes(
+            partial(_along, rigid, stretch, lambda loads: loads.mesh_force.pressure_angle_rad),
+            stretch.start_rad,
+            stretch.end_rad,
+            breaks,
+        )[1]
+        phi1 = np.append(grid_between(stretch.start_rad, stretch.end_rad, breaks), steepest.at)
         loads = rigid.on(stretch, phi1)
         torque, angle = loads.driven_torque.value, loads.mesh_force.pressure_angle_rad.value
         locked = (np.abs(torque) > IDLE * np.abs(torque).max()) & (angle >= pi / 2.0)

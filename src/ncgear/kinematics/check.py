@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from math import degrees
+from math import degrees, fsum
 
 import numpy as np
 
-from ncgear.kinematics.motion import Machine, Stretch, cut, stretches
+from ncgear.kinematics.motion import Machine, Stretch, angles_at, cut, stretches
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.extrema import Extremum, extremes
+from ncgear.numerics.extrema import NO_KNOTS, Extremum, extremes
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import N_PER_KG_MM_S2, RAD_S_PER_RPM
 
@@ -66,27 +66,37 @@ def work_per_stroke_j(resistance: Resistance, stroke_mm: float) -> float:
     return float(resistance.work_n_mm(np.array([stroke_mm]), stroke_mm)[0]) / 1000.0
 
 
+def stroke_error_mm(machine: Machine) -> float:
+    """What the slider's speed, integrated over its working stroke, misses of the mechanism's stroke."""
+    return fsum(stretch.way_mm for stretch in stretches(machine) if stretch.working) - machine.linkage.stroke_mm
+
+
 def _peak(parts: Iterable[Stretch], quantity: Callable[[Jet], Jet]) -> Extremum:
     """Largest magnitude over the stretches of a quantity made from the displacement's jet."""
     found = [extremum for stretch in parts for extremum in _extremes(stretch, quantity, 3)]
     return max((Extremum(abs(extremum.value), extremum.at) for extremum in found), key=lambda extremum: extremum.value)
 
 
-def _extremes(stretch: Stretch, quantity: Callable[[Jet], Jet], order: int) -> tuple[Extremum, Extremum]:
+def _extremes(
+    stretch: Stretch, quantity: Callable[[Jet], Jet], order: int, passed_mm: Array = NO_KNOTS
+) -> tuple[Extremum, Extremum]:
+    """Extremes on a stretch; ``passed_mm`` are displacements at which the quantity may have a corner."""
+
     def of_angle(phi1: Array) -> Jet:
         return quantity(stretch.displacement(phi1, order))
 
-    return extremes(of_angle, stretch.start_rad, stretch.end_rad, np.array(stretch.knots_rad))
+    knots = np.union1d(stretch.knots_rad, angles_at(stretch, passed_mm))
+    return extremes(of_angle, stretch.start_rad, stretch.end_rad, knots)
 
 
 def _peak_power(machine: Machine, working: Sequence[Stretch]) -> Extremum:
     """Largest force times dx/dphi1, in N mm per rad; never below zero."""
-    turns = machine.resistance.turns_mm(machine.linkage.stroke_mm)
+    knots = machine.resistance.knots_mm(machine.linkage.stroke_mm)
 
     def power(position: Jet) -> Jet:
         return machine.resistance.fitted_n(position.truncated(1)) * position.differentiated()
 
-    found = [_extremes(part, power, 2)[1] for stretch in working for part in cut(stretch, turns)]
+    found = [_extremes(stretch, power, 2, knots)[1] for stretch in working]
     return max((Extremum(0.0, working[0].start_rad), *found), key=lambda extremum: extremum.value)
 
 

@@ -21,6 +21,7 @@ from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.quadrature import integrated_slope
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.numerics.zeros import zeros_between
 from ncgear.ratio.transmission import CLOSED, Piece, Transmission
@@ -159,6 +160,12 @@ class Stretch:
         shifted = (knot + self.turned[0] for knot in self.piece.knots_rad)
         return tuple(knot for knot in shifted if self.start_rad < knot < self.end_rad)
 
+    @property
+    def way_mm(self) -> float:
+        """The integral of the slider's speed, which judges its displacement's growth."""
+        breaks = np.array([self.start_rad, *self.knots_rad, self.end_rad])
+        return integrated_slope(lambda phi1: self.displacement(phi1, 1), breaks)
+
     def driven_angle(self, phi1: Array, order: int) -> Jet:
         """phi2 in rad, with derivatives by phi1; one-sided limits at the ends."""
         driving, driven = self.turned
@@ -200,6 +207,8 @@ def cut(stretch: Stretch, displacements_mm: Array) -> list[Stretch]:
 
 def angles_at(stretch: Stretch, displacements_mm: Array) -> Array:
     """Driving angles inside the stretch at which the slider passes any of the displacements, shape (n,), rising."""
+    if not displacements_mm.size:
+        return displacements_mm
     ends = stretch.displacement(np.array([stretch.start_rad, stretch.end_rad]), 0).value
     wanted_mm: Array = displacements_mm[(displacements_mm > ends.min()) & (displacements_mm < ends.max())]
     if not wanted_mm.size:

@@ -56,6 +56,14 @@ class Resistance(ABC):
     def turns_mm(self, stroke_mm: float) -> Array:
         """Displacements inside the stroke between which the curve is smooth and monotone, in rising order."""
 
+    def panels_mm(self, stroke_mm: float) -> Array:
+        """Displacements inside the stroke between which a polynomial is the curve, more of them where it is sharp."""
+        return np.empty(0)
+
+    def knots_mm(self, stroke_mm: float) -> Array:
+        """Displacements inside the stroke between which a search misses nothing of the curve, in rising order."""
+        return np.union1d(self.turns_mm(stroke_mm), self.panels_mm(stroke_mm))
+
     def negative_stretches_mm(self, stroke_mm: float) -> list[tuple[float, float]]:
         """Stretches of the stroke on which the curve is negative."""
         edges = [0.0, *self.zeros_mm(stroke_mm).tolist(), stroke_mm]
@@ -174,8 +182,8 @@ class TableResistance(Resistance):
 KEY = "resistance.expression_n"
 
 
-MOST_TURNS = 200
-"""Most ups and downs over a stroke that are followed, each of which takes some milliseconds."""
+MOST_TURNS = 500
+"""Most ups and downs over a stroke that are followed; some searches take milliseconds for each."""
 
 FLAT = 1e-13
 """Slope, relative to the largest, that counts as zero: its form is resolved to some hundredth of that."""
@@ -214,13 +222,21 @@ class FormulaResistance(Resistance):
         """Corners, and zeros of the Chebyshev form of the derivative."""
         return within(_forms(self, stroke_mm).turns_mm, stroke_mm)
 
+    def panels_mm(self, stroke_mm: float) -> Array:
+        """The panels of the Chebyshev form of the derivative."""
+        return _forms(self, stroke_mm).panels_mm
+
 
 @dataclass(frozen=True, eq=False)
 class _Forms:
-    """A proven form of a force over the stroke, and the places between which it is smooth and monotone."""
+    """A proven form of a force over the stroke, and the places between which it is smooth and monotone.
+
+    ``panels_mm`` are the ends of panels of its derivative's form inside the stroke.
+    """
 
     force: PiecewiseChebyshev
     turns_mm: Array
+    panels_mm: Array
 
 
 @lru_cache(maxsize=16)
@@ -242,11 +258,12 @@ def _forms(resistance: FormulaResistance, stroke_mm: float) -> _Forms:
         low, high = (float(part.values(np.array([corner]))[0]) for part in (before, after))
         if not abs(high - low) <= NO_JUMP * np.abs(whole.coefficients).max():
             raise WrongInput(f"{text!r} jumps from {low:.6g} to {high:.6g} N at x = {corner:.6g} mm; {right}", key=KEY)
-    turns = np.unique(np.concatenate([corners, _turns(joined(slopes))]))
+    slope = joined(slopes)
+    turns = np.unique(np.concatenate([corners, _turns(slope)]))
     if turns.size > MOST_TURNS:
         problem = f"{text!r} turns up or down {turns.size} times over the stroke of {stroke_mm:g} mm"
         raise WrongInput(f"{problem}; at most {MOST_TURNS} turns are followed", key=KEY)
-    return _Forms(whole, turns)
+    return _Forms(whole, turns, slope.breaks[1:-1])
 
 
 def _turns(slope: PiecewiseChebyshev) -> Array:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.zeros import zeros_between
 
@@ -20,14 +20,18 @@ ROUGH = 0.01
 """Share of the largest value by which a sample may miss the cubic through its neighbours.  A wave of nine samples
 misses it by this share; narrower features, as of a ratio of 1:200, are sampled more finely until they miss by less."""
 
+FINE, BEYOND = 1e-6, 10.0
+"""Where the value may be the largest or the smallest, samples are added until they miss by this share only.  It may be
+so where a sample is less than ten times what it misses by away from the largest or smallest one so far."""
+
 HALVINGS = 30
 """Most halvings of a step: steps of 1e-11 of a piece are next to rounding."""
 
 NOISE = 0.9
 """If a larger share of samples misses the cubic, finer ones are of no use: the function is zero but for rounding."""
 
-MOST_SAMPLES = 20_000
-"""Number of points of a piece at which refining ends; a ratio of 1:200 takes 200."""
+MOST_ADDED = 20_000
+"""Number of points added to a piece at which refining ends; a ratio of 1:200 takes 200."""
 
 NEXT = 1e-3
 """Share of a step at which a further sample is taken beside one of zero slope.  A zero of third order leaves a slope of
@@ -82,8 +86,12 @@ def _sampled(function: Callable[[Array], Jet], grid: Array) -> tuple[Array, Arra
     low = np.arange(0, grid.size - 2, 2)
     middle, high = low + 1, low + 2
     for halving in range(HALVINGS):
-        rough = _missed(points, values, slopes, (low, middle, high)) > ROUGH * np.max(np.abs(values))
-        if not rough.any() or (not halving and np.mean(rough) > NOISE) or points.size > MOST_SAMPLES:
+        missed = _missed(points, values, slopes, (low, middle, high))
+        scale = np.max(np.abs(values))
+        if not halving and np.mean(missed > ROUGH * scale) > NOISE:
+            break
+        rough = (missed > ROUGH * scale) | ((missed > FINE * scale) & _may_be_extreme(values, missed, middle))
+        if not rough.any() or points.size > grid.size + MOST_ADDED:
             break
         low, high = np.concatenate([low[rough], middle[rough]]), np.concatenate([middle[rough], high[rough]])
         between = (points[low] + points[high]) / 2.0
@@ -115,6 +123,13 @@ def _missed(points: Array, values: Array, slopes: Array, triples: tuple[IndexArr
     cubic = (values[low] + values[high]) / 2.0 + (points[high] - points[low]) * (slopes[low] - slopes[high]) / 8.0
     missed: Array = np.abs(values[middle] - cubic)
     return missed
+
+
+def _may_be_extreme(values: Array, missed: Array, middle: IndexArray) -> Mask:
+    """Whether the function about each middle sample may go beyond all samples, judged by how far it ``missed``."""
+    reach = BEYOND * missed
+    beyond: Mask = (values[middle] + reach > np.max(values)) | (values[middle] - reach < np.min(values))
+    return beyond
 
 
 def extremes(

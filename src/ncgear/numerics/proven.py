@@ -54,6 +54,10 @@ MOST_CHOICES = 200
 AT_ONCE = 400
 """Cells that are compared together: 16 400 points, some megabytes for the longest formula."""
 
+SHAKEN_BY = 4.0 * np.finfo(float).eps
+"""Rounding errors of a formula's value, relative to the argument times the slope: some units of each operation that
+leads from the argument to where it changes fast."""
+
 UNDECIDED = 1e-13
 """Share of its largest value below which a condition counts as zero, so that it does not matter which side is taken."""
 
@@ -64,7 +68,11 @@ def proven(formula: Formula, start: float, end: float) -> PiecewiseChebyshev:
     def agreed(left: Array, right: Array, coefficients: Array, sizes: Array) -> Mask:
         return _agreed(formula, _Panels(left, right, coefficients), sizes)
 
-    form = chebyshev.fitted(formula.values, np.array([start, end]), agreed=agreed)
+    def shaken(points: Array) -> Array:
+        errors: Array = SHAKEN_BY * np.abs(points * formula.derivative().values(points))
+        return np.where(np.isfinite(errors), errors, 0.0)
+
+    form = chebyshev.fitted(formula.values, np.array([start, end]), agreed=agreed, shaken=shaken)
     if form.breaks.size > MOST_PANELS + 1:
         raise NotSmooth(float(form.breaks[np.argmin(np.diff(form.breaks))]))
     return form

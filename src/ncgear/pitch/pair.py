@@ -13,8 +13,10 @@ import numpy as np
 
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.extrema import Extremum
+from ncgear.numerics.extrema import Extremum, stationary_points
+from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import in_words
+from ncgear.numerics.zeros import zeros_between
 from ncgear.pitch import shape
 from ncgear.pitch.curve import ArcLength, PitchCurve, arc_length, period_length
 from ncgear.pitch.internal import require_ring, require_room
@@ -125,20 +127,36 @@ class PitchPair:
         return None if self.convex(gear) else -1.0 / self._bend_range(gear)[0]
 
     def concave_ranges(self, gear: Gear) -> list[tuple[float, float]]:
-        """Stretches of the driving angle within one period on which the closed curve is dented.
+        """Stretches of the driving angle within one period on which the closed curve is dented, with exact ends."""
+        found: list[tuple[float, float]] = []
+        for piece in self.transmission.pieces:
+            for start, end in self._concave_on(piece, gear):
+                if found and start == found[-1][1]:
+                    found[-1] = found[-1][0], end
+                else:
+                    found.append((start, end))
+        return found
 
-        Their ends are exact to 1/2000 of the period.
-        """
-        phi1 = np.linspace(0.0, self.transmission.lobes.driving_period_rad, 2001)
-        slope = self.transmission.driven_angle(phi1, 3).differentiated()
-        bend = shape.curvature(slope, gear, self.mesh).value / self.center_distance_mm
-        if shape.is_ring(gear, self.mesh):
-            bend = -bend
-        concave = bend * self.center_distance_mm < -STRAIGHT
-        edges = np.nonzero(np.diff(np.concatenate([[False], concave, [False]]).astype(int)))[0]
-        stretches = [(float(phi1[a]), float(phi1[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-        # A joint at the seam belongs to the next period: its single point is no stretch of this one.
-        return [(start, end) for start, end in stretches if end > start]
+    def _concave_on(self, piece: Piece, gear: Gear) -> list[tuple[float, float]]:
+        """The dented stretches of a piece: between two stationary points the curvature passes a value once at most."""
+        outwards = -1.0 if shape.is_ring(gear, self.mesh) else 1.0
+
+        def bulge(phi1: Array) -> Jet:
+            return shape.curvature(piece.slope(phi1, 3), gear, self.mesh) * outwards + STRAIGHT
+
+        points = stationary_points(bulge, piece.start_rad, piece.end_rad, np.array(piece.knots_rad))
+        sign = np.sign(bulge(points).value)
+        change = np.nonzero(sign[:-1] * sign[1:] < 0.0)[0]
+        edges = points[[0, -1]]
+        if change.size:
+            zeros = zeros_between(lambda phi1: bulge(phi1).value, points[change], points[change + 1])
+            edges = np.unique(np.concatenate([edges, zeros]))
+        dented = bulge((edges[:-1] + edges[1:]) / 2.0).value < 0.0
+        return [
+            (low, high)
+            for low, high, below in zip(edges[:-1].tolist(), edges[1:].tolist(), dented, strict=True)
+            if below
+        ]
 
     @cached_property
     def largest_tangent_angle_rad(self) -> Extremum:

@@ -14,7 +14,7 @@ from ncgear.design.mechanisms import entry_of
 from ncgear.design.reading.design_file import LoadedDesign, parsed
 from ncgear.design.reading.design_file import load as load_design
 from ncgear.errors import Places, WrongInput, located
-from ncgear.kinematics.check import KinematicCheck, kinematic_check
+from ncgear.kinematics.check import KinematicCheck, kinematic_check, stroke_error_mm
 from ncgear.kinematics.motion import Machine, SliderMotion, sample_angles
 from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Mechanism
@@ -147,6 +147,13 @@ class Drive:
         """Exact peaks at the operating speed."""
         with self.stopwatch("check"):
             return kinematic_check(self.machine)
+
+    @computed
+    def stroke_residual_mm(self) -> float:
+        """What the motion misses of the stroke: the slider's integrated speed, or a law's own parts, whichever more."""
+        prescribed = abs(self.law.stroke.closing_error_mm) if self.law.stroke else 0.0
+        with self.stopwatch("check"):
+            return max(abs(stroke_error_mm(self.machine)), prescribed)
 
     @computed
     def uniform_check(self) -> KinematicCheck:

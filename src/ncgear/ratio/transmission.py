@@ -11,18 +11,18 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import pi
+from math import fsum, pi
 from operator import attrgetter
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.mechanisms.mechanism import Mechanism
-from ncgear.numerics import chebyshev, jet
+from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.chebyshev import NotSmooth
 from ncgear.numerics.extrema import Extremum, extremes
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.quadrature import integrated_slope
 from ncgear.numerics.units import in_words
 
 JetFunction = Callable[[Array, int], Jet]
@@ -30,10 +30,6 @@ JetFunction = Callable[[Array, int], Jet]
 
 CLOSED = 1e-12
 """Closure error in rad that counts as none: about 500 rounding errors of a full turn (tests/test_compensation.py)."""
-
-CUT = 0.381966
-"""Where the check of a law cuts the stretch between two knots: a share that halving never meets, so that no point of
-the check is one that the law was made from."""
 
 STANDSTILL = 1e-6
 """Share of its largest speed below which the driven gear counts as standing still.
@@ -80,6 +76,12 @@ class Piece:
     end_rad: float
     driven_angle: JetFunction
     knots_rad: tuple[float, ...] = ()
+
+    @property
+    def turned_rad(self) -> float:
+        """The integral of dphi2/dphi1, which judges the driven angle's growth."""
+        breaks = np.array([self.start_rad, *self.knots_rad, self.end_rad])
+        return integrated_slope(lambda phi1: self.driven_angle(phi1, 1), breaks)
 
     def slope(self, phi1: Array, order: int) -> Jet:
         """dphi2/dphi1 = 1/i12 with derivatives by phi1."""
@@ -135,13 +137,13 @@ class Transmission:
     def closure_error_rad(self) -> float:
         """What the driven angle misses of its period at the end of the driving period.
 
-        It is the larger of two errors: of the driven angle itself, and of the integral of dphi2/dphi1, which is taken
-        at points that no law uses.  Raises NoSuchMechanism where dphi2/dphi1 cannot be integrated.
+        Two judges say it, and the worse one is believed: the driven angle there, and the integral of 1/i12 over the
+        period at points that no law is made from.
         """
-        last = self.pieces[-1]
-        end = float(last.driven_angle(np.array([last.end_rad]), 0).value[0])
-        turned = (end, sum(_integrated_anew(piece) for piece in self.pieces))
-        return max((angle - self.lobes.driven_period_rad for angle in turned), key=abs)
+        last, period = self.pieces[-1], self.lobes.driven_period_rad
+        there = float(last.driven_angle(np.array([last.end_rad]), 0).value[0])
+        turned = fsum(piece.turned_rad for piece in self.pieces)
+        return max(there - period, turned - period, key=abs)
 
     @cached_property
     def slope_range(self) -> tuple[Extremum, Extremum]:
@@ -171,18 +173,6 @@ class Transmission:
         turned = np.zeros((order + 1, points.size))
         turned[0] = cycles * self.lobes.driven_period_rad
         return jet.joined(parts) + Jet(turned)
-
-
-def _integrated_anew(piece: Piece) -> float:
-    """The integral of dphi2/dphi1 over a piece, by panels that are cut elsewhere than at knots."""
-    joints = np.array([piece.start_rad, *piece.knots_rad, piece.end_rad])
-    cuts = np.union1d(joints, joints[:-1] + CUT * np.diff(joints))
-    try:
-        return chebyshev.fitted(lambda phi1: piece.slope(phi1, 0).value, cuts).integrated().final
-    except NotSmooth as fault:
-        raise NoSuchMechanism(
-            f"dphi2/dphi1 is not smooth near phi1 = {in_words(fault.at)}; it must be over the whole cycle", key="motion"
-        ) from fault
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,6 +15,7 @@ import numpy as np
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import Gears
 from ncgear.errors import DesignError, WrongInput
+from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.sampled import extremes, integration, tails
@@ -29,6 +30,9 @@ from ncgear.screening.samples import Kind, Sampled, Samples, sampled
 RESOLVED = 1e-12
 """Last coefficients, relative to a quantity's largest value, up to which a law counts as resolved: its least value, a
 hundredth of that where the ratio varies by 1:100, still has ten digits (tests/test_screening.py)."""
+
+SEEN = 2
+"""Fewest samples of a law on a panel of the force; peaks between two samples make panels that are narrower still."""
 
 Ranges = dict[str, tuple[Array, Array]]
 
@@ -115,12 +119,12 @@ def _integral(values: Array) -> Array:
 def single_figures(design: Design) -> dict[str, float]:
     """Every figure of a design; raises WrongInput or NoSuchMechanism where it cannot be made."""
     drive = Drive(design)
-    stroke, (low, high) = drive.law.stroke, drive.transmission.ratio_range
+    low, high = drive.transmission.ratio_range
     check = drive.check
     figures = {
         "drive.law_speed_rpm": drive.law_speed_rpm,
         "closure.residual_rad": abs(drive.transmission.closure_error_rad),
-        "closure.stroke_residual_mm": abs(stroke.closing_error_mm) if stroke else 0.0,
+        "closure.stroke_residual_mm": drive.stroke_residual_mm,
         "ratio.min": low.value,
         "ratio.max": high.value,
         "check.peak_power_w": check.peak_power_w.value,
@@ -163,7 +167,8 @@ def rows_of(kind: Kind, designs: Sequence[Design], count: int) -> list[Row | Non
     with np.errstate(all="ignore"):
         found = sampled(kind, designs, count)
         figures = law_figures(found.samples, fitted_n)
-    sure = np.nonzero(figures.resolved & found.sound)[0]
+    known = figures.resolved & found.sound
+    sure = np.nonzero(known & _force_is_seen(kind.resistance, found, known))[0]
     rows: list[Row | None] = [None] * len(designs)
     if sure.size:
         speed = np.array([designs[number].operation.speed_rpm for number in sure.tolist()]) * RAD_S_PER_RPM
@@ -174,6 +179,16 @@ def rows_of(kind: Kind, designs: Sequence[Design], count: int) -> list[Row | Non
             shape = {name: float(column[place]) for name, column in shapes.items()}
             rows[number] = _sized(row, shape, designs[number].gears, kind.lobes)
     return rows
+
+
+def _force_is_seen(resistance: Resistance, found: Sampled, known: Mask) -> Mask:
+    """Whether every panel of the force's curve holds two samples of the law, so that none hides a peak."""
+    displacement, stroke = found.samples.displacement_mm, found.stroke_mm[known]
+    if not known.any() or not (panels := resistance.panels_mm(float(stroke.max()))).size:
+        return known
+    count = np.stack([np.searchsorted(np.sort(row, axis=None), panels) for row in displacement])
+    seen: Mask = np.all((np.diff(count, axis=1) >= SEEN) | (panels[1:] > found.stroke_mm[:, None]), axis=1)
+    return seen
 
 
 def _law_of_rows(found: Sampled, figures: LawFigures, sure: IndexArray) -> dict[str, Array]:

@@ -10,15 +10,12 @@ import numpy as np
 from ncgear.contact.designed.clearance import TipClearance, tip_clearances
 from ncgear.contact.designed.curves import Contacts, SidePaths, side_paths
 from ncgear.contact.designed.edges import EdgeHits, edge_contacts, edge_hits
-from ncgear.contact.designed.flanks import flank_contacts
+from ncgear.contact.designed.flanks import TOUCHING_MM, FlankContacts, flank_contacts, foremost_two
 from ncgear.contact.placement import BACK, PUSHING, Meetings, Placement, meetings
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.units import in_words
 from ncgear.teeth.gear import ToothedPair
-
-TOUCHING_MM = 1e-3
-"""Distance at which teeth count as touching along with the first ones: a micrometre, which the lightest load closes."""
 
 ALIKE_RAD = 1e-12
 """Difference of driven angles at which contacts count as equally first: a hundred rounding errors."""
@@ -30,7 +27,8 @@ class SideContact:
 
     ``first`` has the first contact at each of the n positions, in order; of several equally first ones, the one nearest
     to the pitch point.  ``touching`` has all contacts that touch along with the first.  ``arcs`` (shape (m,)) is how
-    long the flanks of each meeting touch, in pitches.  ``driving_tips`` and ``driven_tips`` are the clearances of these
+    long the flanks of each meeting touch, in pitches, without load; ``reaches`` (shape (m,)) how long they could if a
+    load closed what tip relief leaves open.  ``driving_tips`` and ``driven_tips`` are the clearances of these
     gears' tips.
     """
 
@@ -38,6 +36,7 @@ class SideContact:
     first: Contacts
     touching: Contacts
     arcs: Array
+    reaches: Array
     driving_tips: TipClearance
     driven_tips: TipClearance
 
@@ -50,6 +49,11 @@ class SideContact:
     def transmission_error_rad(self) -> float:
         """Peak to peak variation of ``error_rad``."""
         return float(np.ptp(self.error_rad))
+
+    @property
+    def held_apart(self) -> bool:
+        """Whether any flanks touch for a shorter time than they could, as tip relief makes it."""
+        return bool(np.any(self.arcs < self.reaches))
 
     @cached_property
     def simultaneous(self) -> IndexArray:
@@ -107,8 +111,13 @@ class AsDesigned:
 
     @property
     def contact_ratio(self) -> float:
-        """Least arc of contact of any pair of flanks, in pitches."""
+        """Least arc of contact of any pair of flanks, in pitches, without load."""
         return float(min(self.pushing.arcs.min(), self.back.arcs.min()))
+
+    @property
+    def reach(self) -> float:
+        """Least arc over which any pair of flanks could touch, in pitches, if a load closed the tip relief."""
+        return float(min(self.pushing.reaches.min(), self.back.reaches.min()))
 
     @property
     def longest_gap_pitches(self) -> float:
@@ -149,13 +158,11 @@ def contacts_within(teeth: ToothedPair, placement: Placement, within_mm: float) 
 class _Candidates:
     """What may touch on one side of the teeth.
 
-    ``flanks`` are the contacts of flanks, ``arcs`` (shape (m,)) how long each meeting's flanks touch, in pitches, and
-    ``hits`` the corners before curves.
+    ``flanks`` are the contacts of flanks, and ``hits`` the corners before curves.
     """
 
     meetings: Meetings
-    flanks: Contacts
-    arcs: Array
+    flanks: FlankContacts
     hits: list[EdgeHits]
 
 
@@ -170,7 +177,7 @@ def _candidates(
 ) -> _Candidates:
     """The candidates on the driving gear's flanks of ``side`` (PUSHING or BACK)."""
     met = meetings(teeth, placement, side)
-    return _Candidates(met, *flank_contacts(teeth, placement, met), edge_hits(*paths, placement, met))
+    return _Candidates(met, flank_contacts(teeth, placement, met), edge_hits(*paths, placement, met))
 
 
 def _contacts_among(own: _Candidates, other: _Candidates, placement: Placement, within_mm: float = 0.0) -> Contacts:
@@ -181,14 +188,8 @@ def _contacts_among(own: _Candidates, other: _Candidates, placement: Placement, 
     """
     urge = own.meetings.urge
     hits = [found.kept(found.facing) for found in own.hits] + [found.kept(~found.facing) for found in other.hits]
-    return Contacts.joined([own.flanks, edge_contacts(hits, urge, _first_of(own.flanks, urge, placement), within_mm)])
-
-
-def _first_of(contacts: Contacts, urge: float, placement: Placement) -> Array:
-    """First driven angle of contacts at each position, times the urge, -inf where there is none, shape (n,)."""
-    first = np.full(placement.count, -np.inf)
-    np.maximum.at(first, contacts.position, urge * contacts.error_rad)
-    return first
+    flanks = own.flanks.contacts
+    return Contacts.joined([flanks, edge_contacts(hits, urge, foremost_two(flanks, urge, placement)[0], within_mm)])
 
 
 def _side_contact(
@@ -197,10 +198,15 @@ def _side_contact(
     """The first contacts among all candidates."""
     urge = own.meetings.urge
     contacts = _contacts_among(own, other, placement)
-    later = _first_of(contacts, urge, placement)[contacts.position] - urge * contacts.error_rad
-    alike, touching = later <= ALIKE_RAD, later * contacts.lever_mm <= TOUCHING_MM
+    foremost = foremost_two(contacts, urge, placement)
+    later = foremost[0, contacts.position] - urge * contacts.error_rad
     return SideContact(
-        own.meetings, _foremost(contacts.kept(alike), placement), contacts.kept(touching), own.arcs, *tips
+        own.meetings,
+        _foremost(contacts.kept(later <= ALIKE_RAD), placement),
+        contacts.kept(later * contacts.lever_mm <= TOUCHING_MM),
+        own.flanks.arcs(foremost, urge),
+        own.flanks.reaches,
+        *tips,
     )
 
 

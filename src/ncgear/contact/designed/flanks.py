@@ -21,6 +21,9 @@ is three positions long, which also covers what backlash shifts."""
 END_IN_MODULES = 1e-9
 """Height beyond its end at which a flank still counts as touching: rounding errors where an end meets a position."""
 
+TOUCHING_MM = 1e-3
+"""Distance at which teeth count as touching along with the first ones: a micrometre, which the lightest load closes."""
+
 NOWHERE_MM = 1e9
 """Height that no flank reaches; finite, so that differences of two are numbers."""
 
@@ -47,24 +50,80 @@ class _Heights:
         return np.stack([top - height, height - bottom])
 
 
-def flank_contacts(teeth: ToothedPair, placement: Placement, met: Meetings) -> tuple[Contacts, Array]:
-    """All contacts of flanks on one side of the teeth, and each meeting's arc of contact in pitches, shape (m,)."""
+@dataclass(frozen=True, eq=False)
+class FlankContacts:
+    """Where flanks on one side of the teeth touch if nothing else holds the gears apart.
+
+    ``contacts`` are those within what is left of both flanks.  ``near`` are these and the ones a little beyond the
+    flanks' ends, shape (n,): ``room`` (shape (4, combinations, n)) is how far in mm each is from the ends of both
+    flanks' runs, negative beyond them, and ``place`` its row and column in the table of meetings.
+    """
+
+    contacts: Contacts
+    near: Contacts
+    room: Array
+    place: tuple[IndexArray, IndexArray]
+    shape: tuple[int, int]
+    per_tooth: int
+
+    @property
+    def reaches(self) -> Array:
+        """How long the flanks of each meeting can touch, in pitches, shape (m,): as far as both flanks reach."""
+        return _arcs(self.room, *self.place, self.shape) / self.per_tooth
+
+    def arcs(self, foremost: Array, urge: float) -> Array:
+        """How long the flanks of each meeting do touch, in pitches, shape (m,).
+
+        They touch along with the first contact at each position; where others hold them apart, as beside a tip relief,
+        they do not.  ``foremost`` are the two values of ``foremost_two``.
+        """
+        own = urge * self.near.error_rad
+        first, second = foremost[:, self.near.position]
+        # The lead over the others goes smoothly through zero where flanks part, so that it may be interpolated.
+        others = np.where((own >= first) & np.isfinite(second), second, first)
+        closer = np.where(self.near.flanks, TOUCHING_MM - (others - own) * self.near.lever_mm, -1.0)
+        room = np.concatenate([self.room, np.broadcast_to(closer, (1, *self.room.shape[1:]))])
+        return _arcs(room, *self.place, self.shape) / self.per_tooth
+
+
+def flank_contacts(teeth: ToothedPair, placement: Placement, met: Meetings) -> FlankContacts:
+    """All contacts of flanks on one side of the teeth."""
     driving, driven = _heights(teeth.driving), _heights(teeth.driven)
     row, column, facing = _near(teeth, placement, met, driving, driven)
     touches = tangencies(facing, np.stack([driving.limits[:, facing.driving], driven.limits[:, facing.driven]]))
     room = _room(driving.room(facing.driving, touches.driving_mm), driven.room(facing.driven, touches.driven_mm))
-    arcs = _arcs(np.where(touches.found, room, -1.0), row, column, met.position.shape) / placement.per_tooth
     least = END_IN_MODULES * facing.module_mm
     touching = touches.found & (room >= -least).all(axis=0).any(axis=0)
     columns = placement.ahead * touches.turn_rad, touches.point, touches.tangent, touches.found
-    return Contacts(facing.driving, facing.driven, facing.position, *columns).kept(touching), arcs
+    near = Contacts(facing.driving, facing.driven, facing.position, *columns)
+    found = np.where(touches.found, room, -1.0)
+    return FlankContacts(near.kept(touching), near, found, (row, column), met.position.shape, placement.per_tooth)
+
+
+def foremost_two(contacts: Contacts, urge: float, placement: Placement) -> Array:
+    """The first and the next driven angle of contacts at each position, times the urge, shape (2, n).
+
+    They are -inf where there is none.
+    """
+    value = urge * contacts.error_rad
+    order = np.lexsort((value, contacts.position))
+    rising = contacts.position[order]
+    leading = np.ones(rising.size, dtype=bool)
+    leading[:-1] = rising[1:] != rising[:-1]
+    two = np.full((2, placement.count), -np.inf)
+    two[0, rising[leading]] = value[order[leading]]
+    np.maximum.at(two[1], rising[~leading], value[order[~leading]])
+    return two
 
 
 def least_arc(teeth: ToothedPair, placement: Placement) -> float:
-    """Least arc of contact of any pair of flanks on either side of the teeth, in pitches."""
-    return min(
-        float(flank_contacts(teeth, placement, meetings(teeth, placement, side))[1].min()) for side in (PUSHING, BACK)
-    )
+    """Least arc of contact of any pair of flanks on either side of the teeth, in pitches, without load."""
+    least = []
+    for side in (PUSHING, BACK):
+        met = meetings(teeth, placement, side)
+        found = flank_contacts(teeth, placement, met)
+        least.append(float(found.arcs(foremost_two(found.contacts, met.urge, placement), met.urge).min()))
+    return min(least)
 
 
 def _heights(gear: ToothedGear) -> _Heights:

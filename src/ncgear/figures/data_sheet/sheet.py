@@ -231,12 +231,15 @@ def _helix(drive: Drive) -> list[Entry]:
 def tooth_data(drive: Drive) -> tuple[Entry, ...]:
     """Undercut and shortened teeth, and how long the teeth touch."""
     driving, driven = drive.teeth.driving, drive.teeth.driven
-    ratio = drive.designed_contact.contact_ratio
+    designed = drive.designed_contact
+    held_apart = designed.pushing.held_apart or designed.back.held_apart
+    least = "least contact ratio in the section at z = 0" if drive.helix else "least contact ratio"
     undercut = shown(driving.undercut), shown(driven.undercut)
     return (
         Entry("teeth that a tool of full depth undercuts", driving=undercut[0], driven=undercut[1]),
         Entry("teeth with shortened tips", driving=_shortened(driving), driven=_shortened(driven)),
-        Entry("least contact ratio in the section at z = 0" if drive.helix else "least contact ratio", pair=ratio),
+        Entry(f"{least}, without load" if held_apart else least, pair=designed.contact_ratio),
+        *([Entry(f"{least}, tip relief closed by a load", pair=designed.reach)] if held_apart else []),
         *([Entry("overlap ratio", pair=drive.overlap_ratio)] if drive.helix else []),
     )
 

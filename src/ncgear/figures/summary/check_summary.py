@@ -15,7 +15,7 @@ from ncgear.project.drive import Drive
 
 def check_summary(drive: Drive) -> dict[str, Any]:
     """Kinematics and power, without pitch curves.  The ratio is that of the drive's own stage, or else of the whole."""
-    stroke, of_ratio = drive.law.stroke, drive.transmission if drive.stage is None else drive.pair.transmission
+    of_ratio = drive.transmission if drive.stage is None else drive.pair.transmission
     low, high = of_ratio.ratio_range
     return {
         "design": {"name": drive.design.name, "description": drive.design.description, "law": drive.design.motion.law},
@@ -23,7 +23,7 @@ def check_summary(drive: Drive) -> dict[str, Any]:
         **_stages(drive),
         "closure": {
             "residual_rad": abs(drive.transmission.closure_error_rad),
-            "stroke_residual_mm": abs(stroke.closing_error_mm) if stroke else 0.0,
+            "stroke_residual_mm": drive.stroke_residual_mm,
         },
         "ratio": {"min": low.value, "max": high.value, "min_at_rad": low.at, "max_at_rad": high.at},
         "check": _check(drive),
