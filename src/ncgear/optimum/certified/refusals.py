@@ -105,8 +105,8 @@ def _refuse_ratio(crank_rad: float, driving_rad: float, limits: Limits, stretch:
         if abs(given - mean) <= LEAST_ROOM * mean:
             side = f"under {shown_below(mean)}" if key == "ratio_min" else f"over {shown_above(mean)}"
             raise NoSuchMechanism(
-                f"{given:.12g} leaves nothing to choose: the mean ratio of {stretch} is {mean:.6g}, so the ratio would be "
-                f"constant; {side} is right",
+                f"{given:.12g} leaves nothing to choose: the mean ratio of {stretch} is {mean:.6g}, so the ratio would "
+                f"be constant; {side} is right",
                 key=f"optimize.limits.{key}",
             )
     if limits.ratio_min > mean:
