@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import shapely
 from scipy.optimize import brentq
-from shapely import Polygon
+from shapely import LineString, Point, Polygon
 
 from engaged import MODULE, TOLERANCE, designed, made, outlines, read, written
 from ncgear.contact.designed.as_designed import AsDesigned, SideContact, as_designed
@@ -271,13 +271,15 @@ def test_tips_that_reach_into_the_roots_have_negative_clearance() -> None:
 
 
 def test_clearance_of_corners_from_fillets_is_that_of_a_fine_outline() -> None:
-    """Circular gears: a driving tip's corner on the line of centres, and the driven gear's points below its flanks."""
-    _, pair = made("uniform 1:2", 24, 1e-6)
+    """Circular gears: a driving tip's corner on the line of centres, and the driven gear's chords below its flanks."""
+    _, pair = made("uniform 1:2", 24, 5e-6)
     driven, depth = pair.driven.outline_mm @ [1, 1j], pair.driven.flanks.rack.flank_depth_mm
-    root = driven[np.abs(driven) < 48.0 - depth]
+    below = driven[np.abs(driven) < 48.0 - depth]
+    root = LineString(np.stack([below.real, below.imag], axis=1))
     # Tooth 1 of the driving gear stands in a driven space at phi1 = 0.  Turned by half its tip's width, back and on.
     half_tip = np.diff(pair.driving.sides.tip_mm[:2])[0] / 2.0 / 48.0
-    expected = min(np.abs(root * np.exp(1j * turn) + 48.0 - MODULE).min() for turn in (half_tip, -half_tip))
+    corners = [(MODULE - 48.0) * np.exp(1j * turn) for turn in (half_tip, -half_tip)]
+    expected = min(root.distance(Point(corner.real, corner.imag)) for corner in corners)
     assert designed("uniform 1:2", 24).pushing.driving_tips.from_fillet_mm == pytest.approx(expected, abs=1e-5)
 
 

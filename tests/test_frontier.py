@@ -203,6 +203,7 @@ def test_the_picture_and_the_text(tmp_path: Path) -> None:
     text = frontier_text(found(), BestLaw(design()), [tmp_path / "frontier.csv"])
     assert "33.3" in text
     assert "uniform crank" in text
+    assert "The best laws do not keep the constant speed v2" in text
 
 
 def test_small_powers_keep_their_digits_in_the_text() -> None:

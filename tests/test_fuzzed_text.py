@@ -6,7 +6,6 @@ import ast
 import resource
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -230,9 +229,7 @@ def made_or_refused(text: str) -> None:
         "phi**(" + "~" * 700 + "phi)",
     ],
 )
-def test_what_is_refused_may_be_nested_as_deep_as_can_be_read(
-    made_or_refused: Callable[[str], None], text: str
-) -> None:
+def test_what_is_refused_may_be_nested_as_deep_as_can_be_read(text: str) -> None:
     made_or_refused(text)
 
 

@@ -111,13 +111,25 @@ def test_power_alone_in_closed_form() -> None:
 
 @pytest.mark.thorough
 def test_a_ratio_of_one_is_the_uniform_crank() -> None:
-    near = Limits(1.0 - 1e-7, 1.0 + 1e-7)
     uniform = kinematic_check(Machine(uniform_law(Lobes()), BALER_LINKAGE, PRESS, 60.0 * RPM))
-    assert least_power(AT_SIXTY, near).value == pytest.approx(uniform.peak_power_w.value, rel=1e-4)
+    for room in (1e-7, 2e-9):
+        near = Limits(1.0 - room, 1.0 + room)
+        assert least_power(AT_SIXTY, near).value == pytest.approx(uniform.peak_power_w.value, rel=1e-5)
     steep = replace(USUAL, pressure_angle_rad=1e-4)
     assert least_acceleration(AT_SIXTY, steep).value == pytest.approx(
         uniform.peak_acceleration_cycle_mm_s2.value, rel=2e-3
     )
+
+
+@pytest.mark.parametrize("room", [0.0, 5e-10, -5e-10])
+def test_a_limit_at_the_mean_to_ten_digits_is_refused(room: float) -> None:
+    for limits, key in (
+        (Limits(1.0 - room, 5.0), "optimize.limits.ratio_min"),
+        (Limits(0.2, 1.0 + room), "optimize.limits.ratio_max"),
+    ):
+        with pytest.raises(NoSuchMechanism, match="leaves nothing to choose") as refused:
+            least_power(AT_SIXTY, limits)
+        assert refused.value.key == key
 
 
 def test_scaling_with_speed_and_size() -> None:

@@ -15,13 +15,14 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from PIL import Image
+from PIL import Image, ImageColor
 
 from drives import drive, drive_of_text
 from ncgear.drawings.charts.chart import EMPTY, Line, Role
 from ncgear.drawings.charts.drawer import MOTION_COLUMN, MOTION_LOOK, beside_png, column_png, mark_extreme
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, motion_chart, over_displacement
 from ncgear.drawings.plots import assembled_pair as gears
+from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, HIGHLIGHT
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.csv_text import LAW_COLUMNS, law_csv, outline_csv, rows_text
 from ncgear.figures.numbers import json_text, shown
@@ -404,11 +405,9 @@ def shades(png: bytes) -> np.ndarray:
     return np.asarray(image.convert("RGB"), dtype=float)
 
 
-def near(pixels: np.ndarray, color: tuple[int, int, int]) -> int:
-    return int(np.sum(np.abs(pixels - color).max(axis=2) < 25))
-
-
-DRIVING, DRIVEN, HIGHLIGHT = (0x00, 0x72, 0xB2), (0xD5, 0x5E, 0x00), (0xCC, 0x79, 0xA7)
+def near(pixels: np.ndarray, color: str) -> int:
+    """Number of pixels of about that colour."""
+    return int(np.sum(np.abs(pixels - np.array(ImageColor.getrgb(color))).max(axis=2) < 25))
 
 
 @pytest.mark.thorough

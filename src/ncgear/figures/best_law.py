@@ -125,17 +125,19 @@ LAW_HEADS = ("peak power, W", "peak accel., mm/s2", "ratio", "tangent, deg", "co
 
 def optimized_text(best: BestLaw, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
     """The law beside its limit and the other mechanisms at equal speed, the files written, and those kept."""
-    return "\n".join([*_limit(best), "", *_table(best), *_notes(best), "", *written_lines(paths, kept)])
+    return "\n".join(
+        [*_limit(best), "", *_table(best), *_notes(best, "This law does"), "", *written_lines(paths, kept)]
+    )
 
 
-def _notes(best: BestLaw) -> list[str]:
-    """What the figures count besides the resistance, and what of the given motion the law does not keep."""
+def _notes(best: BestLaw, found: str) -> list[str]:
+    """What the figures count besides the resistance, and what of the given motion the laws ``found`` do not keep."""
     mass, lost = best.wishes.limits.mass_kg, best.design.motion.prescribed
     notes = []
     if mass:
         notes.append(f"Powers include the slider's {mass:g} kg (masses.slider_kg), in the return as well.")
     if lost:
-        notes.append(f"This law does not keep {lost} of the design as given.")
+        notes.append(f"{found} not keep {lost} of the design as given.")
     return ["", *notes] if notes else []
 
 
@@ -272,7 +274,7 @@ def frontier_text(found: Frontier, best: BestLaw, paths: Sequence[Path]) -> str:
         "",
         "At the same speed",
         *aligned(others, left=1, least=(0, 11, 15)),
-        *_notes(best),
+        *_notes(best, "The best laws do"),
         *([FAMILY_WITHOUT_MASS] if best.wishes.limits.mass_kg else []),
         "",
         *written_lines(paths),

@@ -138,7 +138,7 @@ def fitted(
             break
         middle, coarser = (left + right) / 2.0, np.tile(tails[~resolved], 2)
         left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
-    raise NotSmooth(float(left[0]))
+    raise NotSmooth(float(left.min()))
 
 
 def joined(forms: Sequence[PiecewiseChebyshev]) -> PiecewiseChebyshev:
@@ -164,7 +164,7 @@ def _panel_coefficients(function: Callable[[Array], Array], left: Array, right: 
     values = np.asarray(function(points.ravel()), dtype=float)
     wrong = ~np.isfinite(values).reshape(points.size, -1).all(axis=1)
     if wrong.any():
-        raise NotSmooth(float(points.ravel()[wrong][0]))
+        raise NotSmooth(float(points.ravel()[wrong].min()))
     return np.tensordot(_transform(degree), values.reshape(points.shape + values.shape[1:]), axes=1)
 
 

@@ -144,7 +144,7 @@ def _agreed(formula: Formula, panels: _Panels, sizes: Array) -> Mask:
         if not left.size:
             return good
         if left.size > MOST_CELLS:
-            raise NotSmooth(float(left[0]))
+            raise NotSmooth(float(left.min()))
         middle = (left + right) / 2.0
         left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
         owner = np.tile(owner, 2)

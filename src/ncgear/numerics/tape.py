@@ -49,7 +49,7 @@ class Writer:
         self.operations: list[Operation] = []
         self._places: dict[Operation, int] = {}
 
-    def write(self, operation: Operation) -> int:
+    def append(self, operation: Operation) -> int:
         """The place of an operation's result, which is the earlier one where there is an equal operation."""
         place = self._places.setdefault(operation, len(self.operations))
         if place == len(self.operations):
@@ -58,7 +58,7 @@ class Writer:
 
     def variable(self) -> int:
         """The variable."""
-        return self.write(Operation(VARIABLE))
+        return self.append(Operation(VARIABLE))
 
     def number(self, value: float) -> int:
         """A constant; raises NotReal for what is no finite real number."""
@@ -68,7 +68,7 @@ class Writer:
             number = math.nan
         if not math.isfinite(number):
             raise NotReal
-        return self.write(Operation(NUMBER, number=number))
+        return self.append(Operation(NUMBER, number=number))
 
     def constant(self, place: int) -> float | None:
         """The value of a result that is a number, None where it is none."""
@@ -90,7 +90,7 @@ class Writer:
             return self.power(operands[0], 2.0)
         if name == "sqrt" and self._even(operands[0]):
             return self.power(operands[0], 0.5)
-        return self.write(Operation(name, operands))
+        return self.append(Operation(name, operands))
 
     def power(self, base: int, exponent: float) -> int:
         """A constant power; the root of an even power is a power of the absolute value.  Raises NotReal."""
@@ -107,7 +107,7 @@ class Writer:
         if self._even(base) and not exponent.is_integer():
             inner = self.operations[base]
             return self.power(self.absolute(inner.operands[0]), inner.number * exponent)
-        return self.write(Operation(POWER, (base,), exponent))
+        return self.append(Operation(POWER, (base,), exponent))
 
     def absolute(self, place: int) -> int:
         """The absolute value."""
@@ -120,13 +120,13 @@ class Writer:
             return negative if value < 0.0 else otherwise
         if negative == otherwise:
             return negative
-        return self.write(Operation(CHOICE, (condition, negative, otherwise)))
+        return self.append(Operation(CHOICE, (condition, negative, otherwise)))
 
     def again(self, operation: Operation, operands: Sequence[int]) -> int:
         """An operation of another tape on results of this one."""
         match operation.name:
             case "variable" | "number":
-                return self.write(operation)
+                return self.append(operation)
             case "power":
                 return self.power(operands[0], operation.number)
             case "choice":
@@ -219,7 +219,7 @@ class Tape:
         """A writer that holds this tape's operations at their places."""
         writer = Writer()
         for operation in self.operations:
-            writer.write(operation)
+            writer.append(operation)
         return writer
 
 

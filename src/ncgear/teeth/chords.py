@@ -25,7 +25,7 @@ PLACED = 0.95
 """Share of the tolerance for which chords are placed: between probes the turning is known to a few per cent only."""
 
 MOST_CHORDS, MOST_OF_ONE = 30_000, 25
-"""Chords of all curves together, and of each where there are very many curves: half a minute of all that follows.
+"""Chords of all curves together, and of each where there are very many curves: a minute and 3 GB of all that follows.
 
 Teeth of a usual module take some twenty points each; their number grows with the root of module over tolerance.
 """

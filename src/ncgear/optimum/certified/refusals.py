@@ -57,8 +57,11 @@ DIGITS = 5
 """Significant digits of a nearest value; it is rounded to the side that is allowed."""
 
 
-LEAST_ROOM = 1e-6
-"""Share of the mean ratio by which a limit must differ from it: with less, rounding decides whether there is a law."""
+LEAST_ROOM = 1e-9
+"""Share of the mean ratio by which a limit must differ from it: a mean that is written with ten digits differs by less.
+
+The bounds themselves hold down to 1e-12; below that, rounding decides whether there is a law.
+"""
 
 
 def refuse_ratios(task: Task, limits: Limits) -> None:
@@ -102,8 +105,8 @@ def _refuse_ratio(crank_rad: float, driving_rad: float, limits: Limits, stretch:
         if abs(given - mean) <= LEAST_ROOM * mean:
             side = f"under {shown_below(mean)}" if key == "ratio_min" else f"over {shown_above(mean)}"
             raise NoSuchMechanism(
-                f"{given:g} leaves nothing to choose: the mean ratio of {stretch} is {mean:.6g}, so the ratio would be "
-                f"constant; {side} is right",
+                f"{given:.12g} leaves nothing to choose: the mean ratio of {stretch} is {mean:.6g}, so the ratio would "
+                f"be constant; {side} is right",
                 key=f"optimize.limits.{key}",
             )
     if limits.ratio_min > mean:
