@@ -38,6 +38,6 @@ beside: .venv  ## measure beside the other program of the field and write benchm
 docs: .venv  ## make the pictures, the heads of command pages, the pages of keys, the hard cases and the reproduction ledger anew
 	PYTHONPATH=docs $(PYTHON) -m made pictures
 	PYTHONPATH=tests $(PYTHON) -m hard.table
-	.venv/bin/ncgear reproduce --out docs
+	.venv/bin/ncgear reproduce && cp export/reproduction/reproduction.md docs/
 
 .PHONY: quick test slow fuzz attack lint bench beside docs
