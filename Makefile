@@ -18,7 +18,7 @@ fuzz: .venv  ## ten times as many random designs and formulas as the slow tests 
 	NCGEAR_FUZZ=10 $(PYTHON) -m pytest -m slow tests/test_random_designs.py tests/test_formula.py tests/test_proven.py
 
 attack: .venv  ## faults of the disk and death at every call, kills, generated designs and formulas, ten times as many
-	NCGEAR_FUZZ=10 $(PYTHON) -m pytest -m attack
+	NCGEAR_FUZZ=$${NCGEAR_FUZZ:-10} $(PYTHON) -m pytest -m attack
 
 lint: .venv  ## style, formatting, types
 	.venv/bin/ruff check . && .venv/bin/ruff format --check . && .venv/bin/mypy
