@@ -271,7 +271,7 @@ def test_tips_that_reach_into_the_roots_have_negative_clearance() -> None:
 
 def test_clearance_of_corners_from_fillets_is_that_of_a_fine_outline() -> None:
     """Circular gears: a driving tip's corner on the line of centres, and the driven gear's points below its flanks."""
-    _, pair = made("uniform 1:2", 24, 1.2e-6)
+    _, pair = made("uniform 1:2", 24, 3e-6)
     driven, depth = pair.driven.outline_mm @ [1, 1j], pair.driven.flanks.rack.flank_depth_mm
     root = driven[np.abs(driven) < 48.0 - depth]
     # Tooth 1 of the driving gear stands in a driven space at phi1 = 0.  Turned by half its tip's width, back and on.
