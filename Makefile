@@ -18,7 +18,7 @@ fuzz: .venv  ## ten times as many random designs and formulas as the slow tests 
 	NCGEAR_FUZZ=10 $(PYTHON) -m pytest -m slow tests/test_random_designs.py tests/test_formula.py tests/test_proven.py
 
 attack: .venv  ## faults of the disk and death at every call, kills, generated designs and formulas, ten times as many
-	NCGEAR_FUZZ=10 $(PYTHON) -m pytest -m attack
+	NCGEAR_FUZZ=$${NCGEAR_FUZZ:-10} $(PYTHON) -m pytest -m attack
 
 lint: .venv  ## style, formatting, types
 	.venv/bin/ruff check . && .venv/bin/ruff format --check . && .venv/bin/mypy
@@ -38,6 +38,6 @@ beside: .venv  ## measure beside the other program of the field and write benchm
 docs: .venv  ## make the pictures, the heads of command pages, the pages of keys, the hard cases and the reproduction ledger anew
 	PYTHONPATH=docs $(PYTHON) -m made pictures
 	PYTHONPATH=tests $(PYTHON) -m hard.table
-	.venv/bin/ncgear reproduce --out docs
+	.venv/bin/ncgear reproduce && cp export/reproduction/reproduction.md docs/
 
 .PHONY: quick test slow fuzz attack lint bench beside docs

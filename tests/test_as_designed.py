@@ -390,6 +390,20 @@ COUNTED = [("uniform 3:2", 30), ("ellipse", 37), ("sine", 25), ("baler", 86), ("
 
 
 @pytest.mark.thorough
+def test_the_contact_ratio_is_that_of_the_worse_side() -> None:
+    """The baler's 25 teeth, as the method page has them."""
+    pairs, _ = flank_pairs("baler", 25)
+    pitches = {}
+    for side in (-1.0, 1.0):
+        arcs = np.zeros(max(one.meeting for one in pairs) + 1)
+        for one in (one for one in pairs if one.side == side):
+            arcs[one.meeting] += (one.high_mm - one.low_mm) / (sin(ALPHA) * cos(ALPHA) * pi * MODULE)
+        pitches[side] = arcs.min()
+    assert sorted(pitches.values()) == pytest.approx([1.16, 1.27], abs=0.005)
+    assert designed("baler", 25).contact_ratio == pytest.approx(min(pitches.values()), abs=1e-9)
+
+
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "teeth"), COUNTED)
 def test_arcs_of_contact_are_those_of_the_heights_that_are_left(name: str, teeth: int) -> None:
     pairs, _ = flank_pairs(name, teeth)

@@ -51,6 +51,21 @@ def test_nothing_to_look_for_is_nothing_found() -> None:
     assert zeros_between(np.sin, np.empty(0), np.empty(0)).size == 0
 
 
+@pytest.mark.parametrize("low", [0.3, 3.2])
+def test_a_bracket_without_a_change_of_sign_is_refused(low: float) -> None:
+    """The negative control: beside a bracket that holds a zero, too."""
+    with pytest.raises(ArithmeticError, match="different signs"):
+        zeros_between(np.sin, np.array([3.0, low]), np.array([4.0, low + 2.0]))
+
+
+def test_a_zero_at_an_end_is_found_though_rounding_errors_hide_it() -> None:
+    for shift, end in ((1e-13, 1.0), (-1e-13, 2.0)):
+        found = zeros_between(lambda at, zero=end, off=shift: at - zero + off, np.array([1.0]), np.array([2.0]))
+        assert found == pytest.approx([end], abs=1e-12)
+    with pytest.raises(ArithmeticError, match="different signs"):
+        zeros_between(lambda at: at - 1.0 + 1e-7, np.array([1.0]), np.array([2.0]))
+
+
 def test_a_function_that_is_no_number_has_no_zero() -> None:
     with pytest.raises(ArithmeticError, match="no zero"):
         zeros_between(lambda points: points * np.nan, np.zeros(2), np.ones(2))

@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 from pydantic import ValidationError
+from scipy.signal import find_peaks
 from shapely import Point, Polygon
 
-from drives import drive, loaded
+from drives import built, drive, loaded
 from ncgear.design.keys.design import Design
 from ncgear.drawings.charts.chart import joints_up_to
 from ncgear.drawings.page.tables import sheet_tables
@@ -21,6 +23,7 @@ from ncgear.figures.data_sheet import sheet as sheet_module
 from ncgear.figures.data_sheet.pitch_table import pitch_csv, turn_deg
 from ncgear.figures.data_sheet.sheet import DataSheet, Entry, data_sheet, sheet_text
 from ncgear.figures.tables import Table
+from ncgear.project import measured
 from ncgear.project.drive import Drive
 from ncgear.project.measured import MeasuredGear
 
@@ -52,6 +55,16 @@ def table(found: DataSheet, title: str) -> Table:
 
 
 NAMES = ["ellipse", "internal-1-2", "helical-ellipse", "baler-66-two-stage", "uniform-crank"]
+
+
+def test_flanks_at_the_limits_of_thickness_are_measured_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The sheet asks for them for pins over one gear and between two spaces."""
+    asked: list[float] = []
+    measure = measured.pins_in_spaces
+    monkeypatch.setattr(measured, "pins_in_spaces", lambda *of: (asked.append(of[1]), measure(*of))[1])
+    gear, _ = measured.measured_gears(changed("ellipse", tolerances=LIMITS, measuring_pin_mm=3.5))
+    assert gear.at_limits is gear.at_limits
+    assert asked == [3.5] * 3
 
 
 @pytest.mark.tiers(quick=["uniform-crank", "ellipse"], slow=["helical-ellipse"], rest="thorough")
@@ -258,3 +271,39 @@ def test_round_holes_are_told_as_they_are_made() -> None:
     assert section.distance(Point(x, y)) == pytest.approx(
         float(row(found, "diameter of index hole").driven) / 2, rel=0.02
     )
+
+
+# --- tips and roots against the written solid ------------------------------------------------------------------------
+
+
+def read_radii_mm(name: str, gear: str, module_mm: float) -> tuple[np.ndarray, np.ndarray]:
+    """Distances from the axis of all tips and of all roots, by trimesh, half way up the written solid."""
+    solid = trimesh.load(built(name).folder / f"{gear}.stl")
+    section = solid.section(plane_origin=[0.0, 0.0, solid.bounds[:, 2].mean()], plane_normal=[0.0, 0.0, 1.0])
+    outline = max((np.asarray(ring)[:-1, :2] for ring in section.discrete), key=lambda ring: np.ptp(ring, axis=0).sum())
+    radii = np.hypot(*outline.T)
+    around = np.tile(np.roll(radii, -int(np.argmin(radii))), 3)
+    found = []
+    for side in (around, -around):
+        at, _ = find_peaks(side, prominence=module_mm)
+        found.append(around[at[(at >= radii.size) & (at < 2 * radii.size)]])
+    return found[0], found[1]
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("gear", ["driving", "driven"])
+@pytest.mark.parametrize("name", ["ellipse", "pump-1-2"])
+def test_tips_and_roots_are_those_of_the_written_solid(name: str, gear: str) -> None:
+    """The sheet's are at the middles of lands; a land slopes as the pitch curve does, here by under a 50th module."""
+    found = sheet(name)
+    module = row(found, "module").pair
+    assert isinstance(module, float)
+    tips, roots = read_radii_mm(name, gear, module)
+    teeth = getattr(row(found, "number of teeth"), gear)
+    assert (tips.size, roots.size) == (teeth, teeth)
+    ends = (tips.min(), tips.max(), roots.min(), roots.max())
+    labels = ("least radius of tips", "greatest radius of tips", "least radius of roots", "greatest radius of roots")
+    said = [getattr(row(found, label), gear) for label in labels]
+    assert said == pytest.approx(ends, abs=module / 50.0)
+    # The negative control: neither the other end nor tips for roots would do.
+    assert said != pytest.approx(ends[::-1], abs=module)

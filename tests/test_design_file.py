@@ -251,6 +251,27 @@ def test_fault_in_the_points_file_has_a_line_of_it(tmp_path: Path, csv: str, sai
     assert str(caught.value).removeprefix(f"{tmp_path}/").startswith(said)
 
 
+@pytest.mark.parametrize(
+    ("unit", "near", "least"), [("deg", 5e-324, "3.6e-08"), ("rad", 3e-19, "6.3e-10"), ("pi", 1e-170, "2e-10")]
+)
+def test_angles_without_digits_between_them_are_refused(tmp_path: Path, unit: str, near: float, least: str) -> None:
+    """Splines through them were no numbers, or other laws."""
+    with pytest.raises(WrongInput, match=rf"p.csv:3:1: motion\.phi1_{unit}\.1: .* at least {least} apart is right"):
+        points(tmp_path, f"phi1_{unit},ratio\n0,1\n{near!r},1\n0.5,1\n1,1\n1.5,1\n")
+    law = points(tmp_path, f"phi1_{unit},ratio\n0,1\n{1.1 * float(least)!r},1\n0.5,1\n1,1\n1.5,1\n")
+    assert len(law.phi1) == 5
+
+
+def test_a_machine_that_never_turns_is_refused(tmp_path: Path) -> None:
+    """Powers and forces divide by the square of the speed."""
+    for slow in ("1e-300", "9e-7"):
+        error = refusal(
+            tmp_path, HEAD.replace("speed_rpm: 60", f"speed_rpm: {slow}") + "motion: {law: uniform_crank}\n"
+        )
+        assert "operation.speed_rpm" in str(error)
+        assert "a number of 1e-06 or over is needed" in str(error)
+
+
 def test_points_file_that_cannot_be_had_is_a_fault_of_the_design_file(tmp_path: Path) -> None:
     (tmp_path / "p.csv").mkdir()
     error = refusal(tmp_path, f"{HEAD}motion:\n  law: table\n  file: p.csv\n")

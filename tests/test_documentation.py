@@ -6,6 +6,7 @@ import re
 from itertools import chain
 from pathlib import Path
 
+import numpy as np
 import pytest
 import shapely
 
@@ -14,7 +15,13 @@ import ncgear
 from documented.installing import ROOT
 from documented.pages import PAGES
 from made import command_heads, drawings, figures, key_pages
+from ncgear.design.keys.base import FORMULA
+from ncgear.errors import NoSuchMechanism
 from ncgear.figures.summary.check_summary import check_summary
+from ncgear.mechanisms.resistance import FormulaResistance
+from ncgear.numerics.formula import CHOICES, FUNCTIONS, composed
+from ncgear.ratio.laws.expression import ratio_expression_law
+from ncgear.ratio.transmission import Lobes
 from speed_against_error.run import STUDIES
 
 DOCS = ROOT / "docs"
@@ -55,6 +62,28 @@ def test_every_command_is_shown_at_work(name: str) -> None:
 @pytest.mark.parametrize("name", key_pages.PAGES)
 def test_pages_of_keys_are_todays(name: str) -> None:
     assert key_pages.key_page(name) == TEXTS[f"docs/{name}"], "run `make docs`"
+
+
+def test_what_formulas_are_made_of_is_what_is_read() -> None:
+    assert [name for name in [*FUNCTIONS, *CHOICES] if not re.search(rf"\b{name}\b", FORMULA)] == []
+    section = TEXTS["docs/design-file.md"].partition("\n## Formulas\n")[2]
+    examples = [
+        one
+        for row in re.findall(r"^\|.*\| (`.*) \|$", section, flags=re.MULTILINE)
+        for one in re.findall(r"`([^`]+)`", row)
+    ]
+    assert len(examples) >= 7
+    for example in examples:
+        composed(example, "", "x" if "x" in example.replace("exp", "").replace("max", "") else "phi")
+    turn = Lobes(1, 1)
+    for sound in ("1 if sin(phi) < 0 else 1 + sin(phi)**2", "1 + 0.2*max(0, sin(phi))**2", "1 + 0.2*abs(sin(phi))**3"):
+        ratio_expression_law(sound, turn, scale_to_close=True)
+    for cornered in ("1 + 0.2*max(0, sin(phi))", "1 + 0.2*abs(sin(phi))**1.5"):
+        with pytest.raises(NoSuchMechanism, match=r"corner|infinite"):
+            ratio_expression_law(cornered, turn, scale_to_close=True)
+    ratio_expression_law("1 + 0.2*sqrt(sin(phi)**2 + 0.01)", turn, scale_to_close=True)
+    steep = FormulaResistance("100*tanh((x - 20)/0.5) + 100")
+    assert steep.work_n_mm(np.array([80.0]), 80.0) == pytest.approx(12_000.0, rel=1e-9)
 
 
 @pytest.mark.parametrize("page", TEXTS)

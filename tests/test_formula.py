@@ -200,6 +200,7 @@ def test_formulas_say_what_they_say_however_they_are_written() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.attack
 def test_many_formulas_say_what_they_say_however_they_are_written() -> None:
     assert judge_formulas(600 * TIMES, 2) >= 200
 

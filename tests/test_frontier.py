@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 from io import BytesIO, StringIO
 from pathlib import Path
 
@@ -13,6 +14,8 @@ from matplotlib.axes import Axes
 from PIL import Image
 
 import ncgear.project.frontier_run as of_design
+from commands import ROOT, Run
+from disk import Disk, Fault, calls_of
 from drives import loaded
 from ncgear.design.keys.design import Design
 from ncgear.drawings.plots import frontier_plot as picture
@@ -120,8 +123,49 @@ def test_a_line_cut_off_by_a_kill_is_passed_over(tmp_path: Path) -> None:
 
 def test_what_is_no_entry_is_passed_over(tmp_path: Path) -> None:
     kept = FinishedPoints(tmp_path / POINTS_FILE, design())
-    kept.path.write_bytes(b'12\n[]\n{}\n\xff\n"key"\nnull\n')
-    assert kept.found() == {}
+    kept.add("law", 6000.0, {"a": 1})
+    with kept.path.open("ab") as file:
+        file.write(b'12\n[]\n{}\n\xff\n"key"\nnull\n')
+    assert kept.found() == {("law", 6000.0): {"a": 1}}
+
+
+def test_a_file_of_others_gets_no_points(tmp_path: Path) -> None:
+    path = tmp_path / POINTS_FILE
+    for content in (b"x,y\n1,2\n", b'{"mine": 1}\n', b"\xff" * 40):
+        path.write_bytes(content)
+        with pytest.raises(WrongInput, match="is no file of finished points") as caught:
+            frontier(design(), 2, tmp_path, lambda done, total: None)
+        assert (caught.value.location, path.read_bytes()) == (str(path), content)
+    path.unlink()
+    path.symlink_to(tmp_path / "nowhere")
+    with pytest.raises(WrongInput, match="is no file of finished points"):
+        frontier(design(), 2, tmp_path, lambda done, total: None)
+    assert os.listdir(tmp_path) == [POINTS_FILE]
+
+
+def test_a_run_that_was_killed_at_its_first_point_goes_on(tmp_path: Path) -> None:
+    whole = FinishedPoints(tmp_path / POINTS_FILE, design())
+    whole.add("law", 6000.0, {"a": 1})
+    text = whole.path.read_bytes()
+    for length in range(len(text)):
+        whole.path.write_bytes(text[:length])
+        assert whole.found() == ({} if length < len(text) - 1 else {("law", 6000.0): {"a": 1}})
+
+
+@pytest.mark.parametrize("fault", [Fault.NO_SPACE, Fault.BROKEN, Fault.BROKEN_FOR_GOOD, Fault.DEATH])
+def test_a_fault_of_the_disk_loses_no_finished_point(tmp_path: Path, fault: Fault) -> None:
+    kept = FinishedPoints(tmp_path / POINTS_FILE, design())
+    kept.add("law", 6000.0, {"a": 1})
+    for at in range(1, len(calls_of(kept.add, "law", 7000.0, {})) + 2):
+        before, said = kept.found(), ""
+        with Disk(fault, at).used() as disk:
+            try:
+                kept.add("law", 7000.0 + at, {"a": at})
+            except WrongInput as refusal:
+                said = refusal.problem
+        whole = not (said or disk.dead)
+        assert not said or "cannot be read or written" in said
+        assert kept.found() == {**before, **({("law", 7000.0 + at): {"a": at}} if whole else {})}
 
 
 def test_an_interrupted_run_goes_on_from_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -251,3 +295,18 @@ def test_points_come_from_processes_and_are_those_of_one(tmp_path: Path) -> None
     alone = law_point(task, wishes, whole.laws[0].cap_w)
     assert whole.laws[0].law.peak_acceleration_mm_s2 == pytest.approx(alone.law.peak_acceleration_mm_s2, rel=1e-9)
     assert sum(bool(line) for line in (tmp_path / POINTS_FILE).read_text(encoding="utf-8").splitlines()) == 5
+
+
+@pytest.mark.slow
+def test_the_command_keeps_files_of_others(tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    points = found()
+    monkeypatch.setattr(of_design, "frontier", lambda *_: points)
+    others = dict.fromkeys(("frontier.csv", "frontier.json", "frontier.png"), b"of others")
+    (tmp_path / "out").mkdir()
+    for name, content in others.items():
+        (tmp_path / "out" / name).write_bytes(content)
+    for kept in (others, {}):
+        status, said, _ = run("frontier", str(ROOT / "designs" / "baler-frontier.yaml"), "--out", "out")
+        assert status == 0
+        assert said.count("-kept") == len(kept)
+    assert {(tmp_path / "out" / name.replace(".", "-kept.")).read_bytes() for name in others} == {b"of others"}

@@ -14,7 +14,6 @@ import pytest
 from disk import leftovers
 from killed_runs import Files, build, killed_after, killed_at_step, seen, together
 from ncgear.files.manifest import MANIFEST, publish_run
-from ncgear.files.publish import publish
 
 ONE = {"driving.csv": b"one, driving", "driven.csv": b"one, driven", "extra.png": b"one", "summary.json": b"one"}
 OTHER = {"driving.csv": b"other, driving", "driven.csv": b"other, driven", "fresh.csv": b"o", "summary.json": b"other"}
@@ -142,7 +141,7 @@ def test_runs_killed_while_they_publish_leave_one_build_whole(
     random, folder, whole = np.random.default_rng(3), tmp_path / "out", dict[str, bytes]()
     builds = [found(tmp_path / path.stem) for path in designs]
     start = perf_counter()
-    publish(tmp_path / "once", builds[0])
+    publish_run(tmp_path / "once", builds[0], "build")
     seconds = 3.0 * (perf_counter() - start)
     for moment in range(KILLS):
         files = builds[moment % len(builds)]

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import sys
+from collections.abc import Callable
 from hashlib import sha256
 from io import BytesIO
 from math import pi
@@ -17,7 +19,10 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image, ImageColor
 
+from commands import Run
+from disk import leftovers
 from drives import drive, drive_of_text
+from killed_runs import seen
 from ncgear.drawings.charts.chart import EMPTY, Line, Role
 from ncgear.drawings.charts.drawer import MOTION_COLUMN, MOTION_LOOK, beside_png, column_png, mark_extreme
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, motion_chart, over_displacement
@@ -31,10 +36,11 @@ from ncgear.figures.tables import cell_text
 from ncgear.figures.terminal import MIXED_SPEEDS, SAME_SPEED, WIDTH, summary_text, timing_text
 from ncgear.files.build import build
 from ncgear.files.manifest import MANIFEST, publish_run
-from ncgear.files.publish import STAGING_PREFIX, prepare, publish
+from ncgear.files.publish import STAGING_PREFIX, prepare
 from ncgear.files.workshop.formats import Format
 from ncgear.kinematics.motion import SliderMotion
 from ncgear.numerics.units import label_and_unit
+from ncgear.project.frontier_run import POINTS_FILE
 from plane import wave_ring
 
 FILES = {"a.txt": b"first", "b.txt": b"second", "summary.json": b"{}"}
@@ -91,18 +97,20 @@ def test_tables_hold_finite_numbers_only(bad: float) -> None:
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in folder.iterdir()}
+    """What is in a folder but for the manifest."""
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.name != MANIFEST}
 
 
 def test_publish_creates_the_folder_and_writes_every_file(tmp_path: Path) -> None:
     folder = tmp_path / "deep" / "down"
-    assert publish(folder, FILES) == [folder / name for name in FILES]
+    assert publish_run(folder, FILES, "build").paths == [folder / name for name in (*FILES, MANIFEST)]
     assert contents(folder) == FILES
 
 
 def test_publish_replaces_earlier_files_and_leaves_others(tmp_path: Path) -> None:
-    publish(tmp_path, {"a.txt": b"old", "mine.txt": b"keep"})
-    publish(tmp_path, FILES)
+    publish_run(tmp_path, {"a.txt": b"old"}, "build")
+    (tmp_path / "mine.txt").write_bytes(b"keep")
+    publish_run(tmp_path, FILES, "build")
     assert contents(tmp_path) == {**FILES, "mine.txt": b"keep"}
 
 
@@ -112,7 +120,7 @@ def test_failure_in_the_middle_leaves_the_last_good_build(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, action: str, fault: BaseException
 ) -> None:
     old = {"a.txt": b"old first", "summary.json": b"old"}
-    publish(tmp_path, old)
+    publish_run(tmp_path, old, "build")
     real, calls = getattr(os, action), []
 
     def failing(*arguments: Any, **named: Any) -> Any:
@@ -123,11 +131,11 @@ def test_failure_in_the_middle_leaves_the_last_good_build(
 
     monkeypatch.setattr(os, action, failing)
     with pytest.raises((WrongInput, KeyboardInterrupt)):
-        publish(tmp_path, FILES)
+        publish_run(tmp_path, FILES, "build")
     monkeypatch.undo()
     assert contents(tmp_path) == old
     # The negative control: without the fault the same call does change the folder.
-    publish(tmp_path, FILES)
+    publish_run(tmp_path, FILES, "build")
     assert contents(tmp_path) == FILES
 
 
@@ -140,15 +148,14 @@ def test_without_symbolic_links_files_are_moved_one_by_one(tmp_path: Path, monke
     publish_run(tmp_path, {"a.txt": b"old", "gone.txt": b"old"}, "build")
     (tmp_path / "mine.txt").write_bytes(b"keep")
     publish_run(tmp_path, FILES, "build")
-    found = contents(tmp_path)
-    assert {name: found[name] for name in found if name != MANIFEST} == {**FILES, "mine.txt": b"keep"}
+    assert contents(tmp_path) == {**FILES, "mine.txt": b"keep"}
 
 
 def test_without_symbolic_links_a_failure_leaves_the_last_good_build(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     old = {"a.txt": b"old first", "summary.json": b"old"}
-    publish(tmp_path, old)
+    publish_run(tmp_path, old, "build")
     monkeypatch.setattr(Path, "symlink_to", without_links)
     real = Path.replace
 
@@ -159,17 +166,17 @@ def test_without_symbolic_links_a_failure_leaves_the_last_good_build(
 
     monkeypatch.setattr(Path, "replace", failing)
     with pytest.raises(WrongInput, match="open in another program"):
-        publish(tmp_path, FILES)
+        publish_run(tmp_path, FILES, "build")
     assert contents(tmp_path) == old
 
 
 def test_failure_because_a_folder_is_in_the_way_of_a_file(tmp_path: Path) -> None:
-    publish(tmp_path, {"a.txt": b"old"})
+    publish_run(tmp_path, {"a.txt": b"old"}, "build")
     (tmp_path / "b.txt").mkdir()
     with pytest.raises(WrongInput, match="cannot be written"):
-        publish(tmp_path, FILES)
+        publish_run(tmp_path, FILES, "build")
     assert (tmp_path / "a.txt").read_bytes() == b"old"
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.txt", "b.txt"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.txt", "b.txt", MANIFEST]
 
 
 def test_hidden_folders_of_others_stay(tmp_path: Path) -> None:
@@ -179,7 +186,7 @@ def test_hidden_folders_of_others_stay(tmp_path: Path) -> None:
         (tmp_path / name / "new").mkdir(parents=True)
         (tmp_path / name / "new" / "a.txt").write_bytes(b"precious")
     (tmp_path / f"{STAGING_PREFIX}empty").mkdir()
-    publish(tmp_path, FILES)
+    publish_run(tmp_path, FILES, "build")
     assert {name: (tmp_path / name).read_bytes() for name in FILES} == FILES
     assert [(tmp_path / name / "new" / "a.txt").read_bytes() for name in others] == [b"precious"] * 3
     assert (tmp_path / f"{STAGING_PREFIX}empty").is_dir()
@@ -219,9 +226,8 @@ def test_files_of_others_in_the_places_of_new_ones_are_kept_beside_them(tmp_path
     (tmp_path / "a.txt").write_bytes(b"mine again")
     assert publish_run(tmp_path, {**FILES, "b.txt": b"other"}, "build").kept == [tmp_path / "a-kept-2.txt"]
     kept = {"a-kept.txt": b"mine", "a-kept-2.txt": b"mine again"}
-    found = contents(tmp_path)
-    assert {name: found[name] for name in found if name != MANIFEST} == {**FILES, "b.txt": b"other", **kept}
-    assert not set(kept) & set(json.loads(found[MANIFEST])["files"])
+    assert contents(tmp_path) == {**FILES, "b.txt": b"other", **kept}
+    assert not set(kept) & set(json.loads((tmp_path / MANIFEST).read_bytes())["files"])
 
 
 @pytest.mark.parametrize(
@@ -253,11 +259,103 @@ def test_a_manifest_that_is_none_takes_nothing_away(tmp_path: Path, text: bytes)
     assert [place.read_bytes() for place in (tmp_path / "rack.txt", folder / "rack.txt")] == [b"mine", b"mine"]
 
 
+def link_to_nothing(place: Path) -> None:
+    place.symlink_to("nowhere")
+
+
+def link_to_itself(place: Path) -> None:
+    place.symlink_to(place.name)
+
+
+@pytest.mark.parametrize("make", [Path.mkdir, os.mkfifo, link_to_nothing, link_to_itself])
+@pytest.mark.parametrize("name", ["b.txt", MANIFEST])
+def test_what_is_no_file_is_neither_replaced_nor_waited_for(
+    tmp_path: Path, name: str, make: Callable[[Path], None]
+) -> None:
+    (tmp_path / "a.txt").write_bytes(b"mine")
+    make(tmp_path / name)
+    with pytest.raises(WrongInput, match="cannot be written") as caught:
+        publish_run(tmp_path, FILES, "build")
+    assert caught.value.location == str(tmp_path / name)
+    assert sorted(os.listdir(tmp_path)) == sorted(["a.txt", name])
+    assert (tmp_path / "a.txt").read_bytes() == b"mine"
+
+
+EVERY_COMMAND = {
+    "report": "report pump.yaml --out OUT",
+    "animate": "animate pump.yaml --out OUT/film.gif --frames 2 --width 320",
+    "rigid": "simulate pump.yaml --out OUT",
+    "balance": "balance machine.yaml --out OUT",
+    "sweep": "sweep pump.yaml --vary operation.speed_rpm=40:50:2 --out OUT",
+    "optimize": "optimize pump.yaml --out OUT",
+    "reproduce": "reproduce --out OUT",
+}
+
+
+LOADED = """
+resistance: {expression_n: 200 + x}
+masses:
+  slider_kg: 3
+  rod: {mass_kg: 0, center_mm: 0, inertia_kg_mm2: 0}
+  crank: {mass_kg: 0, center_mm: 0, inertia_kg_mm2: 0}
+optimize: {harmonics: 3}
+"""
+
+
+@pytest.mark.tiers(quick=["sweep"], thorough=["animate", "balance"], rest="slow")
+@pytest.mark.parametrize("command", EVERY_COMMAND)
+def test_no_command_loses_a_file_of_others(tmp_path: Path, command: str, run: Run) -> None:
+    Path("pump.yaml").write_text(DESIGN + LOADED)
+    Path("machine.yaml").write_text("name: machine\nspeed_rpm: 60\nmechanisms: [{name: pump, design: pump.yaml}]\n")
+    out = tmp_path / "out"
+
+    def done() -> str:
+        status, said, complaint = run(*EVERY_COMMAND[command].replace("OUT", str(out)).split())
+        assert status == 0, complaint
+        return said
+
+    assert "Kept" not in done()
+    names = [name for name in seen(out) if name not in (MANIFEST, POINTS_FILE)]
+    assert names
+    shutil.rmtree(out)
+    others = {name: b"of others: " + name.encode() for name in [*names, "notes.txt", "below/notes.txt"]}
+    for name, content in others.items():
+        (out / name).parent.mkdir(parents=True, exist_ok=True)
+        (out / name).write_bytes(content)
+    said = done()
+    assert set(others.values()) <= set(seen(out).values())
+    assert all(str(place) in said for place in out.rglob("*-kept.*"))
+    # Made anew, nothing more is kept.
+    assert "Kept" not in done()
+    assert set(others.values()) <= set(seen(out).values())
+    assert leftovers(out) == []
+
+
+def test_results_of_one_folder_stay_beside_each_other(tmp_path: Path) -> None:
+    publish_run(tmp_path, {"a.gif": b"a"}, "animate a.gif")
+    publish_run(tmp_path, {"b.gif": b"b"}, "animate b.gif")
+    publish_run(tmp_path, {"a-optimized.yaml": b"a", "certificate.json": b"a"}, "optimize a-optimized")
+    run = publish_run(tmp_path, {"b-optimized.yaml": b"b", "certificate.json": b"b"}, "optimize b-optimized")
+    assert run.kept == []
+    stay = {"a.gif": b"a", "b.gif": b"b", "a-optimized.yaml": b"a"}
+    assert contents(tmp_path) == {**stay, "b-optimized.yaml": b"b", "certificate.json": b"b"}
+
+
+def test_a_link_of_others_is_kept_by_what_it_shows(tmp_path: Path) -> None:
+    (tmp_path / "elsewhere").write_bytes(b"precious")
+    folder = tmp_path / "out"
+    folder.mkdir()
+    (folder / "a.txt").symlink_to(tmp_path / "elsewhere")
+    assert publish_run(folder, FILES, "build").kept == [folder / "a-kept.txt"]
+    assert contents(folder) == {**FILES, "a-kept.txt": b"precious"}
+    assert (tmp_path / "elsewhere").read_bytes() == b"precious"
+
+
 def test_folder_that_is_a_file_is_refused(tmp_path: Path) -> None:
     place = tmp_path / "out"
     place.write_bytes(b"precious")
     for folder in (place, place / "below"):
-        for refuse in (prepare, lambda target: publish(target, FILES)):
+        for refuse in (prepare, lambda target: publish_run(target, FILES, "build")):
             with pytest.raises(WrongInput, match="--out") as caught:
                 refuse(folder)
             assert caught.value.location == str(place)
@@ -279,7 +377,7 @@ def test_prepare_creates_nothing(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["", ".", "..", "../a", "a/../b", "a/b/c", "a\\b", "/a", "a\0", f"{STAGING_PREFIX}x"])
 def test_names_that_would_escape_are_refused_before_anything_is_written(tmp_path: Path, name: str) -> None:
     with pytest.raises(ValueError, match="plain"):
-        publish(tmp_path / "out", {"a.txt": b"", name: b""})
+        publish_run(tmp_path / "out", {"a.txt": b"", name: b""}, "build")
     assert not list(tmp_path.iterdir())
 
 

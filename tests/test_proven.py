@@ -103,6 +103,7 @@ def test_narrow_features_are_integrated() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.attack
 def test_many_narrow_features_are_integrated() -> None:
     assert worst_integral(resolved, widths(200 * TIMES, 2)) <= 1e-12
 

@@ -239,7 +239,11 @@ def test_fault_in_a_file_of_forces_has_a_line_of_it(tmp_path: Path) -> None:
     [
         ("3*y", "unknown name 'y'"),
         ("1/(x - 400)", "no smooth function near x = 400 mm"),
-        ("3 +", "is not an expression"),
+        ("3 +", "is not an expression: invalid syntax; example"),
+        ("2*x^2", "'2*x^2' is not allowed: a power is written with **, not with ^"),
+        ("1 + 0,2*x", "the decimal sign is a point, not a comma"),
+        ("7*(30 < x < 50)", "'30 < x < 50' is not allowed: a condition stands as in a if u < v else b"),
+        ("7 if 30 < x < 50 else 0", "and another condition can stand in a or b"),
     ],
 )
 def test_what_is_no_force_is_refused(text: str, said: str) -> None:

@@ -91,7 +91,11 @@ def test_what_is_written(run: Run, gears: str) -> None:
     status, out, _ = run(HEAD + gears + MASSES, "--out", "here", "--level", "rigid")
     assert status == 0
     pictures = {"driving_torque.png", "bearing_forces.png"} | ({"mesh_force.png"} if gears else set())
-    assert {path.name for path in Path("here").iterdir()} == {"simulation.csv", "simulation.json"} | pictures
+    assert {path.name for path in Path("here").iterdir()} == {
+        "simulation.csv",
+        "simulation.json",
+        "manifest.json",
+    } | pictures
     assert all(Path("here", name).read_bytes().startswith(b"\x89PNG") for name in pictures)
     assert str(Path("here/simulation.json")) in out
     rows, own = simulated_table("here"), simulated("here")["this_design"]

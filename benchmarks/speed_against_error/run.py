@@ -10,7 +10,7 @@ from argparse import ArgumentParser
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from ncgear.files.publish import prepare, publish
+from ncgear.files.publish import prepare
 from speed_against_error.certified_limit import limit_study
 from speed_against_error.contact import contact_angle_study, contact_ratio_study
 from speed_against_error.driven_angle import ellipse_angle_study, return_angle_study
@@ -66,8 +66,10 @@ def run(arguments: Sequence[str] | None = None, timed_s: float = TIMED_S) -> Non
         if asked.only is None or key in asked.only:
             found.append(measured(make(), timed_s))
             print(summary(found[-1]), flush=True)
-    publish(asked.out / PICTURES, {f"{one.study.key}.png": picture(one) for one in found})
-    publish(asked.out, {PAGE: page(found).encode()})
+    (asked.out / PICTURES).mkdir(parents=True, exist_ok=True)
+    for one in found:
+        (asked.out / PICTURES / f"{one.study.key}.png").write_bytes(picture(one))
+    (asked.out / PAGE).write_text(page(found), encoding="utf-8")
 
 
 if __name__ == "__main__":

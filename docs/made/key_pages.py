@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 from typing import Any
 
@@ -10,6 +10,14 @@ from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.design import Design
 from ncgear.design.reference import Key, allowed, default_words, keys_of, unit_of
 from ncgear.figures.tables import markdown
+from ncgear.mechanisms.resistance import MOST_TURNS
+from ncgear.numerics.formula import DEEPEST, FUNCTIONS, LARGEST_POWER, LONGEST
+from ncgear.numerics.proven import MOST_CHOICES, MOST_PANELS
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(f"`{name}`" for name in names)
+
 
 MADE = "<!-- Made by `make docs` from the models that check such files. -->"
 
@@ -21,7 +29,42 @@ DESIGN_INTRODUCTION = f"""\
 Every key of a design file. Files are YAML: `ncgear new NAME` writes one with comments, [the tutorial](tutorial.md)
 fills one in, `ncgear explain KEY` tells about one key, `ncgear schema` prints the JSON Schema for editors. A key that
 is not here is refused, and the message names the nearest that is. A key's end is its unit; an angle can be given in
-degrees (`_deg`), radians (`_rad`) or multiples of pi (`_pi`), by one of these keys.
+degrees (`_deg`), radians (`_rad`) or multiples of pi (`_pi`), by one of these keys. What [formulas](#formulas) are
+made of stands at the end.
+"""
+
+FORMULAS = f"""\
+## Formulas
+
+The keys [`motion.ratio`, `motion.driven_angle`](#motion-law-ratio_expression) and
+[`resistance.expression_n`](#resistance) are formulas in Python's notation: powers are `**`, the decimal sign is a
+point, angles are in radians.
+
+| what | for instance |
+|---|---|
+| the variable: `phi`, the driving angle in rad, or `x`, the displacement in mm | `1 + 0.3*cos(phi)` |
+| numbers, `pi`, `+ - * /`, brackets | `200 + 3*x/80` |
+| powers with a number as exponent, at most {LARGEST_POWER} | `x**2`, `(1.2 + cos(phi))**0.5` |
+| {_listed(FUNCTIONS)} of one argument | `exp(0.3*cos(phi))` |
+| `abs`, `sign` of one argument, `min`, `max` of two | `max(0, x - 30)` |
+| one expression or another: `a if u < v else b`, also with `<=`, `>`, `>=` | `1 if sin(phi) < 0 else 1 + sin(phi)**2` |
+
+`sign(0)` is 1. Roots of even powers are absolute values: `sqrt(u**2)` is `abs(u)`.
+
+Where a formula goes over from one expression to another, the law has a joint.
+
+- **A ratio** must not jump there, and its slope must not either, nor where the cycle begins again: the pitch curves
+  would have a corner, and no teeth roll around one. `max(0, sin(phi))**2` has no corner, `max(0, sin(phi))` has one;
+  `sqrt(u**2 + 0.01)` in the place of `abs(u)` rounds it. Its curvature may jump, but not be infinite, as that of
+  `abs(sin(phi))**1.5` is at 0.
+- **A driven angle** must keep its dphi2/dphi1 free of both.
+- **A resistance** may have corners, but no jumps: the slider would meet a wall. Steep steps such as
+  `100*tanh((x - 20)/0.5) + 100` are right.
+
+Every formula is proven to have no feature, however narrow, that the numbers miss, or it is refused with the place.
+Bounds are {LONGEST} characters, {DEEPEST} levels of nesting, {MOST_PANELS} panels for a smooth stretch (a wave needs
+two), {MOST_CHOICES} joints, and {MOST_TURNS} ups and downs of a resistance over the stroke.
+
 """
 
 BALANCE_INTRODUCTION = f"""\
@@ -33,11 +76,11 @@ Every key of a balance file, which [`ncgear balance`](commands/balance.md) reads
 files are in [`designs/balance`](../designs/balance).
 """
 
-PAGES: dict[str, tuple[str, type[Any]]] = {
-    "design-file.md": (DESIGN_INTRODUCTION, Design),
-    "balance-file.md": (BALANCE_INTRODUCTION, Balance),
+PAGES: dict[str, tuple[str, type[Any], str]] = {
+    "design-file.md": (DESIGN_INTRODUCTION, Design, FORMULAS),
+    "balance-file.md": (BALANCE_INTRODUCTION, Balance, ""),
 }
-"""Introduction and model of each page."""
+"""Introduction, model and last section of each page."""
 
 HEADS = ("key", "unit", "meaning", "value", "left out")
 
@@ -47,8 +90,8 @@ SPECIAL = str.maketrans({"|": "&#124;", "*": "\\*", "<": "&lt;"})
 
 def key_page(name: str) -> str:
     """One whole page."""
-    introduction, root = PAGES[name]
-    return "\n".join([introduction, *_section(keys_of(root), "", "", "Top of the file", 2)]).rstrip() + "\n"
+    introduction, root, last = PAGES[name]
+    return "\n".join([introduction, *_section(keys_of(root), "", "", "Top of the file", 2), last]).rstrip() + "\n"
 
 
 def _section(keys: Sequence[Key], above: str, law: str, title: str, level: int) -> Iterator[str]:

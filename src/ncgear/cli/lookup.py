@@ -45,7 +45,8 @@ def reproduce(
     out: Annotated[Path, typer.Option(metavar="DIR", help="Output folder.")] = Path("export/reproduction"),
 ) -> None:
     """Compute every figure of the four papers that ncgear is built on, and say which can be reproduced."""
-    from ncgear.files.publish import prepare, publish
+    from ncgear.files.manifest import publish_run
+    from ncgear.files.publish import prepare
 
     prepare(out)
     from ncgear.figures.ledger import PAGE, ledger_page, ledger_text
@@ -56,5 +57,5 @@ def reproduce(
         for paper in PAPERS:
             on_step(paper.title)
             judgements.append(judgement(paper))
-    paths = publish(out, {PAGE: ledger_page(judgements).encode()})
-    typer.echo(ledger_text(judgements, paths))
+    run = publish_run(out, {PAGE: ledger_page(judgements).encode()}, "reproduce")
+    typer.echo(ledger_text(judgements, run.paths, run.kept))

@@ -129,7 +129,7 @@ def animate(
 ) -> None:
     """Show the mechanism moving: gears, crank, rod and slider over a whole cycle, as a GIF or MP4."""
     from ncgear.drawings.animation import AnimationFormat, format_of, require_shown
-    from ncgear.files.publish import prepare_file, publish
+    from ncgear.files.publish import prepare_file
 
     kind = format_of(out) if out else AnimationFormat.GIF
     require_shown(kind, frames, seconds)
@@ -139,13 +139,17 @@ def animate(
 
         from ncgear.drawings.animation.packing import Loop, animated
         from ncgear.drawings.scene.scene import scene_of
+        from ncgear.figures.terminal import kept_lines
+        from ncgear.files.manifest import publish_run
         from ncgear.project.drive import Drive
 
         scene = scene_of(Drive(loaded.design))
         with counted("frames") as on_frame:
             content = animated(scene, kind, Loop(frames, seconds, width), on_frame)
-        (written,) = publish(path.parent, {path.name: content})
-        typer.echo(f"wrote {written}: {frames} frames in {seconds:g} s, {len(content) / 1e6:.3g} MB")
+        # Another animation in the same folder stays.
+        run = publish_run(path.parent, {path.name: content}, f"animate {path.name}")
+        said = f"wrote {path}: {frames} frames in {seconds:g} s, {len(content) / 1e6:.3g} MB"
+        typer.echo("\n".join([said, *kept_lines(run.kept)]))
 
 
 def simulate(
@@ -160,13 +164,14 @@ def simulate(
     timing: Timing = False,
 ) -> None:
     """Find the torques and forces in a design's machine, beside the uniform crank with the same masses."""
-    from ncgear.files.publish import prepare, publish
+    from ncgear.files.publish import prepare
 
     with opened(design_file) as loaded:
         folder = out or EXPORT / f"{loaded.design.name}-{level}"
         prepare(folder)
 
         from ncgear.figures.terminal import timing_text
+        from ncgear.files.manifest import publish_run
         from ncgear.files.simulation import simulate as simulate_drive
         from ncgear.files.simulation import simulation_files, simulation_text
         from ncgear.project.drive import Drive
@@ -175,7 +180,8 @@ def simulate(
         with steps_shown(1) as on_step:
             on_step(f"simulation, level {level}")
             found = simulate_drive(drive, level)
-        typer.echo(simulation_text(found, publish(folder, simulation_files(found))))
+        run = publish_run(folder, simulation_files(found), "simulate")
+        typer.echo(simulation_text(found, run.paths, run.kept))
         if timing:
             typer.echo(timing_text(drive), err=True)
 
@@ -191,14 +197,16 @@ def balance(
 ) -> None:
     """Say how much a machine shakes, and what mass where would stop it: linkages, gears, rotors, frequencies."""
     from ncgear.design.reading.balance_file import load_balance
-    from ncgear.files.publish import prepare, publish
+    from ncgear.files.publish import prepare
 
     loaded = load_balance(balance_file)
     folder = out or EXPORT / f"{loaded.balance.name}-balance"
     prepare(folder)
 
     from ncgear.figures.balance.parts import balance_text, figures_of
+    from ncgear.figures.terminal import kept_lines
     from ncgear.files.balance import balance_files
+    from ncgear.files.manifest import publish_run
     from ncgear.project.balancing import Balancing
 
     balancing = Balancing(loaded)
@@ -207,5 +215,10 @@ def balance(
         figures = figures_of(balancing)
         on_step("pictures")
         files = balance_files(balancing, figures)
-    paths = publish(folder, files)
-    typer.echo(files["balance.json"].decode().rstrip() if as_json else balance_text(figures, paths))
+    run = publish_run(folder, files, "balance")
+    if not as_json:
+        typer.echo(balance_text(figures, run.paths, run.kept))
+        return
+    typer.echo(files["balance.json"].decode().rstrip())
+    if run.kept:
+        typer.echo("\n".join(kept_lines(run.kept)), err=True)

@@ -42,7 +42,8 @@ def optimize(
             if best.limit_points:
                 on_step("picture")
                 files[PICTURE] = limit_picture(best)
-        run = publish_run(folder, files, "optimize")
+        # The best law of another design in the same folder stays.
+        run = publish_run(folder, files, f"optimize {name}")
         typer.echo(optimized_text(best, run.paths, run.kept))
 
 
@@ -57,11 +58,12 @@ def frontier(
 
     Uses all cores; finished points are kept in the folder, so that a run that was interrupted goes on from there.
     """
-    from ncgear.files.publish import prepare, publish
+    from ncgear.files.publish import prepare
 
     with opened(design_file) as loaded:
         from ncgear.figures.best_law import frontier_text
         from ncgear.files.frontier import frontier_files
+        from ncgear.files.manifest import publish_run
         from ncgear.project.best_law import BestLaw
         from ncgear.project.frontier_run import frontier as frontier_of
 
@@ -70,7 +72,8 @@ def frontier(
         with counted("points") as on_point:
             found = frontier_of(loaded.design, points, folder, on_point)
         best = BestLaw(loaded.design)
-        typer.echo(frontier_text(found, best, publish(folder, frontier_files(found, best))))
+        run = publish_run(folder, frontier_files(found, best), "frontier")
+        typer.echo(frontier_text(found, best, run.paths, run.kept))
 
 
 def sweep(
@@ -85,7 +88,7 @@ def sweep(
 ) -> None:
     """Screen many designs: check and pitch curves, without teeth, for all combinations of some keys' values."""
     from ncgear.design.varied import designs_of, require_grid, varied_of
-    from ncgear.files.publish import prepare, publish
+    from ncgear.files.publish import prepare
 
     varied = [varied_of(text) for text in vary]
     with opened(design_file) as loaded:
@@ -94,8 +97,10 @@ def sweep(
         prepare(folder)
 
         from ncgear.figures.sweep import sweep_csv, sweep_text
+        from ncgear.files.manifest import publish_run
         from ncgear.screening.screen import screened
 
         with counted("designs") as on_done:
             found = screened(list(designs_of(loaded, varied)), on_done=on_done, as_written=loaded.source.as_written)
-        typer.echo(sweep_text(varied, found, publish(folder, {"sweep.csv": sweep_csv(varied, found).encode()})))
+        run = publish_run(folder, {"sweep.csv": sweep_csv(varied, found).encode()}, "sweep")
+        typer.echo(sweep_text(varied, found, run.paths, run.kept))

@@ -256,8 +256,8 @@ def frontier_json(found: Frontier, best: BestLaw) -> str:
 FAMILY_WITHOUT_MASS = "The family is left out: its search knows the power of the resistance alone."
 
 
-def frontier_text(found: Frontier, best: BestLaw, paths: Sequence[Path]) -> str:
-    """A table of the points, the mechanisms, and the files written."""
+def frontier_text(found: Frontier, best: BestLaw, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
+    """A table of the points, the mechanisms, the files written, and those kept."""
     rows = []
     for point, family in _points(found):
         law, limit = point.law.peak_acceleration_mm_s2, point.bound.value
@@ -277,6 +277,6 @@ def frontier_text(found: Frontier, best: BestLaw, paths: Sequence[Path]) -> str:
         *_notes(best, "The best laws do"),
         *([FAMILY_WITHOUT_MASS] if best.wishes.limits.mass_kg else []),
         "",
-        *written_lines(paths),
+        *written_lines(paths, kept),
     ]
     return "\n".join(lines)

@@ -27,7 +27,8 @@ IDEAS = {
     "closure": "The cycle closes where the driven gear has turned by whole lobes when the driving gear has; otherwise "
     "the gears would not fit at the next turn. For ratio_expression and table, scale_to_close: true multiplies the "
     "ratio by the constant that closes it; three_segment_stroke closes it with its return.",
-    "contact_ratio": "How many pairs of teeth touch on average over a pitch; under 1 the teeth lose each other. It is "
+    "contact_ratio": "How many pairs of teeth touch on average over a pitch; under 1 the teeth lose each other. "
+    "contact_ratio_min is the least of all pairs of flanks, on the pushing or on the back side of the teeth. It is "
     "computed, not given: a greater addendum or a smaller pressure angle of the rack (gears.rack), or more teeth of a "
     "smaller module raise it.",
     "transmission_error": "By how much the driven gear's angle departs from the law. It is computed, not given: "

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from ncgear.figures.tables import markdown
+from ncgear.figures.terminal import written_lines
 from ncgear.papers.entry import Paper, Reason, Verdict
 from ncgear.papers.judgement import Judged, Judgement
 
@@ -14,7 +15,7 @@ PAGE = "reproduction.md"
 HEAD = """# Reproduction ledger
 
 Every figure of the four papers that can be computed, computed by ncgear from what the paper itself gives. Written by
-`ncgear reproduce --out docs`; a test holds this page against the code, and every verdict against its computation.
+`ncgear reproduce`; a test holds this page against the code, and every verdict against its computation.
 
 - **reproduced**: the computed number is within half a step of the last digit printed. Zeros at the end of a whole
   number do not count as digits. Dimensions are taken as exact. Where a number is made of others that the paper prints
@@ -47,13 +48,13 @@ def ledger_page(judgements: Sequence[Judgement]) -> str:
     return "\n\n".join([HEAD, overview, *map(_section, judgements)]) + "\n"
 
 
-def ledger_text(judgements: Sequence[Judgement], paths: Iterable[Path]) -> str:
-    """Counts by paper and verdict, and the files written."""
+def ledger_text(judgements: Sequence[Judgement], paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
+    """Counts by paper and verdict, the files written, and those kept."""
     blocks = [
         "\n".join([one.paper.title, *(f"  {one.count(verdict):>4}  {verdict}" for verdict in Verdict)])
         for one in judgements
     ]
-    return "\n\n".join([*blocks, *map(str, paths)])
+    return "\n\n".join([*blocks, "\n".join(written_lines(paths, kept))])
 
 
 def _section(one: Judgement) -> str:

@@ -39,15 +39,15 @@ def sweep_csv(varied: Sequence[Varied], found: Screened) -> str:
     return rows_text(names, [[*values, *(next(figures) if made == MADE else none), made] for values, made in rows])
 
 
-def sweep_text(varied: Sequence[Varied], found: Screened, paths: Sequence[Path]) -> str:
-    """How many can be made, the best of them, why the others cannot, and the files written."""
+def sweep_text(varied: Sequence[Varied], found: Screened, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
+    """How many can be made, the best of them, why the others cannot, the files written, and those kept."""
     made = int(found.made.sum())
     blocks = [f"{len(found.made)} designs, of which {made} can be made"]
     if made:
         blocks += [_best(title, figure, varied, found) for title, figure in RANKED.items()]
     if made < len(found.made):
         blocks.append("\n".join(["Refused", *_refused(varied, found)]))
-    return "\n\n".join([*blocks, "\n".join(written_lines(paths))])
+    return "\n\n".join([*blocks, "\n".join(written_lines(paths, kept))])
 
 
 def _values(varied: Sequence[Varied]) -> list[tuple[float, ...]]:

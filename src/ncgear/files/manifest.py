@@ -14,9 +14,11 @@ from dataclasses import asdict, dataclass
 from hashlib import sha256
 from itertools import count
 from pathlib import Path
+from stat import S_ISREG
 
 from ncgear import __version__
-from ncgear.files.publish import exchange, is_inside, opened, require_inside
+from ncgear.errors import WrongInput
+from ncgear.files.publish import REMEDY, exchange, is_inside, is_there, opened, require_inside
 
 MANIFEST = "manifest.json"
 KEYS = {"ncgear", "files"}
@@ -42,8 +44,9 @@ class Run:
 def publish_run(folder: Path, files: Mapping[str, bytes], command: str) -> Run:
     """Write the files of a command into ``folder``, in the place of those that it wrote there before, and a manifest.
 
-    Names are as in ``publish``.  All happens at one instant.  Files that the same command wrote earlier and does not
-    write now are removed.  Raises WrongInput when the folder cannot be written, and it is as it was.
+    A name is plain, or has one folder before it: ``stage-1/law.csv``.  All happens at one instant.  Files that the same
+    ``command`` wrote earlier and does not write now are removed.  Raises WrongInput when the folder cannot be written,
+    ValueError when a name has another form; in both cases the folder is as it was.
     """
     require_inside(files)
     with opened(folder):
@@ -81,7 +84,7 @@ def entries_in(folder: Path) -> dict[str, Entry]:
 def _content(place: Path) -> bytes | None:
     """What a file holds, None where no file is; raises OSError where it cannot be read."""
     try:
-        return place.read_bytes()
+        return place.read_bytes() if S_ISREG(place.stat().st_mode) else None
     except (FileNotFoundError, NotADirectoryError, IsADirectoryError):
         return None
 
@@ -104,10 +107,15 @@ def _as_written(folder: Path, entries: Mapping[str, Entry]) -> Iterator[str]:
 
 
 def _kept(folder: Path, files: Mapping[str, bytes], earlier: Mapping[str, Entry]) -> dict[str, bytes]:
-    """The files of others that have the places of new ones, by new names that are free."""
+    """The files of others that have the places of new ones, by new names that are free.
+
+    Raises WrongInput where something else has such a place, as a folder or a link to nothing.
+    """
     kept: dict[str, bytes] = {}
     for name, content in files.items():
         found = _content(folder / name)
+        if found is None and is_there(folder / name):
+            raise WrongInput(f"cannot be written, because it is no file; {REMEDY}", location=str(folder / name))
         # A manifest with entries is ncgear's own.
         if found is None or found == content or (name == MANIFEST and earlier):
             continue

@@ -43,7 +43,7 @@ def prepare(folder: Path) -> None:
     Raises WrongInput, with the path at fault, when a file is in the way or the folder is not writable.
     """
     with _refused(folder):
-        existing = next(place for place in (folder, *folder.absolute().parents) if _is_there(place))
+        existing = next(place for place in (folder, *folder.absolute().parents) if is_there(place))
         if not existing.is_dir():
             raise WrongInput(f"is no folder; {REMEDY}", location=str(existing))
         if not os.access(existing, os.W_OK | os.X_OK):
@@ -76,19 +76,6 @@ def _refused(folder: Path) -> Iterator[None]:
         raise WrongInput(f"cannot be written ({error.strerror or error}); {REMEDY}", location=place) from error
 
 
-def publish(folder: Path, files: Mapping[str, bytes]) -> list[Path]:
-    """Write ``files`` (names to contents) into ``folder``, which is created if need be; returns their paths.
-
-    A name is plain, or has one folder before it: ``stage-1/law.csv``.  Files of these names are replaced, whoever wrote
-    them.  Raises WrongInput when the folder cannot be written, ValueError when a name has another form; in both cases
-    the earlier files in the folder are untouched.
-    """
-    require_inside(files)
-    with opened(folder):
-        exchange(folder, files)
-    return [folder / name for name in files]
-
-
 def require_inside(names: Iterable[str]) -> None:
     """Raise ValueError at a name that could lead out of the folder, or into a staging folder."""
     for name in names:
@@ -112,7 +99,7 @@ def opened(folder: Path) -> Iterator[None]:
     """
     prepare(folder)
     with _refused(folder), uninterrupted():
-        missing = [place for place in (folder, *folder.absolute().parents) if not _is_there(place)]
+        missing = [place for place in (folder, *folder.absolute().parents) if not is_there(place)]
         with _removed_if_failed(missing):
             folder.mkdir(parents=True, exist_ok=True)
             with _alone_in(folder):
@@ -188,7 +175,7 @@ def exchange(folder: Path, files: Mapping[str, bytes], gone: Collection[str] = (
     """
     names = [*files, *(name for name in gone if name not in files)]
     places = {folder, *((folder / name).parent for name in names)}
-    with _removed_if_failed([place for place in places if not _is_there(place)]):
+    with _removed_if_failed([place for place in places if not is_there(place)]):
         staging = _new_staging(folder)
         try:
             _stage(folder, staging, files, names)
@@ -219,7 +206,7 @@ def _stage(folder: Path, staging: Path, files: Mapping[str, bytes], names: Itera
     for place in sorted(folders):
         place.mkdir(parents=True, exist_ok=True)
     for name in names:
-        if _is_there(folder / name):
+        if is_there(folder / name):
             # The old file is linked or copied, not moved, so that a killed run leaves a file at each place.
             _second(folder / name, staging / OLD / name)
     for name, content in files.items():
@@ -322,7 +309,7 @@ def _exchange_one_by_one(folder: Path, staging: Path, names: list[str]) -> None:
 
 def _put(file: Path, place: Path) -> None:
     """Move a file to a place; where there is no such file the place becomes empty."""
-    if _is_there(file):
+    if is_there(file):
         file.replace(place)
     else:
         place.unlink(missing_ok=True)
@@ -342,7 +329,7 @@ def _settle(folder: Path, staging: Path) -> None:
         place = folder / name
         if not _leads_into(staging, place):
             continue
-        if _is_there(shown / name):
+        if is_there(shown / name):
             (shown / name).replace(place)
         else:
             place.unlink()
@@ -350,7 +337,7 @@ def _settle(folder: Path, staging: Path) -> None:
 
 def _files_below(folder: Path) -> Iterator[Path]:
     """All that is in a folder and in those below it, but for folders; nothing where there is no folder."""
-    if _is_there(folder):
+    if is_there(folder):
         for name in os.listdir(folder):
             if S_ISDIR((folder / name).lstat().st_mode):
                 yield from _files_below(folder / name)
@@ -360,10 +347,10 @@ def _files_below(folder: Path) -> Iterator[Path]:
 
 def _leads_into(staging: Path, place: Path) -> bool:
     """Whether a place has a link of an exchange; raises OSError where the disk gives no answer."""
-    return _is_there(place) and S_ISLNK(place.lstat().st_mode) and staging.name in place.readlink().parts
+    return is_there(place) and S_ISLNK(place.lstat().st_mode) and staging.name in place.readlink().parts
 
 
-def _is_there(place: Path) -> bool:
+def is_there(place: Path) -> bool:
     """Whether a path is one of something, be it a link to nothing; raises OSError where the disk gives no answer.
 
     Python's own questions take any fault of the disk for a no, some of them from version 3.12 or 3.14 on.

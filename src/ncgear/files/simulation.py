@@ -67,12 +67,12 @@ def simulation_files(found: Simulated) -> dict[str, bytes]:
     }
 
 
-def simulation_text(found: Simulated, paths: Sequence[Path]) -> str:
-    """The figures as text, those of both mechanisms side by side, and the files written."""
+def simulation_text(found: Simulated, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
+    """The figures as text, those of both mechanisms side by side, the files written, and those kept."""
     compared = {key: found.figures[key] for key in SIDE_BY_SIDE if key in found.figures}
     alone = {key: value for key, value in found.figures.items() if key not in compared}
     beside = [*beside_lines("Torques and forces", compared), ""] if compared else []
-    return "\n".join([summary_text(alone), "", *beside, *written_lines(paths)])
+    return "\n".join([summary_text(alone), "", *beside, *written_lines(paths, kept)])
 
 
 def _dynamic(drive: Drive) -> Simulated:

@@ -147,7 +147,8 @@ class _Reader:
         try:
             tree = ast.parse(self._text, mode="eval")
         except (SyntaxError, ValueError, RecursionError, MemoryError) as fault:
-            problem = f"{self._text!r} is not an expression: {fault}; example: 1 + 0.3*cos({self._variable})"
+            said = fault.msg if isinstance(fault, SyntaxError) else fault
+            problem = f"{self._text!r} is not an expression: {said}; example: 1 + 0.3*cos({self._variable})"
             raise WrongInput(problem, key=self._key) from None
         return self._writer.tape(self._node(tree.body, 0))
 
@@ -177,6 +178,11 @@ class _Reader:
             return self._call(node, depth)
         if isinstance(node, ast.IfExp):
             return self._conditional(node, depth)
+        if isinstance(node, ast.Tuple):
+            raise self._refusal(f"{self._written(node)} is not allowed: the decimal sign is a point, not a comma")
+        if isinstance(node, ast.Compare | ast.BoolOp):
+            advice = "a condition stands as in a if u < v else b"
+            raise self._refusal(f"{self._written(node)} is not allowed: {advice}")
         raise self._refusal(f"{self._written(node)} is not allowed")
 
     def _chain(self, node: ast.BinOp, depth: int) -> int:
@@ -202,6 +208,8 @@ class _Reader:
                 raise self._refusal(f"a power must be a number of at most {LARGEST_POWER}, not {written}")
             return self._writer.power(left, exponent)
         name = _OPERATIONS.get(type(node.op))
+        if isinstance(node.op, ast.BitXor):
+            raise self._refusal(f"{self._written(node)} is not allowed: a power is written with **, not with ^")
         if name is None:
             raise self._refusal(f"{self._written(node)} is not allowed")
         if name == "/" and self._writer.constant(right) == 0.0:
@@ -232,7 +240,8 @@ class _Reader:
         """``a if u < v else b``; at u = v itself both must agree anyway."""
         test = node.test
         if not (isinstance(test, ast.Compare) and len(test.ops) == 1 and type(test.ops[0]) in _LESS):
-            raise self._refusal(f"{self._written(test)} is no condition; one of < <= > >= between two expressions is")
+            advice = "one of < <= > >= between two expressions is, and another condition can stand in a or b"
+            raise self._refusal(f"{self._written(test)} is no condition; {advice}")
         left, right = self._node(test.left, depth + 1), self._node(test.comparators[0], depth + 1)
         sides = self._node(node.body, depth + 1), self._node(node.orelse, depth + 1)
         low, high = (left, right) if _LESS[type(test.ops[0])] else (right, left)

@@ -86,13 +86,19 @@ CLOSE = 4.0 * np.finfo(float).eps
 the first bracket must come down to the square of this."""
 
 
+AT_AN_END = 1e-9
+"""Share of a function's change over a bracket that counts as zero at an end: a bracket that ends at the zero itself
+may miss it by the function's rounding errors."""
+
+
 def zeros_between(function: Callable[[Array], Array], low: Array, high: Array) -> Array:
-    """A zero in each [low, high] (shape (n,)), at whose ends the function has different signs.
+    """A zero in each [low, high] (shape (n,)), at whose ends the function has different signs, or is zero at one.
 
     The function maps points of shape (n,), one of each bracket, to values.  Raises ArithmeticError where it is not
-    finite.
+    finite, or has one sign at both ends.
     """
-    new, old, value, old_value = low, high, function(low), function(high)
+    new, old = low, high
+    value, old_value = _zero_at_an_end(function(low), function(high))
     share = np.full(low.shape, 0.5)
     with np.errstate(all="ignore"):
         for _ in range(MOST_STEPS):
@@ -113,6 +119,16 @@ def zeros_between(function: Callable[[Array], Array], low: Array, high: Array) -
             # A zero that is found stays where it is: a step within so narrow a bracket could leave it.
             share = np.where(done, 0.0, share)
     raise ArithmeticError("no zero was found between points at which a function has different signs")
+
+
+def _zero_at_an_end(low: Array, high: Array) -> tuple[Array, Array]:
+    """Values at both ends of brackets, of different signs or zero; raises ArithmeticError where they are not."""
+    same = np.sign(low) * np.sign(high) > 0.0
+    least = AT_AN_END * np.abs(high - low)
+    low, high = (np.where(same & (np.abs(value) <= least), 0.0, value) for value in (low, high))
+    if np.any(np.sign(low) * np.sign(high) > 0.0):
+        raise ArithmeticError("a zero was sought between points at which a function does not have different signs")
+    return low, high
 
 
 def _next_share(points: tuple[Array, Array, Array], values: tuple[Array, Array, Array], least: Array) -> Array:

@@ -30,6 +30,9 @@ from ncgear.project.wishes import task_of, wishes_of
 POINTS_FILE = "frontier-points.jsonl"
 """File of finished points in the output folder, one line each."""
 
+ENTRY = '{"key": "'
+"""How each entry begins."""
+
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """Each process has one core, so several threads of linear algebra in it would only hinder each other."""
 
@@ -50,11 +53,12 @@ class FinishedPoints:
         self.key = sha256(f"{__version__} {design.model_dump_json()}".encode()).hexdigest()[:16]
 
     def found(self) -> dict[tuple[str, float], dict[str, Any]]:
-        """Results by kind and cap.  Lines that are no entry, or were cut off when a run was killed, are skipped."""
-        if not self.path.exists():
-            return {}
+        """Results by kind and cap.  Lines that are no entry, or were cut off when a run was killed, are skipped.
+
+        Raises WrongInput where another file has the place, which would get the points of this run.
+        """
         results = {}
-        for line in self.path.read_text(encoding="utf-8", errors="replace").splitlines():
+        for line in self._lines():
             try:
                 entry = json.loads(line)
             except json.JSONDecodeError:
@@ -63,13 +67,36 @@ class FinishedPoints:
                 results[entry["kind"], entry["cap_w"]] = entry["result"]
         return results
 
+    def _lines(self) -> list[str]:
+        if not os.path.lexists(self.path):
+            return []
+        text = ""
+        with self._refused():
+            text = self.path.read_text(encoding="utf-8", errors="replace") if self.path.is_file() else "no file"
+        lines = text.splitlines()
+        # A run that was killed at its first entry has left a part of one line.
+        if any(lines) and not any(line.startswith(ENTRY[: len(line)]) for line in lines if line):
+            problem = "is no file of finished points; move it away, or choose another folder with --out"
+            raise WrongInput(problem, location=str(self.path))
+        return lines
+
     def add(self, kind: str, cap_w: float, result: dict[str, Any]) -> None:
-        """Write one more line."""
-        self.path.parent.mkdir(parents=True, exist_ok=True)
+        """Write one more line; raises WrongInput where the disk refuses it."""
         entry = {"key": self.key, "kind": kind, "cap_w": cap_w, "result": result}
-        with uninterrupted(), self.path.open("a", encoding="utf-8") as file:
-            # The first line break separates the entry from a line that was cut off.
-            file.write(f"\n{json.dumps(entry)}\n")
+        with self._refused(), uninterrupted():
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            with self.path.open("a", encoding="utf-8") as file:
+                # The first line break separates the entry from a line that was cut off.
+                file.write(f"\n{json.dumps(entry)}\n")
+
+    @contextmanager
+    def _refused(self) -> Iterator[None]:
+        """A context that turns what the disk refuses into WrongInput."""
+        try:
+            yield
+        except OSError as error:
+            problem = f"cannot be read or written ({error.strerror or error}); choose another folder with --out"
+            raise WrongInput(problem, location=str(self.path)) from error
 
 
 def frontier(design: Design, count: int, folder: Path, on_point: Callable[[int, int], None]) -> Frontier:

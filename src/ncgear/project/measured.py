@@ -54,7 +54,7 @@ class MeasuredGear:
         share = np.cos(self.working.flanks.rack.pressure_angle_rad) * self.working.base_cosine
         return [self.spans.distance_mm + limit * share for limit in self.limits_mm or ()]
 
-    @property
+    @cached_property
     def at_limits(self) -> tuple[tuple[WorkingFlanks, Pins], ...]:
         """Flanks and pins of the thinnest and of the thickest teeth; empty where no limits are given."""
         found = []

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, Strict, model_validator
 
-from ncgear.design.keys.base import FASTEST_RPM, LONGEST_MM, Length, Model, fault, given, listed, require_one
+from ncgear.design.keys.base import LONGEST_MM, Length, Model, Speed, fault, given, listed, require_one
 from ncgear.design.keys.machine import Linkage
 from ncgear.design.keys.masses import HEAVIEST_KG, Coordinate, Mass, Masses
 from ncgear.design.naming import NAME_PATTERN
@@ -18,10 +18,9 @@ Angle = Annotated[float, Field(ge=-3600.0, le=3600.0)]
 Amplitude = Annotated[float, Field(ge=0.0, le=1e9)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 
-SLOWEST_RPM, HIGHEST_ORDER, HIGHEST_HZ = 1e-6, 1e4, 1e9
-"""One turn in two years, and bounds far above whatever a machine has: products of them stay far from overflow."""
+HIGHEST_ORDER, HIGHEST_HZ = 1e4, 1e9
+"""Far above whatever a machine has: products of them stay far from overflow."""
 
-Turning = Annotated[float, Field(ge=SLOWEST_RPM, le=FASTEST_RPM)]
 Frequency = Annotated[float, Field(ge=1e-8, le=HIGHEST_HZ)]
 Effect = Annotated[float, Field(ge=1e-9, le=1e9)]
 
@@ -135,7 +134,7 @@ class Shaft(Model):
     """A shaft that may shake the machine."""
 
     name: str = Field(min_length=1, max_length=100, description="what it is called")
-    speed_rpm: Turning = Field(description="its speed in r/min")
+    speed_rpm: Speed = Field(description="its speed in r/min")
     rollers: int | None = Field(default=None, ge=1, le=MOST_COUNT, description="rolling elements of its bearing")
     roller_ratio: float | None = Field(
         default=None,
@@ -151,7 +150,7 @@ class Engine(Model):
     """A reciprocating engine."""
 
     name: str = Field(default="engine", min_length=1, max_length=100, description="what it is called")
-    speed_rpm: Turning = Field(description="its speed in r/min")
+    speed_rpm: Speed = Field(description="its speed in r/min")
     cylinders: int = Field(ge=1, le=100, description="number of cylinders")
     strokes: int = Field(default=4, ge=2, le=4, description="strokes of a cycle, 2 or 4")
     inertia_order: float = Field(
@@ -247,7 +246,7 @@ class Trial(Model):
 class Rotor(Model):
     """Field balancing from trial weights."""
 
-    speed_rpm: Turning = Field(description="speed of the runs in r/min")
+    speed_rpm: Speed = Field(description="speed of the runs in r/min")
     first: Readings | None = Field(default=None, description="readings of every sensor without trial weights, a list")
     trials: Annotated[tuple[Trial, ...], Strict(False), Field(min_length=1, max_length=20)] | None = Field(
         default=None, description="one run for each plane, a list"
@@ -324,7 +323,7 @@ class Balance(Model):
 
     name: str = Field(pattern=NAME_PATTERN, description="name of the file's subject and of its output folder")
     description: str = Field(default="", max_length=10_000, description="free text")
-    speed_rpm: Turning | None = Field(
+    speed_rpm: Speed | None = Field(
         default=None, description="speed in r/min of the shaft that drives the mechanisms and the gears"
     )
     mechanisms: Annotated[tuple[Mechanism, ...], Strict(False), Field(max_length=50)] = Field(

@@ -16,16 +16,26 @@ from pydantic_core import PydanticCustomError
 LONGEST_MM = 1e7
 """Ten kilometres: beyond any machine, and far below where the squares of lengths overflow."""
 
-FASTEST_RPM = 1e7
+SLOWEST_RPM, FASTEST_RPM = 1e-6, 1e7
+"""One turn in two years, and far above whatever a machine has: squares of speeds stay far from overflow and zero."""
 
 Length = Annotated[float, Field(gt=0.0, le=LONGEST_MM)]
-Speed = Annotated[float, Field(gt=0.0, le=FASTEST_RPM)]
+Speed = Annotated[float, Field(ge=SLOWEST_RPM, le=FASTEST_RPM)]
 Positive = Annotated[float, Field(gt=0.0)]
 
 LONGEST_EXPRESSION = 1000
 
 Expression = Annotated[str, Field(min_length=1, max_length=LONGEST_EXPRESSION)]
 """A formula."""
+
+FORMULA = (
+    "made of numbers, pi, + - * / **, sin, cos, tan, exp, log, sqrt, atan, sinh, cosh, tanh, abs, sign, min, max "
+    "and a if u < v else b"
+)
+"""What ``ncgear.numerics.formula`` reads."""
+
+SMOOTH_LAW = "neither it nor its slope may jump, where such pieces meet or where the cycle begins again"
+"""What the pitch curves ask of a ratio and of dphi2/dphi1."""
 
 # YAML has only lists, and strict models accept only tuples: so the container is not strict, but its numbers are.
 Numbers = Annotated[tuple[float, ...], Strict(False)]

@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, Strict, model_validator
 
 from ncgear.design.keys.base import (
+    FORMULA,
     LONGEST_MM,
     Expression,
     Length,
@@ -146,7 +147,9 @@ class Resistance(Model):
         default=None, description="the force point by point; it keeps its end values beyond the table's ends"
     )
     expression_n: Expression | None = Field(
-        default=None, description='force in N as a formula of x (= displacement in mm): "200 + 3*exp(x/90)"'
+        default=None,
+        description='force in N as a formula of x (= displacement in mm): "200 + 3*exp(x/90)", '
+        f"{FORMULA}; it may have corners, as max(0, x - 30) has, but no jumps",
     )
     where_negative: Literal["zero", "keep"] = Field(
         default="zero", description="where the force is negative: zero (a fit says nothing there) or keep"

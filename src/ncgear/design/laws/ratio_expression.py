@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import Expression, fault, require_one
+from ncgear.design.keys.base import FORMULA, SMOOTH_LAW, Expression, fault, require_one
 from ncgear.design.laws.base import DesignLaw, LawKeys
 
 if TYPE_CHECKING:
@@ -20,11 +20,13 @@ class RatioExpression(LawKeys):
     law: Literal["ratio_expression"] = Field(description="the name of this law: ratio_expression")
     ratio: Expression | None = Field(
         default=None,
-        description='transmission ratio i12 = dphi1/dphi2 as a formula of phi (= phi1 in rad): "1 + 0.3*cos(phi)"',
+        description='transmission ratio i12 = dphi1/dphi2 as a formula of phi (= phi1 in rad): "1 + 0.3*cos(phi)", '
+        f"{FORMULA}; {SMOOTH_LAW}",
     )
     driven_angle: Expression | None = Field(
         default=None,
-        description='driven angle phi2 in rad as a formula of phi (= phi1 in rad): "phi - 0.08*sin(2*phi)"',
+        description='driven angle phi2 in rad as a formula of phi (= phi1 in rad): "phi - 0.08*sin(2*phi)", '
+        f"{FORMULA}; of its dphi2/dphi1, {SMOOTH_LAW}",
     )
     scale_to_close: bool = Field(
         default=False, description="true: multiply the ratio by the constant that makes the driven gear come round"

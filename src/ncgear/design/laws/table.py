@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 
 MOST_POINTS = 200_000
 FEWEST_POINTS = 4
+NEAREST_TURNS = 1e-10
+"""Least distance of driving angles, in turns: a gear of a metre moves by a third of a nanometre.  Nearer ones leave no
+digits to the splines through them."""
+
 ANGLE_COLUMNS = spellings("phi1")
 VALUE_COLUMNS = ("displacement_mm", "ratio")
 
@@ -78,6 +82,9 @@ class TableLaw(LawKeys):
                 raise fault(f"{key}.{i}", f"{angle:g} is outside the cycle; 0 to {turn:g} is right")
             if i and angle <= angles[i - 1]:
                 raise fault(f"{key}.{i}", f"{angle:g} follows {angles[i - 1]:g}; the angles must rise strictly")
+            if i and (angle - angles[i - 1]) / turn < NEAREST_TURNS:
+                least = f"at least {NEAREST_TURNS * turn:.2g} apart is right"
+                raise fault(f"{key}.{i}", f"{angle!r} follows {angles[i - 1]!r}; {least}")
         return self
 
     @property

@@ -40,8 +40,8 @@ def figures_of(balancing: Balancing) -> dict[str, Any]:
     return {**figures, **{part: answer(balancing) for part, answer in asked.items()}}
 
 
-def balance_text(figures: Mapping[str, Any], paths: Sequence[Path]) -> str:
-    """The figures as indented lines and tables, and the files written."""
+def balance_text(figures: Mapping[str, Any], paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
+    """The figures as indented lines and tables, the files written, and those kept."""
     lines = [str(figures["name"])]
     for part, content in figures.items():
         if part == "mechanisms":
@@ -49,7 +49,7 @@ def balance_text(figures: Mapping[str, Any], paths: Sequence[Path]) -> str:
                 lines += ["", mechanism["name"], *_lines({k: v for k, v in mechanism.items() if k != "name"})]
         elif part != "name":
             lines += ["", part.replace("_", " "), *_content(content)]
-    return "\n".join([*lines, "", *written_lines(paths)])
+    return "\n".join([*lines, "", *written_lines(paths, kept)])
 
 
 def _content(content: Any) -> list[str]:
