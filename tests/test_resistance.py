@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import erf, exp, pi, sqrt
 from pathlib import Path
 
 import numpy as np
 import pytest
+from mpmath import mp
 from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
@@ -270,3 +272,45 @@ def test_points_as_near_as_they_may_be_have_finite_forces_and_slopes(start: floa
     found = table.fitted_n(Jet.variable(at, 2))
     assert all(np.isfinite(found.derivative(order)).all() for order in range(3))
     assert np.isfinite(table.work_from_retracted_n_mm(at, 80.0)).all()
+
+
+@pytest.mark.parametrize(
+    ("text", "work", "corner"),
+    [
+        ("2*x**1.5", lambda x: 0.8 * x**2.5, 0.0),
+        ("max(0, x - 23.7)**1.5", lambda x: 0.4 * max(0.0, x - 23.7) ** 2.5, 23.7),
+        ("((x - 51.3)**2)**0.6", lambda x: (51.3**2.2 + (x - 51.3) * abs(x - 51.3) ** 1.2) / 2.2, 51.3),
+        ("(80 - x)**1.25", lambda x: (80.0**2.25 - (80.0 - x) ** 2.25) / 2.25, 80.0),
+        ("(sin(x)**2 + cos(x)**2 + 3)*max(0, x - 9)**1.4", lambda x: max(0.0, x - 9.0) ** 2.4 / 0.6, 9.0),
+    ],
+)
+def test_powers_over_one_begin_anywhere(text: str, work: Callable[[float], float], corner: float) -> None:
+    """Their slope is like a root; the negative control is a force whose slope is infinite."""
+    stroke, resistance = 80.0, FormulaResistance(text)
+    points = np.linspace(0.0, stroke, 57)
+    assert resistance.work_n_mm(points, stroke) == pytest.approx(
+        [work(x) for x in points.tolist()], rel=1e-12, abs=1e-9
+    )
+    turns = resistance.turns_mm(stroke)
+    assert np.abs(turns - corner).max(initial=0.0) < 1e-9
+    with pytest.raises(WrongInput, match="no smooth function near x = 23"):
+        FormulaResistance("max(0, x - 23)**0.5").turns_mm(stroke)
+    with pytest.raises(WrongInput, match="no smooth function near x = 0"):
+        FormulaResistance("x**0.95").turns_mm(stroke)
+
+
+def test_turns_between_powers_over_one_are_found() -> None:
+    resistance = FormulaResistance("abs(sin(0.2*x))**1.5")
+    turns = resistance.turns_mm(80.0)
+    assert turns == pytest.approx(np.arange(1, 11) * pi * 2.5, abs=1e-7)
+    with mp.workdps(20):
+        edges = [mp.mpf(0), *(k * 5 * mp.pi for k in range(1, 6)), mp.mpf(80)]
+        work = mp.quad(lambda x: abs(mp.sin(mp.mpf(0.2) * x)) ** mp.mpf(1.5), edges)
+    assert resistance.work_n_mm(np.array([80.0]), 80.0) == pytest.approx([float(work)], rel=1e-12)
+
+
+@pytest.mark.parametrize("text", ["2*x**1.5", "max(0, x - 130.5)**1.5", "(760 - x)**1.2"])
+def test_peak_of_power_of_powers_over_one(text: str) -> None:
+    machine = Machine(uniform_law(Lobes()), BALER_LINKAGE, FormulaResistance(text), 2.0 * pi)
+    dense = machine.motion(np.linspace(0.0, 2.0 * pi, 40_001)).power_w.max()
+    assert dense <= kinematic_check(machine).peak_power_w.value <= dense * (1.0 + 1e-6)

@@ -58,7 +58,8 @@ Where a formula goes over from one expression to another, the law has a joint.
   `sqrt(u**2 + 0.01)` in the place of `abs(u)` rounds it. Its curvature may jump, but not be infinite, as that of
   `abs(sin(phi))**1.5` is at 0.
 - **A driven angle** must keep its dphi2/dphi1 free of both.
-- **A resistance** may have corners, but no jumps: the slider would meet a wall. Steep steps such as
+- **A resistance** may have corners, but no jumps: the slider would meet a wall. Powers over 1 may begin anywhere, as
+  `max(0, x - 30)**1.5` does; `sqrt(x)` is refused, since its slope is infinite at 0. Steep steps such as
   `100*tanh((x - 20)/0.5) + 100` are right.
 
 Every formula is proven to have no feature, however narrow, that the numbers miss, or it is refused with the place.

@@ -188,6 +188,12 @@ MOST_TURNS = 500
 FLAT = 1e-13
 """Slope, relative to the largest, that counts as zero: its form is resolved to some hundredth of that."""
 
+AT_END = 1e-6
+"""Least u: a turn that is nearer to the end, by a share of 1e-12, does not change the force."""
+
+SAME = 1e-12
+"""Distance, as a share of the stroke, of turns that are one but for rounding errors."""
+
 NO_JUMP = 1e-9
 """Difference of the force on both sides of a joint, relative to the largest force, that counts as none."""
 
@@ -223,7 +229,7 @@ class FormulaResistance(Resistance):
         return within(_forms(self, stroke_mm).turns_mm, stroke_mm)
 
     def panels_mm(self, stroke_mm: float) -> Array:
-        """The panels of the Chebyshev form of the derivative."""
+        """The panels of the Chebyshev forms of the slope."""
         return _forms(self, stroke_mm).panels_mm
 
 
@@ -246,7 +252,7 @@ def _forms(resistance: FormulaResistance, stroke_mm: float) -> _Forms:
     try:
         parts = smooth_parts(resistance._formula, 0.0, stroke_mm)
         forces = [proven(part, start, end) for start, end, part in parts]
-        slopes = [proven(part.derivative(), start, end) for start, end, part in parts]
+        slopes = [slope for start, end, part in parts for slope in _slopes(part, start, end)]
     except NotSmooth as fault:
         problem = (
             f"{text!r} is no smooth function near x = {fault.at:.6g} mm, or changes there faster than can be followed"
@@ -254,25 +260,79 @@ def _forms(resistance: FormulaResistance, stroke_mm: float) -> _Forms:
         raise WrongInput(f"{problem}; {right}", key=KEY) from fault
     corners = np.array([start for start, _, _ in parts[1:]])
     whole = joined(forces)
-    for corner, (_, _, before), (_, _, after) in zip(corners, parts, parts[1:], strict=False):
-        low, high = (float(part.values(np.array([corner]))[0]) for part in (before, after))
+    for corner, before, after in zip(corners, forces, forces[1:], strict=False):
+        low, high = before.final, float(after(np.array([corner]))[0])
         if not abs(high - low) <= NO_JUMP * np.abs(whole.coefficients).max():
             raise WrongInput(f"{text!r} jumps from {low:.6g} to {high:.6g} N at x = {corner:.6g} mm; {right}", key=KEY)
-    slope = joined(slopes)
-    turns = np.unique(np.concatenate([corners, _turns(slope)]))
+    steepest = max(slope.steepest for slope in slopes)
+    turns = np.unique(np.concatenate([corners, *(slope.turns_mm(steepest) for slope in slopes)]))
+    # Forms that meet at a turn may both have it.
+    turns = turns[np.diff(turns, prepend=-np.inf) > SAME * stroke_mm]
     if turns.size > MOST_TURNS:
         problem = f"{text!r} turns up or down {turns.size} times over the stroke of {stroke_mm:g} mm"
         raise WrongInput(f"{problem}; at most {MOST_TURNS} turns are followed", key=KEY)
-    return _Forms(whole, turns, slope.breaks[1:-1])
+    panels = np.unique(np.concatenate([slope.at_mm(slope.form.breaks) for slope in slopes]))
+    return _Forms(whole, turns, within(panels, stroke_mm))
 
 
-def _turns(slope: PiecewiseChebyshev) -> Array:
-    """Zeros of a slope but for those between which it is nothing but rounding errors, shape (n,)."""
-    zeros = within(all_zeros(slope), float(slope.breaks[-1]))
+@dataclass(frozen=True, eq=False)
+class _Slope:
+    """A form of a force's slope by x, or by u where x = end + width u**2."""
+
+    form: PiecewiseChebyshev
+    end_mm: float = 0.0
+    width_mm: float | None = None
+
+    @property
+    def scale_mm(self) -> float:
+        """How many mm the form's variable stands for."""
+        return 1.0 if self.width_mm is None else abs(self.width_mm)
+
+    @property
+    def steepest(self) -> float:
+        """Size of the slope in N/mm."""
+        return float(np.abs(self.form.coefficients).max()) / self.scale_mm
+
+    def turns_mm(self, steepest: float) -> Array:
+        """Where the slope is zero, shape (n,), but for where it is nothing but rounding errors of the steepest one."""
+        return self.at_mm(_zeros(self.form, FLAT * steepest * self.scale_mm))
+
+    def at_mm(self, places: Array) -> Array:
+        """The displacements at which the form's variable has these values, shape (n,)."""
+        return places if self.width_mm is None else self.end_mm + self.width_mm * places**2
+
+
+def _slopes(force: Formula, start: float, end: float) -> list[_Slope]:
+    """Forms of the slope of a force without corners; raises NotSmooth.
+
+    Where it is like a root at an end, as that of x**1.5 is, u is counted from both ends on: the slope by u is like a
+    power over 1.
+    """
+    try:
+        return [_Slope(proven(force.derivative(), start, end))]
+    except NotSmooth:
+        for place in (start, end):
+            if np.isinf(force.derivative().values(np.array([place]))[0]):
+                raise NotSmooth(place) from None
+        width = (end - start) / 2.0
+        return [_slope_from(force, place, way) for place, way in ((start, width), (end, -width))]
+
+
+def _slope_from(force: Formula, end: float, width: float) -> _Slope:
+    try:
+        return _Slope(proven(force.from_end(end, width).derivative(), AT_END, 1.0), end, width)
+    except NotSmooth as fault:
+        raise NotSmooth(end + width * fault.at**2) from None
+
+
+def _zeros(slope: PiecewiseChebyshev, least: float) -> Array:
+    """Zeros of a slope inside its range but for those between which it is under ``least``, shape (n,)."""
+    zeros = all_zeros(slope)
+    zeros = zeros[(zeros > slope.breaks[0]) & (zeros < slope.breaks[-1])]
     edges = np.concatenate([slope.breaks[:1], zeros, slope.breaks[-1:]])
     samples = [(edges[:-1] + edges[1:]) / 2.0, nodes(slope.breaks[:-1], slope.breaks[1:]).ravel()]
     points = np.sort(np.concatenate(samples))
     largest = np.maximum.reduceat(np.abs(slope(points)), np.searchsorted(points, edges[:-1]))
-    flat = largest <= FLAT * np.abs(slope.coefficients).max()
-    turns: Array = zeros[~(flat[:-1] & flat[1:])]
-    return turns
+    flat = largest <= least
+    found: Array = zeros[~(flat[:-1] & flat[1:])]
+    return found

@@ -90,6 +90,13 @@ class Formula:
         """One by the function."""
         return Formula(self.tape.reciprocal())
 
+    def from_end(self, end: float, width: float) -> Formula:
+        """The function of u where the variable is ``end + width u**2``: a power of u where it is a root at the end."""
+        writer = Writer()
+        square = writer.power(writer.variable(), 2.0)
+        place = writer.apply("+", writer.number(end), writer.apply("*", writer.number(width), square))
+        return Formula(self.tape.of(writer.tape(place)))
+
     def derivative(self) -> Formula:
         """The derivative by the variable."""
         return Formula(self.tape.derivative())

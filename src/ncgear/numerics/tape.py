@@ -204,6 +204,16 @@ class Tape:
         writer = self._written()
         return writer.tape(writer.apply("/", writer.number(1.0), len(self.operations) - 1))
 
+    def of(self, inner: Tape) -> Tape:
+        """The function of the result of another tape in the place of the variable."""
+        writer, places = inner._written(), list[int]()
+        for operation in self.operations:
+            found = len(inner.operations) - 1
+            if operation.name != VARIABLE:
+                found = writer.again(operation, [places[operand] for operand in operation.operands])
+            places.append(found)
+        return writer.tape(places[-1])
+
     def derivative(self) -> Tape:
         """The derivative by the variable; that of a choice is the choice of the derivatives."""
         writer, slopes = self._written(), list[int]()
