@@ -21,6 +21,7 @@ from drives import drive, drive_of_text
 from ncgear.drawings.charts.chart import EMPTY, Line, Role
 from ncgear.drawings.charts.drawer import MOTION_COLUMN, MOTION_LOOK, beside_png, column_png, mark_extreme
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, motion_chart, over_displacement
+from ncgear.drawings.palette import LIGHT
 from ncgear.drawings.plots import assembled_pair as gears
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.csv_text import LAW_COLUMNS, law_csv, outline_csv, rows_text
@@ -352,7 +353,7 @@ def test_report_is_aligned_and_not_too_wide() -> None:
         "module                      3 mm",
         "driving convex              no",
         "min concave radius driven   -",
-        "concave driving             0..0.1, 2..3 rad",
+        "concave driving             0..5.7296, 114.59..171.89 deg",
     ],
 )
 def test_values_are_shown_as_a_person_reads_them(line: str) -> None:
@@ -364,7 +365,7 @@ def test_numbers_and_units() -> None:
     assert label_and_unit("volume_mm3") == ("volume", "mm3")
     assert label_and_unit("teeth") == ("teeth", "")
     assert [shown(value) for value in (123456.7, 12345.6, 1.5e-15, 0.0, True, None)] == [
-        "123457", "12346", "1.5e-15", "0", "yes", "-",
+        "123457", "12346", "0", "0", "yes", "-",
     ]  # fmt: skip
     assert shown(list(np.arange(20.0))).endswith("and 8 more")
 
@@ -408,7 +409,9 @@ def near(pixels: np.ndarray, color: tuple[int, int, int]) -> int:
     return int(np.sum(np.abs(pixels - color).max(axis=2) < 25))
 
 
-DRIVING, DRIVEN, HIGHLIGHT = (0x00, 0x72, 0xB2), (0xD5, 0x5E, 0x00), (0xCC, 0x79, 0xA7)
+DRIVING, DRIVEN, HIGHLIGHT = (
+    tuple(bytes.fromhex(color[1:])) for color in map(LIGHT.get, ("driving", "driven", "highlight"))
+)
 
 
 @pytest.mark.thorough

@@ -14,21 +14,14 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Polygon
 from matplotlib.path import Path
 
+from ncgear.drawings.palette import LIGHT
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import signed_area
 
 DPI = 110
 
-DRIVING = "#0064a0"
-DRIVEN = "#b04a00"
-HIGHLIGHT = "#a02c6a"
-REFERENCE = "#5f6773"
-INK = "#1b1f24"
-GRID = "#e6e9ee"
-JOINT = "#868d98"
-"""Colours near those of M. Okabe and K. Ito, which differ for any colour vision, dark enough for text on white.
-
-The style sheets of the page have the same ones on light ground (tests/test_report.py)."""
+DRIVING, DRIVEN, HIGHLIGHT, MATERIAL = (LIGHT[name] for name in ("driving", "driven", "highlight", "material"))
+REFERENCE, INK, GRID, JOINT, PAPER = (LIGHT[name] for name in ("uniform", "ink", "grid", "joint", "panel"))
 
 FILL = 0.16
 """Opacity of areas, small enough to show where two of them overlap."""
@@ -66,7 +59,7 @@ class Margins:
 
 def figure(width_in: float, height_in: float, title: str) -> Figure:
     """An empty figure of a size in inches, for Agg, with a heading at the left."""
-    made = Figure(figsize=(width_in, height_in), dpi=DPI, facecolor="white")
+    made = Figure(figsize=(width_in, height_in), dpi=DPI, facecolor=PAPER)
     FigureCanvasAgg(made)
     x, y = EDGE_IN / width_in, 1.0 - EDGE_IN / height_in
     # The name of a design may contain dollar signs, which are not formulas.
@@ -92,7 +85,7 @@ def dress(axes: Axes, x_label: str, y_label: str) -> None:
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
     for side in ("left", "bottom"):
-        axes.spines[side].set_color("#9A9A9A")
+        axes.spines[side].set_color(REFERENCE)
 
 
 def legend_above(axes: Axes) -> None:
