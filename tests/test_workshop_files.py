@@ -37,7 +37,7 @@ DESIGNS = ["baler", "ellipse", "internal-1-2"]
 """Keyway and concave curves; a bore alone; a ring."""
 
 ROUNDING_MM = 2e-6
-"""Of coordinates with six decimals, twice; other files have all digits."""
+"""Of coordinates with six decimals, twice."""
 
 ARC_MM = 1e-5
 """Of the readers' own chords of arcs: a radius of 10 mm in 1600 steps over half a turn."""
@@ -82,10 +82,6 @@ def cut_area(data: bytes, prefix: str = "") -> Polygon:
     return largest.difference(shapely.union_all([ring for ring in rings if ring is not largest]))
 
 
-WRITTEN_MM = 1e-6
-"""Coordinates are written with six decimals; a point is off by half of the last one in x and in y."""
-
-
 @pytest.mark.judges("files")
 @pytest.mark.tiers(quick=["ellipse-*"], rest="thorough")
 @pytest.mark.parametrize("gear", Gear)
@@ -94,7 +90,7 @@ def test_a_drawing_has_the_outline_to_the_decimals_of_its_coordinates(name: str,
     data = files(name)[f"{gear.value}.dxf"]
     (teeth,) = drawn(data, "OUTLINE")
     assert teeth.closed
-    assert apart_mm(np.array(teeth.points()), outline(name, gear)) <= WRITTEN_MM
+    assert apart_mm(np.array(teeth.points()), outline(name, gear)) <= ROUNDING_MM
     # Round edges are arcs there and chords in the solid.
     assert cut_area(data).symmetric_difference(section(name, gear)).buffer(-0.003).is_empty
 
@@ -113,8 +109,8 @@ def test_the_keyway_is_exact() -> None:
     radius = np.hypot(*points.T)
     assert max(abs(bulge) for _, _, bulge in bore.vertices()) < 1.0, "no arc over half a turn, of which some fall short"
     on_circle = points[:, 0] < np.sqrt(8.0**2 - 2.5**2)
-    assert np.abs(radius[on_circle] - 8.0).max() <= WRITTEN_MM
-    assert points[~on_circle][:, 0].max() == pytest.approx(8.0 + 2.3, abs=WRITTEN_MM)
+    assert np.abs(radius[on_circle] - 8.0).max() <= ROUNDING_MM
+    assert points[~on_circle][:, 0].max() == pytest.approx(8.0 + 2.3, abs=ROUNDING_MM)
     assert Polygon(points).area == pytest.approx(Polygon(section("baler", Gear.DRIVING).interiors[0]).area, abs=0.2)
 
 
@@ -154,7 +150,7 @@ def test_the_pair_is_drawn_as_assembled(name: str) -> None:
     turned = shapely.affinity.rotate(driving, half_tooth, origin=(0.0, 0.0))
     assert not turned.intersection(driven).buffer(-0.005).is_empty
     (axis, _) = drawn(data, "DRIVEN_AXIS")
-    assert (axis.number(10) + axis.number(11)) / 2.0 == pytest.approx(distance, abs=WRITTEN_MM)
+    assert (axis.number(10) + axis.number(11)) / 2.0 == pytest.approx(distance, abs=ROUNDING_MM)
 
 
 def cut_layers(data: bytes) -> dict[str, int]:
@@ -185,7 +181,7 @@ def test_a_clearance_is_taken_off_all_along_the_outline(gear: Gear) -> None:
     """As much off as the clearance times the length, and nowhere less than the clearance."""
     (teeth,) = drawn(files("printed-pump")[f"{gear.value}.dxf"], "OUTLINE")
     designed, cleared = Polygon(outline("printed-pump", gear)), Polygon(teeth.points())
-    assert designed.exterior.distance(cleared.exterior) == pytest.approx(0.05, abs=2.0 * WRITTEN_MM)
+    assert designed.exterior.distance(cleared.exterior) == pytest.approx(0.05, abs=ROUNDING_MM)
     assert designed.area - cleared.area == pytest.approx(0.05 * designed.length, rel=0.01)
 
 

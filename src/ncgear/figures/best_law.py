@@ -119,8 +119,8 @@ def _row(values: Array | Sequence[float]) -> CommentedSeq:
     return row
 
 
-LAW_WIDTH = 18
-LAW_HEADS = ("peak power, W", "peak accel., mm/s2", "ratio", "tangent, deg", "convex")
+LAW_HEADS = ("peak power, W", "peak accel., mm/s2", "ratio", "pressure angle, deg", "without rack", "convex")
+"""The pressure angle has the rack's own in it, as everywhere; without it, it is that of the pitch curves alone."""
 
 
 def optimized_text(best: BestLaw, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
@@ -155,16 +155,17 @@ def _table(best: BestLaw) -> list[str]:
     if best.given_figures is not None:
         rows["design as given"] = best.given_figures
     rows["uniform crank"] = best.uniform_figures
-    cells = [[name, *_law_cells(found)] for name, found in rows.items()]
-    least = [0, *[LAW_WIDTH] * len(LAW_HEADS)]
-    return ["At equal driving speed, whole cycle", *aligned([["", *LAW_HEADS], *cells], left=1, least=least)]
+    rack_rad = best.wishes.limits.rack_angle_rad
+    cells = [[name, *_law_cells(found, rack_rad)] for name, found in rows.items()]
+    return ["At equal driving speed, whole cycle", *aligned([["", *LAW_HEADS], *cells], left=1)]
 
 
-def _law_cells(found: Figures) -> list[str]:
+def _law_cells(found: Figures, rack_rad: float) -> list[str]:
     return [
         shown(found.peak_power_w),
         shown(found.peak_acceleration_mm_s2),
         f"{fixed(found.ratio_min, 3)} to {fixed(found.ratio_max, 3)}",
+        fixed(degrees(found.tangent_rad + rack_rad), 2),
         fixed(degrees(found.tangent_rad), 2),
         "yes" if found.convex else "no",
     ]

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.path import Path
-from matplotlib.text import Annotation
 
 from ncgear.drawings.charts.chart import Across, Chart, Line, Role
 from ncgear.drawings.plots.canvas import (
@@ -25,6 +23,7 @@ from ncgear.drawings.plots.canvas import (
     dress,
     figure,
     legend_above,
+    place_note,
     png,
 )
 from ncgear.figures.numbers import fixed, to_digits
@@ -133,7 +132,7 @@ def mark_extreme(axes: Axes, line: Line, unit: str) -> None:
         return
     axes.margins(y=0.16)
     axes.autoscale_view(scalex=False)
-    curves = [curve.get_transform().transform_path(curve.get_path()) for curve in axes.lines if _is_curve(curve)]
+    curves = [curve for curve in axes.lines if _is_curve(curve)]
     axes.plot(x, y, "o", color=DRIVING, markersize=4.5)
     text = f"{to_digits(y, 4)} {unit} at {fixed(x, 0)}\u00b0".replace("-", "\u2212")
     note = axes.annotate(text, (x, y), xytext=(0.0, 0.0), textcoords="offset points", size=SMALL, color=INK)
@@ -141,7 +140,7 @@ def mark_extreme(axes: Axes, line: Line, unit: str) -> None:
     note.set_bbox({"facecolor": axes.get_facecolor(), "edgecolor": "none", "alpha": 0.85, "pad": 0.8})
     note.set_zorder(5.0)
     up = 1.0 if y > 0.0 else -1.0
-    _place(note, [(across, along, up * away) for across, along, away in NOTE_PLACES], curves, axes)
+    place_note(axes, note, [(across, along, up * away) for across, along, away in NOTE_PLACES], curves)
 
 
 NOTE_PLACES = (
@@ -159,28 +158,6 @@ NOTE_PLACES = (
 )
 """Places of a note about a highest point, the best first: how it is aligned with the point, and the distances in points
 from the point along the axis and upwards.  For a lowest point upwards is downwards."""
-
-CLEAR_PX = 2.0
-"""Least distance in pixels of a note from a curve."""
-
-
-def _place(note: Annotation, places: Sequence[tuple[str, float, float]], curves: Sequence[Path], axes: Axes) -> None:
-    """Put a note at the first place inside the axes that is clear of curves, else where it covers the fewest."""
-
-    def faults(place: tuple[str, float, float]) -> tuple[bool, int]:
-        _put(note, place)
-        box, frame = note.get_window_extent(), axes.get_window_extent()
-        inside = frame.x0 <= box.x0 and box.x1 <= frame.x1 and frame.y0 <= box.y0 and box.y1 <= frame.y1
-        around = box.padded(CLEAR_PX)
-        return not inside, sum(curve.intersects_bbox(around, filled=False) for curve in curves)
-
-    _put(note, min(places, key=faults))
-
-
-def _put(note: Annotation, place: tuple[str, float, float]) -> None:
-    across, along, upwards = place
-    note.set(ha=across, va="center" if upwards == 0.0 else "bottom" if upwards > 0.0 else "top")
-    note.xyann = along, upwards
 
 
 def _is_curve(line: Line2D) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from typing import Any
@@ -11,8 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch, Polygon
 from matplotlib.path import Path
+from matplotlib.text import Annotation
 
 from ncgear.drawings.palette import LIGHT
 from ncgear.numerics.arrays import Array
@@ -119,3 +122,33 @@ def ring_area(
     path = Path.make_compound_path(Path.circle(center, radius), inner)
     style: Style = {"facecolor": to_rgba(color, FILL), "edgecolor": color, "linewidth": line_width, "label": label}
     axes.add_artist(PathPatch(path, **style))
+
+
+NotePlace = tuple[str, float, float]
+"""How a note is aligned with its point, and the distances in points from the point along the axis and upwards."""
+
+CLEAR_PX = 2.0
+"""Least distance in pixels of a note from a curve."""
+
+
+def place_note(axes: Axes, note: Annotation, places: Sequence[NotePlace], curves: Sequence[Line2D]) -> None:
+    """Put a note at the first place inside the axes that is clear of curves, else where it covers the fewest.
+
+    The limits of the axes are those of the finished picture.
+    """
+    paths = [curve.get_transform().transform_path(curve.get_path()) for curve in curves]
+
+    def faults(place: NotePlace) -> tuple[bool, int]:
+        _put(note, place)
+        box, frame = note.get_window_extent(), axes.get_window_extent()
+        inside = frame.x0 <= box.x0 and box.x1 <= frame.x1 and frame.y0 <= box.y0 and box.y1 <= frame.y1
+        around = box.padded(CLEAR_PX)
+        return not inside, sum(path.intersects_bbox(around, filled=False) for path in paths)
+
+    _put(note, min(places, key=faults))
+
+
+def _put(note: Annotation, place: NotePlace) -> None:
+    across, along, upwards = place
+    note.set(ha=across, va="center" if upwards == 0.0 else "bottom" if upwards > 0.0 else "top")
+    note.xyann = along, upwards

@@ -8,7 +8,7 @@ from math import cos, degrees, radians
 from ncgear.design.keys.bodies import GearBody
 from ncgear.design.laws.registry import LawName, design_law
 from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where, changed
-from ncgear.figures.numbers import fixed, to_digits
+from ncgear.figures.numbers import drawn, fixed, to_digits
 from ncgear.pitch import shape
 from ncgear.pitch.pair import STRAIGHT, largest_tangent_angle_rad
 from ncgear.pitch.shape import Gear, Mesh
@@ -146,9 +146,9 @@ def crank_pin(drive: Drive) -> list[Advice]:
         Advice(
             Kind.CRANK_PIN,
             (Where(gear.value),),
-            f"the crank pin passes {round(passing[gear], 2):g} mm from the {gear.value} gear's axis, about which "
-            f"there is a {part} of {2.0 * radius:g} mm diameter",
-            f"a pin of {2.0 * pin:g} mm diameter touches it, where both are on the same side of the gears",
+            f"the crank pin passes {drawn(round(passing[gear], 2), 'mm')} mm from the {gear.value} gear's axis, about "
+            f"which there is a {part} of {drawn(2.0 * radius, 'mm')} mm diameter",
+            f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it, where both are on the same side of the gears",
             (Remedy(NO_MEETING[gear]),),
         )
         for gear, part, radius in near

@@ -33,7 +33,12 @@ BULGE_DECIMALS = 9
 
 
 def written(values: Array | float, decimals: int = DECIMALS) -> Array:
-    """Numbers as DXF and SVG files have them: without rounding errors, and without a minus before a zero."""
+    """Numbers as DXF and SVG files have them: without rounding errors, and without a minus before a zero.
+
+    Raises ArithmeticError for what is no finite number.
+    """
+    if not np.isfinite(values).all():
+        raise ArithmeticError("a drawing holds a coordinate that is no finite number")
     return np.asarray(np.round(values, decimals) + 0.0)
 
 
