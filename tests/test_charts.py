@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.path import Path
+from matplotlib.transforms import Bbox
 
 import drives
 import ncgear.plots
@@ -15,6 +18,7 @@ from ncgear.drawings.charts.drawer import MOTION_LOOK, Look, draw
 from ncgear.drawings.charts.slider_charts import POWER, VELOCITY, motion_chart, over_displacement, slider_chart
 from ncgear.drawings.page.chart_svg import PAGE_LOOK, drawn
 from ncgear.drawings.page.page_charts import PageChart
+from ncgear.drawings.plots.balance_plots import spread
 from ncgear.drawings.plots.canvas import JOINT
 
 JOINTS = np.array([90.0, 180.0])
@@ -84,3 +88,48 @@ def test_an_extreme_that_rounds_to_zero_has_no_sign() -> None:
     assert drawn(PageChart("k", chart)).extremes == "0.000 at 0\u00b0 to 1.500 at 120\u00b0"
     below = Chart("ratio", "", (Line(Role.OWN, "own", x, np.array([-0.04, 1.5, 0.7, 0.2])),), 360.0)
     assert drawn(PageChart("k", below)).extremes.startswith("\u22120.040 at")
+
+
+NOTED = np.linspace(0.0, 360.0, 721)
+
+
+def note_and_curves(own: np.ndarray, other: np.ndarray) -> tuple[Bbox, Bbox, list[Path]]:
+    """Box of the note of a peak, of the axes, and both curves as drawn, in pixels."""
+    lines = Line(Role.OWN, "own", NOTED, own), Line(Role.UNIFORM, "other", NOTED, other)
+    figure = Figure(figsize=(6.0, 3.0))
+    FigureCanvasAgg(figure)
+    axes = figure.subplots()
+    draw(axes, Chart("force", "N", lines, 360.0, names_extreme=True), MOTION_LOOK)
+    figure.draw_without_rendering()
+    curves = [line.get_transform().transform_path(line.get_path()) for line in axes.lines[:2]]
+    return axes.texts[0].get_window_extent(), axes.get_window_extent(), curves
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("peak", "higher"), [(120.0, 75.0), (120.0, 150.0), (203.0, 178.0), (203.0, 258.0), (15.0, 135.0), (345.0, 230.0)]
+)
+def test_the_note_of_a_peak_crosses_no_curve(peak: float, higher: float, sign: float) -> None:
+    """Beside a higher peak of the other curve, on either side; at either end of the scale; and upside down."""
+    own, other = (np.exp(-(((NOTED - at) / 20.0) ** 2)) for at in (peak, higher))
+    note, frame, curves = note_and_curves(50.0 * sign * own, 90.0 * sign * other)
+    assert not any(curve.intersects_bbox(note, filled=False) for curve in curves)
+    assert frame.x0 <= note.x0 < note.x1 <= frame.x1
+    assert frame.y0 <= note.y0 < note.y1 <= frame.y1
+
+
+def test_a_note_over_a_crossing_curve_is_seen() -> None:
+    """The same judge, of a note put right over a peak whose neighbour is higher."""
+    own, other = (np.exp(-(((NOTED - at) / 20.0) ** 2)) for at in (203.0, 168.0))
+    note, _, curves = note_and_curves(50.0 * own, 90.0 * other)
+    peak = curves[0].vertices[:, 1].argmax()
+    centred = Bbox.from_bounds(float(curves[0].vertices[peak, 0]) - note.width / 2.0, note.y0, note.width, note.height)
+    assert curves[1].intersects_bbox(centred, filled=False)
+
+
+def test_values_of_close_natural_frequencies_stand_apart() -> None:
+    heights = np.array([0.1, 0.4, 0.405, 0.41, 0.8])
+    apart = spread(heights, 0.03)
+    assert np.diff(apart).min() >= 0.03 - 1e-12
+    assert apart[[0, -1]].tolist() == [0.1, 0.8]
+    assert np.abs(apart - heights).max() < 0.03

@@ -19,18 +19,20 @@ from lxml.html import HtmlElement
 import drives
 import reports
 from commands import ROOT, Run, python
-from ncgear.drawings.animation import artists
+from ncgear.drawings import palette
 from ncgear.drawings.charts.chart import decimals_of
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION
 from ncgear.drawings.page import REPORT_FILE
 from ncgear.drawings.page.chart_svg import drawn
+from ncgear.drawings.page.page import scene_style
 from ncgear.drawings.page.page_charts import DIGITS, SIDE_RAD, PageChart, gear_charts, split_angles
+from ncgear.drawings.palette import style_of_colors
 from ncgear.drawings.plots import canvas
 from ncgear.files.manifest import MANIFEST
 from ncgear.kinematics.motion import SliderMotion
 
 PAGE = ROOT / "src" / "ncgear" / "drawings" / "page"
-CSS = (PAGE / "page.css").read_text(encoding="utf-8")
+CSS = style_of_colors() + (PAGE / "page.css").read_text(encoding="utf-8")
 
 HOSTILE = (
     "</script></pre><script>document.title = 'taken'</script>"
@@ -359,15 +361,23 @@ def colors(css: str) -> dict[str, str]:
     return dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6});", css))
 
 
-def test_pictures_and_page_give_the_same_thing_the_same_colour() -> None:
-    """On light ground; a scene in a page without colours of its own falls back on them too."""
-    light = colors(LIGHT)
-    names = {"driving": canvas.DRIVING, "driven": canvas.DRIVEN, "highlight": canvas.HIGHLIGHT, "ink": canvas.INK}
-    names |= {"uniform": canvas.REFERENCE, "joint": canvas.JOINT, "grid": canvas.GRID, "material": artists.MATERIAL}
-    assert {name: light[name] for name in names} == names
-    fallbacks = re.findall(r"var\(--([\w-]+), (#[0-9a-f]{6})\)", (PAGE / "scene.css").read_text(encoding="utf-8"))
+DRAWINGS = PAGE.parent
+HEX = re.compile(r"#[0-9a-fA-F]{3,8}\b")
+
+
+def test_the_colours_of_all_drawings_are_in_one_place() -> None:
+    """No other file of the drawings has a colour of its own, but for the stand-ins that the page's charts replace."""
+    sources = {path for kind in ("*.py", "*.css", "*.js", "*.j2") for path in DRAWINGS.rglob(kind)}
+    texts = {path.name: path.read_text(encoding="utf-8").replace('f"#a1000{number}"', "") for path in sources}
+    with_colors = {name for name, text in texts.items() if HEX.search(text)}
+    assert with_colors == {"palette.py"}
+
+
+def test_a_scene_in_a_page_without_colours_falls_back_on_the_same_ones() -> None:
+    fallbacks = re.findall(r"var\(--([\w-]+), (#[0-9a-f]{6})\)", scene_style())
     assert {name for name, _ in fallbacks} > {"driving", "driven", "ink"}
-    assert all(light[name] == color for name, color in fallbacks)
+    assert all(palette.LIGHT[name] == color for name, color in fallbacks)
+    assert dict(fallbacks)["driving"] == canvas.DRIVING
 
 
 def luminance(color: str) -> float:

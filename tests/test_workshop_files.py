@@ -37,7 +37,7 @@ DESIGNS = ["baler", "ellipse", "internal-1-2"]
 """Keyway and concave curves; a bore alone; a ring."""
 
 ROUNDING_MM = 2e-6
-"""Of coordinates with six decimals, twice; other files have all digits."""
+"""Of coordinates with six decimals, twice."""
 
 ARC_MM = 1e-5
 """Of the readers' own chords of arcs: a radius of 10 mm in 1600 steps over half a turn."""
@@ -86,11 +86,11 @@ def cut_area(data: bytes, prefix: str = "") -> Polygon:
 @pytest.mark.tiers(quick=["ellipse-*"], rest="thorough")
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize("name", DESIGNS)
-def test_a_drawing_has_the_outline_to_rounding(name: str, gear: Gear) -> None:
+def test_a_drawing_has_the_outline_to_the_decimals_of_its_coordinates(name: str, gear: Gear) -> None:
     data = files(name)[f"{gear.value}.dxf"]
     (teeth,) = drawn(data, "OUTLINE")
     assert teeth.closed
-    assert apart_mm(np.array(teeth.points()), outline(name, gear)) <= 1e-9
+    assert apart_mm(np.array(teeth.points()), outline(name, gear)) <= ROUNDING_MM
     # Round edges are arcs there and chords in the solid.
     assert cut_area(data).symmetric_difference(section(name, gear)).buffer(-0.003).is_empty
 
@@ -109,8 +109,8 @@ def test_the_keyway_is_exact() -> None:
     radius = np.hypot(*points.T)
     assert max(abs(bulge) for _, _, bulge in bore.vertices()) < 1.0, "no arc over half a turn, of which some fall short"
     on_circle = points[:, 0] < np.sqrt(8.0**2 - 2.5**2)
-    assert np.abs(radius[on_circle] - 8.0).max() <= 1e-12
-    assert points[~on_circle][:, 0].max() == pytest.approx(8.0 + 2.3, abs=1e-12)
+    assert np.abs(radius[on_circle] - 8.0).max() <= ROUNDING_MM
+    assert points[~on_circle][:, 0].max() == pytest.approx(8.0 + 2.3, abs=ROUNDING_MM)
     assert Polygon(points).area == pytest.approx(Polygon(section("baler", Gear.DRIVING).interiors[0]).area, abs=0.2)
 
 
@@ -150,7 +150,7 @@ def test_the_pair_is_drawn_as_assembled(name: str) -> None:
     turned = shapely.affinity.rotate(driving, half_tooth, origin=(0.0, 0.0))
     assert not turned.intersection(driven).buffer(-0.005).is_empty
     (axis, _) = drawn(data, "DRIVEN_AXIS")
-    assert (axis.number(10) + axis.number(11)) / 2.0 == pytest.approx(distance, abs=1e-9)
+    assert (axis.number(10) + axis.number(11)) / 2.0 == pytest.approx(distance, abs=ROUNDING_MM)
 
 
 def cut_layers(data: bytes) -> dict[str, int]:
@@ -181,7 +181,7 @@ def test_a_clearance_is_taken_off_all_along_the_outline(gear: Gear) -> None:
     """As much off as the clearance times the length, and nowhere less than the clearance."""
     (teeth,) = drawn(files("printed-pump")[f"{gear.value}.dxf"], "OUTLINE")
     designed, cleared = Polygon(outline("printed-pump", gear)), Polygon(teeth.points())
-    assert designed.exterior.distance(cleared.exterior) == pytest.approx(0.05, abs=1e-9)
+    assert designed.exterior.distance(cleared.exterior) == pytest.approx(0.05, abs=ROUNDING_MM)
     assert designed.area - cleared.area == pytest.approx(0.05 * designed.length, rel=0.01)
 
 

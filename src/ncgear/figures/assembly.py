@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.figures.numbers import DRAWN_DECIMALS, rounded
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
@@ -16,6 +17,9 @@ from ncgear.solids.plan.body import RoundHole
 
 FLANK_BAND_IN_MODULES = 0.1
 """Where the outline is this near to the pitch curve, the line of centres meets a flank, not a tooth or a space."""
+
+RAD_DECIMALS = 7
+"""Decimals of an angle in rad: 1e-5 deg, as on a drawing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,22 +59,25 @@ def assembled_pose(
     """The pose of two gears at phi1 = 0.
 
     For each gear it holds the polar angle of the pitch point on the line of centres, in the gear's own frame; whether a
-    tooth, a space or a flank lies there; and the index hole (None where none was asked for or had room).
+    tooth, a space or a flank lies there; and the index hole (None where none was asked for or had room).  Sizes have
+    the decimals of a drawing.
     """
     return {
         "mesh": mesh.value,
-        "center_distance_mm": center_distance_mm,
+        "center_distance_mm": rounded(center_distance_mm, DRAWN_DECIMALS["mm"]),
         "driving": _gear(driving, meeting_direction_rad(Gear.DRIVING, mesh), module_mm),
         "driven": _gear(driven, meeting_direction_rad(Gear.DRIVEN, mesh), module_mm),
     }
 
 
 def _gear(gear: Placed, direction: float, module: float) -> dict[str, Any]:
+    decimals = DRAWN_DECIMALS["mm"]
+    hole = asdict(gear.index_hole) if gear.index_hole else None
     return {
-        "line_of_centers_rad": direction,
-        "pitch_radius_mm": gear.pitch_radius_mm,
+        "line_of_centers_rad": rounded(direction, RAD_DECIMALS),
+        "pitch_radius_mm": rounded(gear.pitch_radius_mm, decimals),
         "on_line_of_centers": met_at(gear, direction, module),
-        "index_hole": asdict(gear.index_hole) if gear.index_hole else None,
+        "index_hole": hole and {key: rounded(size_mm, decimals) for key, size_mm in hole.items()},
     }
 
 

@@ -20,7 +20,7 @@ from ncgear import __version__
 from ncgear.design.keys.design import Design
 from ncgear.design.naming import LONGEST_NAME
 from ncgear.figures.csv_text import rows_text
-from ncgear.figures.numbers import json_text, shown
+from ncgear.figures.numbers import finite, fixed, json_text, shown
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import written_lines
 from ncgear.numerics.arrays import Array
@@ -119,8 +119,8 @@ def _row(values: Array | Sequence[float]) -> CommentedSeq:
     return row
 
 
-LAW_WIDTH = 18
-LAW_HEADS = ("peak power, W", "peak accel., mm/s2", "ratio", "tangent, deg", "convex")
+LAW_HEADS = ("peak power, W", "peak accel., mm/s2", "ratio", "pressure angle, deg", "without rack", "convex")
+"""The pressure angle has the rack's own in it, as everywhere; without it, it is that of the pitch curves alone."""
 
 
 def optimized_text(best: BestLaw, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
@@ -144,11 +144,11 @@ def _notes(best: BestLaw, found: str) -> list[str]:
 def _limit(best: BestLaw) -> list[str]:
     goal, bound, unit = best.wishes.goal, best.bound, UNITS[best.wishes.goal]
     words = goal.value.replace("_", " ")
-    gap = f", {100.0 * (best.goal / bound.value - 1.0):.1f} % above the limit" if bound.value > 0.0 else ""
+    gap = f", {fixed(100.0 * (best.goal / bound.value - 1.0), 1)} % above the limit" if bound.value > 0.0 else ""
     return [
         f"{best.design.name}: {words} at {best.design.operation.speed_rpm:g} r/min",
-        f"  limit      {bound.value:,.6g} {unit}: no law has less (certified)",
-        f"  this law   {best.goal:,.6g} {unit}{gap}",
+        f"  limit      {finite(bound.value, 'the limit'):,.6g} {unit}: no law has less (certified)",
+        f"  this law   {finite(best.goal, 'the law'):,.6g} {unit}{gap}",
     ]
 
 
@@ -157,17 +157,18 @@ def _table(best: BestLaw) -> list[str]:
     if best.given_figures is not None:
         rows["design as given"] = best.given_figures
     rows["uniform crank"] = best.uniform_figures
-    cells = [[name, *_law_cells(found)] for name, found in rows.items()]
-    least = [0, *[LAW_WIDTH] * len(LAW_HEADS)]
-    return ["At equal driving speed, whole cycle", *aligned([["", *LAW_HEADS], *cells], left=1, least=least)]
+    rack_rad = best.wishes.limits.rack_angle_rad
+    cells = [[name, *_law_cells(found, rack_rad)] for name, found in rows.items()]
+    return ["At equal driving speed, whole cycle", *aligned([["", *LAW_HEADS], *cells], left=1)]
 
 
-def _law_cells(found: Figures) -> list[str]:
+def _law_cells(found: Figures, rack_rad: float) -> list[str]:
     return [
         shown(found.peak_power_w),
         shown(found.peak_acceleration_mm_s2),
-        f"{found.ratio_min:.3f} to {found.ratio_max:.3f}",
-        f"{degrees(found.tangent_rad):.2f}",
+        f"{fixed(found.ratio_min, 3)} to {fixed(found.ratio_max, 3)}",
+        fixed(degrees(found.tangent_rad + rack_rad), 2),
+        fixed(degrees(found.tangent_rad), 2),
         "yes" if found.convex else "no",
     ]
 
@@ -261,7 +262,7 @@ def frontier_text(found: Frontier, best: BestLaw, paths: Sequence[Path], kept: S
     rows = []
     for point, family in _points(found):
         law, limit = point.law.peak_acceleration_mm_s2, point.bound.value
-        gap = f"{100.0 * (law / limit - 1.0):.1f}"
+        gap = fixed(100.0 * (law / limit - 1.0), 1)
         rows.append([shown(point.cap_w), shown(limit), shown(law), gap, shown(family.peak_acceleration_mm_s2)])
     others = [
         (one.name, f"{shown(one.peak_power_w)} W", f"{shown(one.peak_acceleration_mm_s2)} mm/s2")

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from math import isfinite
+from math import degrees, isfinite
 from typing import Any
 
 import numpy as np
 
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.units import label_and_unit
 
 THOUSANDS = {"W": "kW", "N": "kN", "N m": "kN m", "mm/s": "m/s", "mm/s\u00b2": "m/s\u00b2"}
 """Units, each with the unit that is a thousand times as large."""
@@ -40,12 +41,84 @@ def finite(value: Any, name: str) -> Any:
     return value
 
 
+DRAWN_DECIMALS = {"mm": 4, "deg": 5, "": 5}
+"""Decimals of a number on a drawing, by its unit: a tenth of a micrometre, and no more on a radius of half a metre."""
+
+MICRORAD = "\u00b5rad"
+"""Millionths of a radian: 0.1 micrometre on a radius of 100 mm."""
+
+NOISE_DECIMALS = {MICRORAD: 3, "kg m2": 15}
+NOISE = 9
+"""Decimals beyond which a figure holds rounding errors only, by its unit, and of any other unit.
+
+A nanometre of a metre is 1e-9 rad; the inertia of a small part is a few 1e-9 kg m2.
+"""
+
+
+def rounded(value: float, decimals: int) -> float:
+    """The value to so many decimals; a zero has no sign.  ArithmeticError for no finite number."""
+    return round(float(finite(value, "a figure")), decimals) + 0.0
+
+
+def drawn(value: float, unit: str) -> str:
+    """A size as a drawing gives it: to the decimals that its unit has there, without needless zeros."""
+    decimals = DRAWN_DECIMALS.get(unit, NOISE)
+    return _plain(f"{rounded(value, decimals):.{decimals}f}")
+
+
+def fixed(value: float, decimals: int) -> str:
+    """A figure with so many decimals; a zero has no minus.  ArithmeticError for no finite number."""
+    return f"{rounded(value, decimals):.{decimals}f}"
+
+
+def to_digits(value: float, digits: int) -> str:
+    """A figure to so many significant digits, or to whole numbers; rounding errors about zero are 0.
+
+    Raises ArithmeticError for no finite number.
+    """
+    settled = rounded(value, NOISE)
+    return f"{settled:.0f}" if abs(settled) >= 10.0**digits else f"{settled:.{digits}g}"
+
+
+def _plain(digits: str) -> str:
+    return digits.rstrip("0").rstrip(".") if "." in digits else digits
+
+
+ERRORS = ("residual", "energy_error")
+"""Keys with these words hold errors of a computation: all their digits count, however small they are."""
+
+PLACES = ("concave_",)
+"""Keys in rad that begin so hold places on a gear, not errors, play or lag."""
+
+
+def told(key: str, value: Any) -> tuple[str, str, str]:
+    """Label, text and unit of a figure of a summary, whose key ends in the unit in which it is kept.
+
+    People read angles in two units only: places in deg; errors, play and lag of the driven gear in millionths of a rad.
+    The unit is empty where the key has none, and where there is no value.
+    """
+    label, unit = label_and_unit(key)
+    if unit == "rad":
+        factor, unit = (degrees(1.0), "deg") if key.startswith(PLACES) else (1e6, MICRORAD)
+        value = _times(factor, value)
+    precise = isinstance(value, float) and any(word in key for word in ERRORS)
+    text = five_digits(value) if precise else shown(value, unit)
+    nothing = value is None or (isinstance(value, list) and not value)
+    return label, text, "" if nothing else unit
+
+
+def _times(factor: float, value: Any) -> Any:
+    if isinstance(value, list | tuple):
+        return [_times(factor, item) for item in value]
+    return None if value is None else factor * value
+
+
 LONG_LIST = 12
 """Items up to which a list is written out."""
 
 
-def shown(value: Any) -> str:
-    """A value of a summary as text: numbers with five digits, yes or no, ``-`` for None.
+def shown(value: Any, unit: str = "") -> str:
+    """A value of a summary as text: numbers with five digits, yes or no, ``-`` for None; rounding errors are 0.
 
     Runs of whole numbers are shown as ``3-7``, pairs of numbers as ``0.1..0.2``.
     """
@@ -54,15 +127,22 @@ def shown(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        finite(value, "a figure")
-        # Five significant digits, but never fewer than the digits before the point.
-        return f"{value:.0f}" if 1e5 <= abs(value) < 1e12 else f"{value:.5g}"
+        return five_digits(rounded(value, NOISE_DECIMALS.get(unit, NOISE)))
     if isinstance(value, list | tuple):
-        return _listed(list(value))
+        return _listed(list(value), unit)
     return str(value)
 
 
-def _listed(items: list[Any]) -> str:
+def five_digits(value: float) -> str:
+    """A number, however small, with five significant digits, but never fewer than the digits before the point.
+
+    This is for errors of a computation, which may be as small as rounding; ArithmeticError for no finite number.
+    """
+    finite(value, "a figure")
+    return f"{value:.0f}" if 1e5 <= abs(value) < 1e12 else f"{value:.5g}"
+
+
+def _listed(items: list[Any], unit: str) -> str:
     if not items:
         return "none"
     if all(isinstance(item, int) and not isinstance(item, bool) for item in items):
@@ -71,11 +151,15 @@ def _listed(items: list[Any]) -> str:
         # The file of the summary has the whole table; a terminal has no room for it.
         return str(len(items))
     texts = [
-        "..".join(map(shown, item)) if isinstance(item, list | tuple) and len(item) == 2 else shown(item)
+        "..".join(shown(end, unit) for end in item) if _is_stretch(item) else shown(item, unit)
         for item in items[:LONG_LIST]
     ]
     left = len(items) - len(texts)
     return ", ".join([*texts, f"and {left} more"] if left else texts)
+
+
+def _is_stretch(item: Any) -> bool:
+    return isinstance(item, list | tuple) and len(item) == 2
 
 
 def _runs(numbers: list[int]) -> list[str]:

@@ -5,27 +5,21 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 from typing import NamedTuple
 
-from ncgear.figures.numbers import finite
+from ncgear.figures.numbers import drawn
 
 Value = float | int | str | bool | None
 """The content of a cell; None leaves it empty."""
 
 Cells = tuple[Value, ...]
 
-DIGITS = 7
-"""Digits of numbers in cells: a tenth of a micrometre on a gear of 100 mm."""
-
 GAP = "  "
 """Between the columns of aligned text."""
 
 MEANT = re.compile(r"[\\|<&`*_\[\]]")
 """Characters with a meaning in Markdown; a backslash before them takes the meaning away."""
-
-
-DECIMALS = 9
-"""Decimals beyond which a cell has only rounding errors: a millionth of a micrometre."""
 
 
 class Column(NamedTuple):
@@ -64,22 +58,26 @@ class Table:
     row_notes: tuple[str, ...] = ()
     long: bool = False
 
+    def texts(self, cells: Cells) -> list[str]:
+        """The texts of a row, each to the decimals of its column's unit."""
+        units = [column.unit for column in self.columns]
+        return [cell_text(value, unit) for value, unit in zip_longest(cells, units[: len(cells)], fillvalue="")]
+
     @property
     def html_rows(self) -> list[HtmlRow]:
         """The rows for HTML, in text that is not escaped yet."""
         notes = self.row_notes or ("",) * len(self.rows)
         return [
-            HtmlRow(tuple(map(cell_text, cells)), max(1 + len(self.columns) - len(cells), 1), note)
+            HtmlRow(tuple(self.texts(cells)), max(1 + len(self.columns) - len(cells), 1), note)
             for cells, note in zip(self.rows, notes, strict=True)
         ]
 
 
-def cell_text(value: Value) -> str:
-    """A cell for reading: numbers to ``DIGITS`` digits, nothing for None."""
+def cell_text(value: Value, unit: str = "") -> str:
+    """A cell for reading: numbers as on a drawing (``numbers.drawn``), nothing for None."""
     if value is None:
         return ""
-    # Adding zero takes the sign off a rounded-away negative
-    return f"{round(finite(value, 'a cell'), DECIMALS) + 0.0:.{DIGITS}g}" if isinstance(value, float) else str(value)
+    return drawn(value, unit) if isinstance(value, float) else str(value)
 
 
 def aligned(
@@ -107,7 +105,7 @@ def markdown(heads: Sequence[str], rows: Iterable[Sequence[str]], rule: str = "-
     return [first, f"|{'|'.join([rule] * len(heads))}|", *others]
 
 
-def markdown_text(value: Value) -> str:
+def markdown_text(value: Value, unit: str = "") -> str:
     """A cell on one line of Markdown; no character of it ends the cell, begins HTML or has another meaning."""
-    text = cell_text(value)
+    text = cell_text(value, unit)
     return MEANT.sub(r"\\\g<0>", " ".join(text.split())) if isinstance(value, str) else text

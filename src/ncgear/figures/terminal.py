@@ -8,7 +8,7 @@ from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
-from ncgear.figures.numbers import shown
+from ncgear.figures.numbers import fixed, shown, to_digits, told
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.figures.tables import Column, aligned
 from ncgear.numerics.units import label_and_unit
@@ -134,11 +134,9 @@ def _owner(key: str) -> str:
 
 
 def _labelled_value(key: str, value: Any, prefix: str = "", place_rad: float | None = None) -> tuple[str, str]:
-    label, unit = label_and_unit(key)
-    nothing = value is None or (isinstance(value, list) and not value)
-    text = shown(value) if nothing or not unit else f"{shown(value)} {unit}"
-    place = "" if place_rad is None else f" at phi1 = {round(degrees(place_rad), 7) + 0.0:.4g} deg"
-    return prefix + LABELS.get(label, label), text + place
+    label, text, unit = told(key, value)
+    place = "" if place_rad is None else f" at phi1 = {to_digits(degrees(place_rad), 4)} deg"
+    return prefix + LABELS.get(label, label), f"{text} {unit}".rstrip() + place
 
 
 def _value_lines(label: str, value: str, width: int) -> list[str]:
@@ -205,7 +203,7 @@ def timing_text(drive: Drive) -> str:
     for pair in (drive, *(pair for pair in drive.by_stage if pair is not drive)):
         of = "" if pair.stage is None else f"stage {pair.stage}: "
         taken.update({f"{of}{step}": seconds for step, seconds in pair.timing_s.items()})
-    rows = [(step, f"{seconds:.3f}") for step, seconds in {**taken, "sum": sum(taken.values())}.items()]
+    rows = [(step, fixed(seconds, 3)) for step, seconds in {**taken, "sum": sum(taken.values())}.items()]
     return "\n".join(["Time in s", *aligned(rows, left=1, least=[0, LEAST_WIDTH])])
 
 

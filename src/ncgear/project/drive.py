@@ -22,7 +22,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.project.computed import computed
 from ncgear.project.law import law_of, resistance_of
-from ncgear.project.tooth_form import helix_of, mesh_place, rack_of, tooth_form_of
+from ncgear.project.tooth_form import helix_of, mesh_place, rack_of, require_pushing_flanks, tooth_form_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Law, Pair, Transmission
 from ncgear.stopwatch import Stopwatch
@@ -179,7 +179,9 @@ class Drive:
         gears, transmission = self.gears, self.pair.transmission
         with self.stopwatch("pitch curves"):
             size = gears.teeth, gears.module_mm, gears.center_distance_mm
-            return sized_pair(transmission, *size, Mesh(gears.mesh))
+            pair = sized_pair(transmission, *size, Mesh(gears.mesh))
+            require_pushing_flanks(pair, gears.rack)
+            return pair
 
     @computed
     def rack(self) -> BasicRack:

@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 from math import radians
+from typing import TYPE_CHECKING
 
 from ncgear.design.keys.gears import Gears, Rack
 from ncgear.dynamics.mesh_force import MeshPlace
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.units import in_words
 from ncgear.pitch.shape import Mesh
 from ncgear.solids.helical.helix import Hand, Helix
 from ncgear.teeth.form import BasicRack, Cutter, CutterKind, TipLimits, TipRelief, ToothForm
+
+if TYPE_CHECKING:
+    from ncgear.pitch.pair import PitchPair
+
+RIGHT_ANGLE_DEG = 90.0
+"""Pressure angle from which a force along the flank's normal does not turn the mate at all."""
 
 
 def rack_of(gears: Gears, module_mm: float) -> BasicRack:
@@ -22,6 +31,20 @@ def rack_of(gears: Gears, module_mm: float) -> BasicRack:
         root_radius_mm=rack.root_radius * module_mm,
         backlash_mm=gears.backlash_mm,
         relief=_relief(rack, module_mm),
+    )
+
+
+def require_pushing_flanks(pitch: PitchPair, rack: Rack) -> None:
+    """Raises NoSuchMechanism where the pressure angle reaches a right angle: a flank cannot turn its mate there."""
+    tangent = pitch.largest_tangent_angle_rad
+    angle = pitch.largest_pressure_angle_deg(radians(rack.pressure_angle_deg))
+    if angle < RIGHT_ANGLE_DEG:
+        return
+    raise NoSuchMechanism(
+        f"the pressure angle reaches {angle:.4g} deg at phi1 = {in_words(tangent.at)} (of which the rack has "
+        f"{rack.pressure_angle_deg:g}), where a flank pushes along the shafts' line or back instead of turning its "
+        f"mate; under {RIGHT_ANGLE_DEG:g} deg is needed: a law whose ratio changes more slowly there",
+        key="motion",
     )
 
 

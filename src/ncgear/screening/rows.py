@@ -24,6 +24,7 @@ from ncgear.optimum.makeable.quantities import driven_curvature, driving_curvatu
 from ncgear.pitch.pair import STRAIGHT, solved_size
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.project.tooth_form import RIGHT_ANGLE_DEG
 from ncgear.ratio.transmission import CLOSED, STANDSTILL, Lobes
 from ncgear.screening.samples import Kind, Sampled, Samples, sampled
 
@@ -229,8 +230,11 @@ def _shapes(figures: LawFigures, sure: IndexArray) -> dict[str, Array]:
     }
 
 
-def _sized(row: dict[str, float], shape: dict[str, float], gears: Gears | None, lobes: Lobes) -> Row:
-    """The row with its pitch curves at their size; the refusal where no teeth fill them."""
+def _sized(row: dict[str, float], shape: dict[str, float], gears: Gears | None, lobes: Lobes) -> Row | None:
+    """The row with its pitch curves at their size; the refusal where no teeth fill them.
+
+    None where the pressure angle is too large, which only the exact computation says with its place.
+    """
     if gears is None:
         return row
     driving_length = shape["length"] * lobes.driving / lobes.driven
@@ -238,6 +242,9 @@ def _sized(row: dict[str, float], shape: dict[str, float], gears: Gears | None, 
         size = solved_size(driving_length, lobes, gears.teeth, gears.module_mm, gears.center_distance_mm)
     except WrongInput as error:
         return error
+    pressure_deg = degrees(shape["tangent_rad"]) + gears.rack.pressure_angle_deg
+    if pressure_deg >= RIGHT_ANGLE_DEG:
+        return None
     distance = size.center_distance_mm
     return {
         **row,
@@ -249,5 +256,5 @@ def _sized(row: dict[str, float], shape: dict[str, float], gears: Gears | None, 
         "pitch.min_radius_driving_mm": distance / shape["driving_high"],
         "pitch.min_radius_driven_mm": distance / shape["driven_high"],
         "pitch.max_tangent_angle_deg": degrees(shape["tangent_rad"]),
-        "pitch.max_pressure_angle_deg": degrees(shape["tangent_rad"]) + gears.rack.pressure_angle_deg,
+        "pitch.max_pressure_angle_deg": pressure_deg,
     }

@@ -18,20 +18,19 @@ from matplotlib.patches import Circle, PathPatch, Rectangle
 from matplotlib.path import Path
 from matplotlib.transforms import Affine2D, Transform
 
-from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, HIGHLIGHT, INK, Style
+from ncgear.drawings.palette import LIGHT
+from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, HIGHLIGHT, INK, MATERIAL, PAPER, Style
 from ncgear.drawings.scene.bodies import Body, Kind, Places, pin_radius_mm
 from ncgear.drawings.scene.geared_pairs import SceneGear
 from ncgear.drawings.scene.scene import Poses, Scene
 from ncgear.drawings.scene.standing import simplified, straws
 from ncgear.numerics.arrays import Array
 
-MATERIAL = "#a8841a"
-
 PURE = (INK, DRIVING, DRIVEN, HIGHLIGHT, MATERIAL)
 """Colours of lines and dots; a palette that is made from the areas of colours would not have them."""
 
-TINT = 0.24
-"""Share of a gear's colour in its filling; the rest is white."""
+TINT, LINK_SHARE = 0.24, 0.85
+"""Shares of a gear's colour and of that of crank and rod in their fillings; the rest is white."""
 
 
 def tinted(color: str, share: float = TINT) -> tuple[float, float, float]:
@@ -43,9 +42,9 @@ def tinted(color: str, share: float = TINT) -> tuple[float, float, float]:
 BODIES: dict[Kind, Style] = {
     Kind.DRIVING: {"facecolor": (*tinted(DRIVING), 0.88), "edgecolor": DRIVING, "linewidth": 0.7},
     Kind.DRIVEN: {"facecolor": (*tinted(DRIVEN), 0.88), "edgecolor": DRIVEN, "linewidth": 0.7},
-    Kind.CRANK: {"facecolor": "#C3C9CF", "edgecolor": INK, "linewidth": 0.8},
-    Kind.ROD: {"facecolor": "#C3C9CF", "edgecolor": INK, "linewidth": 0.8},
-    Kind.SLIDER: {"facecolor": "#DDE1E5", "edgecolor": INK, "linewidth": 0.8},
+    Kind.CRANK: {"facecolor": tinted(LIGHT["link"], LINK_SHARE), "edgecolor": INK, "linewidth": 0.8},
+    Kind.ROD: {"facecolor": tinted(LIGHT["link"], LINK_SHARE), "edgecolor": INK, "linewidth": 0.8},
+    Kind.SLIDER: {"facecolor": LIGHT["slider"], "edgecolor": INK, "linewidth": 0.8},
 }
 
 PITCH_CURVES: dict[Kind, Style] = {
@@ -65,7 +64,7 @@ HATCHING: Style = {"color": INK, "linewidth": 0.45, "alpha": 0.6}
 ORBIT: Style = {"color": INK, "linewidth": 0.5, "linestyle": (0, (1.5, 4)), "alpha": 0.6}
 CENTRES: Style = {"color": INK, "linewidth": 0.6, "linestyle": (0, (8, 2, 1, 2)), "alpha": 0.7}
 SHAFT: Style = {"color": INK, "marker": "o", "markersize": 3.6, "linestyle": "none"}
-PIN: Style = {"facecolor": "white", "edgecolor": INK, "linewidth": 0.9}
+PIN: Style = {"facecolor": PAPER, "edgecolor": INK, "linewidth": 0.9}
 PITCH_POINT: Style = {"color": HIGHLIGHT, "marker": "o", "markersize": 4.2, "linestyle": "none"}
 
 

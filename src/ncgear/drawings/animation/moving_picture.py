@@ -38,6 +38,7 @@ from ncgear.drawings.charts.slider_charts import DISPLACEMENT, VELOCITY, Quantit
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, EDGE_IN, INK, NORMAL, SMALL, dress, figure
 from ncgear.drawings.scene.scene import Poses, Scene
 from ncgear.drawings.scene.standing import Box, hatches_mm, views, wall_mm
+from ncgear.figures.numbers import fixed, rounded
 from ncgear.kinematics.motion import SliderMotion
 
 
@@ -126,10 +127,9 @@ def _chart(axes: Axes, motion: SliderMotion, quantity: Quantity) -> Moving:
     axes.add_artist(dot)
 
     def pose(poses: Poses, row: int) -> None:
-        # Adding zero turns a rounded -0 into 0.
-        value = round(float(quantity.values_in(chart.unit, poses.motion)[row]), decimals) + 0.0
+        value = rounded(quantity.values_in(chart.unit, poses.motion)[row], decimals)
         dot.set_data([degrees(poses.motion.phi1_rad[row])], [value])
-        words.set_text(f"{chart.name} {value:.{decimals}f} {chart.unit}")
+        words.set_text(f"{chart.name} {fixed(value, decimals)} {chart.unit}")
 
     return Moving((dot, words), pose)
 
@@ -152,8 +152,8 @@ def angles(figure: Figure, x: float, y: float) -> Moving:
 
     def pose(poses: Poses, row: int) -> None:
         turned = poses.motion.phi1_rad[row], poses.motion.phi2_rad[row]
-        phi1, phi2 = (round(degrees(angle), 1) + 0.0 for angle in turned)
-        words.set_text(f"phi1 {phi1:5.1f}\u00b0  phi2 {phi2:5.1f}\u00b0")
+        phi1, phi2 = (fixed(degrees(angle), 1) for angle in turned)
+        words.set_text(f"phi1 {phi1:>5}\u00b0  phi2 {phi2:>5}\u00b0")
 
     return Moving((words,), pose)
 

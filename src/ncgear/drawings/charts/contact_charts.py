@@ -13,10 +13,8 @@ from ncgear.contact.designed.as_designed import AsDesigned
 from ncgear.contact.pair import PairContact
 from ncgear.contact.written.as_written import AsWritten
 from ncgear.drawings.charts.chart import Chart, Line, Role
+from ncgear.figures.numbers import MICRORAD
 from ncgear.numerics.arrays import Array
-
-MILLI_FROM_RAD = 5e-3
-"""Angle in rad from which a scale is in mrad instead of millionths of a radian."""
 
 PUSHING, BACKS = "pushing flanks as designed", "backs as designed"
 
@@ -24,13 +22,12 @@ PUSHING, BACKS = "pushing flanks as designed", "backs as designed"
 def transmission_error(contact: PairContact) -> Chart:
     """Driven angle less that of the law, as designed and for the worst written outlines."""
     designed, written = contact.as_designed, worst_written(contact)
-    factor, unit = _unit_of_angles(written.pushing_rad)
     lines = (
-        Line(Role.OWN, PUSHING, _angle_deg(designed), factor * designed.pushing.error_rad),
-        Line(Role.WRITTEN, "pushing flanks as written", _angle_deg(designed), factor * written.pushing_rad),
+        Line(Role.OWN, PUSHING, _angle_deg(designed), 1e6 * designed.pushing.error_rad),
+        Line(Role.WRITTEN, "pushing flanks as written", _angle_deg(designed), 1e6 * written.pushing_rad),
     )
-    label = f"error of driven\nangle in {unit}"
-    return Chart("transmission error", unit, lines, _cycle_deg(designed), axis_label=label)
+    label = f"error of driven\nangle in {MICRORAD}"
+    return Chart("transmission error", MICRORAD, lines, _cycle_deg(designed), axis_label=label)
 
 
 def worst_written(contact: PairContact) -> AsWritten:
@@ -40,9 +37,8 @@ def worst_written(contact: PairContact) -> AsWritten:
 
 def backlash(designed: AsDesigned) -> Chart:
     """Play of the driven gear."""
-    factor, unit = _unit_of_angles(designed.backlash_rad)
-    line = Line(Role.OWN, "as designed", _angle_deg(designed), factor * designed.backlash_rad)
-    return Chart("backlash", unit, (line,), _cycle_deg(designed))
+    line = Line(Role.OWN, "as designed", _angle_deg(designed), 1e6 * designed.backlash_rad)
+    return Chart("backlash", MICRORAD, (line,), _cycle_deg(designed))
 
 
 def flanks_in_contact(designed: AsDesigned) -> Chart:
@@ -76,9 +72,3 @@ def _angle_deg(designed: AsDesigned) -> Array:
 
 def _cycle_deg(designed: AsDesigned) -> float:
     return degrees(designed.placement.cycle_rad)
-
-
-def _unit_of_angles(angles_rad: Array) -> tuple[float, str]:
-    """Factor from rad to the unit in which angles (shape (n,)) are drawn, and its name."""
-    small = float(np.max(np.abs(angles_rad))) < MILLI_FROM_RAD
-    return (1e6, "\u00b5rad") if small else (1e3, "mrad")

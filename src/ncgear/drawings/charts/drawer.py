@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 
 from ncgear.drawings.charts.chart import Across, Chart, Line, Role
 from ncgear.drawings.plots.canvas import (
-    DRIVEN,
     DRIVING,
     HIGHLIGHT,
     INK,
@@ -23,8 +23,10 @@ from ncgear.drawings.plots.canvas import (
     dress,
     figure,
     legend_above,
+    place_note,
     png,
 )
+from ncgear.figures.numbers import fixed, to_digits
 from ncgear.numerics.arrays import Array
 
 DASHED = (0, (5, 2.5))
@@ -68,7 +70,7 @@ CONTACT_LOOK = Look(
     {
         Role.OWN: {"color": DRIVING, "linewidth": 1.6},
         Role.OTHER: {"color": REFERENCE, "linewidth": 1.1},
-        Role.WRITTEN: {"color": DRIVEN, "linewidth": 0.8, "zorder": 1.9},
+        Role.WRITTEN: {"color": HIGHLIGHT, "linewidth": 0.8, "zorder": 1.9},
     },
     label_break="\n",
 )
@@ -78,9 +80,6 @@ APART: Style = {"color": HIGHLIGHT, "alpha": 0.25, "linewidth": 0.0}
 
 MOST_JOINTS = 12
 """Joints are not marked if there are more than these, as in a table: the marks would look like a grid."""
-
-EDGE = 0.15
-"""In this share of the scale at either end a note begins or ends at its point; elsewhere it is centred on it."""
 
 
 def draw(axes: Axes, chart: Chart, look: Look) -> None:
@@ -106,7 +105,9 @@ def draw(axes: Axes, chart: Chart, look: Look) -> None:
         axes.set_yticks(range(most + 1))
         axes.set_ylim(-0.2, most + 0.2)
     look.finish(axes, shown, look.label(shown))
-    if shown.names_extreme and look.marks_extremes:
+    idle = not shown.own.values.any()
+    if look.marks_extremes and (shown.names_extreme or idle):
+        axes.set_xlim(0.0, shown.end)
         mark_extreme(axes, shown.own, shown.unit)
 
 
@@ -119,24 +120,49 @@ def _repeated(line: Line, chart: Chart) -> tuple[Array, Array]:
 
 
 def mark_extreme(axes: Axes, line: Line, unit: str) -> None:
-    """Mark and name the value largest in size: above the point if it is positive, else below; or say that all are 0."""
+    """Mark and name the value largest in size, beside the point and clear of all curves where there is room.
+
+    The axes have their horizontal limits and all their curves.  Where all values are 0, the axes say so.
+    """
     place = int(np.argmax(np.abs(line.values)))
     x, y = float(line.x[place]), float(line.values[place])
     if y == 0.0:
         axes.set_ylim(0.0, 1.0)
         axes.text(0.5, 0.5, "zero throughout", transform=axes.transAxes, size=NORMAL, color=INK, ha="center")
         return
+    axes.margins(y=0.16)
+    axes.autoscale_view(scalex=False)
+    curves = [curve for curve in axes.lines if _is_curve(curve)]
     axes.plot(x, y, "o", color=DRIVING, markersize=4.5)
-    text = f"{y:.4g} {unit} at {x:.0f}\u00b0".replace("-", "\u2212")
-    share = x / float(line.x[-1])
-    across = "left" if share < EDGE else "right" if share > 1.0 - EDGE else "center"
-    side: Style = {"ha": across, "va": "bottom" if y > 0.0 else "top"}
-    offset = (0.0, 5.0 if y > 0.0 else -5.0)
-    note = axes.annotate(text, (x, y), xytext=offset, textcoords="offset points", size=SMALL, color=INK, **side)
-    # A curve that runs through digits makes them another number: the note covers it with the paper.
+    text = f"{to_digits(y, 4)} {unit} at {fixed(x, 0)}\u00b0".replace("-", "\u2212")
+    note = axes.annotate(text, (x, y), xytext=(0.0, 0.0), textcoords="offset points", size=SMALL, color=INK)
+    # Where no place is clear, the note covers a curve with the paper: a line through digits makes them another number.
     note.set_bbox({"facecolor": axes.get_facecolor(), "edgecolor": "none", "alpha": 0.85, "pad": 0.8})
     note.set_zorder(5.0)
-    axes.margins(y=0.16)
+    up = 1.0 if y > 0.0 else -1.0
+    place_note(axes, note, [(across, along, up * away) for across, along, away in NOTE_PLACES], curves)
+
+
+NOTE_PLACES = (
+    ("center", 0.0, 5.0),
+    *(
+        (side, sign * along, 5.0)
+        for along in (-2.0, 12.0, 26.0, 40.0)
+        for side, sign in (("left", 1.0), ("right", -1.0))
+    ),
+    ("left", 9.0, 0.0),
+    ("right", -9.0, 0.0),
+    ("left", 9.0, -9.0),
+    ("right", -9.0, -9.0),
+    ("center", 0.0, -18.0),
+)
+"""Places of a note about a highest point, the best first: how it is aligned with the point, and the distances in points
+from the point along the axis and upwards.  For a lowest point upwards is downwards."""
+
+
+def _is_curve(line: Line2D) -> bool:
+    """Whether a line has points to be read, other than the marks of joints."""
+    return line.get_color() != JOINT and np.size(line.get_xdata()) > 0
 
 
 def angle_scale(column: Sequence[Axes], end_deg: float) -> None:
@@ -199,6 +225,8 @@ def beside_png(pairs: Sequence[tuple[Chart, Chart]], title: str) -> bytes:
     for row, pair in zip(grid, pairs, strict=True):
         for axes, chart in zip(row, pair, strict=True):
             draw(axes, chart, MOTION_LOOK)
+        # Both have one vertical scale, on which the left one has made room for its note.
+        row[1].margins(y=row[0].margins()[1])
         row[1].set_ylabel("")
     angle_scale(left, pairs[0][0].end)
     align(left, size[0])

@@ -11,6 +11,7 @@ from ncgear.drawings.charts.chart import EMPTY, NO_STRETCHES, Chart, Line, Role,
 from ncgear.drawings.charts.slider_charts import MOTION
 from ncgear.dynamics.history import History
 from ncgear.dynamics.rigid import Loads
+from ncgear.figures.numbers import MICRORAD
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import Vector
 from ncgear.numerics.units import N_M_PER_N_MM
@@ -90,7 +91,7 @@ def teeth_under_load(drive: Drive, rigid_n_m: Array) -> list[Chart]:
     return [
         simulated_chart("driving torque", "N m", phi1, (own, torque), ("rigid", rigid_n_m)),
         simulated_chart("force of one pair", "N", phi1, (own, loaded.tooth_force_n)),
-        simulated_chart("ahead of the law", "mrad", phi1, (own, 1e3 * loaded.error_rad)),
+        simulated_chart("ahead of the law", MICRORAD, phi1, (own, 1e6 * loaded.error_rad)),
     ]
 
 

@@ -24,6 +24,7 @@ from ncgear.drawings.charts.chart import Chart, Role
 from ncgear.drawings.charts.drawer import DASHED, Look, draw
 from ncgear.drawings.page.page_charts import BETWEEN, DRIVING, PageChart
 from ncgear.drawings.plots.canvas import JOINT
+from ncgear.figures.numbers import fixed
 
 WIDTH, HEIGHT = 430.0, 190.0
 """Size of a chart in SVG units, which are CSS pixels where it is not scaled."""
@@ -35,13 +36,14 @@ POINTS_PER_INCH = 72
 
 TEXT_SIZE = 11.0
 
-OWN_COLOR, UNIFORM_COLOR, INK, GRID = (f"#a1000{number}" for number in range(1, 5))
+OWN_COLOR, UNIFORM_COLOR, INK, GRID, WRITTEN_COLOR = (f"#a1000{number}" for number in range(1, 6))
 
 COLORS = {
     OWN_COLOR: "var(--driving)",
     UNIFORM_COLOR: "var(--uniform)",
     INK: "var(--ink)",
     GRID: "var(--grid)",
+    WRITTEN_COLOR: "var(--highlight)",
     JOINT: "var(--joint)",
 }
 """Colours that stand for those of the page while matplotlib draws; the last one is the colour of joints."""
@@ -82,6 +84,7 @@ PAGE_LOOK = Look(
     {
         Role.OWN: {"color": OWN_COLOR, "linewidth": 2.0, "zorder": 3.0},
         Role.OTHER: {"color": UNIFORM_COLOR, "linewidth": 1.2, "zorder": 2.5},
+        Role.WRITTEN: {"color": WRITTEN_COLOR, "linewidth": 1.2, "zorder": 2.5},
         Role.UNIFORM: {"color": UNIFORM_COLOR, "linewidth": 1.3, "linestyle": DASHED, "zorder": 3.5},
     },
     marks_extremes=False,
@@ -124,14 +127,10 @@ class ChartFigure:
 
     @property
     def extremes(self) -> str:
-        """Words for the least and greatest value of this design's line, with their angles."""
-        line, decimals = self.page_chart.chart.own, self.page_chart.decimals
+        """Words for the least and greatest value of the first line, with their angles."""
+        line, decimals = self.page_chart.chart.lines[0], self.page_chart.decimals
         places = int(np.argmin(line.values)), int(np.argmax(line.values))
-        # Plus 0.0, for a value that rounds to zero has no sign.
-        texts = [
-            f"{round(float(line.values[place]), decimals) + 0.0:.{decimals}f} at {line.x[place]:.0f}\u00b0"
-            for place in places
-        ]
+        texts = [f"{fixed(line.values[place], decimals)} at {fixed(line.x[place], 0)}\u00b0" for place in places]
         return " to ".join(texts).replace("-", "\u2212")
 
 

@@ -24,6 +24,7 @@ from ncgear.drawings.page.data import paces, page_data
 from ncgear.drawings.page.page_charts import gear_charts, motion_charts
 from ncgear.drawings.page.scene_svg import scene_svg
 from ncgear.drawings.page.tables import comparison_tables, contact_tables, facts, gear_facts, sheet_tables, versions
+from ncgear.drawings.palette import style_of_colors, with_fallbacks
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.drawings.scene.standing import views
 from ncgear.figures.advice.collected import build_advice, check_advice
@@ -94,7 +95,7 @@ def _rendered(content: Mapping[str, Any]) -> bytes:
     environment = Environment(loader=PackageLoader(PACKAGE, ""), autoescape=True, undefined=StrictUndefined)
     environment.policies["json.dumps_kwargs"] = JSON_FORM
     template = environment.get_template("template.html.j2")
-    css, script = _asset("page.css") + scene_style(), _page_script()
+    css, script = style_of_colors() + _asset("page.css") + scene_style(), _page_script()
     return template.render(**content, css=Markup(css), script=Markup(script), policy=_policy(script)).encode()
 
 
@@ -105,7 +106,7 @@ def scene_script() -> str:
 
 def scene_style() -> str:
     """The style sheet that colours the SVG of the scene by custom properties."""
-    return _asset("scene.css")
+    return with_fallbacks(_asset("scene.css"))
 
 
 def _page_script() -> str:

@@ -42,7 +42,8 @@ It is far larger than the rounding of an angle, and too small to be seen or hit 
 class PageChart:
     """A chart with its ``key``, unique in the page, and the shaft whose angle is its horizontal axis.
 
-    This design's own line is the first.  Raises ValueError for a value that is not finite.
+    The first line is the one whose values the page names beside the chart.  Raises ValueError for a
+    value that is not finite.
     """
 
     key: str
@@ -138,8 +139,8 @@ def _transmission_error(contact: PairContact) -> Chart:
     designed, written = chart.lines
     source = contact_charts.worst_written(contact).source.upper()
     lines = (
-        _closed(written, chart.end, Role.OWN, f"as written ({source})"),
-        _closed(designed, chart.end, Role.OTHER, "as designed"),
+        _closed(written, chart.end, Role.WRITTEN, f"as written ({source})"),
+        _closed(designed, chart.end, Role.OWN, "as designed"),
     )
     return replace(chart, lines=lines)
 

@@ -10,7 +10,7 @@ from typing import Any
 from ncgear import __version__
 from ncgear.contact.pair import PairContact
 from ncgear.figures.data_sheet.sheet import DataSheet, Group
-from ncgear.figures.numbers import shown
+from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.summary.build_summary import contact_summary
 from ncgear.figures.summary.check_summary import comparison_rows
 from ncgear.figures.tables import Column, Table
@@ -62,8 +62,7 @@ def sheet_tables(sheet: DataSheet) -> list[Table]:
 def _group(group: Group) -> Table:
     """A group as a table; a value of the pair fills two columns, and a cell without a value is empty."""
     heads = Column(""), Column("driving"), Column("driven"), Column("")
-    values = [(one.pair,) if one.of_pair else (one.driving, one.driven) for one in group.entries]
-    rows = [(one.label, *found, one.unit) for one, found in zip(group.entries, values, strict=True)]
+    rows = [(one.label, *one.texts, one.unit) for one in group.entries]
     return Table(group.title, heads, tuple(rows))
 
 
@@ -83,7 +82,7 @@ def facts(drive: Drive) -> list[tuple[str, str]]:
         ("law", drive.design.motion.law.replace("_", " ")),
         ("speed", f"{shown(drive.design.operation.speed_rpm)} r/min"),
         ("stroke", f"{shown(drive.linkage.stroke_mm)} mm"),
-        ("ratio", f"{low.value:.3g} to {high.value:.3g}"),
+        ("ratio", f"{to_digits(low.value, 3)} to {to_digits(high.value, 3)}"),
         *power,
         ("peak acceleration", f"{shown(drive.check.peak_acceleration_cycle_mm_s2.value)} mm/s\u00b2"),
     ]
@@ -97,6 +96,6 @@ def gear_facts(drive: Drive, contact: PairContact) -> list[tuple[str, str]]:
         (f"{stage}teeth", f"{size.driving_teeth} : {size.driven_teeth}"),
         (f"{stage}module", f"{shown(size.module_mm)} mm"),
         (f"{stage}centre distance", f"{shown(size.center_distance_mm)} mm"),
-        (f"{stage}pressure angle", f"up to {steepest:.3g}\u00b0"),
-        (f"{stage}contact ratio", f"from {contact.contact_ratio:.3g}"),
+        (f"{stage}pressure angle", f"up to {to_digits(steepest, 3)}\u00b0"),
+        (f"{stage}contact ratio", f"from {to_digits(contact.contact_ratio, 3)}"),
     ]

@@ -24,6 +24,7 @@ from ncgear.drawings.plots.canvas import (
     png,
     ring_area,
 )
+from ncgear.figures.numbers import drawn, rounded
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.project.drive import Drive
 from ncgear.project.gear_solids import rim_mm_of
@@ -172,9 +173,8 @@ def draw_whole(axes: Axes, pair: Assembled, position: Position) -> None:
     axes.set_ylim(-top, top)
     axes.set_aspect("equal")
     axes.set_axis_off()
-    # Adding zero turns -0.0, a result of rounding, into 0.0.
-    phi1, phi2 = (round(degrees(angle), 1) + 0.0 for angle in (position.phi1_rad, position.phi2_rad))
-    axes.set_title(f"phi1 = {phi1:g}\u00b0, phi2 = {phi2:g}\u00b0", size=SMALL + 1.0, color=INK)
+    phi1, phi2 = (drawn(rounded(degrees(angle), 1), "deg") for angle in (position.phi1_rad, position.phi2_rad))
+    axes.set_title(f"phi1 = {phi1}\u00b0, phi2 = {phi2}\u00b0", size=SMALL + 1.0, color=INK)
 
 
 def draw_mesh(axes: Axes, pair: Assembled, half_mm: float, position: Position) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from typing import Any
@@ -11,24 +12,19 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch, Polygon
 from matplotlib.path import Path
+from matplotlib.text import Annotation
 
+from ncgear.drawings.palette import LIGHT
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import signed_area
 
 DPI = 110
 
-DRIVING = "#0064a0"
-DRIVEN = "#b04a00"
-HIGHLIGHT = "#a02c6a"
-REFERENCE = "#5f6773"
-INK = "#1b1f24"
-GRID = "#e6e9ee"
-JOINT = "#868d98"
-"""Colours near those of M. Okabe and K. Ito, which differ for any colour vision, dark enough for text on white.
-
-The style sheets of the page have the same ones on light ground (tests/test_report.py)."""
+DRIVING, DRIVEN, HIGHLIGHT, MATERIAL = (LIGHT[name] for name in ("driving", "driven", "highlight", "material"))
+REFERENCE, INK, GRID, JOINT, PAPER = (LIGHT[name] for name in ("uniform", "ink", "grid", "joint", "panel"))
 
 FILL = 0.16
 """Opacity of areas, small enough to show where two of them overlap."""
@@ -66,7 +62,7 @@ class Margins:
 
 def figure(width_in: float, height_in: float, title: str) -> Figure:
     """An empty figure of a size in inches, for Agg, with a heading at the left."""
-    made = Figure(figsize=(width_in, height_in), dpi=DPI, facecolor="white")
+    made = Figure(figsize=(width_in, height_in), dpi=DPI, facecolor=PAPER)
     FigureCanvasAgg(made)
     x, y = EDGE_IN / width_in, 1.0 - EDGE_IN / height_in
     # The name of a design may contain dollar signs, which are not formulas.
@@ -92,7 +88,7 @@ def dress(axes: Axes, x_label: str, y_label: str) -> None:
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
     for side in ("left", "bottom"):
-        axes.spines[side].set_color("#9A9A9A")
+        axes.spines[side].set_color(REFERENCE)
 
 
 def legend_above(axes: Axes) -> None:
@@ -126,3 +122,33 @@ def ring_area(
     path = Path.make_compound_path(Path.circle(center, radius), inner)
     style: Style = {"facecolor": to_rgba(color, FILL), "edgecolor": color, "linewidth": line_width, "label": label}
     axes.add_artist(PathPatch(path, **style))
+
+
+NotePlace = tuple[str, float, float]
+"""How a note is aligned with its point, and the distances in points from the point along the axis and upwards."""
+
+CLEAR_PX = 2.0
+"""Least distance in pixels of a note from a curve."""
+
+
+def place_note(axes: Axes, note: Annotation, places: Sequence[NotePlace], curves: Sequence[Line2D]) -> None:
+    """Put a note at the first place inside the axes that is clear of curves, else where it covers the fewest.
+
+    The limits of the axes are those of the finished picture.
+    """
+    paths = [curve.get_transform().transform_path(curve.get_path()) for curve in curves]
+
+    def faults(place: NotePlace) -> tuple[bool, int]:
+        _put(note, place)
+        box, frame = note.get_window_extent(), axes.get_window_extent()
+        inside = frame.x0 <= box.x0 and box.x1 <= frame.x1 and frame.y0 <= box.y0 and box.y1 <= frame.y1
+        around = box.padded(CLEAR_PX)
+        return not inside, sum(path.intersects_bbox(around, filled=False) for path in paths)
+
+    _put(note, min(places, key=faults))
+
+
+def _put(note: Annotation, place: NotePlace) -> None:
+    across, along, upwards = place
+    note.set(ha=across, va="center" if upwards == 0.0 else "bottom" if upwards > 0.0 else "top")
+    note.xyann = along, upwards

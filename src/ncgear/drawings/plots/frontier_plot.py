@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ncgear.drawings.plots.canvas import (
@@ -20,6 +21,7 @@ from ncgear.drawings.plots.canvas import (
     dress,
     figure,
     legend_above,
+    place_note,
     png,
 )
 from ncgear.figures.numbers import readable
@@ -53,9 +55,10 @@ def frontier(limit: Array, laws: Array, family: Array, mechanisms: Sequence[Name
     made.subplots_adjust(**Margins(left=0.8, right=0.25, top=0.8).shares(WIDTH_IN, HEIGHT_IN))
     axes = made.add_subplot()
     _draw_curves(axes, factors * limit, factors * laws, factors * family)
-    for (name, *_), (power, acceleration) in zip(mechanisms, factors * standing, strict=True):
-        _draw_mechanism(axes, name, power, acceleration)
     _set_scales(axes, factors * shown)
+    curves = list(axes.lines)
+    for (name, *_), (power, acceleration) in zip(mechanisms, factors * standing, strict=True):
+        _draw_mechanism(axes, name, power, acceleration, curves)
     dress(axes, f"peak power in {power_unit}", f"peak acceleration in {acceleration_unit}")
     legend_above(axes)
     return png(made)
@@ -82,11 +85,20 @@ def _draw_curves(axes: Axes, limit: Array, laws: Array, family: Array) -> None:
         axes.plot(*family.T, color=DRIVEN, linewidth=1.4, marker="s", markersize=3.0, label="published family")
 
 
-def _draw_mechanism(axes: Axes, name: str, power: float, acceleration: float) -> None:
+NOTE_PLACES = (
+    *((side, sign * 6.0, up) for up in (5.0, -5.0) for side, sign in (("left", 1.0), ("right", -1.0))),
+    ("center", 0.0, 9.0),
+    ("center", 0.0, -9.0),
+)
+"""Places of a mechanism's name about its point, the best first."""
+
+
+def _draw_mechanism(axes: Axes, name: str, power: float, acceleration: float, curves: Sequence[Line2D]) -> None:
     axes.plot([power], [acceleration], color=HIGHLIGHT, marker="D", markersize=6.0, linestyle="none")
     # Names may contain dollar signs, which are not formulas.
     note: Style = {"size": SMALL, "color": INK, "parse_math": False}
-    axes.annotate(name, (power, acceleration), xytext=(6.0, 5.0), textcoords="offset points", **note)
+    words = axes.annotate(name, (power, acceleration), xytext=(6.0, 5.0), textcoords="offset points", **note)
+    place_note(axes, words, NOTE_PLACES, curves)
 
 
 def _set_scales(axes: Axes, shown: Array) -> None:

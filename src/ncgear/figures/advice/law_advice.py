@@ -8,6 +8,7 @@ from math import cos, degrees, radians
 from ncgear.design.keys.bodies import GearBody
 from ncgear.design.laws.registry import LawName, design_law
 from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where, changed
+from ncgear.figures.numbers import drawn, fixed, to_digits
 from ncgear.pitch import shape
 from ncgear.pitch.pair import STRAIGHT, largest_tangent_angle_rad
 from ncgear.pitch.shape import Gear, Mesh
@@ -37,8 +38,8 @@ def ratio_range(drive: Drive) -> Advice | None:
     return Advice(
         Kind.RATIO_RANGE,
         (Where(angles_deg=tuple((degrees(end.at),) * 2 for end in (low, high))),),
-        f"the ratio runs from {low.value:.3g} (at {degrees(low.at):.4g} deg) to {high.value:.3g} (at "
-        f"{degrees(high.at):.4g} deg)",
+        f"the ratio runs from {to_digits(low.value, 3)} (at {to_digits(degrees(low.at), 4)} deg) to "
+        f"{to_digits(high.value, 3)} (at {to_digits(degrees(high.at), 4)} deg)",
         f"beyond 1:{WIDEST_RATIO:g} one gear has almost no radius where the other is large: few teeth carry there, and "
         "the shaft of the small side is thin",
         (*narrower, *tempered(drive, _too_wide), optimised(ratio_min=1.0 / WIDEST_RATIO, ratio_max=WIDEST_RATIO)),
@@ -59,8 +60,8 @@ def speeds(drive: Drive) -> Advice | None:
     return Advice(
         Kind.SPEEDS,
         (Where(),),
-        f"the law's velocities hold at {law:.5g} r/min, but the machine runs at {operating:g} r/min",
-        f"there the slider is {factor:.3g} times {sense} than v1 and v2 say",
+        f"the law's velocities hold at {to_digits(law, 5)} r/min, but the machine runs at {operating:g} r/min",
+        f"there the slider is {to_digits(factor, 3)} times {sense} than v1 and v2 say",
         (Remedy("run the machine at the law's speed", (Change("operation.speed_rpm", law),)),),
     )
 
@@ -71,7 +72,7 @@ def negative_resistance(drive: Drive) -> Advice | None:
     stretches = resistance.negative_stretches_mm(drive.linkage.stroke_mm)
     if not stretches:
         return None
-    named = ", ".join(f"{low:.3g}..{high:.3g}" for low, high in stretches)
+    named = ", ".join(f"{to_digits(low, 3)}..{to_digits(high, 3)}" for low, high in stretches)
     kept = resistance.keep_negative
     other = "take it as zero there" if kept else "count it, where the load really pulls the slider"
     return Advice(
@@ -95,9 +96,9 @@ def pressure_angle(drive: Drive) -> Advice | None:
     return Advice(
         Kind.PRESSURE_ANGLE,
         (Where(angles_deg=((at, at),)),),
-        f"the pressure angle reaches {angle:.3g} deg at phi1 = {at:.4g} deg",
-        f"only {100.0 * cos(radians(angle)):.0f} % of the force between the teeth turns the driven gear there; the "
-        "rest bears on the shafts, and friction may lock the pair",
+        f"the pressure angle reaches {to_digits(angle, 3)} deg at phi1 = {to_digits(at, 4)} deg",
+        f"only {fixed(100.0 * cos(radians(angle)), 0)} % of the force between the teeth turns the driven gear there; "
+        "the rest bears on the shafts, and friction may lock the pair",
         _less_steep(drive, angle),
     )
 
@@ -145,9 +146,9 @@ def crank_pin(drive: Drive) -> list[Advice]:
         Advice(
             Kind.CRANK_PIN,
             (Where(gear.value),),
-            f"the crank pin passes {round(passing[gear], 2):g} mm from the {gear.value} gear's axis, about which "
-            f"there is a {part} of {2.0 * radius:g} mm diameter",
-            f"a pin of {2.0 * pin:g} mm diameter touches it, where both are on the same side of the gears",
+            f"the crank pin passes {drawn(round(passing[gear], 2), 'mm')} mm from the {gear.value} gear's axis, about "
+            f"which there is a {part} of {drawn(2.0 * radius, 'mm')} mm diameter",
+            f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it, where both are on the same side of the gears",
             (Remedy(NO_MEETING[gear]),),
         )
         for gear, part, radius in near
@@ -175,11 +176,12 @@ def concave(drive: Drive, gear: Gear) -> Advice | None:
     if radius is None:
         return None
     stretches = tuple((degrees(a), degrees(b)) for a, b in drive.pitch.concave_ranges(gear))
-    named = ", ".join(f"{a:.0f}..{b:.0f}" for a, b in stretches)
+    named = ", ".join(f"{fixed(a, 0)}..{fixed(b, 0)}" for a, b in stretches)
     return Advice(
         Kind.CONCAVE,
         (Where(gear.value, angles_deg=stretches),),
-        f"the {gear.value} pitch curve is concave for phi1 in {named} deg (radius {radius:.4g} mm): no hob can cut it",
+        f"the {gear.value} pitch curve is concave for phi1 in {named} deg (radius {to_digits(radius, 4)} mm): no "
+        "hob can cut it",
         "wire, mill, print, or a shaper with a smaller cutter can; the mate's teeth stand close together there and "
         "their tips may have to be shortened",
         _convex(drive, gear),

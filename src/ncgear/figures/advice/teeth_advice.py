@@ -9,6 +9,7 @@ from math import degrees
 from ncgear.contact.designed.as_designed import AsDesigned, SideContact
 from ncgear.figures.advice.law_advice import STEEPEST_DEG
 from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where, changed
+from ncgear.figures.numbers import MICRORAD, to_digits
 from ncgear.project.alternatives import (
     blunt_addendum,
     bridging_helix,
@@ -60,7 +61,7 @@ def _ways_out_of_undercut(drive: Drive) -> tuple[Remedy, ...]:
     ]
     if (found := shift_free_of_undercut(drive)) is not None:
         modules = found[0] / drive.rack.module_mm
-        words = f"shift the profiles, by {modules:.3g} modules outwards on the driving gear"
+        words = f"shift the profiles, by {to_digits(modules, 3)} modules outwards on the driving gear"
         remedies.append(Remedy(words, changed(found[1])))
     if steeper := steeper_rack(drive, STEEPEST_DEG):
         remedies.append(Remedy("take a rack with a greater pressure angle", changed(steeper)))
@@ -116,9 +117,10 @@ def contact_ratio(drive: Drive) -> Advice | None:
     return Advice(
         Kind.CONTACT_RATIO,
         (Where(angles_deg=tuple(_worst(designed, side) for side in sides if side.simultaneous.min() < 1)),),
-        f"contact ratio: the shortest contact of a flank pair lasts {designed.contact_ratio:.3g} pitches, and at some "
-        "positions no flanks touch",
-        f"the driven gear is carried by an edge there, off the law by up to {error:.2g} rad; it knocks and wears",
+        f"contact ratio: the shortest contact of a flank pair lasts {to_digits(designed.contact_ratio, 3)} pitches, "
+        "and at some positions no flanks touch",
+        f"the driven gear is carried by an edge there, off the law by up to {to_digits(1e6 * error, 2)} {MICRORAD}; it "
+        "knocks and wears",
         (*helical, FINER),
     )
 
@@ -138,8 +140,8 @@ def thrust(drive: Drive) -> Advice | None:
     return Advice(
         Kind.THRUST,
         (Where(),),
-        f"axial thrust: {helix.thrust_share:.3g} of the tangential force at the pitch point pushes the driving gear "
-        f"towards {towards} z and the driven one towards {away} z",
+        f"axial thrust: {to_digits(helix.thrust_share, 3)} of the tangential force at the pitch point pushes the "
+        f"driving gear towards {towards} z and the driven one towards {away} z",
         "the bearings of both shafts must take it",
         (Remedy("herringbone teeth cancel it", (Change("gears.helix.kind", "herringbone"),)),),
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-from ncgear.figures.numbers import shown
+from ncgear.figures.numbers import fixed, shown, to_digits
 from ncgear.project.alternatives import Changes, Setting
 
 SHOWN = 3
@@ -78,7 +78,9 @@ class Where:
         teeth = f"{word} {shown(list(self.teeth))}" if self.teeth else ""
         of = f"{self.gear} gear" if self.gear else ""
         named = " of the ".join(part for part in (teeth, of) if part)
-        stretches = ", ".join(f"{a:.4g}" if a == b else f"{a:.0f}..{b:.0f}" for a, b in self.angles_deg)
+        stretches = ", ".join(
+            to_digits(a, 4) if a == b else f"{fixed(a, 0)}..{fixed(b, 0)}" for a, b in self.angles_deg
+        )
         return ", ".join(part for part in (named, f"phi1 = {stretches} deg" if stretches else "") if part)
 
 
@@ -108,5 +110,5 @@ def _written(value: Setting) -> str:
         return "true" if value else "false"
     if isinstance(value, tuple):
         more = [f"and {len(value) - SHOWN} more"] if len(value) > SHOWN else []
-        return f"[{', '.join([*(f'{number:.6g}' for number in value[:SHOWN]), *more])}]"
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+        return f"[{', '.join([*(to_digits(number, 6) for number in value[:SHOWN]), *more])}]"
+    return to_digits(value, 6) if isinstance(value, float) else str(value)

@@ -9,7 +9,7 @@ from typing import Any
 from ncgear.errors import below
 from ncgear.figures.balance.shaking import chassis_figures, excitation_figures, frame_figures, mechanism_figures
 from ncgear.figures.balance.turning import chain_figures, gear_figures, rotor_figures
-from ncgear.figures.numbers import shown
+from ncgear.figures.numbers import told
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import written_lines
 from ncgear.numerics.units import label_and_unit
@@ -62,11 +62,11 @@ def _lines(figures: Mapping[str, Any]) -> list[str]:
     width = max((len(label_and_unit(key)[0]) for key in plain), default=0)
     lines = []
     for key, value in figures.items():
-        label, unit = label_and_unit(key)
         if _is_group(value):
             lines += [f"  {key.replace('_', ' ')}", *(f"  {line}" for line in _content(value))]
         else:
-            lines.append(f"  {label:<{width}}  {shown(value)} {unit if value is not None else ''}".rstrip())
+            label, text, unit = told(key, value)
+            lines.append(f"  {label:<{width}}  {text} {unit}".rstrip())
     return lines
 
 
@@ -78,4 +78,4 @@ def _table(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """The lines of a table, without the columns that have no value in any row."""
     keys = [key for key in rows[0] if any(row[key] is not None for row in rows)] if rows else []
     heads = [", ".join(part for part in label_and_unit(key) if part) for key in keys]
-    return aligned([heads, *([shown(row[key]) for key in keys] for row in rows)])
+    return aligned([heads, *([told(key, row[key])[1] for key in keys] for row in rows)])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ncgear.figures.numbers import shown
+from ncgear.figures.numbers import drawn, shown
 from ncgear.figures.tables import Column, Table, Value
 from ncgear.metrology.pins import Misfit, Pins, TwoPins, over_two_pins
 from ncgear.metrology.span import Spans
@@ -39,7 +39,7 @@ def _one_pin(gear: MeasuredGear) -> Table:
     rows = [(space, *center, over, *_among(limits, (space,))) for space, center, over in found]
     far = Column("axis to the pin's near side" if ring else "axis to the pin's far side", "mm")
     columns = (*ONE_PIN, far, *(LIMITS if limits else ()))
-    title = f"Pins of {pins.diameter_mm:g} mm in the {name} gear"
+    title = f"Pins of {drawn(pins.diameter_mm, 'mm')} mm in the {name} gear"
     return Table(title, columns, tuple(rows), _pin_notes(pins), long=True)
 
 
@@ -49,7 +49,7 @@ def _two_pins(gear: MeasuredGear) -> Table:
     limits = [_over_two(over_two_pins(working, pins)) for working, pins in gear.at_limits]
     nominal = _over_two(over_two_pins(gear.working, gear.pins))
     rows = tuple((*pair, distance, *_among(limits, pair)) for pair, distance in nominal.items())
-    title = f"Measurement {word} two pins of {gear.pins.diameter_mm:g} mm, {gear.gear.value} gear"
+    title = f"Measurement {word} two pins of {drawn(gear.pins.diameter_mm, 'mm')} mm, {gear.gear.value} gear"
     return Table(title, (*columns, *(LIMITS if limits else ())), rows, long=True)
 
 

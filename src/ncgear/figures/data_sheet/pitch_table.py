@@ -7,6 +7,7 @@ from math import ceil, degrees
 import numpy as np
 
 from ncgear.figures.csv_text import csv_text
+from ncgear.figures.numbers import to_digits
 from ncgear.figures.tables import Column, Table
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair
@@ -14,9 +15,6 @@ from ncgear.project.drive import Drive
 
 STEPS_DEG = (5.0, 4.0, 3.0, 2.0, 1.0, 0.5, 0.25, 0.2, 0.1)
 """Possible steps of the driving angle: whole parts of a turn that are easy to read."""
-
-ANGLE_DECIMALS = 9
-"""Decimals of phi2 in deg: far more than a cell shows, and few enough that rounding errors about zero become zero."""
 
 ROUNDING = 1e-9
 """Part of a step by which a turn may exceed whole steps, so that no step is added for a rounding error."""
@@ -40,7 +38,7 @@ def pitch_table(drive: Drive) -> Table:
     phi1_deg = turn_deg(pitch.size.driving_teeth)
     columns = pitch_columns(pitch, np.radians(phi1_deg))
     columns[0] = phi1_deg
-    columns[1] = np.round(np.degrees(columns[1]), ANGLE_DECIMALS) + 0.0  # adding 0.0 turns -0.0 into 0.0
+    columns[1] = np.degrees(columns[1])
     rows = tuple(tuple(map(float, row)) for row in columns.T)
     return Table("Pitch curves", COLUMNS, rows, (_interpolated(pitch, phi1_deg),), long=True)
 
@@ -63,9 +61,10 @@ def _interpolated(pitch: PitchPair, phi1_deg: Array) -> str:
     half = np.radians((phi1_deg[1:] + phi1_deg[:-1]) / 2.0)
     rows, between = pitch_columns(pitch, np.radians(phi1_deg)), pitch_columns(pitch, half)
     off = np.abs((rows[:, 1:] + rows[:, :-1]) / 2.0 - between).max(axis=1)
+    turned, moved = to_digits(degrees(off[1]), 2), to_digits(max(off[3:]), 2)
     return (
-        f"half way between two rows straight interpolation is off by up to {degrees(off[1]):.2g} deg of phi2 and "
-        f"{max(off[3:]):.2g} mm of the radii; pitch.csv has more rows"
+        f"half way between two rows straight interpolation is off by up to {turned} deg of phi2 and {moved} mm of the "
+        "radii; pitch.csv has more rows"
     )
 
 

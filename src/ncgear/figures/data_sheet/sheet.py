@@ -12,8 +12,8 @@ from ncgear.design.keys.bodies import GearBody, Hub, Web
 from ncgear.errors import DesignError
 from ncgear.figures.data_sheet.measured_tables import pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
-from ncgear.figures.numbers import shown
-from ncgear.figures.tables import Cells, Table, Value, markdown, markdown_text
+from ncgear.figures.numbers import drawn, shown, to_digits
+from ncgear.figures.tables import Table, Value, cell_text, markdown, markdown_text
 from ncgear.metrology.working import root_radii_mm, tip_radii_mm
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
@@ -49,6 +49,12 @@ class Entry:
     def of_pair(self) -> bool:
         """Whether the value belongs to the pair, so that it needs one cell only."""
         return self.pair is not None
+
+    @property
+    def texts(self) -> tuple[str, ...]:
+        """The value of the pair, or those of both gears, for reading, to the decimals of their unit."""
+        values = (self.pair,) if self.of_pair else (self.driving, self.driven)
+        return tuple(cell_text(value, self.unit) for value in values)
 
 
 @dataclass(frozen=True)
@@ -207,7 +213,7 @@ def _relief(drive: Drive) -> list[Entry]:
     if relief is None:
         return [Entry("tip relief", pair="none")]
     start = Entry("tip relief begins over the pitch line at", "mm", pair=relief.start_mm)
-    return [Entry(f"tip relief at {relief.full_mm / module:.4g} modules", "mm", pair=relief.amount_mm), start]
+    return [Entry(f"tip relief at {to_digits(relief.full_mm / module, 4)} modules", "mm", pair=relief.amount_mm), start]
 
 
 def _shifts(drive: Drive) -> Entry:
@@ -267,11 +273,15 @@ def bodies(drive: Drive) -> tuple[Entry, ...]:
 
 
 def _keyway(body: GearBody) -> Value:
-    return f"{body.keyway.width_mm:g} x {body.keyway.depth_mm:g}" if body.keyway else None
+    return f"{_mm(body.keyway.width_mm)} x {_mm(body.keyway.depth_mm)}" if body.keyway else None
+
+
+def _mm(size_mm: float) -> str:
+    return drawn(size_mm, "mm")
 
 
 def _hub(hub: Hub | None) -> Value:
-    return f"{hub.diameter_mm:g} x {hub.height_mm:g}" if hub else None
+    return f"{_mm(hub.diameter_mm)} x {_mm(hub.height_mm)}" if hub else None
 
 
 def _thickness(web: Web | None) -> Value:
@@ -296,12 +306,12 @@ def _round_holes(drive: Drive) -> list[Entry]:
 
 def _lightening(plan: BodyPlan) -> Value:
     holes = plan.lightening_holes
-    return f"{len(holes)} x {holes[0].diameter_mm:g}" if holes else None
+    return f"{len(holes)} x {_mm(holes[0].diameter_mm)}" if holes else None
 
 
 def _marked(hole: RoundHole | None) -> tuple[Value, Value]:
     """Diameter and centre of an index hole."""
-    return ("no room for one", None) if hole is None else (hole.diameter_mm, f"{hole.x_mm:.3f}, {hole.y_mm:.3f}")
+    return ("no room for one", None) if hole is None else (hole.diameter_mm, f"{_mm(hole.x_mm)}, {_mm(hole.y_mm)}")
 
 
 def tolerances(drive: Drive) -> tuple[Entry, ...]:
@@ -358,16 +368,27 @@ def sheet_text(sheet: DataSheet) -> str:
     """The sheet as Markdown."""
     blocks = [f"# Gear data: {sheet.name}"]
     for group in sheet.groups:
-        rows = [(one.label, one.pair if one.of_pair else one.driving, one.driven, one.unit) for one in group.entries]
-        blocks.append(_headed(group.title, ("", "driving, or both", "driven", "unit"), rows))
+        blocks.append(_headed(group.title, SHEET_HEADS, map(_sheet_row, group.entries)))
     for table in sheet.tables:
         notes = [f"{note[0].upper()}{note[1:]}." for note in table.notes]
-        blocks += [_headed(table.title, [column.heading for column in table.columns], table.rows), *notes]
+        rows = [
+            [markdown_text(value, column.unit) for value, column in zip(row, table.columns, strict=False)]
+            for row in table.rows
+        ]
+        blocks += [_headed(table.title, [column.heading for column in table.columns], rows), *notes]
     return "\n\n".join(blocks) + "\n"
 
 
-def _headed(title: str, heads: Sequence[str], rows: Iterable[Cells]) -> str:
-    """A heading and a table below it, which is left out where it has no columns."""
-    texts = [[markdown_text(value) for value in row] for row in rows]
-    table = ["", *markdown([markdown_text(head) for head in heads], texts, " --- ")] if heads else []
+SHEET_HEADS = "", "driving, or both", "driven", "unit"
+
+
+def _sheet_row(entry: Entry) -> list[str]:
+    first, driven = (entry.pair, entry.driven) if entry.of_pair else (entry.driving, entry.driven)
+    cells = markdown_text(first, entry.unit), markdown_text(driven, entry.unit)
+    return [markdown_text(entry.label), *cells, markdown_text(entry.unit)]
+
+
+def _headed(title: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A heading and a table of texts below it, which is left out where it has no columns."""
+    table = ["", *markdown([markdown_text(head) for head in heads], rows, " --- ")] if heads else []
     return "\n".join([f"## {title}", *table])

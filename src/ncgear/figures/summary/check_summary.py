@@ -7,7 +7,7 @@ from typing import Any
 
 from ncgear.design.keys.machine import Published
 from ncgear.figures.advice.collected import check_advice
-from ncgear.figures.numbers import shown
+from ncgear.figures.numbers import fixed, shown, to_digits
 from ncgear.kinematics.check import KinematicCheck
 from ncgear.pitch.pair import largest_tangent_angle_rad
 from ncgear.project.drive import Drive
@@ -129,7 +129,7 @@ def _against(drive: Drive, other_power_w: float | None) -> str:
     if not other_power_w:
         return ""
     saving = 100.0 * (1.0 - drive.check.peak_power_w.value / other_power_w)
-    return f"this design's peak power is {abs(saving):.1f} % {'lower' if saving >= 0 else 'higher'}"
+    return f"this design's peak power is {fixed(abs(saving), 1)} % {'lower' if saving >= 0 else 'higher'}"
 
 
 def _checked(name: str, check: KinematicCheck, speed: float, note: str) -> dict[str, Any]:
@@ -155,7 +155,7 @@ def _scaled(drive: Drive, published: Published) -> dict[str, Any]:
     """Published figures at the operating speed."""
     found = published.at_speed(drive.design.operation.speed_rpm)
     power, pressing = found.peak_power_w, found.compression_speed_mm_s
-    notes = [_against(drive, power), f"compression speed {pressing:.4g} mm/s" if pressing else ""]
+    notes = [_against(drive, power), f"compression speed {to_digits(pressing, 4)} mm/s" if pressing else ""]
     row = _row(found.name, found.speed_rpm, power, found.peak_acceleration_mm_s2, found.peak_speed_mm_s)
     return {**row, "same_speed": True, "note": "; ".join(note for note in notes if note)}
 
@@ -171,5 +171,5 @@ def _mixed(drive: Drive, published: Published) -> list[dict[str, Any]]:
     note = f"at {published.speed_rpm:g} r/min this design needs {shown(same)} W"
     if published.peak_power_w:
         saving = 100.0 * (1.0 - published.quoted_power_w / published.peak_power_w)
-        note = f"the {saving:.1f} % between the two rows is a difference of speed; {note}"
+        note = f"the {fixed(saving, 1)} % between the two rows is a difference of speed; {note}"
     return [{**theirs, "same_speed": False, "note": ""}, {**quoted, "same_speed": False, "note": note}]

@@ -25,6 +25,22 @@ from ncgear.solids.plan.body import BodyPlan, Bore, RoundHole
 CROSS_IN_MODULES = 2.0
 """Length in modules of the mark of an axis: it is inside the smallest bore of any shaft."""
 
+DECIMALS = 6
+"""Decimals of coordinates in mm: a millionth of a millimetre, far below any chord tolerance."""
+
+BULGE_DECIMALS = 9
+"""Decimals of bulges: on a chord of a metre the arc stays within a millionth of a millimetre."""
+
+
+def written(values: Array | float, decimals: int = DECIMALS) -> Array:
+    """Numbers as DXF and SVG files have them: without rounding errors, and without a minus before a zero.
+
+    Raises ArithmeticError for what is no finite number.
+    """
+    if not np.isfinite(values).all():
+        raise ArithmeticError("a drawing holds a coordinate that is no finite number")
+    return np.asarray(np.round(values, decimals) + 0.0)
+
 
 class Use(Enum):
     """The use of the lines of a layer in a workshop."""

@@ -14,6 +14,7 @@ from ezdxf.layouts import Modelspace
 from ezdxf.sections.classes import REQ_R2004
 
 from ncgear.files.workshop.drawing import (
+    BULGE_DECIMALS,
     Circle,
     Cross,
     Drawing,
@@ -23,6 +24,7 @@ from ncgear.files.workshop.drawing import (
     box_around,
     gear_drawing,
     pair_notes,
+    written,
 )
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
@@ -108,26 +110,29 @@ def _add(space: Modelspace, shape: Shape, layer: str) -> None:
     attributes = {"layer": layer}
     match shape:
         case Polyline():
-            rows = [(*point, bulge) for point, bulge in zip(shape.points.tolist(), shape.bulges.tolist(), strict=True)]
+            bulges = written(shape.bulges, BULGE_DECIMALS)
+            rows = np.column_stack([written(shape.points), bulges]).tolist()
             space.add_lwpolyline(rows, format="xyb", close=True, dxfattribs={**attributes, "flags": WHOLE_PATTERN})
         case Circle():
-            space.add_circle((shape.x_mm, shape.y_mm), shape.radius_mm, dxfattribs=attributes)
+            x, y, radius = written(np.array([shape.x_mm, shape.y_mm, shape.radius_mm])).tolist()
+            space.add_circle((x, y), radius, dxfattribs=attributes)
         case Cross():
-            for start, end in shape.lines.tolist():
+            for start, end in written(shape.lines).tolist():
                 space.add_line(start, end, dxfattribs=attributes)
 
 
 def _write(document: Document, notes: Sequence[str], low: Array, high: Array) -> None:
     """Write notes below the box of the drawings, line by line, and set the view that shows all of it at opening."""
     document.layers.add(NOTES, color=COLORS[Use.THROUGH])
-    letter = float(high[0] - low[0]) / LETTERS_ACROSS
+    low, high = written(low), written(high)
+    letter = float(written((high[0] - low[0]) / LETTERS_ACROSS))
     foot = low - np.array([0.0, LINE_SPACING * letter * (len(notes) + 1)])
     for number, note in enumerate(notes, 1):
         document.header.custom_vars.append(f"note {number}", note)
         place = low - np.array([0.0, LINE_SPACING * letter * (number + 0.5)])
         document.modelspace().add_text(
-            note, height=letter, dxfattribs={"layer": NOTES, "insert": tuple(place.tolist())}
+            note, height=letter, dxfattribs={"layer": NOTES, "insert": tuple(written(place).tolist())}
         )
-    document.header["$EXTMIN"], document.header["$EXTMAX"] = (*foot.tolist(), 0.0), (*high.tolist(), 0.0)
-    center = tuple(((foot + high) / 2.0).tolist())
-    document.set_modelspace_vport(SLACK * float(high[1] - foot[1]), center)
+    document.header["$EXTMIN"], document.header["$EXTMAX"] = (*written(foot).tolist(), 0.0), (*high.tolist(), 0.0)
+    center = tuple(written((foot + high) / 2.0).tolist())
+    document.set_modelspace_vport(float(written(SLACK * (high[1] - foot[1]))), center)

@@ -7,14 +7,22 @@ from xml.etree import ElementTree as Xml
 
 import numpy as np
 
-from ncgear.files.workshop.drawing import Circle, Cross, Drawing, Polyline, Shape, Use, box_around, gear_drawing
+from ncgear.files.workshop.drawing import (
+    DECIMALS,
+    Circle,
+    Cross,
+    Drawing,
+    Polyline,
+    Shape,
+    Use,
+    box_around,
+    gear_drawing,
+    written,
+)
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 
 NAMESPACE = "http://www.w3.org/2000/svg"
-
-DECIMALS = 6
-"""Decimals of coordinates: a millionth of a millimetre, far below any chord tolerance."""
 
 MARGIN_MM = 2.0
 HAIRLINE_MM = 0.1
@@ -51,8 +59,8 @@ def _size(drawing: Drawing) -> dict[str, str]:
     box_low, box_high = box_around([drawing])
     low, high = box_low - MARGIN_MM, box_high + MARGIN_MM
     width, height = high - low
-    box = f"{low[0]:.{DECIMALS}f} {-high[1]:.{DECIMALS}f} {width:.{DECIMALS}f} {height:.{DECIMALS}f}"
-    return {"width": f"{width:.{DECIMALS}f}mm", "height": f"{height:.{DECIMALS}f}mm", "viewBox": box}
+    box = " ".join(map(_number, (low[0], -high[1], width, height)))
+    return {"width": f"{_number(width)}mm", "height": f"{_number(height)}mm", "viewBox": box}
 
 
 def _path(shape: Shape) -> str:
@@ -85,4 +93,4 @@ def _coordinates(point: tuple[float, float] | list[float]) -> str:
 
 def _number(value: float) -> str:
     """The number without needless zeros, and without a minus before a zero."""
-    return f"{round(value, DECIMALS) + 0.0:.{DECIMALS}f}".rstrip("0").rstrip(".")
+    return f"{written(value):.{DECIMALS}f}".rstrip("0").rstrip(".")
