@@ -11,7 +11,7 @@ import pytest
 from engaged import MODULE
 from loaded import SMOOTH, frictionless, meshing
 from ncgear.dynamics.meshing import Friction
-from ncgear.dynamics.quasi_static import loaded_contact
+from ncgear.dynamics.quasi_static import LoadedContact, loaded_contact, loaded_peaks
 from ncgear.errors import NoSuchMechanism
 
 BASE = 12.0 * MODULE * cos(radians(20.0))
@@ -62,6 +62,21 @@ def test_without_friction_the_drive_puts_in_what_the_load_takes(name: str, teeth
     taken = np.sum((torque[1:] + torque[:-1]) / 2.0 * np.diff(driven))
     given = np.sum((loaded.driving_torque_n_mm[1:] + loaded.driving_torque_n_mm[:-1]) / 2.0 * np.diff(angles))
     assert given == pytest.approx(taken, rel=2e-5)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("name", "teeth", "torque_n_mm"), [("uniform", 24, 300.0), ("sine", 31, 2e4)])
+def test_most_pairs_are_found_between_angles_that_all_see_fewer(name: str, teeth: int, torque_n_mm: float) -> None:
+    found = frictionless(meshing(name, teeth))
+
+    def loaded_at(phi1: np.ndarray) -> LoadedContact:
+        return loaded_contact(found, phi1, np.full_like(phi1, torque_n_mm), 0.0)
+
+    seen = loaded_at(ANGLES).pairs
+    fewer = ANGLES[seen < seen.max()]
+    sampled = int(loaded_at(fewer).pairs.max())
+    assert sampled < seen.max()
+    assert loaded_peaks(loaded_at, fewer, sampled).most_pairs == loaded_at(np.linspace(0.0, 2.0 * pi, 6007)).pairs.max()
 
 
 def test_friction_costs_work() -> None:

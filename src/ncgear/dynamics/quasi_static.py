@@ -87,22 +87,43 @@ class LoadedPeaks:
     depth_mm: Extremum
     driving_torque_n_mm: Extremum
     transmission_error_rad: float
+    most_pairs: int
 
 
-def loaded_peaks(loaded_at: Callable[[Array], LoadedContact], phi1_rad: Array) -> LoadedPeaks:
+def loaded_peaks(loaded_at: Callable[[Array], LoadedContact], phi1_rad: Array, pairs: int) -> LoadedPeaks:
     """The peaks between the first and the last of rising driving angles, shape (n,), of the teeth loaded at any angles.
 
-    Between two angles the loaded teeth are taken to have one top: the angles have to be dense enough for that.
+    ``pairs`` is a number of pairs that bear load together at some angle.  Between two angles the loaded teeth are taken
+    to have one top: the angles have to be dense enough for that.
     """
 
     def sizes(phi1: Array) -> Array:
         loaded = loaded_at(phi1)
         depth = np.maximum(loaded.forces.depth_mm.max(axis=-1), 0.0)
         error = loaded.error_rad
-        return np.stack([loaded.tooth_force_n, depth, loaded.driving_torque_n_mm, error, -error])
+        further = _depth_of_next_mm(loaded.forces, pairs)
+        return np.stack([loaded.tooth_force_n, depth, loaded.driving_torque_n_mm, error, -error, further])
 
-    force, depth, torque, ahead, behind = largest_of_each(sizes, phi1_rad)
-    return LoadedPeaks(force, depth, torque, ahead.value + behind.value)
+    force, depth, torque, ahead, behind, further = largest_of_each(sizes, phi1_rad)
+    if further.value > 0.0:
+        return loaded_peaks(loaded_at, np.union1d(phi1_rad, further.at), pairs + 1)
+    return LoadedPeaks(force, depth, torque, ahead.value + behind.value, pairs)
+
+
+NO_DEPTH_MM = -1e3
+"""Depth of a pair that is not there: farther apart than teeth are followed."""
+
+
+def _depth_of_next_mm(forces: ToothForces, pairs: int) -> Array:
+    """Depth of the pair that would bear load after the ``pairs`` deepest ones, shape (n,), negative where it does not.
+
+    How many pairs bear load jumps; this depth has a top between the jumps, however close they are.
+    """
+    there = np.where(forces.near.urge == 0.0, NO_DEPTH_MM, forces.depth_mm)
+    if pairs >= there.shape[-1]:
+        return np.full(len(there), NO_DEPTH_MM)
+    depth: Array = np.sort(there, axis=-1)[:, -1 - pairs]
+    return depth
 
 
 def _forces(meshing: Meshing, phi1_rad: Array, ahead_rad: Array, speed_rad_s: float) -> ToothForces:

@@ -342,8 +342,9 @@ class Drive:
         from ncgear.project.forces import loaded_places_rad
 
         places = loaded_places_rad(self.motion.phi1_rad, self.meshing, self.rigid.machine)
+        pairs = int(self.loaded_contact.pairs.max())
         with self.stopwatch("peaks of loaded contact"):
-            return loaded_peaks(self._loaded_at, places)
+            return loaded_peaks(self._loaded_at, places, pairs)
 
     @computed
     def course(self) -> Course:
