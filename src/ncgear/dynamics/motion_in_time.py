@@ -325,7 +325,7 @@ def _checked(found: Course) -> Course:
 
 def _unbalanced(found: Course) -> NoSuchMechanism:
     return NoSuchMechanism(
-        f"the motion cannot be followed: its energy misses the balance by {found.energy_error:.3g} of the work at phi1 = "
+        f"the motion cannot be followed: its energy misses {found.energy_error:.3g} of the work at phi1 = "
         f"{in_words(found.least_balanced_rad)}, and {ENERGY:g} is the most that counts as right; softer teeth (a "
         "smaller stiffness_n_mm), more damping_n_s_mm, or fewer turns are needed",
         key="simulation",
