@@ -66,24 +66,26 @@ class _Intervals(Columns):
         return np.maximum(self.at_low + STEEPER * from_low, self.at_high + STEEPER * from_high)
 
 
-def largest_of_each(functions: Callable[[Array], Array], places: Array, even: float = EVEN) -> list[Extremum]:
+def largest_of_each(functions: Callable[[Array], Array], places: Array) -> list[Extremum]:
     """The largest value of each of q functions between the first and the last of rising places, shape (n,), n > 1.
 
-    ``functions`` maps places (shape (m,)) to values (shape (q, m)).  One-sided limits at jumps count.  Values are known
-    to the share ``even`` of themselves.
+    ``functions`` maps places (shape (m,)) to values (shape (q, m)).  One-sided limits at jumps count.  Largest
+    values are known to the share EVEN of themselves.
     """
-    return largest_from(functions, places, _evaluated(functions, places), even)
+    values = _evaluated(functions, places)
+    return largest_from(functions, places, values, np.zeros(len(values)))
 
 
-def largest_from(
-    functions: Callable[[Array], Array], places: Array, values: Array, even: float = EVEN
-) -> list[Extremum]:
-    """As ``largest_of_each``, where the values at the places are known, shape (q, n)."""
+def largest_from(functions: Callable[[Array], Array], places: Array, values: Array, missed: Array) -> list[Extremum]:
+    """As ``largest_of_each``, where the values at the places are known, shape (q, n).
+
+    Largest values are known to ``missed`` (shape (q,)), or to EVEN of themselves where this is more.
+    """
     best = values.argmax(axis=1)
     top, at = values.max(axis=1), places[best]
     left = _between(places, values)
     for _ in range(ROUNDS):
-        left = _worth_cutting(left, top, even)
+        left = _worth_cutting(left, top, np.maximum(missed, EVEN * np.abs(top)))
         if not left.owner.size:
             break
         inner = left.low[:, None] + (left.high - left.low)[:, None] * (np.arange(1, SHARES) / SHARES)
@@ -107,15 +109,14 @@ def _between(places: Array, values: Array) -> _Intervals:
     """All intervals between neighbouring places; beyond the first and the last place slopes go on."""
     slope = np.diff(values, axis=1) / np.diff(places)
     before, after = np.hstack([slope[:, :1], slope[:, :-1]]), np.hstack([slope[:, 1:], slope[:, -1:]])
-    owner = np.broadcast_to(np.arange(len(values))[:, None], slope.shape)
-    low, high = (np.broadcast_to(ends, slope.shape) for ends in (places[:-1], places[1:]))
-    columns = owner, low, high, values[:, :-1], values[:, 1:], before, after
-    return _Intervals(*(column.ravel() for column in columns))
+    owner = np.repeat(np.arange(len(values)), places.size - 1)
+    low, high = (np.tile(ends, len(values)) for ends in (places[:-1], places[1:]))
+    columns = values[:, :-1], values[:, 1:], before, after
+    return _Intervals(owner, low, high, *(column.ravel() for column in columns))
 
 
-def _worth_cutting(left: _Intervals, top: Array, even: float) -> _Intervals:
+def _worth_cutting(left: _Intervals, top: Array, missed: Array) -> _Intervals:
     """The intervals that may lead to more than is known, one of those that are alike."""
-    missed = even * np.abs(top)
     left = left.kept(left.bound > (top + missed)[left.owner])
     unit = np.maximum(ALIKE * missed, LEAST)[left.owner]
     seen = np.column_stack([left.at_low, left.at_high, *left.rises]) / unit[:, None]
