@@ -108,6 +108,16 @@ def test_without_torque_the_teeth_just_touch() -> None:
     np.testing.assert_array_equal(loaded.error_rad, found.gaps.play_rad(ANGLES)[0])
 
 
+@pytest.mark.parametrize("torque_n_mm", [1e-3, 1e-7, 1e-11])
+def test_torques_next_to_nothing_are_borne(torque_n_mm: float) -> None:
+    """Depth and force are then below the rounding errors of the driven angle, whose shares of the torque are large."""
+    found = meshing("sine", 31, backlash_mm=0.1)
+    loaded = loaded_contact(found, ANGLES[::7], np.full(ANGLES[::7].size, torque_n_mm), 2.0)
+    touching = found.gaps.play_rad(ANGLES[::7])[0]
+    deepest = (torque_n_mm / (found.impact.stiffness * 0.9 * BASE)) ** (1.0 / found.impact.exponent)
+    np.testing.assert_allclose(loaded.error_rad, touching, atol=2.0 * deepest / BASE)
+
+
 @pytest.mark.thorough
 def test_a_reversed_torque_takes_the_play_up() -> None:
     found = meshing("uniform", 24, backlash_mm=0.1)

@@ -27,6 +27,14 @@ BALANCED = 1e-6
 """Share of the largest torque that a balance may miss.  A driven angle of some rad is known to 1e-15, so that the depth
 is known to some 1e-8 even for teeth a million times as stiff as steel."""
 
+ROUNDING_RAD = 1e-14
+"""Driven angle to either side of which the torque is met if a smaller share of it is within rounding errors only, as
+where all torques are next to nothing."""
+
+
+TOUCHING_MM = 1e-10
+"""Depth up to which a pair only touches: rounding errors of the driven angle, at the teeth of large gears."""
+
 
 @dataclass(frozen=True, eq=False)
 class LoadedContact:
@@ -60,7 +68,7 @@ class LoadedContact:
     @property
     def pairs(self) -> IndexArray:
         """Number of pairs that bear load at each position, shape (n,)."""
-        counted: IndexArray = np.sum(self.forces.normal_n > 0.0, axis=-1)
+        counted: IndexArray = np.sum(self.forces.depth_mm > TOUCHING_MM, axis=-1)
         return counted
 
 
@@ -105,7 +113,7 @@ def loaded_peaks(loaded_at: Callable[[Array], LoadedContact], phi1_rad: Array, p
         return np.stack([loaded.tooth_force_n, depth, loaded.driving_torque_n_mm, error, -error, further])
 
     force, depth, torque, ahead, behind, further = largest_of_each(sizes, phi1_rad)
-    if further.value > 0.0:
+    if further.value > TOUCHING_MM:
         return loaded_peaks(loaded_at, np.union1d(phi1_rad, further.at), pairs + 1)
     return LoadedPeaks(force, depth, torque, ahead.value + behind.value, pairs)
 
@@ -139,7 +147,8 @@ def _balanced(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_rad_s
         return moments - torque_n_mm
 
     ahead = zeros_between(missing, *_bracket(missing, meshing.gaps.play_rad(phi1_rad), torque_n_mm))
-    if not np.all(np.abs(missing(ahead)) <= BALANCED * np.abs(torque_n_mm).max(initial=0.0)):
+    balanced = np.abs(missing(ahead)) <= BALANCED * np.abs(torque_n_mm).max(initial=0.0)
+    if not np.all(balanced | (missing(ahead - ROUNDING_RAD) * missing(ahead + ROUNDING_RAD) <= 0.0)):
         raise ArithmeticError("the forces of the teeth do not balance the torque")
     return ahead
 
