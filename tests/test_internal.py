@@ -268,6 +268,13 @@ def test_a_driving_gear_too_long_for_its_ring_is_refused_where_shapely_sees_it_s
     assert caught.value.key == "gears.mesh"
 
 
+def test_where_the_driving_gear_stands_out_most_is_found_between_the_positions() -> None:
+    """The long sides meet at 2 pi - 1.2345 = 5.049, between positions at 5.027 and 5.061."""
+    shifted = ratio_expression_law("2 + 0.72*cos(phi + 1.2345)", Lobes(1, 2), scale_to_close=True)
+    with pytest.raises(NoSuchMechanism, match=r"at phi1 = 5\.0[45]\d* rad .* would stand .* mm out of the ring's"):
+        sized_pair(shifted, 60, None, DISTANCE, Mesh.INTERNAL)
+
+
 # --- teeth ---------------------------------------------------------------------------------------------------------
 
 MODULE = 2.0

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
+from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance, TableResistance
@@ -17,7 +18,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.limit import Weights, least_acceleration, least_power, least_weighted_sum
 from ncgear.optimum.makeable.law import MakeableLaw, makeable_law
 from ncgear.optimum.makeable.reached import grid, lengths, ratios, stations
-from ncgear.optimum.makeable.search import random_starts, rough_start, scales
+from ncgear.optimum.makeable.search import random_starts, rough_start, scales, searched
 from ncgear.optimum.makeable.wishes import Goal, Wishes, levels
 from ncgear.optimum.task import Figures, Limits, Task, figures
 from ncgear.ratio.laws.harmonic import harmonic_law
@@ -325,3 +326,19 @@ def test_lobes_of_the_driving_gear_are_a_matter_of_speed() -> None:
 def test_next_to_no_mass_is_none() -> None:
     light = replace(HALF, limits=replace(HALF.limits, mass_kg=1e-6))
     assert judged(light).peak_acceleration_mm_s2 == pytest.approx(judged(HALF).peak_acceleration_mm_s2, rel=1e-5)
+
+
+@pytest.mark.parametrize(("width_mm", "refused"), [(0.02, True), (1.5, False)])
+def test_a_peak_of_the_resistance_that_no_place_of_the_search_shows_is_refused(width_mm: float, refused: bool) -> None:
+    """Its power would not be limited; without a wish for power it does no harm."""
+    narrow = FormulaResistance(f"300+900*exp(-((x-47.123)/{width_mm})**2)")
+    task = Task(CrankSlider(50.0, 170.0), narrow, 2.0 * pi)
+    limited = Wishes(Limits(0.2, 5.0, peak_power_w=300.0), harmonics=4)
+    searched(task, replace(limited, limits=Limits(0.2, 5.0)))
+    if not refused:
+        searched(task, limited)
+        return
+    for wishes in (limited, Wishes(Limits(0.2, 5.0), Goal.POWER, harmonics=4)):
+        with pytest.raises(NoSuchMechanism, match=r"the peak of 1200 N at 47\.123 mm is too narrow") as told:
+            searched(task, wishes)
+        assert told.value.key == "resistance"

@@ -675,9 +675,11 @@ def test_contact_table_has_a_row_per_position_and_agrees_with_the_summary(tmp_pa
     table = np.genfromtxt(out / "contact.csv", delimiter=",", names=True)
     assert table.size == summary["positions"] == 480
     designed, written = summary["as_designed"], summary["as_written"]
-    assert np.ptp(table["error_rad"]) == designed["transmission_error_rad"] <= 1e-12
-    assert np.ptp(table["back_error_rad"]) == designed["transmission_error_back_rad"]
-    assert table["backlash_rad"].max() == designed["backlash_max_rad"]
+    for column, key in (("error_rad", "transmission_error_rad"), ("back_error_rad", "transmission_error_back_rad")):
+        assert np.ptp(table[column]) <= 1e-12
+        assert designed[key] == 0.0
+    assert table["backlash_rad"].max() <= 1e-12
+    assert designed["backlash_max_rad"] == 0.0
     assert table["contacts"].min() == designed["simultaneous_contacts_min"] == 1
     assert np.degrees(table["pressure_angle_rad"].max()) == pytest.approx(designed["pressure_angle_max_deg"], rel=1e-12)
     assert set(table["edge"]) == {0.0}
@@ -696,7 +698,8 @@ def test_contact_table_has_a_row_per_position_and_agrees_with_the_summary(tmp_pa
     base, radius = 36.0 * np.cos(np.radians(20.0)), 36.0
     reach = np.sqrt((radius + 3.0) ** 2 - base**2) - radius * np.sin(np.radians(20.0))
     speed = 20.0 * pi / 30.0
-    assert designed["sliding_velocity_max_mm_s"] == pytest.approx(2.0 * speed * reach, rel=0.05)
+    # Corners count as touching until they are a micrometre apart, a little beyond.
+    assert 0.999 <= designed["sliding_velocity_max_mm_s"] / (2.0 * speed * reach) <= 1.03
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ import pytest
 from engaged import MODULE
 from loaded import SMOOTH, frictionless, meshing
 from ncgear.dynamics.meshing import Friction
-from ncgear.dynamics.quasi_static import loaded_contact
+from ncgear.dynamics.quasi_static import LoadedContact, loaded_contact, loaded_peaks
 from ncgear.errors import NoSuchMechanism
 
 BASE = 12.0 * MODULE * cos(radians(20.0))
@@ -64,6 +64,21 @@ def test_without_friction_the_drive_puts_in_what_the_load_takes(name: str, teeth
     assert given == pytest.approx(taken, rel=2e-5)
 
 
+@pytest.mark.thorough
+@pytest.mark.parametrize(("name", "teeth", "torque_n_mm"), [("uniform", 24, 300.0), ("sine", 31, 2e4)])
+def test_most_pairs_are_found_between_angles_that_all_see_fewer(name: str, teeth: int, torque_n_mm: float) -> None:
+    found = frictionless(meshing(name, teeth))
+
+    def loaded_at(phi1: np.ndarray) -> LoadedContact:
+        return loaded_contact(found, phi1, np.full_like(phi1, torque_n_mm), 0.0)
+
+    seen = loaded_at(ANGLES).pairs
+    fewer = ANGLES[seen < seen.max()]
+    sampled = int(loaded_at(fewer).pairs.max())
+    assert sampled < seen.max()
+    assert loaded_peaks(loaded_at, fewer, sampled).most_pairs == loaded_at(np.linspace(0.0, 2.0 * pi, 6007)).pairs.max()
+
+
 def test_friction_costs_work() -> None:
     torque = np.full_like(ANGLES, 2e4)
     smooth, rough = (
@@ -91,6 +106,16 @@ def test_without_torque_the_teeth_just_touch() -> None:
     loaded = loaded_contact(found, ANGLES, np.zeros_like(ANGLES), 2.0)
     assert loaded.tooth_force_n.max() < 1e-20
     np.testing.assert_array_equal(loaded.error_rad, found.gaps.play_rad(ANGLES)[0])
+
+
+@pytest.mark.parametrize("torque_n_mm", [1e-3, 1e-7, 1e-11])
+def test_torques_next_to_nothing_are_borne(torque_n_mm: float) -> None:
+    """Depth and force are then below the rounding errors of the driven angle, whose shares of the torque are large."""
+    found = meshing("sine", 31, backlash_mm=0.1)
+    loaded = loaded_contact(found, ANGLES[::7], np.full(ANGLES[::7].size, torque_n_mm), 2.0)
+    touching = found.gaps.play_rad(ANGLES[::7])[0]
+    deepest = (torque_n_mm / (found.impact.stiffness * 0.9 * BASE)) ** (1.0 / found.impact.exponent)
+    np.testing.assert_allclose(loaded.error_rad, touching, atol=2.0 * deepest / BASE)
 
 
 @pytest.mark.thorough

@@ -12,8 +12,10 @@ from drives import drive_of_text, loaded
 from ncgear.design.keys.design import Design
 from ncgear.errors import DesignError
 from ncgear.numerics.arrays import Array, Mask
+from ncgear.numerics.sampled import integrated
 from ncgear.screening import rows as figures_module
 from ncgear.screening.rows import single_figures
+from ncgear.screening.samples import kind_of, sampled
 from ncgear.screening.screen import COUNTS, MADE, Screened, computed_together, screened
 
 CHECK_FIGURES = (
@@ -304,3 +306,16 @@ def test_no_designs_give_an_empty_table() -> None:
     found = screened([])
     assert found.figures == {}
     assert found.verdicts == ()
+
+
+@pytest.mark.parametrize("name", ["baler-66", "baler"])
+def test_the_closing_residual_is_taken_at_other_points_than_the_law(name: str) -> None:
+    """Where the points of a piece are too few, a law closes at its own points and not at others."""
+    design = loaded(name).design
+    kind = kind_of(design)
+    assert kind is not None
+    few, enough = (sampled(kind, [design], count) for count in (7, 129))
+    assert abs(float(enough.closing_error_rad[0])) < 1e-12
+    assert abs(float(few.closing_error_rad[0])) > 1e-8
+    if name == "baler-66":
+        assert abs(float(integrated(few.samples.turning)[0]) - 2.0 * np.pi) < 1e-12

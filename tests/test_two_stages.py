@@ -15,6 +15,8 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from drives import DESIGNS, FILES, drive, loaded
+from ncgear.contact.designed.as_designed import touch_at
+from ncgear.contact.placement import placed_at
 from ncgear.design.reading.design_file import load
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.summary.check_summary import check_summary
@@ -130,9 +132,9 @@ def test_sliding_is_at_the_speed_of_the_shaft_between() -> None:
         angle = np.array([found["sliding_velocity_max_at_rad"]])
         exact = 2.0 * pi * (rate(CubicSpline(between, driving)(angle)) if stage.stage == 2 else np.ones(1))
         assert stage.pair_speed_rad_s(angle) == pytest.approx(exact, rel=1e-4)
-        contact = stage.designed_contact
-        place = int(np.argmin(np.abs(contact.placement.phi1_rad - angle)))
-        largest = contact.largest_sliding_mm[place] * exact
+        rolled = stage.pitch.driving.arc.length(angle) * stage.pitch.center_distance_mm
+        there = placed_at(stage.pitch, stage.designed_contact.placement, rolled)
+        largest = touch_at(stage.teeth)(there).largest_sliding_mm * exact
         assert found["sliding_velocity_max_mm_s"] == pytest.approx(largest[0], rel=1e-4)
 
 

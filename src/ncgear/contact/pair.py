@@ -6,15 +6,17 @@ between which teeth, and what limits their tips.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ncgear.contact.designed.as_designed import AsDesigned, SideContact
+from ncgear.contact.designed.extremes import ContactExtremes, contact_extremes
 from ncgear.contact.written.as_written import AsWritten, Outlines, as_written, reach_mm
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.units import in_words
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Mesh
@@ -83,6 +85,20 @@ def refuse_overlap(designed: AsDesigned, tolerance_mm: float) -> None:
     _refuse(designed.overlap_mm, tolerance_mm, designed)
 
 
+def sound_extremes(
+    pitch: PitchPair,
+    teeth: ToothedPair,
+    designed: AsDesigned,
+    speed_rad_s: Callable[[Array], Array],
+    tolerance_mm: float,
+) -> ContactExtremes:
+    """The extremes of the contact; raises as ``refuse_overlap`` where teeth overlap between its positions."""
+    found = contact_extremes(teeth, pitch, designed, speed_rad_s)
+    if found.overlap_mm.value > tolerance_mm:
+        raise _overlapping(found.overlap_mm, found.overlap_teeth[0], designed.placement.mesh)
+    return found
+
+
 def refuse_bad_outlines(contact: PairContact, tolerance_mm: float) -> None:
     """Refuse outlines that overlap by more than their chords explain, or that touch elsewhere than designed.
 
@@ -97,11 +113,14 @@ def _refuse(overlap_mm: Array, allowed_mm: float, designed: AsDesigned) -> None:
     worst = int(np.argmax(overlap_mm))
     if overlap_mm[worst] <= allowed_mm:
         return
-    phi1 = float(designed.placement.phi1_rad[worst])
-    tooth, _ = designed.placement.teeth_at(worst)
-    raise NoSuchMechanism(
-        f"the teeth run into each other by {overlap_mm[worst]:.3g} mm near tooth {tooth} of the driving gear at phi1 = "
-        f"{in_words(phi1)}: {CAUSES[designed.placement.mesh]}",
+    deepest = Extremum(float(overlap_mm[worst]), float(designed.placement.phi1_rad[worst]))
+    raise _overlapping(deepest, designed.placement.teeth_at(worst)[0], designed.placement.mesh)
+
+
+def _overlapping(deepest: Extremum, tooth: int, mesh: Mesh) -> NoSuchMechanism:
+    return NoSuchMechanism(
+        f"the teeth run into each other by {deepest.value:.3g} mm near tooth {tooth} of the driving gear at phi1 = "
+        f"{in_words(deepest.at)}: {CAUSES[mesh]}",
         key="gears.teeth",
     )
 

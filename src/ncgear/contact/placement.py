@@ -6,9 +6,9 @@ Everything that depends on the senses in which the gears turn, and on which side
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from math import ceil, lcm, pi
+from math import ceil, floor, lcm, pi
 
 import numpy as np
 
@@ -33,16 +33,18 @@ Arc length grows against the driving gear's turning, so a pushing flank faces fa
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """Both gears in n positions, evenly spaced in rolled length over a cycle in which every tooth meets all its mates.
+    """Both gears in n positions of a cycle in which every tooth meets all its mates.
 
     ``rolled_mm`` is the pitch curves' arc length, ``phi1_rad`` and ``phi2_rad`` are the law's angles and ``speed`` is
-    dphi2/dphi1, shape (n,) each; ``per_tooth`` positions make a tooth pitch.
+    dphi2/dphi1, shape (n,) each.  Positions from ``placed`` are evenly spaced in rolled length over the whole cycle;
+    ``step_mm`` is the rolled length between two of these, and ``per_tooth`` of them make a tooth pitch.
     """
 
     mesh: Mesh
     center_distance_mm: float
     driving_teeth: int
     driven_teeth: int
+    step_mm: float
     per_tooth: int
     rolled_mm: Array
     phi1_rad: Array
@@ -66,18 +68,20 @@ class Placement:
 
     def teeth_at(self, position: int) -> tuple[int, int]:
         """Numbers, from 1, of the driving and the driven tooth nearest to the pitch point at a position."""
-        driving, driven = round(position / self.per_tooth), position // self.per_tooth
+        # Rounding errors of the rolled length must not decide between two teeth.
+        pitches = round(float(self.rolled_mm[position]) / self.pitch_mm, 9)
+        driving, driven = round(pitches), floor(pitches)
         return driving % self.driving_teeth + 1, driven % self.driven_teeth + 1
-
-    @property
-    def step_mm(self) -> float:
-        """Rolled length from one position to the next."""
-        return float(self.rolled_mm[1])
 
     @property
     def pitch_mm(self) -> float:
         """Tooth pitch along the pitch curves."""
         return self.step_mm * self.per_tooth
+
+    @property
+    def cycle_mm(self) -> float:
+        """Rolled length of the whole cycle."""
+        return self.pitch_mm * self.meetings
 
     @property
     def driving_radius_mm(self) -> Array:
@@ -163,11 +167,22 @@ def placed(pitch: PitchPair, per_tooth: int | None = None) -> Placement:
     per_tooth = per_tooth or max(PER_TOOTH, 2 * ceil(FEWEST / meetings / 2))
     step = pitch.driving.length_mm / size.driving_teeth / per_tooth
     rolled: Array = step * np.arange(meetings * per_tooth, dtype=float)
+    fixed = pitch.mesh, size.center_distance_mm, size.driving_teeth, size.driven_teeth, step, per_tooth
+    return Placement(*fixed, rolled, *_law_at(pitch, rolled))
+
+
+def placed_at(pitch: PitchPair, even: Placement, rolled_mm: Array) -> Placement:
+    """The pair at any rolled lengths of the cycle of ``even`` positions, shape (n,)."""
+    phi1, phi2, speed = _law_at(pitch, rolled_mm)
+    return replace(even, rolled_mm=rolled_mm, phi1_rad=phi1, phi2_rad=phi2, speed=speed)
+
+
+def _law_at(pitch: PitchPair, rolled_mm: Array) -> tuple[Array, Array, Array]:
+    """The driving angle, the driven angle and its slope at rolled lengths."""
     # Rounding errors must not put the first position before the seam of the law.
-    phi1 = np.maximum(pitch.driving.driving_angle(rolled), 0.0)
+    phi1 = np.maximum(pitch.driving.driving_angle(rolled_mm), 0.0)
     angle = pitch.transmission.driven_angle(phi1, 1)
-    fixed = pitch.mesh, size.center_distance_mm, size.driving_teeth, size.driven_teeth
-    return Placement(*fixed, per_tooth, rolled, phi1, angle.value, angle.derivative(1))
+    return phi1, angle.value, angle.derivative(1)
 
 
 REACH_IN_PITCHES = 2.0
@@ -198,6 +213,28 @@ class Meetings:
 
 def meetings(teeth: ToothedPair, placement: Placement, side: float) -> Meetings:
     """All meetings on the driving gear's flanks of ``side`` (PUSHING or BACK), in the order in which flanks meet."""
+    driving, driven, driving_mm, driven_mm = _crossings_mm(teeth, placement, side)
+    reach = REACH_IN_PITCHES * placement.per_tooth
+    first = np.ceil(driving_mm / placement.step_mm - reach).astype(int)
+    position = first[:, None] + np.arange(int(2 * reach))
+    rolled = position * placement.step_mm
+    ahead = driving_mm[:, None] - rolled, driven_mm[:, None] - rolled
+    return Meetings(side, driving, driven, position % placement.count, *ahead)
+
+
+def single_meetings(teeth: ToothedPair, placement: Placement, side: float) -> Meetings:
+    """As ``meetings`` for positions at any rolled lengths: every meeting in each position near it, m of k = 1."""
+    driving, driven, driving_mm, driven_mm = _crossings_mm(teeth, placement, side)
+    cycle = placement.cycle_mm
+    ahead = (driving_mm[:, None] - placement.rolled_mm + cycle / 2.0) % cycle - cycle / 2.0
+    number, position = np.nonzero(np.abs(ahead) <= REACH_IN_PITCHES * placement.pitch_mm)
+    first = ahead[number, position][:, None]
+    second = first + (driven_mm - driving_mm)[number][:, None]
+    return Meetings(side, driving[number], driven[number], position[:, None], first, second)
+
+
+def _crossings_mm(teeth: ToothedPair, placement: Placement, side: float) -> tuple[IndexArray, IndexArray, Array, Array]:
+    """The flanks of both gears that meet, and the rolled lengths at which they cross the pitch point, in the cycle."""
     number = np.arange(placement.meetings)
     driving, driven = mating_flanks(placement.driving_teeth, placement.driven_teeth)
     rows = slice(None, placement.meetings) if side == BACK else slice(placement.meetings, None)
@@ -205,10 +242,4 @@ def meetings(teeth: ToothedPair, placement: Placement, side: float) -> Meetings:
     own, other = teeth.driving.flanks, teeth.driven.flanks
     driving_mm = own.crossing_mm[driving] + number // placement.driving_teeth * own.curve.length_mm
     turns = np.round((driving_mm - other.crossing_mm[driven]) / other.curve.length_mm)
-    driven_mm = other.crossing_mm[driven] + turns * other.curve.length_mm
-    reach = REACH_IN_PITCHES * placement.per_tooth
-    first = np.ceil(driving_mm / placement.step_mm - reach).astype(int)
-    position = first[:, None] + np.arange(int(2 * reach))
-    rolled = position * placement.step_mm
-    ahead = driving_mm[:, None] - rolled, driven_mm[:, None] - rolled
-    return Meetings(side, driving, driven, position % placement.count, *ahead)
+    return driving, driven, driving_mm, other.crossing_mm[driven] + turns * other.curve.length_mm

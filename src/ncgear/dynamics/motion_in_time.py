@@ -203,6 +203,9 @@ BETWEEN = 3
 """Places looked at within each step of the solver, besides its ends: the top of a parabola is then met to a sixteenth
 of its rise over the step, and closed in on from there."""
 
+JUDGED = 0.618
+"""Share of each step at which the balance of energy is taken."""
+
 SLOWEST = 20.0
 """The drive must get round in this many times the time that it takes without load."""
 
@@ -236,11 +239,24 @@ class Course:
 
     @cached_property
     def energy_error(self) -> float:
-        """Largest imbalance of energy at any step, as a share of the most that was worked, lost or stored."""
-        stored = self.machine.stored_n_mm(self.states)
-        work, loss = self.states[4], self.states[5]
-        most = max(float(np.abs(work).max()), float(loss.max()), float(np.ptp(stored)))
-        return float(np.abs(work - loss - (stored - stored[0])).max()) / most if most else 0.0
+        """Largest imbalance of energy within any step, as a share of the most that was worked, lost or stored."""
+        return self._imbalance[0]
+
+    @property
+    def least_balanced_rad(self) -> float:
+        """The driving angle at which the balance of energy is missed by most."""
+        return self._imbalance[1]
+
+    @cached_property
+    def _imbalance(self) -> tuple[float, float]:
+        """The largest imbalance and its driving angle, from states at which neither the solver nor the peaks look."""
+        judged = self.at(self.time_s[:-1] + JUDGED * np.diff(self.time_s))
+        before = float(self.machine.stored_n_mm(self.states[:, :1])[0])
+        gained, work, loss = self.machine.stored_n_mm(judged) - before, judged[4], judged[5]
+        most = max(float(np.abs(work).max()), float(loss.max()), float(np.ptp(gained)))
+        missed = np.abs(work - loss - gained)
+        worst = int(np.argmax(missed))
+        return float(missed[worst]) / most if most else 0.0, float(judged[0, worst])
 
 
 def course(
@@ -248,8 +264,8 @@ def course(
 ) -> Course:
     """The motion from a state (shape (6,)) over ``turns`` of the driving gear, by one of scipy's solvers.
 
-    Raises NoSuchMechanism where the drive does not get round or teeth are pressed too deep into each other, and
-    ArithmeticError where the solver fails or energy does not balance.
+    Raises NoSuchMechanism where the drive does not get round, teeth are pressed too deep into each other, or energy
+    does not balance, and ArithmeticError where the solver fails.
     """
     target = float(state[0]) + 2.0 * pi * turns
     limit_s = SLOWEST * 2.0 * pi * turns / machine.drive.speed_rad_s
@@ -303,8 +319,17 @@ def _checked(found: Course) -> Course:
     meshing, states = found.machine.meshing, found.at(found.fine_s)
     meshing.gaps.require_reach(states[0], states[2] - meshing.law.at(states[0])[0])
     if not found.energy_error <= ENERGY:
-        raise ArithmeticError(f"the energy of the motion misses its balance by {found.energy_error:.3g} of the work")
+        raise _unbalanced(found)
     return found
+
+
+def _unbalanced(found: Course) -> NoSuchMechanism:
+    return NoSuchMechanism(
+        f"the motion cannot be followed: its energy misses {found.energy_error:.3g} of the work at phi1 = "
+        f"{in_words(found.least_balanced_rad)}, and {ENERGY:g} is the most that counts as right; softer teeth (a "
+        "smaller stiffness_n_mm), more damping_n_s_mm, or fewer turns are needed",
+        key="simulation",
+    )
 
 
 def _stalled(state: Array) -> NoSuchMechanism:

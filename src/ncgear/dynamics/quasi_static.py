@@ -27,6 +27,14 @@ BALANCED = 1e-6
 """Share of the largest torque that a balance may miss.  A driven angle of some rad is known to 1e-15, so that the depth
 is known to some 1e-8 even for teeth a million times as stiff as steel."""
 
+ROUNDING_RAD = 1e-14
+"""Driven angle to either side of which the torque is met if a smaller share of it is within rounding errors only, as
+where all torques are next to nothing."""
+
+
+TOUCHING_MM = 1e-10
+"""Depth up to which a pair only touches: rounding errors of the driven angle, at the teeth of large gears."""
+
 
 @dataclass(frozen=True, eq=False)
 class LoadedContact:
@@ -60,7 +68,7 @@ class LoadedContact:
     @property
     def pairs(self) -> IndexArray:
         """Number of pairs that bear load at each position, shape (n,)."""
-        counted: IndexArray = np.sum(self.forces.normal_n > 0.0, axis=-1)
+        counted: IndexArray = np.sum(self.forces.depth_mm > TOUCHING_MM, axis=-1)
         return counted
 
 
@@ -87,22 +95,43 @@ class LoadedPeaks:
     depth_mm: Extremum
     driving_torque_n_mm: Extremum
     transmission_error_rad: float
+    most_pairs: int
 
 
-def loaded_peaks(loaded_at: Callable[[Array], LoadedContact], phi1_rad: Array) -> LoadedPeaks:
+def loaded_peaks(loaded_at: Callable[[Array], LoadedContact], phi1_rad: Array, pairs: int) -> LoadedPeaks:
     """The peaks between the first and the last of rising driving angles, shape (n,), of the teeth loaded at any angles.
 
-    Between two angles the loaded teeth are taken to have one top: the angles have to be dense enough for that.
+    ``pairs`` is a number of pairs that bear load together at some angle.  Between two angles the loaded teeth are taken
+    to have one top: the angles have to be dense enough for that.
     """
 
     def sizes(phi1: Array) -> Array:
         loaded = loaded_at(phi1)
         depth = np.maximum(loaded.forces.depth_mm.max(axis=-1), 0.0)
         error = loaded.error_rad
-        return np.stack([loaded.tooth_force_n, depth, loaded.driving_torque_n_mm, error, -error])
+        further = _depth_of_next_mm(loaded.forces, pairs)
+        return np.stack([loaded.tooth_force_n, depth, loaded.driving_torque_n_mm, error, -error, further])
 
-    force, depth, torque, ahead, behind = largest_of_each(sizes, phi1_rad)
-    return LoadedPeaks(force, depth, torque, ahead.value + behind.value)
+    force, depth, torque, ahead, behind, further = largest_of_each(sizes, phi1_rad)
+    if further.value > TOUCHING_MM:
+        return loaded_peaks(loaded_at, np.union1d(phi1_rad, further.at), pairs + 1)
+    return LoadedPeaks(force, depth, torque, ahead.value + behind.value, pairs)
+
+
+NO_DEPTH_MM = -1e3
+"""Depth of a pair that is not there: farther apart than teeth are followed."""
+
+
+def _depth_of_next_mm(forces: ToothForces, pairs: int) -> Array:
+    """Depth of the pair that would bear load after the ``pairs`` deepest ones, shape (n,), negative where it does not.
+
+    How many pairs bear load jumps; this depth has a top between the jumps, however close they are.
+    """
+    there = np.where(forces.near.urge == 0.0, NO_DEPTH_MM, forces.depth_mm)
+    if pairs >= there.shape[-1]:
+        return np.full(len(there), NO_DEPTH_MM)
+    depth: Array = np.sort(there, axis=-1)[:, -1 - pairs]
+    return depth
 
 
 def _forces(meshing: Meshing, phi1_rad: Array, ahead_rad: Array, speed_rad_s: float) -> ToothForces:
@@ -118,7 +147,8 @@ def _balanced(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_rad_s
         return moments - torque_n_mm
 
     ahead = zeros_between(missing, *_bracket(missing, meshing.gaps.play_rad(phi1_rad), torque_n_mm))
-    if not np.all(np.abs(missing(ahead)) <= BALANCED * np.abs(torque_n_mm).max(initial=0.0)):
+    balanced = np.abs(missing(ahead)) <= BALANCED * np.abs(torque_n_mm).max(initial=0.0)
+    if not np.all(balanced | (missing(ahead - ROUNDING_RAD) * missing(ahead + ROUNDING_RAD) <= 0.0)):
         raise ArithmeticError("the forces of the teeth do not balance the torque")
     return ahead
 

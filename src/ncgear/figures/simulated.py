@@ -157,7 +157,7 @@ def quasi_static_figures(drive: Drive) -> dict[str, Any]:
             **_peak("peak_tooth_force", "n", peaks.tooth_force_n),
             **_peak("peak_depth", "mm", peaks.depth_mm),
             **_peak("peak_driving_torque", "n_m", peaks.driving_torque_n_mm, N_M_PER_N_MM),
-            "most_pairs": int(drive.loaded_contact.pairs.max()),
+            "most_pairs": peaks.most_pairs,
         },
     }
 

@@ -1,75 +1,136 @@
 """Largest values of functions that are known by evaluation alone: no derivative, kinks and jumps allowed.
 
-From samples the search closes in on every one of them that is as high as its neighbours and may lead to the highest
-value.  What happens wholly between two neighbouring samples is not seen: whoever samples chooses places at which the
-function shows what it does, such as the steps of a solver that controls its error.
+From samples the search closes in on every interval that may lead to the highest value, told by the slopes beside it.
+What happens wholly between two neighbouring samples is not seen: whoever samples chooses places at which the function
+shows what it does, such as the steps of a solver that controls its error.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, Columns, IndexArray
 from ncgear.numerics.extrema import Extremum
 
-SHARES = 4
-"""Parts into which each side of a high sample is cut in a round; the two sides shrink to a quarter by it."""
+SHARES = 8
+"""Parts into which an interval is cut in a round."""
 
-ROUNDS = 24
-"""Most rounds: sides shrink to 4^-24 of their length, next to rounding.  Only a jump takes as many."""
+ROUNDS = 16
+"""Most rounds: intervals shrink to 8^-16 of their length, next to rounding.  Only a cusp takes as many."""
+
+STEEPER = 2.0
+"""How much steeper than beside an interval a function may rise into it.  Towards a top that is flat it rises less."""
 
 EVEN = 1e-10
-"""Share of the highest value by which a sample may exceed both neighbours and count as found.  The top of a parabola is
-at most a quarter of the way higher that the sample rises above its lower neighbour."""
+"""Share of the highest value that may be missed."""
+
+ALIKE = 0.1
+"""Share of what may be missed by which two intervals may differ and count as the same, of which one is searched: the
+teeth of circular gears are all alike."""
+
+LEAST = 1e-200
+"""Difference of values that is never told apart; values over it do not overflow."""
 
 BLOCK = 1 << 11
 """Places evaluated at once: few enough for the cache, and long motions do not fill the memory."""
 
 
+@dataclass(frozen=True, eq=False)
+class _Intervals(Columns):
+    """k intervals, each of the function ``owner``, between the places ``low`` and ``high``; shape (k,) each.
+
+    ``at_low`` and ``at_high`` are the values there, ``before`` and ``after`` the slopes on either side.
+    """
+
+    owner: IndexArray
+    low: Array
+    high: Array
+    at_low: Array
+    at_high: Array
+    before: Array
+    after: Array
+
+    @property
+    def rises(self) -> tuple[Array, Array]:
+        """How far the values would rise into each interval, from both its ends, at the slopes beside it."""
+        length = self.high - self.low
+        return np.maximum(self.before, 0.0) * length, np.maximum(-self.after, 0.0) * length
+
+    @property
+    def bound(self) -> Array:
+        """Value that the function does not exceed within each interval."""
+        from_low, from_high = self.rises
+        return np.maximum(self.at_low + STEEPER * from_low, self.at_high + STEEPER * from_high)
+
+
 def largest_of_each(functions: Callable[[Array], Array], places: Array) -> list[Extremum]:
     """The largest value of each of q functions between the first and the last of rising places, shape (n,), n > 1.
 
-    ``functions`` maps places (shape (m,)) to values (shape (q, m)).  One-sided limits at jumps count.
+    ``functions`` maps places (shape (m,)) to values (shape (q, m)).  One-sided limits at jumps count.  Largest
+    values are known to the share EVEN of themselves.
     """
-    blocks = np.array_split(places, -(-places.size // BLOCK))
-    values = np.concatenate([functions(block) for block in blocks], axis=1)
+    values = _evaluated(functions, places)
+    return largest_from(functions, places, values, np.zeros(len(values)))
+
+
+def largest_from(functions: Callable[[Array], Array], places: Array, values: Array, missed: Array) -> list[Extremum]:
+    """As ``largest_of_each``, where the values at the places are known, shape (q, n).
+
+    Largest values are known to ``missed`` (shape (q,)), or to EVEN of themselves where this is more.
+    """
     best = values.argmax(axis=1)
     top, at = values.max(axis=1), places[best]
-    owner, middle = _as_high_as_neighbours(values)
-    around = np.stack([np.maximum(middle - 1, 0), middle, np.minimum(middle + 1, places.size - 1)])
-    triples, heights = places[around], values[owner, around]
+    left = _between(places, values)
     for _ in range(ROUNDS):
-        drop = heights[1] - np.minimum(heights[0], heights[2])
-        kept = (heights[1] + drop >= top[owner]) & (drop > EVEN * np.abs(top[owner]))
-        if not kept.any():
+        left = _worth_cutting(left, top, np.maximum(missed, EVEN * np.abs(top)))
+        if not left.owner.size:
             break
-        owner = owner[kept]
-        triples, heights = _closer(functions, owner, triples[:, kept])
-        for number in np.unique(owner):
-            own = np.nonzero(owner == number)[0]
-            highest = own[heights[1, own].argmax()]
-            if heights[1, highest] > top[number]:
-                top[number], at[number] = heights[1, highest], triples[1, highest]
+        inner = left.low[:, None] + (left.high - left.low)[:, None] * (np.arange(1, SHARES) / SHARES)
+        found = _evaluated(functions, inner.ravel()).reshape(-1, *inner.shape)[left.owner, np.arange(left.owner.size)]
+        left = _cut(left, inner, found)
+        for number in np.unique(left.owner):
+            own = np.nonzero(left.owner == number)[0]
+            highest = own[left.at_low[own].argmax()]
+            if left.at_low[highest] > top[number]:
+                top[number], at[number] = left.at_low[highest], left.low[highest]
     return [Extremum(float(value), float(place)) for value, place in zip(top, at, strict=True)]
 
 
-def _as_high_as_neighbours(values: Array) -> tuple[IndexArray, IndexArray]:
-    """Row and column of the samples that no neighbour exceeds, values of shape (q, n)."""
-    edge = np.full((values.shape[0], 1), -np.inf)
-    padded = np.concatenate([edge, values, edge], axis=1)
-    owner, middle = np.nonzero((values >= padded[:, :-2]) & (values >= padded[:, 2:]))
-    return owner, middle
+def _evaluated(functions: Callable[[Array], Array], places: Array) -> Array:
+    """Values of shape (q, n), a block of places after the other."""
+    blocks = np.array_split(places, -(-places.size // BLOCK))
+    return np.concatenate([functions(block) for block in blocks], axis=1)
 
 
-def _closer(functions: Callable[[Array], Array], owner: IndexArray, triples: Array) -> tuple[Array, Array]:
-    """The highest of finer samples about each middle place with its neighbours, and their values, shape (3, k) each."""
-    low, middle, high = triples
-    shares = np.arange(SHARES)[:, None] / SHARES
-    points = np.concatenate([low + (middle - low) * shares, middle + (high - middle) * shares, high[None]])
-    values = functions(points.ravel()).reshape(-1, *points.shape)[owner, :, np.arange(owner.size)].T
-    best = values.argmax(axis=0)
-    around = np.stack([np.maximum(best - 1, 0), best, np.minimum(best + 1, 2 * SHARES)])
-    column = np.arange(owner.size)
-    return points[around, column], values[around, column]
+def _between(places: Array, values: Array) -> _Intervals:
+    """All intervals between neighbouring places; beyond the first and the last place slopes go on."""
+    slope = np.diff(values, axis=1) / np.diff(places)
+    before, after = np.hstack([slope[:, :1], slope[:, :-1]]), np.hstack([slope[:, 1:], slope[:, -1:]])
+    owner = np.repeat(np.arange(len(values)), places.size - 1)
+    low, high = (np.tile(ends, len(values)) for ends in (places[:-1], places[1:]))
+    columns = values[:, :-1], values[:, 1:], before, after
+    return _Intervals(owner, low, high, *(column.ravel() for column in columns))
+
+
+def _worth_cutting(left: _Intervals, top: Array, missed: Array) -> _Intervals:
+    """The intervals that may lead to more than is known, one of those that are alike."""
+    left = left.kept(left.bound > (top + missed)[left.owner])
+    unit = np.maximum(ALIKE * missed, LEAST)[left.owner]
+    seen = np.column_stack([left.at_low, left.at_high, *left.rises]) / unit[:, None]
+    _, first = np.unique(np.column_stack([left.owner, np.round(seen)]), axis=0, return_index=True)
+    return left.kept(np.sort(first))
+
+
+def _cut(whole: _Intervals, inner: Array, found: Array) -> _Intervals:
+    """The parts of intervals that were cut at inner places, shape (k, SHARES - 1), with the values found there."""
+    places = np.column_stack([whole.low, inner, whole.high])
+    values = np.column_stack([whole.at_low, found, whole.at_high])
+    length = np.diff(places, axis=1)
+    slope = np.diff(values, axis=1) / np.where(length > 0.0, length, np.inf)
+    before, after = np.column_stack([whole.before, slope[:, :-1]]), np.column_stack([slope[:, 1:], whole.after])
+    owner = np.repeat(whole.owner, SHARES)
+    columns = places[:, :-1], places[:, 1:], values[:, :-1], values[:, 1:], before, after
+    return _Intervals(owner, *(column.ravel() for column in columns))

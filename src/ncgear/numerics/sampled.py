@@ -44,6 +44,12 @@ def integration(count: int) -> Array:
     return matrix
 
 
+def integrated(values: Array) -> Array:
+    """Integral over all pieces of values per share of the piece, shape (n, pieces, count), as shape (n,)."""
+    total: Array = (values @ integration(values.shape[-1])[-1]).sum(axis=1)
+    return total
+
+
 def tails(values: Array) -> Array:
     """Largest of the last coefficients over the largest value, shape (...,); infinite where a value is not finite."""
     last = np.abs(values @ _coefficients(values.shape[-1])[-LAST:].T).max(axis=-1)

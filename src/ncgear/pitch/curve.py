@@ -85,6 +85,11 @@ class PitchCurve:
         """``joints_mm`` of the first turn and those of the turns beside it, for curves that reach across the seam."""
         return np.concatenate([self.joints_mm - self.length_mm, self.joints_mm, self.joints_mm + self.length_mm])
 
+    @property
+    def panels_mm(self) -> Array:
+        """Arc lengths over one turn between which one polynomial follows the curve, both ends included."""
+        return self._by_length.breaks * self.center_distance_mm
+
     def driving_angle(self, sigma_mm: Array) -> Array:
         """phi1 in rad at which the point at arc length sigma is the pitch point, any shape."""
         return self.arc.angle(sigma_mm / self.center_distance_mm)

@@ -6,6 +6,7 @@ import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, ComplexArray
+from ncgear.numerics.highest import largest_of_each
 from ncgear.numerics.plane import as_complex
 from ncgear.numerics.units import in_words
 from ncgear.pitch.curve import PitchCurve
@@ -16,7 +17,7 @@ LEAST_RATIO = 1.001
 for every module of centre distance, and tips clear each other only where the centre distance is several modules."""
 
 POSITIONS = 181
-"""Positions over a period of the law at which the curves are compared; between them little changes."""
+"""Positions over a period of the law from which the one is searched at which the driving curve stands out most."""
 
 POINTS = 721
 """Points of each curve over a period of the law, half a degree apart on a curve of one lobe."""
@@ -60,21 +61,22 @@ def require_room(driving: PitchCurve, ring: PitchCurve) -> None:
     """
     phi1 = np.linspace(0.0, driving.transmission.lobes.driving_period_rad, POSITIONS)
     inner, outer = _points(driving), _points(ring)
-    beyond = passed_mm(inner, outer, driving, phi1)
-    row, point = np.unravel_index(np.argmax(beyond), beyond.shape)
-    worst, radius = float(beyond[row, point]), float(np.abs(outer).min())
-    if worst <= THROUGH * radius:
+    worst = largest_of_each(lambda at: passed_mm(inner, outer, driving, at).max(axis=1)[None], phi1)[0]
+    if worst.value <= THROUGH * float(np.abs(outer).min()):
         return
     raise NoSuchMechanism(
-        f"internal, but at phi1 = {in_words(float(phi1[row]))} the driving pitch curve, which reaches up to "
-        f"{np.abs(inner).max():.4g} mm from its axis, would stand {worst:.4g} mm out of the ring's; a smaller range of "
-        "the ratio is needed, or more lobes of the driven gear",
+        f"internal, but at phi1 = {in_words(worst.at)} the driving pitch curve, which reaches up to "
+        f"{np.abs(inner).max():.4g} mm from its axis, would stand {worst.value:.4g} mm out of the ring's; a smaller "
+        "range of the ratio is needed, or more lobes of the driven gear",
         key="gears.mesh",
     )
 
 
 def _points(curve: PitchCurve) -> ComplexArray:
-    return as_complex(curve.at_angle(np.linspace(0.0, curve.turn_rad, curve.periods * POINTS, endpoint=False)).position)
+    """Points even in driving angle, and the ends of the curve's panels, which are close where it changes fast."""
+    even = np.linspace(0.0, curve.turn_rad, curve.periods * POINTS, endpoint=False)
+    panels = curve.driving_angle(curve.panels_mm[:-1])
+    return as_complex(curve.at_angle(np.union1d(even, panels)).position)
 
 
 def passed_mm(inner: ComplexArray, ring: ComplexArray, driving: PitchCurve, phi1: Array) -> Array:

@@ -30,6 +30,7 @@ from ncgear.teeth.form import BasicRack
 
 if TYPE_CHECKING:
     from ncgear.contact.designed.as_designed import AsDesigned
+    from ncgear.contact.designed.extremes import ContactExtremes
     from ncgear.contact.pair import PairContact
     from ncgear.contact.written.as_written import Outlines
     from ncgear.dynamics.meshing import Meshing
@@ -232,9 +233,18 @@ class Drive:
             refuse_short_contact(contact, teeth, self.gears.least_contact_ratio, self.overlap_ratio)
             return contact
 
+    @computed
+    def contact_extremes(self) -> ContactExtremes:
+        """Extremes of the contact of the exact teeth, between its positions as well; raises where teeth overlap."""
+        from ncgear.contact.pair import sound_extremes
+
+        designed, tolerance = self.designed_contact, self.design.output.chord_tolerance_mm
+        with self.stopwatch("contact"):
+            return sound_extremes(self.pitch, self.teeth, designed, self.pair_speed_rad_s, tolerance)
+
     def require_sound_teeth(self) -> None:
         """Raise WrongInput or NoSuchMechanism where the contact of the exact teeth is not sound."""
-        _ = self.designed_contact
+        _ = self.contact_extremes
 
     def contact(self, written: Sequence[Outlines]) -> PairContact:
         """Contact of the exact teeth and of the written outlines.
@@ -343,9 +353,9 @@ class Drive:
         from ncgear.dynamics.quasi_static import loaded_peaks
         from ncgear.project.forces import loaded_places_rad
 
-        places = loaded_places_rad(self.motion.phi1_rad, self.meshing, self.rigid.machine)
+        places, loaded = loaded_places_rad(self.motion.phi1_rad, self.meshing, self.rigid.machine), self.loaded_contact
         with self.stopwatch("peaks of loaded contact"):
-            return loaded_peaks(self._loaded_at, places)
+            return loaded_peaks(self._loaded_at, places, int(loaded.pairs.max()))
 
     @computed
     def course(self) -> Course:
@@ -354,9 +364,8 @@ class Drive:
         from ncgear.dynamics.motion_in_time import Start, ToothedMachine, course, started
         from ncgear.project.forces import drive_line_of
 
-        given, masses, meshing = self.design.simulation, self.masses, self.meshing
-        speed = self.machine.speed_rad_s
-        driving = drive_line_of(given, masses, speed)
+        given, masses, speed = self.design.simulation, self.masses, self.machine.speed_rad_s
+        driving, meshing = drive_line_of(given, masses, speed), self.meshing
         with self.stopwatch("motion in time"):
             toothed = ToothedMachine(driving, meshing, crank_load(self.linkage, masses, self.machine.resistance))
             state = started(toothed, self.transmission, Start(given.start), speed)

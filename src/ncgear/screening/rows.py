@@ -18,7 +18,7 @@ from ncgear.errors import DesignError, WrongInput
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.sampled import extremes, integration, tails
+from ncgear.numerics.sampled import extremes, integrated, tails
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.makeable.quantities import driven_curvature, driving_curvature, length_rate, tangent
 from ncgear.pitch.pair import STRAIGHT, solved_size
@@ -49,7 +49,6 @@ class LawFigures:
 
     ranges: Ranges
     length: Array
-    closing_error_rad: Array
     resolved: Mask
 
     def largest(self, name: str) -> Array:
@@ -65,8 +64,8 @@ def law_figures(samples: Samples, force_n: Callable[[Array], Array]) -> LawFigur
     quantities = _quantities(samples, force_n)
     resolved = _resolved(samples, quantities)
     quantities["working_acceleration"] = samples.acceleration[:, :working]
-    length, turned = (_integral(values) for values in (samples.turning * length_rate(samples.at), samples.turning))
-    return LawFigures(_ranges(quantities, samples.there, resolved), length, turned - 2.0 * np.pi, resolved)
+    length = integrated(samples.turning * length_rate(samples.at))
+    return LawFigures(_ranges(quantities, samples.there, resolved), length, resolved)
 
 
 def _quantities(samples: Samples, force_n: Callable[[Array], Array]) -> dict[str, Array]:
@@ -93,7 +92,7 @@ def _resolved(samples: Samples, quantities: dict[str, Array]) -> Mask:
         resolved &= (small | ~there).all(axis=1)
     ratio = np.where(samples.there[..., None], samples.at.ratio, samples.at.ratio[:, :1])
     lowest, highest = ratio.min(axis=(1, 2)), ratio.max(axis=(1, 2))
-    closed = np.abs(_integral(samples.turning) - 2.0 * np.pi) <= CLOSED
+    closed = np.abs(integrated(samples.turning) - 2.0 * np.pi) <= CLOSED
     answer: Mask = resolved & closed & (lowest > 2.0 * STANDSTILL * highest)
     return answer
 
@@ -109,12 +108,6 @@ def _ranges(quantities: dict[str, Array], there: Mask, resolved: Mask) -> Ranges
     low, high = extremes(np.vstack(rows), np.concatenate(owners))
     lows, highs = (side.reshape(len(quantities), -1) for side in (low, high))
     return {name: (lows[number], highs[number]) for number, name in enumerate(quantities)}
-
-
-def _integral(values: Array) -> Array:
-    """Integral over all pieces of values per share of the piece, shape (n,)."""
-    total: Array = (values @ integration(values.shape[-1])[-1]).sum(axis=1)
-    return total
 
 
 def single_figures(design: Design) -> dict[str, float]:
@@ -196,7 +189,7 @@ def _law_of_rows(found: Sampled, figures: LawFigures, sure: IndexArray) -> dict[
     low, high = figures.ranges["ratio"]
     return {
         "drive.law_speed_rpm": found.law_speed_rpm[sure],
-        "closure.residual_rad": np.abs(figures.closing_error_rad[sure]),
+        "closure.residual_rad": np.abs(found.closing_error_rad[sure]),
         "closure.stroke_residual_mm": np.abs(found.stroke_error_mm[sure]),
         "ratio.min": low[sure],
         "ratio.max": high[sure],

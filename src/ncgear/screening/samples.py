@@ -9,7 +9,7 @@ of ``ratio/laws/harmonic.py``.  A design of which a batch cannot be sure is not 
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import log, pi
 from operator import attrgetter
 from typing import Any
@@ -25,7 +25,7 @@ from ncgear.mechanisms.mechanism import Mechanisms
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array, Mask, repeated
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.sampled import extremes, integration, shares
+from ncgear.numerics.sampled import extremes, integrated, integration, shares
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.makeable.quantities import Place, Slider, acceleration, velocity
 from ncgear.project.law import lobes_of, resistance_of
@@ -55,6 +55,13 @@ left to the solver of one stroke."""
 
 HARMONIC_PIECES = 4
 """Equal pieces of the working stroke, and of the return."""
+
+OTHER = 6
+"""How many more points of a piece judge whether a stroke closes."""
+
+EVEN_PLACES, OFF = 16, 0.618
+"""Even places around a turn for each point of a piece, all of them this share of a step off, that judge whether a
+harmonic law closes."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +121,8 @@ class Samples:
 class Sampled:
     """Samples of n laws and what is known of them besides, shape (n,) each.
 
-    ``sound`` says where the design is known to be one.
+    ``sound`` says where the design is known to be one.  ``closing_error_rad`` is by how much a cycle misses its angle,
+    from other points than the samples.
     """
 
     samples: Samples
@@ -122,6 +130,7 @@ class Sampled:
     stroke_mm: Array
     law_speed_rpm: Array
     stroke_error_mm: Array
+    closing_error_rad: Array
 
 
 def sampled(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
@@ -141,7 +150,11 @@ def _strokes(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
     if given_mm is not None:
         sound &= np.isclose(given_mm, stroke_mm, rtol=SAME_STROKE / 2.0, atol=0.0)
     samples = _stroke_samples(strokes, linkage, return_samples(returns, linkage, points, 2), returns.length_rad)
-    return Sampled(samples, sound, stroke_mm, strokes.law_speed_rad_s / RAD_S_PER_RPM, strokes.closing_error_mm)
+    judge = replace(points, count=count + OTHER)
+    judged = _stroke_samples(strokes, linkage, return_samples(returns, linkage, judge, 2), returns.length_rad)
+    closing = integrated(judged.turning) - 2.0 * pi
+    speed_rpm = strokes.law_speed_rad_s / RAD_S_PER_RPM
+    return Sampled(samples, sound, stroke_mm, speed_rpm, strokes.closing_error_mm, closing)
 
 
 def _requests(designs: Sequence[Design], stroke_mm: Array) -> StrokeRequests[Array]:
@@ -228,7 +241,13 @@ def _harmonics(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
     linkage = mechanisms_of([design.linkage for design in designs])
     samples = _harmonic_samples(cosine, sine, linkage, kind.lobes, count)
     speed = _column(designs, "operation.speed_rpm")
-    return Sampled(samples, linkage.turns_fully, linkage.stroke_mm, speed, 0.0 * speed)
+    # The samples' ln i12 at phi2 = 0 holds the constant that closes the law; even places around a turn judge it.
+    places = 2.0 * pi * (np.arange(EVEN_PLACES * count) + OFF) / (EVEN_PLACES * count)
+    constant = samples.at.log[:, 0, 0] - cosine.sum(axis=1)
+    turned = np.arange(1.0, cosine.shape[1] + 1.0)[:, None] * kind.lobes.driven * places
+    mean = np.exp(constant[:, None] + cosine @ np.cos(turned) + sine @ np.sin(turned)).mean(axis=1)
+    closing = 2.0 * pi * (1.0 - mean * kind.lobes.driving / kind.lobes.driven)
+    return Sampled(samples, linkage.turns_fully, linkage.stroke_mm, speed, 0.0 * speed, closing)
 
 
 def _padded(designs: Sequence[Design], *names: str) -> list[Array]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,7 +12,7 @@ from ncgear.contact.designed.clearance import TipClearance, tip_clearances
 from ncgear.contact.designed.curves import Contacts, SidePaths, side_paths
 from ncgear.contact.designed.edges import EdgeHits, edge_contacts, edge_hits
 from ncgear.contact.designed.flanks import TOUCHING_MM, FlankContacts, flank_contacts, foremost_two
-from ncgear.contact.placement import BACK, PUSHING, Meetings, Placement, meetings
+from ncgear.contact.placement import BACK, PUSHING, Meetings, Placement, meetings, single_meetings
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.units import in_words
@@ -22,28 +23,46 @@ ALIKE_RAD = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class SideContact:
-    """Contact on one side of the teeth.
+class SideTouch:
+    """What touches on one side of the teeth.
 
     ``first`` has the first contact at each of the n positions, in order; of several equally first ones, the one nearest
-    to the pitch point.  ``touching`` has all contacts that touch along with the first.  ``arcs`` (shape (m,)) is how
-    long the flanks of each meeting touch, in pitches, without load; ``reaches`` (shape (m,)) how long they could if a
-    load closed what tip relief leaves open.  ``driving_tips`` and ``driven_tips`` are the clearances of these
-    gears' tips.
+    to the pitch point.  ``touching`` has all contacts that touch along with the first.
     """
 
     meetings: Meetings
     first: Contacts
     touching: Contacts
-    arcs: Array
-    reaches: Array
-    driving_tips: TipClearance
-    driven_tips: TipClearance
 
     @property
     def error_rad(self) -> Array:
         """Driven angle beyond the law's at which the teeth touch at each position, shape (n,)."""
         return self.first.error_rad
+
+    @property
+    def ahead_mm(self) -> Array:
+        """How deep the teeth are in each other at the law's driven angle, negative where they are apart, shape (n,)."""
+        return self.meetings.urge * self.error_rad * self.first.lever_mm
+
+    @property
+    def overlap_mm(self) -> Array:
+        """Depth by which the teeth run into each other at the law's driven angle, 0 where they do not, shape (n,)."""
+        return np.where(self.meetings.urge * self.error_rad > ALIKE_RAD, self.ahead_mm, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class SideContact(SideTouch):
+    """Contact on one side of the teeth over the whole cycle.
+
+    ``arcs`` (shape (m,)) is how long the flanks of each meeting touch, in pitches, without load; ``reaches`` (shape
+    (m,)) how long they could if a load closed what tip relief leaves open.  ``driving_tips`` and ``driven_tips`` are
+    the clearances of these gears' tips.
+    """
+
+    arcs: Array
+    reaches: Array
+    driving_tips: TipClearance
+    driven_tips: TipClearance
 
     @property
     def transmission_error_rad(self) -> float:
@@ -68,12 +87,6 @@ class SideContact:
             return self.simultaneous.size
         return int(np.max(np.diff(touched, append=touched[0] + self.simultaneous.size))) - 1
 
-    @property
-    def overlap_mm(self) -> Array:
-        """Depth by which the teeth run into each other at the law's driven angle, 0 where they do not, shape (n,)."""
-        ahead = self.meetings.urge * self.error_rad
-        return np.where(ahead > ALIKE_RAD, ahead, 0.0) * self.first.lever_mm
-
     def variation_by_tooth(self, error_rad: Array) -> dict[int, float]:
         """Peak to peak variation of errors in rad (shape (n,)) where each driving tooth carries."""
         tooth, error = self.touching.driving_tooth, error_rad[self.touching.position]
@@ -84,10 +97,31 @@ class SideContact:
 
 
 @dataclass(frozen=True, eq=False)
-class AsDesigned:
-    """Contact of the exact curves at n positions, on pushing flanks and on their backs."""
+class PairTouch:
+    """What touches at n positions, on pushing flanks and on their backs."""
 
     placement: Placement
+    pushing: SideTouch
+    back: SideTouch
+
+    @property
+    def backlash_rad(self) -> Array:
+        """Play of the driven gear at each position, shape (n,); negative where the teeth have no room."""
+        return self.back.error_rad - self.pushing.error_rad
+
+    @property
+    def largest_sliding_mm(self) -> Array:
+        """Largest speed of sliding of any touching teeth, in mm per rad of phi1, at each position, shape (n,)."""
+        largest = np.zeros(self.placement.count)
+        for side in (self.pushing, self.back):
+            np.maximum.at(largest, side.touching.position, np.abs(side.touching.sliding_mm(self.placement)))
+        return largest
+
+
+@dataclass(frozen=True, eq=False)
+class AsDesigned(PairTouch):
+    """Contact of the exact curves over a whole cycle of meetings."""
+
     pushing: SideContact
     back: SideContact
 
@@ -98,11 +132,6 @@ class AsDesigned:
             f"AsDesigned({self.placement.count} positions: transmission error {error:.3g} rad, backlash up to "
             f"{play:.3g} rad, overlap {overlap:.3g} mm)"
         )
-
-    @property
-    def backlash_rad(self) -> Array:
-        """Play of the driven gear at each position, shape (n,); negative where the teeth have no room."""
-        return self.back.error_rad - self.pushing.error_rad
 
     @property
     def overlap_mm(self) -> Array:
@@ -124,14 +153,6 @@ class AsDesigned:
         """Longest rolled length without contact of flanks, on either side of the teeth, in pitches."""
         return max(self.pushing.longest_gap, self.back.longest_gap) / self.placement.per_tooth
 
-    @property
-    def largest_sliding_mm(self) -> Array:
-        """Largest speed of sliding of any touching teeth, in mm per rad of phi1, at each position, shape (n,)."""
-        largest = np.zeros(self.placement.count)
-        for side in (self.pushing, self.back):
-            np.maximum.at(largest, side.touching.position, np.abs(side.touching.sliding_mm(self.placement)))
-        return largest
-
 
 def as_designed(teeth: ToothedPair, placement: Placement) -> AsDesigned:
     """Contact of the exact curves of a pair over a whole cycle of meetings.
@@ -139,7 +160,7 @@ def as_designed(teeth: ToothedPair, placement: Placement) -> AsDesigned:
     Raises NoSuchMechanism, with the angle, where no tooth touches another at all.
     """
     paths = _paths_of(teeth)
-    pushing, back = (_candidates(teeth, paths, placement, side) for side in (PUSHING, BACK))
+    pushing, back = (_candidates(teeth, paths, placement, meetings(teeth, placement, side)) for side in (PUSHING, BACK))
     return AsDesigned(
         placement,
         _side_contact(pushing, back, placement, tip_clearances(*paths, pushing.meetings)),
@@ -147,10 +168,23 @@ def as_designed(teeth: ToothedPair, placement: Placement) -> AsDesigned:
     )
 
 
+def touch_at(teeth: ToothedPair) -> Callable[[Placement], PairTouch]:
+    """What touches at positions that need not be even, as a function of the placement; raises as ``as_designed``."""
+    paths = _paths_of(teeth)
+
+    def touch(placement: Placement) -> PairTouch:
+        met = (single_meetings(teeth, placement, side) for side in (PUSHING, BACK))
+        pushing, back = (_candidates(teeth, paths, placement, found) for found in met)
+        sides = (pushing, back), (back, pushing)
+        return PairTouch(placement, *(_touch(*side, placement)[0] for side in sides))
+
+    return touch
+
+
 def contacts_within(teeth: ToothedPair, placement: Placement, within_mm: float) -> tuple[Contacts, Contacts]:
     """What touches on pushing flanks, and on their backs, once the first contacts are pressed in by ``within_mm``."""
     paths = _paths_of(teeth)
-    pushing, back = (_candidates(teeth, paths, placement, side) for side in (PUSHING, BACK))
+    pushing, back = (_candidates(teeth, paths, placement, meetings(teeth, placement, side)) for side in (PUSHING, BACK))
     return _contacts_among(pushing, back, placement, within_mm), _contacts_among(back, pushing, placement, within_mm)
 
 
@@ -173,10 +207,9 @@ def _paths_of(teeth: ToothedPair) -> tuple[SidePaths, SidePaths]:
 
 
 def _candidates(
-    teeth: ToothedPair, paths: tuple[SidePaths, SidePaths], placement: Placement, side: float
+    teeth: ToothedPair, paths: tuple[SidePaths, SidePaths], placement: Placement, met: Meetings
 ) -> _Candidates:
-    """The candidates on the driving gear's flanks of ``side`` (PUSHING or BACK)."""
-    met = meetings(teeth, placement, side)
+    """The candidates on one side of the teeth."""
     return _Candidates(met, flank_contacts(teeth, placement, met), edge_hits(*paths, placement, met))
 
 
@@ -192,22 +225,22 @@ def _contacts_among(own: _Candidates, other: _Candidates, placement: Placement, 
     return Contacts.joined([flanks, edge_contacts(hits, urge, foremost_two(flanks, urge, placement)[0], within_mm)])
 
 
-def _side_contact(
-    own: _Candidates, other: _Candidates, placement: Placement, tips: tuple[TipClearance, TipClearance]
-) -> SideContact:
-    """The first contacts among all candidates."""
+def _touch(own: _Candidates, other: _Candidates, placement: Placement) -> tuple[SideTouch, Array]:
+    """The first contacts among all candidates, and the two values of ``foremost_two``."""
     urge = own.meetings.urge
     contacts = _contacts_among(own, other, placement)
     foremost = foremost_two(contacts, urge, placement)
     later = foremost[0, contacts.position] - urge * contacts.error_rad
-    return SideContact(
-        own.meetings,
-        _foremost(contacts.kept(later <= ALIKE_RAD), placement),
-        contacts.kept(later * contacts.lever_mm <= TOUCHING_MM),
-        own.flanks.arcs(foremost, urge),
-        own.flanks.reaches,
-        *tips,
-    )
+    first = _foremost(contacts.kept(later <= ALIKE_RAD), placement)
+    return SideTouch(own.meetings, first, contacts.kept(later * contacts.lever_mm <= TOUCHING_MM)), foremost
+
+
+def _side_contact(
+    own: _Candidates, other: _Candidates, placement: Placement, tips: tuple[TipClearance, TipClearance]
+) -> SideContact:
+    touch, foremost = _touch(own, other, placement)
+    arcs = own.flanks.arcs(foremost, own.meetings.urge)
+    return SideContact(own.meetings, touch.first, touch.touching, arcs, own.flanks.reaches, *tips)
 
 
 def _foremost(alike: Contacts, placement: Placement) -> Contacts:

@@ -36,7 +36,7 @@ def _comparison(title: str, rows: Sequence[Mapping[str, Any]]) -> Table:
 
 def contact_tables(drive: Drive, contact: PairContact) -> list[Table]:
     """The worst figures of the contact, and all figures as designed beside those of each form of written outlines."""
-    found = contact_summary(contact, drive.pair_speed_rad_s)
+    found = contact_summary(contact, drive.contact_extremes)
     designed, written = found.pop("as_designed"), found.pop("as_written")
     forms = {f"as written to {source.upper()}": figures for source, figures in written.items()}
     return [

@@ -5,7 +5,6 @@ The sections are those of a check, and pitch curves, teeth, contact and bodies o
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import asdict
 from math import degrees, isfinite
 from typing import TYPE_CHECKING, Any
@@ -13,12 +12,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ncgear.contact.designed.as_designed import AsDesigned, SideContact
+from ncgear.contact.designed.extremes import ContactExtremes, Range
 from ncgear.contact.pair import PairContact
 from ncgear.contact.placement import Placement
 from ncgear.contact.written.as_written import AsWritten
 from ncgear.figures.advice.collected import build_advice
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.extrema import Extremum
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -44,7 +45,7 @@ def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
         **summary,
         "pitch": pitch_summary(drive),
         "teeth": teeth_summary(drive),
-        "contact": {**contact_summary(contact, drive.pair_speed_rad_s), **_overlap(drive, contact)},
+        "contact": {**contact_summary(contact, drive.contact_extremes), **_overlap(drive, contact)},
         "bodies": bodies_summary(drive),
         "comparison": comparison,
         "warnings": warnings + [advice.line for advice in build_advice(drive)],
@@ -142,38 +143,44 @@ def _helix(drive: Drive) -> dict[str, Any]:
     return {"helix_angle_deg": degrees(helix.angle_rad), "helix_kind": kind, "hand_driving": helix.hand}
 
 
-def contact_summary(contact: PairContact, speed: Callable[[Array], Array]) -> dict[str, Any]:
-    """Figures of the contact as designed and as written.
-
-    ``speed`` gives the speed of the pair's driving gear in rad/s at its angles in rad.
-    """
+def contact_summary(contact: PairContact, extremes: ContactExtremes) -> dict[str, Any]:
+    """Figures of the contact as designed, with its extremes, and as written."""
     designed = contact.as_designed
-    speed_rad_s = speed(designed.placement.phi1_rad)
     return {
         "positions": designed.placement.count,
         "transmission_error_rad": contact.transmission_error_rad,
         "contact_ratio_min": contact.contact_ratio,
         "penetration_max_mm": contact.penetration_mm,
-        "as_designed": _as_designed(designed, speed_rad_s),
+        "as_designed": _as_designed(designed, extremes),
         "as_written": {written.source: _as_written(written, designed) for written in contact.as_written},
     }
 
 
-def _as_designed(designed: AsDesigned, speed_rad_s: Array) -> dict[str, Any]:
+def _as_designed(designed: AsDesigned, extremes: ContactExtremes) -> dict[str, Any]:
     pushing, back = designed.pushing, designed.back
     return {
-        "transmission_error_rad": pushing.transmission_error_rad,
-        "transmission_error_back_rad": back.transmission_error_rad,
+        "transmission_error_rad": extremes.pushing_error_rad.width,
+        "transmission_error_back_rad": extremes.back_error_rad.width,
         **_by_tooth(pushing, pushing.error_rad),
-        **_range("backlash", "rad", designed.backlash_rad, designed.placement),
+        **_between("backlash", "rad", extremes.backlash_rad),
         **_ratios(pushing, ""),
         **_ratios(back, "_back"),
-        **_greatest("sliding_velocity_max", "mm_s", designed.largest_sliding_mm * speed_rad_s, designed.placement),
-        **_range("pressure_angle", "deg", np.degrees(pushing.first.pressure_angle_rad), designed.placement),
-        **_range("pressure_angle_back", "deg", np.degrees(back.first.pressure_angle_rad), designed.placement),
-        **_penetration(designed.overlap_mm, designed.placement),
+        **_extreme("sliding_velocity_max", "mm_s", extremes.sliding_mm_s),
+        **_between("pressure_angle", "deg", extremes.pushing_pressure_angle_rad, degrees(1.0)),
+        **_between("pressure_angle_back", "deg", extremes.back_pressure_angle_rad, degrees(1.0)),
+        **_deepest(extremes.overlap_mm, extremes.overlap_teeth),
         **_clearances(designed),
     }
+
+
+def _between(name: str, unit: str, found: Range, factor: float = 1.0) -> dict[str, Any]:
+    """The least and the greatest value, each with its driving angle."""
+    low, high = (_extreme(f"{name}_{end}", unit, one, factor) for end, one in (("min", found.low), ("max", found.high)))
+    return {**low, **high}
+
+
+def _extreme(name: str, unit: str, found: Extremum, factor: float = 1.0) -> dict[str, Any]:
+    return {f"{name}_{unit}": factor * found.value, f"{name}_at_rad": found.at}
 
 
 def _by_tooth(side: SideContact, error_rad: Array) -> dict[str, Any]:
@@ -218,11 +225,16 @@ def _as_written(written: AsWritten, designed: AsDesigned) -> dict[str, Any]:
 
 
 def _penetration(overlap_mm: Array, placement: Placement) -> dict[str, Any]:
+    worst = int(np.argmax(overlap_mm))
+    deepest = Extremum(float(overlap_mm[worst]), float(placement.phi1_rad[worst]))
+    return _deepest(deepest, placement.teeth_at(worst))
+
+
+def _deepest(overlap_mm: Extremum, teeth: tuple[int, int]) -> dict[str, Any]:
     """The deepest overlap, its driving angle, and the teeth at the pitch point there; None without an overlap."""
-    deepest = _greatest("penetration_max", "mm", overlap_mm, placement)
-    driving, driven = placement.teeth_at(int(np.argmax(overlap_mm)))
-    where = {"penetration_tooth_driving": driving, "penetration_tooth_driven": driven}
-    if deepest["penetration_max_mm"] == 0.0:
+    deepest = _extreme("penetration_max", "mm", overlap_mm)
+    where = {"penetration_tooth_driving": teeth[0], "penetration_tooth_driven": teeth[1]}
+    if overlap_mm.value == 0.0:
         return {**deepest, "penetration_max_at_rad": None, **dict.fromkeys(where)}
     return {**deepest, **where}
 

@@ -66,6 +66,22 @@ def stations(linkage: Mechanism, resistance: Resistance, count: int) -> Stations
     return Stations(phi2, Slider(first, second, third, force))
 
 
+NARROW = 0.01
+"""Share of itself by which a top of the force may be over the places beside it and count as shown by them."""
+
+
+def hidden_tops_mm(at: Stations, linkage: Mechanism, resistance: Resistance) -> Array:
+    """Displacements in mm at which the force has tops that the even places do not show, shape (n,)."""
+    turns = resistance.turns_mm(linkage.stroke_mm)
+    if not turns.size:
+        return turns
+    angle = linkage.crank_angle(turns, np.zeros(turns.size, dtype=bool))
+    nearest = np.round(angle / (2.0 * pi) * at.count).astype(int)
+    shown = np.max([at.slider.force_n[(nearest + beside) % at.count] for beside in (-1, 0, 1)], axis=0)
+    hidden: Array = turns[resistance.force_n(turns) * (1.0 - NARROW) > shown]
+    return hidden
+
+
 @dataclass(frozen=True, eq=False)
 class Grid:
     """Places around a turn of the crank, and the series' matrices there."""

@@ -12,11 +12,12 @@ from math import pi
 
 import numpy as np
 
+from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.limit import fastest_motion
 from ncgear.optimum.makeable.programme import Programme, Working, programme
 from ncgear.optimum.makeable.quantities import Place
-from ncgear.optimum.makeable.reached import Grid, Stations, beyond, grid, ratios, reached, stations
+from ncgear.optimum.makeable.reached import Grid, Stations, beyond, grid, hidden_tops_mm, ratios, reached, stations
 from ncgear.optimum.makeable.wishes import Scales, Wishes, levels
 from ncgear.optimum.task import Task
 
@@ -89,6 +90,8 @@ def searched(task: Task, wishes: Wishes, form: Form = grid) -> Search:
     coarse = stations(task.linkage, task.resistance, count)
     finer = stations(task.linkage, task.resistance, FINER * count)
     wanted = levels(wishes, scales(task, finer))
+    if any(level.wish == "peak_power_w" for level in wanted):
+        _require_shown_tops(task, finer)
     driving_rad = wishes.limits.working_rad
     working = None if driving_rad is None else Working(task.linkage.working_angle_rad, driving_rad)
     return Search(
@@ -97,6 +100,18 @@ def searched(task: Task, wishes: Wishes, form: Form = grid) -> Search:
         np.array([np.inf if level.limit is None else level.limit for level in wanted]),
         np.array([level.weight for level in wanted]),
     )
+
+
+def _require_shown_tops(task: Task, finer: Stations) -> None:
+    """Refuse a resistance with a top so narrow that the places miss it, for the power there would not be limited."""
+    hidden = hidden_tops_mm(finer, task.linkage, task.resistance)
+    if hidden.size:
+        top = float(task.resistance.force_n(hidden[:1])[0])
+        raise NoSuchMechanism(
+            f"the peak of {top:.4g} N at {hidden[0]:.6g} mm is too narrow for the search of a law, which looks at the "
+            f"force at {finer.count} places of a turn; a wider peak, or limits and a goal without power, are needed",
+            key="resistance",
+        )
 
 
 def scales(task: Task, at: Stations) -> Scales:

@@ -1,0 +1,97 @@
+"""Extreme values of the contact as designed, between the positions of the table as well.
+
+From the even positions of a cycle the search closes in on each extreme: where contact goes over from one pair of teeth
+to another, errors have kinks and the sliding has jumps.  Teeth have no feature between two positions only: a dent of
+the pitch curves so narrow, and deep enough to show, is curved too much for a flank.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncgear.contact.designed.as_designed import ALIKE_RAD, AsDesigned, PairTouch, touch_at
+from ncgear.contact.placement import placed_at
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.extrema import Extremum
+from ncgear.numerics.highest import largest_from
+from ncgear.pitch.pair import PitchPair
+from ncgear.teeth.gear import ToothedPair
+
+KNOWN = 1e-3
+"""Share of its variation over the cycle to which an extreme is known at least."""
+
+
+@dataclass(frozen=True)
+class Range:
+    """The least and the greatest value of a quantity over a cycle, each ``at`` a driving angle in rad."""
+
+    low: Extremum
+    high: Extremum
+
+    @property
+    def width(self) -> float:
+        """Peak to peak variation."""
+        return self.high.value - self.low.value
+
+
+@dataclass(frozen=True)
+class ContactExtremes:
+    """Extremes over a whole cycle, ``at`` driving angles in rad; quantities as in ``AsDesigned``.
+
+    ``overlap_mm`` is 0 where teeth never run into each other; ``overlap_teeth`` are the numbers of the driving and the
+    driven tooth at the pitch point where they do so most.
+    """
+
+    pushing_error_rad: Range
+    back_error_rad: Range
+    backlash_rad: Range
+    pushing_pressure_angle_rad: Range
+    back_pressure_angle_rad: Range
+    sliding_mm_s: Extremum
+    overlap_mm: Extremum
+    overlap_teeth: tuple[int, int]
+
+
+def contact_extremes(
+    teeth: ToothedPair, pitch: PitchPair, designed: AsDesigned, speed_rad_s: Callable[[Array], Array]
+) -> ContactExtremes:
+    """The extremes of a pair whose contact is known at even positions.
+
+    ``speed_rad_s`` gives the speed of the driving gear at its angles in rad.  Raises as ``as_designed``.
+    """
+    touch, even = touch_at(teeth), designed.placement
+
+    def quantities(rolled_mm: Array) -> Array:
+        return _quantities(touch(placed_at(pitch, even, rolled_mm)), speed_rad_s)
+
+    def at_angle(found: Extremum, sign: float = 1.0) -> Extremum:
+        return Extremum(sign * found.value + 0.0, float(placed_at(pitch, even, np.array([found.at])).phi1_rad[0]))
+
+    known = _quantities(designed, speed_rad_s)
+    places, values = np.append(even.rolled_mm, even.pitch_mm * even.meetings), np.hstack([known, known[:, :1]])
+    found = largest_from(quantities, places, values, KNOWN * np.ptp(values, axis=1))
+    *ranges, sliding, ahead = found
+    spans = [Range(at_angle(low, -1.0), at_angle(high)) for high, low in zip(ranges[0::2], ranges[1::2], strict=True)]
+    overlap, deepest = Extremum(max(ahead.value, 0.0), ahead.at), placed_at(pitch, even, np.array([ahead.at]))
+    pushing, back, backlash, pushing_angle, back_angle = spans
+    found_at = pushing_angle, back_angle, at_angle(sliding), at_angle(overlap)
+    return ContactExtremes(pushing, back, backlash, *found_at, deepest.teeth_at(0))
+
+
+def _quantities(touch: PairTouch, speed_rad_s: Callable[[Array], Array]) -> Array:
+    """What the largest values are sought of, shape (q, n), the errors without what is nothing but rounding."""
+    sides = touch.pushing, touch.back
+    errors = [_told(side.error_rad) for side in sides]
+    angles = [side.first.pressure_angle_rad for side in sides]
+    ranges = [*errors, errors[1] - errors[0], *angles]
+    sliding = touch.largest_sliding_mm * speed_rad_s(touch.placement.phi1_rad)
+    ahead = [np.where(error == 0.0, 0.0, side.ahead_mm) for error, side in zip(errors, sides, strict=True)]
+    return np.stack([*(sign * values for values in ranges for sign in (1.0, -1.0)), sliding, np.maximum(*ahead)])
+
+
+def _told(error_rad: Array) -> Array:
+    """Errors that can be told from rounding; the others are 0."""
+    return np.where(np.abs(error_rad) > ALIKE_RAD, error_rad, 0.0)

@@ -1,0 +1,113 @@
+"""Extremes of the contact between its positions: a closed form, and positions that the search did not use."""
+
+from __future__ import annotations
+
+from math import cos, radians, sin, sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+
+from engaged import MODULE, TOLERANCE, designed, made
+from ncgear.contact.designed.as_designed import as_designed, touch_at
+from ncgear.contact.designed.extremes import KNOWN, ContactExtremes, contact_extremes
+from ncgear.contact.pair import refuse_overlap, sound_extremes
+from ncgear.contact.placement import placed, placed_at
+from ncgear.errors import NoSuchMechanism
+from ncgear.teeth.form import TipRelief
+from ncgear.teeth.gear import ToothedPair
+
+Array = np.ndarray
+
+SPEED = 3.0
+"""Speed of the driving gear in rad/s."""
+
+
+def evenly(phi1: Array) -> Array:
+    return np.full_like(phi1, SPEED)
+
+
+def extremes(name: str, teeth: int, backlash_mm: float = 0.0, **kinds: Any) -> ContactExtremes:
+    pitch, pair = made(name, teeth, TOLERANCE, backlash_mm, **kinds)
+    return contact_extremes(pair, pitch, designed(name, teeth, backlash_mm, **kinds), evenly)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("name", "teeth", "ratio"), [("uniform", 26, 1.0), ("uniform 1:2", 18, 2.0)])
+def test_sliding_of_circular_gears_is_the_closed_form(name: str, teeth: int, ratio: float) -> None:
+    """At the end of contact: (w1 + w2) times the line of action from the pitch point to the larger tip circle's end.
+
+    A corner counts as touching until it is a micrometre from its mate, a little beyond.
+    """
+    found = extremes(name, teeth)
+    alpha, reach = radians(20.0), []
+    for radius in (teeth * MODULE / 2.0, ratio * teeth * MODULE / 2.0):
+        reach.append(sqrt((radius + MODULE) ** 2 - (radius * cos(alpha)) ** 2) - radius * sin(alpha))
+    expected = SPEED * (1.0 + 1.0 / ratio) * max(reach)
+    assert (1.0 - KNOWN) * expected <= found.sliding_mm_s.value <= 1.03 * expected
+    # Negative control: the positions of the table miss it by some per cent.
+    assert designed(name, teeth).largest_sliding_mm.max() * SPEED < 0.99 * found.sliding_mm_s.value
+    assert found.pushing_error_rad.width == found.backlash_rad.width == found.overlap_mm.value == 0.0
+
+
+CASES = [
+    ("sine", 31, 0.1, {}),
+    ("baler", 43, 0.2, {}),
+    ("ellipse", 37, 0.05, {"relief": TipRelief(0.05, 0.3, 2.0)}),
+    ("ring", 40, 0.1, {}),
+    ("uniform", 12, 0.0, {"undercut": True}),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "teeth", "backlash_mm", "kinds"), CASES)
+def test_positions_that_the_search_did_not_use_find_nothing_beyond(
+    name: str, teeth: int, backlash_mm: float, kinds: dict[str, Any]
+) -> None:
+    """400 positions to a pitch, all of them an irrational share of a step beside the others."""
+    found = extremes(name, teeth, backlash_mm, **kinds)
+    pitch, pair = made(name, teeth, TOLERANCE, backlash_mm, **kinds)
+    even = designed(name, teeth, backlash_mm, **kinds).placement
+    rolled = (np.arange(400 * even.meetings) + (sqrt(5.0) - 1.0) / 2.0) * even.pitch_mm / 400.0
+    touch = touch_at(pair)
+    judged = [touch(placed_at(pitch, even, block)) for block in np.array_split(rolled, rolled.size // 1000)]
+    ranges = {
+        found.pushing_error_rad: [one.pushing.error_rad for one in judged],
+        found.back_error_rad: [one.back.error_rad for one in judged],
+        found.backlash_rad: [one.backlash_rad for one in judged],
+        found.pushing_pressure_angle_rad: [one.pushing.first.pressure_angle_rad for one in judged],
+        found.back_pressure_angle_rad: [one.back.first.pressure_angle_rad for one in judged],
+    }
+    for told, blocks in ranges.items():
+        values = np.concatenate(blocks)
+        allowed = KNOWN * np.ptp(values) + 2e-12
+        assert told.low.value - allowed <= values.min() <= told.low.value + 100.0 * allowed
+        assert told.high.value - 100.0 * allowed <= values.max() <= told.high.value + allowed
+    sliding = SPEED * max(one.largest_sliding_mm.max() for one in judged)
+    assert 0.99 * found.sliding_mm_s.value <= sliding <= (1.0 + KNOWN) * found.sliding_mm_s.value
+    assert max(one.pushing.overlap_mm.max() for one in judged) <= found.overlap_mm.value + 1e-9
+
+
+def test_single_positions_see_what_the_table_of_even_ones_sees() -> None:
+    pitch, pair = made("sine", 31, TOLERANCE, 0.1)
+    contact = designed("sine", 31, 0.1)
+    some = placed_at(pitch, contact.placement, contact.placement.rolled_mm[7::13])
+    single = touch_at(pair)(some)
+    np.testing.assert_allclose(single.pushing.error_rad, contact.pushing.error_rad[7::13], atol=1e-14)
+    np.testing.assert_allclose(single.back.error_rad, contact.back.error_rad[7::13], atol=1e-14)
+    np.testing.assert_allclose(single.largest_sliding_mm, contact.largest_sliding_mm[7::13], rtol=1e-9)
+
+
+@pytest.mark.thorough
+def test_an_overlap_between_positions_is_refused() -> None:
+    """Base pitches of another pressure angle: overlaps have kinks where one pair takes over from the other."""
+    pitch, pair = made("sine", 25)
+    _, other = made("sine", 25, TOLERANCE, 0.0, 21.0)
+    unlike, placement = ToothedPair(pair.driving, other.driven, pair.cutter), placed(pitch)
+    contact = as_designed(unlike, placement)
+    found, sampled = contact_extremes(unlike, pitch, contact, evenly), float(contact.overlap_mm.max())
+    assert found.overlap_mm.value > 1.001 * sampled
+    between = (sampled + found.overlap_mm.value) / 2.0
+    refuse_overlap(contact, between)
+    with pytest.raises(NoSuchMechanism, match=r"run into each other by .* near tooth \d+ of the driving gear"):
+        sound_extremes(pitch, unlike, contact, evenly, between)
