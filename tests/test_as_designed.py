@@ -359,9 +359,9 @@ def heights(gear: ToothedGear, flank: int) -> list[tuple[float, float]]:
 
 
 @cache
-def flank_pairs(name: str, teeth: int) -> tuple[list[FlankPair], float]:
+def flank_pairs(name: str, teeth: int, **tool: bool) -> tuple[list[FlankPair], float]:
     """All pairs of flanks that meet in a meeting cycle, and the cycle's length."""
-    _, pair = made(name, teeth)
+    _, pair = made(name, teeth, **tool)
     own, other = pair.driving.flanks, pair.driven.flanks
     turns = lcm(pair.driving.teeth, pair.driven.teeth) // pair.driving.teeth
     found = []
@@ -512,11 +512,25 @@ def test_written_outlines_see_the_same_overlap() -> None:
     assert contact.overlap_mm.min() > 2.0 * TOLERANCE
 
 
-@pytest.mark.parametrize(
-    ("simultaneous", "longest"),
-    [([1, 2, 1, 1], 0), ([1, 0, 0, 2, 0], 2), ([0, 0, 1, 0, 1, 0], 3), ([0, 0, 0], 3)],
-)
-def test_the_longest_gap_of_contact_goes_on_across_the_seam(simultaneous: list[int], longest: int) -> None:
-    side = replace(designed("ellipse", 25).pushing)
-    side.__dict__["simultaneous"] = np.array(simultaneous)
-    assert side.longest_gap == longest
+@pytest.mark.parametrize("case", [("baler", 18, True), ("baler", 25, True), ("baler", 25, False), ("sine", 25, False)])
+def test_gaps_of_contact_are_those_of_counting_between_positions(case: tuple[str, int, bool]) -> None:
+    """Four hundred times as fine as the positions; the cycle's end is no end of a gap."""
+    name, teeth, undercut = case
+    contact, (pairs, cycle) = designed(name, teeth, undercut=undercut), flank_pairs(name, teeth, undercut=undercut)
+    fine = np.linspace(0.0, cycle, 400 * contact.placement.count, endpoint=False)
+    for side, found in zip((-1.0, 1.0), both(contact), strict=True):
+        total = np.zeros(fine.size, dtype=int)
+        for one in (one for one in pairs if one.side == side):
+            at = height(one, fine, cycle)
+            total += (at >= one.low_mm) & (at <= one.high_mm)
+        touched = np.flatnonzero(total)
+        longest = (np.max(np.diff(touched, append=touched[0] + fine.size)) - 1) / 400.0
+        assert found.longest_gap == pytest.approx(longest, abs=0.01)
+        assert found.longest_gap == 0.0 or total[400 * found.parted_at] == 0
+
+
+def test_the_longest_gap_goes_on_across_the_seam() -> None:
+    side, count = designed("ellipse", 25).pushing, designed("ellipse", 25).placement.count
+    across = replace(side, gaps=np.array([[3.0, 3.5], [count - 0.75, count + 1.5]]))
+    assert (across.longest_gap, across.parted_at) == (2.25, 0)
+    assert replace(side, gaps=np.empty((0, 2))).longest_gap == 0.0

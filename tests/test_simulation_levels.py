@@ -49,6 +49,7 @@ def test_loaded_contact_of_the_published_baler(run: Run) -> None:
     assert 64000.0 < rows["tooth_force_n"].max() < found["peak_tooth_force_n"]
     assert 0.999 < np.ptp(rows["error_rad"]) / found["transmission_error_rad"] < 1.0
     assert {path.name for path in Path("here").iterdir()} == {
+        "manifest.json",
         "simulation.csv",
         "simulation.json",
         "loaded_contact.png",

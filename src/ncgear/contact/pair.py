@@ -178,12 +178,12 @@ def refuse_short_contact(designed: AsDesigned, teeth: ToothedPair, least: float,
                 f"only, less than {least:.3g}: {_limits(side, teeth, shortest)}; {REMEDY}",
                 key="gears.least_contact_ratio",
             )
-        parted = int(np.argmin(side.simultaneous))
-        if least >= 1.0 and parts and side.simultaneous[parted] == 0:
+        if least >= 1.0 and parts and side.longest_gap > 0.0:
+            at = in_words(float(designed.placement.phi1_rad[side.parted_at]))
             raise NoSuchMechanism(
-                f"no flanks touch at phi1 = {in_words(float(designed.placement.phi1_rad[parted]))}: one pair parts "
-                f"before the next one meets; the shortest contact is that of {_pair(side, teeth, shortest)}, "
-                f"{side.reaches[shortest]:.3g} pitches: {_limits(side, teeth, shortest)}; {REMEDY}",
+                f"no flanks touch at phi1 = {at}: one pair parts before the next one meets; the shortest contact is "
+                f"that of {_pair(side, teeth, shortest)}, {side.reaches[shortest]:.3g} pitches: "
+                f"{_limits(side, teeth, shortest)}; {REMEDY}",
                 key="gears.least_contact_ratio",
             )
 

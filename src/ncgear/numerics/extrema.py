@@ -61,7 +61,8 @@ def stationary_points(function: Callable[[Array], Jet], start: float, end: float
     flat = grid[1:-1][(slope[1:-1] == 0.0) | ~np.isfinite(slope[1:-1])]
     if not change.size:
         return np.unique(np.concatenate([[start, end], flat]))
-    found = zeros_between(lambda points: function(points).derivative(1), grid[change], grid[change + 1])
+    ends = slope[change], slope[change + 1]
+    found = zeros_between(lambda points: function(points).derivative(1), grid[change], grid[change + 1], ends)
     return np.unique(np.concatenate([[start, end], flat, found]))
 
 

@@ -91,14 +91,17 @@ AT_AN_END = 1e-9
 may miss it by the function's rounding errors."""
 
 
-def zeros_between(function: Callable[[Array], Array], low: Array, high: Array) -> Array:
+def zeros_between(
+    function: Callable[[Array], Array], low: Array, high: Array, known: tuple[Array, Array] | None = None
+) -> Array:
     """A zero in each [low, high] (shape (n,)), at whose ends the function has different signs, or is zero at one.
 
-    The function maps points of shape (n,), one of each bracket, to values.  Raises ArithmeticError where it is not
-    finite, or has one sign at both ends.
+    The function maps points of shape (n,), one of each bracket, to values; those at both ends may be ``known``.  Where
+    the function is nothing but rounding errors, its sign at a point depends on the other points.  Raises
+    ArithmeticError where it is not finite, or has one sign at both ends.
     """
     new, old = low, high
-    value, old_value = _zero_at_an_end(function(low), function(high))
+    value, old_value = _zero_at_an_end(*(known or (function(low), function(high))))
     share = np.full(low.shape, 0.5)
     with np.errstate(all="ignore"):
         for _ in range(MOST_STEPS):

@@ -21,7 +21,7 @@ from ncgear.teeth.flank import Flanks, flanks_of
 from ncgear.teeth.form import BasicRack, CutterKind, ToothForm
 from ncgear.teeth.fouling import refuse_fouling_cutter
 from ncgear.teeth.outline import ChordTolerance, outline_points, simple_polygon
-from ncgear.teeth.sides import Sides, refuse_folded_lands, regular_sides, trimmed_sides
+from ncgear.teeth.sides import Sides, refuse_folded_lands, refuse_sharp_places, regular_sides, trimmed_sides
 from ncgear.teeth.tips import Limit, Tips
 from ncgear.teeth.tool import chosen_tools
 
@@ -117,6 +117,7 @@ def toothed_pair(
 
 def pair_tips(pitch: PitchPair, form: ToothForm, advance_mm: float) -> tuple[CutterKind, tuple[Tips, Tips]]:
     """The kind of tool and both gears' flanks, fitted to each other but not yet trimmed; raises as ``toothed_pair``."""
+    refuse_sharp_places(pitch)
     racks, size = shifted_racks(pitch, form), pitch.size
     kind, tools = chosen_tools(pitch, form)
     # Shifts that do not cancel would press together or part the pushing flanks: both gears' teeth stand back by that.

@@ -16,6 +16,8 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import chord_crossings, refined_crossings, zoomed_crossings
 from ncgear.numerics.units import in_words
+from ncgear.pitch.pair import PitchPair
+from ncgear.pitch.shape import Gear
 from ncgear.teeth.flank import FILLET, FLANK, Flanks, flank_name, folded_fillets, regular_depth
 from ncgear.teeth.spaces import Roots, roots_of
 from ncgear.teeth.tips import Tips
@@ -67,6 +69,29 @@ def regular_sides(tips: Tips) -> tuple[Sides, Mask]:
 
 
 REMEDY = "more teeth of a smaller module are needed, or a smaller range of the ratio"
+
+SHARPEST = 0.25
+"""Least radius of a pitch curve in modules.  A flank that touches at a place of this radius is regular only up to the
+radius times sin(20 deg)^2, 0.03 modules, above or below the pitch curve.  Probes of lands and flanks stand 0.05 to 0.2
+modules apart: they could pass by a sharper place."""
+
+
+def refuse_sharp_places(pitch: PitchPair) -> None:
+    """Refuse pitch curves that are curved too sharply anywhere for any tooth, however short the place is.
+
+    Raises NoSuchMechanism with the radius and the angle.
+    """
+    for gear in Gear:
+        sharpest = max(pitch.curvature_range[gear], key=lambda extremum: abs(extremum.value))
+        least = SHARPEST * pitch.size.module_mm
+        if abs(sharpest.value) * least > 1.0:
+            raise NoSuchMechanism(
+                f"the {gear.value} pitch curve is curved with a radius of {1.0 / abs(sharpest.value):.4g} mm at phi1 = "
+                f"{in_words(sharpest.at)}, less than {least:.4g} mm, a quarter of the module: no flank rolls over "
+                "that; a law that changes more slowly there is needed",
+                key="motion",
+            )
+
 
 PROBES = 17
 """Places on each land at which it might fold; along a land, a sixth of a pitch, the curvature changes little."""

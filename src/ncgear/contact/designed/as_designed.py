@@ -55,12 +55,14 @@ class SideContact(SideTouch):
     """Contact on one side of the teeth over the whole cycle.
 
     ``arcs`` (shape (m,)) is how long the flanks of each meeting touch, in pitches, without load; ``reaches`` (shape
-    (m,)) how long they could if a load closed what tip relief leaves open.  ``driving_tips`` and ``driven_tips`` are
-    the clearances of these gears' tips.
+    (m,)) how long they could if a load closed what tip relief leaves open.  ``gaps`` (shape (k, 2)) are starts and
+    ends, in positions, of where no flanks touch.  ``driving_tips`` and ``driven_tips`` are the clearances of these
+    gears' tips.
     """
 
     arcs: Array
     reaches: Array
+    gaps: Array
     driving_tips: TipClearance
     driven_tips: TipClearance
 
@@ -80,12 +82,15 @@ class SideContact(SideTouch):
         return np.bincount(self.touching.position[self.touching.flanks], minlength=self.error_rad.size)
 
     @property
-    def longest_gap(self) -> int:
-        """Most positions in a row at which no pair of flanks touches."""
-        touched = np.flatnonzero(self.simultaneous)
-        if not touched.size:
-            return self.simultaneous.size
-        return int(np.max(np.diff(touched, append=touched[0] + self.simultaneous.size))) - 1
+    def longest_gap(self) -> float:
+        """Longest way without contact of flanks, in positions."""
+        return float(np.max(self.gaps[:, 1] - self.gaps[:, 0], initial=0.0))
+
+    @property
+    def parted_at(self) -> int:
+        """The position nearest to the middle of the longest way without contact of flanks."""
+        middle = float(self.gaps[int(np.argmax(self.gaps[:, 1] - self.gaps[:, 0]))].mean())
+        return round(middle) % self.error_rad.size
 
     def variation_by_tooth(self, error_rad: Array) -> dict[int, float]:
         """Peak to peak variation of errors in rad (shape (n,)) where each driving tooth carries."""
@@ -239,8 +244,8 @@ def _side_contact(
     own: _Candidates, other: _Candidates, placement: Placement, tips: tuple[TipClearance, TipClearance]
 ) -> SideContact:
     touch, foremost = _touch(own, other, placement)
-    arcs = own.flanks.arcs(foremost, own.meetings.urge)
-    return SideContact(own.meetings, touch.first, touch.touching, arcs, own.flanks.reaches, *tips)
+    arcs, gaps = own.flanks.touching(foremost, own.meetings.urge)
+    return SideContact(own.meetings, touch.first, touch.touching, arcs, own.flanks.reaches, gaps, *tips)
 
 
 def _foremost(alike: Contacts, placement: Placement) -> Contacts:

@@ -24,6 +24,10 @@ END_IN_MODULES = 1e-9
 TOUCHING_MM = 1e-3
 """Distance at which teeth count as touching along with the first ones: a micrometre, which the lightest load closes."""
 
+GAP = 1e-3
+"""Share of a step between positions by which one pair must part before the next one meets to count as a gap.  Beside
+tip relief the lead is no straight line between positions; half a hundredth of a per cent of a pitch matters nowhere."""
+
 NOWHERE_MM = 1e9
 """Height that no flank reaches; finite, so that differences of two are numbers."""
 
@@ -56,26 +60,28 @@ class FlankContacts:
 
     ``contacts`` are those within what is left of both flanks.  ``near`` are these and the ones a little beyond the
     flanks' ends, shape (n,): ``room`` (shape (4, combinations, n)) is how far in mm each is from the ends of both
-    flanks' runs, negative beyond them, and ``place`` its row and column in the table of meetings.
+    flanks' runs, negative beyond them, and ``place`` its row and column in the table of meetings.  ``position``
+    numbers the positions of that table.
     """
 
     contacts: Contacts
     near: Contacts
     room: Array
     place: tuple[IndexArray, IndexArray]
-    shape: tuple[int, int]
-    per_tooth: int
+    position: IndexArray
+    placement: Placement
 
     @property
     def reaches(self) -> Array:
         """How long the flanks of each meeting can touch, in pitches, shape (m,): as far as both flanks reach."""
-        return _arcs(self.room, *self.place, self.shape) / self.per_tooth
+        return self._arcs(*_between(self.room, *self.place, self.position.shape))
 
-    def arcs(self, foremost: Array, urge: float) -> Array:
-        """How long the flanks of each meeting do touch, in pitches, shape (m,).
+    def touching(self, foremost: Array, urge: float) -> tuple[Array, Array]:
+        """How long the flanks of each meeting do touch (shape (m,)), and where none touch (shape (k, 2)).
 
-        They touch along with the first contact at each position; where others hold them apart, as beside a tip relief,
-        they do not.  ``foremost`` are the two values of ``foremost_two``.
+        The first is in pitches; the second are starts and ends in positions, of which there are ``placement.count`` in
+        the cycle.  Flanks touch along with the first contact at each position; where others hold them apart, as beside
+        a tip relief, they do not.  ``foremost`` are the two values of ``foremost_two``.
         """
         own = urge * self.near.error_rad
         first, second = foremost[:, self.near.position]
@@ -83,7 +89,23 @@ class FlankContacts:
         others = np.where((own >= first) & np.isfinite(second), second, first)
         closer = np.where(self.near.flanks, TOUCHING_MM - (others - own) * self.near.lever_mm, -1.0)
         room = np.concatenate([self.room, np.broadcast_to(closer, (1, *self.room.shape[1:]))])
-        return _arcs(room, *self.place, self.shape) / self.per_tooth
+        enters, leaves = _between(room, *self.place, self.position.shape)
+        return self._arcs(enters, leaves), self._gaps(enters, leaves)
+
+    def _arcs(self, enters: Array, leaves: Array) -> Array:
+        lasting: Array = np.maximum(leaves - enters, 0.0).sum(axis=(0, 2)) / self.placement.per_tooth
+        return lasting
+
+    def _gaps(self, enters: Array, leaves: Array) -> Array:
+        touch, count = leaves > enters, self.placement.count
+        before = np.broadcast_to(self.position[:, :-1], touch.shape)[touch]
+        order = np.argsort(starts := before + enters[touch])
+        if not order.size:
+            return np.array([[0.0, count]])
+        ends = np.maximum.accumulate((before + leaves[touch])[order])
+        starts = np.append(starts[order][1:], starts.min() + count)
+        parted = starts - ends > GAP
+        return np.column_stack([ends[parted], starts[parted]])
 
 
 def flank_contacts(teeth: ToothedPair, placement: Placement, met: Meetings) -> FlankContacts:
@@ -97,7 +119,7 @@ def flank_contacts(teeth: ToothedPair, placement: Placement, met: Meetings) -> F
     columns = placement.ahead * touches.turn_rad, touches.point, touches.tangent, touches.found
     near = Contacts(facing.driving, facing.driven, facing.position, *columns)
     found = np.where(touches.found, room, -1.0)
-    return FlankContacts(near.kept(touching), near, found, (row, column), met.position.shape, placement.per_tooth)
+    return FlankContacts(near.kept(touching), near, found, (row, column), met.position, placement)
 
 
 def foremost_two(contacts: Contacts, urge: float, placement: Placement) -> Array:
@@ -122,7 +144,7 @@ def least_arc(teeth: ToothedPair, placement: Placement) -> float:
     for side in (PUSHING, BACK):
         met = meetings(teeth, placement, side)
         found = flank_contacts(teeth, placement, met)
-        least.append(float(found.arcs(foremost_two(found.contacts, met.urge, placement), met.urge).min()))
+        least.append(float(found.touching(foremost_two(found.contacts, met.urge, placement), met.urge)[0].min()))
     return min(least)
 
 
@@ -160,10 +182,11 @@ def _room(driving: Array, driven: Array) -> Array:
     return joined.reshape(4, -1, *joined.shape[3:])
 
 
-def _arcs(room: Array, row: IndexArray, column: IndexArray, shape: tuple[int, int]) -> Array:
-    """For how many positions, and fractions between them, each meeting has room; shape (m,).
+def _between(room: Array, row: IndexArray, column: IndexArray, shape: tuple[int, ...]) -> tuple[Array, Array]:
+    """Where between two positions of the table each meeting begins and ceases to have room, as shares of the step.
 
-    On exact flanks heights are linear in rolled length, so the fractions are exact there.
+    Shape (combinations, rows, columns - 1); where it has none, the first is not less than the second.  On exact flanks
+    heights are linear in rolled length, so the shares are exact there.
     """
     table = np.full((*room.shape[:2], *shape), -1.0)
     table[..., row, column] = room
@@ -171,5 +194,4 @@ def _arcs(room: Array, row: IndexArray, column: IndexArray, shape: tuple[int, in
     crossing = before / np.where(before == after, 1.0, before - after)
     enters = np.where(before >= 0.0, 0.0, np.where(after >= 0.0, crossing, 1.0)).max(axis=0)
     leaves = np.where(after >= 0.0, 1.0, np.where(before >= 0.0, crossing, 0.0)).min(axis=0)
-    lasting: Array = np.maximum(leaves - enters, 0.0).sum(axis=(0, 2))
-    return lasting
+    return enters, leaves

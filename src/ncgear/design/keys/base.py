@@ -34,7 +34,10 @@ FORMULA = (
 )
 """What ``ncgear.numerics.formula`` reads."""
 
-SMOOTH_LAW = "neither it nor its slope may jump, where such pieces meet or where the cycle begins again"
+SMOOTH_LAW = (
+    "it may not jump where such pieces meet or where the cycle begins again; where its slope jumps there, gears cannot "
+    "be made"
+)
 """What the pitch curves ask of a ratio and of dphi2/dphi1."""
 
 # YAML has only lists, and strict models accept only tuples: so the container is not strict, but its numbers are.

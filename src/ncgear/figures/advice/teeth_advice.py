@@ -116,7 +116,7 @@ def contact_ratio(drive: Drive) -> Advice | None:
     helical = (Remedy(words, changed(helix)),) if helix else ()
     return Advice(
         Kind.CONTACT_RATIO,
-        (Where(angles_deg=tuple(_worst(designed, side) for side in sides if side.simultaneous.min() < 1)),),
+        (Where(angles_deg=tuple(_worst(designed, side) for side in sides if side.longest_gap > 0.0)),),
         f"contact ratio: the shortest contact of a flank pair lasts {to_digits(designed.contact_ratio, 3)} pitches, "
         "and at some positions no flanks touch",
         f"the driven gear is carried by an edge there, off the law by up to {to_digits(1e6 * error, 2)} {MICRORAD}; it "
@@ -126,8 +126,8 @@ def contact_ratio(drive: Drive) -> Advice | None:
 
 
 def _worst(designed: AsDesigned, side: SideContact) -> tuple[float, float]:
-    """The first position without contact of flanks, in degrees of the driving gear."""
-    at = degrees(float(designed.placement.phi1_rad[int(side.simultaneous.argmin())]))
+    """The middle of the longest way without contact of flanks, in degrees of the driving gear."""
+    at = degrees(float(designed.placement.phi1_rad[side.parted_at]))
     return at, at
 
 

@@ -193,7 +193,7 @@ def _ratios(side: SideContact, suffix: str) -> dict[str, Any]:
         f"contact_ratio{suffix}_min": float(side.arcs.min()),
         f"contact_ratio{suffix}_mean": float(side.arcs.mean()),
         **({f"contact_ratio{suffix}_relief_closed_min": float(side.reaches.min())} if side.held_apart else {}),
-        f"simultaneous_contacts{suffix}_min": int(side.simultaneous.min()),
+        f"simultaneous_contacts{suffix}_min": 0 if side.longest_gap else int(side.simultaneous.min()),
     }
 
 
