@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from math import cos, pi
 from typing import Any
 
@@ -306,10 +307,11 @@ def designs(draw: Draw, teeth: tuple[int, int] = (6, 60)) -> Data:
 @st.composite
 def spoiled_designs(draw: Draw) -> Data:
     """Designs of which every third has one or two values or groups spoiled or left out."""
-    data = draw(designs())
+    # Copies, since a strategy gives the same object again, and a second value may be spoiled within the first.
+    data = deepcopy(draw(designs()))
     for _ in range(draw(st.sampled_from([0, 0, 0, 0, 1, 2]))):
         place, key = draw(st.sampled_from(list(_places(data))))
-        place[key] = draw(st.sampled_from(SPOILS) | number(-10.0, 10.0))
+        place[key] = deepcopy(draw(st.sampled_from(SPOILS) | number(-10.0, 10.0)))
         if place[key] is None and isinstance(place, dict):
             del place[key]
     return data

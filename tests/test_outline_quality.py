@@ -15,6 +15,7 @@ from ncgear.pitch.pair import sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
+from ncgear.teeth import chords
 from ncgear.teeth.form import BasicRack, ToothForm
 from ncgear.teeth.gear import ToothedGear, toothed_pair
 from pairs import baler_law, rack, sine_law
@@ -81,6 +82,12 @@ CASES = [
     for name in DESIGNS
     for tolerance in TOLERANCES
 ]
+
+
+@pytest.fixture(autouse=True)
+def without_budget(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The budget of points bounds what a build costs; references here are far finer."""
+    monkeypatch.setattr(chords, "MOST_CHORDS", 1_000_000)
 
 
 @cache

@@ -60,16 +60,18 @@ def test_the_published_baler_with_masses(run: Run) -> None:
 @pytest.mark.thorough
 def test_the_optimised_baler_with_the_same_masses() -> None:
     """At 60 r/min, with its own gears' inertia, its peak torque is half the uniform crank's, and is in the return."""
-    drive = Drive(load(DESIGN.with_name("baler-half.yaml")).design)
+    drive = Drive(load(DESIGN.with_name("baler-half-dynamics.yaml")).design)
     own, uniform = drive.rigid.peaks, drive.uniform_rigid.peaks
     assert own.most_torque_n_mm.value == pytest.approx(1723.9e3, abs=50.0)
     assert uniform.most_torque_n_mm.value == pytest.approx(3396.5e3, abs=50.0)
     assert own.most_torque_n_mm.at > drive.machine.extended_rad
 
 
-def test_its_gears_are_those_of_the_baler() -> None:
-    """Which is built with all checks; only masses are added."""
-    ours, built = (YAML(typ="safe").load(DESIGN.with_name(name)) for name in ("baler-dynamics.yaml", "baler.yaml"))
+@pytest.mark.parametrize("name", ["baler", "baler-half"])
+def test_designs_with_masses_have_the_gears_of_those_without(name: str) -> None:
+    """Which are built with all checks; only masses are added."""
+    files = f"{name}-dynamics.yaml", f"{name}.yaml"
+    ours, built = (YAML(typ="safe").load(DESIGN.with_name(file)) for file in files)
     for key in ("linkage", "operation", "motion", "gears", "resistance"):
         assert ours[key] == built[key], key
 

@@ -10,7 +10,7 @@ pytestmark = pytest.mark.slow
 
 
 def test_each_level_leaves_out_less() -> None:
-    simulated = Simulated("baler-half")
+    simulated = Simulated("baler-half-dynamics")
     errors = [simulated.error_rad(found) for found in (simulated.rigid(), simulated.quasi_static())]
     in_time = [simulated.error_rad(simulated.dynamic("LSODA", accuracy)) for accuracy in (1e-5, 1e-7)]
     assert 5e-4 < errors[0] < 2e-3
@@ -22,5 +22,5 @@ def test_each_level_leaves_out_less() -> None:
 
 
 def test_the_reference_is_right_by_another_method() -> None:
-    simulated = Simulated("baler-half")
+    simulated = Simulated("baler-half-dynamics")
     assert simulated.error_rad(simulated.dynamic("LSODA", 1e-10)) <= 1e-8

@@ -36,7 +36,7 @@ def baler_simulation_study() -> Study:
 
 def half_power_simulation_study() -> Study:
     """The law of half the power."""
-    return _study("simulation-half", "Levels of simulation: half the power, 60 r/min", "baler-half")
+    return _study("simulation-half", "Levels of simulation: half the power, 60 r/min", "baler-half-dynamics")
 
 
 def _study(key: str, title: str, name: str) -> Study:

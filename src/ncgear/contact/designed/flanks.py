@@ -87,7 +87,8 @@ class FlankContacts:
         first, second = foremost[:, self.near.position]
         # The lead over the others goes smoothly through zero where flanks part, so that it may be interpolated.
         others = np.where((own >= first) & np.isfinite(second), second, first)
-        closer = np.where(self.near.flanks, TOUCHING_MM - (others - own) * self.near.lever_mm, -1.0)
+        closer = TOUCHING_MM - np.where(np.isfinite(others), others - own, 0.0) * self.near.lever_mm
+        closer = np.where(self.near.flanks, closer, -1.0)
         room = np.concatenate([self.room, np.broadcast_to(closer, (1, *self.room.shape[1:]))])
         enters, leaves = _between(room, *self.place, self.position.shape)
         return self._arcs(enters, leaves), self._gaps(enters, leaves)
