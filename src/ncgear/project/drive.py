@@ -180,9 +180,7 @@ class Drive:
         gears, transmission = self.gears, self.pair.transmission
         with self.stopwatch("pitch curves"):
             size = gears.teeth, gears.module_mm, gears.center_distance_mm
-            pair = sized_pair(transmission, *size, Mesh(gears.mesh))
-            require_pushing_flanks(pair, gears.rack)
-            return pair
+            return sized_pair(transmission, *size, Mesh(gears.mesh))
 
     @computed
     def rack(self) -> BasicRack:
@@ -201,9 +199,13 @@ class Drive:
 
     @computed
     def tooth_form(self) -> ToothForm:
-        """The form of the teeth in mm; the tips of helical teeth are made so that they do not jump with height."""
+        """The form of the teeth in mm; the tips of helical teeth are made so that they do not jump with height.
+
+        Raises NoSuchMechanism where no flank could turn its mate, whatever its form.
+        """
         from ncgear.solids.helical.even_tips import with_even_tips
 
+        require_pushing_flanks(self.pitch, self.gears.rack)
         form, pitch = tooth_form_of(self.gears, self.pitch.size.module_mm), self.pitch
         if self.helix is None:
             return form

@@ -24,7 +24,7 @@ from ncgear.optimum.makeable.quantities import driven_curvature, driving_curvatu
 from ncgear.pitch.pair import STRAIGHT, solved_size
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.tooth_form import RIGHT_ANGLE_DEG
+from ncgear.project.tooth_form import RIGHT_ANGLE_DEG, require_pushing_flanks
 from ncgear.ratio.transmission import CLOSED, STANDSTILL, Lobes
 from ncgear.screening.samples import Kind, Sampled, Samples, sampled
 
@@ -133,6 +133,7 @@ def single_figures(design: Design) -> dict[str, float]:
 
 def _pitch(drive: Drive) -> dict[str, float]:
     pitch = drive.pitch
+    require_pushing_flanks(pitch, drive.gears.rack)
     return {
         "pitch.center_distance_mm": pitch.center_distance_mm,
         "pitch.length_driving_mm": pitch.length_mm(Gear.DRIVING),
