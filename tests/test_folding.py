@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from contextlib import nullcontext
 from dataclasses import replace
 
@@ -9,14 +10,16 @@ import numpy as np
 import pytest
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.pitch.pair import sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.ellipse import elliptical_law
+from ncgear.ratio.laws.expression import ratio_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.flank import Flanks, flanks_of
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import toothed_pair
-from ncgear.teeth.sides import refuse_folded_lands, regular_sides
+from ncgear.teeth.sides import refuse_folded_lands, refuse_sharp_places, regular_sides
 from ncgear.teeth.spaces import roots_of
 from ncgear.teeth.tips import Tips, tip_crossing
 from ncgear.teeth.tool import RackLine
@@ -83,3 +86,19 @@ def test_far_too_few_teeth_are_refused_by_tooth_and_angle(law: Transmission, tee
         toothed_pair(pitch_pair(law, teeth), ToothForm(rack()), 0.01)
     assert caught.value.key == "gears.teeth"
     assert "more teeth" in caught.value.problem
+
+
+@pytest.mark.parametrize(("width", "sharp"), [(2e-4, True), (0.5, False)])
+def test_places_too_sharp_for_any_flank_are_refused_however_short(width: float, sharp: bool) -> None:
+    """A dent of 2.5 micrometres stands between the probes of every flank; its radius by (r - r'')/r^2 in its middle."""
+    law = ratio_expression_law(f"1 - 8e-5*exp(-((phi - 2.4)/{width})**2)", Lobes(), scale_to_close=True)
+    pitch = sized_pair(law, 40, 3.0, None)
+    if not sharp:
+        refuse_sharp_places(pitch)
+        return
+    radius = pitch.center_distance_mm / (2.0 * (1.0 + 2.0 * 8e-5 / width**2 / 2.0))
+    with pytest.raises(NoSuchMechanism, match="no flank rolls over that") as caught:
+        toothed_pair(pitch, ToothForm(rack(module=3.0)), 0.01)
+    found = re.search(r"radius of ([\d.]+) mm at phi1 = 2\.4 rad", caught.value.problem)
+    assert found is not None
+    assert float(found[1]) == pytest.approx(radius, rel=1e-3)
