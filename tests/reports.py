@@ -8,12 +8,9 @@ from pathlib import Path
 from drives import drive, loaded
 from ncgear.contact.pair import PairContact
 from ncgear.design.reading.design_file import load
-from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.drawings.page.page import report_page
 from ncgear.drawings.page.page_charts import PageChart, motion_charts
 from ncgear.files.build import contacts_as_written
-from ncgear.kinematics.motion import SliderMotion
-from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
 
 
@@ -27,11 +24,6 @@ def contacts(name: str) -> list[PairContact]:
 def motion(name: str) -> list[PageChart]:
     """Charts of the motion over one cycle of the slider."""
     return motion_charts(drive(name), drive(name).transmission.cycle_rad)
-
-
-def in_unit_of(of: PageChart, quantity: Quantity, table: SliderMotion) -> Array:
-    """The quantity's values in the chart's unit."""
-    return quantity.values_in(of.chart.unit, table)
 
 
 @cache

@@ -112,7 +112,7 @@ def test_the_words_tell_the_pose() -> None:
     drawn(made, found, [pi / 2.0])
     words = [moving.artists[-1].get_text() for moving in made.moving[-3:]]  # type: ignore[attr-defined]
     # sqrt(960^2 - 380^2) - (960 - 380); at 60 r/min 2 pi 380 mm/s.
-    assert words == ["displacement 302 mm", "velocity 2.39 m/s", "phi1  90.0\u00b0  phi2  90.0\u00b0"]
+    assert words == ["displacement 302 mm", "velocity 2388 mm/s", "phi1  90.0\u00b0  phi2  90.0\u00b0"]
 
 
 @pytest.mark.thorough

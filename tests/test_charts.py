@@ -15,7 +15,7 @@ import reports
 from ncgear.drawings.animation.moving_picture import CHART_LOOK
 from ncgear.drawings.charts.chart import Across, Chart, Line, Role
 from ncgear.drawings.charts.drawer import MOTION_LOOK, Look, draw
-from ncgear.drawings.charts.slider_charts import POWER, VELOCITY, motion_chart, over_displacement, slider_chart
+from ncgear.drawings.charts.slider_charts import POWER, over_displacement, slider_chart
 from ncgear.drawings.page.chart_svg import PAGE_LOOK, drawn
 from ncgear.drawings.page.page_charts import PageChart
 from ncgear.drawings.plots.balance_plots import spread
@@ -35,16 +35,16 @@ def test_every_look_draws_the_values_of_the_chart(look: Look) -> None:
     axes = Figure().subplots()
     draw(axes, ramp(), look)
     assert axes.lines[0].get_xdata() == pytest.approx([0.0, 90.0, 180.0])
-    assert axes.lines[0].get_ydata() == pytest.approx([0.0, 1.5, -2.0])
+    assert axes.lines[0].get_ydata() == pytest.approx([0.0, 1500.0, -2000.0])
     marked = [text.get_text() for text in axes.texts]
-    assert marked == (["\u22122 kN at 180\u00b0"] if look.marks_extremes else [])
+    assert marked == (["\u22122000 N at 180\u00b0"] if look.marks_extremes else [])
 
 
 def test_a_line_is_repeated_over_a_longer_chart() -> None:
     axes = Figure().subplots()
     draw(axes, ramp(period=180.0), MOTION_LOOK)
     assert axes.lines[0].get_xdata() == pytest.approx([0.0, 90.0, 180.0, 180.0, 270.0, 360.0])
-    assert axes.lines[0].get_ydata() == pytest.approx([0.0, 1.5, -2.0, 0.0, 1.5, -2.0])
+    assert axes.lines[0].get_ydata() == pytest.approx([0.0, 1500.0, -2000.0, 0.0, 1500.0, -2000.0])
 
 
 @pytest.mark.parametrize(("count", "drawn"), [(12, 12), (13, 0)])
@@ -52,15 +52,6 @@ def test_more_joints_than_can_be_told_apart_are_not_marked(count: int, drawn: in
     axes = Figure().subplots()
     draw(axes, ramp(joints=np.linspace(10.0, 350.0, count)), MOTION_LOOK)
     assert sum(line.get_color() == JOINT for line in axes.lines) == drawn
-
-
-def test_a_chart_in_thousands_has_the_unit_to_match() -> None:
-    chart = ramp()
-    assert (chart.readable.unit, chart.in_thousands.unit) == ("kN", "kN")
-    assert chart.readable.readable.own.values == pytest.approx([0.0, 1.5, -2.0])
-    motion = drives.drive("baler").motion
-    of_velocity = motion_chart(VELOCITY, motion).readable
-    np.testing.assert_array_equal(of_velocity.own.values, VELOCITY.values_in(of_velocity.unit, motion))
 
 
 def test_the_notebook_and_the_page_draw_the_same_power() -> None:

@@ -711,7 +711,7 @@ def test_contact_is_drawn_with_and_without_backlash(tmp_path: Path) -> None:
         for name, text in (("plain", DESIGN), ("thin", DESIGN + "  backlash_mm: 0.1\n"))
     )
     for pixels in (plain, thin):
-        assert min(near(pixels, DRIVING), near(pixels, DRIVEN)) > 300
+        assert min(near(pixels, DRIVING), near(pixels, HIGHLIGHT)) > 300
     # A row more, for the backlash.
     assert thin.shape[0] > plain.shape[0] + 100
 

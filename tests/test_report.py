@@ -258,14 +258,14 @@ def test_what_is_read_out_is_the_motion(name: str) -> None:
     angles = np.random.default_rng(8).uniform(0.0, charts[0].chart.end, 3000)
     found = motion_at(name, angles)
     for chart, quantity in zip(charts[:3], MOTION, strict=True):
-        assert error_of_straight_lines(chart, reports.in_unit_of(chart, quantity, found), angles) < 0.5, chart.key
+        assert error_of_straight_lines(chart, quantity.values(found), angles) < 0.5, chart.key
 
 
 def test_the_force_is_read_out_on_both_sides_of_its_jump() -> None:
     dead_centre = np.degrees(drives.drive("baler").machine.extended_rad)
     angles = dead_centre + np.array([-1e-3, 1e-3])
     force = reports.motion("baler")[3]
-    wanted = reports.in_unit_of(force, LOAD[0], motion_at("baler", angles))
+    wanted = LOAD[0].values(motion_at("baler", angles))
     assert error_of_straight_lines(force, wanted, angles) < 0.5
 
 
@@ -317,14 +317,6 @@ def test_the_cursor_runs_on_the_drawn_curve(number: int) -> None:
 
 def test_a_cursor_that_is_off_is_seen() -> None:
     assert farthest_from_curve(reports.motion("baler")[0], (0.0, 361.0)) > DRAWN_OFF
-
-
-def test_small_forces_and_powers_are_in_newtons_and_watts() -> None:
-    """400 N against the pump's slider, 27 kN against the baler's."""
-    force, power = (one.chart for one in reports.motion("pump-1-2")[3:5])
-    assert (force.unit, power.unit) == ("N", "W")
-    assert float(force.lines[0].values.max()) == pytest.approx(400.0)
-    assert [one.chart.unit for one in reports.motion("baler")[3:5]] == ["kN", "kW"]
 
 
 @pytest.mark.parametrize(

@@ -141,7 +141,7 @@ def test_readouts_are_the_motion_at_the_angle(baler: Opened, angle_deg: float) -
         for quantity in (*MOTION, *LOAD):
             shown = baler.text(f"figure [data-now={quantity.column}][data-line='{line}']")
             digit = 10.0 ** -known[quantity.column].decimals
-            wanted = float(reports.in_unit_of(known[quantity.column], quantity, motion)[0])
+            wanted = float(quantity.values(motion)[0])
             assert float(shown) == pytest.approx(wanted, abs=0.51 * digit), quantity
     contact = reports.contacts("baler")[0].as_designed
     pressure = np.degrees(contact.pushing.first.pressure_angle_rad)

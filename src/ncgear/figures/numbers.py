@@ -7,22 +7,7 @@ from collections.abc import Mapping
 from math import degrees, isfinite
 from typing import Any
 
-import numpy as np
-
-from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import label_and_unit
-
-THOUSANDS = {"W": "kW", "N": "kN", "N m": "kN m", "mm/s": "m/s", "mm/s\u00b2": "m/s\u00b2"}
-"""Units, each with the unit that is a thousand times as large."""
-
-
-def readable(unit: str, *values: Array | float) -> tuple[float, str]:
-    """The unit in which values (of any shapes, not empty) are easy to read: the factor to it, and its name.
-
-    It is the larger unit where a value reaches a thousand, so that peaks of 1 to 9 999 999 show as 1 to 9999.
-    """
-    largest = max(float(np.max(np.abs(value))) for value in values)
-    return (1e-3, THOUSANDS[unit]) if unit in THOUSANDS and largest >= 1000.0 else (1.0, unit)
 
 
 def finite(value: Any, name: str) -> Any:

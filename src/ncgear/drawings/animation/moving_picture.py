@@ -119,7 +119,7 @@ def charts(both: Sequence[Axes], scene: Scene) -> list[Moving]:
 
 
 def _chart(axes: Axes, motion: SliderMotion, quantity: Quantity) -> Moving:
-    chart = motion_chart(quantity, motion).readable
+    chart = motion_chart(quantity, motion)
     draw(axes, chart, CHART_LOOK)
     decimals = decimals_of(float(np.abs(chart.own.values).max()), DIGITS)
     dot = Line2D([], [], zorder=4, **looks.PITCH_POINT)
@@ -127,7 +127,7 @@ def _chart(axes: Axes, motion: SliderMotion, quantity: Quantity) -> Moving:
     axes.add_artist(dot)
 
     def pose(poses: Poses, row: int) -> None:
-        value = rounded(quantity.values_in(chart.unit, poses.motion)[row], decimals)
+        value = rounded(quantity.values(poses.motion)[row], decimals)
         dot.set_data([degrees(poses.motion.phi1_rad[row])], [value])
         words.set_text(f"{chart.name} {fixed(value, decimals)} {chart.unit}")
 

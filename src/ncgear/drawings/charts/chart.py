@@ -7,13 +7,12 @@ of simulations.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from enum import StrEnum
 from math import floor, log10
 
 import numpy as np
 
-from ncgear.figures.numbers import THOUSANDS, readable
 from ncgear.numerics.arrays import Array
 from ncgear.ratio.transmission import Transmission
 
@@ -85,20 +84,6 @@ class Chart:
     def own(self) -> Line:
         """This design's line."""
         return next(line for line in self.lines if line.role is Role.OWN)
-
-    @property
-    def in_thousands(self) -> Chart:
-        """The chart in a thousand times its unit; unchanged where that unit has no name."""
-        if self.unit not in THOUSANDS:
-            return self
-        lines = tuple(replace(line, values=1e-3 * line.values) for line in self.lines)
-        return replace(self, unit=THOUSANDS[self.unit], lines=lines)
-
-    @property
-    def readable(self) -> Chart:
-        """The chart in the unit in which its largest value is easy to read."""
-        factor, _ = readable(self.unit, *(line.values for line in self.lines if line.values.size))
-        return self if factor == 1.0 else self.in_thousands
 
 
 def decimals_of(largest: float, digits: int) -> int:

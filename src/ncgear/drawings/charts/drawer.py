@@ -85,30 +85,26 @@ MOST_JOINTS = 12
 def draw(axes: Axes, chart: Chart, look: Look) -> None:
     """Draw a chart with its joints and stretches without contact, and name its largest value if it asks for that.
 
-    Axes that have a unit keep it, so that several machines can be drawn onto them; otherwise the unit is the one in
-    which the chart is easy to read.  The caller sets the limits of the horizontal axis and the legend with
-    ``angle_scale``.
+    The caller sets the limits of the horizontal axis and the legend with ``angle_scale``.
     """
-    alike = (one for one in (chart, chart.in_thousands) if look.label(one) == axes.get_ylabel())
-    shown = next(alike, chart.readable)
-    steps: Style = {"drawstyle": "steps-mid"} if shown.counts else {}
-    for line in shown.lines:
-        x, values = _repeated(line, shown)
+    steps: Style = {"drawstyle": "steps-mid"} if chart.counts else {}
+    for line in chart.lines:
+        x, values = _repeated(line, chart)
         axes.plot(x, values, label=line.label, **look.styles[line.role], **steps)
-    if shown.joints_deg.size <= MOST_JOINTS:
-        for number, joint in enumerate(shown.joints_deg):
+    if chart.joints_deg.size <= MOST_JOINTS:
+        for number, joint in enumerate(chart.joints_deg):
             axes.axvline(joint, label=None if number else "joints of the law", **AT_JOINTS)
-    for number, (start, end) in enumerate(shown.apart_deg):
+    for number, (start, end) in enumerate(chart.apart_deg):
         axes.axvspan(start, end, label="" if number else "pushing flanks apart", **APART)
-    if shown.counts:
-        most = int(max(line.values.max() for line in shown.lines))
+    if chart.counts:
+        most = int(max(line.values.max() for line in chart.lines))
         axes.set_yticks(range(most + 1))
         axes.set_ylim(-0.2, most + 0.2)
-    look.finish(axes, shown, look.label(shown))
-    idle = not shown.own.values.any()
-    if look.marks_extremes and (shown.names_extreme or idle):
-        axes.set_xlim(0.0, shown.end)
-        mark_extreme(axes, shown.own, shown.unit)
+    look.finish(axes, chart, look.label(chart))
+    idle = not chart.own.values.any()
+    if look.marks_extremes and (chart.names_extreme or idle):
+        axes.set_xlim(0.0, chart.end)
+        mark_extreme(axes, chart.own, chart.unit)
 
 
 def _repeated(line: Line, chart: Chart) -> tuple[Array, Array]:

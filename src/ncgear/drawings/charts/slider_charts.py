@@ -9,7 +9,6 @@ from math import degrees
 import numpy as np
 
 from ncgear.drawings.charts.chart import EMPTY, Across, Chart, Line, Role, joints_up_to
-from ncgear.figures.numbers import THOUSANDS
 from ncgear.kinematics.motion import SliderMotion
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
@@ -28,11 +27,6 @@ class Quantity:
         """The values in ``unit``, shape (n,)."""
         values: Array = getattr(motion, self.column)
         return values
-
-    def values_in(self, unit: str, motion: SliderMotion) -> Array:
-        """The values in the quantity's own unit, or in a thousand times that unit where ``unit`` names it."""
-        factor = 1e-3 if unit == THOUSANDS.get(self.unit) else 1.0
-        return factor * self.values(motion)
 
 
 DISPLACEMENT = Quantity("displacement_mm", "displacement", "mm", names_extreme=False)

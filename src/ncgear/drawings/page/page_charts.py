@@ -74,7 +74,7 @@ def motion_charts(drive: Drive, end_rad: float) -> list[PageChart]:
     joints = np.degrees(joints_up_to(drive.transmission, end_rad))
     charts = []
     for quantity in (*MOTION, *(LOAD if drive.design.resistance is not None else ()), RATIO):
-        chart = motion_chart(quantity, own, uniform, joints).readable
+        chart = motion_chart(quantity, own, uniform, joints)
         this, other = chart.lines
         lines = this, replace(other, label="uniform crank")
         period = degrees(drive.transmission.cycle_rad)

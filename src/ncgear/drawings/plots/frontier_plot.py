@@ -24,7 +24,6 @@ from ncgear.drawings.plots.canvas import (
     place_note,
     png,
 )
-from ncgear.figures.numbers import readable
 from ncgear.numerics.arrays import Array
 
 WIDTH_IN, HEIGHT_IN = 8.2, 5.8
@@ -41,25 +40,19 @@ Named = tuple[str, float, float]
 def frontier(limit: Array, laws: Array, family: Array, mechanisms: Sequence[Named], title: str) -> bytes:
     """PNG of the frontier; ``limit``, ``laws`` and ``family`` have rows of power in W and acceleration in mm/s2.
 
-    The units are those in which limit, laws and mechanisms are easy to read; a part of the family may be outside the
-    picture.
+    A part of the family may be outside the picture.
     """
     standing = rows([mechanism[1:] for mechanism in mechanisms])
     shown = np.vstack([limit, laws, standing])
-    (by_power, power_unit), (by_acceleration, acceleration_unit) = (
-        readable("W", shown[:, 0]),
-        readable("mm/s\u00b2", shown[:, 1]),
-    )
-    factors = np.array([by_power, by_acceleration])
     made = figure(WIDTH_IN, HEIGHT_IN, title)
     made.subplots_adjust(**Margins(left=0.8, right=0.25, top=0.8).shares(WIDTH_IN, HEIGHT_IN))
     axes = made.add_subplot()
-    _draw_curves(axes, factors * limit, factors * laws, factors * family)
-    _set_scales(axes, factors * shown)
+    _draw_curves(axes, limit, laws, family)
+    _set_scales(axes, shown)
     curves = list(axes.lines)
-    for (name, *_), (power, acceleration) in zip(mechanisms, factors * standing, strict=True):
+    for (name, *_), (power, acceleration) in zip(mechanisms, standing, strict=True):
         _draw_mechanism(axes, name, power, acceleration, curves)
-    dress(axes, f"peak power in {power_unit}", f"peak acceleration in {acceleration_unit}")
+    dress(axes, "peak power in W", "peak acceleration in mm/s\u00b2")
     legend_above(axes)
     return png(made)
 
