@@ -267,25 +267,23 @@ def test_nothing_is_called_impossible_that_the_points_do_not_prove(monkeypatch: 
     picture.frontier(np.column_stack([powers, 9e7 / powers]), picture.rows([(9000.0, 2e4)]), picture.rows([]), [], "x")
     area = drawn[0].collections[0].get_paths()[0]
     for power in np.geomspace(2000.0, 11_900.0, 40):
-        assert not area.contains_point((power / 1e3, 1.0001 * 9e7 / power / 1e3))
+        assert not area.contains_point((power, 1.0001 * 9e7 / power))
     for power in powers:
-        assert area.contains_point((0.999 * power / 1e3, 0.999 * 9e7 / power / 1e3))
+        assert area.contains_point((0.999 * power, 0.999 * 9e7 / power))
 
 
-@pytest.mark.parametrize(("times", "power", "acceleration"), [(1.0, "kW", "m/s\u00b2"), (1e-3, "W", "mm/s\u00b2")])
-def test_the_picture_has_the_units_of_its_size(
-    times: float, power: str, acceleration: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.parametrize("times", [1.0, 1e-3])
+def test_the_picture_has_one_unit_whatever_the_size(times: float, monkeypatch: pytest.MonkeyPatch) -> None:
     drawn: list[Axes] = []
     monkeypatch.setattr(picture, "legend_above", drawn.append)
     points = times * np.array([[6000.0, 30_000.0], [12_000.0, 14_000.0]])
     picture.frontier(points, points, picture.rows([]), [("crank", times * 9000.0, times * 20_000.0)], "both")
     (axes,) = drawn
-    assert axes.get_xlabel() == f"peak power in {power}"
-    assert axes.get_ylabel() == f"peak acceleration in {acceleration}"
+    assert axes.get_xlabel() == "peak power in W"
+    assert axes.get_ylabel() == "peak acceleration in mm/s\u00b2"
     low, high = axes.get_xlim()
-    assert low < 6.0 < 12.0 < high < 20.0
-    assert axes.lines[0].get_ydata() == pytest.approx([30.0, 14.0])
+    assert low < 6000.0 * times < 12_000.0 * times < high < 20_000.0 * times
+    assert axes.lines[0].get_ydata() == pytest.approx([30_000.0 * times, 14_000.0 * times])
 
 
 @pytest.mark.slow

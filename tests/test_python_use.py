@@ -130,22 +130,22 @@ def axes() -> Axes:
 
 
 OVER_ANGLE = {
-    "displacement": ("displacement_mm", 1.0),
-    "velocity": ("velocity_mm_s", 1e-3),
-    "acceleration": ("acceleration_mm_s2", 1e-3),
-    "force": ("force_n", 1e-3),
-    "power": ("power_w", 1e-3),
+    "displacement": "displacement_mm",
+    "velocity": "velocity_mm_s",
+    "acceleration": "acceleration_mm_s2",
+    "force": "force_n",
+    "power": "power_w",
 }
 
 
 @pytest.mark.parametrize("name", OVER_ANGLE)
 def test_a_plot_of_motion_draws_the_drives_values_onto_the_axes_given(drive: ncgear.Drive, name: str) -> None:
-    given, (column, factor) = axes(), OVER_ANGLE[name]
+    given, column = axes(), OVER_ANGLE[name]
     assert getattr(ncgear.plots, name)(drive, given) is given
     own, uniform = given.get_lines()[:2]
     np.testing.assert_allclose(own.get_xdata(), np.degrees(drive.motion.phi1_rad))
-    np.testing.assert_allclose(own.get_ydata(), factor * getattr(drive.motion, column))
-    np.testing.assert_allclose(uniform.get_ydata(), factor * getattr(drive.uniform_motion, column))
+    np.testing.assert_allclose(own.get_ydata(), getattr(drive.motion, column))
+    np.testing.assert_allclose(uniform.get_ydata(), getattr(drive.uniform_motion, column))
     assert given.get_xlabel() == "driving angle phi1 in deg"
 
 
