@@ -6,7 +6,7 @@ so that labels and limits can be changed:
 >>> import ncgear
 >>> drive = ncgear.load("designs/ellipse.yaml")
 >>> ncgear.plots.acceleration(drive).get_ylabel()
-'acceleration in m/s\u00b2'
+'acceleration in mm/s\u00b2'
 
 Drawing computes the attributes of the drive that it shows, and raises the errors that these raise.
 """
