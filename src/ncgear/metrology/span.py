@@ -10,6 +10,8 @@ With d the direction inwards at P1, the curve turns by 2 alpha from P1 to P2, an
 that are turned a little from the common normal are farther apart where both flanks' radii of curvature together exceed
 their distance, that is where sin(alpha) (1/k1 + 1/k2) exceeds the chord; elsewhere they are nearer.
 
+The back flanks of a gear whose teeth leave play stand turned about its axis, and P1 with them.
+
 With sigma1 and sigma2 the arc lengths of the chord's ends, and c1, c2 those at which the back flank of the first tooth
 and the front flank of the last tooth cross the pitch curve, the span is
 
@@ -62,15 +64,16 @@ def spans(working: WorkingFlanks) -> Spans:
     their flanks do not follow the pitch curve.
     """
     flanks = working.flanks
-    chords = NO_CHORDS
+    # Every back flank stands turned by as much, and so does all that it rolls on.
+    turn, chords = float(flanks.turn_rad[0] - flanks.turn_rad[1]), NO_CHORDS
     if not flanks.equivalent:
-        chords = _of_teeth(working, measuring_chords(flanks.curve, flanks.rack.pressure_angle_rad))
+        chords = _of_teeth(working, measuring_chords(flanks.curve, flanks.rack.pressure_angle_rad, turn))
     first, low = _touching(working, chords.start_mm, -1.0)
     last, high = _touching(working, chords.end_mm, 1.0)
     good = np.isfinite(low) & np.isfinite(high)
     first, last = first[good], last[good]
-    way = flanks.curve.at_length(chords.end_mm).position - flanks.curve.at_length(chords.start_mm).position
-    distance = np.linalg.norm(way, axis=1)[good] + (low + high)[good] / np.sin(flanks.rack.pressure_angle_rad)
+    length = _offset(_Way(flanks.curve, flanks.rack.pressure_angle_rad, turn), chords.start_mm, chords.end_mm)[1]
+    distance = length[good] + (low + high)[good] / np.sin(flanks.rack.pressure_angle_rad)
     middle = (chords.start_mm + chords.end_mm)[good] / 2.0
     return Spans(
         flanks.tooth[first],
@@ -147,94 +150,110 @@ class MeasuringChords:
 NO_CHORDS = MeasuringChords(np.empty(0), np.empty(0), np.zeros(0, dtype=bool))
 
 
-def measuring_chords(curve: PitchCurve, angle_rad: float) -> MeasuringChords:
+def measuring_chords(curve: PitchCurve, angle_rad: float, turn_rad: float = 0.0) -> MeasuringChords:
     """All measuring chords of one turn of a curve; none on a ring.
 
+    They begin on the curve turned by ``turn_rad`` about the gear's axis, as back flanks stand, and end on the curve.
     Both ends are where the curve is convex; on a dented curve a chord begins only where the curve has turned farther
     than anywhere before.
     """
     if curve.is_ring:
         return NO_CHORDS
-    start, end, leaps = _tried(curve, angle_rad)
-    offset, length = _offset(curve, angle_rad, start, end)
+    way = _Way(curve, angle_rad, turn_rad)
+    start, end, leaps = _tried(way)
+    offset, length = _offset(way, start, end)
     if np.all(np.abs(offset) <= EVEN * length):
         return MeasuringChords(start[:1], end[:1], np.ones(1, dtype=bool), everywhere=True)
     neighbours = (np.diff(start) < NEIGHBOURS * curve.length_mm / STEPS) & (np.diff(leaps) == 0)
     change = np.nonzero(((offset[:-1] < 0.0) != (offset[1:] < 0.0)) & neighbours)[0]
-    found = _closed_in(curve, angle_rad, (start, end), change)
+    found = _closed_in(way, (start, end), change)
     # A dent flatter than a step lets the end leap unseen: there the offset changes sign and is nowhere zero
-    offset, length = _offset(curve, angle_rad, *found)
+    offset, length = _offset(way, *found)
     found = found[0][np.abs(offset) <= EVEN * length], found[1][np.abs(offset) <= EVEN * length]
-    return MeasuringChords(*found, _is_least(curve, angle_rad, *found))
+    return MeasuringChords(*found, _is_least(way, *found))
 
 
-def _tried(curve: PitchCurve, angle: float) -> tuple[Array, Array, IndexArray]:
+@dataclass(frozen=True, eq=False)
+class _Way:
+    """From where and to where chords go: from the ``curve`` turned by ``turn_rad`` to the curve, at ``angle_rad``."""
+
+    curve: PitchCurve
+    angle_rad: float
+    turn_rad: float
+
+    def start(self, sigma_mm: Array) -> CurvePoints:
+        """The turned curve at arc lengths."""
+        at = self.curve.at_length(sigma_mm)
+        return at.turned(np.full(at.curvature.shape, self.turn_rad)) if self.turn_rad else at
+
+    @property
+    def sense(self) -> float:
+        """+1 where the normal is to the left of the tangent, -1 to the right."""
+        return 1.0 if self.curve.gear is Gear.DRIVING else -1.0
+
+    def inwards(self, at: CurvePoints) -> Array:
+        """Directions of chords that begin at points."""
+        directions: Array = cos(self.angle_rad) * at.tangent - sin(self.angle_rad) * at.normal
+        return directions
+
+
+def _tried(way: _Way) -> tuple[Array, Array, IndexArray]:
     """Starts over one turn, the ends after a turning of 2 alpha, and how many steps of dents the ends have leapt over.
 
     Shape (n,) each.
     """
+    curve = way.curve
     step = curve.length_mm / STEPS
     grid = np.linspace(-curve.length_mm, 2.0 * curve.length_mm, 3 * STEPS + 1)
     # How far the curve has turned, up to a constant; it grows where the curve is convex.
     tangent = curve.at_length(grid).tangent
-    turned = -_sense(curve) * np.unwrap(np.arctan2(tangent[:, 1], tangent[:, 0]))
+    turned = -way.sense * np.unwrap(np.arctan2(tangent[:, 1], tangent[:, 0]))
     farthest = np.maximum.accumulate(turned)
     first = np.nonzero(turned[STEPS : 2 * STEPS + 1] >= farthest[STEPS : 2 * STEPS + 1])[0] + STEPS
-    goal = turned[first] + 2.0 * angle
+    goal = turned[first] - way.sense * way.turn_rad + 2.0 * way.angle_rad
     after = np.searchsorted(farthest, goal)
     kept = (after < grid.size) & (turned[np.minimum(first + 1, grid.size - 1)] > turned[first])
     first, after = first[kept], after[kept]
-    end = _end_of(curve, angle, grid[first], grid[after] - (1.0 + HAIR) * step, grid[after] + HAIR * step)
+    end = _end_of(way, grid[first], grid[after] - (1.0 + HAIR) * step, grid[after] + HAIR * step)
     dented: IndexArray = np.cumsum((turned < farthest).astype(np.intp))
     return grid[first], end, dented[after]
 
 
-def _sense(curve: PitchCurve) -> float:
-    """+1 where the normal is to the left of the tangent, -1 to the right."""
-    return 1.0 if curve.gear is Gear.DRIVING else -1.0
-
-
-def _inwards(at: CurvePoints, angle: float) -> Array:
-    """Directions of chords that begin at points."""
-    directions: Array = cos(angle) * at.tangent - sin(angle) * at.normal
-    return directions
-
-
-def _end_of(curve: PitchCurve, angle: float, start: Array, low: Array, high: Array) -> Array:
+def _end_of(way: _Way, start: Array, low: Array, high: Array) -> Array:
     """Arc lengths between bounds at which the curve has turned by 2 alpha since the starts; shape (n,) each."""
-    wanted, sense = _inwards(curve.at_length(start), angle), _sense(curve)
+    wanted, angle = way.inwards(way.start(start)), way.angle_rad
 
     def short(sigma: Array) -> Array:
-        at = curve.at_length(sigma)
+        at = way.curve.at_length(sigma)
         outwards = cos(angle) * at.tangent + sin(angle) * at.normal
-        lacking: Array = sense * cross(wanted, outwards)
+        lacking: Array = way.sense * cross(wanted, outwards)
         return lacking
 
     return zeros_between(short, low, high)
 
 
-def _offset(curve: PitchCurve, angle: float, start: Array, end: Array) -> tuple[Array, Array]:
+def _offset(way: _Way, start: Array, end: Array) -> tuple[Array, Array]:
     """q, and the length of the chord."""
-    first, last = curve.at_length(start), curve.at_length(end)
-    way = last.position - first.position
-    return cross(way, _inwards(first, angle)), np.linalg.norm(way, axis=1)
+    first, last = way.start(start), way.curve.at_length(end)
+    chord = last.position - first.position
+    return cross(chord, way.inwards(first)), np.linalg.norm(chord, axis=1)
 
 
-def _closed_in(curve: PitchCurve, angle: float, tried: tuple[Array, Array], change: IndexArray) -> tuple[Array, Array]:
+def _closed_in(way: _Way, tried: tuple[Array, Array], change: IndexArray) -> tuple[Array, Array]:
     """Both ends of the chords between neighbours whose offsets differ in sign."""
     start, end = tried
-    margin = HAIR * curve.length_mm / STEPS
+    margin = HAIR * way.curve.length_mm / STEPS
     low, high = end[change] - margin, end[change + 1] + margin
 
     def offset(sigma: Array) -> Array:
-        return _offset(curve, angle, sigma, _end_of(curve, angle, sigma, low, high))[0]
+        return _offset(way, sigma, _end_of(way, sigma, low, high))[0]
 
     found = zeros_between(offset, start[change], start[change + 1])
-    return found, _end_of(curve, angle, found, low, high)
+    return found, _end_of(way, found, low, high)
 
 
-def _is_least(curve: PitchCurve, angle: float, start: Array, end: Array) -> Mask:
-    first, last = curve.at_length(start), curve.at_length(end)
+def _is_least(way: _Way, start: Array, end: Array) -> Mask:
+    first, last = way.start(start), way.curve.at_length(end)
     radii = 1.0 / first.curvature + 1.0 / last.curvature
-    least: Mask = sin(angle) * radii > np.linalg.norm(last.position - first.position, axis=1)
+    least: Mask = sin(way.angle_rad) * radii > np.linalg.norm(last.position - first.position, axis=1)
     return least

@@ -20,6 +20,7 @@ from math import atan, cos, sin, tan
 import numpy as np
 
 from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.plane import turned
 from ncgear.teeth.flank import Flanks
 from ncgear.teeth.gear import ToothedGear
 
@@ -51,7 +52,7 @@ class WorkingFlanks:
     def parallel(self, flank: IndexArray, height_mm: Array, distance_mm: float) -> tuple[Array, Array]:
         """Points at a distance outside the points where flanks touch at heights, and derivatives by the height."""
         angle, side = self.flanks.rack.pressure_angle_rad, self.flanks.side[flank][..., None]
-        at = self.flanks.at_rolled(flank, self.flanks.rolled_mm(flank, height_mm))
+        at = self.flanks.standing(flank, self.flanks.rolled_mm(flank, height_mm))
         farther = height_mm / sin(angle) + distance_mm
         along = cos(angle) * at.normal - side * sin(angle) * at.tangent
         speed = (sin(angle) + farther * at.curvature) / self.flanks.rack.height_per_rolled
@@ -69,8 +70,14 @@ def working_flanks(gear: ToothedGear, helix_rad: float = 0.0) -> WorkingFlanks:
     along, height = gear.sides.tip_mm.reshape(-1, 2), gear.flanks.tip_height_mm.reshape(-1, 2)
     ends = np.stack([along[:, 0], along.mean(axis=1), along[:, 1]], axis=1)
     heights = np.stack([height[:, 0], height.mean(axis=1), height[:, 1]], axis=1)
-    tips = gear.flanks.offset(ends, heights)[0]
+    tips = turned(gear.flanks.offset(ends, heights)[0], _over_tips_rad(gear))
     return WorkingFlanks(replace(gear.flanks, rack=replace(rack, relief=None)), low, high, tips, base)
+
+
+def _over_tips_rad(gear: ToothedGear) -> Array:
+    """Angles by which both ends and the middle of each tip land stand turned, shape (z, 3)."""
+    turn = gear.flanks.turn_rad.reshape(-1, 2)
+    return np.stack([turn[:, 0], turn.mean(axis=1), turn[:, 1]], axis=1)
 
 
 def tip_radii_mm(gear: ToothedGear) -> Array:

@@ -54,6 +54,13 @@ def cross(first: Array, second: Array) -> Array:
     return product
 
 
+def turned(vectors: Array, angle_rad: Array) -> Array:
+    """Vectors of shape (..., 2) turned counter-clockwise by angles; shapes broadcast."""
+    cosine, sine = np.cos(angle_rad), np.sin(angle_rad)
+    x, y = vectors[..., 0], vectors[..., 1]
+    return np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
+
+
 def signed_area(ring: Array) -> Array:
     """Areas, shape (...), of closed polygons, shape (..., n, 2), whose first point is not repeated.
 

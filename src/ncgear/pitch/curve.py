@@ -20,6 +20,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, Columns
 from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
+from ncgear.numerics.plane import turned
 from ncgear.numerics.units import in_words
 from ncgear.pitch import shape
 from ncgear.pitch.shape import Gear, Mesh
@@ -38,6 +39,11 @@ class CurvePoints(Columns):
     tangent: Array
     normal: Array
     curvature: Array
+
+    def turned(self, angle_rad: Array) -> CurvePoints:
+        """The curve turned counter-clockwise about (0, 0) by angles; shapes broadcast."""
+        position, tangent, normal = (turned(array, angle_rad) for array in (self.position, self.tangent, self.normal))
+        return CurvePoints(position, tangent, normal, np.broadcast_to(self.curvature, position.shape[:-1]))
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.units import in_words
 from ncgear.pitch.shape import Mesh
 from ncgear.solids.helical.helix import Hand, Helix
-from ncgear.teeth.form import BasicRack, Cutter, CutterKind, TipLimits, TipRelief, ToothForm
+from ncgear.teeth.form import Backlash, BasicRack, Cutter, CutterKind, TipLimits, TipRelief, ToothForm
 
 if TYPE_CHECKING:
     from ncgear.pitch.pair import PitchPair
@@ -29,7 +29,6 @@ def rack_of(gears: Gears, module_mm: float) -> BasicRack:
         addendum_mm=rack.addendum * module_mm,
         dedendum_mm=rack.dedendum * module_mm,
         root_radius_mm=rack.root_radius * module_mm,
-        backlash_mm=gears.backlash_mm,
         relief=_relief(rack, module_mm),
     )
 
@@ -62,6 +61,7 @@ def tooth_form_of(gears: Gears, module_mm: float) -> ToothForm:
     driven = shift.driven if shift.driven is not None else 0.0 - driving
     return ToothForm(
         rack=rack_of(gears, module_mm),
+        backlash=backlash_of(gears),
         driving_shift_mm=driving * module_mm,
         driven_shift_mm=driven * module_mm,
         shift_for_undercut=shift.against_undercut,
@@ -69,6 +69,12 @@ def tooth_form_of(gears: Gears, module_mm: float) -> ToothForm:
         limits=TipLimits(gears.least_tip_land * module_mm, gears.undercut == "avoid"),
         equivalent=gears.method == "equivalent_gear",
     )
+
+
+def backlash_of(gears: Gears) -> Backlash:
+    """The play that is asked for; no play where nothing is said."""
+    driven_rad = radians(gears.backlash_deg or 0.0)
+    return Backlash(gears.backlash_mm, driven_rad, gears.backlash_share)
 
 
 def mesh_place(gears: Gears, center_distance_mm: float) -> MeshPlace:

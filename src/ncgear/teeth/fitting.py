@@ -195,10 +195,11 @@ def _freed(tips: PairTips, paths: tuple[TipPaths, TipPaths] | None, first: int) 
 
 
 def _deepened(own: Tips, mate: Tips, mates: Mates, clearance: float) -> Tips:
-    """The gear with spaces for its mate's tips, with rounded bottoms that leave the clearance."""
+    """The gear with spaces for its mate's tips, with rounded bottoms that leave the clearance over the whole play."""
     rack = own.flanks.rack
     touched = _most(own.flanks.count, mates, mate.height_mm)
-    radius = max(rack.root_radius_mm, clearance / (1.0 - sin(rack.pressure_angle_rad)))
+    deep = clearance + _most(own.flanks.count, mates, mate.flanks.lift_mm)
+    radius = np.maximum(rack.root_radius_mm, deep / (1.0 - sin(rack.pressure_angle_rad)))
     return replace(own, flanks=mated_spaces(own.flanks, touched, radius))
 
 

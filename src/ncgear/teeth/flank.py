@@ -23,17 +23,21 @@ Equivalent-gear method, on request: each flank is the involute of the circular g
 where the flank crosses the pitch curve.  Exact where the curvature is constant; else the flank strays with the
 curvature's change over the distance rolled.  J. Wang, C. Wang and L. Miao call it the conversion tooth profile method
 and used it for their baler.
+
+A flank, with its fillet and all it rolls on, may stand turned about the gear's axis: so idle flanks make room for play
+(backlash.py).  Heights, arc lengths and regularity do not know of that.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import cos, lcm, remainder, sin, tan
 
 import numpy as np
 
 from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.plane import cross, turned
 from ncgear.numerics.units import in_words
 from ncgear.numerics.zeros import first_zeros
 from ncgear.pitch.curve import CurvePoints, PitchCurve
@@ -45,14 +49,32 @@ FLANK, FILLET = 0, 1
 
 
 @dataclass(frozen=True, eq=False)
+class Sweep:
+    """Where the bottoms of spaces turn over from how a front flank stands to how the back flank behind it stands.
+
+    A place in a space is told by the arc length of its land, which goes on along both fillets: a fillet of a flank that
+    ends at ``end_mm`` is at end - pace (sigma - end), at the speed of the land; shape (2 z,) each.  The bottom after
+    each tooth turns over about the place ``at_mm``, where it is deepest, within ``reach_mm`` to either side, shape (z,)
+    each.
+    """
+
+    end_mm: Array
+    pace: Array
+    at_mm: Array
+    reach_mm: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Flanks:
     """All flanks of a gear in the order of arc length: back and front flank of tooth 1, of tooth 2, and so on.
 
     The arrays have shape (2 z,), z being the number of teeth.  ``crossing_mm`` is the arc length at which a flank
     crosses the pitch curve; ``side`` is -1 for back and +1 for front flanks.  ``tip_height_mm`` is the distance of the
     tip land from the pitch curve; ``flank_depth_mm`` is the depth below the rack's pitch line at which the flank passes
-    into its fillet.  The fillet is left by ``tool``, with a tip rounded by ``root_radius_mm``.  With ``equivalent``
-    flanks roll on the circle of curvature at their crossing instead of on the pitch curve.
+    into its fillet.  The fillet is left by ``tool``, with a tip rounded by ``root_radius_mm``.  ``turn_rad`` is the
+    angle by which a flank stands turned about the gear's axis, counter-clockwise; fillets stand like their flanks, but
+    turn over to the other side of the space where ``sweep`` says so.  With ``equivalent`` flanks roll on the circle of
+    curvature at their crossing instead of on the pitch curve.
     """
 
     curve: PitchCurve
@@ -63,7 +85,9 @@ class Flanks:
     flank_depth_mm: Array
     root_radius_mm: Array
     tool: Tool
+    turn_rad: Array
     equivalent: bool = False
+    sweep: Sweep | None = None
 
     @property
     def count(self) -> int:
@@ -80,6 +104,27 @@ class Flanks:
         """The tool's rounded tip at each flank."""
         return rounding_of(self.tool, self.rack, self.crossing_mm, self.side, self.flank_depth_mm, self.root_radius_mm)
 
+    @cached_property
+    def is_turned(self) -> bool:
+        """Whether any flank stands turned."""
+        return bool(np.any(self.turn_rad))
+
+    @property
+    def unturned(self) -> Flanks:
+        """The flanks without play: as they meet when each side touches."""
+        return replace(self, turn_rad=np.zeros(self.count), sweep=None) if self.is_turned else self
+
+    @property
+    def pulling(self) -> Flanks:
+        """The flanks as they stand where the idle ones touch, which are then at the law's angle."""
+        return replace(self, turn_rad=self.turn_rad - self.turn_rad[0]) if self.is_turned else self
+
+    @property
+    def lift_mm(self) -> Array:
+        """How far the play moves the pitch curve in or out where a flank crosses it, shape (2 z,); 0 without play."""
+        at = self._crossings
+        return np.abs(np.ptp(self.turn_rad) * cross(at.position, at.normal))
+
     @property
     def root_depth_mm(self) -> Array:
         """Depth of the root land below the pitch curve at each flank's end of it, shape (2 z,)."""
@@ -90,13 +135,18 @@ class Flanks:
         return self.curve.at_length(self.crossing_mm)
 
     def at_rolled(self, flank: IndexArray, sigma_mm: Array) -> CurvePoints:
-        """Points of what rolls for the given flanks: the pitch curve, or each flank's circle of curvature.
+        """Points of what rolls for the given flanks: the pitch curve, or each flank's circle of curvature, unturned.
 
         Shapes broadcast.
         """
-        if not self.equivalent:
-            return self.curve.at_length(sigma_mm)
-        return on_circles(self._crossings.kept(flank), sigma_mm - self.crossing_mm[flank])
+        if self.equivalent:
+            return on_circles(self._crossings.kept(flank), sigma_mm - self.crossing_mm[flank])
+        return self.curve.at_length(sigma_mm)
+
+    def standing(self, flank: IndexArray, sigma_mm: Array) -> CurvePoints:
+        """Points of what rolls, as they stand."""
+        at = self.at_rolled(flank, sigma_mm)
+        return at.turned(self.turn_rad[flank]) if self.is_turned else at
 
     def rolled_mm(self, flank: IndexArray, height_mm: Array) -> Array:
         """Arc length of the pitch point when the flank touches at the given heights; shapes broadcast."""
@@ -105,7 +155,7 @@ class Flanks:
     def flank(self, flank: IndexArray, height_mm: Array) -> tuple[Array, Array]:
         """Points of flanks at heights over the rack's pitch line, and their derivatives by the height."""
         angle, side = self.rack.pressure_angle_rad, self.side[flank][..., None]
-        at = self.at_rolled(flank, self.rolled_mm(flank, height_mm))
+        at = self.standing(flank, self.rolled_mm(flank, height_mm))
         along = cos(angle) * at.normal - side * sin(angle) * at.tangent
         slope = (sin(angle) + height_mm * at.curvature / sin(angle)) / self.rack.height_per_rolled
         point = at.position + height_mm[..., None] * (side / tan(angle) * at.tangent + at.normal)
@@ -147,7 +197,16 @@ class Flanks:
         reach, turning = 1.0 + radius / distance, at.curvature + tool.curvature
         speed = (turning * (distance + radius) - radius * v / distance**2) / distance
         point = at.position + (reach * u)[..., None] * at.tangent + (reach * v)[..., None] * at.normal
-        return point, (speed * v)[..., None] * at.tangent - (speed * u)[..., None] * at.normal
+        fillet = point, (speed * v)[..., None] * at.tangent - (speed * u)[..., None] * at.normal
+        if not self.is_turned:
+            return fillet
+        if self.sweep is None:
+            return _turned(fillet, self.turn_rad[flank], 0.0)
+        # A back flank is in the space after the tooth before; the first one's space begins before the seam.
+        tooth, teeth = (flank - 1) // 2, self.count // 2
+        end, pace = self.sweep.end_mm[flank], self.sweep.pace[flank]
+        place = end - pace * (sigma_mm - end) - self.curve.length_mm * (tooth // teeth)
+        return self.bottom(tooth % teeth, place, -pace, fillet)
 
     def curve_of(self, kind: IndexArray, flank: IndexArray, parameter: Array) -> tuple[Array, Array]:
         """Points and derivatives of n mixed curves (kinds FLANK, FILLET) at parameters of shape (n, ...)."""
@@ -160,10 +219,43 @@ class Flanks:
         return point, slope
 
     def offset(self, sigma_mm: Array, height_mm: Array | float) -> tuple[Array, Array]:
-        """The curves at constant distances from the pitch curve (tips, roots), and derivatives by sigma."""
+        """The curves at constant distances from the unturned pitch curve (tips, roots), and derivatives by sigma."""
         at, height = self.curve.at_length(sigma_mm), np.asarray(height_mm, dtype=float)
         slope = (1.0 + height * at.curvature)[..., None] * at.tangent
         return at.position + height[..., None] * at.normal, slope
+
+    def over_tip(self, tooth: IndexArray, share: Array, rate: Array, land: tuple[Array, Array]) -> tuple[Array, Array]:
+        """Points of tip lands and derivatives, turned by as much as the flanks at both ends of each land.
+
+        ``land`` has them unturned, at a ``share`` of the way from the back flank to the front flank of each tooth
+        (numbered from 0) that grows by ``rate``; shapes broadcast.
+        """
+        first, last = self.turn_rad[2 * tooth], self.turn_rad[2 * tooth + 1]
+        return _turned(land, first + (last - first) * share, (last - first) * rate) if self.is_turned else land
+
+    def bottom(
+        self, tooth: IndexArray, place_mm: Array, pace: Array | float, curve: tuple[Array, Array]
+    ) -> tuple[Array, Array]:
+        """Points and derivatives of the bottoms of spaces, turned as ``sweep`` says.
+
+        ``curve`` has them unturned, at places in the spaces after teeth (numbered from 0), which grow by ``pace``;
+        shapes broadcast.
+        """
+        if self.sweep is None:
+            return curve
+        first, last = self.turn_rad[2 * tooth + 1], self.turn_rad[(2 * tooth + 2) % self.count]
+        reach = self.sweep.reach_mm[tooth]
+        way = np.clip((place_mm - self.sweep.at_mm[tooth]) / reach, -1.0, 1.0)
+        # Even at both ends up to the curvature.
+        share, rate = (8.0 + way * (15.0 - way**2 * (10.0 - 3.0 * way**2))) / 16.0, 15.0 * (1.0 - way**2) ** 2 / 16.0
+        return _turned(curve, first + (last - first) * share, (last - first) * rate / reach * pace)
+
+
+def _turned(curve: tuple[Array, Array], angle_rad: Array, rate: Array | float) -> tuple[Array, Array]:
+    """Points and derivatives of curves that are turned by angles, which grow by ``rate`` along them."""
+    point, slope = (turned(array, angle_rad) for array in curve)
+    across = np.stack([-point[..., 1], point[..., 0]], axis=-1)
+    return point, slope + np.asarray(rate)[..., None] * across
 
 
 def on_circles(touched: CurvePoints, rolled_mm: Array) -> CurvePoints:
@@ -191,18 +283,21 @@ def flanks_of(
     teeth: int,
     tool: Tool,
     start_mm: float,
-    loaded_side: float,
+    half_widths_mm: tuple[float, float] | None = None,
+    idle_turn_rad: float = 0.0,
     *,
     equivalent: bool = False,
 ) -> Flanks:
     """The flanks of a gear with ``teeth`` teeth at full height and depth.
 
-    The middle of tooth 1 stands at the arc length ``start_mm``, less whole turns, so that every tooth keeps its number.
-    Backlash is taken off the flanks that do not face ``loaded_side``.
+    Tooth 1 stands at the arc length ``start_mm``, less whole turns, so that every tooth keeps its number.  From there
+    its back and its front flank are ``half_widths_mm`` away, by default a quarter of a pitch.  The driven gear's idle
+    flanks, which are its back flanks, stand turned by ``idle_turn_rad``.
     """
     centers = remainder(start_mm, curve.length_mm) + np.arange(teeth) * (curve.length_mm / teeth)
     side = np.tile([-1.0, 1.0], teeth)
-    half_width = np.where(side == loaded_side, rack.loaded_half_width_mm, rack.idle_half_width_mm)
+    quarter = rack.pitch_mm / 4.0
+    half_width = np.tile(half_widths_mm or (quarter, quarter), teeth)
     every = np.ones(2 * teeth)
     depth = rack.root_depth_mm - rack.rounding_height_mm
     return Flanks(
@@ -214,6 +309,7 @@ def flanks_of(
         depth * every,
         rack.root_radius_mm * every,
         tool,
+        np.where(side < 0.0, idle_turn_rad, 0.0),
         equivalent,
     )
 

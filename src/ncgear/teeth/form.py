@@ -34,9 +34,8 @@ class BasicRack:
     """Rack tooth of one gear, lengths in mm.
 
     ``addendum_mm`` is the gear's addendum and ``dedendum_mm`` its dedendum (the cutter tooth's height), both without
-    profile shift.  ``root_radius_mm`` is the rounding at the cutter's tip.  ``backlash_mm`` is the normal backlash of
-    the pair; half of it is taken from each gear's idle flanks.  ``shift_mm`` is the profile shift, positive outwards.
-    Raises WrongInput when the rounding does not fit into the tooth.
+    profile shift.  ``root_radius_mm`` is the rounding at the cutter's tip.  ``shift_mm`` is the profile shift, positive
+    outwards.  Raises WrongInput when the rounding does not fit into the tooth.
     """
 
     module_mm: float
@@ -44,7 +43,6 @@ class BasicRack:
     addendum_mm: float
     dedendum_mm: float
     root_radius_mm: float
-    backlash_mm: float = 0.0
     shift_mm: float = 0.0
     relief: TipRelief | None = None
 
@@ -58,7 +56,7 @@ class BasicRack:
             )
         if self.tooth_half_width_mm <= self.addendum_mm * tan(self.pressure_angle_rad):
             raise WrongInput(
-                "the rack's teeth are pointed below their tips; a smaller addendum, pressure angle or backlash helps",
+                "the rack's teeth are pointed below their tips; a smaller addendum or pressure angle helps",
                 key="gears.rack.addendum",
             )
 
@@ -87,24 +85,9 @@ class BasicRack:
         return self.dedendum_mm - self.shift_mm
 
     @property
-    def thinning_mm(self) -> float:
-        """How much thinner the backlash makes this gear's teeth on the pitch curve."""
-        return self.backlash_mm / (2.0 * cos(self.pressure_angle_rad))
-
-    @property
-    def loaded_half_width_mm(self) -> float:
-        """From the middle of a tooth to its loaded flank along the pitch curve; no backlash is taken off that flank."""
-        return self.pitch_mm / 4.0 + self.shift_mm * tan(self.pressure_angle_rad)
-
-    @property
-    def idle_half_width_mm(self) -> float:
-        """From the middle of a tooth to its idle flank along the pitch curve; backlash is taken off that flank."""
-        return self.loaded_half_width_mm - self.thinning_mm
-
-    @property
     def tooth_half_width_mm(self) -> float:
-        """Half the gear tooth's thickness at the rack's mid line, without profile shift."""
-        return self.pitch_mm / 4.0 - self.thinning_mm / 2.0
+        """Half the gear tooth's thickness at the rack's mid line."""
+        return self.pitch_mm / 4.0
 
     @property
     def rounding_height_mm(self) -> float:
@@ -129,6 +112,19 @@ class BasicRack:
         angle = self.pressure_angle_rad
         half_width = self.pitch_mm / 2.0 - self.tooth_half_width_mm
         return (half_width - self.dedendum_mm * tan(angle)) / (1.0 / cos(angle) - tan(angle))
+
+
+@dataclass(frozen=True)
+class Backlash:
+    """Play that is asked for: the driven gear can be turned on by the same angle at every position (backlash.py).
+
+    It is given along the flanks' normal where it is least, or as the driven gear's angle; at most one is not zero.
+    ``driving_share`` of the least normal backlash is taken off the driving gear's teeth, the rest off the driven's.
+    """
+
+    least_normal_mm: float = 0.0
+    driven_rad: float = 0.0
+    driving_share: float = 0.5
 
 
 class CutterKind(Enum):
@@ -205,12 +201,13 @@ class TipLimits:
 class ToothForm:
     """What is asked of the teeth of a pair.
 
-    ``driving_shift_mm`` and ``driven_shift_mm`` are profile shifts.  With ``shift_for_undercut`` they are chosen
+    Play is asked for by ``backlash``.  ``driving_shift_mm`` and ``driven_shift_mm`` are profile shifts.  With ``shift_for_undercut`` they are chosen
     instead, equal and opposite, so that as little as possible is undercut.  With ``equivalent`` every flank is that of
     its equivalent circular gear (flank.py).
     """
 
     rack: BasicRack
+    backlash: Backlash = field(default_factory=Backlash)
     driving_shift_mm: float = 0.0
     driven_shift_mm: float = 0.0
     shift_for_undercut: bool = False

@@ -2,7 +2,7 @@
 
 On concave stretches teeth enter their spaces from above, as in a ring.  The edge of a tip is followed in the mate's
 frame; where its path crosses a tooth of the mate above the pitch curve, the edge is too high, and is lowered until its
-path just passes.
+path just passes.  With play that is done at both ends of it: where the pushing flanks touch and where the idle ones do.
 
 The tip of a pinion cutter may cut teeth in the same way on its way out of a space.  There nothing can be lowered: the
 cutter is refused.
@@ -113,7 +113,10 @@ def freed(own: Tips, mate: Tips, paths: TipPaths) -> Tips:
 
     Raises NoSuchMechanism, naming the tooth, where no tip is left.
     """
-    teeth = _teeth(mate.flanks, mate.height_mm[:, None] * np.linspace(ASIDE, 1.0, FLANK_POINTS))
+    teeth = [
+        _teeth(flanks, mate.height_mm[:, None] * np.linspace(ASIDE, 1.0, FLANK_POINTS))
+        for flanks in _stands(mate.flanks)
+    ]
     hit = _fouling(own.flanks, own.height_mm, paths, teeth)
     if not hit.any():
         return own
@@ -126,7 +129,12 @@ def freed(own: Tips, mate: Tips, paths: TipPaths) -> Tips:
     return replace(own, flanks=flanks, height_mm=top, at_mm=at, limit=limit)
 
 
-def _lowered(own: Tips, paths: TipPaths, teeth: Array, hit: Mask) -> Flanks:
+def _stands(flanks: Flanks) -> tuple[Flanks, Flanks]:
+    """The flanks where the pushing sides of the teeth touch, and where the idle ones do."""
+    return flanks, flanks.pulling
+
+
+def _lowered(own: Tips, paths: TipPaths, teeth: list[Array], hit: Mask) -> Flanks:
     """The flanks, with the tips that ``hit`` at the greatest heights at which they do not; heights by halving."""
     full = own.flanks.tip_height_mm
     low, high, chosen, top = np.zeros_like(full), full.copy(), np.nonzero(hit)[0], own.height_mm.copy()
@@ -138,10 +146,15 @@ def _lowered(own: Tips, paths: TipPaths, teeth: Array, hit: Mask) -> Flanks:
     return replace(own.flanks, tip_height_mm=even_heights(own.flanks, np.where(hit, FREE * low, full)))
 
 
-def _fouling(flanks: Flanks, top: Array, paths: TipPaths, teeth: Array) -> Mask:
-    """Which tip edges of a gear, at heights ``top``, run into the mate's teeth on their paths; shape (2 z,)."""
-    path, hit = paths.in_mate(flanks.flank(paths.own, top[paths.own])[0]), np.zeros(flanks.count, dtype=bool)
-    hit[paths.own[_running_into(path, teeth, paths.other // 2, NEIGHBOURS)]] = True
+def _fouling(flanks: Flanks, top: Array, paths: TipPaths, teeth: list[Array]) -> Mask:
+    """Which tip edges of a gear, at heights ``top``, run into the mate's teeth on their paths; shape (2 z,).
+
+    ``teeth`` are those of the mate as each of ``_stands`` has them.
+    """
+    hit = np.zeros(flanks.count, dtype=bool)
+    for stand, mating in zip(_stands(flanks), teeth, strict=True):
+        path = paths.in_mate(stand.flank(paths.own, top[paths.own])[0])
+        hit[paths.own[_running_into(path, mating, paths.other // 2, NEIGHBOURS)]] = True
     return hit
 
 
@@ -188,7 +201,7 @@ def refuse_fouling_cutter(tips: Tips) -> None:
 
 def _cut_on_way_out(tips: Tips) -> Mask:
     """Beside which flanks the tip of a pinion cutter cuts teeth on its way out of the space; shape (2 z,)."""
-    flanks, every = tips.flanks, np.arange(tips.flanks.count)
+    flanks, every = tips.flanks.unturned, np.arange(tips.flanks.count)
     pitch, length = flanks.rack.pitch_mm, _way_out_mm(tips)
     start = flanks.rolled_mm(every, -flanks.flank_depth_mm)
     rolled = np.linspace(TANGENT * pitch, length, ceil(CUTTER_STEPS * length / pitch))

@@ -12,16 +12,16 @@ from math import ceil, cos, inf, sin, tan
 
 import numpy as np
 
-from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
+from ncgear.teeth.backlash import play_of
 from ncgear.teeth.fitting import fitted_pair
 from ncgear.teeth.flank import Flanks, flanks_of
 from ncgear.teeth.form import BasicRack, CutterKind, ToothForm
 from ncgear.teeth.fouling import refuse_fouling_cutter
 from ncgear.teeth.outline import ChordTolerance, outline_points, simple_polygon
-from ncgear.teeth.sides import Sides, refuse_folded_lands, refuse_sharp_places, regular_sides, trimmed_sides
+from ncgear.teeth.sides import Sides, refuse_folded_lands, refuse_sharp_places, regular_sides, swept, trimmed_sides
 from ncgear.teeth.tips import Limit, Tips
 from ncgear.teeth.tool import chosen_tools
 
@@ -102,8 +102,7 @@ def toothed_pair(
     ``flank_tolerance_mm`` is the tolerance of the working flanks.  By default it is so fine that the driven gear misses
     the law by at most three tolerances divided by the driven pitch radius.  With ``straddling`` chords stray to both
     sides of the flanks (see ``ChordTolerance``).  With ``advance_mm`` all teeth stand farther along both pitch curves,
-    as in a section of helical gears.  Raises NoSuchMechanism, naming gear and tooth, where no tooth can stand, and
-    WrongInput where shifts contradict each other.
+    as in a section of helical gears.  Raises NoSuchMechanism, naming gear and tooth, where no tooth can stand.
     """
     kind, tips = pair_tips(pitch, form, advance_mm)
     # Two chords astray by t turn the driven gear by 2 t / (r cos(angle)), the angle being that between the flanks'
@@ -118,15 +117,23 @@ def toothed_pair(
 def pair_tips(pitch: PitchPair, form: ToothForm, advance_mm: float) -> tuple[CutterKind, tuple[Tips, Tips]]:
     """The kind of tool and both gears' flanks, fitted to each other but not yet trimmed; raises as ``toothed_pair``."""
     refuse_sharp_places(pitch)
-    racks, size = shifted_racks(pitch, form), pitch.size
+    play, size = play_of(pitch, form.rack, form.backlash), pitch.size
+    racks = shifted_racks(pitch, form)
     kind, tools = chosen_tools(pitch, form)
-    # Shifts that do not cancel would press together or part the pushing flanks: both gears' teeth stand back by that.
-    eased = (racks[0].shift_mm + racks[1].shift_mm) / 2.0 * tan(form.rack.pressure_angle_rad)
-    start = advance_mm + eased, advance_mm + racks[1].pitch_mm / 2.0 - eased
-    # Arc length runs against the driving gear's turning: it pushes with its back flanks, onto the driven front ones.
+    # Flanks that meet cross at equal arc lengths: where both gears are shifted outwards, their teeth stay so much
+    # thinner.  Arc length runs against the driving gear's turning: it pushes with its back flanks, onto the driven
+    # front ones; its front flanks are idle, and the driven back ones.
+    quarter = form.rack.pitch_mm / 4.0
+    wider = (racks[0].shift_mm - racks[1].shift_mm) / 2.0 * tan(form.rack.pressure_angle_rad)
+    widths = quarter + wider, quarter - wider
+    turn = -pitch.mesh.sense * play.driven_rad
+    first = widths[0], widths[0] - play.setback_mm
+    second = widths[1] + play.setback_mm, widths[1]
+    start = advance_mm, advance_mm + 2.0 * quarter
+    equivalent = form.equivalent
     tips = fitted_pair(
-        flanks_of(pitch.driving, racks[0], size.driving_teeth, tools[0], start[0], -1.0, equivalent=form.equivalent),
-        flanks_of(pitch.driven, racks[1], size.driven_teeth, tools[1], start[1], 1.0, equivalent=form.equivalent),
+        flanks_of(pitch.driving, racks[0], size.driving_teeth, tools[0], start[0], first, equivalent=equivalent),
+        flanks_of(pitch.driven, racks[1], size.driven_teeth, tools[1], start[1], second, turn, equivalent=equivalent),
         form.limits,
     )
     if kind is CutterKind.PINION:
@@ -140,7 +147,7 @@ def _gear(tips: Tips, chords: ChordTolerance) -> ToothedGear:
     flanks = tips.flanks
     sides, irregular = regular_sides(tips)
     refuse_folded_lands(flanks, sides)
-    sides = trimmed_sides(flanks, sides, irregular)
+    tips, sides = swept(tips, trimmed_sides(flanks, sides, irregular))
     outline = outline_points(tips, sides, chords)
     simple_polygon(outline, f"gears.{flanks.curve.gear.value}")
     return ToothedGear(tips, sides, outline)
@@ -154,22 +161,11 @@ ROUNDING = 1e-9
 
 
 def shifted_racks(pitch: PitchPair, form: ToothForm) -> tuple[BasicRack, BasicRack]:
-    """The driving and the driven gear's rack.
-
-    Raises WrongInput when the shifts thicken the teeth by more than the backlash, so that they would not go together.
-    """
+    """The driving and the driven gear's rack."""
     driving, driven = form.driving_shift_mm, form.driven_shift_mm
     if form.shift_for_undercut:
         driving = shift_against_undercut(pitch, form.rack)
         driven = 0.0 - driving  # no -0.0 to be told
-    spare = form.rack.backlash_mm - 2.0 * (driving + driven) * sin(form.rack.pressure_angle_rad)
-    if spare < -1e-12 * form.rack.module_mm:
-        raise WrongInput(
-            f"shifts of {driving:g} and {driven:g} mm thicken the teeth by {form.rack.backlash_mm - spare:.4g} mm "
-            f"along the normal, more than the backlash of {form.rack.backlash_mm:g} mm; equal and opposite shifts, or "
-            "more backlash_mm, are right",
-            key="gears.profile_shift",
-        )
     return form.rack.shifted(driving), form.rack.shifted(driven)
 
 

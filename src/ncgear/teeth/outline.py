@@ -103,12 +103,14 @@ def _tip_lands(flanks: Flanks, sides: Sides) -> Stretch:
     back = np.arange(0, flanks.count, 2)
     start, end = sides.tip_mm[back], sides.tip_mm[back + 1]
     low = flanks.tip_height_mm[back]
-    rise = (flanks.tip_height_mm[back + 1] - low) / (end - start)
+    rise, rate = (flanks.tip_height_mm[back + 1] - low) / (end - start), 1.0 / (end - start)
 
     def curve(flank: IndexArray, sigma: Array) -> tuple[Array, Array]:
         tooth = flank // 2
-        point, slope = flanks.offset(sigma, low[tooth] + rise[tooth] * (sigma - start[tooth]))
-        return point, slope + rise[tooth][..., None] * flanks.curve.at_length(sigma).normal
+        along = sigma - start[tooth]
+        point, slope = flanks.offset(sigma, low[tooth] + rise[tooth] * along)
+        land = point, slope + rise[tooth][..., None] * flanks.curve.at_length(sigma).normal
+        return flanks.over_tip(tooth, along * rate[tooth], rate[tooth], land)
 
     return _lands(curve, sides, back, start, end)
 

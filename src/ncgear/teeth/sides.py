@@ -19,7 +19,7 @@ from ncgear.numerics.units import in_words
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.teeth.flank import FILLET, FLANK, Flanks, flank_name, folded_fillets, regular_depth
-from ncgear.teeth.spaces import Roots, roots_of
+from ncgear.teeth.spaces import Roots, roots_of, sweep_of
 from ncgear.teeth.tips import Tips
 from ncgear.teeth.tool import AGREEMENT
 
@@ -48,6 +48,17 @@ class Sides:
         np.maximum.at(top, self.owner[on_flank], self.start[on_flank])
         np.minimum.at(bottom, self.owner[on_flank], self.end[on_flank])
         return top, bottom
+
+
+def swept(tips: Tips, sides: Sides) -> tuple[Tips, Sides]:
+    """Tips and sides of a gear whose spaces leave room for the mate's tips over the whole play; the same without."""
+    if not tips.flanks.is_turned:
+        return tips, sides
+    last = np.searchsorted(sides.owner, np.arange(tips.flanks.count), side="right") - 1
+    # A side without a fillet ends where its land begins.
+    start = np.where(sides.kind[last] == FILLET, sides.start[last], sides.roots.end_mm)
+    flanks = replace(tips.flanks, sweep=sweep_of(sides.roots, start))
+    return replace(tips, flanks=flanks), replace(sides, roots=replace(sides.roots, flanks=flanks))
 
 
 def regular_sides(tips: Tips) -> tuple[Sides, Mask]:

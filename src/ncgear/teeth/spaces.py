@@ -23,7 +23,7 @@ from scipy.optimize import elementwise
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.pitch.curve import CurvePoints, PitchCurve
-from ncgear.teeth.flank import CLEAR_OF_CUSPS, Flanks, flank_name, regular_depth
+from ncgear.teeth.flank import CLEAR_OF_CUSPS, Flanks, Sweep, flank_name, regular_depth
 from ncgear.teeth.tool import AGREEMENT, PinionCircle, RackLine, Rounding, rounding_of
 
 Depth = Callable[[Array, IndexArray], Array]
@@ -50,14 +50,18 @@ def cut_spaces(flanks: Flanks, avoid_undercut: bool) -> tuple[Flanks, Mask]:
     allowed = CLEAR_OF_CUSPS * regular if avoid_undercut else np.full(flanks.count, np.inf)
     bound = of_spaces(allowed)
     radii = _largest_radii(flanks, np.minimum(bound, depth), rack.root_radius_mm)
-    if not isinstance(tool, RackLine):
+    if flanks.is_turned or not isinstance(tool, RackLine):
+        # Play leaves the driven gear's teeth thicker, and the rack's thinner, before its idle flanks are turned.
         radii = _fitted(flanks, radii, lambda r, i: np.minimum(bound[i], tool.flank_depth_mm(rack, full[i], r)))
     depth = np.minimum(bound, tool.flank_depth_mm(rack, full, radii))
     return replace(flanks, flank_depth_mm=depth, root_radius_mm=radii), undercut
 
 
-def mated_spaces(flanks: Flanks, depth_mm: Array, radius_mm: float) -> Flanks:
-    """The flanks as deep as their mates touch, rounded with ``radius_mm`` or the most that fits the mates' teeth."""
+def mated_spaces(flanks: Flanks, depth_mm: Array, radius_mm: Array) -> Flanks:
+    """The flanks as deep as their mates touch, rounded with ``radius_mm`` or the most that fits the mates' teeth.
+
+    All have shape (2 z,).
+    """
     radii = _largest_radii(flanks, depth_mm, radius_mm)
     deep = replace(flanks, flank_depth_mm=depth_mm)
     rounded = replace(deep, root_radius_mm=_fitted(deep, radii, lambda r, i: depth_mm[i]))
@@ -73,7 +77,7 @@ def of_spaces(values: Array) -> Array:
     return np.roll(np.repeat(least, 2), 1)
 
 
-def _largest_radii(flanks: Flanks, depth: Array, wanted: float) -> Array:
+def _largest_radii(flanks: Flanks, depth: Array, wanted: Array | float) -> Array:
     """Radii, at most the wanted one, with which the fillets do not fold.
 
     Raises NoSuchMechanism where no flank is left below the pitch curve.
@@ -179,6 +183,11 @@ class Roots:
     normal: Array
     end_mm: Array
 
+    @property
+    def unturned(self) -> Roots:
+        """The lands as the tool leaves them, without play."""
+        return replace(self, flanks=self.flanks.unturned)
+
     def lands(self) -> tuple[Array, Array]:
         """Arc lengths at which the land after each tooth begins and ends, shape (z,) each."""
         return self.end_mm[1::2], np.append(self.end_mm[2::2], self.end_mm[0] + self.flanks.curve.length_mm)
@@ -193,7 +202,8 @@ class Roots:
         across = tilt[..., None] * at.tangent + square[..., None] * at.normal
         along = square[..., None] * at.tangent - tilt[..., None] * at.normal
         speed = (at.curvature + tool.curvature) * distance + square
-        return at.position + distance[..., None] * across, speed[..., None] * along
+        land = at.position + distance[..., None] * across, speed[..., None] * along
+        return self.flanks.bottom(tooth, sigma_mm, 1.0, land)
 
     def folding(self, tooth: IndexArray, sigma_mm: Array) -> tuple[Array, Array]:
         """Depth of the lands along the edges' normals, and the depth (or infinity) at which they would fold."""
@@ -235,6 +245,50 @@ def roots_of(flanks: Flanks) -> Roots:
     end[front] = _feet(flanks, front, first, edge, flanks.rounding.lowest_mm[front])
     end[back] = _feet(flanks, back, last.center_mm, edge, last.lowest_mm) - turn
     return Roots(flanks, first, normal, end)
+
+
+PLACES = 33
+"""Places on each fillet and land at which the depth of a space is compared; they differ smoothly."""
+
+AS_DEEP = 0.02
+"""Depth in modules by which places of a space count less and less as the deepest: the bottom then turns over in the
+middle of a land of even depth, and does not jump from section to section of helical teeth."""
+
+
+def sweep_of(roots: Roots, start_mm: Array) -> Sweep:
+    """Where the bottoms of spaces turn over, so that the mate's tips stay free over the whole play.
+
+    Over the play the tool sweeps each space, and its deepest point, nearest to the axis or in a ring farthest from it,
+    runs along an arc about the axis.  ``start_mm`` (shape (2 z,)) are the arc lengths at which fillets begin.
+    """
+    flanks, (first, last) = roots.flanks.unturned, roots.lands()
+    front, back, turn = _sides_of_spaces(flanks)
+    share, tooth = np.linspace(0.0, 1.0, PLACES), np.arange(first.size)
+    plain = roots.unturned
+    lands = [plain.land(tooth, end)[1] for end in (first, last)]
+    pace = np.empty(flanks.count)
+    for side, land in zip((front, back), lands, strict=True):
+        fillet = flanks.fillet(side, roots.end_mm[side])[1]
+        pace[side] = np.linalg.norm(fillet, axis=1) / np.linalg.norm(land, axis=1)
+    along = roots.end_mm[:, None] + (start_mm - roots.end_mm)[:, None] * share
+    fillets = flanks.fillet(np.arange(flanks.count)[:, None], along)[0]
+    place = roots.end_mm[:, None] - pace[:, None] * (along - roots.end_mm[:, None])
+    rolled = first[:, None] + (last - first)[:, None] * share
+    points = fillets[front, ::-1], plain.land(tooth[:, None], rolled)[0], fillets[back]
+    places = np.concatenate([place[front, ::-1], rolled, place[back] + turn[:, None]], axis=1)
+    radius = np.linalg.norm(np.concatenate(points, axis=1), axis=2) * (-1.0 if flanks.curve.is_ring else 1.0)
+    over = (radius - radius.min(axis=1, keepdims=True)) / (AS_DEEP * flanks.rack.module_mm)
+    weight = np.exp(-over) * _widths(places)
+    at = np.sum(weight * places, axis=1) / np.sum(weight, axis=1)
+    begin, end = places[:, 0], places[:, -1]
+    return Sweep(roots.end_mm, pace, at, (at - begin) * (end - at) / (end - begin) / 2.0)
+
+
+def _widths(places: Array) -> Array:
+    """The part of its row that each place stands for, shape (n, m)."""
+    steps = np.diff(places, axis=1, prepend=places[:, :1], append=places[:, -1:])
+    widths: Array = (steps[:, :-1] + steps[:, 1:]) / 2.0
+    return widths
 
 
 def _feet(flanks: Flanks, flank: IndexArray, center: Array, edge: Array, start: Array) -> Array:

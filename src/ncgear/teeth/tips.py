@@ -17,6 +17,7 @@ from scipy.optimize import elementwise
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import refined_crossings
+from ncgear.numerics.plane import turned
 from ncgear.pitch.curve import nearest
 from ncgear.teeth.flank import CLEAR_OF_CUSPS, Flanks, flank_name, regular_height
 from ncgear.teeth.tool import AGREEMENT
@@ -94,8 +95,10 @@ def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: f
     allowed = np.minimum(regular, bounds.contact_mm)
     lowered = _lowered(replace(flanks, tip_height_mm=height), allowed)
     limit = np.where(lowered < height, np.where(cusp, Limit.CUSP, reason), limit)
-    even = even_heights(flanks, lowered)
-    limit = np.where(even < lowered, np.maximum(limit, Limit.SLOPE), limit)
+    free = _within_play(replace(flanks, tip_height_mm=lowered))
+    limit = np.where(free < lowered, np.maximum(limit, Limit.FILLET), limit)
+    even = even_heights(flanks, free)
+    limit = np.where(even < free, np.maximum(limit, Limit.SLOPE), limit)
     flanks, narrow = _with_lands(replace(flanks, tip_height_mm=even), least_land_mm)
     limit = np.where(narrow, Limit.LAND, limit)
     top, at, met = tip_crossing(flanks)
@@ -130,6 +133,26 @@ def even_heights(flanks: Flanks, height: Array) -> Array:
     return np.minimum(height, low + MOST_SLOPE * np.repeat(np.maximum(level, 0.0), 2))
 
 
+CLEARANCE_SHARE = 0.5
+"""Share of the rack's clearance that tips may take where they stand higher at one end of the play."""
+
+
+def _within_play(flanks: Flanks) -> Array:
+    """Tip heights, lowered where an edge stands higher over the pitch curve at the other end of the play."""
+    height = flanks.tip_height_mm
+    if not flanks.is_turned:
+        return height
+    _, at, met = tip_crossing(flanks)
+    if not met.all():
+        raise no_tip(flanks, int(np.argmin(met)))
+    turn = flanks.turn_rad - flanks.turn_rad.reshape(-1, 2)[:, ::-1].ravel()
+    edge = turned(flanks.offset(at, height)[0], turn)
+    over = nearest(flanks.curve, edge, at, AGREEMENT * flanks.rack.module_mm)[1] - height
+    allowed = CLEARANCE_SHARE * (flanks.rack.dedendum_mm - flanks.rack.addendum_mm)
+    free: Array = height - np.maximum(over - allowed, 0.0)
+    return free
+
+
 def _lowered(flanks: Flanks, allowed: Array) -> Array:
     """Tip heights, lowered where the flank would touch higher than ``allowed``."""
     height = flanks.tip_height_mm
@@ -149,7 +172,7 @@ def _lowered(flanks: Flanks, allowed: Array) -> Array:
 def _foot(flanks: Flanks, flank: IndexArray, height: Array) -> tuple[Array, Array]:
     """Arc length of the pitch curve's point nearest to where flanks touch at heights, and its distance; shapes (n,)."""
     start = flanks.rolled_mm(flank, height) + flanks.side[flank] * height / np.tan(flanks.rack.pressure_angle_rad)
-    return nearest(flanks.curve, flanks.flank(flank, height)[0], start, AGREEMENT * flanks.rack.module_mm)
+    return nearest(flanks.curve, flanks.unturned.flank(flank, height)[0], start, AGREEMENT * flanks.rack.module_mm)
 
 
 def tip_crossing(flanks: Flanks, chosen: IndexArray | None = None) -> tuple[Array, Array, Mask]:
@@ -157,7 +180,7 @@ def tip_crossing(flanks: Flanks, chosen: IndexArray | None = None) -> tuple[Arra
 
     For the chosen flanks, or for all of them; shape (n,) each.
     """
-    which = np.arange(flanks.count) if chosen is None else chosen
+    which, flanks = np.arange(flanks.count) if chosen is None else chosen, flanks.unturned
     height, sigma, met = _newton_crossing(flanks, which)
     lost = np.nonzero(~met)[0]
     if lost.size:
@@ -237,11 +260,18 @@ def _height_of_land(flanks: Flanks, back: IndexArray, least: float) -> Array:
 
 
 def _land(flanks: Flanks, back: IndexArray) -> Array:
-    """Width of tip lands in mm along the chord, negative where the flanks have crossed below it; shape (n,)."""
+    """Width of tip lands in mm along the chord, negative where the flanks have crossed below it; shape (n,).
+
+    Play takes off what it moves the flanks along the curve.
+    """
     both = np.stack([back, back + 1], axis=1).ravel()
     _, at, met = tip_crossing(flanks, both)
-    edges = flanks.offset(at, flanks.tip_height_mm[both])[0].reshape(-1, 2, 2)
+    point, along = flanks.offset(at, flanks.tip_height_mm[both])
+    edges = point.reshape(-1, 2, 2)
     width = np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1) * np.sign(np.diff(at.reshape(-1, 2), axis=1)[:, 0])
+    if flanks.is_turned:
+        moved = np.sum((turned(point, flanks.turn_rad[both]) - point) * along, axis=1) / np.linalg.norm(along, axis=1)
+        width = width + np.diff(moved.reshape(-1, 2), axis=1)[:, 0]
     return np.where(met.reshape(-1, 2).all(axis=1), width, -np.inf)
 
 

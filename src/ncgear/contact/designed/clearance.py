@@ -13,10 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncgear.contact.designed.curves import LAND, SidePaths
+from ncgear.contact.designed.curves import SidePaths
 from ncgear.contact.placement import Meetings
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
 from ncgear.numerics.plane import across, along, as_complex, square
+from ncgear.teeth.spaces import Roots
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,8 @@ def _over_fillets(facing: _Facing, tips: _Lands) -> Array:
     below = flanks.crossing_mm[facing.other] + tips.from_crossing_mm[facing.flank] - facing.lead_mm
     at = flanks.curve.at_length(below)
     corner = as_complex(at.position) - tips.height_mm[facing.flank] * as_complex(at.normal)
-    return _from_fillets(facing.roots, facing.other, corner, as_complex(at.position))
+    standing = np.exp(1j * flanks.turn_rad[facing.other])
+    return _from_fillets(facing.roots, facing.other, corner * standing, as_complex(at.position) * standing)
 
 
 ZOOM = np.linspace(-1.0, 1.0, 9)
@@ -146,10 +148,10 @@ def _tip_lands(paths: SidePaths) -> _Lands:
 
     Raises ArithmeticError where the point of the pitch curve that a pointed tooth's tip stands over is not found.
     """
-    foot = paths.sides.tip_mm
+    foot, unturned = paths.sides.tip_mm, paths.corner[:, 0] * np.exp(-1j * paths.flanks.turn_rad)
     for _ in range(FOOT_STEPS):
         at = paths.flanks.curve.at_length(foot)
-        arm = paths.corner[:, 0] - as_complex(at.position)
+        arm = unturned - as_complex(at.position)
         height = along(as_complex(at.normal), arm)
         step = along(as_complex(at.tangent), arm) / (1.0 + height * at.curvature)
         if np.all(np.abs(step) <= FOOT_IN_MODULES * paths.flanks.rack.module_mm):
@@ -160,9 +162,17 @@ def _tip_lands(paths: SidePaths) -> _Lands:
 
 def _root_lands(paths: SidePaths) -> _Lands:
     """The roots of all spaces, which begin where the fillets end, right under the pitch curve's points."""
-    land = np.nonzero(paths.runs.kind == LAND)[0]
-    foot = paths.sides.roots.end_mm
-    at = paths.flanks.curve.at_length(foot)
-    height = along(as_complex(at.normal), as_complex(paths.curve(land, paths.runs.start[land])[0] - at.position))
+    foot, roots = paths.sides.roots.end_mm, paths.sides.roots.unturned
+    first, last = roots.lands()
+    space, height = np.arange(first.size), np.empty(foot.size)
+    height[1::2] = _over_pitch_curve(roots, space, first)
+    height[0::2] = np.roll(_over_pitch_curve(roots, space, last), 1)
     width = np.append(foot[2::2], foot[0] + paths.flanks.curve.length_mm) - foot[1::2]
     return _Lands(foot - paths.flanks.crossing_mm, np.roll(np.repeat(width, 2), 1), height)
+
+
+def _over_pitch_curve(roots: Roots, space: IndexArray, sigma_mm: Array) -> Array:
+    """Heights over the pitch curve at which root lands are at arc lengths, shape (z,)."""
+    at = roots.flanks.curve.at_length(sigma_mm)
+    height: Array = np.sum((roots.land(space, sigma_mm)[0] - at.position) * at.normal, axis=1)
+    return height

@@ -1,8 +1,8 @@
 """Where two exact flanks touch: heights on both, and the driven angle.
 
 Two flanks touch where their points coincide and their tangents are parallel.  For exact flanks the heights follow in
-closed form and the driven angle is the law's.  There Newton's method starts, on the curves themselves, and checks the
-two conditions.  Flanks that are not conjugate (with backlash on curves that are no circles, with relief, by an
+closed form, and the driven angle is the law's or, on idle flanks, beyond it by the play.  There Newton's method starts,
+on the curves themselves, and checks the two conditions.  Flanks that are not conjugate (with relief, or by an
 approximate method) touch at another angle, which is their transmission error.
 
 Where the curvature jumps, the distance of such flanks may have two least values, or no point with a common tangent.
@@ -46,6 +46,11 @@ class FacingFlanks(Columns):
     def module_mm(self) -> float:
         """Module of the pair."""
         return self.teeth.driving.flanks.rack.module_mm
+
+    @property
+    def turn_rad(self) -> Array:
+        """The angle by which the driving gear is seen turned when flanks touch by the closed form."""
+        return self.teeth.driven.flanks.turn_rad[self.driven]
 
     def driving_curve(self, height_mm: Array) -> tuple[ComplexArray, ComplexArray]:
         """Points of the driving flanks at heights (shape (n, ...)) and derivatives, at the law's driven angle."""
@@ -145,7 +150,7 @@ def tangencies(facing: FacingFlanks, limits_mm: Array) -> Touches:
     About jumps of the curvature, where the first touch need not be the one tangency, it is searched for between
     ``limits_mm`` (shape (2, 2, n)): the least and the greatest height of the driving flanks and of the driven flanks.
     """
-    state = _state(facing, facing.driving_mm, facing.driven_mm, np.zeros(facing.position.size))
+    state = _state(facing, facing.driving_mm, facing.driven_mm, facing.turn_rad)
     for _ in range(NEWTON_STEPS):
         todo = np.nonzero(~_met(state, facing.module_mm))[0]
         if not todo.size:
@@ -232,7 +237,7 @@ def _doubtful(facing: FacingFlanks, state: _State) -> Mask:
     Points beside a first touch have farther to go: the tangents turn apart on both sides of it.
     """
     doubtful = ~_met(state, facing.module_mm)
-    moved = np.nonzero(~doubtful & (np.abs(state.turn_rad) > PARALLEL_RAD))[0]
+    moved = np.nonzero(~doubtful & (np.abs(state.turn_rad - facing.turn_rad) > PARALLEL_RAD))[0]
     if moved.size:
         near, there = facing.kept(moved), state.kept(moved)
         by = _rates(near, there)

@@ -193,7 +193,26 @@ class Gears(Model):
         default=None, description="helical or herringbone teeth; left out: straight ones. Sections differ from z = 0 on"
     )
     backlash_mm: float = Field(
-        default=0.0, ge=0.0, le=1000.0, description="normal backlash of the pair in mm, taken off the idle flanks"
+        default=0.0,
+        ge=0.0,
+        le=1000.0,
+        description="backlash of the pair in mm, along the normal of the idle flanks where it is least. Idle flanks "
+        "stay exact, so that the driven gear's play is the same angle everywhere",
+    )
+    backlash_deg: float | None = Field(
+        default=None, ge=0.0, le=90.0, description="play of the driven gear in degrees, instead of backlash_mm"
+    )
+    backlash_share: float = Field(
+        default=0.5,
+        ge=0.0,
+        le=1.0,
+        description="share of the least backlash that is taken off the driving gear's teeth, the rest off the driven "
+        "gear's",
+    )
+    drives: Literal["one_way", "both_ways"] = Field(
+        default="one_way",
+        description="one_way: the driving gear only pushes, so what idle flanks lack is a warning; both_ways: the "
+        "torque reverses, so idle flanks must hold as pushing ones do",
     )
     profile_shift: ProfileShift = Field(default_factory=ProfileShift, description="profile shift; left out: none")
     cutter: Cutter = Field(default_factory=Cutter, description="tool that leaves the fillets; left out: kind auto")
@@ -269,6 +288,12 @@ class Gears(Model):
     def _helical_teeth_are_exact(self) -> Self:
         if self.helix is not None and self.method != "exact":
             raise fault("method", f"{self.method} given, but helical teeth are made of exact sections; leave it out")
+        return self
+
+    @model_validator(mode="after")
+    def _one_backlash(self) -> Self:
+        if self.backlash_deg is not None and self.backlash_mm > 0.0:
+            raise fault("backlash_deg", f"backlash_mm: {self.backlash_mm:g} is given; leave out one of the two")
         return self
 
     @model_validator(mode="after")

@@ -1,0 +1,72 @@
+"""Backlash by turning: both sides of the teeth follow the law exactly, and the play is the same angle everywhere.
+
+The driven gear's idle flanks are the exact flanks of the law, turned about the gear's axis by a constant angle delta.
+The pushing flanks touch at the law's driven angle phi2(phi1), the idle ones at phi2(phi1) + delta: they are conjugate
+too, whatever the curves are.  Between these two angles the gears are free, since a tooth that is turned off its loaded
+flank stays within the tooth without play.
+
+How much of delta is taken off the driving gear's teeth is a choice: its idle flanks are set back by t along the pitch
+curve, and the driven gear's are set forward by t before they are turned.  Flanks that cross the rolling curves at equal
+arc lengths are conjugate, so that changes nothing of the play.
+
+The common normal of idle flanks goes through the pitch point, so its arm about the driven axis is
+
+    L = r2 cos(alpha + theta),  tan(theta) = r1' / r1,
+
+wherever on the line of action they touch; alpha is the rack's pressure angle, r1 and r2 are the pitch radii and the
+prime is a derivative by the driving angle.  Along the normal the play is L delta.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import cos, sin
+
+from ncgear.numerics import jet
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.extrema import Extremum
+from ncgear.numerics.jet import Jet
+from ncgear.pitch import shape
+from ncgear.pitch.pair import PitchPair
+from ncgear.pitch.shape import Gear
+from ncgear.ratio.transmission import Piece
+from ncgear.teeth.form import Backlash, BasicRack
+
+
+@dataclass(frozen=True)
+class Play:
+    """The play of a pair.
+
+    The driven gear can be turned on by ``driven_rad``, wherever it stands.  ``least_normal_mm`` and
+    ``largest_normal_mm`` are that play along the idle flanks' normal, ``at`` driving angles in rad.  The driving gear's
+    idle flanks are set back by ``setback_mm`` along the pitch curve.
+    """
+
+    driven_rad: float
+    least_normal_mm: Extremum
+    largest_normal_mm: Extremum
+    setback_mm: float
+
+
+def play_of(pitch: PitchPair, rack: BasicRack, asked: Backlash) -> Play:
+    """The play that is asked for, on pitch curves of a size."""
+    least, largest = (
+        Extremum(arm.value * pitch.center_distance_mm, arm.at)
+        for arm in pitch.transmission.extremes(lambda piece: _idle_arm(piece, pitch, rack.pressure_angle_rad))
+    )
+    angle = asked.driven_rad or asked.least_normal_mm / least.value
+    setback = asked.driving_share * angle * least.value / cos(rack.pressure_angle_rad)
+    return Play(angle, Extremum(least.value * angle, least.at), Extremum(largest.value * angle, largest.at), setback)
+
+
+def _idle_arm(piece: Piece, pitch: PitchPair, angle_rad: float) -> Callable[[Array], Jet]:
+    """L at unit centre distance, by phi1."""
+
+    def arm(phi1: Array) -> Jet:
+        slope = piece.slope(phi1, 2)
+        tilt = shape.tangent_slope(slope, pitch.mesh)
+        radius = shape.radius(slope.truncated(1), Gear.DRIVEN, pitch.mesh)
+        return radius * (cos(angle_rad) - sin(angle_rad) * tilt) / jet.sqrt(tilt * tilt + 1.0)
+
+    return arm
