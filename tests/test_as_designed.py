@@ -156,8 +156,9 @@ def test_contact_ratio_of_a_circular_pair_is_the_closed_form(name: str, teeth: i
     pitch, _ = made(name, teeth, TOLERANCE, 0.0, angle_deg)
     expected = transverse_contact_ratio(teeth, pitch.size.driven_teeth, radians(angle_deg))
     for side in both(designed(name, teeth, 0.0, angle_deg)):
-        assert side.arcs == pytest.approx(np.full(side.arcs.size, expected), abs=1e-9)
+        assert side.pairs.arcs == pytest.approx(np.full(side.pairs.arcs.size, expected), abs=1e-9)
         assert (side.simultaneous.min(), side.simultaneous.max()) == (floor(expected), floor(expected) + 1)
+        assert side.pairs.fewest == floor(expected)
         # Positions see each number of contacts for its share of the cycle, to one of 20 at either end of a contact.
         assert side.simultaneous.mean() == pytest.approx(expected, abs=0.1)
 
@@ -173,7 +174,7 @@ def test_undercut_shortens_contact() -> None:
     _, bottom = pair.driving.sides.flank_range()
     # Mates touch between -low and low: both flanks end at the same depth and their tips reach farther.
     expected = -2.0 * bottom[0] / (sin(ALPHA) * cos(ALPHA)) / (pi * MODULE)
-    assert designed("uniform", 12, undercut=True).pushing.arcs.min() == pytest.approx(expected, abs=1e-9)
+    assert designed("uniform", 12, undercut=True).pushing.pairs.arcs.min() == pytest.approx(expected, abs=1e-9)
     assert expected < transverse_contact_ratio(12, 12, ALPHA)
 
 
@@ -185,7 +186,7 @@ def test_backlash_of_a_circular_pair_is_its_angle(backlash: float) -> None:
     assert contact.backlash_rad == pytest.approx(np.full(960, angle), abs=1e-13)
     assert contact.pushing.error_rad == pytest.approx(np.zeros(960), abs=1e-13)
     assert contact.back.error_rad == pytest.approx(np.full(960, angle), abs=1e-13)
-    assert contact.pushing.arcs.min() == pytest.approx(transverse_contact_ratio(24, 48, ALPHA), abs=1e-9)
+    assert contact.pushing.pairs.arcs.min() == pytest.approx(transverse_contact_ratio(24, 48, ALPHA), abs=1e-9)
 
 
 @pytest.mark.judges("contact")
@@ -315,10 +316,10 @@ def test_touching_angles_are_what_shapely_finds(name: str, teeth: int, backlash_
 
 def test_edges_carry_where_contact_is_shorter_than_a_pitch() -> None:
     contact = designed("uniform", 8)
-    assert contact.pushing.arcs.max() < 1.0
+    assert contact.pushing.pairs.arcs.max() < 1.0
     edges = ~contact.pushing.first.flanks
     assert np.array_equal(edges, contact.pushing.simultaneous == 0)
-    share = contact.pushing.arcs[0]
+    share = contact.pushing.pairs.arcs[0]
     assert edges.mean() == pytest.approx(1.0 - share, abs=2.0 / contact.placement.per_tooth)
     assert contact.pushing.error_rad[edges].max() < 0.0  # the driven gear lags until an edge takes over
     by_tooth = contact.pushing.variation_by_tooth(contact.pushing.error_rad)
@@ -400,7 +401,7 @@ def test_the_contact_ratio_is_that_of_the_worse_side() -> None:
             arcs[one.meeting] += (one.high_mm - one.low_mm) / (sin(ALPHA) * cos(ALPHA) * pi * MODULE)
         pitches[side] = arcs.min()
     assert sorted(pitches.values()) == pytest.approx([1.16, 1.27], abs=0.005)
-    assert designed("baler", 25).contact_ratio == pytest.approx(min(pitches.values()), abs=1e-9)
+    assert designed("baler", 25).least_arc == pytest.approx(min(pitches.values()), abs=1e-9)
 
 
 @pytest.mark.thorough
@@ -408,10 +409,10 @@ def test_the_contact_ratio_is_that_of_the_worse_side() -> None:
 def test_arcs_of_contact_are_those_of_the_heights_that_are_left(name: str, teeth: int) -> None:
     pairs, _ = flank_pairs(name, teeth)
     for side, contact in zip((-1.0, 1.0), both(designed(name, teeth)), strict=True):
-        arcs = np.zeros(contact.arcs.size)
+        arcs = np.zeros(contact.pairs.arcs.size)
         for one in (one for one in pairs if one.side == side):
             arcs[one.meeting] += (one.high_mm - one.low_mm) / (sin(ALPHA) * cos(ALPHA) * pi * MODULE)
-        assert contact.arcs == pytest.approx(arcs, abs=1e-9)
+        assert contact.pairs.arcs == pytest.approx(arcs, abs=1e-9)
 
 
 @pytest.mark.parametrize(("name", "teeth"), COUNTED)
@@ -428,7 +429,7 @@ def test_numbers_in_contact_are_what_counting_finds(name: str, teeth: int) -> No
 
 def test_the_undercut_balers_gap_is_seen() -> None:
     contact = designed("baler", 18, undercut=True)
-    assert min(side.arcs.min() for side in both(contact)) < 1.0
+    assert min(side.pairs.arcs.min() for side in both(contact)) < 1.0
     assert min(side.simultaneous.min() for side in both(contact)) == 0
 
 
@@ -467,12 +468,13 @@ def test_contact_ratio_does_not_count_flanks_that_a_relief_holds_apart(amount_mm
 
     half = brentq(lambda rolled: lag_mm(rolled) - lag_mm(pitch - rolled) - 1e-3, 0.5 * pitch, pitch)
     for side in both(contact):
-        assert side.arcs == pytest.approx(2.0 * half / pitch, abs=0.02)
+        assert side.pairs.arcs == pytest.approx(2.0 * half / pitch, abs=0.02)
         assert side.simultaneous.mean() == pytest.approx(2.0 * half / pitch, abs=0.06)
-        assert side.reaches.min() > side.arcs.max() + 0.1
+        assert side.reaches.min() > side.pairs.arcs.max() + 0.1
     plain = designed("uniform", 25)
-    assert all(np.array_equal(side.arcs, side.reaches) for side in both(plain))
-    assert contact.reach == pytest.approx(plain.contact_ratio, abs=0.05)
+    assert all(np.array_equal(side.pairs.arcs, side.reaches) for side in both(plain))
+    assert (contact.held_apart, plain.held_apart) == (True, False)
+    assert min(side.reaches.min() for side in both(contact)) == pytest.approx(plain.contact_ratio, abs=0.05)
 
 
 @pytest.mark.slow
@@ -524,13 +526,15 @@ def test_gaps_of_contact_are_those_of_counting_between_positions(case: tuple[str
             at = height(one, fine, cycle)
             total += (at >= one.low_mm) & (at <= one.high_mm)
         touched = np.flatnonzero(total)
+        assert found.pairs.fewest == total.min()
+        assert found.pairs.contact_ratio == pytest.approx(total.mean(), abs=1e-3)
         longest = (np.max(np.diff(touched, append=touched[0] + fine.size)) - 1) / 400.0
-        assert found.longest_gap == pytest.approx(longest, abs=0.01)
-        assert found.longest_gap == 0.0 or total[400 * found.parted_at] == 0
+        assert found.pairs.longest_gap == pytest.approx(longest, abs=0.01)
+        assert found.pairs.longest_gap == 0.0 or total[400 * found.pairs.parted_at] == 0
 
 
 def test_the_longest_gap_goes_on_across_the_seam() -> None:
-    side, count = designed("ellipse", 25).pushing, designed("ellipse", 25).placement.count
-    across = replace(side, gaps=np.array([[3.0, 3.5], [count - 0.75, count + 1.5]]))
+    pairs, count = designed("ellipse", 25).pushing.pairs, designed("ellipse", 25).placement.count
+    across = replace(pairs, gaps=np.array([[3.0, 3.5], [count - 0.75, count + 1.5]]))
     assert (across.longest_gap, across.parted_at) == (2.25, 0)
-    assert replace(side, gaps=np.empty((0, 2))).longest_gap == 0.0
+    assert replace(pairs, gaps=np.empty((0, 2))).longest_gap == 0.0

@@ -534,7 +534,7 @@ def test_the_least_contact_of_sections_is_found_among_them() -> None:
         contact = as_designed(
             toothed_pair(drive.pitch, drive.tooth_form, 0.01, advance_mm=advance), placed(drive.pitch)
         )
-        found.append(min(contact.pushing.arcs.min(), contact.back.arcs.min()))
+        found.append(min(contact.pushing.pairs.arcs.min(), contact.back.pairs.arcs.min()))
     assert drive.section_contact_ratio == pytest.approx(min(found), abs=5e-3)
     assert drive.section_contact_ratio <= found[0]
 
@@ -564,7 +564,7 @@ def test_flanks_and_helix_together_touch_over_what_is_asked(
     low = DESIGN.replace("teeth: 23", "teeth: 23\n  rack: {addendum: 0.5}")
     for share in shares:
         drive = drive_of_text(f"{low}{HELIX.replace('15', str(helix_deg))}  least_contact_ratio: {share}\n")
-        arcs = [side.arcs.min() for side in made_contact(drive)]
+        arcs = [side.pairs.arcs.min() for side in made_contact(drive)]
         assert max(arcs) < 1.0
         assert (min(arcs) + drive.overlap_ratio < share or drive.overlap_ratio < 0.05) == refused
         if refused:

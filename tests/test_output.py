@@ -680,7 +680,7 @@ def test_contact_table_has_a_row_per_position_and_agrees_with_the_summary(tmp_pa
         assert designed[key] == 0.0
     assert table["backlash_rad"].max() <= 1e-12
     assert designed["backlash_max_rad"] == 0.0
-    assert table["contacts"].min() == designed["simultaneous_contacts_min"] == 1
+    assert table["contacts"].min() == designed["pairs_in_contact_min"] == 1
     assert np.degrees(table["pressure_angle_rad"].max()) == pytest.approx(designed["pressure_angle_max_deg"], rel=1e-12)
     assert set(table["edge"]) == {0.0}
     for source in ("csv", "stl"):

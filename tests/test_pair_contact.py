@@ -47,7 +47,6 @@ def test_written_outlines_touch_where_the_exact_curves_do(name: str, teeth: int)
     refuse_bad_outlines(contact, TOLERANCE)
     assert contact.transmission_error_rad == found.transmission_error_rad
     assert contact.penetration_mm == found.overlap_mm.max()
-    assert contact.contact_ratio == min(exact.pushing.arcs.min(), exact.back.arcs.min())
 
 
 @pytest.mark.tiers(slow=["uniform 1:2-24", "uniform 3:2-30"], rest="thorough")

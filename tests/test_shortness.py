@@ -76,7 +76,7 @@ def test_flanks_that_are_refused_do_stand_apart(teeth: int) -> None:
 
 
 def test_a_least_ratio_over_one_names_the_shortest_contact() -> None:
-    shortest = min(side.arcs.min() for side in (designed("baler", 25).pushing, designed("baler", 25).back))
+    shortest = min(side.pairs.arcs.min() for side in (designed("baler", 25).pushing, designed("baler", 25).back))
     refuse("baler", 25, float(shortest))
     with pytest.raises(
         NoSuchMechanism, match=rf"touch over {shortest:.3g} pitches only, less than {shortest + 0.1:.3g}"
@@ -89,7 +89,7 @@ def test_a_least_ratio_over_one_names_the_shortest_contact() -> None:
 def test_the_published_baler_touches_over_as_many_pitches_as_the_method_says(undercut: bool, pitches: str) -> None:
     """25 teeth with shortened tips, and undercut by a tool of full depth: docs/method.md."""
     contact = designed("baler", 25, undercut=True) if undercut else designed("baler", 25)
-    assert f"{min(side.arcs.min() for side in (contact.pushing, contact.back)):.2f}" == pitches
+    assert f"{min(side.pairs.arcs.min() for side in (contact.pushing, contact.back)):.2f}" == pitches
     assert min(side.simultaneous.min() for side in (contact.pushing, contact.back)) == (0 if undercut else 1)
 
 

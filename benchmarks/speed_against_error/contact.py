@@ -38,7 +38,7 @@ def contact_ratio_study() -> Study:
         unit="share",
         reference="two equal involute gears have (2 sqrt(ra^2 - rb^2) - a sin alpha) / (pi m cos alpha)",
         methods=(
-            Method(ENDS, PER_PITCH, POSITIONS, lambda count: float(_designed(count).pushing.arcs.min())),
+            Method(ENDS, PER_PITCH, POSITIONS, lambda count: float(_designed(count).pushing.pairs.arcs.min())),
             Method(COUNTED, PER_PITCH, POSITIONS, lambda count: float(_designed(count).pushing.simultaneous.mean())),
         ),
         error=lambda found: abs(found / exact_contact_ratio() - 1.0),

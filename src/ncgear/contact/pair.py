@@ -13,6 +13,8 @@ import numpy as np
 
 from ncgear.contact.designed.as_designed import AsDesigned, SideContact
 from ncgear.contact.designed.extremes import ContactExtremes, contact_extremes
+from ncgear.contact.designed.flanks import PairsInContact
+from ncgear.contact.placement import Placement
 from ncgear.contact.written.as_written import AsWritten, Outlines, as_written, reach_mm
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
@@ -33,7 +35,7 @@ class PairContact:
 
     def __repr__(self) -> str:
         return (
-            f"PairContact(contact ratio {self.contact_ratio:.3f}, as written: transmission error "
+            f"PairContact(contact ratio {self.as_designed.contact_ratio:.3f}, as written: transmission error "
             f"{self.transmission_error_rad:.3g} rad, overlap {self.penetration_mm:.3g} mm,\n  {self.as_designed!r})"
         )
 
@@ -41,11 +43,6 @@ class PairContact:
     def transmission_error_rad(self) -> float:
         """Peak to peak, of the worst outlines."""
         return max(written.transmission_error_rad for written in self.as_written)
-
-    @property
-    def contact_ratio(self) -> float:
-        """Least arc of contact of any pair of flanks, in pitches, without load."""
-        return self.as_designed.contact_ratio
 
     @property
     def penetration_mm(self) -> float:
@@ -160,44 +157,79 @@ REMEDY = (
 )
 
 
-def refuse_short_contact(designed: AsDesigned, teeth: ToothedPair, least: float, overlap: float = 0.0) -> None:
+LESS_RELIEF = "less tip relief, or one that begins higher, helps, or masses, so that the contact under load counts"
+"""What helps where flanks are held apart that could touch."""
+
+SidesInContact = tuple[PairsInContact, PairsInContact]
+"""The pairs of pushing flanks in contact, and those of their backs."""
+
+
+def refuse_short_contact(
+    designed: AsDesigned, teeth: ToothedPair, least: float, overlap: float = 0.0, loaded: SidesInContact | None = None
+) -> None:
     """Refuse a pair whose flanks touch over fewer than ``least`` pitches, or that loses contact.
 
-    ``overlap`` is what a helix adds, in pitches: to the contact of each pair of flanks, and across gaps between pairs.
-    A pair of flanks may touch over less than one pitch while its neighbours bridge the rest: a ``least`` of exactly 1
-    asks only that contact never ceases, one above 1 asks for both, one below 1 for nothing.  The message tells what
-    limits both tips; no other tool could lift these conditions.  Raises NoSuchMechanism with both teeth.
+    What counts is the contact under load where ``loaded`` tells it, else that of the rigid teeth, with flanks that a
+    tip relief holds apart left out.  ``overlap`` is what a helix adds, in pitches: to the contact of each pair of
+    flanks, and across gaps between pairs.  A pair of flanks may touch over less than one pitch while its neighbours
+    bridge the rest: a ``least`` of exactly 1 asks only that contact never ceases, one above 1 asks for both, one below
+    1 for nothing.  The message tells what limits both tips; no other tool could lift these conditions.  Raises
+    NoSuchMechanism with both teeth, of the pushing flanks first.
     """
-    parts = designed.longest_gap_pitches > overlap
-    helix = f" and {overlap:.3g} more by the helix" if overlap else ""
-    for side in (designed.pushing, designed.back):
-        shortest = int(np.argmin(side.reaches))
-        if least > 1.0 and side.reaches[shortest] + overlap < least - ROUNDING:
-            raise NoSuchMechanism(
-                f"the flanks of {_pair(side, teeth, shortest)} touch over {side.reaches[shortest]:.3g} pitches{helix} "
-                f"only, less than {least:.3g}: {_limits(side, teeth, shortest)}; {REMEDY}",
-                key="gears.least_contact_ratio",
-            )
-        if least >= 1.0 and parts and side.longest_gap > 0.0:
-            at = in_words(float(designed.placement.phi1_rad[side.parted_at]))
-            raise NoSuchMechanism(
-                f"no flanks touch at phi1 = {at}: one pair parts before the next one meets; the shortest contact is "
-                f"that of {_pair(side, teeth, shortest)}, {side.reaches[shortest]:.3g} pitches: "
-                f"{_limits(side, teeth, shortest)}; {REMEDY}",
-                key="gears.least_contact_ratio",
-            )
+    sides = designed.pushing, designed.back
+    for side, pairs in zip(sides, loaded or (designed.pushing.pairs, designed.back.pairs), strict=True):
+        _refuse_short_side(_Judged(designed.placement, side, pairs, teeth), least, overlap)
 
 
-def _pair(side: SideContact, teeth: ToothedPair, meeting: int) -> str:
-    driving, driven = int(side.meetings.driving[meeting]), int(side.meetings.driven[meeting])
-    flanks = teeth.driving.flanks
+@dataclass(frozen=True, eq=False)
+class _Judged:
+    """One side of the teeth, with the pairs of flanks that count as touching."""
+
+    placement: Placement
+    side: SideContact
+    pairs: PairsInContact
+    teeth: ToothedPair
+
+    @property
+    def shortest(self) -> int:
+        """The meeting whose flanks touch over the least length."""
+        return int(np.argmin(self.pairs.arcs))
+
+
+def _refuse_short_side(judged: _Judged, least: float, overlap: float) -> None:
+    pairs, shortest = judged.pairs, judged.shortest
+    arc = float(pairs.arcs[shortest])
+    if least > 1.0 and arc + overlap < least - ROUNDING:
+        helix = f" and {overlap:.3g} more by the helix" if overlap else ""
+        reach = float(judged.side.reaches[shortest])
+        cause = f"{_limits(judged)}; {REMEDY}"
+        if reach + overlap >= least:
+            cause = f"others hold them apart, though they reach over {reach:.3g} pitches; {LESS_RELIEF}"
+        raise NoSuchMechanism(
+            f"the flanks of {_pair(judged)} touch over {arc:.3g} pitches{helix} only, less than {least:.3g}: {cause}",
+            key="gears.least_contact_ratio",
+        )
+    if least >= 1.0 and pairs.longest_gap > overlap * judged.placement.per_tooth:
+        at = in_words(float(judged.placement.phi1_rad[pairs.parted_at]))
+        raise NoSuchMechanism(
+            f"no flanks touch at phi1 = {at}: one pair parts before the next one meets; the shortest contact is "
+            f"that of {_pair(judged)}, {arc:.3g} pitches: {_limits(judged)}; {REMEDY}",
+            key="gears.least_contact_ratio",
+        )
+
+
+def _pair(judged: _Judged) -> str:
+    met, shortest = judged.side.meetings, judged.shortest
+    driving, driven = int(met.driving[shortest]), int(met.driven[shortest])
+    flanks = judged.teeth.driving.flanks
     phi1 = float(flanks.curve.driving_angle(flanks.crossing_mm[driving : driving + 1])[0])
     return f"driving tooth {driving // 2 + 1} and driven tooth {driven // 2 + 1} (phi1 = {in_words(phi1)})"
 
 
-def _limits(side: SideContact, teeth: ToothedPair, meeting: int) -> str:
-    driving = _limit(teeth.driving, int(side.meetings.driving[meeting]))
-    driven = _limit(teeth.driven, int(side.meetings.driven[meeting]))
+def _limits(judged: _Judged) -> str:
+    met, shortest = judged.side.meetings, judged.shortest
+    driving = _limit(judged.teeth.driving, int(met.driving[shortest]))
+    driven = _limit(judged.teeth.driven, int(met.driven[shortest]))
     return f"the driving tip ends {driving}, the driven one {driven}"
 
 

@@ -31,7 +31,7 @@ from ncgear.teeth.form import BasicRack
 if TYPE_CHECKING:
     from ncgear.contact.designed.as_designed import AsDesigned
     from ncgear.contact.designed.extremes import ContactExtremes
-    from ncgear.contact.pair import PairContact
+    from ncgear.contact.pair import PairContact, SidesInContact
     from ncgear.contact.written.as_written import Outlines
     from ncgear.dynamics.meshing import Meshing
     from ncgear.dynamics.motion_in_time import Course
@@ -222,18 +222,42 @@ class Drive:
             return toothed_pair(pitch, form, self.design.output.chord_tolerance_mm)
 
     @computed
-    def designed_contact(self) -> AsDesigned:
-        """Contact of the exact teeth; raises where they overlap or where the contact ratio is too small."""
+    def _free_contact(self) -> AsDesigned:
+        """Contact of the exact teeth, however short; raises where they overlap."""
         from ncgear.contact.designed.as_designed import as_designed
-        from ncgear.contact.pair import refuse_overlap, refuse_short_contact
+        from ncgear.contact.pair import refuse_overlap
         from ncgear.contact.placement import placed
 
         pitch, teeth = self.pitch, self.teeth
         with self.stopwatch("contact"):
             contact = as_designed(teeth, placed(pitch))
             refuse_overlap(contact, self.design.output.chord_tolerance_mm)
-            refuse_short_contact(contact, teeth, self.gears.least_contact_ratio, self.overlap_ratio)
             return contact
+
+    @computed
+    def pairs_under_load(self) -> SidesInContact | None:
+        """The pairs of flanks that touch under the torque of the rigid level, on both sides of the teeth.
+
+        None where no load is known, where teeth are helical, and where a load brings no more flanks into contact than
+        touch without it, as on flanks without relief.  Raises as ``loaded_contact`` does.
+        """
+        from ncgear.contact.designed.as_designed import pairs_under_load
+
+        contact = self._free_contact
+        if not contact.held_apart or self.design.masses is None or self.helix is not None or self.design.stages > 1:
+            return None
+        error = self._loaded_at(contact.placement.phi1_rad).error_rad
+        with self.stopwatch("contact"):
+            return pairs_under_load(self.teeth, contact.placement, error)
+
+    @computed
+    def designed_contact(self) -> AsDesigned:
+        """Contact of the exact teeth; raises where they overlap or where the contact ratio is too small."""
+        from ncgear.contact.pair import refuse_short_contact
+
+        contact, least = self._free_contact, self.gears.least_contact_ratio
+        refuse_short_contact(contact, self.teeth, least, self.overlap_ratio, self.pairs_under_load)
+        return contact
 
     @computed
     def contact_extremes(self) -> ContactExtremes:
@@ -326,11 +350,16 @@ class Drive:
     @computed
     def meshing(self) -> Meshing:
         """The straight teeth of the pair under load; raises where they are helical or their contact is not sound."""
-        from ncgear.project.forces import meshing_of
-
         if self.helix is not None:
             raise WrongInput("helical teeth are not followed under load; leave it out", key="gears.helix")
         self.require_sound_teeth()
+        return self._any_meshing
+
+    @computed
+    def _any_meshing(self) -> Meshing:
+        """The teeth of the pair under load, as if they were straight and their contact sound."""
+        from ncgear.project.forces import meshing_of
+
         pitch, teeth = self.pitch, self.teeth
         with self.stopwatch("gaps"):
             return meshing_of(self.design.simulation, pitch, teeth)
@@ -340,7 +369,7 @@ class Drive:
         from ncgear.dynamics.quasi_static import loaded_contact
 
         torque = self.rigid.machine.at(phi1_rad).driven_torque.value
-        return loaded_contact(self.meshing, phi1_rad, torque, self.machine.speed_rad_s)
+        return loaded_contact(self._any_meshing, phi1_rad, torque, self.machine.speed_rad_s)
 
     @computed
     def loaded_contact(self) -> LoadedContact:

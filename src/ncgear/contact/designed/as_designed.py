@@ -11,7 +11,7 @@ import numpy as np
 from ncgear.contact.designed.clearance import TipClearance, tip_clearances
 from ncgear.contact.designed.curves import Contacts, SidePaths, side_paths
 from ncgear.contact.designed.edges import EdgeHits, edge_contacts, edge_hits
-from ncgear.contact.designed.flanks import TOUCHING_MM, FlankContacts, flank_contacts, foremost_two
+from ncgear.contact.designed.flanks import TOUCHING_MM, FlankContacts, PairsInContact, flank_contacts, foremost_two
 from ncgear.contact.placement import BACK, PUSHING, Meetings, Placement, meetings, single_meetings
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray
@@ -54,15 +54,13 @@ class SideTouch:
 class SideContact(SideTouch):
     """Contact on one side of the teeth over the whole cycle.
 
-    ``arcs`` (shape (m,)) is how long the flanks of each meeting touch, in pitches, without load; ``reaches`` (shape
-    (m,)) how long they could if a load closed what tip relief leaves open.  ``gaps`` (shape (k, 2)) are starts and
-    ends, in positions, of where no flanks touch.  ``driving_tips`` and ``driven_tips`` are the clearances of these
-    gears' tips.
+    ``pairs`` are the pairs of flanks that touch without load; ``reaches`` (shape (m,)) is how long the flanks of each
+    meeting could touch, in pitches, if nothing held them apart.  ``driving_tips`` and ``driven_tips`` are the
+    clearances of these gears' tips.
     """
 
-    arcs: Array
+    pairs: PairsInContact
     reaches: Array
-    gaps: Array
     driving_tips: TipClearance
     driven_tips: TipClearance
 
@@ -74,23 +72,12 @@ class SideContact(SideTouch):
     @property
     def held_apart(self) -> bool:
         """Whether any flanks touch for a shorter time than they could, as tip relief makes it."""
-        return bool(np.any(self.arcs < self.reaches))
+        return bool(np.any(self.pairs.arcs < self.reaches))
 
     @cached_property
     def simultaneous(self) -> IndexArray:
         """Number of pairs of flanks that touch at each position, shape (n,)."""
         return np.bincount(self.touching.position[self.touching.flanks], minlength=self.error_rad.size)
-
-    @property
-    def longest_gap(self) -> float:
-        """Longest way without contact of flanks, in positions."""
-        return float(np.max(self.gaps[:, 1] - self.gaps[:, 0], initial=0.0))
-
-    @property
-    def parted_at(self) -> int:
-        """The position nearest to the middle of the longest way without contact of flanks."""
-        middle = float(self.gaps[int(np.argmax(self.gaps[:, 1] - self.gaps[:, 0]))].mean())
-        return round(middle) % self.error_rad.size
 
     def variation_by_tooth(self, error_rad: Array) -> dict[int, float]:
         """Peak to peak variation of errors in rad (shape (n,)) where each driving tooth carries."""
@@ -145,18 +132,23 @@ class AsDesigned(PairTouch):
 
     @property
     def contact_ratio(self) -> float:
-        """Least arc of contact of any pair of flanks, in pitches, without load."""
-        return float(min(self.pushing.arcs.min(), self.back.arcs.min()))
+        """Mean number of pairs of flanks that touch without load, on the side of the teeth where it is less."""
+        return min(self.pushing.pairs.contact_ratio, self.back.pairs.contact_ratio)
 
     @property
-    def reach(self) -> float:
-        """Least arc over which any pair of flanks could touch, in pitches, if a load closed the tip relief."""
-        return float(min(self.pushing.reaches.min(), self.back.reaches.min()))
+    def least_arc(self) -> float:
+        """Least arc of contact of any pair of flanks on either side of the teeth, in pitches, without load."""
+        return min(self.pushing.pairs.least_arc, self.back.pairs.least_arc)
+
+    @property
+    def held_apart(self) -> bool:
+        """Whether a load would bring more flanks into contact, on either side of the teeth."""
+        return self.pushing.held_apart or self.back.held_apart
 
     @property
     def longest_gap_pitches(self) -> float:
         """Longest rolled length without contact of flanks, on either side of the teeth, in pitches."""
-        return max(self.pushing.longest_gap, self.back.longest_gap) / self.placement.per_tooth
+        return max(self.pushing.pairs.longest_gap, self.back.pairs.longest_gap) / self.placement.per_tooth
 
 
 def as_designed(teeth: ToothedPair, placement: Placement) -> AsDesigned:
@@ -191,6 +183,27 @@ def contacts_within(teeth: ToothedPair, placement: Placement, within_mm: float) 
     paths = _paths_of(teeth)
     pushing, back = (_candidates(teeth, paths, placement, meetings(teeth, placement, side)) for side in (PUSHING, BACK))
     return _contacts_among(pushing, back, placement, within_mm), _contacts_among(back, pushing, placement, within_mm)
+
+
+def pairs_under_load(
+    teeth: ToothedPair, placement: Placement, error_rad: Array
+) -> tuple[PairsInContact, PairsInContact]:
+    """The pairs of pushing flanks that touch, and of their backs, where a load has set the driven gear beyond the law.
+
+    ``error_rad`` is its angle beyond the law's at each position, shape (n,).  On a side that bears no load there the
+    rigid teeth count.
+    """
+    paths = _paths_of(teeth)
+    pushing, back = (_candidates(teeth, paths, placement, meetings(teeth, placement, side)) for side in (PUSHING, BACK))
+    first, second = (
+        own.flanks.touching(
+            foremost_two(_contacts_among(own, other, placement), own.meetings.urge, placement),
+            own.meetings.urge,
+            error_rad,
+        )
+        for own, other in ((pushing, back), (back, pushing))
+    )
+    return first, second
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,8 +257,8 @@ def _side_contact(
     own: _Candidates, other: _Candidates, placement: Placement, tips: tuple[TipClearance, TipClearance]
 ) -> SideContact:
     touch, foremost = _touch(own, other, placement)
-    arcs, gaps = own.flanks.touching(foremost, own.meetings.urge)
-    return SideContact(own.meetings, touch.first, touch.touching, arcs, own.flanks.reaches, gaps, *tips)
+    pairs = own.flanks.touching(foremost, own.meetings.urge)
+    return SideContact(own.meetings, touch.first, touch.touching, pairs, own.flanks.reaches, *tips)
 
 
 def _foremost(alike: Contacts, placement: Placement) -> Contacts:

@@ -55,6 +55,42 @@ class _Heights:
 
 
 @dataclass(frozen=True, eq=False)
+class PairsInContact:
+    """How the pairs of flanks on one side of the teeth touch over the whole cycle.
+
+    ``arcs`` (shape (m,)) is how long the flanks of each meeting touch, in pitches.  ``gaps`` (shape (k, 2)) are starts
+    and ends, in positions, of where no flanks touch.  ``fewest`` is the least number of pairs that touch at any angle.
+    ``positions`` is the number of positions in the cycle.
+    """
+
+    arcs: Array
+    gaps: Array
+    fewest: int
+    positions: int
+
+    @property
+    def contact_ratio(self) -> float:
+        """Mean number of pairs that touch: there is one meeting in each pitch, so it is the mean of all arcs."""
+        return float(self.arcs.mean())
+
+    @property
+    def least_arc(self) -> float:
+        """Least arc of contact of any pair, in pitches."""
+        return float(self.arcs.min())
+
+    @property
+    def longest_gap(self) -> float:
+        """Longest way without contact of flanks, in positions."""
+        return float(np.max(self.gaps[:, 1] - self.gaps[:, 0], initial=0.0))
+
+    @property
+    def parted_at(self) -> int:
+        """The position nearest to the middle of the longest way without contact of flanks."""
+        middle = float(self.gaps[int(np.argmax(self.gaps[:, 1] - self.gaps[:, 0]))].mean())
+        return round(middle) % self.positions
+
+
+@dataclass(frozen=True, eq=False)
 class FlankContacts:
     """Where flanks on one side of the teeth touch if nothing else holds the gears apart.
 
@@ -76,22 +112,26 @@ class FlankContacts:
         """How long the flanks of each meeting can touch, in pitches, shape (m,): as far as both flanks reach."""
         return self._arcs(*_between(self.room, *self.place, self.position.shape))
 
-    def touching(self, foremost: Array, urge: float) -> tuple[Array, Array]:
-        """How long the flanks of each meeting do touch (shape (m,)), and where none touch (shape (k, 2)).
+    def touching(self, foremost: Array, urge: float, error_rad: Array | None = None) -> PairsInContact:
+        """The pairs whose flanks do touch, by the two values of ``foremost_two``.
 
-        The first is in pitches; the second are starts and ends in positions, of which there are ``placement.count`` in
-        the cycle.  Flanks touch along with the first contact at each position; where others hold them apart, as beside
-        a tip relief, they do not.  ``foremost`` are the two values of ``foremost_two``.
+        Rigid flanks touch along with the first contact at each position; where others hold them apart, as beside a tip
+        relief, they do not.  Under a load the driven gear stands at ``error_rad`` beyond the law at each position
+        (shape (n,)), and all flanks that are as far ahead touch.
         """
         own = urge * self.near.error_rad
         first, second = foremost[:, self.near.position]
         # The lead over the others goes smoothly through zero where flanks part, so that it may be interpolated.
         others = np.where((own >= first) & np.isfinite(second), second, first)
         closer = TOUCHING_MM - np.where(np.isfinite(others), others - own, 0.0) * self.near.lever_mm
+        if error_rad is not None:
+            pressed_mm = (own - urge * error_rad[self.near.position]) * self.near.lever_mm
+            closer = np.maximum(closer, pressed_mm)
         closer = np.where(self.near.flanks, closer, -1.0)
         room = np.concatenate([self.room, np.broadcast_to(closer, (1, *self.room.shape[1:]))])
         enters, leaves = _between(room, *self.place, self.position.shape)
-        return self._arcs(enters, leaves), self._gaps(enters, leaves)
+        arcs, gaps = self._arcs(enters, leaves), self._gaps(enters, leaves)
+        return PairsInContact(arcs, gaps, 0 if len(gaps) else self._fewest(enters, leaves), self.placement.count)
 
     def _arcs(self, enters: Array, leaves: Array) -> Array:
         lasting: Array = np.maximum(leaves - enters, 0.0).sum(axis=(0, 2)) / self.placement.per_tooth
@@ -107,6 +147,16 @@ class FlankContacts:
         starts = np.append(starts[order][1:], starts.min() + count)
         parted = starts - ends > GAP
         return np.column_stack([ends[parted], starts[parted]])
+
+    def _fewest(self, enters: Array, leaves: Array) -> int:
+        """Least number of pairs that touch anywhere, left out what is shorter than a gap may be."""
+        touch = leaves > enters
+        before = np.broadcast_to(self.position[:, :-1], touch.shape)[touch]
+        place = np.concatenate([before + enters[touch], before + leaves[touch]])
+        order = np.argsort(place)
+        number = np.cumsum(np.repeat([1, -1], before.size)[order])
+        lasting = np.diff(place[order], append=self.placement.count) > GAP
+        return int(number[lasting].min())
 
 
 def flank_contacts(teeth: ToothedPair, placement: Placement, met: Meetings) -> FlankContacts:
@@ -145,7 +195,7 @@ def least_arc(teeth: ToothedPair, placement: Placement) -> float:
     for side in (PUSHING, BACK):
         met = meetings(teeth, placement, side)
         found = flank_contacts(teeth, placement, met)
-        least.append(float(found.touching(foremost_two(found.contacts, met.urge, placement), met.urge)[0].min()))
+        least.append(found.touching(foremost_two(found.contacts, met.urge, placement), met.urge).least_arc)
     return min(least)
 
 

@@ -90,6 +90,7 @@ def facts(drive: Drive) -> list[tuple[str, str]]:
 
 def gear_facts(drive: Drive, contact: PairContact) -> list[tuple[str, str]]:
     """Names and values of the main figures of a pair of gears; the names begin with its stage where there are two."""
+    designed = contact.as_designed
     size, stage = drive.pitch.size, f"stage {drive.stage}: " if drive.stage else ""
     steepest = drive.pitch.largest_pressure_angle_deg(drive.rack.pressure_angle_rad)
     return [
@@ -97,5 +98,5 @@ def gear_facts(drive: Drive, contact: PairContact) -> list[tuple[str, str]]:
         (f"{stage}module", f"{shown(size.module_mm)} mm"),
         (f"{stage}centre distance", f"{shown(size.center_distance_mm)} mm"),
         (f"{stage}pressure angle", f"up to {to_digits(steepest, 3)}\u00b0"),
-        (f"{stage}contact ratio", f"from {to_digits(contact.contact_ratio, 3)}"),
+        (f"{stage}contact ratio", f"{to_digits(designed.contact_ratio, 3)}, least {to_digits(designed.least_arc, 3)}"),
     ]

@@ -116,8 +116,8 @@ def contact_ratio(drive: Drive) -> Advice | None:
     helical = (Remedy(words, changed(helix)),) if helix else ()
     return Advice(
         Kind.CONTACT_RATIO,
-        (Where(angles_deg=tuple(_worst(designed, side) for side in sides if side.longest_gap > 0.0)),),
-        f"contact ratio: the shortest contact of a flank pair lasts {to_digits(designed.contact_ratio, 3)} pitches, "
+        (Where(angles_deg=tuple(_worst(designed, side) for side in sides if side.pairs.longest_gap > 0.0)),),
+        f"contact ratio: the shortest contact of a flank pair lasts {to_digits(designed.least_arc, 3)} pitches, "
         "and at some positions no flanks touch",
         f"the driven gear is carried by an edge there, off the law by up to {to_digits(1e6 * error, 2)} {MICRORAD}; it "
         "knocks and wears",
@@ -127,7 +127,7 @@ def contact_ratio(drive: Drive) -> Advice | None:
 
 def _worst(designed: AsDesigned, side: SideContact) -> tuple[float, float]:
     """The middle of the longest way without contact of flanks, in degrees of the driving gear."""
-    at = degrees(float(designed.placement.phi1_rad[side.parted_at]))
+    at = degrees(float(designed.placement.phi1_rad[side.pairs.parted_at]))
     return at, at
 
 

@@ -237,17 +237,26 @@ def _helix(drive: Drive) -> list[Entry]:
 def tooth_data(drive: Drive) -> tuple[Entry, ...]:
     """Undercut and shortened teeth, and how long the teeth touch."""
     driving, driven = drive.teeth.driving, drive.teeth.driven
-    designed = drive.designed_contact
-    held_apart = designed.pushing.held_apart or designed.back.held_apart
-    least = "least contact ratio in the section at z = 0" if drive.helix else "least contact ratio"
     undercut = shown(driving.undercut), shown(driven.undercut)
     return (
         Entry("teeth that a tool of full depth undercuts", driving=undercut[0], driven=undercut[1]),
         Entry("teeth with shortened tips", driving=_shortened(driving), driven=_shortened(driven)),
-        Entry(f"{least}, without load" if held_apart else least, pair=designed.contact_ratio),
-        *([Entry(f"{least}, tip relief closed by a load", pair=designed.reach)] if held_apart else []),
+        *_contact_ratios(drive),
         *([Entry("overlap ratio", pair=drive.overlap_ratio)] if drive.helix else []),
     )
+
+
+def _contact_ratios(drive: Drive) -> list[Entry]:
+    """Mean number of pairs of flanks that touch, and least arc of any pair; under load where it brings more in."""
+    designed, loaded = drive.designed_contact, drive.pairs_under_load
+    name = "contact ratio in the section at z = 0" if drive.helix else "contact ratio"
+    without = f"{name}, without load" if designed.held_apart else name
+    least = "of the shortest contact of a pair of flanks"
+    rows = [Entry(without, pair=designed.contact_ratio), Entry(f"{without}, {least}", pair=designed.least_arc)]
+    if loaded is None:
+        return rows
+    under, shortest = min(side.contact_ratio for side in loaded), min(side.least_arc for side in loaded)
+    return [*rows, Entry(f"{name}, under load", pair=under), Entry(f"{name}, under load, {least}", pair=shortest)]
 
 
 def _shortened(gear: ToothedGear) -> str:

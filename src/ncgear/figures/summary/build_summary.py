@@ -13,6 +13,7 @@ import numpy as np
 
 from ncgear.contact.designed.as_designed import AsDesigned, SideContact
 from ncgear.contact.designed.extremes import ContactExtremes, Range
+from ncgear.contact.designed.flanks import PairsInContact
 from ncgear.contact.pair import PairContact
 from ncgear.contact.placement import Placement
 from ncgear.contact.written.as_written import AsWritten
@@ -45,7 +46,11 @@ def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
         **summary,
         "pitch": pitch_summary(drive),
         "teeth": teeth_summary(drive),
-        "contact": {**contact_summary(contact, drive.contact_extremes), **_overlap(drive, contact)},
+        "contact": {
+            **contact_summary(contact, drive.contact_extremes),
+            **_under_load(drive),
+            **_overlap(drive, contact),
+        },
         "bodies": bodies_summary(drive),
         "comparison": comparison,
         "warnings": warnings + [advice.line for advice in build_advice(drive)],
@@ -53,11 +58,22 @@ def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
     }
 
 
+def _under_load(drive: Drive) -> dict[str, float]:
+    """The contact ratio under load, where a load is known that brings more flanks into contact."""
+    sides = drive.pairs_under_load
+    if sides is None:
+        return {}
+    return {
+        "contact_ratio_under_load_mean": min(pairs.contact_ratio for pairs in sides),
+        "contact_ratio_under_load_min": min(pairs.least_arc for pairs in sides),
+    }
+
+
 def _overlap(drive: Drive, contact: PairContact) -> dict[str, float]:
     """The contact ratio of helical teeth: the least one of their sections, the overlap, and the sum."""
     if drive.helix is None:
         return {}
-    least = min(drive.section_contact_ratio, contact.contact_ratio)
+    least = min(drive.section_contact_ratio, contact.as_designed.least_arc)
     return {
         "section_contact_ratio_min": least,
         "overlap_ratio": drive.overlap_ratio,
@@ -149,7 +165,8 @@ def contact_summary(contact: PairContact, extremes: ContactExtremes) -> dict[str
     return {
         "positions": designed.placement.count,
         "transmission_error_rad": contact.transmission_error_rad,
-        "contact_ratio_min": contact.contact_ratio,
+        "contact_ratio_mean": designed.contact_ratio,
+        "contact_ratio_min": designed.least_arc,
         "penetration_max_mm": contact.penetration_mm,
         "as_designed": _as_designed(designed, extremes),
         "as_written": {written.source: _as_written(written, designed) for written in contact.as_written},
@@ -163,8 +180,8 @@ def _as_designed(designed: AsDesigned, extremes: ContactExtremes) -> dict[str, A
         "transmission_error_back_rad": extremes.back_error_rad.width,
         **_by_tooth(pushing, pushing.error_rad),
         **_between("backlash", "rad", extremes.backlash_rad),
-        **_ratios(pushing, ""),
-        **_ratios(back, "_back"),
+        **_ratios(pushing.pairs, ""),
+        **_ratios(back.pairs, "_back"),
         **_extreme("sliding_velocity_max", "mm_s", extremes.sliding_mm_s),
         **_between("pressure_angle", "deg", extremes.pushing_pressure_angle_rad, degrees(1.0)),
         **_between("pressure_angle_back", "deg", extremes.back_pressure_angle_rad, degrees(1.0)),
@@ -188,12 +205,12 @@ def _by_tooth(side: SideContact, error_rad: Array) -> dict[str, Any]:
     return {"transmission_error_by_tooth_rad": [by_tooth[tooth] for tooth in sorted(by_tooth)]}
 
 
-def _ratios(side: SideContact, suffix: str) -> dict[str, Any]:
+def _ratios(pairs: PairsInContact, suffix: str) -> dict[str, Any]:
+    """The contact ratio: mean number of pairs of flanks that touch, and least arc of any pair in pitches."""
     return {
-        f"contact_ratio{suffix}_min": float(side.arcs.min()),
-        f"contact_ratio{suffix}_mean": float(side.arcs.mean()),
-        **({f"contact_ratio{suffix}_relief_closed_min": float(side.reaches.min())} if side.held_apart else {}),
-        f"simultaneous_contacts{suffix}_min": 0 if side.longest_gap else int(side.simultaneous.min()),
+        f"contact_ratio{suffix}_mean": pairs.contact_ratio,
+        f"contact_ratio{suffix}_min": pairs.least_arc,
+        f"pairs_in_contact{suffix}_min": pairs.fewest,
     }
 
 
