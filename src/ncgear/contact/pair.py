@@ -59,8 +59,8 @@ def pair_contact(
 
 
 CHORDS_OVERLAP = 1.1
-"""Overlap, in chord tolerances, that outlines may show: chords stand out of a flank only where it is hollow, and of two
-flanks that touch only one is hollow.  A tenth is for rounding in the files."""
+"""Overlap, in chord tolerances, that outlines may show.  Chords of flanks stay within the material; those of fillets
+that a rack leaves may stand out by a tolerance where a mate's corner passes.  A tenth is for rounding in the files."""
 
 CHORDS_ASTRAY = 4.0
 """Distance, in chord tolerances, from the designed contact at which outlines may touch: twice what both chords cost."""
@@ -164,21 +164,36 @@ SidesInContact = tuple[PairsInContact, PairsInContact]
 """The pairs of pushing flanks in contact, and those of their backs."""
 
 
-def refuse_short_contact(
+def short_contacts(
     designed: AsDesigned, teeth: ToothedPair, least: float, overlap: float = 0.0, loaded: SidesInContact | None = None
-) -> None:
-    """Refuse a pair whose flanks touch over fewer than ``least`` pitches, or that loses contact.
+) -> tuple[str | None, str | None]:
+    """What pushing flanks, and their backs, lack that touch over fewer than ``least`` pitches or lose contact.
 
     What counts is the contact under load where ``loaded`` tells it, else that of the rigid teeth, with flanks that a
     tip relief holds apart left out.  ``overlap`` is what a helix adds, in pitches: to the contact of each pair of
     flanks, and across gaps between pairs.  A pair of flanks may touch over less than one pitch while its neighbours
     bridge the rest: a ``least`` of exactly 1 asks only that contact never ceases, one above 1 asks for both, one below
-    1 for nothing.  The message tells what limits both tips; no other tool could lift these conditions.  Raises
-    NoSuchMechanism with both teeth, of the pushing flanks first.
+    1 for nothing.  The words name both teeth and what limits both tips; None where nothing is lacking.
     """
     sides = designed.pushing, designed.back
-    for side, pairs in zip(sides, loaded or (designed.pushing.pairs, designed.back.pairs), strict=True):
-        _refuse_short_side(_Judged(designed.placement, side, pairs, teeth), least, overlap)
+    pairs = loaded or (designed.pushing.pairs, designed.back.pairs)
+    judged = (_Judged(designed.placement, side, own, teeth) for side, own in zip(sides, pairs, strict=True))
+    pushing, back = (_lacking(side, least, overlap) for side in judged)
+    return pushing, back
+
+
+def refuse_short_contact(short: tuple[str | None, str | None], *, both_ways: bool) -> None:
+    """Refuse a pair for what ``short_contacts`` tells of its pushing flanks and, with ``both_ways``, of their backs.
+
+    Backs bear nothing while the driving gear pushes.  No other tool could lift these conditions.  Raises
+    NoSuchMechanism.
+    """
+    pushing, back = short
+    if pushing is not None:
+        raise NoSuchMechanism(pushing, key="gears.least_contact_ratio")
+    if both_ways and back is not None:
+        problem = f"idle flanks, which drives: both_ways asks to hold: {back}"
+        raise NoSuchMechanism(problem, key="gears.least_contact_ratio")
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,7 +211,7 @@ class _Judged:
         return int(np.argmin(self.pairs.arcs))
 
 
-def _refuse_short_side(judged: _Judged, least: float, overlap: float) -> None:
+def _lacking(judged: _Judged, least: float, overlap: float) -> str | None:
     pairs, shortest = judged.pairs, judged.shortest
     arc = float(pairs.arcs[shortest])
     if least > 1.0 and arc + overlap < least - ROUNDING:
@@ -205,17 +220,14 @@ def _refuse_short_side(judged: _Judged, least: float, overlap: float) -> None:
         cause = f"{_limits(judged)}; {REMEDY}"
         if reach + overlap >= least:
             cause = f"others hold them apart, though they reach over {reach:.3g} pitches; {LESS_RELIEF}"
-        raise NoSuchMechanism(
-            f"the flanks of {_pair(judged)} touch over {arc:.3g} pitches{helix} only, less than {least:.3g}: {cause}",
-            key="gears.least_contact_ratio",
-        )
+        return f"the flanks of {_pair(judged)} touch over {arc:.3g} pitches{helix} only, less than {least:.3g}: {cause}"
     if least >= 1.0 and pairs.longest_gap > overlap * judged.placement.per_tooth:
         at = in_words(float(judged.placement.phi1_rad[pairs.parted_at]))
-        raise NoSuchMechanism(
+        return (
             f"no flanks touch at phi1 = {at}: one pair parts before the next one meets; the shortest contact is "
-            f"that of {_pair(judged)}, {arc:.3g} pitches: {_limits(judged)}; {REMEDY}",
-            key="gears.least_contact_ratio",
+            f"that of {_pair(judged)}, {arc:.3g} pitches: {_limits(judged)}; {REMEDY}"
         )
+    return None
 
 
 def _pair(judged: _Judged) -> str:

@@ -22,7 +22,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.project.computed import computed
 from ncgear.project.law import law_of, resistance_of
-from ncgear.project.tooth_form import helix_of, mesh_place, rack_of, require_pushing_flanks, tooth_form_of
+from ncgear.project.tooth_form import backlash_of, helix_of, mesh_place, rack_of, require_pushing_flanks, tooth_form_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Law, Pair, Transmission
 from ncgear.stopwatch import Stopwatch
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from ncgear.pitch.pair import PitchPair
     from ncgear.solids.helical.helix import Helix
     from ncgear.solids.mesh.pair import SolidPair
+    from ncgear.teeth.backlash import Play
     from ncgear.teeth.form import ToothForm
     from ncgear.teeth.gear import ToothedPair
 
@@ -187,6 +188,13 @@ class Drive:
         """The basic rack at the module."""
         return rack_of(self.gears, self.pitch.size.module_mm)
 
+    @computed
+    def play(self) -> Play:
+        """The play of the driven gear, the same at every position."""
+        from ncgear.teeth.backlash import play_of
+
+        return play_of(self.pitch, self.rack, backlash_of(self.gears))
+
     @property
     def helix(self) -> Helix | None:
         """The helix of the teeth; None where they are straight."""
@@ -252,12 +260,22 @@ class Drive:
 
     @computed
     def designed_contact(self) -> AsDesigned:
-        """Contact of the exact teeth; raises where they overlap or where the contact ratio is too small."""
+        """Contact of the exact teeth; raises where they overlap or where the contact ratio is too small.
+
+        Idle flanks are judged only where the design drives both ways.
+        """
         from ncgear.contact.pair import refuse_short_contact
 
+        refuse_short_contact(self.short_contacts, both_ways=self.gears.drives == "both_ways")
+        return self._free_contact
+
+    @computed
+    def short_contacts(self) -> tuple[str | None, str | None]:
+        """What pushing flanks, and their backs, lack of the contact ratio that is asked for; None where nothing."""
+        from ncgear.contact.pair import short_contacts
+
         contact, least = self._free_contact, self.gears.least_contact_ratio
-        refuse_short_contact(contact, self.teeth, least, self.overlap_ratio, self.pairs_under_load)
-        return contact
+        return short_contacts(contact, self.teeth, least, self.overlap_ratio, self.pairs_under_load)
 
     @computed
     def contact_extremes(self) -> ContactExtremes:

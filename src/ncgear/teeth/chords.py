@@ -132,6 +132,45 @@ def sampled(stretch: Stretch, tolerance: float) -> tuple[Array, Array]:
     return points, stretch.rank[row] + stretch.span[row] * at
 
 
+END_CHORD = 4.0
+"""Sagittas by which the inner end of the first or the last chord stands off its curve, so that the chord is tangent to
+the curve where it ends on it."""
+
+
+def sampled_within(stretch: Stretch, tolerance: float, material: float) -> tuple[Array, Array]:
+    """As ``sampled``, with chords that stray into the material only, which lies to the left (+1) or to the right (-1).
+
+    Where a curve is hollow the points stand off it by the sagitta of the chords beside them, so that chords touch it in
+    their middles.  The ends of the curves are on the curves; a first or last chord that would stand out of the material
+    is cut in two, and is tangent to the curve at its end.
+    """
+    row, at = _placed(stretch, tolerance)
+    row, at, _ = _with_halves(stretch, row, at, np.full(row.size, tolerance), tolerance)
+    order = np.lexsort((at, row))
+    row, at = row[order], at[order]
+    ending = (np.diff(row, prepend=-1) != 0) | (np.diff(row, append=-1) != 0)
+    cut = np.nonzero(ending & (_standing_out(stretch, row, at, material) > 0.0))[0]
+    row, at = np.insert(row, cut + 1, row[cut]), np.insert(at, cut + 1, (at[cut] + _ends(row, at)[cut]) / 2.0)
+    out = _standing_out(stretch, row, at, material)
+    first, last = np.diff(row, prepend=-1) != 0, np.diff(row, append=-1) != 0
+    off = np.maximum(np.roll(out * np.where(first, END_CHORD, 1.0), 1), out * np.where(last, END_CHORD, 1.0))
+    points, slope = stretch.at(row, at)
+    points = points + (material * np.where(first, 0.0, off))[:, None] * _left(slope)
+    return points, stretch.rank[row] + stretch.span[row] * at
+
+
+def _standing_out(stretch: Stretch, row: IndexArray, share: Array, material: float) -> Array:
+    """How far each chord stands out of the material at most, shape (n,); 0 where its curve is nowhere hollow."""
+    high = _ends(row, share)
+    start, end = stretch.at(row, share)[0], stretch.at(row, high)[0]
+    middle, slope = stretch.at(row, (share + high) / 2.0)
+    across = _left(end - start)
+    off, tilt = np.sum(across * (middle - start), axis=1), np.sum(across * slope, axis=1) * (high - share)
+    # As in _strayed; a cubic goes to both sides if its slope in the middle is more than twice its distance there.
+    both = np.abs(tilt) > 2.0 * np.abs(off)
+    return np.where(both, np.sqrt(off**2 + tilt**2 / 8.0), np.maximum(material * off, 0.0))
+
+
 def straddled(stretch: Stretch, tolerance: float) -> tuple[Array, Array]:
     """As ``sampled``, with chords that stray to both sides of the curves, by at most the tolerance.
 

@@ -17,7 +17,9 @@ from shapely import Polygon
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.plane import signed_area
-from ncgear.teeth.chords import Stretch, parted, sampled, split, straddled
+from ncgear.pitch.curve import PitchCurve
+from ncgear.pitch.shape import Gear
+from ncgear.teeth.chords import Stretch, parted, sampled, sampled_within, split, straddled
 from ncgear.teeth.flank import FILLET, FLANK, Flanks
 from ncgear.teeth.sides import Sides
 from ncgear.teeth.tips import Tips
@@ -40,19 +42,32 @@ def outline_points(tips: Tips, sides: Sides, chords: ChordTolerance) -> Array:
     """The outline in mm, shape (n, 2), counter-clockwise, first point not repeated.
 
     No chord strays farther from the exact curve than its tolerance.  The points are on the curve, but for those of
-    straddling flanks.
+    hollow and of straddling flanks.
     """
     flanks = tips.flanks
-    runs, *others = whole_curves(tips, sides)
+    runs, fillets, *lands = whole_curves(tips, sides)
     # A flank works no deeper than its mate reaches.
     parts = parted(runs, -tips.met_depth_mm[runs.owner])
     works = (parts.start + parts.end) / 2.0 > -tips.met_depth_mm[parts.owner]
-    on_flanks = straddled if chords.straddling else sampled
-    found = [on_flanks(_real(flanks, parts.kept(works)), chords.flanks_mm)]
-    found += [sampled(_real(flanks, other), chords.elsewhere_mm) for other in (parts.kept(~works), *others)]
+    working = _real(flanks, parts.kept(works))
+    found = [straddled(working, chords.flanks_mm) if chords.straddling else _within(flanks, working, chords.flanks_mm)]
+    found += [_within(flanks, _real(flanks, deep), chords.elsewhere_mm) for deep in (parts.kept(~works), fillets)]
+    found += [sampled(_real(flanks, land), chords.elsewhere_mm) for land in lands]
     points, keys = (np.concatenate(parts) for parts in zip(*found, strict=True))
     outline = points[np.argsort(keys, kind="stable")]
     return outline[::-1] if signed_area(outline) < 0.0 else outline
+
+
+def _within(flanks: Flanks, working: Stretch, tolerance: float) -> tuple[Array, Array]:
+    """Points of flanks and fillets whose chords stay in the material, so that written gears turn freely.
+
+    Flanks are hollow only on concave pitch curves.  Fillets always are, but the mate comes near to them only where its
+    own tips have cut them.
+    """
+    if flanks.curve.curvature_bounds[0] >= 0.0 and not isinstance(flanks.tool, PitchCurve):
+        return sampled(working, tolerance)
+    # Arc length runs clockwise about the driving gear and round a ring's hole, against the clock about other gears.
+    return sampled_within(working, tolerance, -1.0 if flanks.curve.gear is Gear.DRIVING else 1.0)
 
 
 def exact_curves(tips: Tips, sides: Sides) -> list[Stretch]:

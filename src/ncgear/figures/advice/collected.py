@@ -26,7 +26,8 @@ def build_advice(drive: Drive) -> tuple[Advice, ...]:
         *law_advice.crank_pin(drive),
     ]
     of_teeth = [teeth_advice.undercut(drive), teeth_advice.pointed(drive), *teeth_advice.shortened(drive)]
-    return _given(*of_curves, *of_teeth, teeth_advice.contact_ratio(drive), teeth_advice.thrust(drive))
+    of_contact = teeth_advice.contact_ratio(drive), teeth_advice.idle_flanks(drive)
+    return _given(*of_curves, *of_teeth, *of_contact, teeth_advice.thrust(drive))
 
 
 def _given(*advices: Advice | None) -> tuple[Advice, ...]:

@@ -106,23 +106,46 @@ def _named(places: tuple[Where, ...]) -> str:
 
 
 def contact_ratio(drive: Drive) -> Advice | None:
-    """Flanks that lose contact, unless the overlap of helical teeth bridges the gap."""
+    """Flanks that lose contact, unless the overlap of helical teeth bridges the gap; idle ones if they are to hold."""
     designed = drive.designed_contact
-    sides = designed.pushing, designed.back
-    if designed.longest_gap_pitches <= drive.overlap_ratio:
+    judged = (designed.pushing, designed.back) if drive.gears.drives == "both_ways" else (designed.pushing,)
+    sides = [side for side in judged if _parts(drive, side)]
+    if not sides:
         return None
     error = max(side.transmission_error_rad for side in sides)
     helix, words = bridging_helix(drive), "make the teeth helical, so that the next ones touch before these part"
     helical = (Remedy(words, changed(helix)),) if helix else ()
     return Advice(
         Kind.CONTACT_RATIO,
-        (Where(angles_deg=tuple(_worst(designed, side) for side in sides if side.pairs.longest_gap > 0.0)),),
-        f"contact ratio: the shortest contact of a flank pair lasts {to_digits(designed.least_arc, 3)} pitches, "
+        (Where(angles_deg=tuple(_worst(designed, side) for side in sides)),),
+        f"contact ratio: the shortest contact of a flank pair lasts "
+        f"{to_digits(min(side.pairs.least_arc for side in sides), 3)} pitches, "
         "and at some positions no flanks touch",
         f"the driven gear is carried by an edge there, off the law by up to {to_digits(1e6 * error, 2)} {MICRORAD}; it "
         "knocks and wears",
         (*helical, FINER),
     )
+
+
+def idle_flanks(drive: Drive) -> Advice | None:
+    """Idle flanks that would not hold as pushing ones must, where the driving gear is said to push only."""
+    designed, (_, short) = drive.designed_contact, drive.short_contacts
+    parts = _parts(drive, designed.back)
+    if drive.gears.drives == "both_ways" or (short is None and not parts):
+        return None
+    return Advice(
+        Kind.IDLE_FLANKS,
+        (Where(angles_deg=(_worst(designed, designed.back),) if parts else ()),),
+        f"idle flanks: {short or 'at some positions none touch'}",
+        "nothing while the driving gear pushes; where masses or a weight turn the torque round, the teeth knock there; "
+        "drives: both_ways refuses such teeth",
+        (FINER,),
+    )
+
+
+def _parts(drive: Drive, side: SideContact) -> bool:
+    """Whether flanks lose contact that a helix does not bridge."""
+    return side.pairs.longest_gap > drive.overlap_ratio * drive.designed_contact.placement.per_tooth
 
 
 def _worst(designed: AsDesigned, side: SideContact) -> tuple[float, float]:

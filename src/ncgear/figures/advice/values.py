@@ -25,6 +25,7 @@ class Kind(StrEnum):
     POINTED = "pointed"
     SHORTENED = "shortened"
     CONTACT_RATIO = "contact_ratio"
+    IDLE_FLANKS = "idle_flanks"
     THRUST = "thrust"
     CRANK_PIN = "crank_pin"
 

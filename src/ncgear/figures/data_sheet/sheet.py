@@ -202,7 +202,9 @@ def rack_data(drive: Drive) -> tuple[Entry, ...]:
         Entry("root radius coefficient", pair=rack.root_radius_mm / module),
         *_relief(drive),
         _shifts(drive),
-        Entry("normal backlash of the pair", "mm", pair=rack.backlash_mm),
+        Entry("least normal backlash", "mm", pair=drive.play.least_normal_mm.value),
+        Entry("greatest normal backlash", "mm", pair=drive.play.largest_normal_mm.value),
+        Entry("play of the driven gear, the same at every position", "deg", pair=degrees(drive.play.driven_rad)),
         *_helix(drive),
         Entry("cutter", pair=CUTTERS[drive.teeth.cutter]),
     )
