@@ -61,7 +61,7 @@ def made(
     """Pitch curves and teeth."""
     law, mesh = (RINGS[name], Mesh.INTERNAL) if name in RINGS else (LAWS[name], Mesh.EXTERNAL)
     pitch = sized_pair(law(), teeth, MODULE, None, mesh)
-    basic = replace(rack(angle_deg, backlash_mm=backlash_mm), relief=relief)
+    basic = replace(rack(angle_deg), relief=relief)
     return pitch, toothed_pair(
         pitch, ToothForm(basic, limits=TipLimits(0.2 * basic.module_mm, avoid_undercut=not undercut)), tolerance
     )

@@ -21,13 +21,12 @@ def rack(
     addendum: float = 1.0,
     dedendum: float = 1.25,
     root_radius: float = 0.38,
-    backlash_mm: float = 0.0,
     *,
     module: float = 2.0,
 ) -> BasicRack:
     """A rack from its coefficients; ISO 53 profile A when nothing is said."""
     sizes = (addendum * module, dedendum * module, root_radius * module)
-    return BasicRack(module, radians(angle_deg), *sizes, backlash_mm)
+    return BasicRack(module, radians(angle_deg), *sizes)
 
 
 def sine_law(depth: float, lobes: Lobes | None = None) -> Transmission:

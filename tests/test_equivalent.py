@@ -68,7 +68,7 @@ def both(law: Transmission, teeth: int, gear: Gear) -> tuple[Flanks, Flanks]:
     """Exact flanks and those of the equivalent gears."""
     pair = sized_pair(law, teeth, MODULE, None)
     curve = pair.driving if gear is Gear.DRIVING else pair.driven
-    exact, circles = (flanks_of(curve, rack(), teeth, RackLine(), 0.3, -1.0, equivalent=e) for e in (False, True))
+    exact, circles = (flanks_of(curve, rack(), teeth, RackLine(), 0.3, equivalent=e) for e in (False, True))
     return exact, circles
 
 

@@ -61,8 +61,8 @@ def cut(name: str, tool: str, backlash_mm: float = 0.0) -> dict[Gear, Flanks]:
     pair, basic = pitch_pair(name), rack(backlash_mm=backlash_mm)
     one, other = tools(pair, tool)
     gears = (
-        flanks_of(pair.driving, basic, pair.size.driving_teeth, one, 0.0, -1.0),
-        flanks_of(pair.driven, basic, pair.size.driven_teeth, other, basic.pitch_mm / 2.0, 1.0),
+        flanks_of(pair.driving, basic, pair.size.driving_teeth, one, 0.0),
+        flanks_of(pair.driven, basic, pair.size.driven_teeth, other, basic.pitch_mm / 2.0),
     )
     driving, driven = fitted_pair(*gears, TipLimits())
     return {Gear.DRIVING: driving.flanks, Gear.DRIVEN: driven.flanks}
@@ -169,7 +169,7 @@ def test_a_circular_mate_leaves_what_a_pinion_cutter_with_its_teeth_does(gear: G
     mated = cut("uniform", "mate")[gear]
     teeth = LAWS["uniform"][1] * (2 if gear is Gear.DRIVING else 1)
     pinion = flanks_of(
-        mated.curve, mated.rack, mated.count // 2, PinionCircle(teeth, MODULE), mated.crossing_mm[:2].mean(), -1.0
+        mated.curve, mated.rack, mated.count // 2, PinionCircle(teeth, MODULE), mated.crossing_mm[:2].mean()
     )
     pinion = Flanks(
         pinion.curve,

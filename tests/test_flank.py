@@ -49,8 +49,8 @@ def flanks(name: str, gear: Gear, basic: BasicRack | None = None) -> Flanks:
     """The flanks of one gear, at full height and depth."""
     pair, basic = pitch_pair(name), basic or rack()
     if gear is Gear.DRIVING:
-        return flanks_of(pair.driving, basic, pair.size.driving_teeth, RackLine(), 0.0, -1.0)
-    return flanks_of(pair.driven, basic, pair.size.driven_teeth, RackLine(), basic.pitch_mm / 2.0, 1.0)
+        return flanks_of(pair.driving, basic, pair.size.driving_teeth, RackLine(), 0.0)
+    return flanks_of(pair.driven, basic, pair.size.driven_teeth, RackLine(), basic.pitch_mm / 2.0)
 
 
 def pitch_radius(gear: Gear) -> float:
@@ -326,8 +326,7 @@ def test_loaded_flanks_stand_where_they_would_without_backlash(name: str, backla
 def test_a_gear_advanced_by_whole_turns_keeps_its_teeth_where_they_are() -> None:
     pair = pitch_pair("baler")
     once, again = (
-        flanks_of(pair.driving, rack(), 25, RackLine(), 0.3 + turns * pair.driving.length_mm, -1.0)
-        for turns in (0.0, 3.0)
+        flanks_of(pair.driving, rack(), 25, RackLine(), 0.3 + turns * pair.driving.length_mm) for turns in (0.0, 3.0)
     )
     assert again.crossing_mm == pytest.approx(once.crossing_mm, abs=1e-12)
 

@@ -40,7 +40,7 @@ def test_root_land_of_a_circular_gear_folds_at_its_radius(share: float) -> None:
     """Of six teeth the radius is three modules; a rack's tip is put just above and below the axis."""
     curve = pitch_pair(uniform_law(Lobes()), 6).driving
     depth = share * 3.0
-    own = flanks_of(curve, rack(5.1, dedendum=depth, root_radius=0.1), 6, RackLine(), 0.0, -1.0)
+    own = flanks_of(curve, rack(5.1, dedendum=depth, root_radius=0.1), 6, RackLine(), 0.0)
     roots = roots_of(own)
     folding, limit = roots.folding(np.arange(6), roots.lands()[0])
     assert folding == pytest.approx(depth * MODULE, rel=1e-9)
@@ -64,7 +64,7 @@ def test_tip_land_folds_at_the_hollows_radius(share: float) -> None:
         pitch_pair(sine_law(0.3), 26).least_concave_radius_mm(Gear.DRIVING),
     )
     assert radius is not None
-    low = flanks_of(curve, rack(addendum=0.05), 26, RackLine(), 0.0, -1.0)
+    low = flanks_of(curve, rack(addendum=0.05), 26, RackLine(), 0.0)
     sides = regular_sides(ended(low))[0]
     high = replace(low, tip_height_mm=np.full(low.count, share * radius))
     with nullcontext() if share < 1.0 else pytest.raises(NoSuchMechanism, match="hollow with a radius of") as caught:

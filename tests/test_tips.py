@@ -117,7 +117,7 @@ def test_no_tip_stands_beyond_a_cusp(teeth: int, angle_deg: float) -> None:
 def test_newtons_method_alone_leads_beyond_a_cusp() -> None:
     """Negative control: at 14.5 degrees one of the baler's 28 teeth would end on the wrong branch."""
     curve = sized_pair(baler_law(), 28, MODULE, None).driving
-    own = flanks_of(curve, rack(14.5, root_radius=0.2), 28, RackLine(), 0.0, -1.0)
+    own = flanks_of(curve, rack(14.5, root_radius=0.2), 28, RackLine(), 0.0)
     own, every = replace(own, tip_height_mm=np.full(56, 0.909 * MODULE)), np.arange(56)
     top, _, there = refined_crossings(
         lambda h: own.flank(every, h),

@@ -146,7 +146,7 @@ def undercut_teeth(curve: PitchCurve, basic: BasicRack, teeth: int) -> list[int]
 def unfitted(curve: PitchCurve, basic: BasicRack, teeth: int) -> Flanks:
     """The flanks at full height and depth."""
     start = 0.0 if curve.gear is Gear.DRIVING else basic.pitch_mm / 2.0
-    return flanks_of(curve, basic, teeth, RackLine(), start, -1.0 if curve.gear is Gear.DRIVING else 1.0)
+    return flanks_of(curve, basic, teeth, RackLine(), start)
 
 
 def test_free_of_undercut_does_not_depend_on_the_teeth_at_hand() -> None:
@@ -263,7 +263,7 @@ def test_flank_kinds_left_by_undercut_are_in_order() -> None:
 def test_a_joint_just_before_the_end_of_a_range_is_its_end(nudge: int) -> None:
     """Between them there are no numbers left to tell both sides of the jump apart."""
     curve, basic = pitch_pair(baler_law(), 14).driven, rack(25.0, root_radius=0.2)
-    flanks = flanks_of(curve, basic, 14, RackLine(), 1.45, 1.0)
+    flanks = flanks_of(curve, basic, 14, RackLine(), 1.45)
     # Heights at which some flank touches where the curvature jumps.
     heights = np.abs(curve.joints_mm[:, None] - flanks.crossing_mm) * basic.height_per_rolled
     for height in heights[(heights > 0.5) & (heights < 5.0)]:

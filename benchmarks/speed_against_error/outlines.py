@@ -22,7 +22,7 @@ from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.teeth.flank import FILLET, FLANK
-from ncgear.teeth.form import BasicRack, Cutter, CutterKind, ToothForm
+from ncgear.teeth.form import Backlash, BasicRack, Cutter, CutterKind, ToothForm
 from ncgear.teeth.gear import pair_tips, toothed_pair
 from ncgear.teeth.outline import simple_polygon
 from ncgear.teeth.sides import Sides, refuse_folded_lands, regular_sides
@@ -41,14 +41,14 @@ TOLERANCE_MM: float = Output.model_fields["chord_tolerance_mm"].default
 """The default of design files."""
 
 
-def rack(backlash_mm: float = 0.0) -> BasicRack:
+def rack() -> BasicRack:
     """ISO 53 profile A at the module (values from secondary sources)."""
-    return BasicRack(MODULE_MM, radians(20.0), MODULE_MM, 1.25 * MODULE_MM, 0.38 * MODULE_MM, backlash_mm)
+    return BasicRack(MODULE_MM, radians(20.0), MODULE_MM, 1.25 * MODULE_MM, 0.38 * MODULE_MM)
 
 
 def form(backlash_mm: float = 0.0, *, equivalent: bool = False) -> ToothForm:
     """Teeth cut by a rack, whose fillets have closed forms."""
-    return ToothForm(rack(backlash_mm), cutter=Cutter(CutterKind.RACK), equivalent=equivalent)
+    return ToothForm(rack(), cutter=Cutter(CutterKind.RACK), equivalent=equivalent, backlash=Backlash(backlash_mm))
 
 
 @cache

@@ -168,7 +168,8 @@ def _standing_out(stretch: Stretch, row: IndexArray, share: Array, material: flo
     off, tilt = np.sum(across * (middle - start), axis=1), np.sum(across * slope, axis=1) * (high - share)
     # As in _strayed; a cubic goes to both sides if its slope in the middle is more than twice its distance there.
     both = np.abs(tilt) > 2.0 * np.abs(off)
-    return np.where(both, np.sqrt(off**2 + tilt**2 / 8.0), np.maximum(material * off, 0.0))
+    standing: Array = np.where(both, np.sqrt(off**2 + tilt**2 / 8.0), np.maximum(material * off, 0.0))
+    return standing
 
 
 def straddled(stretch: Stretch, tolerance: float) -> tuple[Array, Array]:

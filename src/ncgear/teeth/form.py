@@ -207,10 +207,10 @@ class ToothForm:
     """
 
     rack: BasicRack
-    backlash: Backlash = field(default_factory=Backlash)
     driving_shift_mm: float = 0.0
     driven_shift_mm: float = 0.0
     shift_for_undercut: bool = False
     cutter: Cutter = field(default_factory=Cutter)
     limits: TipLimits = field(default_factory=TipLimits)
     equivalent: bool = False
+    backlash: Backlash = field(default_factory=Backlash)
