@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from ncgear.pitch.pair import sized_pair
-from ncgear.teeth.form import ToothForm
+from ncgear.teeth.backlash import play_of
+from ncgear.teeth.form import Backlash, ToothForm
 from ncgear.teeth.gear import toothed_pair
 from outline_judge import Flanks, judged_flanks, judged_outline, sine_law
 from pairs import rack
@@ -25,7 +26,7 @@ ALPHA = radians(20.0)
 def outlines(tolerance: float, backlash_mm: float = 0.0) -> tuple[Array, Array]:
     """Both outlines of a pair."""
     pitch = sized_pair(transmission(DEPTH), TEETH, MODULE, None)
-    pair = toothed_pair(pitch, ToothForm(rack(module=MODULE, backlash_mm=backlash_mm)), tolerance)
+    pair = toothed_pair(pitch, ToothForm(rack(module=MODULE), backlash=Backlash(backlash_mm)), tolerance)
     return pair.driving.outline_mm, pair.driven.outline_mm
 
 
@@ -76,10 +77,13 @@ def test_every_pair_in_mesh_is_looked_at() -> None:
 
 
 def test_backlash_is_gap_along_the_normal() -> None:
-    """All of it on the idle side."""
+    """All of it on the idle side, and most where the driven gear's flanks have the longest arm."""
     tolerance = 0.0005
     found = judged(*outlines(tolerance, 0.1))
-    assert 0.1 < found.gap * MODULE <= 0.1 + 2.0 * tolerance
+    pitch = sized_pair(transmission(DEPTH), TEETH, MODULE, None)
+    most = play_of(pitch, rack(module=MODULE), Backlash(0.1)).largest_normal_mm.value
+    assert most > 0.12
+    assert found.gap * MODULE == pytest.approx(most, abs=3.0 * tolerance)
 
 
 @pytest.mark.tiers(quick=["-0.0001"], rest="thorough")

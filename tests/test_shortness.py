@@ -7,7 +7,7 @@ import pytest
 from shapely import Polygon
 
 from engaged import designed, made
-from ncgear.contact.pair import refuse_short_contact
+from ncgear.contact.pair import refuse_short_contact, short_contacts
 from ncgear.errors import NoSuchMechanism
 from oracles import meshing
 
@@ -26,7 +26,7 @@ REFUSED = [
 
 
 def refuse(name: str, teeth: int, least: float) -> None:
-    refuse_short_contact(designed(name, teeth), made(name, teeth)[1], least)
+    refuse_short_contact(short_contacts(designed(name, teeth), made(name, teeth)[1], least), both_ways=True)
 
 
 @pytest.mark.slow
@@ -97,3 +97,15 @@ def test_the_published_baler_touches_over_as_many_pitches_as_the_method_says(und
 @pytest.mark.parametrize("teeth", [24, 37])
 def test_below_one_nothing_is_asked(teeth: int) -> None:
     refuse("deep sine", teeth, 0.99)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("teeth", [24, 37])
+def test_what_idle_flanks_lack_is_refused_only_where_they_are_to_hold(teeth: int) -> None:
+    short = short_contacts(designed("deep sine", teeth), made("deep sine", teeth)[1], 1.0)
+    assert None not in short
+    with pytest.raises(NoSuchMechanism, match="drives: both_ways"):
+        refuse_short_contact((None, short[1]), both_ways=True)
+    refuse_short_contact((None, short[1]), both_ways=False)
+    with pytest.raises(NoSuchMechanism):
+        refuse_short_contact((short[0], None), both_ways=False)

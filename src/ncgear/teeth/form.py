@@ -201,9 +201,9 @@ class TipLimits:
 class ToothForm:
     """What is asked of the teeth of a pair.
 
-    Play is asked for by ``backlash``.  ``driving_shift_mm`` and ``driven_shift_mm`` are profile shifts.  With ``shift_for_undercut`` they are chosen
-    instead, equal and opposite, so that as little as possible is undercut.  With ``equivalent`` every flank is that of
-    its equivalent circular gear (flank.py).
+    Play is asked for by ``backlash``.  ``driving_shift_mm`` and ``driven_shift_mm`` are profile shifts.  With
+    ``shift_for_undercut`` they are chosen instead, equal and opposite, so that as little as possible is undercut.  With
+    ``equivalent`` every flank is that of its equivalent circular gear (flank.py).
     """
 
     rack: BasicRack
