@@ -46,7 +46,7 @@ def counted(pitch: PitchPair, pair: ToothedPair, side: float) -> tuple[Array, Ar
     ring = pitch.driven.is_ring
     gears = gear(pair.driving.outline_mm), gear(pair.driven.outline_mm, ring=ring)
     at = poses(*positions(pitch), pitch.center_distance_mm, 1.0 if ring else -1.0)
-    return touching(gears, at, side, TOUCHING_MM, 2.0 * CHORDS_MM, 1.6 * pi * MODULE)
+    return touching(gears, at, side, TOUCHING_MM, 2.0 * CHORDS_MM, 1.3 * pi * MODULE)
 
 
 def agrees(pairs: PairsInContact, few: Array, many: Array) -> bool:
