@@ -158,7 +158,8 @@ REMEDY = (
 
 
 LESS_RELIEF = "less tip relief, or one that begins higher, helps, or masses, so that the contact under load counts"
-"""What helps where flanks are held apart that could touch."""
+EXACT_FLANKS = "exact flanks help, or masses, so that the contact under load counts"
+"""What helps where flanks are held apart that could touch: with tip relief, and without."""
 
 SidesInContact = tuple[PairsInContact, PairsInContact]
 """The pairs of pushing flanks in contact, and those of their backs."""
@@ -204,7 +205,8 @@ def _refuse_short_side(judged: _Judged, least: float, overlap: float) -> None:
         reach = float(judged.side.reaches[shortest])
         cause = f"{_limits(judged)}; {REMEDY}"
         if reach + overlap >= least:
-            cause = f"others hold them apart, though they reach over {reach:.3g} pitches; {LESS_RELIEF}"
+            helps = LESS_RELIEF if judged.teeth.driving.flanks.rack.relief else EXACT_FLANKS
+            cause = f"others hold them apart, though they reach over {reach:.3g} pitches; {helps}"
         raise NoSuchMechanism(
             f"the flanks of {_pair(judged)} touch over {arc:.3g} pitches{helix} only, less than {least:.3g}: {cause}",
             key="gears.least_contact_ratio",
