@@ -157,8 +157,8 @@ REMEDY = (
 )
 
 
-LESS_RELIEF = "less tip relief, or one that begins higher, helps, or masses, so that the contact under load counts"
-EXACT_FLANKS = "exact flanks help, or masses, so that the contact under load counts"
+LESS_RELIEF = "less tip relief, or one that begins higher, helps"
+EXACT_FLANKS = "exact flanks help"
 """What helps where flanks are held apart that could touch: with tip relief, and without."""
 
 SidesInContact = tuple[PairsInContact, PairsInContact]
@@ -179,16 +179,17 @@ def refuse_short_contact(
     """
     sides = designed.pushing, designed.back
     for side, pairs in zip(sides, loaded or (designed.pushing.pairs, designed.back.pairs), strict=True):
-        _refuse_short_side(_Judged(designed.placement, side, pairs, teeth), least, overlap)
+        _refuse_short_side(_Judged(designed.placement, side, pairs, loaded is not None, teeth), least, overlap)
 
 
 @dataclass(frozen=True, eq=False)
 class _Judged:
-    """One side of the teeth, with the pairs of flanks that count as touching."""
+    """One side of the teeth, with the pairs of flanks that count as touching, ``loaded`` or not."""
 
     placement: Placement
     side: SideContact
     pairs: PairsInContact
+    loaded: bool
     teeth: ToothedPair
 
     @property
@@ -206,7 +207,8 @@ def _refuse_short_side(judged: _Judged, least: float, overlap: float) -> None:
         cause = f"{_limits(judged)}; {REMEDY}"
         if reach + overlap >= least:
             helps = LESS_RELIEF if judged.teeth.driving.flanks.rack.relief else EXACT_FLANKS
-            cause = f"others hold them apart, though they reach over {reach:.3g} pitches; {helps}"
+            load = "the load there is too small" if judged.loaded else "no masses are given, so no load counts"
+            cause = f"others hold them apart, though they reach over {reach:.3g} pitches; {helps} ({load})"
         raise NoSuchMechanism(
             f"the flanks of {_pair(judged)} touch over {arc:.3g} pitches{helix} only, less than {least:.3g}: {cause}",
             key="gears.least_contact_ratio",
