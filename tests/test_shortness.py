@@ -7,8 +7,11 @@ import pytest
 from shapely import Polygon
 
 from engaged import designed, made
-from ncgear.contact.pair import refuse_short_contact, short_contacts
+from ncgear.contact.designed.as_designed import AsDesigned, pairs_under_load
+from ncgear.contact.pair import SidesInContact, refuse_short_contact, short_contacts
 from ncgear.errors import NoSuchMechanism
+from ncgear.teeth.form import TipRelief
+from ncgear.teeth.gear import ToothedPair
 from oracles import meshing
 
 FINE = 2e-4
@@ -26,7 +29,12 @@ REFUSED = [
 
 
 def refuse(name: str, teeth: int, least: float) -> None:
-    refuse_short_contact(short_contacts(designed(name, teeth), made(name, teeth)[1], least), both_ways=True)
+    judge(designed(name, teeth), made(name, teeth)[1], least)
+
+
+def judge(contact: AsDesigned, pair: ToothedPair, least: float, loaded: SidesInContact | None = None) -> None:
+    """Refuse what either side of the teeth lacks."""
+    refuse_short_contact(short_contacts(contact, pair, least, 0.0, loaded), both_ways=True)
 
 
 @pytest.mark.slow
@@ -82,6 +90,18 @@ def test_a_least_ratio_over_one_names_the_shortest_contact() -> None:
         NoSuchMechanism, match=rf"touch over {shortest:.3g} pitches only, less than {shortest + 0.1:.3g}"
     ):
         refuse("baler", 25, float(shortest) + 0.1)
+
+
+def test_flanks_that_a_relief_holds_apart_do_not_count_unless_a_load_closes_it() -> None:
+    relief = TipRelief(0.05, 0.4, 2.0)
+    contact, (_, pair) = designed("ellipse", 25, relief=relief), made("ellipse", 25, relief=relief)
+    judge(contact, pair, 1.0)
+    with pytest.raises(NoSuchMechanism, match=r"touch over 1\.0\d pitches only.* reach over 1\.6.*; less tip relief"):
+        judge(contact, pair, 1.2)
+    closed = pairs_under_load(pair, contact.placement, contact.pushing.error_rad - 1e-2)[0]
+    judge(contact, pair, 1.2, loaded=(closed, closed))
+    with pytest.raises(NoSuchMechanism, match=r"touch over 1\.6\d* pitches only, less than 1\.7: the driving tip ends"):
+        judge(contact, pair, 1.7, loaded=(closed, closed))
 
 
 @pytest.mark.thorough

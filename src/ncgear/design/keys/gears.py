@@ -227,9 +227,10 @@ class Gears(Model):
         default=1.0,
         ge=0.0,
         le=3.0,
-        description="1: flanks must touch all the time; above 1: each pair of flanks, on the pushing and on the back "
-        "side of the teeth, over so many pitches, tip relief counted as closed by the load; below 1: gears that lose "
-        "contact are made all the same",
+        description="1: flanks must touch all the time, which tip relief does not prevent; above 1: each pair of "
+        "flanks, on the pushing and on the back side of the teeth, over so many pitches, flanks that tip relief holds "
+        "apart left out, unless the load on given masses brings them into contact; below 1: gears that lose contact "
+        "are made all the same",
     )
     method: Literal["exact", "equivalent_gear"] = Field(
         default="exact",

@@ -12,7 +12,7 @@ from ncgear.design.keys.bodies import GearBody, Hub, Web
 from ncgear.errors import DesignError
 from ncgear.figures.data_sheet.measured_tables import pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
-from ncgear.figures.numbers import drawn, shown, to_digits
+from ncgear.figures.numbers import drawn, micrometres, shown, to_digits
 from ncgear.figures.tables import Table, Value, cell_text, markdown, markdown_text
 from ncgear.metrology.working import root_radii_mm, tip_radii_mm
 from ncgear.numerics.arrays import Array
@@ -22,6 +22,7 @@ from ncgear.project.drive import Drive
 from ncgear.project.gear_solids import rim_mm_of
 from ncgear.project.measured import MeasuredGear, measured_gears
 from ncgear.teeth.form import CutterKind
+from ncgear.teeth.lost import Loss, shortening, undercutting
 from ncgear.teeth.tips import Limit
 
 if TYPE_CHECKING:
@@ -239,7 +240,7 @@ def _helix(drive: Drive) -> list[Entry]:
 def tooth_data(drive: Drive) -> tuple[Entry, ...]:
     """Undercut and shortened teeth, and how long the teeth touch."""
     driving, driven = drive.teeth.driving, drive.teeth.driven
-    undercut = shown(driving.undercut), shown(driven.undercut)
+    undercut = _undercut(driving), _undercut(driven)
     return (
         Entry("teeth that a tool of full depth undercuts", driving=undercut[0], driven=undercut[1]),
         Entry("teeth with shortened tips", driving=_shortened(driving), driven=_shortened(driven)),
@@ -261,9 +262,21 @@ def _contact_ratios(drive: Drive) -> list[Entry]:
     return [*rows, Entry(f"{name}, under load", pair=under), Entry(f"{name}, under load, {least}", pair=shortest)]
 
 
+def _undercut(gear: ToothedGear) -> str:
+    return _with_amount(gear.undercut, undercutting, gear)
+
+
 def _shortened(gear: ToothedGear) -> str:
     numbers = {number for limit in Limit if limit is not Limit.FULL for number in gear.shortened(limit)}
-    return shown(sorted(numbers))
+    return _with_amount(sorted(numbers), lambda one: shortening(one, one.tips.limit != Limit.FULL), gear)
+
+
+def _with_amount(numbers: list[int], loss: Callable[[ToothedGear], Loss], gear: ToothedGear) -> str:
+    """Numbers of teeth, and how much these have lost at most."""
+    if not numbers:
+        return shown(numbers)
+    found = loss(gear)
+    return f"{shown(numbers)}, by up to {micrometres(found.amount_mm)} (tooth {found.tooth})"
 
 
 def bodies(drive: Drive) -> tuple[Entry, ...]:

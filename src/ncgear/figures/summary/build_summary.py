@@ -25,6 +25,7 @@ from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.teeth.gear import ToothedGear, teeth_free_of_undercut
+from ncgear.teeth.lost import shortening, undercutting
 from ncgear.teeth.tips import Limit
 
 if TYPE_CHECKING:
@@ -42,6 +43,7 @@ def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
     """The summary of the check, and pitch curves, teeth, contact and bodies."""
     summary = check_summary(drive)
     comparison, warnings = summary.pop("comparison"), summary.pop("warnings")
+    advices = build_advice(drive)
     return {
         **summary,
         "pitch": pitch_summary(drive),
@@ -53,7 +55,8 @@ def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
         },
         "bodies": bodies_summary(drive),
         "comparison": comparison,
-        "warnings": warnings + [advice.line for advice in build_advice(drive)],
+        "warnings": warnings + [advice.line for advice in advices if advice.matters],
+        "remarks": [advice.line for advice in advices if not advice.matters],
         "timing_s": {step: round(seconds, 6) for step, seconds in drive.timing_s.items()},
     }
 
@@ -132,6 +135,8 @@ def teeth_summary(drive: Drive) -> dict[str, Any]:
         **_helix(drive),
         "undercut_driving": teeth.driving.undercut,
         "undercut_driven": teeth.driven.undercut,
+        **_undercut_depth(teeth.driving),
+        **_undercut_depth(teeth.driven),
         "free_of_undercut_from_driving_teeth": teeth_free_of_undercut(drive.pitch, *racks),
         "method": drive.gears.method,
         "cutter": teeth.cutter.value,
@@ -145,12 +150,24 @@ def teeth_summary(drive: Drive) -> dict[str, Any]:
 
 
 def _tips(gear: ToothedGear) -> dict[str, Any]:
-    """Least height of the tips, and numbers of the teeth whose tips are shortened, by reason."""
+    """Least height of the tips, how much they are shortened at most, and the teeth with shortened tips by reason."""
     result: dict[str, Any] = {"least_height_mm": float(gear.flanks.tip_height_mm.min())}
     for reason in Limit:
         if reason is not Limit.FULL and (numbers := gear.shortened(reason)):
             result[f"shortened_for_{reason.name.lower()}"] = numbers
+    marked = gear.tips.limit != Limit.FULL
+    if marked.any():
+        loss = shortening(gear, marked)
+        result.update(most_shortened_um=1e3 * loss.amount_mm, most_shortened_tooth=loss.tooth)
     return result
+
+
+def _undercut_depth(gear: ToothedGear) -> dict[str, Any]:
+    """How much of a flank's depth is undercut at most, as in ``undercutting``, and at which tooth."""
+    if not gear.undercut:
+        return {}
+    loss, name = undercutting(gear), gear.flanks.curve.gear.value
+    return {f"most_undercut_{name}_um": 1e3 * loss.amount_mm, f"most_undercut_{name}_tooth": loss.tooth}
 
 
 def _helix(drive: Drive) -> dict[str, Any]:
