@@ -75,10 +75,10 @@ class Key:
         # Defaults follow from keys further up.
         defaults: dict[str, Any] = {}
         for name, field in self.model.model_fields.items():
-            defaults[name] = field.get_default(call_default_factory=True, validated_data=defaults)
-            if name == self.name:
+            if field is self.field:
                 break
-        return defaults[self.name]
+            defaults[name] = field.get_default(call_default_factory=True, validated_data=defaults)
+        return self.field.get_default(call_default_factory=True, validated_data=defaults)
 
 
 def keys_of(root: type[BaseModel]) -> list[Key]:
