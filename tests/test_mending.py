@@ -342,6 +342,16 @@ def test_check_makes_the_teeth_only_when_asked(run: Run) -> None:
     assert [path.name for path in Path().iterdir()] == ["d.yaml"]
 
 
+@pytest.mark.thorough
+def test_another_fault_of_a_mended_design_has_its_place_in_the_file(run: Run) -> None:
+    """A bore beyond the roots: the mended build fails and writes nothing."""
+    Path("d.yaml").write_text(TEXT + "  driving: {bore_mm: 60}\n")
+    status, out, err = run("build", "d.yaml", "--mend")
+    assert (status, out) == (2, "")
+    assert err.startswith("d.yaml:10:13: gears.driving.bore_mm: ")
+    assert [path.name for path in Path().iterdir()] == ["d.yaml"]
+
+
 def test_nothing_is_mended_that_holds(run: Run) -> None:
     Path("d.yaml").write_text(TEXT.replace("teeth: 8 ", "teeth: 30"))
     status, out, _ = run("check", "d.yaml", "--mend")

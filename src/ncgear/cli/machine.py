@@ -83,7 +83,7 @@ def build(
 
         # The report of an earlier design would lie beside gears that it does not show.
         report = report or holds_as_written(folder, REPORT_FILE)
-        with located(loaded.source), naming_what_helps(drive), steps_shown(step_count(drive, report=report)) as on_step:
+        with naming_what_helps(drive), steps_shown(step_count(drive, report=report)) as on_step:
             built = build_files(drive, folder, on_step, kinds or USUAL, loaded if report else None)
         design = made.kept_in(folder)
         text = build_text(built.summaries, [*built.paths, *design.paths], [*built.kept, *design.kept])

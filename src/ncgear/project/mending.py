@@ -19,6 +19,7 @@ from typing import assert_never
 from ncgear.design.keys.gears import MOST_TEETH
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.project.alternatives import Changes, changed_gears, fitted_root_radius, rack_at, resized
+from ncgear.project.computed import take_over
 from ncgear.project.drive import Drive
 from ncgear.project.tooth_form import rack_of, require_pushing_flanks
 
@@ -76,6 +77,9 @@ FINER = (1.5, 2.0, 3.0)
 FINER_TOGETHER = (1.5, 3.0)
 """Numbers of teeth, divided by the design's, that are tried together with another change."""
 
+SIZES = ("teeth", "module_mm", "center_distance_mm")
+"""Keys that give the pitch curves their size."""
+
 SAME_SHIFT = 0.01
 """Modules by which shifts differ at least that are worth a trial."""
 
@@ -101,12 +105,12 @@ class Mend:
 
     @property
     def contact_ratio(self) -> float:
-        """Least arc of contact of any pair of flanks in pitches; of two pairs of gears, that of the worse."""
-        return min(pair.designed_contact.contact_ratio for pair in self.drive.by_stage)
+        """Least arc of contact of any pair of flanks in pitches, with what a helix adds; of two pairs, the worse's."""
+        return min(pair.designed_contact.contact_ratio + pair.overlap_ratio for pair in self.drive.by_stage)
 
     @property
     def pressure_angle_deg(self) -> float:
-        """The largest pressure angle, the rack's own included; of two pairs of gears, that of the worse."""
+        """The largest pressure angle, the rack's own included; of two pairs of gears, the worse's."""
         return max(pair.pitch.largest_pressure_angle_deg(pair.rack.pressure_angle_rad) for pair in self.drive.by_stage)
 
 
@@ -189,14 +193,30 @@ def searched(drive: Drive, refusal: DesignError, on_trial: OnTrial = lambda done
 
 
 def _sound(drive: Drive, way: Way) -> Mend | None:
-    gears = changed_gears(drive.gears, way.changes)
-    changed = Drive(drive.design.model_copy(update={"gears": gears}), drive.stage)
+    changed = _changed(drive, way.changes)
     try:
         for pair in changed.by_stage:
             pair.require_sound_teeth()
     except DesignError:
         return None
     return Mend(way, changed)
+
+
+def _changed(drive: Drive, changes: Changes) -> Drive:
+    """The drive of the changed design; what the change leaves as it is, law or pitch curves, is not computed again."""
+    gears = changed_gears(drive.gears, changes)
+    design = drive.design.model_copy(update={"gears": gears})
+    same_size = all(getattr(gears, name) == getattr(drive.gears, name) for name in SIZES)
+
+    def changed(one: Drive) -> Drive:
+        other = Drive(design, one.stage)
+        take_over(("law", "pitch") if same_size else ("law",), one, other)
+        return other
+
+    whole = changed(drive)
+    if design.stages > 1 and drive.stage is None:
+        vars(whole)["by_stage"] = tuple(map(changed, drive.by_stage))
+    return whole
 
 
 def _is_made(drive: Drive) -> bool:
