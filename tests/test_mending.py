@@ -315,6 +315,8 @@ def test_a_mended_build_says_so_and_keeps_its_design_file(run: Run) -> None:
     assert status == 0
     assert out.startswith("Mended: these are not the gears of the file, whose teeth are refused, but those with\n")
     folder = Path("export/few-mended")
+    written = out.partition("Written\n")[2].split()
+    assert sorted(written) == sorted(str(path) for path in folder.iterdir())
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["design"]["name"] == "few-mended"
     assert summary["design"]["description"].startswith("Mended: few with gears.rack.pressure_angle_deg: 25 and")

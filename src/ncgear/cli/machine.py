@@ -86,7 +86,9 @@ def build(
         with naming_what_helps(drive), steps_shown(step_count(drive, report=report)) as on_step:
             built = build_files(drive, folder, on_step, kinds or USUAL, loaded if report else None)
         design = made.kept_in(folder)
-        text = build_text(built.summaries, [*built.paths, *design.paths], [*built.kept, *design.kept])
+        # Both runs wrote the manifest.
+        paths = list(dict.fromkeys([*built.paths, *design.paths]))
+        text = build_text(built.summaries, paths, [*built.kept, *design.kept])
         typer.echo("\n\n".join(part for part in (made.said, text) if part))
         if timing:
             typer.echo(timing_text(drive), err=True)

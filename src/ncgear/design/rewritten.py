@@ -9,17 +9,20 @@ from typing import Any
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
+LINE_WIDTH = 118
+"""Width of the lines of files that hold many numbers."""
+
 LONGEST_LINE = 10_000
 """Length over that of any line of a design file that people write, so that no line is broken."""
 
 
-def rewritten(text: str, values: Mapping[str, Any]) -> str:
-    """A design file with other values at some dotted keys; None leaves a key out.
+def rewritten(text: str, values: Mapping[str, Any], width: int = LONGEST_LINE) -> str:
+    """A design file with other values at some dotted keys; None leaves a key out.  Lines are broken at ``width``.
 
     A key that the file does not have comes after the first one of its group.  A group that is missing is made.
     """
     yaml, made = YAML(), StringIO()
-    yaml.width, yaml.preserve_quotes = LONGEST_LINE, True
+    yaml.width, yaml.preserve_quotes = width, True
     data = yaml.load(text)
     for key, value in values.items():
         *above, name = key.split(".")

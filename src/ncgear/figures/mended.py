@@ -10,7 +10,7 @@ from typing import Any
 from ncgear.design.keys.base import listed
 from ncgear.design.naming import LONGEST_NAME
 from ncgear.design.reading.design_file import LoadedDesign
-from ncgear.design.rewritten import rewritten
+from ncgear.design.rewritten import LINE_WIDTH, rewritten
 from ncgear.errors import DesignError
 from ncgear.figures.advice.values import changed
 from ncgear.figures.numbers import to_digits
@@ -105,4 +105,5 @@ def mended_design(loaded: LoadedDesign, found: Mend) -> str:
         points |= {f"{group}.{key}": value for key, value in table.values.items()} | {f"{group}.file": None}
     said = f"Mended: {design.name} with {changes_words(found.way)}, without which its teeth are refused."
     about = {"description": f"{said} {design.description}".strip()[:LONGEST_DESCRIPTION]}
-    return rewritten(loaded.text, {"name": mended_name(design.name), **about, **points, **found.way.changes})
+    values = {"name": mended_name(design.name), **about, **points, **found.way.changes}
+    return rewritten(loaded.text, values, LINE_WIDTH)
