@@ -162,13 +162,20 @@ def shift_free_of_undercut(drive: Drive) -> tuple[float, Changes] | None:
     """
     from ncgear.teeth.gear import shift_against_undercut
 
-    given, rack = drive.gears.profile_shift, drive.rack
+    rack = drive.rack
     shift = shift_against_undercut(drive.pitch, rack)
     teeth = drive.pitch.size.driving_teeth
-    if given.against_undercut or _enough(drive, rack.shifted(shift), rack.shifted(-shift)) > teeth:
+    has_it = drive.gears.profile_shift.against_undercut
+    if has_it or _enough(drive, rack.shifted(shift), rack.shifted(-shift)) > teeth:
         return None
+    return shift, shifted_against_undercut(drive.gears)
+
+
+def shifted_against_undercut(gears: Gears) -> Changes:
+    """The changes that ask for the profile shift chosen against undercut, in the place of those that are given."""
+    given = gears.profile_shift
     dropped: Changes = {f"gears.profile_shift.{key}": None for key in SHIFTS if getattr(given, key) is not None}
-    return shift, {**dropped, "gears.profile_shift.against_undercut": True}
+    return {**dropped, "gears.profile_shift.against_undercut": True}
 
 
 def steeper_rack(drive: Drive, steepest_deg: float) -> Changes:

@@ -17,8 +17,15 @@ from operator import or_
 from typing import assert_never
 
 from ncgear.design.keys.gears import MOST_TEETH
-from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
-from ncgear.project.alternatives import Changes, changed_gears, fitted_root_radius, rack_at, resized
+from ncgear.errors import DesignError, NoSuchMechanism, WrongInput, located
+from ncgear.project.alternatives import (
+    Changes,
+    changed_gears,
+    fitted_root_radius,
+    rack_at,
+    resized,
+    shifted_against_undercut,
+)
 from ncgear.project.computed import take_over
 from ncgear.project.drive import Drive
 from ncgear.project.tooth_form import rack_of, require_pushing_flanks
@@ -147,8 +154,9 @@ def refusal_of_teeth(drive: Drive) -> DesignError | None:
     Of wrong input, only a root radius that does not fit is about teeth.  Raises WrongInput or NoSuchMechanism where
     something else is refused, as a law, pitch curves, or a pressure angle at which no flank pushes.
     """
-    for pair in drive.by_stage:
-        require_pushing_flanks(pair.pitch, pair.gears.rack)
+    with located(drive.places):
+        for pair in drive.by_stage:
+            require_pushing_flanks(pair.pitch, pair.gears.rack)
     try:
         require_made(drive)
     except NoSuchMechanism as error:
@@ -284,9 +292,9 @@ def _shifted(drive: Drive) -> list[Changes]:
     own = given.driving if given.driving is not None else -(given.driven or 0.0)
     sizes = [(pair.pitch, pair.pitch.size.module_mm) for pair in drive.by_stage]
     best = [shift_against_undercut(pitch, rack_of(gears, module)) / module for pitch, module in sizes]
-    dropped: Changes = {f"gears.profile_shift.{key}": None for key in given.model_fields_set}
     if not given.against_undercut and any(abs(modules - own) > SAME_SHIFT for modules in best):
-        return [dropped | {"gears.profile_shift.against_undercut": True}]
+        return [shifted_against_undercut(drive.gears)]
+    dropped: Changes = {f"gears.profile_shift.{key}": None for key in given.model_fields_set}
     return [dropped | {"gears.profile_shift.driving": modules} for modules in SHIFTED_MODULES if modules != own]
 
 
