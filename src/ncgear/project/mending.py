@@ -112,7 +112,7 @@ class Mend:
 
     @property
     def contact_ratio(self) -> float:
-        """Least arc of contact of any pair of flanks in pitches, with what a helix adds; of two pairs, the worse's."""
+        """The contact ratio of the exact teeth, with what a helix adds; of two pairs of gears, the worse's."""
         return min(pair.designed_contact.contact_ratio + pair.overlap_ratio for pair in self.drive.by_stage)
 
     @property
