@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from math import pi, radians
 from typing import Any, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import Length, Model, fault, given, listed
 from ncgear.design.keys.bodies import DrivenBody, GearBody, require_height, require_hub_wall
+from ncgear.teeth.root_radius import fitting_root_radius, largest_root_radius
 
 
 class Profile(NamedTuple):
@@ -29,6 +31,12 @@ PROFILES: dict[str, Profile] = {
 
 def _of_profile(data: dict[str, Any]) -> Profile:
     return PROFILES[data["profile"]]
+
+
+def _fitting_root_radius(data: dict[str, Any]) -> float:
+    """The profile's root radius or, where it does not fit into teeth without backlash, the greatest one that does."""
+    angle, dedendum = radians(data["pressure_angle_deg"]), data["dedendum"]
+    return fitting_root_radius(_of_profile(data).root_radius, largest_root_radius(angle, dedendum, pi / 4.0))
 
 
 class TipRelief(Model):
@@ -89,10 +97,10 @@ class Rack(Model):
         default_factory=lambda data: _of_profile(data).dedendum, gt=0.0, le=10.0, description="dedendum in modules"
     )
     root_radius: float = Field(
-        default_factory=lambda data: _of_profile(data).root_radius,
+        default_factory=_fitting_root_radius,
         ge=0.0,
         le=10.0,
-        description="radius of the root fillet in modules",
+        description="radius of the root fillet in modules; left out: the profile's, or the most that fits",
     )
     tip_relief: TipRelief | None = Field(default=None, description="tip relief; left out: none")
 

@@ -9,6 +9,7 @@ from math import degrees, isclose
 from typing import TYPE_CHECKING
 
 from ncgear.design.keys.bodies import GearBody, Hub, Web
+from ncgear.design.keys.gears import PROFILES
 from ncgear.errors import DesignError
 from ncgear.figures.data_sheet.measured_tables import pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
@@ -192,9 +193,11 @@ CUTTERS = {
 
 def rack_data(drive: Drive) -> tuple[Entry, ...]:
     """The basic rack that generates both gears."""
-    rack, module = drive.rack, drive.rack.module_mm
-    given = drive.gears.rack.model_fields_set & {"addendum", "dedendum", "root_radius"}
-    departed = ", coefficients as below" if given else ""
+    rack, module, asked = drive.rack, drive.rack.module_mm, drive.gears.rack
+    given = asked.model_fields_set & {"addendum", "dedendum", "root_radius"}
+    # A root radius that is left out is smaller than the profile's where that does not fit.
+    smaller = asked.root_radius < PROFILES[asked.profile].root_radius
+    departed = ", coefficients as below" if given or smaller else ""
     return (
         Entry("pressure angle of the rack", "deg", pair=degrees(rack.pressure_angle_rad)),
         Entry("basic rack of ISO 53", pair=f"profile {drive.gears.rack.profile}{departed}"),
