@@ -267,9 +267,15 @@ def bodies(drive: Drive) -> tuple[Entry, ...]:
         *_round_holes(drive),
         Entry("rim outside the deepest root", "mm", driven=rim),
         Entry("bevel of the edges at z = 0", "mm", pair=drive.gears.first_layer_chamfer_mm or None),
-        Entry("clearance for the process", "mm", pair=drive.gears.process_clearance_mm or None),
+        _process(drive.gears.process_clearance_mm),
     ]
     return tuple(row for row in rows if row.of_pair or row.driving or row.driven)
+
+
+def _process(clearance_mm: float) -> Entry:
+    if clearance_mm < 0.0:
+        return Entry("kerf that drawings allow for, half on each side of the lines", "mm", -2.0 * clearance_mm)
+    return Entry("clearance for the process", "mm", pair=clearance_mm or None)
 
 
 def _keyway(body: GearBody) -> Value:
