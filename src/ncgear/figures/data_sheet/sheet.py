@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from ncgear.design.keys.bodies import GearBody, Hub, Web
 from ncgear.errors import DesignError
+from ncgear.figures.data_sheet.cut_table import cut_table
 from ncgear.figures.data_sheet.measured_tables import pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import drawn, shown, to_digits
@@ -20,7 +21,7 @@ from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.gear_solids import rim_mm_of
-from ncgear.project.measured import MeasuredGear, measured_gears
+from ncgear.project.measured import MeasuredGear, cut_gears, measured_gears
 from ncgear.teeth.form import CutterKind
 from ncgear.teeth.tips import Limit
 
@@ -92,7 +93,10 @@ def data_sheet(pair: Drive) -> DataSheet:
         "Measurements of the teeth": lambda: measurements(pair, gears()),
     }
     groups = (Group(title, _entries(of)) for title, of in rows.items())
-    tables: dict[str, Callable[[], tuple[Table, ...]]] = {"Pitch curves": lambda: (pitch_table(pair),)}
+    tables: dict[str, Callable[[], tuple[Table, ...]]] = {
+        "Cut by": lambda: tuple(map(cut_table, cut_gears(pair))),
+        "Pitch curves": lambda: (pitch_table(pair),),
+    }
     for number, gear in enumerate(Gear):
         tables[f"Span of the {gear.value} gear"] = partial(_of_one, gears, number, span_table)
         tables[f"Pins in the {gear.value} gear"] = partial(_of_one, gears, number, pin_tables)
