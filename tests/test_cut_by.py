@@ -53,7 +53,9 @@ def left_by(gear: ToothedGear, diameter: float) -> float:
     return float(shapely.distance(shapely.points(ring), moved.boundary).max())
 
 
-@pytest.mark.tiers(quick=["circle-*DRIVEN"], thorough=["*DRIVEN"], rest="slow")
+@pytest.mark.tiers(
+    quick=["circle-*DRIVEN"], thorough=["ellipse-*DRIVEN", "undercut-*DRIVEN", "ring-*DRIVEN"], rest="slow"
+)
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize("name", PITCHES)
 def test_the_largest_round_tool_leaves_no_more_than_allowed_and_a_larger_one_does(name: str, gear: Gear) -> None:

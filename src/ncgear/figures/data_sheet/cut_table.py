@@ -17,7 +17,7 @@ def cut_table(gear: CutGear) -> Table:
     largest = gear.round_tool
     note = (
         f"least concave radius of the outline {drawn(largest.hollow_mm, 'mm')} mm, in the space after tooth "
-        f"{largest.hollow_space}; a larger round tool leaves {largest.left_mm:g} mm there at most; of a wire the "
+        f"{largest.hollow_space}; a round tool as stated leaves {largest.left_mm:g} mm at most; of a wire the "
         "diameter counts with its spark gap"
     )
     rows = tuple((_named(one), one.verdict.value, one.reason) for one in gear.by)
