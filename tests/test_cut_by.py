@@ -66,6 +66,16 @@ def test_the_largest_round_tool_leaves_no_more_than_allowed_and_a_larger_one_doe
     assert left_by(own, 1.15 * found.diameter_mm) > LEFT
 
 
+@pytest.mark.thorough
+def test_a_tool_that_is_wider_than_the_bottom_of_a_space_does_not_get_there() -> None:
+    """A rack's tip that is rounded all over: no fillet is rounder, but both sides hold the tool."""
+    own = made("circle", root_radius=0.471).driving
+    found = round_tool(own, LEFT)
+    assert found.passage
+    assert left_by(own, found.diameter_mm) <= LEFT
+    assert left_by(own, 1.15 * found.diameter_mm) > 0.3
+
+
 @pytest.mark.tiers(quick=["circle-*"], rest="thorough")
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize("name", ["circle", "ellipse", "concave", "ring"])
