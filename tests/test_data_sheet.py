@@ -241,11 +241,12 @@ def test_a_section_that_cannot_be_measured_leaves_all_other_figures(monkeypatch:
 
     monkeypatch.setattr(sheet_module, "measured_gears", failing)
     monkeypatch.setattr(sheet_module, "pitch_table", failing)
+    monkeypatch.setattr(sheet_module, "cut_gears", failing)
     found = data_sheet(drive("ellipse"))
     assert (
         row(found, "these figures").pair == "could not be computed: gears.teeth: tooth 3 of the driven gear is too thin"
     )
-    assert [one.rows for one in found.tables] == [()] * 5
+    assert [one.rows for one in found.tables] == [()] * 6
     assert row(found, "greatest pitch radius").driving == pytest.approx(sheet_radius("ellipse"))
 
 

@@ -264,10 +264,12 @@ class Gears(Model):
     )
     process_clearance_mm: float = Field(
         default=0.0,
-        ge=0.0,
+        ge=-10.0,
         le=10.0,
-        description="distance in mm along the normal by which the solids' teeth, bores and keyways are moved into the "
-        "material, since a print swells; outline tables and contact are those of the gears as they shall come out",
+        description="distance in mm along the normal by which solids and drawings are moved into the material at "
+        "teeth, bores and keyways, since a print swells. Negative: half the kerf of a laser, wire or jet; what is cut "
+        "through is then moved out of the material, since the cutter takes half its kerf on either side of the line. "
+        "Outline tables and contact are those of the gears as they shall come out",
     )
     driving: GearBody = Field(default_factory=GearBody, description="body of the driving gear")
     driven: DrivenBody = Field(default_factory=DrivenBody, description="body of the driven gear; of a ring, its rim")
@@ -308,13 +310,13 @@ class Gears(Model):
     @model_validator(mode="after")
     def _helical_teeth_are_whole(self) -> Self:
         for name in ("first_layer_chamfer_mm", "process_clearance_mm"):
-            if self.helix is not None and getattr(self, name) > 0.0:
+            if self.helix is not None and getattr(self, name) != 0.0:
                 raise fault(name, "given, but helical teeth are made as designed, edges and all; leave it out")
         return self
 
     @model_validator(mode="after")
     def _bodies_have_walls(self) -> Self:
         for name, body in (("driving", self.driving), ("driven", self.driven)):
-            require_hub_wall(name, body, self.process_clearance_mm)
+            require_hub_wall(name, body, max(self.process_clearance_mm, 0.0))
             require_height(name, body, self.face_width_mm, self.first_layer_chamfer_mm)
         return self

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from ncgear.design.keys.bodies import GearBody, Hub, Web
 from ncgear.design.keys.gears import PROFILES
 from ncgear.errors import DesignError
+from ncgear.figures.data_sheet.cut_table import cut_table
 from ncgear.figures.data_sheet.measured_tables import pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import drawn, micrometres, shown, to_digits
@@ -21,7 +22,7 @@ from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.gear_solids import rim_mm_of
-from ncgear.project.measured import MeasuredGear, measured_gears
+from ncgear.project.measured import MeasuredGear, cut_gears, measured_gears
 from ncgear.teeth.form import CutterKind
 from ncgear.teeth.lost import Loss, shortening, undercutting
 from ncgear.teeth.tips import Limit
@@ -94,7 +95,10 @@ def data_sheet(pair: Drive) -> DataSheet:
         "Measurements of the teeth": lambda: measurements(pair, gears()),
     }
     groups = (Group(title, _entries(of)) for title, of in rows.items())
-    tables: dict[str, Callable[[], tuple[Table, ...]]] = {"Pitch curves": lambda: (pitch_table(pair),)}
+    tables: dict[str, Callable[[], tuple[Table, ...]]] = {
+        "Cut by": lambda: tuple(map(cut_table, cut_gears(pair))),
+        "Pitch curves": lambda: (pitch_table(pair),),
+    }
     for number, gear in enumerate(Gear):
         tables[f"Span of the {gear.value} gear"] = partial(_of_one, gears, number, span_table)
         tables[f"Pins in the {gear.value} gear"] = partial(_of_one, gears, number, pin_tables)
@@ -294,9 +298,15 @@ def bodies(drive: Drive) -> tuple[Entry, ...]:
         *_round_holes(drive),
         Entry("rim outside the deepest root", "mm", driven=rim),
         Entry("bevel of the edges at z = 0", "mm", pair=drive.gears.first_layer_chamfer_mm or None),
-        Entry("clearance for the process", "mm", pair=drive.gears.process_clearance_mm or None),
+        _process(drive.gears.process_clearance_mm),
     ]
     return tuple(row for row in rows if row.of_pair or row.driving or row.driven)
+
+
+def _process(clearance_mm: float) -> Entry:
+    if clearance_mm < 0.0:
+        return Entry("kerf that drawings allow for, half on each side of the lines", "mm", -2.0 * clearance_mm)
+    return Entry("clearance for the process", "mm", pair=clearance_mm or None)
 
 
 def _keyway(body: GearBody) -> Value:

@@ -296,12 +296,17 @@ def bodies_summary(drive: Drive) -> dict[str, Any]:
 
     A process that adds material as thick as its clearance leaves the gears as designed.  A process that adds none
     leaves a gap of two clearances along the normal.  The largest lag is this gap divided by the lever of the force.
+    A negative clearance is half a kerf: what is written is larger than the gears, and does not go together uncut.
     """
     clearance, solids = drive.gears.process_clearance_mm, drive.solids
     lever_mm = drive.designed_contact.pushing.first.lever_mm
     return {
         "process_clearance_mm": clearance,
-        "lag_max_without_process_rad": float((2.0 * clearance / lever_mm).max()),
+        **(
+            {"kerf_mm": -2.0 * clearance}
+            if clearance < 0.0
+            else {"lag_max_without_process_rad": float((2.0 * clearance / lever_mm).max())}
+        ),
         "first_layer_chamfer_mm": drive.gears.first_layer_chamfer_mm,
         "driving": _body(solids.driving),
         "driven": _body(solids.driven),

@@ -253,6 +253,9 @@ def gear_notes(drive: Drive, gear: Gear, plan: BodyPlan) -> tuple[str, ...]:
         notes.append("helical teeth: section at z = 0, not to be cut upright")
     if plan.clearance_mm > 0.0:
         notes.append(f"{plan.clearance_mm:g} mm taken off outline and bore for the process")
+    if plan.clearance_mm < 0.0:
+        kerf = f"a kerf of {-2.0 * plan.clearance_mm:g} mm"
+        notes.append(f"for {kerf}: whatever is cut through is {-plan.clearance_mm:g} mm outside of the finished gear")
     if plan.chamfer_mm > 0.0:
         notes.append(f"lower edges bevelled by {plan.chamfer_mm:g} mm")
     return tuple(notes)
