@@ -14,7 +14,7 @@ from math import ceil, pi, sqrt
 import numpy as np
 
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, counted_up
-from ncgear.numerics.plane import along, angle_between, square
+from ncgear.numerics.plane import across, along, angle_between, square
 
 TURN = 2.0 * np.pi
 
@@ -75,9 +75,28 @@ class RadialRuns:
     near: IndexArray
 
     @cached_property
-    def step(self) -> ComplexArray:
-        """From each entry to the next; meaningless at the last entry of a run."""
-        return np.append(np.diff(self.point), 0.0)
+    def polar_rad(self) -> Array:
+        """Polar angle of each entry."""
+        return np.angle(self.point)
+
+    @cached_property
+    def radius_mm(self) -> Array:
+        """Distance of each entry from the axis."""
+        return np.sqrt(self.square)
+
+    @property
+    def heading_rad(self) -> Array:
+        """The first value of ``headings`` for the chord after each entry; meaningless at the last entry of a run."""
+        return self._headings[0]
+
+    @property
+    def aside_mm(self) -> Array:
+        """The second value of ``headings``."""
+        return self._headings[1]
+
+    @cached_property
+    def _headings(self) -> tuple[Array, Array]:
+        return headings(self.point, np.append(np.diff(self.point), 1.0))
 
     @cached_property
     def inner(self) -> Array:
@@ -104,10 +123,11 @@ class RadialRuns:
     def _scale(self) -> float:
         return 0.5 / float(self.square.max())
 
-    def sector(self, point: ComplexArray) -> IndexArray:
-        """Number of the sector that each point lies in."""
+    def sector(self, polar_rad: Array) -> IndexArray:
+        """Number of the sector that each polar angle, from -pi to pi, lies in."""
         sectors = len(self.near)
-        return np.floor(np.angle(point) * (sectors / (2.0 * pi))).astype(int) % sectors
+        sector = np.floor(polar_rad * (sectors / TURN)).astype(int)
+        return np.where(sector < 0, sector + sectors, sector) % sectors
 
     def entry_beyond(self, run: IndexArray, squared: Array) -> IndexArray:
         """First entry of runs at or beyond squared radii; one after the last where there is none."""
@@ -157,6 +177,16 @@ def _near_sectors(
     near = np.full((sectors, int(width.max())), NO_RUN)
     near[sector, np.arange(owner.size) - (np.cumsum(width) - width)[sector]] = owner
     return near
+
+
+def headings(point: ComplexArray, outwards: ComplexArray) -> tuple[Array, Array]:
+    """Polar angles in rad of directions, and how far to their left points stand of the origin, in mm; shape (n,) each.
+
+    A straight line from ``point`` on ``outwards``, along which the radius grows, crosses a circle of radius r about the
+    origin at the polar angle heading + arcsin(aside / r).
+    """
+    length = np.sqrt(np.maximum(square(outwards), np.finfo(float).tiny))
+    return np.angle(outwards), across(outwards, point) / length
 
 
 def with_feet(start: ComplexArray, end: ComplexArray) -> tuple[IndexArray, ComplexArray]:
