@@ -287,10 +287,10 @@ def _free(crossings: _Crossings, positions: int) -> tuple[Array, Array, Array]:
     A vertex is inside the other gear if, turned one way or the other, it would come out of the gear before it goes in;
     the other side of a thick tooth may be out of reach.  It then counts as past the nearer side.
     """
-    least = np.full(4 * crossings.position.size, np.inf)
+    least = np.full((4, crossings.position.size), np.inf)
     kind = 2 * np.signbit(crossings.turn_rad) + crossings.entering
-    np.minimum.at(least, 4 * crossings.vertex + kind, np.abs(crossings.turn_rad))
-    left_above, entered_above, left_below, entered_below = least.reshape(-1, 4).T
+    np.minimum.at(least.ravel(), crossings.position.size * kind + crossings.vertex, np.abs(crossings.turn_rad))
+    left_above, entered_above, left_below, entered_below = least
     inside = (left_above < entered_above) | (entered_below < left_below)
     past_upper = inside & (left_above <= entered_below)
     up = np.where(inside, np.where(past_upper, np.inf, -entered_below), np.minimum(entered_above, left_above))

@@ -54,6 +54,9 @@ def polar_outline(outline: ComplexArray) -> PolarOutline:
 SECTORS_PER_PITCH = 8
 """Sectors per pitch by which runs are found from a direction; finer sectors hardly leave out more runs."""
 
+BINS_PER_ENTRY = 2
+"""Bins of squared radii per entry of the longest run, by which entries are found."""
+
 NO_RUN = -1
 """Stands for no run in the tables of runs near sectors."""
 
@@ -114,14 +117,26 @@ class RadialRuns:
         return self.inner[self.near].min(axis=1), self.outer[self.near].max(axis=1)
 
     @cached_property
-    def _keys(self) -> Array:
-        """Numbers that grow over all entries: a run's number, and below one half its squared radius."""
-        run, _ = counted_up(self.first, self.last - self.first + 1)
-        return run + self.square * self._scale
+    def _bins(self) -> int:
+        """Number of bins of squared radii that each run is divided into; most hold one entry at most."""
+        return BINS_PER_ENTRY * int((self.last - self.first).max() + 1)
 
     @cached_property
-    def _scale(self) -> float:
-        return 0.5 / float(self.square.max())
+    def _per_square(self) -> Array:
+        """Bins per squared mm of each run."""
+        return self._bins / np.maximum(self.outer[:-1] - self.inner[:-1], np.finfo(float).tiny)
+
+    @cached_property
+    def _first_in_bin(self) -> IndexArray:
+        """First entry in each bin of a run or beyond, bins + 1 numbers for each run, one run after the other."""
+        run, _ = counted_up(self.first, self.last - self.first + 1)
+        places = np.arange(self.first.size * (self._bins + 1))
+        return np.searchsorted(self._bin(run, self.square), places)
+
+    def _bin(self, run: IndexArray, squared: Array) -> IndexArray:
+        """Places of squared radii in the table of bins, which grow with the radius."""
+        bins = (squared - self.inner[run]) * self._per_square[run]
+        return np.clip(bins, 0.0, self._bins).astype(int) + run * (self._bins + 1)
 
     def sector(self, polar_rad: Array) -> IndexArray:
         """Number of the sector that each polar angle, from -pi to pi, lies in."""
@@ -131,11 +146,12 @@ class RadialRuns:
 
     def entry_beyond(self, run: IndexArray, squared: Array) -> IndexArray:
         """First entry of runs at or beyond squared radii; one after the last where there is none."""
-        first, last = self.first[run], self.last[run]
-        found = np.clip(np.searchsorted(self._keys, run + np.minimum(squared * self._scale, 0.75)), first, last + 1)
-        # Keys are rounded more coarsely than radii; ends that touch to the last digit must fall to one side only.
-        found -= (found > first) & (self.square[found - 1] >= squared)
-        found += (found <= last) & (self.square[np.minimum(found, last)] < squared)
+        found, last = self._first_in_bin[self._bin(run, squared)], self.last[run]
+        short = np.nonzero((found <= last) & (self.square[np.minimum(found, self.square.size - 1)] < squared))[0]
+        while short.size:
+            found[short] += 1
+            short = short[found[short] <= last[short]]
+            short = short[self.square[found[short]] < squared[short]]
         return found
 
 
