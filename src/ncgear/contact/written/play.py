@@ -22,10 +22,11 @@ REACHES_IN_PITCHES = 0.35, 0.6
 always the first reach finds its nearer side.  Where nothing is in reach, or an overlap is deep, it is followed on."""
 
 DEEP_IN_PITCHES = 0.05
-"""Overlap from which vertices are followed over the greater reach.  Chords are shorter than the two reaches differ: a
-vertex that is too deep inside for the first reach has others beside it that the first reach shows to be this deep."""
+"""Overlap from which vertices are followed over the greater reach.  A vertex that is too deep inside for the first
+reach has others beside it that the first reach shows to be this deep, if no chord is longer than the first reach is
+beyond this depth; where one is, there is no first reach."""
 
-BLOCK = 256
+BLOCK = 128
 """Positions treated at once, so few that their arrays stay in the processor's cache."""
 
 
@@ -130,8 +131,10 @@ def outline_play(driving_mm: Array, driven_mm: Array, placement: Placement, reac
     cover the line of action.
     """
     play = np.empty((3, placement.count))
-    open_still = np.arange(placement.count)
+    open_still, longest = np.arange(placement.count), _longest_chord_mm(driving_mm, driven_mm)
     for followed in REACHES_IN_PITCHES:
+        if followed < max(REACHES_IN_PITCHES) and longest > (followed - DEEP_IN_PITCHES) * placement.pitch_mm:
+            continue
         setting = _setting(driving_mm, driven_mm, placement, reach_mm, followed * placement.pitch_mm)
         for start in range(0, open_still.size, BLOCK):
             position = open_still[start : start + BLOCK]
@@ -142,6 +145,11 @@ def outline_play(driving_mm: Array, driven_mm: Array, placement: Placement, reac
         if not open_still.size:
             break
     return Play(*play)
+
+
+def _longest_chord_mm(*outlines_mm: Array) -> float:
+    chords = (np.diff(outline, axis=0, append=outline[:1]) for outline in outlines_mm)
+    return max(float(np.hypot(*chord.T).max()) for chord in chords)
 
 
 def _setting(
