@@ -17,7 +17,7 @@ from ncgear.contact.written.polar import TURN, RadialRuns, headings, polar_outli
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, counted_up
 from ncgear.numerics.plane import as_complex, square
 
-REACHES_IN_PITCHES = 0.35, 0.6
+REACHES_IN_PITCHES = 0.4, 0.6
 """How far along its circle a vertex is followed: a tooth that holds it inside is half a pitch thick, so that nearly
 always the first reach finds its nearer side.  Where nothing is in reach, or an overlap is deep, it is followed on."""
 
