@@ -224,8 +224,9 @@ def page() -> str:
         "not counted; each program verifies by its own means, and ncgears writes its files on the way. One run each, "
         "one after the other: the machine's noise is in the seconds, less so in the shares, which are of ncgears' "
         "figure for the same number of teeth. Points are those of the driving and of the driven outline. With "
-        f"splines they are poles; flanks are within {FINE_IN_MODULES:g} module of the exact ones, fillets and lands "
-        f"within {CURVES_SHARE * DEFAULT_TOLERANCE_MM:g} mm, and the judge gets points much closer than spans are long.",
+        f"splines they are poles; flanks are within {FINE_IN_MODULES:g} module of the exact ones, fillets and "
+        f"lands within {CURVES_SHARE * DEFAULT_TOLERANCE_MM:g} mm; the judge gets points much closer than spans are "
+        "long.",
         "",
         "Flank gap and overlap: the worst of all pairs of flanks in mesh, along their normal at the point of contact, "
         "at 40 positions a tooth off any grid. Reversals: turns of more than 90 degrees from one chord to the next. "
