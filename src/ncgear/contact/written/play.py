@@ -2,7 +2,7 @@
 
 Every vertex of one outline near the mesh is followed along its circle about the driven axis to the chords of the other
 outline, and the other way round.  That gives the exact play of two polygons.  The driven outline is cut into runs along
-which its radius grows; bisection finds where a chord of the driving outline begins and ends on such a run, which tells
+which its radius grows; bins of the radius tell where a chord of the driving outline begins and ends on such a run, which tells
 both which chord its vertex meets and which of the run's vertices meet the chord.
 """
 

@@ -1,7 +1,7 @@
 """An outline as seen from its gear's own axis.
 
 ``PolarOutline`` tells which vertices lie in given directions.  ``RadialRuns`` cut an outline into runs along which the
-distance from the axis grows or falls all the way.  A circle about the axis crosses such a run once, and bisection finds
+distance from the axis grows or falls all the way.  A circle about the axis crosses such a run once, and bins of radii tell
 where.
 """
 
