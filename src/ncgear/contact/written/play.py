@@ -2,8 +2,8 @@
 
 Every vertex of one outline near the mesh is followed along its circle about the driven axis to the chords of the other
 outline, and the other way round.  That gives the exact play of two polygons.  The driven outline is cut into runs along
-which its radius grows; bins of the radius tell where a chord of the driving outline begins and ends on such a run, which tells
-both which chord its vertex meets and which of the run's vertices meet the chord.
+which its radius grows; bins of the radius tell where a chord of the driving outline begins and ends on such a run, and
+so both which chord its vertex meets and which of the run's vertices meet the chord.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """An outline as seen from its gear's own axis.
 
 ``PolarOutline`` tells which vertices lie in given directions.  ``RadialRuns`` cut an outline into runs along which the
-distance from the axis grows or falls all the way.  A circle about the axis crosses such a run once, and bins of radii tell
-where.
+distance from the axis grows or falls all the way.  A circle about the axis crosses such a run once, and bins of radii
+tell where.
 """
 
 from __future__ import annotations
