@@ -8,6 +8,7 @@ from math import cos, pi, radians, sin
 import numpy as np
 import pytest
 
+from beside_ncgears import JUDGED, MODULE_MM, SEEN, by_ncgear_in_curves, points_of, sampled
 from ncgear.pitch.pair import sized_pair
 from ncgear.teeth.backlash import play_of
 from ncgear.teeth.form import Backlash, ToothForm
@@ -116,3 +117,15 @@ def test_faults_of_outlines_are_counted() -> None:
     assert spur.reversals == 2
     crossed = judged_outline(square[[0, 2, 1, 3]], 1.0)
     assert not crossed.simple
+
+
+@pytest.mark.thorough
+def test_few_poles_leave_a_gap_of_a_millionth_of_a_module() -> None:
+    """Splines of the benchmark, by points much closer than their spans; by one point a span they look coarse."""
+    contours = by_ncgear_in_curves(TEETH)
+    assert max(map(points_of, contours)) < 0.1 * 19863, "a tenth of what the other program of the field takes"
+    driving, driven = (sampled(contour, JUDGED) for contour in contours)
+    found = judged_flanks(driving, driven, sine_law(DEPTH), TEETH, MODULE_MM, ALPHA)
+    assert max(found.gap, found.overlap) <= 1.1e-6
+    coarse = judged_flanks(*(sampled(one, SEEN[:1]) for one in contours), sine_law(DEPTH), TEETH, MODULE_MM, ALPHA)
+    assert coarse.gap > 1e-4

@@ -5,6 +5,7 @@ The sections are those of a check, and pitch curves, teeth, contact and bodies o
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict
 from math import degrees, isfinite
 from typing import TYPE_CHECKING, Any
@@ -39,8 +40,11 @@ Smooth joints differ by rounding, 1e-8 at most; others differ by 1e-3 and more.
 """
 
 
-def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
-    """The summary of the check, and pitch curves, teeth, contact and bodies."""
+def build_summary(drive: Drive, contact: PairContact, outline_errors_mm: Mapping[str, float]) -> dict[str, Any]:
+    """The summary of the check, and pitch curves, teeth, contact, bodies and files.
+
+    ``outline_errors_mm`` tells, by the kinds of files, how far outlines in them are from the exact ones.
+    """
     summary = check_summary(drive)
     comparison, warnings = summary.pop("comparison"), summary.pop("warnings")
     advices = build_advice(drive)
@@ -54,6 +58,7 @@ def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
             **_overlap(drive, contact),
         },
         "bodies": bodies_summary(drive),
+        "files": {f"{kind}_outline_error_max_mm": error for kind, error in outline_errors_mm.items()},
         "comparison": comparison,
         "warnings": warnings + [advice.line for advice in advices if advice.matters],
         "remarks": [advice.line for advice in advices if not advice.matters],
