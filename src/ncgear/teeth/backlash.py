@@ -75,8 +75,8 @@ def _too_much(asked: Backlash, most: float) -> WrongInput:
     if asked.driven_rad:
         given, key, unit = degrees(asked.driven_rad), "gears.backlash_deg", "deg"
     return WrongInput(
-        f"{given:g} {unit} takes more than {MOST_THINNED:.0%} of the thickness off some teeth at the pitch curve; under "
-        f"{given * most:.3g} {unit} is right",
+        f"{given:g} {unit} takes more than {MOST_THINNED:.0%} of the thickness off some teeth at the pitch curve; "
+        f"under {given * most:.3g} {unit} is right",
         key=key,
     )
 
