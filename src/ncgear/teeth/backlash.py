@@ -54,8 +54,13 @@ class Play:
     setback_mm: float
 
 
+NO_PLAY = Play(0.0, Extremum(0.0, 0.0), Extremum(0.0, 0.0), 0.0)
+
+
 def play_of(pitch: PitchPair, rack: BasicRack, asked: Backlash) -> Play:
     """The play that is asked for, on pitch curves of a size; raises WrongInput where it leaves no teeth."""
+    if not (asked.least_normal_mm or asked.driven_rad):
+        return NO_PLAY
     least, largest = (
         Extremum(arm.value * pitch.center_distance_mm, arm.at)
         for arm in pitch.transmission.extremes(lambda piece: _idle_arm(piece, pitch, rack.pressure_angle_rad))
