@@ -19,13 +19,19 @@ from math import radians
 from pathlib import Path
 from time import perf_counter
 
+import numpy as np
+from scipy.interpolate import BSpline
+
 from ncgear.contact.designed.as_designed import as_designed
 from ncgear.contact.pair import pair_contact, refuse_bad_outlines, refuse_overlap
 from ncgear.contact.placement import placed
 from ncgear.contact.written.as_written import Outlines as Written
+from ncgear.numerics.plane import as_points, signed_area
 from ncgear.pitch.pair import PitchPair, sized_pair
+from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.transmission import Lobes
+from ncgear.teeth.contour import CURVES_SHARE, DEGREE, Arc, Contour, Spline, contour_of
 from ncgear.teeth.form import BasicRack, ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
 from outline_judge import Array, Flanks, Outline, judged_flanks, judged_outline, sine_law
@@ -45,8 +51,14 @@ ADDENDUM, DEDENDUM, ROOT_RADIUS = 1.0, 1.2, 0.3
 DEFAULT_TOLERANCE_MM = 0.005
 
 FINE_IN_MODULES = 0.5e-6
-"""How far chords of working flanks stray to both sides of the exact curve in the fine outlines: two leave a gap of
-a millionth of a module at most."""
+"""How far flanks of splines stray to both sides of the exact ones: two leave a gap of a millionth of a module at most.
+"""
+
+SEEN = np.array([0.191, 0.691])
+"""Shares of each span of a spline that make its outline for the contact as written, off the fit's own places."""
+
+JUDGED = np.linspace(0.002, 0.997, 200)
+"""The same for the judge: between them chords stray by a ten-millionth of a module."""
 
 
 @dataclass(frozen=True)
@@ -56,38 +68,71 @@ class Run:
     program: str
     teeth: int
     seconds: float
+    points: tuple[int, int]
     outlines: tuple[Outline, Outline]
     flanks: Flanks
 
-    @property
-    def points(self) -> int:
-        """Points of the longer outline."""
-        return max(outline.points for outline in self.outlines)
 
-
-def made(teeth: int, flank_tolerance_mm: float | None) -> tuple[PitchPair, ToothedPair]:
-    """ncgear's pair: law, pitch curves, teeth; the chords of fillets and lands are as they come."""
+def made(teeth: int) -> tuple[PitchPair, ToothedPair]:
+    """ncgear's pair: law, pitch curves, teeth."""
     law = driven_angle_expression_law(LAW, Lobes())
     addendum, dedendum, root_radius = (factor * MODULE_MM for factor in (ADDENDUM, DEDENDUM, ROOT_RADIUS))
     rack = BasicRack(MODULE_MM, radians(PRESSURE_ANGLE_DEG), addendum, dedendum, root_radius)
     pitch = sized_pair(law, teeth, MODULE_MM, None)
-    return pitch, toothed_pair(
-        pitch,
-        ToothForm(rack),
-        DEFAULT_TOLERANCE_MM,
-        flank_tolerance_mm=flank_tolerance_mm,
-        straddling=flank_tolerance_mm is not None,
-    )
+    return pitch, toothed_pair(pitch, ToothForm(rack), DEFAULT_TOLERANCE_MM)
 
 
-def by_ncgear(teeth: int, flank_tolerance_mm: float | None) -> Outlines:
-    """ncgear's pair, verified as designed and as it would be written, at 20 positions a tooth and on both flanks."""
-    pitch, pair = made(teeth, flank_tolerance_mm)
+def verified(pitch: PitchPair, pair: ToothedPair, outlines: Outlines) -> None:
+    """Refuse the pair as designed or as it would be written, at 20 positions a tooth and on both flanks."""
     designed = as_designed(pair, placed(pitch))
     refuse_overlap(designed, DEFAULT_TOLERANCE_MM)
-    written = Written("memory", pair.driving.outline_mm, pair.driven.outline_mm)
-    refuse_bad_outlines(pair_contact(pitch, pair, designed, [written]), DEFAULT_TOLERANCE_MM)
-    return pair.driving.outline_mm, pair.driven.outline_mm
+    contact = pair_contact(pitch, pair, designed, [Written("memory", *outlines)])
+    refuse_bad_outlines(contact, DEFAULT_TOLERANCE_MM)
+
+
+def by_ncgear(teeth: int) -> Outlines:
+    """ncgear's pair as chords."""
+    pitch, pair = made(teeth)
+    outlines = pair.driving.outline_mm, pair.driven.outline_mm
+    verified(pitch, pair, outlines)
+    return outlines
+
+
+def by_ncgear_in_curves(teeth: int) -> tuple[Contour, Contour]:
+    """ncgear's pair as lines, arcs and splines, each held against its exact curve, and the contact of all of them."""
+    pitch, pair = made(teeth)
+    elsewhere = CURVES_SHARE * DEFAULT_TOLERANCE_MM
+    driving, driven = (contour_of(pair.of(gear), elsewhere, FINE_IN_MODULES * MODULE_MM) for gear in Gear)
+    verified(pitch, pair, (sampled(driving, SEEN), sampled(driven, SEEN)))
+    return driving, driven
+
+
+def sampled(contour: Contour, shares: Array) -> Array:
+    """Points of a contour, shape (n, 2): where its curves begin, and at shares of each span of its splines and arcs."""
+    rows = []
+    for curve in contour.curves:
+        rows.append(curve.start[None])
+        if isinstance(curve, Spline):
+            ends = np.unique(curve.knots)
+            places = (ends[:-1, None] + np.diff(ends)[:, None] * shares).ravel()
+            rows.append(BSpline(curve.knots, curve.poles_mm, DEGREE)(places))
+        elif isinstance(curve, Arc):
+            rows.append(along_arc(curve, shares))
+    outline = np.concatenate(rows)
+    return outline if signed_area(outline) > 0.0 else outline[::-1]
+
+
+def along_arc(arc: Arc, shares: Array) -> Array:
+    """Points at shares of an arc's angle, shape (n, 2)."""
+    start, middle, end = (complex(*point) for point in (arc.start, arc.middle, arc.end))
+    half = np.angle((end - middle) / (middle - start))
+    turned = np.expm1(2j * half * shares) / np.expm1(2j * half)
+    return as_points(start + (end - start) * turned)
+
+
+def points_of(contour: Contour) -> int:
+    """Poles of splines, three points of arcs, two of lines, those counted once at which curves join."""
+    return sum(len(one.poles_mm) - 1 if isinstance(one, Spline) else 1 + isinstance(one, Arc) for one in contour.curves)
 
 
 def by_ncgears(teeth: int) -> Outlines:
@@ -113,24 +158,30 @@ def _open(outline_mm: Array) -> Array:
     return outline_mm[:-1] if (outline_mm[0] == outline_mm[-1]).all() else outline_mm
 
 
-def judged(program: str, teeth: int, make: Callable[[], Outlines]) -> Run:
-    """One program's pair, timed and judged."""
+def judged(program: str, teeth: int, make: Callable[[], Outlines | tuple[Contour, Contour]]) -> Run:
+    """One program's pair, timed and judged; curves by points that lie much closer than their spans are long."""
     start = perf_counter()
-    driving, driven = make()
+    both = make()
     seconds = perf_counter() - start
+    points = tuple(points_of(one) if isinstance(one, Contour) else len(one) for one in both)
+    driving, driven = (sampled(one, JUDGED) if isinstance(one, Contour) else one for one in both)
     outlines = judged_outline(driving, MODULE_MM), judged_outline(driven, MODULE_MM)
     flanks = judged_flanks(driving, driven, sine_law(DEPTH), teeth, MODULE_MM, radians(PRESSURE_ANGLE_DEG))
-    return Run(program, teeth, seconds, outlines, flanks)
+    return Run(program, teeth, seconds, (points[0], points[1]), outlines, flanks)
+
+
+def own_rows(teeth: int) -> dict[str, Callable[[], Outlines | tuple[Contour, Contour]]]:
+    """ncgear as it comes, and with curves instead of chords, by the names of the rows."""
+    return {
+        f"ncgear, {DEFAULT_TOLERANCE_MM:g} mm": lambda: by_ncgear(teeth),
+        "ncgear, splines": lambda: by_ncgear_in_curves(teeth),
+    }
 
 
 def runs(teeth: int) -> list[Run]:
-    """ncgears, ncgear as it comes, and ncgear with fine flanks."""
+    """ncgears, then ncgear."""
     other = judged("ncgears", teeth, lambda: by_ncgears(teeth))
-    return [
-        other,
-        judged(f"ncgear, {DEFAULT_TOLERANCE_MM:g} mm", teeth, lambda: by_ncgear(teeth, None)),
-        judged("ncgear, fine flanks", teeth, lambda: by_ncgear(teeth, FINE_IN_MODULES * MODULE_MM)),
-    ]
+    return [other, *(judged(name, teeth, make) for name, make in own_rows(teeth).items())]
 
 
 def row(run: Run, other: Run) -> str:
@@ -141,8 +192,8 @@ def row(run: Run, other: Run) -> str:
         run.program,
         f"{run.seconds:.3g}",
         f"{run.seconds / other.seconds:.3f}",
-        f"{one.points} + {two.points}",
-        f"{run.points / other.points:.3f}",
+        f"{run.points[0]} + {run.points[1]}",
+        f"{max(run.points) / max(other.points):.3f}",
         f"{1e6 * run.flanks.gap:.3g}",
         f"{run.flanks.gap / other.flanks.gap:.3g}",
         f"{1e6 * run.flanks.overlap:.2g}",
@@ -154,7 +205,7 @@ def row(run: Run, other: Run) -> str:
 
 
 HEAD = (
-    "| teeth | program, chord tolerance | time, s | share | points | share | flank gap, 1e-6 module | share "
+    "| teeth | program | time, s | share | points | share | flank gap, 1e-6 module | share "
     "| overlap, 1e-6 module | reversals | repeated points | crosses itself |"
 )
 
@@ -172,8 +223,10 @@ def page() -> str:
         f"dedendum {DEDENDUM:g}, root radius {ROOT_RADIUS:g}. Time: from the law to both verified outlines, imports "
         "not counted; each program verifies by its own means, and ncgears writes its files on the way. One run each, "
         "one after the other: the machine's noise is in the seconds, less so in the shares, which are of ncgears' "
-        "figure for the same number of teeth. Points are those of the driving and of the driven outline. Fine flanks: "
-        f"chords straddle the exact flanks by {FINE_IN_MODULES:g} module to both sides.",
+        "figure for the same number of teeth. Points are those of the driving and of the driven outline. With "
+        f"splines they are poles; flanks are within {FINE_IN_MODULES:g} module of the exact ones, fillets and "
+        f"lands within {CURVES_SHARE * DEFAULT_TOLERANCE_MM:g} mm; the judge gets points much closer than spans are "
+        "long.",
         "",
         "Flank gap and overlap: the worst of all pairs of flanks in mesh, along their normal at the point of contact, "
         "at 40 positions a tooth off any grid. Reversals: turns of more than 90 degrees from one chord to the next. "

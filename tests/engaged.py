@@ -18,7 +18,7 @@ from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import ratio_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
-from ncgear.teeth.form import TipLimits, TipRelief, ToothForm
+from ncgear.teeth.form import Backlash, TipLimits, TipRelief, ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
 from pairs import baler_law, rack, sine_law
 
@@ -62,9 +62,8 @@ def made(
     law, mesh = (RINGS[name], Mesh.INTERNAL) if name in RINGS else (LAWS[name], Mesh.EXTERNAL)
     pitch = sized_pair(law(), teeth, MODULE, None, mesh)
     basic = replace(rack(angle_deg), relief=relief)
-    return pitch, toothed_pair(
-        pitch, ToothForm(basic, limits=TipLimits(0.2 * basic.module_mm, avoid_undercut=not undercut)), tolerance
-    )
+    limits = TipLimits(0.2 * basic.module_mm, avoid_undercut=not undercut)
+    return pitch, toothed_pair(pitch, ToothForm(basic, limits=limits, backlash=Backlash(backlash_mm)), tolerance)
 
 
 @cache

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from copy import deepcopy
 from functools import cache
+from math import radians, sin
 from typing import Any
 
 import pytest
@@ -222,6 +223,33 @@ def test_the_law_that_is_found_within_the_advised_limit_removes_the_advice(name:
 )
 def test_less_than_what_is_advised_does_not_remove_the_advice(name: str, kind: Kind, less: Data) -> None:
     assert kind in kinds(merged(data_of(name), less))
+
+
+def undercut_by(deeper_mm: float, undercut: str) -> Data:
+    """24 teeth of 2 mm, cut by a sharp rack that goes so far below the cusp of their flanks, r sin^2(20 deg)."""
+    dedendum = 12.0 * sin(radians(20.0)) ** 2 + deeper_mm / 2.0
+    rack = {"dedendum": dedendum, "root_radius": 0}
+    return merged(SMALL, {"gears": {"teeth": 24, "undercut": undercut, "rack": rack, "cutter": {"kind": "rack"}}})
+
+
+@pytest.mark.parametrize("undercut", ["avoid", "allow"])
+@pytest.mark.parametrize(("deeper_mm", "matters"), [(0.0005, False), (0.05, True)])
+def test_an_undercut_of_half_a_micrometre_is_a_remark(undercut: str, deeper_mm: float, matters: bool) -> None:
+    """By building both: what does not matter costs less than 2 % of the contact ratio, what matters costs more.
+
+    Where undercut is allowed these mates do not reach down to the notch, so no contact is lost, but the roots are cut.
+    """
+    drive, free = (drive_of(undercut_by(deeper, undercut)) for deeper in (deeper_mm, -0.1))
+    assert build_advice(free) == ()
+    (advice,) = build_advice(drive)
+    assert (advice.kind, advice.matters, bool(advice.remedies)) == (Kind.UNDERCUT, matters, matters)
+    assert ("does not matter" in advice.line) is not matters
+    lost = 1.0 - drive.designed_contact.contact_ratio / free.designed_contact.contact_ratio
+    if undercut == "avoid":
+        assert f"by up to {1e3 * deeper_mm:.3g} \u00b5m (tooth 1)" in advice.line
+        assert (lost > 0.02) is matters
+    else:
+        assert lost == pytest.approx(0.0, abs=1e-9)
 
 
 def test_two_given_sizes_stay_two() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from math import cos, pi, radians, sin, sqrt
 
@@ -20,7 +21,7 @@ from ncgear.contact.placement import placed
 from ncgear.contact.written.as_written import Outlines
 from ncgear.errors import WrongInput
 from ncgear.figures.summary.build_summary import bodies_summary
-from ncgear.files.meshes import outline_of_stl, read_back, section_rings, stl_bytes
+from ncgear.files.meshes import outline_of_stl, read_back, section_rings, stl_bytes, written_outlines
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -301,6 +302,91 @@ def test_parts_just_as_written_lag_by_two_clearances_over_the_lever(internal: bo
     assert np.abs(lag - expected).max() <= 3.0 * TOLERANCE / designed.placement.driven_radius_mm.min()
     if not internal:
         assert bodies_summary(made_of)["lag_max_without_process_rad"] == pytest.approx(float(expected.max()))
+
+
+# --- kerf ------------------------------------------------------------------------------------------------------------
+
+KERFED = {
+    "plate": "  process_clearance_mm: {}\n  driving: {{bore_mm: 10, "
+    "lightening_holes: {{count: 4, least_wall_mm: 3, diameter_mm: 6}}}}",
+    "web": "  process_clearance_mm: {}\n  driving: {{bore_mm: 8, web: {{thickness_mm: 3, rim_mm: 3, hub_mm: 20}}}}",
+}
+
+
+def cut_along(drawn: Polygon, kerf: float) -> Polygon:
+    """What a round cutter leaves inside of drawn lines that its centre follows."""
+    return drawn.difference(drawn.boundary.buffer(kerf / 2.0, quad_segs=64))
+
+
+def sections_of(drive: Drive) -> list[Polygon]:
+    return [drive.solids.of(gear).plan.section for gear in Gear]
+
+
+@pytest.mark.judges("solids")
+@pytest.mark.tiers(quick=["web"], slow=["internal-1-2"], rest="thorough")
+@pytest.mark.parametrize("name", [*KERFED, "internal-1-2"])
+def test_a_cutter_that_follows_the_lines_leaves_the_gears_at_size(name: str) -> None:
+    """Area and distance of what is left, against the design without kerf; with the other sign both are far off."""
+
+    def at(clearance: float) -> Drive:
+        if name in KERFED:
+            return asked(KERFED[name].format(clearance))
+        # Without keyway, whose corners every round cutter leaves round.
+        text = re.sub(r"keyway: *\{.*?\},? *", "", (DESIGNS / f"{name}.yaml").read_text())
+        return drive_of_text(text.replace("gears:\n", f"gears:\n  process_clearance_mm: {clearance}\n"))
+
+    kerf = 0.2
+    for finished, drawn, other in zip(*(sections_of(at(c)) for c in (0.0, -kerf / 2.0, kerf / 2.0)), strict=True):
+        left = cut_along(drawn, kerf)
+        assert left.boundary.hausdorff_distance(finished.boundary) < 2.0 * TOLERANCE
+        assert left.area == pytest.approx(finished.area, abs=TOLERANCE * finished.length)
+        assert drawn.area == pytest.approx(finished.area + kerf / 2.0 * finished.length, rel=0.01)
+        assert cut_along(other, kerf).boundary.hausdorff_distance(finished.boundary) > 0.9 * kerf
+
+
+def test_bore_and_keyway_are_drawn_narrower_by_the_kerf() -> None:
+    bores = [
+        asked(
+            f"  process_clearance_mm: {c}\n  driving: {{bore_mm: 10, keyway: {{width_mm: 3, depth_mm: 1.4}}}}"
+        ).solids.driving.plan.bore
+        for c in (0.0, -0.1)
+    ]
+    assert bores[1] == bores[0].widened(-0.1)
+    assert bores[1].keyway.width_mm == pytest.approx(2.8)
+    assert bores[1].reach_mm == pytest.approx(5.0 + 1.4 - 0.1)
+
+
+def test_contact_as_written_is_that_of_the_gears_after_the_cut() -> None:
+    drive = asked(KERFED["web"].format(-0.15))
+    solid, outline = drive.solids.driving, drive.teeth.driving.outline_mm
+    files = {"driving.stl": stl_bytes(solid.mesh), "driven.stl": stl_bytes(drive.solids.driven.mesh)}
+    files |= dict.fromkeys(("driving.csv", "driven.csv"), b"x_mm,y_mm\n0,0\n1,0\n0,1\n")
+    written = written_outlines(files, drive.solids)[1].driving_mm
+    assert Polygon(written).boundary.hausdorff_distance(Polygon(outline).boundary) < TOLERANCE
+    assert bodies_summary(drive)["kerf_mm"] == 0.3
+    assert "lag_max_without_process_rad" not in bodies_summary(drive)
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("process_clearance_mm: -0.9", r"a kerf of 1\.8 mm is wider than the narrowest fillet or space of the gear; -"),
+        (
+            "process_clearance_mm: -0.5\n  driving: {bore_mm: 8, keyway: {width_mm: 0.9, depth_mm: 1}}",
+            r"a kerf of 1 mm does not go into a keyway of 0\.9 mm; over -0\.45 mm is right",
+        ),
+        ("process_clearance_mm: -0.5\n  driving: {bore_mm: 0.8}", r"a kerf of 1 mm does not go into a bore of 0\.8 mm"),
+    ],
+)
+def test_a_kerf_that_is_too_wide_is_refused_with_the_widest_that_goes_in(text: str, problem: str) -> None:
+    with pytest.raises(WrongInput, match=problem) as caught:
+        asked(f"  {text}").solids  # noqa: B018
+    assert caught.value.key == "gears.process_clearance_mm"
+    if "is the most" in caught.value.problem:
+        most = float(caught.value.problem.split("; ")[1].split(" mm")[0])
+        asked(f"  process_clearance_mm: {most}").solids  # noqa: B018
+        with pytest.raises(WrongInput):
+            asked(f"  process_clearance_mm: {most - 0.03}").solids  # noqa: B018
 
 
 def test_what_moves_in_comes_back() -> None:

@@ -60,6 +60,18 @@ def test_columns_are_as_exact_as_single_functions(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", CASES)
+def test_cells_are_as_exact_as_the_panels_they_are_cut_from(name: str) -> None:
+    """Each column to its own size: the second is a millionth of the first."""
+    function, _, breaks = CASES[name]
+    form = chebyshev.fitted(lambda x: np.column_stack([function(x), 1e-6 * function(x) + 1e-7]), breaks)
+    cells = chebyshev.cells_of(form)
+    points = np.concatenate([points_of(breaks), form.breaks, np.nextafter(form.breaks[1:], -9.0)])
+    apart = np.abs(cells(points) - form(points)).max(axis=0)
+    assert np.all(apart <= 2e-14 * np.abs(form(points)).max(axis=0))
+    assert np.array_equal(cells.ends[1:, 0], cells.ends[:-1, 1])
+
+
+@pytest.mark.parametrize("name", CASES)
 def test_integral_is_the_antiderivative_from_the_first_break(name: str) -> None:
     function, antiderivative, breaks = CASES[name]
     points = points_of(breaks)

@@ -82,6 +82,27 @@ def test_rack_takes_its_coefficients_from_the_profile(profile: str) -> None:
     assert Rack.model_validate({"profile": profile}).root_radius == PROFILES[profile].root_radius
 
 
+@pytest.mark.parametrize(
+    ("asked", "radius"),
+    [
+        # (pi/4 - 1.25 tan 25) / tan 32.5 = 0.3178 and (pi/4 - 1.4 tan 25) / tan 32.5 = 0.2081, hundredths below.
+        ({"pressure_angle_deg": 25.0}, 0.31),
+        ({"pressure_angle_deg": 25.0, "profile": "D"}, 0.20),
+        ({"pressure_angle_deg": 25.0, "profile": "C"}, 0.25),
+        ({"pressure_angle_deg": 22.5}, 0.38),
+        # (pi/4 - 1.6 tan 20) / tan 35 = 0.2899
+        ({"dedendum": 1.6}, 0.28),
+        # 0.2 / (1 - sin 20) = 0.3040: a greater one begins above the mid line.
+        ({"dedendum": 0.2}, 0.30),
+        # The cutter is pointed at 2.158 modules.
+        ({"dedendum": 2.2}, 0.0),
+        ({"pressure_angle_deg": 25.0, "root_radius": 0.38}, 0.38),
+    ],
+)
+def test_a_root_radius_that_is_left_out_fits(asked: dict[str, object], radius: float) -> None:
+    assert Rack.model_validate(asked).root_radius == radius
+
+
 def test_wrong_profile_is_one_fault_not_four(tmp_path: Path) -> None:
     text = (
         HEAD + "motion: {law: uniform_crank}\ngears: {teeth: 20, module_mm: 2, face_width_mm: 9, rack: {profile: E}}\n"

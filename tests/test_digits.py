@@ -91,7 +91,7 @@ both = pytest.mark.parametrize("name", NAMES)
 @pytest.mark.thorough
 @both
 def test_the_terminal_has_no_rounding_errors(name: str) -> None:
-    text = summary_text(build_summary(drive(name), reports.contacts(name)[0]))
+    text = summary_text(build_summary(drive(name), reports.contacts(name)[0], {}))
     assert noise(text) == []
     assert longest(text) <= SIGNIFICANT
     assert re.search(r"\d rad\b", text) is None, "places are in deg; errors and play in millionths"

@@ -15,9 +15,10 @@ from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
+from ncgear.teeth.backlash import play_of
 from ncgear.teeth.fitting import fitted_pair
 from ncgear.teeth.flank import Flanks, flanks_of
-from ncgear.teeth.form import BasicRack, TipLimits
+from ncgear.teeth.form import Backlash, BasicRack, TipLimits
 from ncgear.teeth.spaces import Roots, roots_of
 from ncgear.teeth.tool import PinionCircle, RackLine, Tool
 from pairs import baler_law, rack, sine_law
@@ -58,11 +59,12 @@ def tools(pair: PitchPair, tool: str) -> tuple[Tool, Tool]:
 @cache
 def cut(name: str, tool: str, backlash_mm: float = 0.0) -> dict[Gear, Flanks]:
     """Both gears' flanks as they are fitted to each other."""
-    pair, basic = pitch_pair(name), rack(backlash_mm=backlash_mm)
+    pair, basic = pitch_pair(name), rack()
     one, other = tools(pair, tool)
+    play = play_of(pair, basic, Backlash(backlash_mm)).driven_rad
     gears = (
         flanks_of(pair.driving, basic, pair.size.driving_teeth, one, 0.0),
-        flanks_of(pair.driven, basic, pair.size.driven_teeth, other, basic.pitch_mm / 2.0),
+        flanks_of(pair.driven, basic, pair.size.driven_teeth, other, basic.pitch_mm / 2.0, None, play),
     )
     driving, driven = fitted_pair(*gears, TipLimits())
     return {Gear.DRIVING: driving.flanks, Gear.DRIVEN: driven.flanks}
@@ -180,6 +182,7 @@ def test_a_circular_mate_leaves_what_a_pinion_cutter_with_its_teeth_does(gear: G
         mated.flank_depth_mm,
         mated.root_radius_mm,
         pinion.tool,
+        mated.turn_rad,
     )
     every = np.arange(mated.count)
     start, end = mated.rolled_mm(every, -mated.flank_depth_mm), roots_of(mated).end_mm

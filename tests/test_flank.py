@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from math import cos, pi, radians, sin, tan
+from math import cos, pi, radians, sin
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from ncgear.numerics.plane import as_complex
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.ellipse import elliptical_law
@@ -45,12 +46,19 @@ def pitch_pair(name: str) -> PitchPair:
     return sized_pair(law, teeth, MODULE, None)
 
 
-def flanks(name: str, gear: Gear, basic: BasicRack | None = None) -> Flanks:
+def flanks(
+    name: str,
+    gear: Gear,
+    basic: BasicRack | None = None,
+    half_widths_mm: tuple[float, float] | None = None,
+    turn_rad: float = 0.0,
+) -> Flanks:
     """The flanks of one gear, at full height and depth."""
     pair, basic = pitch_pair(name), basic or rack()
     if gear is Gear.DRIVING:
-        return flanks_of(pair.driving, basic, pair.size.driving_teeth, RackLine(), 0.0)
-    return flanks_of(pair.driven, basic, pair.size.driven_teeth, RackLine(), basic.pitch_mm / 2.0)
+        return flanks_of(pair.driving, basic, pair.size.driving_teeth, RackLine(), 0.0, half_widths_mm, turn_rad)
+    start, teeth = basic.pitch_mm / 2.0, pair.size.driven_teeth
+    return flanks_of(pair.driven, basic, teeth, RackLine(), start, half_widths_mm, turn_rad)
 
 
 def pitch_radius(gear: Gear) -> float:
@@ -67,20 +75,18 @@ def wrapped(angle: Array) -> Array:
 
 
 @pytest.mark.parametrize("gear", Gear)
-@pytest.mark.parametrize(("backlash_mm", "shift_mm"), [(0.0, 0.0), (0.1, 0.0), (0.1, 0.6), (0.0, -0.3)])
-def test_flank_of_a_circular_gear_is_the_involute(gear: Gear, backlash_mm: float, shift_mm: float) -> None:
-    own, radius = flanks("uniform", gear, rack(backlash_mm=backlash_mm).shifted(shift_mm)), pitch_radius(gear)
+@pytest.mark.parametrize("turn_rad", [0.0, 0.003, -0.02])
+def test_flank_of_a_circular_gear_is_the_involute(gear: Gear, turn_rad: float) -> None:
+    own, radius = flanks("uniform", gear, turn_rad=turn_rad), pitch_radius(gear)
     number = np.arange(own.count)[:, None]
     point, _ = own.flank(number, np.linspace(-0.9, 0.95, 31) * MODULE)
     distance = np.hypot(point[..., 0], point[..., 1])
     # The driving gear's arc length runs clockwise from polar angle 0, the driven one's counter-clockwise from pi.
     sense, start, first = (-1.0, 0.0, 0.0) if gear is Gear.DRIVING else (1.0, pi, 0.5)
     middle = (number // 2 + first) * 2.0 * pi / own.tooth.max()
-    # Back flanks push, front flanks are pushed; backlash is taken off the others.
-    idle = own.side[:, None] == (1.0 if gear is Gear.DRIVING else -1.0)
-    thickness = pi * MODULE / 4.0 + shift_mm * tan(ALPHA) - idle * backlash_mm / 2.0 / cos(ALPHA)
-    half = thickness / radius + involute(ALPHA) - involute(np.arccos(radius * cos(ALPHA) / distance))
-    expected = start + sense * (middle + own.side[:, None] * half)
+    half = pi * MODULE / 4.0 / radius + involute(ALPHA) - involute(np.arccos(radius * cos(ALPHA) / distance))
+    # Back flanks stand turned against the clock.
+    expected = start + sense * (middle + own.side[:, None] * half) + np.where(own.side < 0.0, turn_rad, 0.0)[:, None]
     error = distance * wrapped(np.arctan2(point[..., 1], point[..., 0]) - expected)
     # Rounding: a few dozen units of 1e-16, more near the base circle where the involute's angle goes as a square root.
     assert np.max(np.abs(error)) < 1e-12 * radius
@@ -301,8 +307,8 @@ def test_regular_flanks_never_turn_back(gear: Gear) -> None:
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("gear", Gear)
 def test_flanks_stand_a_tooth_thickness_apart(name: str, gear: Gear) -> None:
-    own = flanks(name, gear, rack(backlash_mm=0.1).shifted(0.4))
-    thickness = pi * MODULE / 2.0 + 0.8 * tan(ALPHA) - 0.05 / cos(ALPHA)
+    own = flanks(name, gear, half_widths_mm=(1.7, 1.5))
+    thickness = 3.2
     assert own.crossing_mm[1::2] - own.crossing_mm[0::2] == pytest.approx(thickness, rel=1e-12)
     assert np.diff(own.crossing_mm[0::2]) == pytest.approx(pi * MODULE, rel=1e-12)
     assert np.array_equal(own.tooth[::2], np.arange(1, own.count // 2 + 1))
@@ -310,17 +316,18 @@ def test_flanks_stand_a_tooth_thickness_apart(name: str, gear: Gear) -> None:
 
 
 @pytest.mark.parametrize("name", LAWS)
-@pytest.mark.parametrize("backlash_mm", [0.0, 0.1])
-def test_loaded_flanks_stand_where_they_would_without_backlash(name: str, backlash_mm: float) -> None:
-    """Back flanks of the driving gear, whose arc length runs against its turning, and front flanks of the driven."""
-    for gear, loaded in ((Gear.DRIVING, 0), (Gear.DRIVEN, 1)):
-        own, plain = flanks(name, gear, rack(backlash_mm=backlash_mm)), flanks(name, gear)
-        assert np.array_equal(own.crossing_mm[loaded::2], plain.crossing_mm[loaded::2])
-        moved = np.abs(own.crossing_mm - plain.crossing_mm)[1 - loaded :: 2]
-        assert moved == pytest.approx(backlash_mm / 2.0 / cos(ALPHA), abs=1e-13)
-        first = 0.0 if gear is Gear.DRIVING else pi * MODULE / 2.0
-        middle = plain.crossing_mm.reshape(-1, 2).mean(axis=1)
-        assert middle == pytest.approx(first + pi * MODULE * np.arange(len(middle)), abs=1e-11)
+@pytest.mark.parametrize("gear", Gear)
+def test_loaded_flanks_stand_where_they_would_without_play(name: str, gear: Gear) -> None:
+    """Flanks, fillets and all that turned back flanks roll on turn about the axis; front flanks stay as they are."""
+    turn = 0.01
+    plain, own = flanks(name, gear), flanks(name, gear, turn_rad=turn)
+    every = np.arange(own.count)[:, None]
+    height, sigma = np.array([[-1.2, 0.3, 1.7]]), own.crossing_mm[:, None] + np.array([[-3.0, 0.0, 3.0]])
+    turned = np.exp(1j * np.where(own.side < 0.0, turn, 0.0))[:, None]
+    for curve, at in (("flank", height), ("fillet", sigma)):
+        found, before = (getattr(one, curve)(every, at) for one in (own, plain))
+        for one, other in zip(found, before, strict=True):
+            assert as_complex(one) == pytest.approx(as_complex(other) * turned, abs=1e-12)
 
 
 def test_a_gear_advanced_by_whole_turns_keeps_its_teeth_where_they_are() -> None:

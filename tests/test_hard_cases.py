@@ -17,7 +17,7 @@ from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.flank import mating_flanks
-from ncgear.teeth.form import BasicRack, Cutter, CutterKind, TipLimits, ToothForm
+from ncgear.teeth.form import Backlash, BasicRack, Cutter, CutterKind, TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
 from oracles import meshing
 from pairs import baler_law, rack, sine_law
@@ -38,6 +38,7 @@ class Case:
     avoid: bool = True
     cutter: Cutter = field(default_factory=Cutter)
     advance: float = 0.0
+    backlash_mm: float = 0.0
 
     @property
     def tolerance_mm(self) -> float:
@@ -46,7 +47,8 @@ class Case:
     def made(self) -> tuple[PitchPair, ToothedPair]:
         module = self.basic.module_mm
         pitch = sized_pair(self.law(), self.teeth, module, None)
-        wanted = ToothForm(self.basic, cutter=self.cutter, limits=TipLimits(0.2 * module, self.avoid))
+        limits, backlash = TipLimits(0.2 * module, self.avoid), Backlash(self.backlash_mm)
+        wanted = ToothForm(self.basic, cutter=self.cutter, limits=limits, backlash=backlash)
         return pitch, toothed_pair(pitch, wanted, self.tolerance_mm, advance_mm=self.advance * module)
 
 
@@ -93,7 +95,7 @@ CASES = {
     "deep sine, 72": Case(lambda: sine_law(0.3), 72),
     "baler, 25": Case(baler_law, 25),
     "baler, 86": Case(baler_law, 86),
-    "backlash": Case(baler_law, 25, rack(backlash_mm=0.1)),
+    "backlash": Case(baler_law, 25, backlash_mm=0.1),
     "no root radius": Case(baler_law, 40, rack(root_radius=0.0)),
 }
 

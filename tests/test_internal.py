@@ -39,7 +39,7 @@ from ncgear.solids.mesh.pair import gear_solid, ring_solid
 from ncgear.solids.plan.body import Blank, RingBlank, circle_points
 from ncgear.solids.plan.plan import outer_radius_mm, ring_section
 from ncgear.solids.plan.room import INNER_WALL_IN_MODULES, OUTER_WALL_IN_MODULES
-from ncgear.teeth.form import ToothForm
+from ncgear.teeth.form import Backlash, ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
 from oracles import meshing
 from oracles.rack_cut import involute
@@ -289,7 +289,9 @@ def made(law: str, teeth: int, backlash_mm: float = 0.0) -> Made:
     """Pitch curves and teeth with an addendum of 0.8 modules; lobes n1:n2 of circles, or the variable law."""
     transmission = variable_law() if law == "variable" else uniform_law(Lobes(*map(int, law.split(":"))))
     pitch = sized_pair(transmission, teeth, MODULE, None, Mesh.INTERNAL)
-    return pitch, toothed_pair(pitch, ToothForm(rack(addendum=0.8, backlash_mm=backlash_mm, module=MODULE)), TOLERANCE)
+    return pitch, toothed_pair(
+        pitch, ToothForm(rack(addendum=0.8, module=MODULE), backlash=Backlash(backlash_mm)), TOLERANCE
+    )
 
 
 @pytest.mark.slow

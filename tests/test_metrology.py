@@ -28,7 +28,7 @@ from ncgear.pitch.pair import sized_pair
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
-from ncgear.teeth.form import TipRelief, ToothForm
+from ncgear.teeth.form import Backlash, TipRelief, ToothForm
 from ncgear.teeth.gear import ToothedGear, toothed_pair
 from pairs import rack
 
@@ -46,7 +46,7 @@ def involute(angle: mpmath.mpf) -> mpmath.mpf:
 def circular(teeth: int, shift: float = 0.0, backlash_mm: float = 0.0) -> ToothedGear:
     """A driving gear of circular pitch curves; backlash lets both shifts be positive."""
     pitch = sized_pair(uniform_law(Lobes()), teeth, MODULE, None)
-    form = ToothForm(rack(backlash_mm=backlash_mm), shift * MODULE, -shift * MODULE)
+    form = ToothForm(rack(), shift * MODULE, -shift * MODULE, backlash=Backlash(backlash_mm))
     return toothed_pair(pitch, form, TOLERANCE).driving
 
 

@@ -15,8 +15,9 @@ import pytest
 
 import ncgear
 from commands import Run, fresh
-from ncgear.design.beginning import ANSWERS, begun, fault_of, filled, proportioned, template_answers
+from ncgear.design.beginning import ANSWERS, begun, fault_of, proportioned, template_answers
 from ncgear.design.laws.registry import LawName
+from ncgear.design.rewritten import rewritten
 from ncgear.design.template import template
 from ncgear.project.drive import load, loads
 
@@ -152,7 +153,7 @@ def test_only_lines_of_other_values_differ_from_the_template(law: LawName) -> No
     keys = {line[1:].strip().partition(":")[0] for line in changed}
     assert keys == {"teeth", "face_width_mm", "bore_mm", "keyway", "driven"}
     assert before.count("#") == after.count("#")
-    assert filled(before, {}) == before
+    assert rewritten(before, {}) == before
 
 
 @pytest.mark.thorough

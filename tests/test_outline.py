@@ -11,6 +11,7 @@ import pytest
 import shapely
 from shapely import Polygon, affinity
 
+from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
@@ -140,13 +141,31 @@ def test_no_exact_curve_is_farther_from_the_outline_than_the_tolerance(name: str
 
 @pytest.mark.tiers(quick=["undercut*"], rest="thorough")
 @pytest.mark.parametrize(("name", "teeth"), CASES)
-def test_vertices_are_on_the_exact_curves(name: str, teeth: int) -> None:
+def test_vertices_are_on_the_exact_curves_but_for_hollow_ones(name: str, teeth: int) -> None:
     for gear in gears(name, teeth):
+        hollow = gear.flanks.curve.curvature_bounds[0] < 0.0 or isinstance(gear.flanks.tool, PitchCurve)
         pieces = [*(dense_sides(gear, kind) for kind in (FLANK, FILLET)), *dense_lands(gear)]
         exact = shapely.MultiLineString([line for piece in pieces for line in piece])
         shapely.prepare(exact)
         # The dense points' own chords: 400 to a curve of 20 chords or less, (1/20)^2 of the tolerance, twice over.
-        assert shapely.distance(exact, shapely.points(gear.outline_mm)).max() < TOLERANCE / 200.0
+        astray = shapely.distance(exact, shapely.points(gear.outline_mm)).max()
+        assert astray <= TOLERANCE if hollow else astray < TOLERANCE / 200.0
+
+
+@pytest.mark.tiers(quick=["3:1-48"], thorough=["baler-25"], rest="slow")
+@pytest.mark.parametrize(("name", "teeth"), [("3:1", 48), ("baler", 25), ("undercut", 12)])
+def test_chords_of_flanks_stay_within_the_material_where_the_mate_comes_near(name: str, teeth: int) -> None:
+    """Points of the exact curves are on the outline or outside it; a rack's fillets are hollow and no mate is near."""
+    for gear in gears(name, teeth):
+        mated = isinstance(gear.flanks.tool, PitchCurve)
+        sides = [dense_sides(gear, kind).reshape(-1, 2) for kind in (FLANK, FILLET)[: 1 + mated]]
+        points, polygon = shapely.points(np.concatenate(sides)), Polygon(gear.outline_mm)
+        shapely.prepare(polygon)
+        inside = shapely.contains(polygon, points)
+        assert shapely.distance(polygon.exterior, points[inside]).max(initial=0.0) <= TOLERANCE / 20.0
+    # The negative control: fillets of a rack stand out by the tolerance.
+    deep = dense_sides(gears("undercut", 12)[0], FILLET)
+    assert distances(deep, gears("undercut", 12)[0]).max() > TOLERANCE / 3.0
 
 
 @pytest.mark.tiers(quick=["*-undercut-12"], thorough=["0.02-*"], rest="slow")

@@ -8,8 +8,10 @@ from math import cos, pi, radians, sin
 import numpy as np
 import pytest
 
+from beside_ncgears import JUDGED, MODULE_MM, SEEN, by_ncgear_in_curves, points_of, sampled
 from ncgear.pitch.pair import sized_pair
-from ncgear.teeth.form import ToothForm
+from ncgear.teeth.backlash import play_of
+from ncgear.teeth.form import Backlash, ToothForm
 from ncgear.teeth.gear import toothed_pair
 from outline_judge import Flanks, judged_flanks, judged_outline, sine_law
 from pairs import rack
@@ -25,7 +27,7 @@ ALPHA = radians(20.0)
 def outlines(tolerance: float, backlash_mm: float = 0.0) -> tuple[Array, Array]:
     """Both outlines of a pair."""
     pitch = sized_pair(transmission(DEPTH), TEETH, MODULE, None)
-    pair = toothed_pair(pitch, ToothForm(rack(module=MODULE, backlash_mm=backlash_mm)), tolerance)
+    pair = toothed_pair(pitch, ToothForm(rack(module=MODULE), backlash=Backlash(backlash_mm)), tolerance)
     return pair.driving.outline_mm, pair.driven.outline_mm
 
 
@@ -76,10 +78,13 @@ def test_every_pair_in_mesh_is_looked_at() -> None:
 
 
 def test_backlash_is_gap_along_the_normal() -> None:
-    """All of it on the idle side."""
+    """All of it on the idle side, and most where the driven gear's flanks have the longest arm."""
     tolerance = 0.0005
     found = judged(*outlines(tolerance, 0.1))
-    assert 0.1 < found.gap * MODULE <= 0.1 + 2.0 * tolerance
+    pitch = sized_pair(transmission(DEPTH), TEETH, MODULE, None)
+    most = play_of(pitch, rack(module=MODULE), Backlash(0.1)).largest_normal_mm.value
+    assert most > 0.12
+    assert found.gap * MODULE == pytest.approx(most, abs=3.0 * tolerance)
 
 
 @pytest.mark.tiers(quick=["-0.0001"], rest="thorough")
@@ -112,3 +117,15 @@ def test_faults_of_outlines_are_counted() -> None:
     assert spur.reversals == 2
     crossed = judged_outline(square[[0, 2, 1, 3]], 1.0)
     assert not crossed.simple
+
+
+@pytest.mark.thorough
+def test_few_poles_leave_a_gap_of_a_millionth_of_a_module() -> None:
+    """Splines of the benchmark, by points much closer than their spans; by one point a span they look coarse."""
+    contours = by_ncgear_in_curves(TEETH)
+    assert max(map(points_of, contours)) < 0.1 * 19863, "a tenth of what the other program of the field takes"
+    driving, driven = (sampled(contour, JUDGED) for contour in contours)
+    found = judged_flanks(driving, driven, sine_law(DEPTH), TEETH, MODULE_MM, ALPHA)
+    assert max(found.gap, found.overlap) <= 1.1e-6
+    coarse = judged_flanks(*(sampled(one, SEEN[:1]) for one in contours), sine_law(DEPTH), TEETH, MODULE_MM, ALPHA)
+    assert coarse.gap > 1e-4

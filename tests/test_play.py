@@ -233,7 +233,7 @@ def test_entries_and_near_runs_are_what_a_plain_search_finds(seed: int) -> None:
             found = runs.entry_beyond(np.array([run]), np.array([squared]))[0]
             assert found == runs.first[run] + np.searchsorted(own, squared)
     for point in 10.0 * np.exp(1j * np.linspace(-pi, pi, 77)):
-        near = set(runs.near[runs.sector(np.array([point]))[0]].tolist()) - {NO_RUN}
+        near = set(runs.near[runs.sector(np.angle(np.array([point])))[0]].tolist()) - {NO_RUN}
         for run in range(runs.first.size):
             entries = runs.point[runs.first[run] : runs.last[run] + 1]
             if np.any(np.abs(np.angle(entries / point)) * np.abs(runs.point[runs.first[run]]) < reach):

@@ -23,7 +23,7 @@ BALER = ROOT / "designs" / "baler.yaml"
 
 EXAMPLES = """
 import doctest, importlib, sys
-modules = map(importlib.import_module, ("ncgear.project.drive", "ncgear.plots"))
+modules = map(importlib.import_module, ("ncgear.project.drive", "ncgear.project.mending", "ncgear.plots"))
 sys.exit(sum(doctest.testmod(module).failed for module in modules))
 """
 """In a process of its own, as the examples open figures of pyplot's."""
@@ -37,7 +37,7 @@ def test_the_examples_in_docstrings_are_true() -> None:
 
 def test_there_are_examples() -> None:
     finder = doctest.DocTestFinder()
-    assert all(finder.find(thing)[0].examples for thing in (ncgear.load, ncgear.plots))
+    assert all(finder.find(thing)[0].examples for thing in (ncgear.load, ncgear.mending, ncgear.plots))
 
 
 def test_importing_the_package_loads_no_library() -> None:

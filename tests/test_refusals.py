@@ -162,11 +162,11 @@ IMPOSSIBLE = {
         "motion.ratio",
         "near phi1 =",
     ),
-    "pitch curve too sharp for its teeth": (
+    "rack on a concave pitch curve": (
         "build",
-        changed(BALER, "teeth: 25", "teeth: 9"),
-        "gears.teeth",
-        "more teeth of a smaller module",
+        changed(BALER, "rack: {profile: A}", "rack: {profile: A}\n  cutter: {kind: rack}"),
+        "gears.cutter.kind",
+        "what works: gears.cutter.kind: mate (contact ratio",
     ),
 }
 

@@ -18,7 +18,7 @@ from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.flank import FLANK
-from ncgear.teeth.form import ToothForm
+from ncgear.teeth.form import Backlash, ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 from oracles import rigid_body
 from pairs import rack, sine_law
@@ -47,7 +47,7 @@ LAWS: dict[str, Callable[[], Transmission]] = {
 def made(name: str, tolerance: float = TOLERANCE) -> tuple[PitchPair, ToothedPair]:
     """A pair whose ratio varies by a factor of 1.5 (sine) or 4.3 (ellipse); the backlash is on the idle flanks."""
     pitch = sized_pair(LAWS[name](), TEETH, MODULE, None)
-    return pitch, toothed_pair(pitch, ToothForm(rack(module=MODULE, backlash_mm=0.05)), tolerance)
+    return pitch, toothed_pair(pitch, ToothForm(rack(module=MODULE), backlash=Backlash(0.05)), tolerance)
 
 
 def outlines(name: str, tolerance: float = TOLERANCE) -> Outlines:

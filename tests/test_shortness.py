@@ -7,8 +7,11 @@ import pytest
 from shapely import Polygon
 
 from engaged import designed, made
-from ncgear.contact.pair import refuse_short_contact
+from ncgear.contact.designed.as_designed import AsDesigned, pairs_under_load
+from ncgear.contact.pair import SidesInContact, refuse_short_contact, short_contacts
 from ncgear.errors import NoSuchMechanism
+from ncgear.teeth.form import TipRelief
+from ncgear.teeth.gear import ToothedPair
 from oracles import meshing
 
 FINE = 2e-4
@@ -26,7 +29,12 @@ REFUSED = [
 
 
 def refuse(name: str, teeth: int, least: float) -> None:
-    refuse_short_contact(designed(name, teeth), made(name, teeth)[1], least)
+    judge(designed(name, teeth), made(name, teeth)[1], least)
+
+
+def judge(contact: AsDesigned, pair: ToothedPair, least: float, loaded: SidesInContact | None = None) -> None:
+    """Refuse what either side of the teeth lacks."""
+    refuse_short_contact(short_contacts(contact, pair, least, 0.0, loaded), both_ways=True)
 
 
 @pytest.mark.slow
@@ -84,6 +92,18 @@ def test_a_least_ratio_over_one_names_the_shortest_contact() -> None:
         refuse("baler", 25, float(shortest) + 0.1)
 
 
+def test_flanks_that_a_relief_holds_apart_do_not_count_unless_a_load_closes_it() -> None:
+    relief = TipRelief(0.05, 0.4, 2.0)
+    contact, (_, pair) = designed("ellipse", 25, relief=relief), made("ellipse", 25, relief=relief)
+    judge(contact, pair, 1.0)
+    with pytest.raises(NoSuchMechanism, match=r"touch over 1\.0\d pitches only.* reach over 1\.6.*; less tip relief"):
+        judge(contact, pair, 1.2)
+    closed = pairs_under_load(pair, contact.placement, contact.pushing.error_rad - 1e-2)[0]
+    judge(contact, pair, 1.2, loaded=(closed, closed))
+    with pytest.raises(NoSuchMechanism, match=r"touch over 1\.6\d* pitches only, less than 1\.7: the driving tip ends"):
+        judge(contact, pair, 1.7, loaded=(closed, closed))
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize(("undercut", "pitches"), [(False, "1.16"), (True, "0.83")])
 def test_the_published_baler_touches_over_as_many_pitches_as_the_method_says(undercut: bool, pitches: str) -> None:
@@ -97,3 +117,15 @@ def test_the_published_baler_touches_over_as_many_pitches_as_the_method_says(und
 @pytest.mark.parametrize("teeth", [24, 37])
 def test_below_one_nothing_is_asked(teeth: int) -> None:
     refuse("deep sine", teeth, 0.99)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("teeth", [24, 37])
+def test_what_idle_flanks_lack_is_refused_only_where_they_are_to_hold(teeth: int) -> None:
+    short = short_contacts(designed("deep sine", teeth), made("deep sine", teeth)[1], 1.0)
+    assert None not in short
+    with pytest.raises(NoSuchMechanism, match="drives: both_ways"):
+        refuse_short_contact((None, short[1]), both_ways=True)
+    refuse_short_contact((None, short[1]), both_ways=False)
+    with pytest.raises(NoSuchMechanism):
+        refuse_short_contact((short[0], None), both_ways=False)

@@ -21,7 +21,7 @@ from commands import Run
 from drives import DESIGNS, drive, drive_of_text, loaded
 from ncgear.errors import WrongInput
 from ncgear.files.workshop.step import step_files
-from ncgear.files.workshop.step_kernel import SHARE, VOLUME_TOLERANCE, Part, part_bytes, read_back, require_same
+from ncgear.files.workshop.step_kernel import VOLUME_TOLERANCE, Part, part_bytes, read_back, require_same
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -30,7 +30,7 @@ from ncgear.solids.brep.shapes import volume_mm3
 from ncgear.solids.helical import patches
 from ncgear.solids.helical.sections import Sections
 from ncgear.solids.plan.body import BodyPlan
-from ncgear.teeth.contour import Contour, Spline, contour_of
+from ncgear.teeth.contour import CURVES_SHARE, Contour, Spline, contour_of
 from ncgear.teeth.gear import ToothedGear
 from oracles.part21 import Entity, Part21
 from pairs import exact_ring
@@ -97,7 +97,7 @@ def require_agreement(data: bytes, gear: ToothedGear, tolerance: float, width: f
 
 def require_both(name: str) -> None:
     own = drive(name)
-    tolerance, width = SHARE * own.design.output.chord_tolerance_mm, own.gears.face_width_mm
+    tolerance, width = CURVES_SHARE * own.design.output.chord_tolerance_mm, own.gears.face_width_mm
     require_agreement(files(name)["driving.step"], own.teeth.driving, tolerance, width)
     require_agreement(files(name)["driven.step"], own.teeth.driven, tolerance, width)
 

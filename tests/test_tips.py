@@ -11,7 +11,6 @@ import pytest
 from scipy.optimize import brentq
 from shapely import Polygon
 
-from ncgear.errors import WrongInput
 from ncgear.numerics.crossing import refined_crossings
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
@@ -20,7 +19,7 @@ from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.teeth import fitting
 from ncgear.teeth.flank import flanks_of, mating_flanks, regular_depth, regular_height
-from ncgear.teeth.form import BasicRack, Cutter, CutterKind, TipLimits, TipRelief, ToothForm
+from ncgear.teeth.form import Backlash, BasicRack, Cutter, CutterKind, TipLimits, TipRelief, ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 from ncgear.teeth.tips import Limit, Tips, tip_crossing
 from ncgear.teeth.tool import RackLine
@@ -262,32 +261,25 @@ def test_equal_and_opposite_shifts_leave_neither_overlap_nor_gap(name: str, shif
     assert report.gap.max() <= 2.0 * TOLERANCE
 
 
-def test_shifts_that_thicken_both_gears_are_refused_without_backlash() -> None:
+def test_shifts_of_both_gears_outwards_leave_their_teeth_as_thick_as_the_pitch_allows() -> None:
+    """They fit without play where a hob would make them too thick by 2 (x1 + x2) sin(alpha)."""
     pitch = pitch_pair("uniform")
-    with pytest.raises(WrongInput, match="thicken the teeth by") as caught:
-        toothed_pair(pitch, ToothForm(rack(), 0.3, 0.1), TOLERANCE)
-    assert caught.value.key == "gears.profile_shift"
-    assert f"{2.0 * 0.4 * sin(ALPHA):.4g} mm" in caught.value.problem
-
-
-def test_shifts_may_use_up_the_backlash_and_no_more() -> None:
-    """Teeth thicker by 2 x tan(alpha) each take 2 (x1 + x2) sin(alpha) off the normal backlash."""
-    pitch, backlash = pitch_pair("uniform"), 2.0 * 0.4 * sin(ALPHA)
-    pair = toothed_pair(pitch, ToothForm(rack(backlash_mm=backlash), 0.3, 0.1), TOLERANCE)
+    pair = toothed_pair(pitch, ToothForm(rack(), 0.3, 0.1), TOLERANCE)
+    thickness = [np.diff(gear.flanks.crossing_mm.reshape(-1, 2), axis=1).mean() for gear in (pair.driving, pair.driven)]
+    assert thickness == pytest.approx([pi * MODULE / 2.0 + way * 0.2 * tan(ALPHA) for way in (1.0, -1.0)], rel=1e-12)
     report = judged(pitch, pair)
     assert report.overlap_depth.max() <= 1.2 * TOLERANCE
-    with pytest.raises(WrongInput):
-        toothed_pair(pitch, ToothForm(rack(backlash_mm=0.999 * backlash), 0.3, 0.1), TOLERANCE)
+    assert report.gap.max() <= 2.0 * TOLERANCE
 
 
-def test_shifts_that_thin_both_gears_leave_their_play_on_the_idle_side() -> None:
-    """2 (x1 + x2) sin(alpha) along the normal, by which the driven gear can turn on; the law's position is an end."""
+def test_the_play_is_what_is_asked_for_whatever_the_shifts() -> None:
+    """Along the normal, by which the driven gear can turn on; the law's position is an end of it."""
     pitch = pitch_pair("uniform")
     phi1 = np.linspace(0.0, 2.0 * pi, 12)
     for form, play in (
-        (ToothForm(rack(), -0.3, -0.1), 2.0 * 0.4 * sin(ALPHA)),
-        (ToothForm(rack(backlash_mm=0.1), 0.1, -0.1), 0.1),
-        (ToothForm(rack(backlash_mm=0.3), 0.2, 0.1), 0.3 - 2.0 * 0.3 * sin(ALPHA)),
+        (ToothForm(rack(), -0.3, -0.1), 0.0),
+        (ToothForm(rack(), 0.1, -0.1, backlash=Backlash(0.1)), 0.1),
+        (ToothForm(rack(), 0.2, 0.1, backlash=Backlash(0.3)), 0.3),
     ):
         pair = toothed_pair(pitch, form, TOLERANCE / 20.0)
         outlines = Polygon(pair.driving.outline_mm), Polygon(pair.driven.outline_mm)

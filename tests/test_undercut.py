@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from math import ceil, pi, radians, sin
+from math import ceil, cos, pi, radians, sin, tan
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from scipy.special import ellipe
 
 from ncgear.pitch.curve import PitchCurve
@@ -18,6 +19,7 @@ from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.flank import FLANK, Flanks, flanks_of, regular_depth, regular_height
 from ncgear.teeth.form import BasicRack, TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, shift_against_undercut, teeth_free_of_undercut, toothed_pair
+from ncgear.teeth.lost import shortening, undercutting
 from ncgear.teeth.tips import Limit
 from ncgear.teeth.tool import RackLine
 from pairs import baler_law, both, pitch_pair, rack, sine_law
@@ -65,6 +67,78 @@ def test_undercut_of_circular_gears_begins_at_the_classical_number(basic: BasicR
             assert gear.undercut == (list(range(1, teeth + 1)) if teeth < least else [])
         pair = pitch_pair(uniform_law(Lobes()), teeth)
         assert teeth_free_of_undercut(pair, basic, basic) == least
+
+
+# --- amounts -----------------------------------------------------------------------------------------------------
+
+
+def too_deep(teeth: int, deeper_mm: float) -> BasicRack:
+    """A sharp rack whose flank ends so far below the cusp of a circular gear's flank, r sin^2(alpha)."""
+    return rack(dedendum=teeth / 2.0 * sin(radians(20.0)) ** 2 + deeper_mm / MODULE, root_radius=0.0)
+
+
+@pytest.mark.parametrize("deeper_mm", [0.0005, 0.05])
+def test_the_amount_of_an_avoided_undercut_is_what_the_rack_goes_below_the_cusp(deeper_mm: float) -> None:
+    for gear in both(made(uniform_law(Lobes()), 24, too_deep(24, deeper_mm))):
+        loss = undercutting(gear)
+        assert loss.amount_mm == pytest.approx(deeper_mm, abs=1e-9)
+        assert (loss.tooth, loss.contact_pitches) == (1, 0.0)
+
+
+@pytest.mark.parametrize("deeper_mm", [0.05, 0.2])
+def test_the_amount_of_an_allowed_undercut_is_the_height_that_the_notch_takes(deeper_mm: float) -> None:
+    """The path of the sharp corner crosses the involute above its base circle; both in polar coordinates."""
+    basic, radius, angle = too_deep(24, deeper_mm), 24.0, radians(20.0)
+    depth = basic.dedendum_mm
+
+    def corner(rolled: Array) -> Array:
+        """The rack's corner in the gear's frame; its flank crosses the pitch line at 0 and faces +x."""
+        around = np.exp(-1j * rolled / radius)
+        return (radius - depth) * 1j * around + (depth * tan(angle) - rolled) * around
+
+    def involute_angle(at_radius: Array) -> Array:
+        """Polar angle of the flank of a tooth that lies on the left, from the pitch point on."""
+        opening = np.arccos(radius * cos(angle) / at_radius)
+        return pi / 2.0 + (np.tan(opening) - opening) - (tan(angle) - angle)
+
+    def beside(rolled: float) -> float:
+        place = corner(np.array([rolled]))[0]
+        return float(np.angle(place) - involute_angle(np.abs(place)))
+
+    # From where the corner crosses the base circle upwards, up to the pitch circle
+    upwards = np.linspace(0.0, -3.0 * MODULE, 5001) + depth / (sin(angle) * cos(angle))
+    rising = [rolled for rolled in upwards if radius * cos(angle) < abs(corner(np.array([rolled]))[0]) < radius]
+    values = [beside(rolled) for rolled in rising]
+    crossing = next(i for i in range(len(values) - 1) if values[i] * values[i + 1] < 0.0)
+    found = abs(corner(np.array([brentq(beside, rising[crossing], rising[crossing + 1])]))[0])
+    # r^2 + 2 r h + h^2 / sin^2(alpha) is the square of the radius at the height h of the contact
+    square = sin(angle) ** 2
+    height = square * (-radius + np.sqrt(radius**2 - (radius**2 - found**2) / square))
+    for gear in both(made(uniform_law(Lobes()), 24, basic, avoid=False)):
+        loss = undercutting(gear)
+        assert loss.amount_mm == pytest.approx(depth + height, abs=1e-6)
+        assert loss.amount_mm > deeper_mm
+        assert loss.contact_pitches == pytest.approx(loss.amount_mm / (sin(angle) * cos(angle)) / (pi * MODULE))
+
+
+def test_the_amount_of_pointed_tips_is_that_of_the_involute_of_their_land() -> None:
+    """30 tall teeth of 25 deg: the land's chord at a radius follows from the involute function."""
+    basic, angle, radius = rack(25.0, addendum=1.5, dedendum=1.6, root_radius=0.05), radians(25.0), 30.0
+    form = ToothForm(basic, limits=TipLimits(0.3 * MODULE, avoid_undercut=True))
+    gear = toothed_pair(pitch_pair(uniform_law(Lobes()), 30), form, TOLERANCE).driving
+
+    def land(tip: float) -> float:
+        opening = np.arccos(radius * cos(angle) / tip)
+        half = pi / 60.0 + (tan(angle) - angle) - (np.tan(opening) - opening)
+        return 2.0 * tip * float(np.sin(half)) - 0.3 * MODULE
+
+    tip = brentq(land, radius, radius + basic.addendum_mm)
+    loss = shortening(gear, gear.tips.limit == Limit.LAND)
+    assert loss.amount_mm == pytest.approx(radius + basic.addendum_mm - tip, abs=1e-9)
+    assert (loss.tooth, loss.amount_mm > 0.05) == (1, True)
+    square = sin(angle) ** 2
+    heights = [square * (-radius + np.sqrt(radius**2 + (end**2 - radius**2) / square)) for end in (tip, radius + 3.0)]
+    assert loss.contact_pitches == pytest.approx((heights[1] - heights[0]) / (sin(angle) * cos(angle)) / (pi * MODULE))
 
 
 @pytest.mark.thorough

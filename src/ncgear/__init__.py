@@ -13,10 +13,11 @@ if TYPE_CHECKING:
     import ncgear.plots as plots
     from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
     from ncgear.project.drive import Drive, load, loads
+    from ncgear.project.mending import mending
 
 __version__ = "0.1.0"
 
-__all__ = ["DesignError", "Drive", "NoSuchMechanism", "WrongInput", "__version__", "load", "loads", "plots"]
+__all__ = ["DesignError", "Drive", "NoSuchMechanism", "WrongInput", "__version__", "load", "loads", "mending", "plots"]
 
 _MODULES = {
     "DesignError": "ncgear.errors",
@@ -25,6 +26,7 @@ _MODULES = {
     "WrongInput": "ncgear.errors",
     "load": "ncgear.project.drive",
     "loads": "ncgear.project.drive",
+    "mending": "ncgear.project.mending",
 }
 """Where the public names live."""
 

@@ -22,7 +22,7 @@ IntArray = NDArray[np.int64]
 SHARP_RAD = 0.5
 """Turn of an outline that makes a vertex the corner of a tip; on smooth curves chords turn by some thousandths."""
 
-TURNS = 3
+TURNS = 2
 """Steps of Newton's method towards the first touch: separations are linear in the turn to some millionths."""
 
 LOOKED_AT_MM = 0.15
@@ -96,8 +96,10 @@ def _close(other: Gear, points: ComplexArray) -> NDArray[np.bool_]:
 
 def _near_mesh(one: Gear, heading: ComplexArray, window: float) -> _Looked:
     """Vertices within ``window`` mm to either side of the line of centres, at headings of shape (n,)."""
-    off = np.angle(one.points[None, :] / heading[:, None]) * np.abs(one.points)
-    return _Looked(*np.nonzero(np.abs(off) <= window))
+    along = heading / np.abs(heading)
+    ahead = np.outer(along.real, one.points.real) + np.outer(along.imag, one.points.imag) > 0.0
+    off = np.outer(along.real, one.points.imag) - np.outer(along.imag, one.points.real)
+    return _Looked(*np.nonzero(ahead & (np.abs(off) <= window)))
 
 
 @dataclass(frozen=True, eq=False)

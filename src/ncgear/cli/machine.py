@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from ncgear.cli.arguments import EXPORT, DesignFile, Timing, files_to_complete, opened
+from ncgear.cli.mending import BUILD, MakeTeeth, Mend, as_given, mended, naming_what_helps
 from ncgear.cli.progress import counted, steps_shown
 from ncgear.dynamics.level import Level
 from ncgear.errors import WrongInput, located
@@ -17,6 +18,7 @@ from ncgear.files.workshop.formats import USUAL, Format
 def check(
     design_file: DesignFile,
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
+    mend: MakeTeeth = False,
     timing: Timing = False,
 ) -> None:
     """Check a design: kinematics and power only, no teeth, no files."""
@@ -27,6 +29,10 @@ def check(
         from ncgear.project.drive import Drive
 
         drive = Drive(loaded.design)
+        if mend:
+            found = mended(loaded)
+            drive = found.drive
+            typer.echo(f"{found.said}\n", err=as_json)
         with steps_shown(1) as on_step:
             on_step("kinematics and power")
             text = json_text(check_summary(drive)).rstrip() if as_json else check_text(drive)
@@ -53,30 +59,37 @@ def build(
             "--report", help="Also write report.html, as ncgear report does; one that is there is made anew anyway."
         ),
     ] = False,
+    mend: Mend = False,
     timing: Timing = False,
 ) -> None:
     """Build the gears: outlines, solids, plots, motion law and summary, into a folder."""
     from ncgear.files.publish import prepare
 
-    with opened(design_file) as loaded:
+    with opened(design_file) as given:
+        prepare(out or EXPORT / given.design.name)
+        if given.design.gears is None:
+            raise WrongInput("missing; a build needs it (teeth, module_mm, face_width_mm, ...)", key="gears")
+
+        made = mended(given) if mend else as_given(given)
+        loaded, drive = made.loaded, made.drive
         folder = out or EXPORT / loaded.design.name
         prepare(folder)
-        if loaded.design.gears is None:
-            raise WrongInput("missing; a build needs it (teeth, module_mm, face_width_mm, ...)", key="gears")
 
         from ncgear.drawings.page import REPORT_FILE
         from ncgear.figures.terminal import build_text, timing_text
         from ncgear.files.build import build as build_files
         from ncgear.files.build import step_count
         from ncgear.files.manifest import holds_as_written
-        from ncgear.project.drive import Drive
 
-        drive = Drive(loaded.design)
         # The report of an earlier design would lie beside gears that it does not show.
         report = report or holds_as_written(folder, REPORT_FILE)
-        with steps_shown(step_count(drive, report=report)) as on_step:
+        with naming_what_helps(drive), steps_shown(step_count(drive, report=report)) as on_step:
             built = build_files(drive, folder, on_step, kinds or USUAL, loaded if report else None)
-        typer.echo(build_text(built.summaries, built.paths, built.kept))
+        design = made.kept_in(folder)
+        # Both runs wrote the manifest.
+        paths = list(dict.fromkeys([*built.paths, *design.paths]))
+        text = build_text(built.summaries, paths, [*built.kept, *design.kept])
+        typer.echo("\n\n".join(part for part in (made.said, text) if part))
         if timing:
             typer.echo(timing_text(drive), err=True)
 
@@ -104,7 +117,8 @@ def report(
 
         drive = Drive(loaded.design)
         has_gears = loaded.design.gears is not None
-        with steps_shown(1 + has_gears * drive.design.stages * len(WRITTEN_STEPS)) as on_step:
+        steps = 1 + has_gears * drive.design.stages * len(WRITTEN_STEPS)
+        with naming_what_helps(drive, BUILD), steps_shown(steps) as on_step:
             contacts = contacts_as_written(drive, on_step) if has_gears else []
             on_step("report")
             page = report_page(drive, loaded, contacts)
@@ -143,7 +157,9 @@ def animate(
         from ncgear.files.manifest import publish_run
         from ncgear.project.drive import Drive
 
-        scene = scene_of(Drive(loaded.design))
+        drive = Drive(loaded.design)
+        with naming_what_helps(drive, BUILD):
+            scene = scene_of(drive)
         with counted("frames") as on_frame:
             content = animated(scene, kind, Loop(frames, seconds, width), on_frame)
         # Another animation in the same folder stays.
@@ -177,7 +193,7 @@ def simulate(
         from ncgear.project.drive import Drive
 
         drive = Drive(loaded.design)
-        with steps_shown(1) as on_step:
+        with naming_what_helps(drive, BUILD), steps_shown(1) as on_step:
             on_step(f"simulation, level {level}")
             found = simulate_drive(drive, level)
         run = publish_run(folder, simulation_files(found), "simulate")

@@ -157,8 +157,9 @@ REMEDY = (
 )
 
 
-LESS_RELIEF = "less tip relief, or one that begins higher, helps, or masses, so that the contact under load counts"
-"""What helps where flanks are held apart that could touch."""
+LESS_RELIEF = "less tip relief, or one that begins higher, helps"
+EXACT_FLANKS = "exact flanks help"
+"""What helps where flanks are held apart that could touch: with tip relief, and without."""
 
 SidesInContact = tuple[PairsInContact, PairsInContact]
 """The pairs of pushing flanks in contact, and those of their backs."""
@@ -177,7 +178,10 @@ def short_contacts(
     """
     sides = designed.pushing, designed.back
     pairs = loaded or (designed.pushing.pairs, designed.back.pairs)
-    judged = (_Judged(designed.placement, side, own, teeth) for side, own in zip(sides, pairs, strict=True))
+    judged = (
+        _Judged(designed.placement, side, own, loaded is not None, teeth)
+        for side, own in zip(sides, pairs, strict=True)
+    )
     pushing, back = (_lacking(side, least, overlap) for side in judged)
     return pushing, back
 
@@ -198,11 +202,12 @@ def refuse_short_contact(short: tuple[str | None, str | None], *, both_ways: boo
 
 @dataclass(frozen=True, eq=False)
 class _Judged:
-    """One side of the teeth, with the pairs of flanks that count as touching."""
+    """One side of the teeth, with the pairs of flanks that count as touching, ``loaded`` or not."""
 
     placement: Placement
     side: SideContact
     pairs: PairsInContact
+    loaded: bool
     teeth: ToothedPair
 
     @property
@@ -219,7 +224,9 @@ def _lacking(judged: _Judged, least: float, overlap: float) -> str | None:
         reach = float(judged.side.reaches[shortest])
         cause = f"{_limits(judged)}; {REMEDY}"
         if reach + overlap >= least:
-            cause = f"others hold them apart, though they reach over {reach:.3g} pitches; {LESS_RELIEF}"
+            helps = LESS_RELIEF if judged.teeth.driving.flanks.rack.relief else EXACT_FLANKS
+            load = "the load there is too small" if judged.loaded else "no masses are given, so no load counts"
+            cause = f"others hold them apart, though they reach over {reach:.3g} pitches; {helps} ({load})"
         return f"the flanks of {_pair(judged)} touch over {arc:.3g} pitches{helix} only, less than {least:.3g}: {cause}"
     if least >= 1.0 and pairs.longest_gap > overlap * judged.placement.per_tooth:
         at = in_words(float(judged.placement.phi1_rad[pairs.parted_at]))

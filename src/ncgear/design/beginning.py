@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from functools import reduce
-from io import StringIO
-from operator import getitem
 from typing import Any
 
 from pydantic import ValidationError
-from ruamel.yaml import YAML
 
 from ncgear.design.keys.design import Design
 from ncgear.design.laws.registry import LawName, design_law
@@ -18,6 +14,7 @@ from ncgear.design.reading.messages import problems
 from ncgear.design.reading.places import Document, with_value
 from ncgear.design.reading.text import whole
 from ncgear.design.reading.yaml import read_yaml
+from ncgear.design.rewritten import rewritten
 from ncgear.design.template import template
 from ncgear.errors import WrongInput
 
@@ -39,9 +36,6 @@ BORES = (
     "gears.driven.bore_mm",
 )
 """Keys of the template that grow with the gears."""
-
-LONGEST_LINE = 10_000
-"""Length over that of any line of the template, so that no line is broken."""
 
 
 def fault_of(answer: str, value: object) -> str | None:
@@ -76,24 +70,7 @@ def begun(name: str, law: LawName, answers: Mapping[str, float]) -> str:
     so that the law keeps its form.  The bores grow with the gears.
     """
     text = template(name, law)
-    return filled(text, dict(_values(read_yaml(text, "template"), answers))) if answers else text
-
-
-def filled(text: str, values: Mapping[str, Any]) -> str:
-    """A design file with other values at some dotted keys; its comments stay."""
-    yaml, made = YAML(), StringIO()
-    yaml.width, yaml.preserve_quotes = LONGEST_LINE, True
-    data = yaml.load(text)
-    for key, value in values.items():
-        *above, name = key.split(".")
-        group: Any = reduce(getitem, above, data)
-        if isinstance(value, list):
-            # Only the items are replaced, so that the list keeps the style in which it is written.
-            group[name][:] = value
-        else:
-            group[name] = value
-    yaml.dump(data, made)
-    return made.getvalue()
+    return rewritten(text, dict(_values(read_yaml(text, "template"), answers))) if answers else text
 
 
 def proportioned(answers: Mapping[str, float]) -> dict[str, float]:

@@ -72,9 +72,13 @@ class Key:
         """The default of the key, if the keys from which it follows are also left out."""
         if self.field.default_factory is None:
             return self.field.default
-        fields = self.model.model_fields.items()
-        plain_defaults = {name: field.default for name, field in fields if field.default_factory is None}
-        return self.field.get_default(call_default_factory=True, validated_data=plain_defaults)
+        # Defaults follow from keys further up.
+        defaults: dict[str, Any] = {}
+        for name, field in self.model.model_fields.items():
+            if field is self.field:
+                break
+            defaults[name] = field.get_default(call_default_factory=True, validated_data=defaults)
+        return self.field.get_default(call_default_factory=True, validated_data=defaults)
 
 
 def keys_of(root: type[BaseModel]) -> list[Key]:

@@ -50,7 +50,7 @@ gears:                     # a check does without, a build needs it
   # tolerances: {standard: ISO 1328-1, grade: "8", tooth_thickness_upper_mm: -0.05, tooth_thickness_lower_mm: -0.1}
   # measuring_pin_mm: 3.5  # of the data sheet; left out: one that fits
   # first_layer_chamfer_mm: 0.4   # bevel of all edges at z = 0, where the first layers of a print spread
-  # process_clearance_mm: 0.05    # the solids' teeth and bores are drawn back by it, since a print swells
+  # process_clearance_mm: 0.05    # for a print that swells; negative: half the kerf of a laser or wire
   driving:
     bore_mm: 12
     keyway: {width_mm: 4, depth_mm: 1.8}

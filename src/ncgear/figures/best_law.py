@@ -19,6 +19,7 @@ from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from ncgear import __version__
 from ncgear.design.keys.design import Design
 from ncgear.design.naming import LONGEST_NAME
+from ncgear.design.rewritten import LINE_WIDTH
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import finite, fixed, json_text, shown
 from ncgear.figures.tables import aligned
@@ -37,8 +38,6 @@ ARGUMENT = (
     "fastest motion under them, and its time is bounded from below on the grid; no law, smooth or not, has less than "
     "the limit. That pitch curves are convex, and limits on jerk, curvature and driven speed, are not part of it."
 )
-
-LINE_WIDTH = 118
 
 SUFFIX = "-optimized"
 

@@ -27,10 +27,11 @@ IDEAS = {
     "closure": "The cycle closes where the driven gear has turned by whole lobes when the driving gear has; otherwise "
     "the gears would not fit at the next turn. For ratio_expression and table, scale_to_close: true multiplies the "
     "ratio by the constant that closes it; three_segment_stroke closes it with its return.",
-    "contact_ratio": "How many pairs of teeth touch on average over a pitch; under 1 the teeth lose each other. "
-    "contact_ratio_min is the least of all pairs of flanks, on the pushing or on the back side of the teeth. It is "
-    "computed, not given: a greater addendum or a smaller pressure angle of the rack (gears.rack), or more teeth of a "
-    "smaller module raise it.",
+    "contact_ratio": "How many pairs of flanks touch on average over the cycle (contact_ratio_mean); under 1 the teeth "
+    "lose each other. contact_ratio_min is the least contact of any pair of flanks, in pitches. Both count flanks that "
+    "touch: tip relief, shortened tips and sloped lands count as they are. They are of the pushing or of the back side "
+    "of the teeth, whichever is worse. They are computed, not given: a greater addendum or a smaller pressure angle of "
+    "the rack (gears.rack), less tip relief, or more teeth of a smaller module raise them.",
     "transmission_error": "By how much the driven gear's angle departs from the law. It is computed, not given: "
     "contact.transmission_error_rad in summary.json.",
     "dead_centre": "The two ends of the slider's way: retracted at phi1 = 0, extended at theta4 of the law "

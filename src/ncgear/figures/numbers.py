@@ -65,6 +65,12 @@ def to_digits(value: float, digits: int) -> str:
     return f"{settled:.0f}" if abs(settled) >= 10.0**digits else f"{settled:.{digits}g}"
 
 
+def micrometres(length_mm: float) -> str:
+    """A length of the order of a tolerance, to three digits or to whole micrometres, with its unit."""
+    micrometre = 1e3 * length_mm
+    return f"{fixed(micrometre, 0) if micrometre >= 99.5 else to_digits(micrometre, 3)} \u00b5m"
+
+
 def _plain(digits: str) -> str:
     return digits.rstrip("0").rstrip(".") if "." in digits else digits
 

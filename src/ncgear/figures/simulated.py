@@ -148,7 +148,8 @@ def quasi_static_table(drive: Drive, rigid_torque_n_m: Array) -> dict[str, Array
 
 def quasi_static_figures(drive: Drive) -> dict[str, Any]:
     """The stiffness of the contact, and the peaks of the loaded teeth with the driving angles at which they are."""
-    peaks = drive.loaded_peaks
+    peaks, designed = drive.loaded_peaks, drive.designed_contact
+    sides = drive.pairs_under_load or (designed.pushing.pairs, designed.back.pairs)
     return {
         **_about(drive, Level.QUASI_STATIC),
         "loaded_contact": {
@@ -158,6 +159,8 @@ def quasi_static_figures(drive: Drive) -> dict[str, Any]:
             **_peak("peak_depth", "mm", peaks.depth_mm),
             **_peak("peak_driving_torque", "n_m", peaks.driving_torque_n_mm, N_M_PER_N_MM),
             "most_pairs": peaks.most_pairs,
+            "contact_ratio_mean": min(pairs.contact_ratio for pairs in sides),
+            "contact_ratio_min": min(pairs.least_arc for pairs in sides),
         },
     }
 

@@ -46,7 +46,7 @@ TITLES = {
 }
 """Headings of sections; the heading of any other section is its key."""
 
-ELSEWHERE = ("comparison", "warnings", "timing_s")
+ELSEWHERE = ("comparison", "warnings", "remarks", "timing_s")
 """Keys of a summary that are not written as sections."""
 
 SIDE_BY_SIDE = {"this_design": "this design", "uniform_crank": "uniform crank"}
@@ -81,11 +81,12 @@ def build_text(summaries: Sequence[Mapping[str, Any]], paths: Sequence[Path], ke
 
 
 def summary_text(summary: Mapping[str, Any]) -> str:
-    """A summary for reading: its sections, the comparison, the warnings."""
+    """A summary for reading: its sections, the comparison, the warnings, the remarks."""
     blocks = [
         *_sections(summary),
         *comparison_lines(summary.get("comparison") or []),
-        _warnings(summary.get("warnings") or []),
+        _marked("warning: ", summary.get("warnings") or []),
+        _marked("remark: ", summary.get("remarks") or []),
     ]
     return "\n\n".join("\n".join(block) for block in blocks if block)
 
@@ -146,12 +147,12 @@ def _value_lines(label: str, value: str, width: int) -> list[str]:
     return [start + lines[0], *(" " * len(start) + line for line in lines[1:])]
 
 
-def _warnings(warnings: Sequence[str]) -> list[str]:
-    start = "warning: "
+def _marked(start: str, sentences: Sequence[str]) -> list[str]:
+    """Lines of sentences that begin with what they are."""
     return [
         line
-        for warning in warnings
-        for line in wrap(warning, WIDTH, initial_indent=start, subsequent_indent=" " * len(start))
+        for sentence in sentences
+        for line in wrap(sentence, WIDTH, initial_indent=start, subsequent_indent=" " * len(start))
     ]
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ncgear.contact.pair import PairContact
+from ncgear.contact.written.as_written import Outlines
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.drawings.page import REPORT_FILE
 from ncgear.drawings.pictures import pictures
@@ -24,6 +25,7 @@ from ncgear.figures.numbers import json_text
 from ncgear.figures.summary.build_summary import build_summary
 from ncgear.files.manifest import publish_run
 from ncgear.files.meshes import stl_bytes, written_outlines
+from ncgear.files.outline_errors import outline_errors_mm
 from ncgear.files.publish import prepare
 from ncgear.files.workshop.formats import Format, workshop_files
 from ncgear.project.drive import Drive
@@ -109,18 +111,19 @@ class _Pair:
 
 def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Format]) -> _Pair:
     """All files of one pair of gears."""
-    files, contact = _written(drive, on_step)
+    files, contact, outlines = _written(drive, on_step)
     with _timed(drive, "workshop files", on_step):
         files.update(workshop_files(drive, formats))
+        errors_mm = outline_errors_mm(drive, files, outlines)
     with _timed(drive, "plots", on_step):
         files.update(pictures(drive, contact))
     # The summary comes last: only now all timings are known, and a new summary is never beside older files.
-    summary = build_summary(drive, contact)
+    summary = build_summary(drive, contact, errors_mm)
     return _Pair({**files, "summary.json": json_text(summary).encode()}, summary, contact)
 
 
-def _written(drive: Drive, on_step: Callable[[str], None]) -> tuple[dict[str, bytes], PairContact]:
-    """Tables and solids of one pair of gears, and the contact found in them."""
+def _written(drive: Drive, on_step: Callable[[str], None]) -> tuple[dict[str, bytes], PairContact, list[Outlines]]:
+    """Tables and solids of one pair of gears, the contact found in them, and the outlines read back."""
     for step, attributes in STEPS.items():
         on_step(step)
         for attribute in attributes:
@@ -137,9 +140,10 @@ def _written(drive: Drive, on_step: Callable[[str], None]) -> tuple[dict[str, by
             "assembly.json": json_text(assembly_of(drive)).encode(),
         }
     with _timed(drive, "written contact", on_step):
-        contact = drive.contact(written_outlines(files, drive.solids, helical=drive.helix is not None))
+        outlines = written_outlines(files, drive.solids, helical=drive.helix is not None)
+        contact = drive.contact(outlines)
         files["contact.csv"] = contact_csv(contact).encode()
-    return files, contact
+    return files, contact, outlines
 
 
 @contextmanager

@@ -94,6 +94,99 @@ class PiecewiseChebyshev:
         return float(self.coefficients[:, -1].sum())
 
 
+CELL_DEGREE = 8
+"""Degree of the polynomials of cells: about a tenth as wide as panels of degree 24, and quicker by a third to half."""
+
+CELL_ROUNDING = 2.0**-54
+"""Share of a column's largest coefficient that the left out coefficients of a cell may sum up to: half a rounding
+error."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """A form of several columns, cut so finely that short polynomials follow it to rounding errors.
+
+    ``ends`` (shape (n, 2)) are both ends of the cells, in order; ``powers`` (shape (n, degree + 1, columns)) the
+    coefficients of 1, x, x^2 and so on, x being -1 and 1 at a cell's ends.
+    """
+
+    ends: Array
+    powers: Array
+
+    @cached_property
+    def _starts(self) -> Array:
+        return self.ends[1:, 0].copy()
+
+    def __call__(self, points: Array) -> Array:
+        """Values at ``points`` (any shape), the trailing axis appended; as ``PiecewiseChebyshev``."""
+        flat = np.ravel(points)
+        cell = np.searchsorted(self._starts, flat, side="right")
+        left, right = np.take(self.ends, cell, axis=0).T
+        local = ((flat - left) - (right - flat)) / (right - left)
+        values: Array = _powers(local, self.powers.shape[1])[:, None] @ np.take(self.powers, cell, axis=0)
+        return values.reshape(*np.shape(points), self.powers.shape[2])
+
+
+def cells_of(form: PiecewiseChebyshev) -> Cells:
+    """The cells of a form of several columns; its polynomials are halved until ``CELL_DEGREE`` is enough.
+
+    Halving a polynomial divides its coefficient of degree k by about 2^k, so few rounds are enough.
+    """
+    degree = len(form.coefficients) - 1
+    halves = _halves(degree)
+    left, right, series = form.breaks[:-1], form.breaks[1:], form.coefficients
+    least = CELL_ROUNDING * np.abs(series).max(axis=(0, 1))
+    done: list[tuple[Array, Array]] = []
+    while left.size:
+        short = (np.abs(series[CELL_DEGREE + 1 :]).sum(axis=0) <= least).all(axis=1)
+        done.append((np.stack([left[short], right[short]], axis=1), series[: CELL_DEGREE + 1, short]))
+        left, right, series = left[~short], right[~short], series[:, ~short]
+        middle = (left + right) / 2.0
+        left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
+        series = np.concatenate([np.tensordot(half, series, axes=1) for half in halves], axis=1)
+    ends = np.concatenate([both for both, _ in done])
+    short_series = np.concatenate([block for _, block in done], axis=1)
+    order = np.argsort(ends[:, 0])
+    powers = np.tensordot(_to_powers(len(short_series) - 1), short_series[:, order], axes=1)
+    return Cells(ends[order], np.ascontiguousarray(np.moveaxis(powers, 1, 0)))
+
+
+@cache
+def _halves(degree: int) -> tuple[Array, Array]:
+    """Matrices from the coefficients of a series to those of its left and its right half, (degree + 1) square each.
+
+    T_k((x -+ 1) / 2) follows from the recurrence of Chebyshev polynomials; all numbers are exact.
+    """
+    both = []
+    for side in (-1.0, 1.0):
+        columns = [np.eye(degree + 1)[0], np.array([side / 2.0, 0.5, *[0.0] * (degree - 1)])]
+        while len(columns) <= degree:
+            one = columns[-1]
+            raised = chebyshev.chebmulx(one)[: degree + 1]
+            columns.append(np.pad(raised, (0, degree + 1 - raised.size)) + side * one - columns[-2])
+        both.append(np.stack(columns[: degree + 1], axis=1))
+    return both[0], both[1]
+
+
+@cache
+def _to_powers(degree: int) -> Array:
+    """Matrix from Chebyshev coefficients to those of powers; all numbers are whole."""
+    columns = [chebyshev.cheb2poly(np.eye(degree + 1)[k, : k + 1]) for k in range(degree + 1)]
+    return np.stack([np.pad(column, (0, degree + 1 - column.size)) for column in columns], axis=1)
+
+
+def _powers(local: Array, count: int) -> Array:
+    """1, x, x^2, ... at n points, shape (n, count)."""
+    powers = np.empty((count, local.size))
+    powers[0], powers[1] = 1.0, local
+    known = 2
+    while known < count:
+        more = min(known - 1, count - known)
+        np.multiply(powers[1 : more + 1], powers[known - 1], out=powers[known : known + more])
+        known += more
+    return powers.T
+
+
 def fitted(
     function: Callable[[Array], Array],
     breaks: Sequence[float] | Array,

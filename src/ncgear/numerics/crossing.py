@@ -55,8 +55,9 @@ def refined_crossings(
     for _ in range(NEWTON_STEPS):
         (point1, slope1), (point2, slope2) = first(at1), second(at2)
         gap = point2 - point1
-        if np.all(np.hypot(gap[:, 0], gap[:, 1]) <= tolerance):
-            break
+        met = np.hypot(gap[:, 0], gap[:, 1]) <= tolerance
+        if met.all():
+            return at1, at2, met
         area = cross(slope1, slope2)
         area = np.where(area == 0.0, np.inf, area)
         at1 = at1 + cross(gap, slope2) / area

@@ -48,6 +48,7 @@ UNITS = {
     "rad_s": "rad/s",
     "rpm": "r/min",
     "s": "s",
+    "um": "\u00b5m",
     "w": "W",
 }
 """Units by the last words of a key; the longest ending that is known here counts."""

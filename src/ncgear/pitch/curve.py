@@ -19,7 +19,7 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, Columns
-from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
+from ncgear.numerics.chebyshev import Cells, NotSmooth, PiecewiseChebyshev, cells_of
 from ncgear.numerics.plane import turned
 from ncgear.numerics.units import in_words
 from ncgear.pitch import shape
@@ -103,9 +103,9 @@ class PitchCurve:
     def at_length(self, sigma_mm: Array) -> CurvePoints:
         """The curve at arc lengths in mm, of any shape, beyond one turn as well.
 
-        The values come from piecewise Chebyshev forms, which agree with the closed form to rounding error.
+        The values come from piecewise polynomials, which agree with the closed form to rounding error.
         """
-        columns = self._by_length(np.mod(sigma_mm / self.center_distance_mm, self.length_mm / self.center_distance_mm))
+        columns = self._cells(np.mod(sigma_mm / self.center_distance_mm, self.length_mm / self.center_distance_mm))
         size, tangent = self.center_distance_mm, columns[..., 2:4]
         return CurvePoints(columns[..., 0:2] * size, tangent, _normal(self.gear, tangent), columns[..., 4] / size)
 
@@ -115,6 +115,10 @@ class PitchCurve:
         coefficients = self._by_length.coefficients[..., 4] / self.center_distance_mm
         spread = np.abs(coefficients[1:]).sum(axis=0)
         return float(np.min(coefficients[0] - spread)), float(np.max(coefficients[0] + spread))
+
+    @cached_property
+    def _cells(self) -> Cells:
+        return cells_of(self._by_length)
 
     @cached_property
     def _by_length(self) -> PiecewiseChebyshev:

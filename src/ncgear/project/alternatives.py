@@ -8,17 +8,19 @@ empty value where there is no such change.  The words about a change are not wri
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
-from math import atan, degrees, floor, radians
+from math import atan, degrees, floor, pi, radians
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ncgear.design.keys.design import Design
+from ncgear.design.keys.gears import Gears
 from ncgear.errors import DesignError, WrongInput
 from ncgear.project.drive import Drive
+from ncgear.project.tooth_form import rack_of
 from ncgear.ratio.transmission import Transmission
 from ncgear.teeth.form import BasicRack
+from ncgear.teeth.root_radius import fitting_root_radius, largest_root_radius
 
 if TYPE_CHECKING:
     from ncgear.teeth.gear import ToothedGear
@@ -104,6 +106,21 @@ def gentler(design: Design, share: float) -> Changes:
 # Other racks and other teeth.
 
 
+def changed_gears(gears: Gears, changes: Changes) -> Gears:
+    """The keys of the gears with changes below ``gears``; raises ValidationError where a key may not be so."""
+    data = gears.model_dump(exclude_unset=True)
+    for key, value in changes.items():
+        *groups, name = key.split(".")[1:]
+        group = data
+        for above in groups:
+            group = group.setdefault(above, {})
+        if value is None:
+            group.pop(name, None)
+        else:
+            group[name] = value
+    return Gears.model_validate(data)
+
+
 def flatter_rack(drive: Drive, excess_deg: float) -> Changes:
     """A rack whose pressure angle is less by ``excess_deg``; empty where that is under LEAST_RACK_DEG."""
     flatter = degrees(drive.rack.pressure_angle_rad) - excess_deg
@@ -145,47 +162,57 @@ def shift_free_of_undercut(drive: Drive) -> tuple[float, Changes] | None:
     """
     from ncgear.teeth.gear import shift_against_undercut
 
-    given, rack = drive.gears.profile_shift, drive.rack
+    rack = drive.rack
     shift = shift_against_undercut(drive.pitch, rack)
     teeth = drive.pitch.size.driving_teeth
-    if given.against_undercut or _enough(drive, rack.shifted(shift), rack.shifted(-shift)) > teeth:
+    has_it = drive.gears.profile_shift.against_undercut
+    if has_it or _enough(drive, rack.shifted(shift), rack.shifted(-shift)) > teeth:
         return None
+    return shift, shifted_against_undercut(drive.gears)
+
+
+def shifted_against_undercut(gears: Gears) -> Changes:
+    """The changes that ask for the profile shift chosen against undercut, in the place of those that are given."""
+    given = gears.profile_shift
     dropped: Changes = {f"gears.profile_shift.{key}": None for key in SHIFTS if getattr(given, key) is not None}
-    return shift, {**dropped, "gears.profile_shift.against_undercut": True}
+    return {**dropped, "gears.profile_shift.against_undercut": True}
 
 
 def steeper_rack(drive: Drive, steepest_deg: float) -> Changes:
     """The rack of the least pressure angle, in whole degrees, that leaves no tooth undercut.
 
-    Empty where the pressure angle of the pair would exceed ``steepest_deg`` with every such rack.  The root radius
-    becomes smaller where it does not fit.
+    Empty where the pressure angle of the pair would exceed ``steepest_deg`` with every such rack.
     """
-    tangent = degrees(drive.pitch.largest_tangent_angle_rad.value)
+    tangent, form = degrees(drive.pitch.largest_tangent_angle_rad.value), drive.tooth_form
     least = floor(degrees(drive.rack.pressure_angle_rad)) + 1
     most = floor(min(STEEPEST_RACK_DEG, steepest_deg - tangent))
-    form = drive.tooth_form
     for angle in range(least, most + 1):
-        rack = _rack_at(drive, float(angle))
-        if rack is None:
+        changes = rack_at(drive.gears, float(angle))
+        try:
+            rack = rack_of(changed_gears(drive.gears, changes), drive.rack.module_mm)
+        except WrongInput:
             continue
         driving, driven = rack.shifted(form.driving_shift_mm), rack.shifted(form.driven_shift_mm)
         if _enough(drive, driving, driven) <= drive.pitch.size.driving_teeth:
-            changes: Changes = {"gears.rack.pressure_angle_deg": float(angle)}
-            if rack.root_radius_mm < drive.rack.root_radius_mm:
-                changes["gears.rack.root_radius"] = rack.root_radius_mm / rack.module_mm
             return changes
     return {}
 
 
-def _rack_at(drive: Drive, angle_deg: float) -> BasicRack | None:
-    """The design's rack at another pressure angle, its root radius reduced to what fits; None where no rack exists."""
-    rack, hundredth = drive.tooth_form.rack, drive.rack.module_mm / 100.0
-    try:
-        sharp = replace(rack, pressure_angle_rad=radians(angle_deg), root_radius_mm=0.0)
-    except WrongInput:
-        return None
-    fitting = floor(sharp.largest_root_radius_mm / hundredth) * hundredth
-    return replace(sharp, root_radius_mm=min(rack.root_radius_mm, fitting))
+def rack_at(gears: Gears, angle_deg: float) -> Changes:
+    """The rack at another pressure angle; a root radius that is given and does not fit there becomes smaller."""
+    return {"gears.rack.pressure_angle_deg": angle_deg, **fitted_root_radius(gears, angle_deg)}
+
+
+def fitted_root_radius(gears: Gears, angle_deg: float) -> Changes:
+    """The root radius that fits at a pressure angle; empty where the given one fits, where none is given or none fits.
+
+    One that is left out fits by itself.
+    """
+    rack = gears.rack
+    largest = largest_root_radius(radians(angle_deg), rack.dedendum, pi / 4.0)
+    if "root_radius" not in rack.model_fields_set or largest < 0.0 or rack.root_radius <= largest:
+        return {}
+    return {"gears.rack.root_radius": fitting_root_radius(rack.root_radius, largest)}
 
 
 def blunt_addendum(drive: Drive) -> Changes:

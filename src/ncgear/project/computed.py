@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property
 from typing import Any, Self, TypeVar, overload
 
@@ -28,3 +29,9 @@ class computed(cached_property[Value]):
         with located(instance.places):
             found: Value = super().__get__(instance, owner)
             return found
+
+
+def take_over(names: Iterable[str], source: Any, target: Any) -> None:
+    """Give a drive those of the named attributes that another one has computed, where they are the same for both."""
+    known = vars(source)
+    vars(target).update({name: known[name] for name in names if name in known})

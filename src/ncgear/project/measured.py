@@ -1,4 +1,4 @@
-"""The gears of a drive as a workshop measures them: section, pins that fit, spans, and limits by tolerances."""
+"""The gears of a drive as a workshop measures and cuts them: section, pins, spans, limits by tolerances, tools."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from math import cos
 
 import numpy as np
 
+from ncgear.metrology.cut_by import CutBy, cut_by
 from ncgear.metrology.pins import Pins, nominal_pin_mm, pins_in_spaces, pins_to_try
+from ncgear.metrology.round_tool import RoundTool, round_tool
 from ncgear.metrology.span import Spans, spans
 from ncgear.metrology.working import WorkingFlanks, working_flanks
 from ncgear.numerics.arrays import Array
@@ -71,6 +73,29 @@ def measured_gears(drive: Drive) -> tuple[MeasuredGear, MeasuredGear]:
     """The driving and the driven gear, in the section of ``measured_section``."""
     teeth = measured_section(drive)
     return _measured(drive, Gear.DRIVING, teeth.driving), _measured(drive, Gear.DRIVEN, teeth.driven)
+
+
+@dataclass(frozen=True)
+class CutGear:
+    """One gear as tools cut it: the largest round tool that follows its outline, and what each kind of tool makes.
+
+    Of helical gears the section at z = 0 is tried.
+    """
+
+    gear: Gear
+    round_tool: RoundTool
+    by: tuple[CutBy, ...]
+
+
+def cut_gears(drive: Drive) -> tuple[CutGear, CutGear]:
+    """The driving and the driven gear as tools cut them, to the chord tolerance."""
+    helix = "" if drive.helix is None else "herringbone" if drive.helix.herringbone else "helical"
+
+    def of(gear: Gear) -> CutGear:
+        largest = round_tool(drive.teeth.of(gear), drive.design.output.chord_tolerance_mm)
+        return CutGear(gear, largest, tuple(cut_by(drive.pitch, drive.teeth, gear, largest, helix=helix)))
+
+    return of(Gear.DRIVING), of(Gear.DRIVEN)
 
 
 def measured_section(drive: Drive) -> ToothedPair:

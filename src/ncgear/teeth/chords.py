@@ -137,39 +137,50 @@ END_CHORD = 4.0
 the curve where it ends on it."""
 
 
+HOLLOW = 0.8
+"""Share of the tolerance for which chords of curves that may be hollow are placed.  Where such a curve begins to bulge,
+a chord strays by its sagitta and by what its ends stand off."""
+
+
 def sampled_within(stretch: Stretch, tolerance: float, material: float) -> tuple[Array, Array]:
     """As ``sampled``, with chords that stray into the material only, which lies to the left (+1) or to the right (-1).
 
     Where a curve is hollow the points stand off it by the sagitta of the chords beside them, so that chords touch it in
-    their middles.  The ends of the curves are on the curves; a first or last chord that would stand out of the material
-    is cut in two, and is tangent to the curve at its end.
+    their middles.  The ends of the curves are on the curves: a first or last chord is tangent to the curve there, and
+    so short that its other end stands off by the tolerance at most.
     """
-    row, at = _placed(stretch, tolerance)
-    row, at, _ = _with_halves(stretch, row, at, np.full(row.size, tolerance), tolerance)
+    hollow, most = HOLLOW * tolerance, PLACED * tolerance
+    row, at = _placed(stretch, hollow)
+    row, at, _ = _with_halves(stretch, row, at, np.full(row.size, hollow), hollow)
     order = np.lexsort((at, row))
     row, at = row[order], at[order]
-    ending = (np.diff(row, prepend=-1) != 0) | (np.diff(row, append=-1) != 0)
-    cut = np.nonzero(ending & (_standing_out(stretch, row, at, material) > 0.0))[0]
-    row, at = np.insert(row, cut + 1, row[cut]), np.insert(at, cut + 1, (at[cut] + _ends(row, at)[cut]) / 2.0)
-    out = _standing_out(stretch, row, at, material)
-    first, last = np.diff(row, prepend=-1) != 0, np.diff(row, append=-1) != 0
-    off = np.maximum(np.roll(out * np.where(first, END_CHORD, 1.0), 1), out * np.where(last, END_CHORD, 1.0))
+    for _ in range(HALVINGS):
+        first, last = np.diff(row, prepend=-1) != 0, np.diff(row, append=-1) != 0
+        out, within = _both_sides(stretch, row, at, material)
+        raised = out * np.where(first | last, END_CHORD, 1.0)
+        off = np.where(first, 0.0, np.maximum(np.roll(raised, 1), raised))
+        # How far a chord strays in its middle from a curve that bulges between two points that stand off it.
+        bulging = within + (off + np.where(last, 0.0, np.roll(off, -1))) / 2.0
+        cut = np.nonzero((first & last & (out > 0.0)) | (raised > most) | ((within > 0.0) & (bulging > most)))[0]
+        if not cut.size:
+            break
+        row, at = np.insert(row, cut + 1, row[cut]), np.insert(at, cut + 1, (at[cut] + _ends(row, at)[cut]) / 2.0)
+    else:
+        raise ArithmeticError("chords of a hollow curve were not found")
     points, slope = stretch.at(row, at)
-    points = points + (material * np.where(first, 0.0, off))[:, None] * _left(slope)
-    return points, stretch.rank[row] + stretch.span[row] * at
+    return points + (material * off)[:, None] * _left(slope), stretch.rank[row] + stretch.span[row] * at
 
 
-def _standing_out(stretch: Stretch, row: IndexArray, share: Array, material: float) -> Array:
-    """How far each chord stands out of the material at most, shape (n,); 0 where its curve is nowhere hollow."""
+def _both_sides(stretch: Stretch, row: IndexArray, share: Array, material: float) -> tuple[Array, Array]:
+    """How far chords stand out of the material and how far they cut into it, at most; shape (n,) each."""
     high = _ends(row, share)
     start, end = stretch.at(row, share)[0], stretch.at(row, high)[0]
     middle, slope = stretch.at(row, (share + high) / 2.0)
     across = _left(end - start)
     off, tilt = np.sum(across * (middle - start), axis=1), np.sum(across * slope, axis=1) * (high - share)
     # As in _strayed; a cubic goes to both sides if its slope in the middle is more than twice its distance there.
-    both = np.abs(tilt) > 2.0 * np.abs(off)
-    standing: Array = np.where(both, np.sqrt(off**2 + tilt**2 / 8.0), np.maximum(material * off, 0.0))
-    return standing
+    both = np.where(np.abs(tilt) > 2.0 * np.abs(off), np.sqrt(off**2 + tilt**2 / 8.0), 0.0)
+    return np.maximum(material * off, both), np.maximum(-material * off, both)
 
 
 def straddled(stretch: Stretch, tolerance: float) -> tuple[Array, Array]:

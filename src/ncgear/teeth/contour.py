@@ -16,7 +16,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
+from ncgear.numerics.plane import across, as_complex, square
 from ncgear.teeth.chords import Stretch
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.outline import exact_curves
@@ -71,6 +72,13 @@ class Contour:
     deviation_mm: float
 
 
+CURVES_SHARE = 0.1
+"""Share of the chord tolerance by which curves in files may differ from the exact ones.
+
+The working flanks of an outline have a share of at least 0.15.  So faces and arcs are closer than outlines of chords,
+and gears made from them miss the law by no more.
+"""
+
 SAME_MM = 1e-7
 """Distance at which programs for solids take two points as one; a curve so near to a line or a circle becomes one."""
 
@@ -82,13 +90,15 @@ LOOKED_AT = np.linspace(0.0, 1.0, 9)
 """Shares of a curve at which it is compared with a line or a circle; it bends too little to wave between them."""
 
 
-def contour_of(gear: ToothedGear, tolerance_mm: float) -> Contour:
+def contour_of(gear: ToothedGear, tolerance_mm: float, flank_tolerance_mm: float | None = None) -> Contour:
     """A gear's outline as curves within ``tolerance_mm`` of the exact ones, in either sense.
 
+    Flanks keep ``flank_tolerance_mm`` where it is given; ``deviation_mm`` then is that of the other curves as well.
     Raises RuntimeError, a fault of ncgear, where a curve cannot be followed so, or does not begin where the last ends.
     """
-    stretches = exact_curves(gear.tips, gear.sides)
-    placed = [one for stretch in stretches for one in _pieces(stretch, tolerance_mm)]
+    flanks, *others = exact_curves(gear.tips, gear.sides)
+    placed = _pieces(flanks, flank_tolerance_mm or tolerance_mm)
+    placed += [one for stretch in others for one in _pieces(stretch, tolerance_mm)]
     ordered = sorted(placed, key=lambda one: one.rank)
     curves = [one.curve for one in ordered]
     whole = _bridged(curves) if gear.flanks.equivalent else curves
@@ -109,7 +119,7 @@ def _pieces(stretch: Stretch, tolerance: float) -> list[_Piece]:
     probes = stretch.at(np.arange(stretch.owner.size)[:, None], LOOKED_AT)[0]
     rows = np.nonzero(np.linalg.norm(np.diff(probes, axis=1), axis=2).sum(axis=1) > SHORTEST_MM)[0]
     plain = {}
-    for row in rows:
+    for row in rows[_perhaps_plain(as_complex(probes[rows]), SAME_MM)]:
         found = line_or_arc(probes[row], SAME_MM)
         if found is not None:
             plain[int(row)] = _Piece(float(stretch.rank[row]), *found)
@@ -120,6 +130,18 @@ def _pieces(stretch: Stretch, tolerance: float) -> list[_Piece]:
         for row, poles, deviation in zip(group.row, group.poles_mm, group.deviation_mm, strict=True)
     ]
     return [*plain.values(), *splines]
+
+
+def _perhaps_plain(points: ComplexArray, within_mm: float) -> Mask:
+    """Whether rows of points (shape (r, n)) are near a line, or near a circle through three of them; shape (r,)."""
+    start, middle, end = points[:, :1], points[:, points.shape[1] // 2, None], points[:, -1:]
+    near, far = middle - start, end - start
+    straight = np.abs(across(far, points - start)) <= 2.0 * within_mm * np.abs(far)
+    area = 2.0 * across(near, far)
+    off = 1j * (near * square(far) - far * square(near)) / np.where(area == 0.0, np.inf, area)
+    round_ = np.abs(np.abs(points - start - off) - np.abs(off)) <= 2.0 * within_mm
+    perhaps: Mask = straight.all(axis=1) | round_.all(axis=1)
+    return perhaps
 
 
 def _bridged(curves: list[Curve]) -> list[Curve]:

@@ -15,6 +15,7 @@ import numpy as np
 
 from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
+from ncgear.teeth.root_radius import largest_root_radius
 
 
 @dataclass(frozen=True)
@@ -48,10 +49,11 @@ class BasicRack:
 
     def __post_init__(self) -> None:
         if self.tip_half_width_mm < 0.0 or self.flank_depth_mm < 0.0:
+            largest = self.largest_root_radius_mm
+            most = f"{largest:.4g} mm is the most" if largest >= 0.0 else "it is pointed; a smaller dedendum is right"
             raise WrongInput(
                 f"a root radius of {self.root_radius_mm:g} mm does not fit a rack tooth "
-                f"{self.dedendum_mm:g} mm deep at "
-                f"{degrees(self.pressure_angle_rad):g} deg; {self.largest_root_radius_mm:.4g} mm is the most",
+                f"{self.dedendum_mm:g} mm deep at {degrees(self.pressure_angle_rad):g} deg; {most}",
                 key="gears.rack.root_radius",
             )
         if self.tooth_half_width_mm <= self.addendum_mm * tan(self.pressure_angle_rad):
@@ -108,10 +110,9 @@ class BasicRack:
 
     @property
     def largest_root_radius_mm(self) -> float:
-        """Root radius at which the cutter's tip has no flat left."""
-        angle = self.pressure_angle_rad
+        """The greatest root radius that fits; negative where the cutter's tooth is pointed at its depth."""
         half_width = self.pitch_mm / 2.0 - self.tooth_half_width_mm
-        return (half_width - self.dedendum_mm * tan(angle)) / (1.0 / cos(angle) - tan(angle))
+        return largest_root_radius(self.pressure_angle_rad, self.dedendum_mm, half_width)
 
 
 @dataclass(frozen=True)
@@ -201,9 +202,9 @@ class TipLimits:
 class ToothForm:
     """What is asked of the teeth of a pair.
 
-    Play is asked for by ``backlash``.  ``driving_shift_mm`` and ``driven_shift_mm`` are profile shifts.  With ``shift_for_undercut`` they are chosen
-    instead, equal and opposite, so that as little as possible is undercut.  With ``equivalent`` every flank is that of
-    its equivalent circular gear (flank.py).
+    Play is asked for by ``backlash``.  ``driving_shift_mm`` and ``driven_shift_mm`` are profile shifts.  With
+    ``shift_for_undercut`` they are chosen instead, equal and opposite, so that as little as possible is undercut.  With
+    ``equivalent`` every flank is that of its equivalent circular gear (flank.py).
     """
 
     rack: BasicRack

@@ -16,7 +16,7 @@ import numpy as np
 
 from ncgear.contact.placement import Placement
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
-from ncgear.numerics.plane import along, angle_between, as_complex
+from ncgear.numerics.plane import along, angle_between, as_complex, square
 from ncgear.teeth.flank import FILLET, Flanks
 from ncgear.teeth.sides import Sides
 
@@ -104,6 +104,11 @@ class SidePaths:
     def curve(self, run: IndexArray, parameter: Array) -> tuple[Array, Array]:
         """Points of the exact curves of runs (shape (n,)) and derivatives; parameters of shape (n, ...)."""
         return _curve(self.flanks, self.sides, self.runs.kind[run], self.runs.owner[run], parameter)
+
+    @cached_property
+    def end(self) -> ComplexArray:
+        """Where the chords end, shape (f, c)."""
+        return self.start + self.step
 
     @cached_property
     def own_fillet(self) -> Mask:
@@ -215,6 +220,22 @@ class SeenGear:
     def points(self, points: ComplexArray, position: IndexArray) -> ComplexArray:
         """Points of the gear's own frame as seen at positions; shapes broadcast."""
         return self.placement.driving_points(points, position) if self.moving else points
+
+    def squares(self, points: ComplexArray, position: IndexArray) -> Array:
+        """Squared distances from the driven axis of points of each meeting's flank, at the meetings' positions.
+
+        ``points`` has a row of c points for each flank, ``position`` the shape (m, k); the result has the shape
+        (m, k, c), and k = 1 where nothing moves.
+        """
+        own = points[self.flank]
+        if not self.moving:
+            return square(own)[:, None]
+        # |z turn + axis|^2 = |z|^2 + 2 Re(z turn conj(axis)) + |axis|^2
+        axis = self.placement.driving_points(np.zeros(1, dtype=complex), position)
+        swing = 2.0 * self.placement.driving_directions(np.ones(1, dtype=complex), position) * np.conj(axis)
+        columns = np.stack([swing.real, -swing.imag, np.ones(swing.shape)], axis=-1)
+        rows = np.stack([own.real, own.imag, square(own) + self.placement.center_distance_mm**2], axis=1)
+        return np.asarray(columns @ rows)
 
     def directions(self, vectors: ComplexArray, position: IndexArray) -> ComplexArray:
         """Directions of the gear's own frame as seen at positions; shapes broadcast."""

@@ -76,47 +76,50 @@ def edge_hits(driving: SidePaths, driven: SidePaths, placement: Placement, meeti
 
 def _hits(corners: SeenGear, curves: SeenGear, meetings: Meetings) -> EdgeHits:
     """Crossings of the corners' circles with the chords of the flanks they meet."""
-    position = meetings.position[..., None]
-    corner = corners.points(corners.paths.corner[corners.flank][:, None], position)
-    start = curves.points(curves.paths.start[curves.flank][:, None], position)
-    step = curves.directions(curves.paths.step[curves.flank][:, None], position)
-    radius, before, after = square(corner)[..., None], square(start)[:, :, None], square(start + step)[:, :, None]
+    position, pitch_mm = meetings.position, curves.paths.flanks.rack.pitch_mm
+    corner = corners.points(corners.paths.corner[corners.flank][:, None], position[..., None])
+    corner = np.broadcast_to(corner, (*position.shape, corner.shape[2]))
+    before, after = curves.squares(curves.paths.start, position), curves.squares(curves.paths.end, position)
+    radius = square(corner)[..., None]
     # Whether circles cross chords, shape (m, positions, corners, chords).
-    row, column, number, chord = np.nonzero((before <= radius) != (after <= radius))
-    at = _picked(corner, row, column, number)
-    begin, whole = _picked(start, row, column, chord), _picked(step, row, column, chord)
-    outwards = square(begin) < square(begin + whole)
-    place, lever = circle_crossings(
+    crossed = (before[:, :, None] <= radius) != (after[:, :, None] <= radius)
+    row, column, number, chord = np.unravel_index(np.flatnonzero(crossed), crossed.shape)
+    at, place = corner[row, column, number], (curves.flank[row], chord)
+    flanks = meetings.driving[row], meetings.driven[row], position[row, column]
+    begin = curves.points(curves.paths.start[place], flanks[2])
+    whole = curves.directions(curves.paths.step[place], flanks[2])
+    outwards = np.broadcast_to(before, (*position.shape, before.shape[2]))[row, column, chord] <= square(at)
+    hit, lever = circle_crossings(
         np.where(outwards, begin, begin + whole), np.where(outwards, whole, -whole), square(at)
     )
-    turn, share = angle_between(at, place), np.abs(place - begin) / np.abs(whole)
-    flanks = meetings.driving[row], meetings.driven[row], meetings.position[row, column]
+    turn, share = angle_between(at, hit), np.abs(hit - begin) / np.abs(whole)
     facing = outwards == curves.rootwards_out
     hits = EdgeHits(curves, *flanks, at, chord, share, lever, turn, _ahead(curves, turn), facing)
-    near = np.abs(turn) * np.abs(at) <= REACH_IN_PITCHES * curves.paths.flanks.rack.pitch_mm
-    group = np.ravel_multi_index((row, column, number), (*meetings.position.shape, corner.shape[2]))
-    return hits.kept(near).kept(_met_first(hits.kept(near), group[near], meetings.urge))
-
-
-def _picked(table: ComplexArray, row: IndexArray, column: IndexArray, place: IndexArray) -> ComplexArray:
-    """Entries of a table, the second axis of which has the length 1 where nothing moves."""
-    picked: ComplexArray = table[row, column if table.shape[1] > 1 else 0, place]
-    return picked
+    near = np.nonzero(np.abs(turn) * np.abs(at) <= REACH_IN_PITCHES * pitch_mm)[0]
+    hits = hits.kept(near)
+    group = np.ravel_multi_index((row[near], column[near], number[near]), corner.shape)
+    return hits.kept(_met_first(hits, group, meetings.urge))
 
 
 def _met_first(hits: EdgeHits, corner: IndexArray, urge: float) -> Mask:
     """Which hits of each corner hold it, seen from the law's position.
 
     A corner is inside the other gear where it would come out through the nearest curve; then that curve holds it.
-    Otherwise the curves through which it would go in hold it.
+    Otherwise the curves through which it would go in hold it.  ``corner`` numbers the corners, in order.
     """
-    out = (urge * hits.error_rad > 0.0) == hits.facing
-    order = np.lexsort((np.abs(hits.turn_rad), corner))
+    out: Mask = (urge * hits.error_rad > 0.0) == hits.facing
+    if not out.size:
+        return out
+    away = np.abs(hits.turn_rad)
+    first = np.nonzero(np.append(True, corner[1:] != corner[:-1]))[0]
+    count = np.diff(np.append(first, out.size))
+    # The first of equally near ones.
+    least = np.nonzero(away == np.repeat(np.minimum.reduceat(away, first), count))[0]
+    least = least[np.append(True, corner[least[1:]] != corner[least[:-1]])]
     nearest = np.zeros(out.size, dtype=bool)
-    nearest[order[np.append(True, np.diff(corner[order]) != 0)[: out.size]]] = True
-    inside = np.zeros(int(corner.max(initial=-1)) + 1, dtype=bool)
-    inside[corner[nearest]] = out[nearest]
-    return np.where(inside[corner], nearest, ~out)
+    nearest[least] = True
+    held: Mask = np.where(np.repeat(out[least], count), nearest, ~out)
+    return held
 
 
 def edge_contacts(found: Sequence[EdgeHits], urge: float, first_rad: Array, within_mm: float) -> Contacts:

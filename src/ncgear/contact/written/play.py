@@ -2,8 +2,8 @@
 
 Every vertex of one outline near the mesh is followed along its circle about the driven axis to the chords of the other
 outline, and the other way round.  That gives the exact play of two polygons.  The driven outline is cut into runs along
-which its radius grows; bisection finds where a chord of the driving outline begins and ends on such a run, which tells
-both which chord its vertex meets and which of the run's vertices meet the chord.
+which its radius grows; bins of the radius tell where a chord of the driving outline begins and ends on such a run, and
+so both which chord its vertex meets and which of the run's vertices meet the chord.
 """
 
 from __future__ import annotations
@@ -13,15 +13,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncgear.contact.placement import Placement
-from ncgear.contact.written.polar import RadialRuns, polar_outline, radial_runs, with_feet
+from ncgear.contact.written.polar import TURN, RadialRuns, headings, polar_outline, radial_runs, with_feet
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, counted_up
-from ncgear.numerics.crossing import circle_crossings
-from ncgear.numerics.plane import angle_between, as_complex, square
+from ncgear.numerics.plane import as_complex, square
 
-REACH_IN_PITCHES = 0.6
-"""How far along its circle a vertex is followed: a tooth that holds it inside is half a pitch thick."""
+REACHES_IN_PITCHES = 0.4, 0.6
+"""How far along its circle a vertex is followed: a tooth that holds it inside is half a pitch thick, so that nearly
+always the first reach finds its nearer side.  Where nothing is in reach, or an overlap is deep, it is followed on."""
 
-BLOCK = 256
+DEEP_IN_PITCHES = 0.05
+"""Overlap from which vertices are followed over the greater reach.  A vertex that is too deep inside for the first
+reach has others beside it that the first reach shows to be this deep, if no chord is longer than the first reach is
+beyond this depth; where one is, there is no first reach."""
+
+BLOCK = 128
 """Positions treated at once, so few that their arrays stay in the processor's cache."""
 
 
@@ -62,24 +67,34 @@ class _Chords:
     """Chords of the driving outline near the mesh in the driven gear's frame, shape (n,) each.
 
     Along each chord the distance from the driven axis grows or falls all the way.  ``position`` counts within the
-    block; ``core`` tells whether all chords within twice the reach around it are there as well.
+    block, ``start_rad`` is the polar angle of the start; ``core`` tells whether all chords within twice the reach
+    around it are there as well.
     """
 
     position: IndexArray
     start: ComplexArray
     end: ComplexArray
-    sector: IndexArray
+    start_rad: Array
     core: Mask
 
 
 @dataclass(frozen=True, eq=False)
 class _Meets:
-    """Pairs of a driving chord and a driven run that share a range of radii, shape (n,) each."""
+    """Pairs of a driving chord and a driven run that share a range of radii.
+
+    ``start_square`` and ``end_square`` are the squared radii of all chords' ends.  Pairs, shape (n,) each, have the
+    numbers of the ``chord`` and the ``run``, and the first entries of the run at or beyond the radius of the chord's
+    start and of its end.
+    """
 
     chords: _Chords
     runs: RadialRuns
+    start_square: Array
+    end_square: Array
     chord: IndexArray
     run: IndexArray
+    at_start: IndexArray
+    at_end: IndexArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +112,8 @@ class _Crossings:
     entering: Mask
     depth_mm: Array
 
-    def kept(self, rows: Mask) -> _Crossings:
+    def kept(self, mask: Mask) -> _Crossings:
+        rows = np.nonzero(mask)[0]
         columns = self.vertex[rows], self.turn_rad[rows], self.entering[rows], self.depth_mm[rows]
         return _Crossings(self.position, *columns)
 
@@ -114,24 +130,41 @@ def outline_play(driving_mm: Array, driven_mm: Array, placement: Placement, reac
     Outlines are compared within the sector of the driving gear that ``reach_mm`` from the pitch point spans, which must
     cover the line of action.
     """
-    setting = _setting(driving_mm, driven_mm, placement, reach_mm)
-    starts = range(0, placement.count, BLOCK)
-    blocks = [_block_play(setting, np.arange(start, min(start + BLOCK, placement.count))) for start in starts]
-    return Play(*(np.concatenate(columns) for columns in zip(*blocks, strict=True)))
+    play = np.empty((3, placement.count))
+    open_still, longest = np.arange(placement.count), _longest_chord_mm(driving_mm, driven_mm)
+    for followed in REACHES_IN_PITCHES:
+        if followed < max(REACHES_IN_PITCHES) and longest > (followed - DEEP_IN_PITCHES) * placement.pitch_mm:
+            continue
+        setting = _setting(driving_mm, driven_mm, placement, reach_mm, followed * placement.pitch_mm)
+        for start in range(0, open_still.size, BLOCK):
+            position = open_still[start : start + BLOCK]
+            play[:, position] = _block_play(setting, position)
+        up, down, depth = play[:, open_still]
+        shallow = depth <= DEEP_IN_PITCHES * placement.pitch_mm
+        open_still = open_still[~(np.isfinite(up) & np.isfinite(down) & shallow)]
+        if not open_still.size:
+            break
+    return Play(*play)
 
 
-def _setting(driving_mm: Array, driven_mm: Array, placement: Placement, reach_mm: float) -> _Setting:
+def _longest_chord_mm(*outlines_mm: Array) -> float:
+    chords = (np.diff(outline, axis=0, append=outline[:1]) for outline in outlines_mm)
+    return max(float(np.hypot(*chord.T).max()) for chord in chords)
+
+
+def _setting(
+    driving_mm: Array, driven_mm: Array, placement: Placement, reach_mm: float, followed_mm: float
+) -> _Setting:
     # Outlines are followed with the material on their left: a ring's goes round the hole the other way.
     driving, driven = as_complex(driving_mm), as_complex(driven_mm[::-1] if placement.driven_inside else driven_mm)
     longest = float(np.abs(np.diff(driving, append=driving[:1])).max())
-    followed = REACH_IN_PITCHES * placement.pitch_mm
-    runs = radial_runs(driven, followed + longest, placement.pitch_mm)
+    runs = radial_runs(driven, followed_mm + longest, placement.pitch_mm)
     outline = polar_outline(driving)
     core, windows = (
         outline.windows(placement.mesh_direction_rad, _half_width(placement, reach))
-        for reach in (reach_mm, reach_mm + longest + 2.0 * followed)
+        for reach in (reach_mm, reach_mm + longest + 2.0 * followed_mm)
     )
-    return _Setting(placement, runs, driving, longest, followed, windows, core)
+    return _Setting(placement, runs, driving, longest, followed_mm, windows, core)
 
 
 def _half_width(placement: Placement, reach_mm: float) -> Array:
@@ -154,19 +187,21 @@ def _near_chords(setting: _Setting, position: IndexArray) -> _Chords:
     """The driving chords that may come within the driven outline's reach."""
     runs, (first, count) = setting.runs, (numbers[position] for numbers in setting.windows)
     row, vertex = counted_up(first, count + 1)
-    points = setting.placement.driving_points(setting.driving[vertex % setting.driving.size], position[row])
+    outline = np.take(setting.driving, vertex, mode="wrap")
+    points = setting.placement.driving_points(outline, position[row])
     squared = square(points)
     # A chord's foot may be nearer to the axis than both its ends, by no more than its half length squared.
     least = np.minimum(squared[:-1], squared[1:]) - setting.longest_mm**2 / 4.0
     greatest = np.maximum(squared[:-1], squared[1:])
     low, high = runs.reach
     chord = np.nonzero((least < high.max()) & (greatest > low.min()) & (row[1:] == row[:-1]))[0]
-    sector = runs.sector(points[chord])
-    within = (least[chord] < high[sector]) & (greatest[chord] > low[sector])
-    chord, sector = chord[within], sector[within]
+    start_rad = np.angle(points[chord])
+    sector = runs.sector(start_rad)
+    within = np.nonzero((least[chord] < high[sector]) & (greatest[chord] > low[sector]))[0]
+    chord, start_rad = chord[within], start_rad[within]
     core_first, core_count = (numbers[position[row[chord]]] for numbers in setting.core)
     core = (vertex[chord] >= core_first) & (vertex[chord] < core_first + core_count)
-    return _split_at_feet(_Chords(row[chord], points[chord], points[chord + 1], sector, core))
+    return _split_at_feet(_Chords(row[chord], points[chord], points[chord + 1], start_rad, core))
 
 
 def _split_at_feet(chords: _Chords) -> _Chords:
@@ -178,29 +213,31 @@ def _split_at_feet(chords: _Chords) -> _Chords:
         np.concatenate([chords.position, chords.position[split]]),
         np.concatenate([chords.start, foot]),
         np.concatenate([end, chords.end[split]]),
-        np.concatenate([chords.sector, chords.sector[split]]),
+        np.concatenate([chords.start_rad, np.angle(foot)]),
         np.concatenate([chords.core, chords.core[split]]),
     )
 
 
 def _meets(chords: _Chords, runs: RadialRuns) -> _Meets:
-    near = runs.near[chords.sector]
-    start, end = square(chords.start)[:, None], square(chords.end)[:, None]
-    shared = (runs.inner[near] <= np.maximum(start, end)) & (runs.outer[near] >= np.minimum(start, end))
-    chord, column = np.nonzero(shared)
-    return _Meets(chords, runs, chord, near[chord, column])
+    near = runs.near[runs.sector(chords.start_rad)]
+    start, end = square(chords.start), square(chords.end)
+    low, high = np.minimum(start, end)[:, None], np.maximum(start, end)[:, None]
+    chord, column = np.nonzero((runs.inner[near] <= high) & (runs.outer[near] >= low))
+    run = near[chord, column]
+    ends = (runs.entry_beyond(run, squared[chord]) for squared in (start, end))
+    return _Meets(chords, runs, start, end, chord, run, *ends)
 
 
 def _of_driving_vertices(meets: _Meets, reach_mm: float) -> _Crossings:
     """Circles of the chords' starts across the driven outline, as far as within reach."""
-    runs, squared = meets.runs, square(meets.chords.start)[meets.chord]
+    runs, squared = meets.runs, meets.start_square[meets.chord]
     crossed = np.nonzero((runs.inner[meets.run] <= squared) & (squared < runs.outer[meets.run]))[0]
-    vertex, run, squared = meets.chord[crossed], meets.run[crossed], squared[crossed]
-    before = np.maximum(runs.entry_beyond(run, squared) - 1, runs.first[run])
-    place, lever = circle_crossings(runs.point[before], runs.step[before], squared)
-    turn = angle_between(meets.chords.start[vertex], place)
-    found = _Crossings(meets.chords.position, vertex, turn, runs.rising[run], np.abs(turn) * lever)
-    return found.kept(np.square(turn) * squared <= reach_mm**2)
+    vertex, run = meets.chord[crossed], meets.run[crossed]
+    before = np.maximum(meets.at_start[crossed] - 1, runs.first[run])
+    radius, aside = np.sqrt(meets.start_square)[vertex], runs.aside_mm[before]
+    turn = _turned(meets.chords.start_rad[vertex], runs.heading_rad[before], aside, radius)
+    found = _Crossings(meets.chords.position, vertex, turn, runs.rising[run], _across(turn, radius, aside))
+    return found.kept(np.abs(turn) * radius <= reach_mm)
 
 
 def _of_driven_vertices(meets: _Meets, reach_mm: float, positions: int) -> _Crossings:
@@ -210,21 +247,33 @@ def _of_driven_vertices(meets: _Meets, reach_mm: float, positions: int) -> _Cros
     missing: it counts as outside.
     """
     runs, chords = meets.runs, meets.chords
-    start, end = square(chords.start), square(chords.end)
-    low, high = np.minimum(start, end)[meets.chord], np.maximum(start, end)[meets.chord]
-    first = runs.entry_beyond(meets.run, low)
-    pair, entry = counted_up(first, runs.entry_beyond(meets.run, high) - first)
-    chord, rising = meets.chord[pair], end > start
-    inner = np.where(rising, chords.start, chords.end)
-    outwards = np.where(rising, chords.end - chords.start, chords.start - chords.end)
-    place, lever = circle_crossings(inner[chord], outwards[chord], runs.square[entry])
-    turn = angle_between(runs.point[entry], place)
+    first = np.minimum(meets.at_start, meets.at_end)
+    pair, entry = counted_up(first, np.maximum(meets.at_start, meets.at_end) - first)
+    chord, rising = meets.chord[pair], meets.end_square > meets.start_square
+    heading, aside = headings(chords.start, np.where(rising, 1.0, -1.0) * (chords.end - chords.start))
+    radius, aside = runs.radius_mm[entry], aside[chord]
+    turn = _turned(runs.polar_rad[entry], heading[chord], aside, radius)
     position, vertex = _numbered(chords.position[chord], entry, runs.point.size, positions)
-    found = _Crossings(position, vertex, turn, rising[chord], np.abs(turn) * lever)
-    within = np.square(turn) * runs.square[entry] <= reach_mm**2
+    found = _Crossings(position, vertex, turn, rising[chord], _across(turn, radius, aside))
+    within = np.abs(turn) * radius <= reach_mm
     surrounded = np.zeros(position.size, dtype=bool)
     surrounded[vertex[within & chords.core[chord]]] = True
     return found.kept(within & (surrounded[vertex] | ~found.leading_out))
+
+
+def _turned(vertex_rad: Array, heading_rad: Array, aside_mm: Array, radius_mm: Array) -> Array:
+    """Angles, from -pi to pi, from vertices along their circles to chords; see ``headings``."""
+    share = np.clip(aside_mm / radius_mm, -1.0, 1.0)
+    turn = heading_rad + np.arcsin(share) - vertex_rad
+    turned: Array = turn - TURN * np.rint(turn / TURN)
+    return turned
+
+
+def _across(turn_rad: Array, radius_mm: Array, aside_mm: Array) -> Array:
+    """Distances across chords of vertices that angles turn onto them, to first order in the angle."""
+    lever = np.sqrt(np.maximum((radius_mm - aside_mm) * (radius_mm + aside_mm), 0.0))
+    across: Array = np.abs(turn_rad) * lever
+    return across
 
 
 def _numbered(position: IndexArray, entry: IndexArray, entries: int, positions: int) -> tuple[IndexArray, IndexArray]:
@@ -246,10 +295,10 @@ def _free(crossings: _Crossings, positions: int) -> tuple[Array, Array, Array]:
     A vertex is inside the other gear if, turned one way or the other, it would come out of the gear before it goes in;
     the other side of a thick tooth may be out of reach.  It then counts as past the nearer side.
     """
-    least = np.full(4 * crossings.position.size, np.inf)
+    least = np.full((4, crossings.position.size), np.inf)
     kind = 2 * np.signbit(crossings.turn_rad) + crossings.entering
-    np.minimum.at(least, 4 * crossings.vertex + kind, np.abs(crossings.turn_rad))
-    left_above, entered_above, left_below, entered_below = least.reshape(-1, 4).T
+    np.minimum.at(least.ravel(), crossings.position.size * kind + crossings.vertex, np.abs(crossings.turn_rad))
+    left_above, entered_above, left_below, entered_below = least
     inside = (left_above < entered_above) | (entered_below < left_below)
     past_upper = inside & (left_above <= entered_below)
     up = np.where(inside, np.where(past_upper, np.inf, -entered_below), np.minimum(entered_above, left_above))

@@ -1,8 +1,8 @@
 """An outline as seen from its gear's own axis.
 
 ``PolarOutline`` tells which vertices lie in given directions.  ``RadialRuns`` cut an outline into runs along which the
-distance from the axis grows or falls all the way.  A circle about the axis crosses such a run once, and bisection finds
-where.
+distance from the axis grows or falls all the way.  A circle about the axis crosses such a run once, and bins of radii
+tell where.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from math import ceil, pi, sqrt
 import numpy as np
 
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, counted_up
-from ncgear.numerics.plane import along, angle_between, square
+from ncgear.numerics.plane import across, along, angle_between, square
 
 TURN = 2.0 * np.pi
 
@@ -54,6 +54,9 @@ def polar_outline(outline: ComplexArray) -> PolarOutline:
 SECTORS_PER_PITCH = 8
 """Sectors per pitch by which runs are found from a direction; finer sectors hardly leave out more runs."""
 
+BINS_PER_ENTRY = 2
+"""Bins of squared radii per entry of the longest run, by which entries are found."""
+
 NO_RUN = -1
 """Stands for no run in the tables of runs near sectors."""
 
@@ -75,9 +78,28 @@ class RadialRuns:
     near: IndexArray
 
     @cached_property
-    def step(self) -> ComplexArray:
-        """From each entry to the next; meaningless at the last entry of a run."""
-        return np.append(np.diff(self.point), 0.0)
+    def polar_rad(self) -> Array:
+        """Polar angle of each entry."""
+        return np.angle(self.point)
+
+    @cached_property
+    def radius_mm(self) -> Array:
+        """Distance of each entry from the axis."""
+        return np.sqrt(self.square)
+
+    @property
+    def heading_rad(self) -> Array:
+        """The first value of ``headings`` for the chord after each entry; meaningless at the last entry of a run."""
+        return self._headings[0]
+
+    @property
+    def aside_mm(self) -> Array:
+        """The second value of ``headings``."""
+        return self._headings[1]
+
+    @cached_property
+    def _headings(self) -> tuple[Array, Array]:
+        return headings(self.point, np.append(np.diff(self.point), 1.0))
 
     @cached_property
     def inner(self) -> Array:
@@ -95,27 +117,41 @@ class RadialRuns:
         return self.inner[self.near].min(axis=1), self.outer[self.near].max(axis=1)
 
     @cached_property
-    def _keys(self) -> Array:
-        """Numbers that grow over all entries: a run's number, and below one half its squared radius."""
-        run, _ = counted_up(self.first, self.last - self.first + 1)
-        return run + self.square * self._scale
+    def _bins(self) -> int:
+        """Number of bins of squared radii that each run is divided into; most hold one entry at most."""
+        return BINS_PER_ENTRY * int((self.last - self.first).max() + 1)
 
     @cached_property
-    def _scale(self) -> float:
-        return 0.5 / float(self.square.max())
+    def _per_square(self) -> Array:
+        """Bins per squared mm of each run."""
+        return self._bins / np.maximum(self.outer[:-1] - self.inner[:-1], np.finfo(float).tiny)
 
-    def sector(self, point: ComplexArray) -> IndexArray:
-        """Number of the sector that each point lies in."""
+    @cached_property
+    def _first_in_bin(self) -> IndexArray:
+        """First entry in each bin of a run or beyond, bins + 1 numbers for each run, one run after the other."""
+        run, _ = counted_up(self.first, self.last - self.first + 1)
+        places = np.arange(self.first.size * (self._bins + 1))
+        return np.searchsorted(self._bin(run, self.square), places)
+
+    def _bin(self, run: IndexArray, squared: Array) -> IndexArray:
+        """Places of squared radii in the table of bins, which grow with the radius."""
+        bins = (squared - self.inner[run]) * self._per_square[run]
+        return np.clip(bins, 0.0, self._bins).astype(int) + run * (self._bins + 1)
+
+    def sector(self, polar_rad: Array) -> IndexArray:
+        """Number of the sector that each polar angle, from -pi to pi, lies in."""
         sectors = len(self.near)
-        return np.floor(np.angle(point) * (sectors / (2.0 * pi))).astype(int) % sectors
+        sector = np.floor(polar_rad * (sectors / TURN)).astype(int)
+        return np.where(sector < 0, sector + sectors, sector) % sectors
 
     def entry_beyond(self, run: IndexArray, squared: Array) -> IndexArray:
         """First entry of runs at or beyond squared radii; one after the last where there is none."""
-        first, last = self.first[run], self.last[run]
-        found = np.clip(np.searchsorted(self._keys, run + np.minimum(squared * self._scale, 0.75)), first, last + 1)
-        # Keys are rounded more coarsely than radii; ends that touch to the last digit must fall to one side only.
-        found -= (found > first) & (self.square[found - 1] >= squared)
-        found += (found <= last) & (self.square[np.minimum(found, last)] < squared)
+        found, last = self._first_in_bin[self._bin(run, squared)], self.last[run]
+        short = np.nonzero((found <= last) & (self.square[np.minimum(found, self.square.size - 1)] < squared))[0]
+        while short.size:
+            found[short] += 1
+            short = short[found[short] <= last[short]]
+            short = short[self.square[found[short]] < squared[short]]
         return found
 
 
@@ -157,6 +193,16 @@ def _near_sectors(
     near = np.full((sectors, int(width.max())), NO_RUN)
     near[sector, np.arange(owner.size) - (np.cumsum(width) - width)[sector]] = owner
     return near
+
+
+def headings(point: ComplexArray, outwards: ComplexArray) -> tuple[Array, Array]:
+    """Polar angles in rad of directions, and how far to their left points stand of the origin, in mm; shape (n,) each.
+
+    A straight line from ``point`` on ``outwards``, along which the radius grows, crosses a circle of radius r about the
+    origin at the polar angle heading + arcsin(aside / r).
+    """
+    length = np.sqrt(np.maximum(square(outwards), np.finfo(float).tiny))
+    return np.angle(outwards), across(outwards, point) / length
 
 
 def with_feet(start: ComplexArray, end: ComplexArray) -> tuple[IndexArray, ComplexArray]:

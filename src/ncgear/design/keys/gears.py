@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from math import pi, radians
 from typing import Any, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import Length, Model, fault, given, listed
 from ncgear.design.keys.bodies import DrivenBody, GearBody, require_height, require_hub_wall
+from ncgear.teeth.root_radius import fitting_root_radius, largest_root_radius
 
 
 class Profile(NamedTuple):
@@ -29,6 +31,12 @@ PROFILES: dict[str, Profile] = {
 
 def _of_profile(data: dict[str, Any]) -> Profile:
     return PROFILES[data["profile"]]
+
+
+def _fitting_root_radius(data: dict[str, Any]) -> float:
+    """The profile's root radius or, where it does not fit into teeth without backlash, the greatest one that does."""
+    angle, dedendum = radians(data["pressure_angle_deg"]), data["dedendum"]
+    return fitting_root_radius(_of_profile(data).root_radius, largest_root_radius(angle, dedendum, pi / 4.0))
 
 
 class TipRelief(Model):
@@ -89,10 +97,10 @@ class Rack(Model):
         default_factory=lambda data: _of_profile(data).dedendum, gt=0.0, le=10.0, description="dedendum in modules"
     )
     root_radius: float = Field(
-        default_factory=lambda data: _of_profile(data).root_radius,
+        default_factory=_fitting_root_radius,
         ge=0.0,
         le=10.0,
-        description="radius of the root fillet in modules",
+        description="radius of the root fillet in modules; left out: the profile's, or the most that fits",
     )
     tip_relief: TipRelief | None = Field(default=None, description="tip relief; left out: none")
 
@@ -227,9 +235,10 @@ class Gears(Model):
         default=1.0,
         ge=0.0,
         le=3.0,
-        description="1: flanks must touch all the time; above 1: each pair of flanks, on the pushing and on the back "
-        "side of the teeth, over so many pitches, tip relief counted as closed by the load; below 1: gears that lose "
-        "contact are made all the same",
+        description="1: flanks must touch all the time, which tip relief does not prevent; above 1: each pair of "
+        "flanks, on the pushing and on the back side of the teeth, over so many pitches, flanks that tip relief holds "
+        "apart left out, unless the load on given masses brings them into contact; below 1: gears that lose contact "
+        "are made all the same",
     )
     method: Literal["exact", "equivalent_gear"] = Field(
         default="exact",
@@ -255,10 +264,12 @@ class Gears(Model):
     )
     process_clearance_mm: float = Field(
         default=0.0,
-        ge=0.0,
+        ge=-10.0,
         le=10.0,
-        description="distance in mm along the normal by which the solids' teeth, bores and keyways are moved into the "
-        "material, since a print swells; outline tables and contact are those of the gears as they shall come out",
+        description="distance in mm along the normal by which solids and drawings are moved into the material at "
+        "teeth, bores and keyways, since a print swells. Negative: half the kerf of a laser, wire or jet; what is cut "
+        "through is then moved out of the material, since the cutter takes half its kerf on either side of the line. "
+        "Outline tables and contact are those of the gears as they shall come out",
     )
     driving: GearBody = Field(default_factory=GearBody, description="body of the driving gear")
     driven: DrivenBody = Field(default_factory=DrivenBody, description="body of the driven gear; of a ring, its rim")
@@ -299,13 +310,13 @@ class Gears(Model):
     @model_validator(mode="after")
     def _helical_teeth_are_whole(self) -> Self:
         for name in ("first_layer_chamfer_mm", "process_clearance_mm"):
-            if self.helix is not None and getattr(self, name) > 0.0:
+            if self.helix is not None and getattr(self, name) != 0.0:
                 raise fault(name, "given, but helical teeth are made as designed, edges and all; leave it out")
         return self
 
     @model_validator(mode="after")
     def _bodies_have_walls(self) -> Self:
         for name, body in (("driving", self.driving), ("driven", self.driven)):
-            require_hub_wall(name, body, self.process_clearance_mm)
+            require_hub_wall(name, body, max(self.process_clearance_mm, 0.0))
             require_height(name, body, self.face_width_mm, self.first_layer_chamfer_mm)
         return self

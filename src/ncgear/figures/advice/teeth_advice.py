@@ -9,7 +9,8 @@ from math import degrees
 from ncgear.contact.designed.as_designed import AsDesigned, SideContact
 from ncgear.figures.advice.law_advice import STEEPEST_DEG
 from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where, changed
-from ncgear.figures.numbers import MICRORAD, to_digits
+from ncgear.figures.numbers import MICRORAD, micrometres, to_digits
+from ncgear.numerics.arrays import Mask
 from ncgear.project.alternatives import (
     blunt_addendum,
     bridging_helix,
@@ -20,6 +21,7 @@ from ncgear.project.alternatives import (
 )
 from ncgear.project.drive import Drive
 from ncgear.teeth.gear import ToothedGear
+from ncgear.teeth.lost import Loss, shortening, undercutting
 from ncgear.teeth.tips import Limit
 
 FINER = Remedy("take more teeth of a smaller module")
@@ -36,21 +38,48 @@ MEANINGS = {
 """The words for each reason to shorten tips; undercut and pointed tips have advices of their own."""
 
 
+NEGLIGIBLE = 0.02
+"""Share of the contact ratio that undercut or lower tips may cost before they matter: a few hundredths of a pitch,
+where standards ask for a contact ratio to a tenth.  The hundredth of a flank that is kept clear of its cusp costs both
+gears together somewhat over one per cent, however little is undercut."""
+
+Found = tuple[Where, Loss]
+"""Teeth of one gear, and what they have lost."""
+
+
 def undercut(drive: Drive) -> Advice | None:
     """Teeth that a tool of full depth would cut into."""
-    places = _places(drive, lambda gear: gear.undercut)
-    if not places:
+    found = _found(drive, lambda gear: gear.tips.undercut, lambda gear, _: undercutting(gear))
+    if not found:
         return None
     allowed = drive.gears.undercut == "allow"
-    return Advice(
-        Kind.UNDERCUT,
-        places,
-        f"undercut{'' if allowed else ' at full height'}: {_named(places)}",
-        "the flanks are cut away near the root, which weakens the teeth and shortens the contact"
-        if allowed
-        else "the mating tips are shortened instead, so that all flanks are exact; the contact is shorter for it",
-        _ways_out_of_undercut(drive),
-    )
+    shorter = _found(drive, partial(_lowered, reason=Limit.UNDERCUT), shortening)
+    meaning = "the flanks are cut away near the root, which weakens the teeth and shortens the contact"
+    if not allowed:
+        tips = f" ({_named(shorter)})" if shorter else ""
+        meaning = f"the mating tips are shortened instead{tips}, so that all flanks are exact; the contact is shorter"
+    what = f"undercut{'' if allowed else ' at full height'}: {_named(found)}"
+    return _judged(drive, Kind.UNDERCUT, found, (found if allowed else shorter, what, meaning), _ways_out_of_undercut)
+
+
+def _judged(
+    drive: Drive,
+    kind: Kind,
+    found: list[Found],
+    told: tuple[list[Found], str, str],
+    remedies: Callable[[Drive], tuple[Remedy, ...]],
+) -> Advice:
+    """The advice about what was found, or a remark where it costs next to no contact.
+
+    ``told`` has the teeth whose contact is shorter, what is said of it, and what it means where it matters.
+    """
+    shorter, what, meaning = told
+    places, cost = tuple(where for where, _ in found), sum(loss.contact_pitches for _, loss in shorter)
+    if cost >= NEGLIGIBLE * drive.designed_contact.contact_ratio:
+        return Advice(kind, places, what, meaning, remedies(drive))
+    share = to_digits(100.0 * NEGLIGIBLE, 2)
+    lost = f"at most {to_digits(cost, 2)} pitches of contact, less than {share} % of the contact ratio"
+    return Advice(kind, places, what, f"it costs {lost if cost else 'no contact'} and does not matter", matters=False)
 
 
 def _ways_out_of_undercut(drive: Drive) -> tuple[Remedy, ...]:
@@ -70,39 +99,63 @@ def _ways_out_of_undercut(drive: Drive) -> tuple[Remedy, ...]:
 
 def pointed(drive: Drive) -> Advice | None:
     """Teeth whose flanks meet, or nearly, below the full height."""
-    places = _places(drive, lambda gear: gear.shortened(Limit.LAND))
-    if not places:
+    found = _found(drive, partial(_lowered, reason=Limit.LAND), shortening)
+    if not found:
         return None
-    least, blunt = drive.gears.least_tip_land, blunt_addendum(drive)
+    least = drive.gears.least_tip_land
+    what = f"pointed teeth: tips shortened that would have a land under {least:g} modules: {_named(found)}"
+    meaning = "a sharp tip chips when hardened and wears fast, so it ends lower; the contact is shorter for it"
+    return _judged(drive, Kind.POINTED, found, (found, what, meaning), _ways_out_of_points)
+
+
+def _ways_out_of_points(drive: Drive) -> tuple[Remedy, ...]:
+    blunt = blunt_addendum(drive)
     lower = (Remedy("make all teeth so low", changed(blunt)),) if blunt else ()
-    return Advice(
-        Kind.POINTED,
-        places,
-        f"pointed teeth: tips shortened that would have a land under {least:g} modules: {_named(places)}",
-        "a sharp tip chips when hardened and wears fast, so it ends lower; the contact is shorter for it",
-        (*lower, FINER),
-    )
+    return (*lower, FINER)
 
 
 def shortened(drive: Drive) -> list[Advice]:
     """Tips that are shortened for another reason than their point, one advice for each reason."""
     advices = []
     for reason, words in MEANINGS.items():
-        places = _places(drive, partial(ToothedGear.shortened, reason=reason))
-        if places:
-            what = f"tips shortened that {words}: {_named(places)}"
-            remedy = LESS_HELIX if reason is Limit.HELIX else FINER
-            advices.append(Advice(Kind.SHORTENED, places, what, "the contact of these teeth is shorter", (remedy,)))
+        found = _found(drive, partial(_lowered, reason=reason), shortening)
+        if found:
+            what = f"tips shortened that {words}: {_named(found)}"
+            told = found, what, "the contact of these teeth is shorter"
+            ways_out = _ways_out_of_jumps if reason is Limit.HELIX else _ways_out_of_shortening
+            advices.append(_judged(drive, Kind.SHORTENED, found, told, ways_out))
     return advices
 
 
-def _places(drive: Drive, teeth_of: Callable[[ToothedGear], list[int]]) -> tuple[Where, ...]:
+def _ways_out_of_shortening(_: Drive) -> tuple[Remedy, ...]:
+    return (FINER,)
+
+
+def _ways_out_of_jumps(_: Drive) -> tuple[Remedy, ...]:
+    return (LESS_HELIX,)
+
+
+def _lowered(gear: ToothedGear, reason: Limit) -> Mask:
+    """Flanks whose tips a reason limits below the rack's full height; raised tips may be limited above it."""
+    lowered: Mask = (gear.flanks.tip_height_mm < gear.flanks.rack.tip_height_mm) & (gear.tips.limit == reason)
+    return lowered
+
+
+def _found(
+    drive: Drive, marked: Callable[[ToothedGear], Mask], loss: Callable[[ToothedGear, Mask], Loss]
+) -> list[Found]:
+    """The teeth of each gear with marked flanks, and what these have lost; empty where there are none."""
     both = (("driving", drive.teeth.driving), ("driven", drive.teeth.driven))
-    return tuple(Where(name, tuple(numbers)) for name, gear in both if (numbers := teeth_of(gear)))
+    masks = [(name, gear, marked(gear)) for name, gear in both]
+    return [
+        (Where(name, tuple(sorted({int(tooth) for tooth in gear.flanks.tooth[mask]}))), loss(gear, mask))
+        for name, gear, mask in masks
+        if mask.any()
+    ]
 
 
-def _named(places: tuple[Where, ...]) -> str:
-    return "; ".join(map(str, places))
+def _named(found: list[Found]) -> str:
+    return "; ".join(f"{where}, by up to {micrometres(loss.amount_mm)} (tooth {loss.tooth})" for where, loss in found)
 
 
 def contact_ratio(drive: Drive) -> Advice | None:

@@ -90,7 +90,8 @@ class Advice:
     """Something a designer should know before cutting metal.
 
     ``what`` says what was found and where, with its numbers.  ``meaning`` says what that means for the machine.
-    ``remedies`` say what to change, the least costly first; they are empty where nothing is wrong.
+    ``remedies`` say what to change, the least costly first; they are empty where nothing is wrong.  What does
+    not matter is a remark, not a warning.
     """
 
     kind: Kind
@@ -98,6 +99,7 @@ class Advice:
     what: str
     meaning: str
     remedies: tuple[Remedy, ...] = ()
+    matters: bool = True
 
     @property
     def line(self) -> str:

@@ -9,10 +9,12 @@ from math import degrees, isclose
 from typing import TYPE_CHECKING
 
 from ncgear.design.keys.bodies import GearBody, Hub, Web
+from ncgear.design.keys.gears import PROFILES
 from ncgear.errors import DesignError
+from ncgear.figures.data_sheet.cut_table import cut_table
 from ncgear.figures.data_sheet.measured_tables import pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
-from ncgear.figures.numbers import drawn, shown, to_digits
+from ncgear.figures.numbers import drawn, micrometres, shown, to_digits
 from ncgear.figures.tables import Table, Value, cell_text, markdown, markdown_text
 from ncgear.metrology.working import root_radii_mm, tip_radii_mm
 from ncgear.numerics.arrays import Array
@@ -20,8 +22,9 @@ from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.gear_solids import rim_mm_of
-from ncgear.project.measured import MeasuredGear, measured_gears
+from ncgear.project.measured import MeasuredGear, cut_gears, measured_gears
 from ncgear.teeth.form import CutterKind
+from ncgear.teeth.lost import Loss, shortening, undercutting
 from ncgear.teeth.tips import Limit
 
 if TYPE_CHECKING:
@@ -92,7 +95,10 @@ def data_sheet(pair: Drive) -> DataSheet:
         "Measurements of the teeth": lambda: measurements(pair, gears()),
     }
     groups = (Group(title, _entries(of)) for title, of in rows.items())
-    tables: dict[str, Callable[[], tuple[Table, ...]]] = {"Pitch curves": lambda: (pitch_table(pair),)}
+    tables: dict[str, Callable[[], tuple[Table, ...]]] = {
+        "Cut by": lambda: tuple(map(cut_table, cut_gears(pair))),
+        "Pitch curves": lambda: (pitch_table(pair),),
+    }
     for number, gear in enumerate(Gear):
         tables[f"Span of the {gear.value} gear"] = partial(_of_one, gears, number, span_table)
         tables[f"Pins in the {gear.value} gear"] = partial(_of_one, gears, number, pin_tables)
@@ -191,9 +197,11 @@ CUTTERS = {
 
 def rack_data(drive: Drive) -> tuple[Entry, ...]:
     """The basic rack that generates both gears."""
-    rack, module = drive.rack, drive.rack.module_mm
-    given = drive.gears.rack.model_fields_set & {"addendum", "dedendum", "root_radius"}
-    departed = ", coefficients as below" if given else ""
+    rack, module, asked = drive.rack, drive.rack.module_mm, drive.gears.rack
+    given = asked.model_fields_set & {"addendum", "dedendum", "root_radius"}
+    # A root radius that is left out is smaller than the profile's where that does not fit.
+    smaller = asked.root_radius < PROFILES[asked.profile].root_radius
+    departed = ", coefficients as below" if given or smaller else ""
     return (
         Entry("pressure angle of the rack", "deg", pair=degrees(rack.pressure_angle_rad)),
         Entry("basic rack of ISO 53", pair=f"profile {drive.gears.rack.profile}{departed}"),
@@ -239,7 +247,7 @@ def _helix(drive: Drive) -> list[Entry]:
 def tooth_data(drive: Drive) -> tuple[Entry, ...]:
     """Undercut and shortened teeth, and how long the teeth touch."""
     driving, driven = drive.teeth.driving, drive.teeth.driven
-    undercut = shown(driving.undercut), shown(driven.undercut)
+    undercut = _undercut(driving), _undercut(driven)
     return (
         Entry("teeth that a tool of full depth undercuts", driving=undercut[0], driven=undercut[1]),
         Entry("teeth with shortened tips", driving=_shortened(driving), driven=_shortened(driven)),
@@ -261,9 +269,21 @@ def _contact_ratios(drive: Drive) -> list[Entry]:
     return [*rows, Entry(f"{name}, under load", pair=under), Entry(f"{name}, under load, {least}", pair=shortest)]
 
 
+def _undercut(gear: ToothedGear) -> str:
+    return _with_amount(gear.undercut, undercutting, gear)
+
+
 def _shortened(gear: ToothedGear) -> str:
     numbers = {number for limit in Limit if limit is not Limit.FULL for number in gear.shortened(limit)}
-    return shown(sorted(numbers))
+    return _with_amount(sorted(numbers), lambda one: shortening(one, one.tips.limit != Limit.FULL), gear)
+
+
+def _with_amount(numbers: list[int], loss: Callable[[ToothedGear], Loss], gear: ToothedGear) -> str:
+    """Numbers of teeth, and how much these have lost at most."""
+    if not numbers:
+        return shown(numbers)
+    found = loss(gear)
+    return f"{shown(numbers)}, by up to {micrometres(found.amount_mm)} (tooth {found.tooth})"
 
 
 def bodies(drive: Drive) -> tuple[Entry, ...]:
@@ -278,9 +298,15 @@ def bodies(drive: Drive) -> tuple[Entry, ...]:
         *_round_holes(drive),
         Entry("rim outside the deepest root", "mm", driven=rim),
         Entry("bevel of the edges at z = 0", "mm", pair=drive.gears.first_layer_chamfer_mm or None),
-        Entry("clearance for the process", "mm", pair=drive.gears.process_clearance_mm or None),
+        _process(drive.gears.process_clearance_mm),
     ]
     return tuple(row for row in rows if row.of_pair or row.driving or row.driven)
+
+
+def _process(clearance_mm: float) -> Entry:
+    if clearance_mm < 0.0:
+        return Entry("kerf that drawings allow for, half on each side of the lines", "mm", -2.0 * clearance_mm)
+    return Entry("clearance for the process", "mm", pair=clearance_mm or None)
 
 
 def _keyway(body: GearBody) -> Value:

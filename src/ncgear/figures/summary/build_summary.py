@@ -5,6 +5,7 @@ The sections are those of a check, and pitch curves, teeth, contact and bodies o
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict
 from math import degrees, isfinite
 from typing import TYPE_CHECKING, Any
@@ -25,6 +26,7 @@ from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.teeth.gear import ToothedGear, teeth_free_of_undercut
+from ncgear.teeth.lost import shortening, undercutting
 from ncgear.teeth.tips import Limit
 
 if TYPE_CHECKING:
@@ -38,10 +40,14 @@ Smooth joints differ by rounding, 1e-8 at most; others differ by 1e-3 and more.
 """
 
 
-def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
-    """The summary of the check, and pitch curves, teeth, contact and bodies."""
+def build_summary(drive: Drive, contact: PairContact, outline_errors_mm: Mapping[str, float]) -> dict[str, Any]:
+    """The summary of the check, and pitch curves, teeth, contact, bodies and files.
+
+    ``outline_errors_mm`` tells, by the kinds of files, how far outlines in them are from the exact ones.
+    """
     summary = check_summary(drive)
     comparison, warnings = summary.pop("comparison"), summary.pop("warnings")
+    advices = build_advice(drive)
     return {
         **summary,
         "pitch": pitch_summary(drive),
@@ -52,8 +58,10 @@ def build_summary(drive: Drive, contact: PairContact) -> dict[str, Any]:
             **_overlap(drive, contact),
         },
         "bodies": bodies_summary(drive),
+        "files": {f"{kind}_outline_error_max_mm": error for kind, error in outline_errors_mm.items()},
         "comparison": comparison,
-        "warnings": warnings + [advice.line for advice in build_advice(drive)],
+        "warnings": warnings + [advice.line for advice in advices if advice.matters],
+        "remarks": [advice.line for advice in advices if not advice.matters],
         "timing_s": {step: round(seconds, 6) for step, seconds in drive.timing_s.items()},
     }
 
@@ -132,6 +140,8 @@ def teeth_summary(drive: Drive) -> dict[str, Any]:
         **_helix(drive),
         "undercut_driving": teeth.driving.undercut,
         "undercut_driven": teeth.driven.undercut,
+        **_undercut_depth(teeth.driving),
+        **_undercut_depth(teeth.driven),
         "free_of_undercut_from_driving_teeth": teeth_free_of_undercut(drive.pitch, *racks),
         "method": drive.gears.method,
         "cutter": teeth.cutter.value,
@@ -145,12 +155,24 @@ def teeth_summary(drive: Drive) -> dict[str, Any]:
 
 
 def _tips(gear: ToothedGear) -> dict[str, Any]:
-    """Least height of the tips, and numbers of the teeth whose tips are shortened, by reason."""
+    """Least height of the tips, how much they are shortened at most, and the teeth with shortened tips by reason."""
     result: dict[str, Any] = {"least_height_mm": float(gear.flanks.tip_height_mm.min())}
     for reason in Limit:
         if reason is not Limit.FULL and (numbers := gear.shortened(reason)):
             result[f"shortened_for_{reason.name.lower()}"] = numbers
+    marked = gear.tips.limit != Limit.FULL
+    if marked.any():
+        loss = shortening(gear, marked)
+        result.update(most_shortened_um=1e3 * loss.amount_mm, most_shortened_tooth=loss.tooth)
     return result
+
+
+def _undercut_depth(gear: ToothedGear) -> dict[str, Any]:
+    """How much of a flank's depth is undercut at most, as in ``undercutting``, and at which tooth."""
+    if not gear.undercut:
+        return {}
+    loss, name = undercutting(gear), gear.flanks.curve.gear.value
+    return {f"most_undercut_{name}_um": 1e3 * loss.amount_mm, f"most_undercut_{name}_tooth": loss.tooth}
 
 
 def _helix(drive: Drive) -> dict[str, Any]:
@@ -279,12 +301,17 @@ def bodies_summary(drive: Drive) -> dict[str, Any]:
 
     A process that adds material as thick as its clearance leaves the gears as designed.  A process that adds none
     leaves a gap of two clearances along the normal.  The largest lag is this gap divided by the lever of the force.
+    A negative clearance is half a kerf: what is written is larger than the gears, and does not go together uncut.
     """
     clearance, solids = drive.gears.process_clearance_mm, drive.solids
     lever_mm = drive.designed_contact.pushing.first.lever_mm
     return {
         "process_clearance_mm": clearance,
-        "lag_max_without_process_rad": float((2.0 * clearance / lever_mm).max()),
+        **(
+            {"kerf_mm": -2.0 * clearance}
+            if clearance < 0.0
+            else {"lag_max_without_process_rad": float((2.0 * clearance / lever_mm).max())}
+        ),
         "first_layer_chamfer_mm": drive.gears.first_layer_chamfer_mm,
         "driving": _body(solids.driving),
         "driven": _body(solids.driven),

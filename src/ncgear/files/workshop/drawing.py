@@ -21,6 +21,8 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.solids.plan.areas import polygons
 from ncgear.solids.plan.body import BodyPlan, Bore, RoundHole
+from ncgear.teeth.arcs import ArcOutline, arc_outline
+from ncgear.teeth.contour import CURVES_SHARE
 
 CROSS_IN_MODULES = 2.0
 """Length in modules of the mark of an axis: it is inside the smallest bore of any shaft."""
@@ -85,8 +87,10 @@ class Polyline:
 
     @property
     def corners(self) -> Array:
-        """Points whose box holds the contour; arcs are left out, because they are always inside other contours."""
-        return self.points
+        """Points whose box holds the contour, but for what arcs rise above the middles of their bows."""
+        chord = np.roll(self.points, -1, axis=0) - self.points
+        across = np.stack([chord[:, 1], -chord[:, 0]], axis=1)
+        return np.vstack([self.points, self.points + (chord + self.bulges[:, None] * across) / 2.0])
 
 
 def polygon(points: Array) -> Polyline:
@@ -166,13 +170,29 @@ def gear_drawing(drive: Drive, gear: Gear) -> Drawing:
     """A gear in its own frame; raises the errors of the drive's solids."""
     plan = drive.solids.of(gear).plan
     curve = drive.pitch.of(gear)
+    arcs = tooth_arcs(drive, gear)
     shapes = {
         **body_shapes(plan),
+        **({} if arcs is None else {Layer.OUTLINE: (Polyline(arcs.points_mm, arcs.bulges),)}),
         Layer.PITCH_CURVE: (polygon(pitch_points(curve, plan.chord_tolerance_mm)),),
         Layer.AXIS: (Cross(0.0, 0.0, CROSS_IN_MODULES * drive.pitch.size.module_mm),),
     }
     layers = {layer: shapes[layer] for layer in Layer if shapes[layer]}
     return Drawing(gear.value, layers, gear_notes(drive, gear, plan))
+
+
+def tooth_arcs(drive: Drive, gear: Gear) -> ArcOutline | None:
+    """The teeth as lines and arcs; None where the body's outline is a section or a parallel, which has chords only.
+
+    Arcs, and not splines: programs for cutters all read arcs, and many of them cut splines into chords of their own.
+    """
+    if not _has_arcs(drive):
+        return None
+    return arc_outline(drive.teeth.of(gear), CURVES_SHARE * drive.design.output.chord_tolerance_mm)
+
+
+def _has_arcs(drive: Drive) -> bool:
+    return drive.helix is None and drive.gears.process_clearance_mm == 0.0
 
 
 def body_shapes(plan: BodyPlan) -> dict[Layer, tuple[Shape, ...]]:
@@ -253,6 +273,9 @@ def gear_notes(drive: Drive, gear: Gear, plan: BodyPlan) -> tuple[str, ...]:
         notes.append("helical teeth: section at z = 0, not to be cut upright")
     if plan.clearance_mm > 0.0:
         notes.append(f"{plan.clearance_mm:g} mm taken off outline and bore for the process")
+    if plan.clearance_mm < 0.0:
+        kerf = f"a kerf of {-2.0 * plan.clearance_mm:g} mm"
+        notes.append(f"for {kerf}: whatever is cut through is {-plan.clearance_mm:g} mm outside of the finished gear")
     if plan.chamfer_mm > 0.0:
         notes.append(f"lower edges bevelled by {plan.chamfer_mm:g} mm")
     return tuple(notes)
@@ -273,4 +296,5 @@ def _title(drive: Drive) -> str:
 
 def _scale(drive: Drive) -> str:
     tolerance = drive.design.output.chord_tolerance_mm
-    return f"1:1 in mm; chords no farther than {tolerance:g} mm from the exact curve, round holes exact"
+    arcs = f"arcs of the teeth no farther than {CURVES_SHARE * tolerance:g} mm and " if _has_arcs(drive) else ""
+    return f"1:1 in mm; {arcs}chords no farther than {tolerance:g} mm from the exact curve, round holes exact"

@@ -10,7 +10,7 @@ from ncgear.extras import require
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 
-ONLY_MESHES = "given, but STEP files have no bevel and no clearance for a print; leave it out for --format step"
+ONLY_MESHES = "given, but STEP files have no bevel and no clearance for a process; leave it out for --format step"
 
 
 def step_files(drive: Drive) -> dict[str, bytes]:
@@ -22,7 +22,7 @@ def step_files(drive: Drive) -> dict[str, bytes]:
     require("OCP", "step", "--format step")
     if drive.gears.first_layer_chamfer_mm > 0.0:
         raise WrongInput(ONLY_MESHES, key="gears.first_layer_chamfer_mm")
-    if drive.gears.process_clearance_mm > 0.0:
+    if drive.gears.process_clearance_mm != 0.0:
         raise WrongInput(ONLY_MESHES, key="gears.process_clearance_mm")
     from ncgear.files.workshop.step_kernel import Part, assembly_bytes, part_bytes, require_same, solids_of_drive
 

@@ -35,14 +35,7 @@ from ncgear.solids.helical.helix import Helix
 from ncgear.solids.helical.patches import patches_of
 from ncgear.solids.helical.sections import Sections
 from ncgear.solids.plan.plan import outer_radius_mm
-from ncgear.teeth.contour import contour_of
-
-SHARE = 0.1
-"""Share of the chord tolerance by which faces may differ from the exact ones.
-
-The working flanks of an outline have a share of at least 0.15.  So faces are closer than outlines, and gears made from
-them miss the law by no more.
-"""
+from ncgear.teeth.contour import CURVES_SHARE, contour_of
 
 VOLUME_TOLERANCE = 2e-5
 """Largest relative difference of volume between a solid and the same solid read back; their faces are counted too.
@@ -77,7 +70,7 @@ def solids_of_drive(drive: Drive) -> dict[Gear, ExactSolid]:
 
 def _straight(drive: Drive, gear: Gear) -> ExactSolid:
     own = drive.teeth.of(gear)
-    contour = contour_of(own, SHARE * drive.design.output.chord_tolerance_mm)
+    contour = contour_of(own, CURVES_SHARE * drive.design.output.chord_tolerance_mm)
     plan = drive.solids.of(gear).plan
     if gear is Gear.DRIVING or not drive.pitch.driven.is_ring:
         return ExactSolid(gear_shape(contour, plan), contour.deviation_mm)
@@ -86,7 +79,7 @@ def _straight(drive: Drive, gear: Gear) -> ExactSolid:
 
 
 def _helical(drive: Drive, sections: Sections, helix: Helix, gear: Gear) -> ExactSolid:
-    patches = patches_of(sections, gear, SHARE * drive.design.output.chord_tolerance_mm)
+    patches = patches_of(sections, gear, CURVES_SHARE * drive.design.output.chord_tolerance_mm)
     shape = helical_gear_shape(patches, drive.solids.of(gear).plan, herringbone=helix.herringbone)
     return ExactSolid(shape, patches.deviation_mm)
 

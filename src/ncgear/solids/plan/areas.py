@@ -98,6 +98,32 @@ def moved_inwards(section: Polygon, distance_mm: float, tolerance_mm: float, key
     raise WrongInput(problem, key=key)
 
 
+def moved_outwards(section: Polygon, distance_mm: float, tolerance_mm: float, key: str) -> Polygon:
+    """The outer parallel of a section, along which a cutter of twice the distance leaves the section to the tolerance.
+
+    Raises WrongInput for ``key``, with the widest cut that can be, where it would leave more: in a fillet that is
+    rounder than the cutter, or in a space or hole that closes.
+    """
+    outer = parallel(section, distance_mm)
+    if _leaves(section, outer, distance_mm, tolerance_mm):
+        return shapely.get_parts(outer)[0]
+    largest = largest_fitting(
+        lambda size: _leaves(section, parallel(section, size), size, tolerance_mm), 0.0, distance_mm
+    )
+    right = "no kerf does; larger teeth or a larger root radius are needed"
+    if largest > 0.0:
+        right = f"{-floored(largest):g} mm, a kerf of {2.0 * floored(largest):g} mm, is the most"
+    problem = f"a kerf of {2.0 * distance_mm:g} mm is wider than the narrowest fillet or space of the gear; {right}"
+    raise WrongInput(problem, key=key)
+
+
+def _leaves(section: Polygon, outer: BaseGeometry, distance: float, tolerance: float) -> bool:
+    """Whether a cutter along the outer parallel leaves the section and nothing more."""
+    if len(shapely.get_parts(outer)) != 1 or len(outer.interiors) != len(section.interiors):
+        return False
+    return bool(section.symmetric_difference(parallel(outer, -distance)).buffer(-tolerance / 2.0).is_empty)
+
+
 def _comes_back(section: Polygon, inner: BaseGeometry, distance: float, tolerance: float) -> bool:
     """Whether nothing is lost: the parallel is in one piece, and its own parallel is the section."""
     if inner.is_empty or len(shapely.get_parts(inner)) != 1 or len(inner.interiors) != len(section.interiors):

@@ -4,9 +4,10 @@ Every solid and every drawing is made from a ``BodyPlan``, in the gear's own fra
 lower face at z = 0, pose of phi1 = 0.
 
 - ``disc``: section of the toothed part at z = 0 before anything is cut; its exterior is the tooth outline (of a ring:
-  its circle, and the one interior is the tooth outline), already moved inwards by the clearance for the process.
+  its circle, and the one interior is the tooth outline), already moved inwards by the clearance for the process, or
+  outwards by half a kerf.
 - through cuts: ``bore`` with its keyway (enlarged by the clearance), ``index_hole``, ``lightening_holes``: circles, and
-  for a keyway ``bore_points``.
+  for a keyway ``bore_points``; all of them narrower by a kerf.
 - ``web``: pockets from the upper face down to the web, as polygons; a pocket's floor is at ``web.thickness_mm``.
 - ``hub``: a cylinder about the axis on the upper face; the bore goes through it, and its radial ``set_screw`` hole goes
   from one side down to the bore.
@@ -109,8 +110,8 @@ class HoleSet:
 class Blank:
     """What is asked of a gear's body beside its teeth, whether there is room for it or not.
 
-    The process wants outline and bore moved into the material by ``clearance_mm``; ``chamfer_mm`` is the bevel of the
-    lower edges.
+    The process wants outline and bore moved into the material by ``clearance_mm``; where that is negative, it is half a
+    kerf, and all that is cut through is moved out of the material.  ``chamfer_mm`` is the bevel of the lower edges.
     """
 
     face_width_mm: float
@@ -173,7 +174,7 @@ class BodyPlan:
     """One gear's body; see the module.
 
     Curves become polygons whose chords stay within ``chord_tolerance_mm``.  Outline and bore have already been moved by
-    ``clearance_mm``.
+    ``clearance_mm``, which is minus half the kerf where a cutter follows the lines.
     """
 
     disc: Polygon

@@ -9,10 +9,11 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
-from ncgear.solids.plan.areas import moved_inwards
-from ncgear.solids.plan.body import Blank, BodyPlan, RingBlank, circle_points
+from ncgear.solids.plan.areas import moved_inwards, moved_outwards
+from ncgear.solids.plan.body import Blank, BodyPlan, RingBlank, RoundHole, circle_points
 from ncgear.solids.plan.pockets import lightening_holes, web_of
 from ncgear.solids.plan.room import full_disc, index_hole, require_hub_room, require_room, rim_hole
 
@@ -31,6 +32,11 @@ def planned(
     NoSuchMechanism where the outline crosses itself, WrongInput where something asked for has no room.
     """
     disc = full_disc(outline_mm, key)
+    if blank.clearance_mm < 0.0:
+        finished = planned_within(
+            disc, disc, replace(blank, clearance_mm=0.0), direction_rad, module_mm, tolerance_mm, key
+        )
+        return _with_kerf(finished, -blank.clearance_mm)
     if blank.clearance_mm > 0.0:
         disc = moved_inwards(disc, blank.clearance_mm, tolerance_mm, CLEARANCE_KEY)
     return planned_within(disc, disc, blank, direction_rad, module_mm, tolerance_mm, key)
@@ -66,18 +72,53 @@ def _free(plan: BodyPlan, room: Polygon) -> BaseGeometry:
     return cut.difference(Polygon(circle_points(plan.hub.diameter_mm / 2.0, plan.chord_tolerance_mm)))
 
 
+def _with_kerf(plan: BodyPlan, half_mm: float) -> BodyPlan:
+    """The body with all that is cut through moved out of the material by half a kerf; pockets stay, a mill makes them.
+
+    Raises WrongInput where the cutter does not leave the finished gear, or does not go into a bore, keyway or hole.
+    """
+    for name, width in _widths_cut(plan):
+        if width <= 2.0 * half_mm:
+            raise WrongInput(
+                f"a kerf of {2.0 * half_mm:g} mm does not go into {name} of {width:g} mm; over {-width / 2.0:g} mm is "
+                "right",
+                key=CLEARANCE_KEY,
+            )
+    return replace(
+        plan,
+        disc=moved_outwards(plan.disc, half_mm, plan.chord_tolerance_mm, CLEARANCE_KEY),
+        bore=plan.bore.widened(-half_mm) if plan.bore else None,
+        index_hole=_narrowed(plan.index_hole, half_mm) if plan.index_hole else None,
+        lightening_holes=tuple(_narrowed(hole, half_mm) for hole in plan.lightening_holes),
+        clearance_mm=-half_mm,
+    )
+
+
+def _widths_cut(plan: BodyPlan) -> list[tuple[str, float]]:
+    """The names and widths in mm of all openings that a cutter must go into, but for the spaces of the teeth."""
+    bore, hole = plan.bore, plan.index_hole
+    openings = [("a bore", bore.diameter_mm)] if bore else []
+    openings += [("a keyway", bore.keyway.width_mm)] if bore and bore.keyway else []
+    openings += [("an index hole", hole.diameter_mm)] if hole else []
+    return openings + [("lightening holes", one.diameter_mm) for one in plan.lightening_holes[:1]]
+
+
+def _narrowed(hole: RoundHole, half_mm: float) -> RoundHole:
+    return replace(hole, diameter_mm=hole.diameter_mm - 2.0 * half_mm)
+
+
 def planned_ring(outline_mm: Array, blank: RingBlank, module_mm: float, tolerance_mm: float) -> BodyPlan:
     """The body of an internal gear: a ring between its tooth outline, shape (n, 2), and a circle about its axis.
 
     Raises NoSuchMechanism where the outline crosses itself, WrongInput where the clearance takes teeth off.
     """
-    clearance = blank.clearance_mm
+    clearance = max(blank.clearance_mm, 0.0)
     # The clearance is taken off the teeth only: off a ring that is as much thicker it leaves the circle asked for.
     disc = ring_section(outline_mm, blank.rim_mm + clearance, tolerance_mm)
     if clearance > 0.0:
         disc = moved_inwards(disc, clearance, tolerance_mm, CLEARANCE_KEY)
     direction = meeting_direction_rad(Gear.DRIVEN, Mesh.INTERNAL)
-    return BodyPlan(
+    plan = BodyPlan(
         disc,
         blank.face_width_mm,
         tolerance_mm,
@@ -85,6 +126,7 @@ def planned_ring(outline_mm: Array, blank: RingBlank, module_mm: float, toleranc
         chamfer_mm=blank.chamfer_mm,
         clearance_mm=clearance,
     )
+    return _with_kerf(plan, -blank.clearance_mm) if blank.clearance_mm < 0.0 else plan
 
 
 def ring_section(outline_mm: Array, rim_mm: float, tolerance_mm: float) -> Polygon:

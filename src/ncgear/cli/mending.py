@@ -1,0 +1,116 @@
+"""What helps where teeth are refused: commands name it, and those with ``--mend`` take it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ncgear.cli.progress import counted
+from ncgear.errors import DesignError
+
+if TYPE_CHECKING:
+    from ncgear.design.reading.design_file import LoadedDesign
+    from ncgear.files.manifest import Run
+    from ncgear.project.drive import Drive
+    from ncgear.project.mending import Mending
+
+OPTION = "--mend"
+
+Mend = Annotated[
+    bool,
+    typer.Option(OPTION, help="Where the teeth are refused, take the least change that makes them, and say so."),
+]
+
+MakeTeeth = Annotated[
+    bool,
+    typer.Option(
+        OPTION, help="Also make the teeth; where they are refused, check the design with the least change that helps."
+    ),
+]
+
+BUILD = f"ncgear build {OPTION}"
+
+NOTHING = "Nothing to mend: the teeth can be made as the file has them."
+
+
+@dataclass(frozen=True)
+class Mended:
+    """The design that a command goes on with, its drive, and what is said of it.
+
+    ``text`` is that of the mended design file, empty where the design is as given.
+    """
+
+    loaded: LoadedDesign
+    drive: Drive
+    said: str = ""
+    text: str = ""
+
+    def kept_in(self, folder: Path) -> Run:
+        """Write the mended design file into a folder, beside what was made from it."""
+        from ncgear.files.manifest import Run, publish_run
+
+        if not self.text:
+            return Run([], [])
+        name = self.loaded.design.name
+        # A build replaces what builds wrote; a design file stays.
+        return publish_run(folder, {f"{name}.yaml": self.text.encode()}, f"mend {name}")
+
+
+def as_given(loaded: LoadedDesign) -> Mended:
+    """A design as its file has it."""
+    from ncgear.project.drive import Drive
+
+    return Mended(loaded, Drive(loaded.design))
+
+
+def mended(loaded: LoadedDesign) -> Mended:
+    """The design with the least change that makes its teeth; raises the refusal, and what was tried, if none does."""
+    from ncgear.design.reading.design_file import parsed
+    from ncgear.figures.mended import mended_design, mended_name, mended_words, refusal_with_help
+    from ncgear.project.drive import Drive
+    from ncgear.project.mending import mending
+
+    drive = Drive(loaded.design)
+    with counted("changes tried") as on_trial:
+        search = mending(drive, on_trial)
+    if search is None:
+        return Mended(loaded, drive, NOTHING)
+    if search.found is None:
+        raise refusal_with_help(search) from search.refusal
+    text = mended_design(loaded, search.found)
+    # The gears are those of the text, so that what is kept makes what was made.
+    changed = parsed(text, Path(f"{mended_name(loaded.design.name)}.yaml"))
+    return Mended(changed, Drive(changed.design), mended_words(search, search.found), text)
+
+
+@contextmanager
+def naming_what_helps(drive: Drive, option: str = OPTION) -> Iterator[None]:
+    """A context that adds to a refusal of teeth what would make them; ``option`` is the one that takes it, if any."""
+    try:
+        yield
+    except DesignError as error:
+        from ncgear.figures.mended import refusal_with_help
+
+        search = None if drive.design.gears is None else _search(drive, error)
+        if search is None:
+            raise
+        raise refusal_with_help(search, option) from error
+
+
+def _search(drive: Drive, error: DesignError) -> Mending | None:
+    """The search for what helps; None where the error is not about teeth."""
+    from ncgear.project.mending import refusal_of_teeth, searched
+
+    try:
+        refusal = refusal_of_teeth(drive)
+    except DesignError:
+        return None
+    if refusal is None or (type(refusal), refusal.key) != (type(error), error.key):
+        return None
+    with counted("changes tried") as on_trial:
+        return searched(drive, error, on_trial)

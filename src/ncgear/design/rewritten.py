@@ -1,0 +1,55 @@
+"""The text of a design file with other values at some of its keys; its comments stay."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from io import StringIO
+from typing import Any
+
+from ruamel.yaml import YAML
+from ruamel.yaml.comments import CommentedMap, CommentedSeq
+
+LINE_WIDTH = 118
+"""Width of the lines of files that hold many numbers."""
+
+LONGEST_LINE = 10_000
+"""Length over that of any line of a design file that people write, so that no line is broken."""
+
+
+def rewritten(text: str, values: Mapping[str, Any], width: int = LONGEST_LINE) -> str:
+    """A design file with other values at some dotted keys; None leaves a key out.  Lines are broken at ``width``.
+
+    A key that the file does not have comes after the first one of its group.  A group that is missing is made.
+    """
+    yaml, made = YAML(), StringIO()
+    yaml.width, yaml.preserve_quotes = width, True
+    data = yaml.load(text)
+    for key, value in values.items():
+        *above, name = key.split(".")
+        group = data
+        for one in above:
+            if group.get(one) is None:
+                _put(group, one, CommentedMap())
+            group = group[one]
+        if value is None:
+            group.pop(name, None)
+        elif isinstance(value, list) and isinstance(group.get(name), list):
+            # Only the items are replaced, so that the list keeps the style in which it is written.
+            group[name][:] = value
+        else:
+            _put(group, name, _row(value) if isinstance(value, list) else value)
+    yaml.dump(data, made)
+    return made.getvalue()
+
+
+def _put(group: CommentedMap, name: str, value: Any) -> None:
+    if name in group:
+        group[name] = value
+    else:
+        group.insert(min(1, len(group)), name, value)
+
+
+def _row(values: list[Any]) -> CommentedSeq:
+    row = CommentedSeq(values)
+    row.fa.set_flow_style()
+    return row

@@ -1,0 +1,109 @@
+"""What is told of mended designs: the change that makes refused teeth, the ways that do not, the mended design file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+from textwrap import wrap
+from typing import Any
+
+from ncgear.design.keys.base import listed
+from ncgear.design.naming import LONGEST_NAME
+from ncgear.design.reading.design_file import LoadedDesign
+from ncgear.design.rewritten import LINE_WIDTH, rewritten
+from ncgear.errors import DesignError
+from ncgear.figures.advice.values import changed
+from ncgear.figures.numbers import to_digits
+from ncgear.figures.terminal import INDENT, WIDTH
+from ncgear.project.mending import ROOT_RADIUS, Kind, Mend, Mending, Way
+
+SUFFIX = "-mended"
+
+LONGEST_DESCRIPTION = 10_000
+
+
+def refusal_with_help(mending: Mending, option: str = "") -> DesignError:
+    """The refusal with the change that makes the teeth or, where there is none, with all ways that were tried.
+
+    ``option`` is the option of the command that takes the change; without it none is named.
+    """
+    refusal, found = mending.refusal, mending.found
+    if found is None:
+        told = f"none of the ways that were tried makes these teeth: {tried_words(mending.failed)}"
+    else:
+        told = f"what works: {found_words(found)}" + (f"; {option} takes it" if option else "")
+    return type(refusal)(f"{refusal.problem}; {told}", key=refusal.key, location=refusal.location)
+
+
+def mended_words(mending: Mending, found: Mend) -> str:
+    """What a command says that has taken a change."""
+    said = (
+        f"Mended: these are not the gears of the file, whose teeth are refused, but those with {found_words(found)}.",
+        f"Refused: {mending.refusal.problem}",
+    )
+    return "\n".join(line for text in said for line in wrap(text, WIDTH, subsequent_indent=INDENT))
+
+
+def found_words(found: Mend) -> str:
+    """A change and its figures."""
+    ratio, angle = to_digits(found.contact_ratio, 3), to_digits(found.pressure_angle_deg, 3)
+    return f"{changes_words(found.way)} (contact ratio {ratio}, pressure angle {angle} deg)"
+
+
+def changes_words(way: Way) -> str:
+    """The keys of a change and their values."""
+    return listed(map(str, changed(way.changes)), "and")
+
+
+def tried_words(ways: Sequence[Way]) -> str:
+    """Ways of the same kinds in a few words each."""
+    return "; ".join(
+        " with ".join(_words(kind, list(alike)) for kind in kinds)
+        for kinds, alike in ((kinds, list(group)) for kinds, group in groupby(ways, lambda way: way.kinds))
+    )
+
+
+def _words(kind: Kind, alike: Sequence[Way]) -> str:
+    def values(key: str) -> str:
+        found = dict.fromkeys(way.changes[key] for way in alike if way.changes.get(key) is not None)
+        return listed(to_digits(value, 4) if isinstance(value, float) else str(value) for value in found)
+
+    match kind:
+        case Kind.ROOT_RADIUS:
+            return f"a root radius of {values(ROOT_RADIUS)}"
+        case Kind.MATE:
+            return "the mate as tool"
+        case Kind.STEEPER:
+            return f"a rack of {values('gears.rack.pressure_angle_deg')} deg"
+        case Kind.SHIFTED:
+            return f"profile shift {_shifts(alike)}"
+        case Kind.UNDERCUT:
+            return "undercut allowed"
+        case Kind.FINER:
+            return f"{values('gears.teeth')} teeth of a smaller module"
+
+
+def _shifts(alike: Sequence[Way]) -> str:
+    driving = [way.changes.get("gears.profile_shift.driving") for way in alike]
+    return listed(dict.fromkeys("against undercut" if one is None else f"{one:g}" for one in driving))
+
+
+def mended_name(name: str) -> str:
+    """Name of the mended design."""
+    return name if name.endswith(SUFFIX) else f"{name[: LONGEST_NAME - len(SUFFIX)]}{SUFFIX}"
+
+
+def mended_design(loaded: LoadedDesign, found: Mend) -> str:
+    """The text of a design file with a change, its name and description saying so; its comments stay.
+
+    Points that are in a CSV file are written into the text, because the path of that file is relative to the folder of
+    the old design.
+    """
+    design = loaded.design
+    points: dict[str, Any] = {}
+    for group, table in loaded.source.from_files.items():
+        points |= {f"{group}.{key}": value for key, value in table.values.items()} | {f"{group}.file": None}
+    said = f"Mended: {design.name} with {changes_words(found.way)}, without which its teeth are refused."
+    about = {"description": f"{said} {design.description}".strip()[:LONGEST_DESCRIPTION]}
+    values = {"name": mended_name(design.name), **about, **points, **found.way.changes}
+    return rewritten(loaded.text, values, LINE_WIDTH)

@@ -1,0 +1,110 @@
+"""How far tooth outlines in files are from the exact ones: measured on what is written, read back.
+
+Points of the exact curves, that no chord and no arc knows of, are held against the outline of each file.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from io import StringIO
+from xml.etree import ElementTree as Xml
+
+import numpy as np
+import shapely
+
+from ncgear.contact.written.as_written import Outlines
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.plane import as_complex, as_points
+from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
+from ncgear.teeth.gear import ToothedGear
+from ncgear.teeth.outline import exact_curves
+
+PER_CURVE = 21
+"""Points of each flank, fillet and land that are looked at, at equal shares beside all that chords and arcs go by."""
+
+OFF_GRID = 0.382
+"""Share of the way between two of these points at which the first one lies."""
+
+FLAT_MM = 5e-6
+"""Distance from an arc of the chords by which it is measured: a thousandth of a usual chord tolerance."""
+
+
+def outline_errors_mm(drive: Drive, files: Mapping[str, bytes], outlines: list[Outlines]) -> dict[str, float]:
+    """The largest distance of both gears' exact curves from their outlines in the files of each kind, by its name.
+
+    ``outlines`` are those of tables and solids, read back.  Drawings of gears from which a process takes its clearance
+    are left out: their outlines are parallels.
+    """
+    found = {one.source: (one.driving_mm, one.driven_mm) for one in outlines}
+    if drive.gears.process_clearance_mm == 0.0:
+        for kind, read in READERS.items():
+            names = [f"{gear.value}.{kind}" for gear in Gear]
+            if all(name in files for name in names):
+                found[kind] = (read(files[names[0]]), read(files[names[1]]))
+    exact = [exact_points(drive.teeth.of(gear)) for gear in Gear]
+    return {kind: max(map(farthest_mm, exact, both)) for kind, both in found.items()}
+
+
+def exact_points(gear: ToothedGear) -> Array:
+    """Points of all exact curves of a gear's outline, shape (n, 2)."""
+    share = (np.arange(PER_CURVE) + OFF_GRID) / PER_CURVE
+    stretches = exact_curves(gear.tips, gear.sides)
+    points = [one.at(np.arange(one.owner.size)[:, None], share)[0].reshape(-1, 2) for one in stretches]
+    return np.concatenate(points)
+
+
+def farthest_mm(points: Array, outline_mm: Array) -> float:
+    """The largest distance of points (n, 2) from a closed line through others (m, 2)."""
+    chords = shapely.linestrings(np.stack([outline_mm, np.roll(outline_mm, -1, axis=0)], axis=1))
+    _, distance = shapely.STRtree(chords).query_nearest(shapely.points(points), return_distance=True, all_matches=False)
+    return float(distance.max())
+
+
+def outline_of_dxf(data: bytes) -> Array:
+    """The tooth outline of a DXF file of one gear in mm, arcs as fine chords, shape (n, 2)."""
+    import ezdxf
+    from ezdxf.entities.lwpolyline import LWPolyline
+
+    entities = ezdxf.read(StringIO(data.decode())).modelspace()
+    (outline,) = (one for one in entities if isinstance(one, LWPolyline) and one.dxf.layer == "OUTLINE")
+    rows = np.array(outline.get_points("xyb"))
+    return flattened(rows[:, :2], rows[:, 2])
+
+
+STEP = re.compile(r"([MLA])([^MLAZ]*)")
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
+
+
+def outline_of_svg(data: bytes) -> Array:
+    """The tooth outline of an SVG file in mm, y up, arcs as fine chords, shape (n, 2)."""
+    space = "{http://www.w3.org/2000/svg}"
+    (path,) = Xml.fromstring(data).iterfind(f".//{space}g[@id='OUTLINE']/{space}path")
+    steps = [(kind, [float(word) for word in NUMBER.findall(rest)]) for kind, rest in STEP.findall(path.attrib["d"])]
+    points = np.array([numbers[-2:] for _, numbers in steps])
+    chord = np.hypot(*np.diff(points, axis=0).T)
+    bulges = np.zeros(len(points))
+    for row, (kind, numbers) in enumerate(steps[1:]):
+        if kind == "A":
+            turned = 2.0 * np.arcsin(min(chord[row] / 2.0 / numbers[0], 1.0))
+            bulges[row] = (1.0 if numbers[4] else -1.0) * np.tan(turned / 4.0)
+    # The path comes back to its first point.
+    return flattened(points[:-1], bulges[:-1])
+
+
+READERS: dict[str, Callable[[bytes], Array]] = {"dxf": outline_of_dxf, "svg": outline_of_svg}
+
+
+def flattened(points_mm: Array, bulges: Array) -> Array:
+    """A closed chain of lines and arcs (see ``ArcOutline``) as chords that stray from arcs by ``FLAT_MM`` at most."""
+    start = as_complex(points_mm)
+    chord, turn = np.roll(start, -1) - start, 4.0 * np.arctan(bulges)
+    height = np.abs(bulges) * np.abs(chord) / 2.0
+    rows = []
+    for row, count in enumerate(np.maximum(np.ceil(np.sqrt(height / FLAT_MM)), 1).astype(int)):
+        share = np.arange(count) / count
+        if bulges[row] != 0.0:
+            share = np.expm1(1j * turn[row] * share) / np.expm1(1j * turn[row])
+        rows.append(start[row] + chord[row] * share)
+    return as_points(np.concatenate(rows))

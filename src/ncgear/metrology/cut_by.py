@@ -1,0 +1,163 @@
+"""Which tools can cut a gear: hob, shaper, wire and end mill, and why one cannot.
+
+A hob is the basic rack, a shaper a pinion cutter of the same rack.  Flanks are the same whatever the tool is; its depth
+and its fillets are its own.  A tool that is not the design's is tried on the exact flanks: it must go into the pitch
+curve, reach as deep as the mate touches and as its tips go, undercut nothing, reach the gear's own tips, and leave the
+space freely.  Its fillets off the line of action are not tried: build with it as ``gears.cutter`` for that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+from math import sin
+
+import numpy as np
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.metrology.round_tool import RoundTool
+from ncgear.numerics.arrays import Array
+from ncgear.pitch.pair import STRAIGHT, PitchPair
+from ncgear.pitch.shape import Gear
+from ncgear.teeth.flank import mating_flanks
+from ncgear.teeth.fouling import refuse_fouling_cutter
+from ncgear.teeth.gear import ToothedPair
+from ncgear.teeth.spaces import cut_spaces
+from ncgear.teeth.tool import FEWER_TEETH, MOST_TEETH, PinionCircle, RackLine
+
+SAME = 1e-9
+"""Share of the module by which depths and radii may differ and count as the same."""
+
+FEWEST_TEETH = 12
+"""Fewest teeth of a shaper that is tried; such cutters have 15 or more."""
+
+SMALLER = (1.0, 0.75, 0.5)
+"""Shares of the most teeth that are tried, one after the other, while a cutter fouls on its way out: there smaller ones
+do better.  Else they do worse, since they are less deep and their involutes shorter."""
+
+OUT = "on its way out"
+"""Words of the refusal of a cutter that fouls on its way out of a space."""
+
+FINEST_MM = 0.02
+"""Diameter in mm of the thinnest wires for spark erosion (value from secondary sources)."""
+
+
+class Tool(Enum):
+    """Kinds of tools."""
+
+    HOB = "hob"
+    SHAPER = "shaper"
+    WIRE = "wire"
+    END_MILL = "end mill"
+
+
+class Verdict(Enum):
+    """What a tool makes of a gear."""
+
+    CUTS = "cuts it"
+    FLANKS = "cuts the flanks; leaves its own fillets"
+    NOT = "does not cut it"
+
+
+@dataclass(frozen=True)
+class CutBy:
+    """What one tool makes of a gear, and why not all of it.
+
+    ``teeth`` is the number of a shaper's teeth, ``diameter_mm`` the greatest diameter of a wire, its spark gap
+    included, or of an end mill; None where the tool has none or does not cut.
+    """
+
+    tool: Tool
+    verdict: Verdict
+    reason: str = ""
+    teeth: int | None = None
+    diameter_mm: float | None = None
+
+
+def cut_by(pitch: PitchPair, teeth: ToothedPair, gear: Gear, round_tool: RoundTool, *, helix: str = "") -> list[CutBy]:
+    """What each kind of tool makes of one gear; ``helix`` is the kind of its helical teeth, empty where straight."""
+    hob, shaper = _hob(pitch, teeth, gear), _shaper(pitch, teeth, gear)
+    if helix == "herringbone":
+        hob = CutBy(Tool.HOB, Verdict.NOT, "herringbone teeth leave it no way out")
+    return [hob, shaper, *(_round(tool, round_tool, helix) for tool in (Tool.WIRE, Tool.END_MILL))]
+
+
+def _round(tool: Tool, largest: RoundTool, helix: str) -> CutBy:
+    if helix:
+        return CutBy(tool, Verdict.NOT, "helical teeth do not stand upright")
+    if largest.diameter_mm < FINEST_MM:
+        return CutBy(tool, Verdict.NOT, f"there is a sharp inner corner in the space after tooth {largest.space}")
+    by = "both sides" if largest.passage else "the fillet"
+    return CutBy(
+        tool, Verdict.CUTS, f"held by {by} of the space after tooth {largest.space}", None, largest.diameter_mm
+    )
+
+
+def _hob(pitch: PitchPair, teeth: ToothedPair, gear: Gear) -> CutBy:
+    if pitch.of(gear).is_ring:
+        return CutBy(Tool.HOB, Verdict.NOT, "the teeth of a ring point inwards")
+    if pitch.curvature_range[gear][0].value * pitch.center_distance_mm < -STRAIGHT:
+        radius = pitch.least_concave_radius_mm(gear)
+        return CutBy(Tool.HOB, Verdict.NOT, f"the pitch curve is concave with a radius of {radius:.4g} mm")
+    verdict, reason = _tried(teeth, gear, RackLine())
+    return CutBy(Tool.HOB, verdict, reason)
+
+
+def _shaper(pitch: PitchPair, teeth: ToothedPair, gear: Gear) -> CutBy:
+    """The shaper of the design, or else the one of most teeth that works."""
+    own = teeth.of(gear).flanks.tool
+    if isinstance(own, PinionCircle):
+        verdict, reason = _tried(teeth, gear, own)
+        return CutBy(Tool.SHAPER, verdict, reason, own.teeth)
+    radius = pitch.least_concave_radius_mm(gear)
+    module = pitch.size.module_mm
+    most = MOST_TEETH if radius is None else min(MOST_TEETH, int(2.0 * radius / module) - FEWER_TEETH)
+    if most < FEWEST_TEETH:
+        return CutBy(Tool.SHAPER, Verdict.NOT, f"the concave stretch takes cutters of {max(most, 0)} teeth at most")
+    first = ""
+    for count in (max(int(share * most), FEWEST_TEETH) for share in SMALLER):
+        verdict, why = _tried(teeth, gear, PinionCircle(count, module))
+        if verdict is not Verdict.NOT:
+            return CutBy(Tool.SHAPER, verdict, why, count)
+        first = first or f"with {count} teeth {why}"
+        if OUT not in why:
+            break
+    return CutBy(Tool.SHAPER, Verdict.NOT, first)
+
+
+def _tried(teeth: ToothedPair, gear: Gear, tool: RackLine | PinionCircle) -> tuple[Verdict, str]:
+    """What a rack or a pinion cutter of the gear's rack makes of it, and why not all."""
+    own, mate = teeth.of(gear), teeth.of(Gear.DRIVEN if gear is Gear.DRIVING else Gear.DRIVING)
+    flanks, rack = own.flanks, own.flanks.rack
+    every = np.ones(flanks.count)
+    depth = rack.root_depth_mm - rack.rounding_height_mm
+    full = replace(flanks, tool=tool, flank_depth_mm=depth * every, root_radius_mm=rack.root_radius_mm * every)
+    try:
+        cut, undercut = cut_spaces(full, avoid_undercut=False)
+        if isinstance(tool, PinionCircle):
+            refuse_fouling_cutter(replace(own.tips, flanks=cut))
+    except NoSuchMechanism as refusal:
+        return Verdict.NOT, refusal.problem.split(";")[0]
+    near = SAME * rack.module_mm
+    if type(flanks.tool) is type(tool) and not _differ(cut.flank_depth_mm, flanks.flank_depth_mm, near):
+        if _differ(cut.root_radius_mm, cut.root_radius_mm[:1], near):
+            return Verdict.NOT, "its tip would need other roundings from tooth to tooth"
+        return Verdict.CUTS, ""
+    if undercut.any():
+        return Verdict.NOT, f"at full depth it undercuts tooth {flanks.tooth[undercut][0]}"
+    if isinstance(tool, PinionCircle) and own.tips.height_mm.max() > tool.radius_mm * sin(rack.pressure_angle_rad) ** 2:
+        return Verdict.NOT, "its involutes end at its base circle before they reach the tips"
+    pairs = mating_flanks(teeth.driving.teeth, teeth.driven.teeth)
+    mine, its = pairs if gear is Gear.DRIVING else pairs[::-1]
+    shallow = (cut.flank_depth_mm < own.tips.met_depth_mm - near)[mine]
+    shallow |= cut.root_depth_mm[mine] < mate.flanks.tip_height_mm[its] + near
+    if shallow.any():
+        return (
+            Verdict.NOT,
+            f"it is not as deep beside tooth {flanks.tooth[mine[shallow]].min()} as the mate's tips reach",
+        )
+    return Verdict.FLANKS, ""
+
+
+def _differ(one: Array, other: Array, by: float) -> bool:
+    return bool(np.any(np.abs(one - other) > by))

@@ -1,0 +1,306 @@
+"""The search for a change that makes teeth which are refused: what a good engineer would try, the least change first.
+
+A design whose pitch curves are fine may be refused for its teeth or their contact.  The search changes one or a few of
+the keys below ``gears``, and each trial makes the teeth and their contact anew.  Nothing is searched unless somebody
+asks: the attributes of a drive only raise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import reduce
+from itertools import product
+from math import ceil
+from operator import or_
+from typing import assert_never
+
+from ncgear.design.keys.gears import MOST_TEETH
+from ncgear.errors import DesignError, NoSuchMechanism, WrongInput, located
+from ncgear.project.alternatives import (
+    Changes,
+    changed_gears,
+    fitted_root_radius,
+    rack_at,
+    resized,
+    shifted_against_undercut,
+)
+from ncgear.project.computed import take_over
+from ncgear.project.drive import Drive
+from ncgear.project.tooth_form import rack_of, require_pushing_flanks
+
+OnTrial = Callable[[int, int], None]
+"""Called with the numbers of trials done and in all."""
+
+ROOT_RADIUS = "gears.rack.root_radius"
+
+
+class Kind(StrEnum):
+    """What a change is about."""
+
+    ROOT_RADIUS = "root_radius"
+    MATE = "mate"
+    STEEPER = "steeper"
+    SHIFTED = "shifted"
+    UNDERCUT = "undercut"
+    FINER = "finer"
+
+
+ORDER = (
+    (Kind.ROOT_RADIUS,),
+    (Kind.MATE,),
+    (Kind.STEEPER,),
+    (Kind.SHIFTED,),
+    (Kind.UNDERCUT,),
+    (Kind.STEEPER, Kind.MATE),
+    (Kind.MATE, Kind.UNDERCUT),
+    (Kind.STEEPER, Kind.UNDERCUT),
+    (Kind.SHIFTED, Kind.MATE),
+    (Kind.SHIFTED, Kind.UNDERCUT),
+    (Kind.STEEPER, Kind.SHIFTED),
+    (Kind.STEEPER, Kind.MATE, Kind.UNDERCUT),
+    (Kind.FINER,),
+    (Kind.FINER, Kind.MATE),
+    (Kind.FINER, Kind.STEEPER),
+    (Kind.FINER, Kind.UNDERCUT),
+    (Kind.FINER, Kind.STEEPER, Kind.MATE),
+)
+"""Kinds of changes, alone and together, from the least change to the greatest.
+
+More teeth come after everything that keeps them: they are two changes, of ``teeth`` and ``module_mm``, and smaller
+teeth bear less.
+"""
+
+STEEPER_DEG = (22.5, 25.0)
+"""Pressure angles of racks that are sold, over the usual 20 degrees."""
+
+SHIFTED_MODULES = (0.3, -0.3)
+"""Profile shifts of the driving gear that are tried where the one chosen against undercut would change nothing."""
+
+FINER = (1.5, 2.0, 3.0)
+"""Numbers of teeth divided by the design's; teeth a third as large are another pair of gears."""
+
+FINER_TOGETHER = (1.5, 3.0)
+"""Numbers of teeth, divided by the design's, that are tried together with another change."""
+
+SIZES = ("teeth", "module_mm", "center_distance_mm")
+"""Keys that give the pitch curves their size."""
+
+SAME_SHIFT = 0.01
+"""Modules by which shifts differ at least that are worth a trial."""
+
+
+@dataclass(frozen=True)
+class Way:
+    """A change of one kind or of several, as keys of the design file."""
+
+    kinds: tuple[Kind, ...]
+    changes: Changes
+
+
+@dataclass(frozen=True, eq=False)
+class Mend:
+    """A change with which the teeth can be made: the way, and the drive of the changed design."""
+
+    way: Way
+    drive: Drive
+
+    def __repr__(self) -> str:
+        figures = f"contact ratio {self.contact_ratio:.3g}, pressure angle {self.pressure_angle_deg:.3g} deg"
+        return f"Mend({self.way.changes}, {figures})"
+
+    @property
+    def contact_ratio(self) -> float:
+        """The contact ratio of the exact teeth, with what a helix adds; of two pairs of gears, the worse's."""
+        return min(pair.designed_contact.contact_ratio + pair.overlap_ratio for pair in self.drive.by_stage)
+
+    @property
+    def pressure_angle_deg(self) -> float:
+        """The largest pressure angle, the rack's own included; of two pairs of gears, the worse's."""
+        return max(pair.pitch.largest_pressure_angle_deg(pair.rack.pressure_angle_rad) for pair in self.drive.by_stage)
+
+
+@dataclass(frozen=True, eq=False)
+class Mending:
+    """The search for a change: the refusal, the ways that do not work in the order of the trials, and the one found.
+
+    ``found`` is None where none of the ways works.
+    """
+
+    refusal: DesignError
+    failed: tuple[Way, ...]
+    found: Mend | None
+
+
+def mending(drive: Drive, on_trial: OnTrial = lambda done, total: None) -> Mending | None:
+    """The least change with which a design's teeth can be made; None where they can be made as they are.
+
+    Raises WrongInput or NoSuchMechanism where something else than the teeth is refused, as a law or pitch curves.
+
+    >>> from ncgear.project.drive import loads
+    >>> machine = "linkage: {crank_mm: 40, rod_mm: 90}, operation: {speed_rpm: 30}, motion: {law: uniform_crank}"
+    >>> found = mending(loads(f"{{name: few, {machine}, gears: {{teeth: 8, module_mm: 5, face_width_mm: 9}}}}"))
+    >>> found.found.way.changes
+    {'gears.rack.pressure_angle_deg': 25.0, 'gears.cutter.kind': 'mate'}
+    """
+    refusal = refusal_of_teeth(drive)
+    return None if refusal is None else searched(drive, refusal, on_trial)
+
+
+def refusal_of_teeth(drive: Drive) -> DesignError | None:
+    """The error that refuses the teeth of a design, their contact or their outlines; None where they can be made.
+
+    Of wrong input, only a root radius that does not fit is about teeth.  Raises WrongInput or NoSuchMechanism where
+    something else is refused, as a law, pitch curves, or a pressure angle at which no flank pushes.
+    """
+    with located(drive.places):
+        for pair in drive.by_stage:
+            require_pushing_flanks(pair.pitch, pair.gears.rack)
+    try:
+        require_made(drive)
+    except NoSuchMechanism as error:
+        return error
+    except WrongInput as error:
+        fitted = fitted_root_radius(drive.gears, drive.gears.rack.pressure_angle_deg)
+        if error.key != ROOT_RADIUS or not fitted:
+            raise
+        return error
+    return None
+
+
+def require_made(drive: Drive) -> None:
+    """Raise WrongInput or NoSuchMechanism where teeth, their contact or their outlines are refused; makes no body."""
+    from ncgear.contact.written.as_written import Outlines
+
+    for pair in drive.by_stage:
+        pair.require_sound_teeth()
+        teeth = pair.teeth
+        pair.contact([Outlines("points", teeth.driving.outline_mm, teeth.driven.outline_mm)])
+
+
+def searched(drive: Drive, refusal: DesignError, on_trial: OnTrial = lambda done, total: None) -> Mending:
+    """The least change that makes the teeth of a drive which are refused; of equal ones, that of most contact."""
+    failed: list[Way] = []
+    all_ways = list(ways(drive))
+    total = sum(map(len, all_ways))
+    for equals in all_ways:
+        sound: list[Mend] = []
+        for way in equals:
+            mend = _sound(drive, way)
+            if mend is None:
+                failed.append(way)
+            else:
+                sound.append(mend)
+            on_trial(len(failed) + len(sound), total)
+        for mend in sorted(sound, key=lambda one: -one.contact_ratio):
+            if _is_made(mend.drive):
+                return Mending(refusal, tuple(failed), mend)
+            failed.append(mend.way)
+    return Mending(refusal, tuple(failed), None)
+
+
+def _sound(drive: Drive, way: Way) -> Mend | None:
+    changed = _changed(drive, way.changes)
+    try:
+        for pair in changed.by_stage:
+            pair.require_sound_teeth()
+    except DesignError:
+        return None
+    return Mend(way, changed)
+
+
+def _changed(drive: Drive, changes: Changes) -> Drive:
+    """The drive of the changed design; what the change leaves as it is, law or pitch curves, is not computed again."""
+    gears = changed_gears(drive.gears, changes)
+    design = drive.design.model_copy(update={"gears": gears})
+    same_size = all(getattr(gears, name) == getattr(drive.gears, name) for name in SIZES)
+
+    def changed(one: Drive) -> Drive:
+        other = Drive(design, one.stage)
+        take_over(("law", "pitch") if same_size else ("law",), one, other)
+        return other
+
+    whole = changed(drive)
+    if design.stages > 1 and drive.stage is None:
+        vars(whole)["by_stage"] = tuple(map(changed, drive.by_stage))
+    return whole
+
+
+def _is_made(drive: Drive) -> bool:
+    try:
+        require_made(drive)
+    except NoSuchMechanism:
+        return False
+    return True
+
+
+def ways(drive: Drive) -> Iterator[tuple[Way, ...]]:
+    """All ways, the least change first; those of one tuple are equals."""
+    gears = drive.gears
+    fitted = fitted_root_radius(gears, gears.rack.pressure_angle_deg)
+    for kinds in ORDER:
+        options = [_options(drive, kind, alone=len(kinds) == 1) for kind in kinds]
+        found = [Way(kinds, reduce(or_, chosen, fitted)) for chosen in product(*options)]
+        if Kind.FINER in kinds:
+            # Fewer teeth are the lesser change.
+            yield from ((way,) for way in found)
+        elif found:
+            yield tuple(found)
+
+
+def _options(drive: Drive, kind: Kind, *, alone: bool) -> list[Changes]:
+    """The changes of one kind; together with changes of other kinds only the likeliest of them."""
+    gears = drive.gears
+    match kind:
+        case Kind.ROOT_RADIUS:
+            fitted = fitted_root_radius(gears, gears.rack.pressure_angle_deg)
+            return [fitted] if fitted else []
+        case Kind.MATE:
+            return _mate(drive)
+        case Kind.STEEPER:
+            steeper = [rack_at(gears, angle) for angle in STEEPER_DEG if angle > gears.rack.pressure_angle_deg]
+            return steeper if alone else steeper[-1:]
+        case Kind.SHIFTED:
+            shifted = _shifted(drive)
+            return shifted if alone else shifted[:1]
+        case Kind.UNDERCUT:
+            return [{"gears.undercut": "allow"}] if gears.undercut == "avoid" else []
+        case Kind.FINER:
+            return _finer(drive, FINER if alone else FINER_TOGETHER)
+    assert_never(kind)
+
+
+def _mate(drive: Drive) -> list[Changes]:
+    """The mate as the tool; none where it is that already."""
+    from ncgear.teeth.tool import least_concave_radius_mm
+
+    cutter = drive.gears.cutter
+    by_itself = cutter.kind == "auto" and all(least_concave_radius_mm(pair.pitch) for pair in drive.by_stage)
+    if cutter.kind == "mate" or by_itself:
+        return []
+    dropped: Changes = {} if cutter.teeth is None else {"gears.cutter.teeth": None}
+    return [{"gears.cutter.kind": "mate", **dropped}]
+
+
+def _shifted(drive: Drive) -> list[Changes]:
+    """Equal and opposite profile shifts: the one chosen against undercut or, if the design has that, two others."""
+    from ncgear.teeth.gear import shift_against_undercut
+
+    given = drive.gears.profile_shift
+    gears = changed_gears(drive.gears, fitted_root_radius(drive.gears, drive.gears.rack.pressure_angle_deg))
+    own = given.driving if given.driving is not None else -(given.driven or 0.0)
+    sizes = [(pair.pitch, pair.pitch.size.module_mm) for pair in drive.by_stage]
+    best = [shift_against_undercut(pitch, rack_of(gears, module)) / module for pitch, module in sizes]
+    if not given.against_undercut and any(abs(modules - own) > SAME_SHIFT for modules in best):
+        return [shifted_against_undercut(drive.gears)]
+    dropped: Changes = {f"gears.profile_shift.{key}": None for key in given.model_fields_set}
+    return [dropped | {"gears.profile_shift.driving": modules} for modules in SHIFTED_MODULES if modules != own]
+
+
+def _finer(drive: Drive, factors: tuple[float, ...]) -> list[Changes]:
+    """More teeth of a smaller module at the same centre distance; whole numbers on both gears."""
+    pair, lobes = drive.by_stage[0], drive.gears.lobes.driving
+    teeth = pair.pitch.size.driving_teeth
+    counts = dict.fromkeys(ceil(factor * teeth / lobes) * lobes for factor in factors)
+    return [resized(pair, count) for count in counts if teeth < count <= MOST_TEETH]

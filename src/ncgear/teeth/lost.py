@@ -1,0 +1,79 @@
+"""How much undercut and shortened tips take away, and how much contact that costs.
+
+A flank that loses the height d loses d / (sin(alpha) cos(alpha)) of rolled length: by so much is its contact shorter,
+if its mate would have touched it there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.pitch.curve import PitchCurve
+from ncgear.teeth.flank import Flanks, regular_depth
+from ncgear.teeth.gear import ToothedGear
+from ncgear.teeth.tips import tip_crossing
+
+ROUNDING_IN_MODULES = 1e-9
+"""Height that is none, and difference of heights that are alike: rounding errors of the flanks."""
+
+
+@dataclass(frozen=True)
+class Loss:
+    """What is lost at most, of some flanks of a gear.
+
+    ``amount_mm`` is the largest amount, ``tooth`` the number of its tooth, from 1, and ``contact_pitches`` the most
+    that any of these flanks loses of its contact; infinite where the flank at full height has a cusp.
+    """
+
+    amount_mm: float
+    tooth: int
+    contact_pitches: float
+
+
+def shortening(gear: ToothedGear, chosen: Mask) -> Loss:
+    """How much lower the tips of the ``chosen`` flanks (shape (2 z,), at least one) are than the rack's full height.
+
+    Amounts are distances from the pitch curve.  A tip that was raised before it was shortened may have lost none.
+    """
+    flanks, which = gear.flanks, np.nonzero(chosen)[0]
+    full = np.maximum(flanks.tip_height_mm, flanks.rack.tip_height_mm)
+    amount = (full - flanks.tip_height_mm)[which]
+    height, _, met = tip_crossing(replace(flanks, tip_height_mm=full), which)
+    lost = np.where(met, height - gear.tips.height_mm[which], np.inf)
+    return _largest(flanks, which, amount, np.where(amount > 0.0, lost, 0.0))
+
+
+def undercutting(gear: ToothedGear) -> Loss:
+    """How much of the flanks a tool of full depth undercuts, of the gear's undercut flanks (at least one).
+
+    Where spaces are cut to the full depth all the same, a flank ends where the notch crosses it: the amount is the
+    height that it loses.  Elsewhere it is how far the full depth goes below the cusp at which the flank ends,
+    hF - r sin^2(alpha) on a pitch circle; such flanks lose no contact, as it is the mate's tips that are shortened.
+    """
+    flanks, which = gear.flanks, np.nonzero(gear.tips.undercut)[0]
+    full = _full_depth_mm(flanks)
+    left, cut = -gear.sides.flank_range()[1][which], flanks.flank_depth_mm[which]
+    notched = left < cut - ROUNDING_IN_MODULES * flanks.rack.module_mm
+    amount = np.where(notched, cut - left, full - regular_depth(flanks, full)[which])
+    return _largest(flanks, which, amount, np.where(notched, amount, 0.0))
+
+
+def _full_depth_mm(flanks: Flanks) -> float:
+    """Depth below the pitch line to which a flank goes that a tool of full depth cuts."""
+    rack, tool = flanks.rack, flanks.tool
+    if isinstance(tool, PitchCurve):
+        return rack.root_depth_mm - rack.rounding_height_mm
+    depth: Array = tool.flank_depth_mm(rack, np.array([rack.root_depth_mm]), np.array([rack.root_radius_mm]))
+    return float(depth[0])
+
+
+def _largest(flanks: Flanks, which: IndexArray, amount: Array, lost_mm: Array) -> Loss:
+    """The loss of the chosen flanks from their amounts and from the heights of contact that they lose."""
+    rack = flanks.rack
+    # Of teeth that are alike the first is named.
+    worst = int(np.argmax(amount >= amount.max() - ROUNDING_IN_MODULES * rack.module_mm))
+    pitches = float(lost_mm.max()) / rack.height_per_rolled / rack.pitch_mm
+    return Loss(float(amount[worst]), int(flanks.tooth[which[worst]]), pitches)
