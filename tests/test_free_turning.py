@@ -22,7 +22,7 @@ from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Mesh
 from ncgear.project.drive import Drive
 from ncgear.ratio.laws.ellipse import elliptical_law
-from ncgear.ratio.laws.expression import ratio_expression_law
+from ncgear.ratio.laws.expression import driven_angle_expression_law, ratio_expression_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.teeth.backlash import play_of
 from ncgear.teeth.flank import Flanks
@@ -112,6 +112,13 @@ def convex(backlash_mm: float) -> Case:
     return pitch_pair(elliptical_law(0.35, 0.0, Lobes()), 37), form
 
 
+def reaching(backlash_mm: float) -> Case:
+    """Rack-cut, and the tips of the driving gear are as high as the driven flanks allow: they end at the fillets."""
+    law = driven_angle_expression_law("phi - 0.112*sin(2*phi) + 0.11*sin(phi) - 0.026*(cos(2*phi)-1)", Lobes())
+    backlash = Backlash(backlash_mm, driving_share=0.0)
+    return pitch_pair(law, 23), ToothForm(rack(), limits=TipLimits(0.4), backlash=backlash)
+
+
 def deep(backlash_mm: float) -> Case:
     form = ToothForm(rack(), limits=TipLimits(0.4), backlash=Backlash(backlash_mm))
     return pitch_pair(sine_law(0.3), 60), form
@@ -128,6 +135,7 @@ CASES: dict[str, Callable[[], Case]] = {
     "baler, 0.05 mm": lambda: baler(0.05),
     "baler, 0.3 mm": lambda: baler(0.3),
     "rack, 0.3 mm": lambda: convex(0.3),
+    "tips at fillets, 0.2 mm": lambda: reaching(0.2),
     "deep sine, 0.1 mm": lambda: deep(0.1),
     "deep ring, 0.05 mm": lambda: deep_ring(0.05),
 }
