@@ -88,12 +88,19 @@ class Turning:
 
 
 def turned(
-    pieces: tuple[Pieces, Pieces], distance: float, speed: float, drag: float, steps: int, rest: float = 0.1
+    pieces: tuple[Pieces, Pieces],
+    distance: float,
+    speed: float,
+    drag: float,
+    steps: int,
+    rest: float = 0.1,
+    drag_share: Callable[[float], float] = lambda angle: 1.0,
 ) -> Turning:
     """A full turn of the driving body in ``steps`` steps, and a share ``rest`` of a turn before it to settle.
 
     The driving body turns by 1 rad/s, the driven one starts with ``speed`` rad/s; ``drag`` is the torque per speed and
-    moment of inertia.  Both bodies start in the pose of their outlines.
+    moment of inertia.  Both bodies start in the pose of their outlines.  ``drag_share`` multiplies the drag, by the
+    driving angle: where it is negative the driven body is driven on.
     """
     space = pymunk.Space()
     space.iterations, space.collision_slop, space.collision_bias = 20, SLOP, LEFT_PER_SECOND
@@ -102,7 +109,10 @@ def turned(
     driving.angular_velocity, driven.angular_velocity = 1.0, -speed
     space.add(driving, driven, *_shapes(driving, pieces[0]), *_shapes(driven, pieces[1]))
     angles = np.array(
-        [_stepped(space, driving, driven, drag, 2.0 * pi / steps) for _ in range(int(steps * (1 + rest)))]
+        [
+            _stepped(space, driving, driven, drag * drag_share(driving.angle), 2.0 * pi / steps)
+            for _ in range(int(steps * (1 + rest)))
+        ]
     )
     return Turning(angles[-steps:, 0], -angles[-steps:, 1])
 

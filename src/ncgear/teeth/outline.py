@@ -8,14 +8,14 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import atan2, degrees
+from math import atan2, degrees, sqrt
 
 import numpy as np
 import shapely
 from shapely import Polygon
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
@@ -51,23 +51,40 @@ def outline_points(tips: Tips, sides: Sides, chords: ChordTolerance) -> Array:
     works = (parts.start + parts.end) / 2.0 > -tips.met_depth_mm[parts.owner]
     working = _real(flanks, parts.kept(works))
     found = [straddled(working, chords.flanks_mm) if chords.straddling else _within(flanks, working, chords.flanks_mm)]
-    found += [_within(flanks, _real(flanks, deep), chords.elsewhere_mm) for deep in (parts.kept(~works), fillets)]
+    near = _near_fillets(tips, chords.elsewhere_mm)[fillets.owner]
+    found.append(_within(flanks, _real(flanks, parts.kept(~works)), chords.elsewhere_mm))
+    found.append(_within(flanks, _real(flanks, fillets.kept(near)), chords.elsewhere_mm, hollow=True))
+    found.append(sampled(_real(flanks, fillets.kept(~near)), chords.elsewhere_mm))
     found += [sampled(_real(flanks, land), chords.elsewhere_mm) for land in lands]
     points, keys = (np.concatenate(parts) for parts in zip(*found, strict=True))
     outline = points[np.argsort(keys, kind="stable")]
     return outline[::-1] if signed_area(outline) < 0.0 else outline
 
 
-def _within(flanks: Flanks, working: Stretch, tolerance: float) -> tuple[Array, Array]:
-    """Points of flanks and fillets whose chords stay in the material, so that written gears turn freely.
+def _near_fillets(tips: Tips, tolerance_mm: float) -> Mask:
+    """Beside which flanks the mate's tips come so near to the fillet that its chords must stay in the material.
 
-    Flanks are hollow only on concave pitch curves.  Fillets always are, but the mate comes near to them only where its
-    own tips have cut them.
+    A tip leaves the flank along it, on a path whose radius of curvature beside the flank's is a module or less.  So it
+    is a tolerance away where it is deeper by the root of twice the module times the tolerance.
     """
-    if flanks.curve.curvature_bounds[0] >= 0.0 and not isinstance(flanks.tool, PitchCurve):
-        return sampled(working, tolerance)
+    flanks = tips.flanks
+    if _is_hollow(flanks):
+        return np.ones(flanks.count, dtype=bool)
+    near: Mask = flanks.flank_depth_mm - tips.met_depth_mm < sqrt(2.0 * flanks.rack.module_mm * tolerance_mm)
+    return near
+
+
+def _is_hollow(flanks: Flanks) -> bool:
+    """Whether flanks may be hollow, as on concave pitch curves, or the mate's own tips have cut the fillets."""
+    return flanks.curve.curvature_bounds[0] < 0.0 or isinstance(flanks.tool, PitchCurve)
+
+
+def _within(flanks: Flanks, curves: Stretch, tolerance: float, *, hollow: bool = False) -> tuple[Array, Array]:
+    """Points of flanks and fillets whose chords stay in the material, so that written gears turn freely."""
+    if not hollow and not _is_hollow(flanks):
+        return sampled(curves, tolerance)
     # Arc length runs clockwise about the driving gear and round a ring's hole, against the clock about other gears.
-    return sampled_within(working, tolerance, -1.0 if flanks.curve.gear is Gear.DRIVING else 1.0)
+    return sampled_within(curves, tolerance, -1.0 if flanks.curve.gear is Gear.DRIVING else 1.0)
 
 
 def exact_curves(tips: Tips, sides: Sides) -> list[Stretch]:
