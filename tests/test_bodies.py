@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from math import cos, pi, radians, sin, sqrt
 
@@ -214,7 +215,7 @@ def test_holes_keep_their_walls(blank: Blank) -> None:
 # --- chamfer ---------------------------------------------------------------------------------------------------------
 
 
-CHAMFERED = [("pump-1-2", "driven", 0.3), ("baler", "driving", 0.5)]
+CHAMFERED = [("pump-1-2", "driven", 0.3), ("baler", "driving", 0.4)]
 
 
 @pytest.mark.thorough
@@ -249,15 +250,15 @@ def test_a_round_chamfer_is_a_cone() -> None:
 def test_a_chamfer_without_levels_strays_where_edges_vanish(monkeypatch: pytest.MonkeyPatch) -> None:
     """Negative control: with one slope from top to bottom a tip of the baler's is cut off."""
     area = Polygon(drive("baler").teeth.driving.outline_mm)
-    assert len(bevel_of(area, 0.5, TOLERANCE, "key").slopes) > 1
+    assert len(bevel_of(area, 0.5, 2.0 * TOLERANCE, "key").slopes) > 1
     monkeypatch.setattr(slabs, "_close", lambda *_: True)
-    coarse = bevel_of(area, 0.5, TOLERANCE, "key")
+    coarse = bevel_of(area, 0.5, 2.0 * TOLERANCE, "key")
     mesh = slab_mesh((Slab(area, 0.0, WIDTH),), coarse)
     found = Polygon(section_rings(np.asarray(mesh.vertices), np.asarray(mesh.faces), 0.25)[0])
     expected = area.buffer(-0.25, join_style="mitre", mitre_limit=10.0)
     assert (
-        not expected.difference(found.buffer(TOLERANCE)).is_empty
-        or not found.difference(expected.buffer(TOLERANCE)).is_empty
+        not expected.difference(found.buffer(2.0 * TOLERANCE)).is_empty
+        or not found.difference(expected.buffer(2.0 * TOLERANCE)).is_empty
     )
 
 
@@ -367,6 +368,16 @@ def test_contact_as_written_is_that_of_the_gears_after_the_cut() -> None:
     assert "lag_max_without_process_rad" not in bodies_summary(drive)
 
 
+def of_both_gears(made: Callable[[float], Drive], fault: WrongInput, pattern: str) -> float:
+    """The size that a fault states as right: that of the first gear with a limit, of which the other's may be less."""
+    size = float(re.search(pattern, fault.problem)[1])
+    try:
+        made(size).solids  # noqa: B018
+    except WrongInput as lower:
+        size = float(re.search(pattern, lower.problem)[1])
+    return size
+
+
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
@@ -383,8 +394,7 @@ def test_a_kerf_that_is_too_wide_is_refused_with_the_widest_that_goes_in(text: s
         asked(f"  {text}").solids  # noqa: B018
     assert caught.value.key == "gears.process_clearance_mm"
     if "is the most" in caught.value.problem:
-        most = float(caught.value.problem.split("; ")[1].split(" mm")[0])
-        asked(f"  process_clearance_mm: {most}").solids  # noqa: B018
+        most = of_both_gears(lambda size: asked(f"  process_clearance_mm: {size}"), caught.value, r"; (\S+) mm, a kerf")
         with pytest.raises(WrongInput):
             asked(f"  process_clearance_mm: {most - 0.03}").solids  # noqa: B018
 
@@ -454,7 +464,7 @@ def test_what_does_not_fit_is_refused_with_the_largest_that_does(
     with pytest.raises(WrongInput, match=problem) as caught:
         asked("  " + text.format(given)).solids  # noqa: B018
     assert caught.value.key == f"gears.{key}"
-    stated = float(caught.value.problem.split("largest that fits is ")[1].split(" mm")[0])
+    stated = of_both_gears(lambda size: asked("  " + text.format(size)), caught.value, r"largest that fits is (\S+) mm")
     assert asked("  " + text.format(stated)).solids.driving.mesh.is_watertight
     with pytest.raises(WrongInput):
         asked("  " + text.format(stated + 0.03)).solids  # noqa: B018

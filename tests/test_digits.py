@@ -68,12 +68,12 @@ def decimals(text: str) -> int:
 
 def rows_in(unit: str, sheet: str) -> str:
     """The cells of a data sheet whose row or column is in a unit."""
-    cells, heads = [], []
-    for line in sheet.splitlines():
+    cells, heads, lines = [], [], sheet.splitlines()
+    for line, after in zip(lines, [*lines[1:], ""], strict=True):
         row = [cell.strip() for cell in line.strip("|").split("|")]
         if len(row) < 2 or set(line) <= set("| -"):
             continue
-        if row[-1] == "unit" or any(f" in {unit}" in cell or " in " in cell for cell in row):
+        if after.startswith("|") and set(after) <= set("| -"):
             heads = row
         elif heads[-1] == "unit":
             cells += row[1:-1] if row[-1] == unit else []

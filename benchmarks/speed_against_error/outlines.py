@@ -21,11 +21,12 @@ from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
+from ncgear.teeth.chords import Stretch
 from ncgear.teeth.flank import FILLET, FLANK
 from ncgear.teeth.form import Backlash, BasicRack, Cutter, CutterKind, ToothForm
 from ncgear.teeth.gear import pair_tips, toothed_pair
-from ncgear.teeth.outline import simple_polygon
-from ncgear.teeth.sides import Sides, refuse_folded_lands, regular_sides
+from ncgear.teeth.outline import simple_polygon, whole_curves
+from ncgear.teeth.sides import Sides, refuse_folded_lands, regular_sides, swept
 from ncgear.teeth.tips import Tips
 from speed_against_error.exact_gears import CircularGear, EllipticalGear
 from speed_against_error.study import Method, Size, Study
@@ -192,15 +193,17 @@ def _even_outline(tips: Tips, share: Array) -> Array:
     if irregular.any():
         raise ArithmeticError("only outlines of regular teeth are sampled evenly")
     refuse_folded_lands(tips.flanks, sides)
+    tips, sides = swept(tips, sides)
     flank, fillet = (_runs(tips, sides, kind, share) for kind in (FLANK, FILLET))
+    *_, tip_lands, root_lands = whole_curves(tips, sides)
     back, front = slice(0, None, 2), slice(1, None, 2)
     curves = [
         fillet[back, ::-1],
         flank[back, ::-1],
-        _tip_lands(tips, sides, share),
+        _lands(tip_lands, share),
         flank[front],
         fillet[front],
-        _root_lands(sides, share),
+        _lands(root_lands, share),
     ]
     outline = np.concatenate([curve[:, :-1] for curve in curves], axis=1).reshape(-1, 2)
     simple_polygon(outline, f"gears.{tips.flanks.curve.gear.value}")
@@ -215,11 +218,6 @@ def _runs(tips: Tips, sides: Sides, kind: int, share: Array) -> Array:
     return tips.flanks.curve_of(sides.kind[chosen], owner, start + (end - start) * share)[0]
 
 
-def _tip_lands(tips: Tips, sides: Sides, share: Array) -> Array:
-    start, end = sides.tip_mm[0::2, None], sides.tip_mm[1::2, None]
-    return tips.flanks.offset(start + (end - start) * share, tips.flanks.tip_height_mm[0::2, None])[0]
-
-
-def _root_lands(sides: Sides, share: Array) -> Array:
-    start, end = (ends[:, None] for ends in sides.roots.lands())
-    return sides.roots.land(np.arange(start.size)[:, None], start + (end - start) * share)[0]
+def _lands(stretch: Stretch, share: Array) -> Array:
+    """Points of tip or root lands, shape (z, n, 2)."""
+    return stretch.at(np.arange(stretch.owner.size)[:, None], share)[0]

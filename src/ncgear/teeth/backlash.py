@@ -21,8 +21,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import cos, sin
+from math import cos, degrees, sin
 
+from ncgear.errors import WrongInput
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
@@ -32,6 +33,10 @@ from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.transmission import Piece
 from ncgear.teeth.form import Backlash, BasicRack
+
+MOST_THINNED = 0.8
+"""Share of half a pitch that play may take off a tooth at the pitch curve.  Less than a fifth of its thickness would be
+left, and none at its tip."""
 
 
 @dataclass(frozen=True)
@@ -49,15 +54,36 @@ class Play:
     setback_mm: float
 
 
+NO_PLAY = Play(0.0, Extremum(0.0, 0.0), Extremum(0.0, 0.0), 0.0)
+
+
 def play_of(pitch: PitchPair, rack: BasicRack, asked: Backlash) -> Play:
-    """The play that is asked for, on pitch curves of a size."""
+    """The play that is asked for, on pitch curves of a size; raises WrongInput where it leaves no teeth."""
+    if not (asked.least_normal_mm or asked.driven_rad):
+        return NO_PLAY
     least, largest = (
         Extremum(arm.value * pitch.center_distance_mm, arm.at)
         for arm in pitch.transmission.extremes(lambda piece: _idle_arm(piece, pitch, rack.pressure_angle_rad))
     )
     angle = asked.driven_rad or asked.least_normal_mm / least.value
     setback = asked.driving_share * angle * least.value / cos(rack.pressure_angle_rad)
+    thinner = max(setback, angle * largest.value / cos(rack.pressure_angle_rad) - setback)
+    if thinner >= MOST_THINNED * rack.pitch_mm / 2.0:
+        most = MOST_THINNED * rack.pitch_mm / 2.0 / thinner
+        raise _too_much(asked, most)
     return Play(angle, Extremum(least.value * angle, least.at), Extremum(largest.value * angle, largest.at), setback)
+
+
+def _too_much(asked: Backlash, most: float) -> WrongInput:
+    """The error for play of which only the share ``most`` leaves teeth."""
+    given, key, unit = asked.least_normal_mm, "gears.backlash_mm", "mm"
+    if asked.driven_rad:
+        given, key, unit = degrees(asked.driven_rad), "gears.backlash_deg", "deg"
+    return WrongInput(
+        f"{given:g} {unit} takes more than {MOST_THINNED:.0%} of the thickness off some teeth at the pitch curve; "
+        f"under {given * most:.3g} {unit} is right",
+        key=key,
+    )
 
 
 def _idle_arm(piece: Piece, pitch: PitchPair, angle_rad: float) -> Callable[[Array], Jet]:
