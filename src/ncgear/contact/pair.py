@@ -67,7 +67,7 @@ CHORDS_ASTRAY = 4.0
 
 CAUSES = {
     Mesh.EXTERNAL: "tips of a concave stretch foul the mating gear there; more teeth of a smaller module are needed, "
-    "or a smaller range of the ratio",
+    "a smaller range of the ratio or, where there is play, less of it",
     Mesh.INTERNAL: "tips foul the mating gear or, where a ring has too few teeth more than its driving gear, each "
     "other; a smaller addendum, more teeth of a smaller module, or more lobes of the driven gear are needed",
 }
