@@ -65,12 +65,15 @@ def _near_fillets(tips: Tips, tolerance_mm: float) -> Mask:
     """Beside which flanks the mate's tips come so near to the fillet that its chords must stay in the material.
 
     A tip leaves the flank along it, on a path whose radius of curvature beside the flank's is a module or less.  So it
-    is a tolerance away where it is deeper by the root of twice the module times the tolerance.
+    is a tolerance away where it is deeper by the root of twice the module times the tolerance, and a tenth of a module
+    is enough for tolerances of use.
     """
     flanks = tips.flanks
     if _is_hollow(flanks):
         return np.ones(flanks.count, dtype=bool)
-    near: Mask = flanks.flank_depth_mm - tips.met_depth_mm < sqrt(2.0 * flanks.rack.module_mm * tolerance_mm)
+    module = flanks.rack.module_mm
+    clear = min(sqrt(2.0 * module * tolerance_mm), module / 10.0)
+    near: Mask = flanks.flank_depth_mm - tips.met_depth_mm < clear
     return near
 
 
