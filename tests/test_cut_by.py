@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from math import degrees
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ from ncgear.project.measured import cut_gears
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
-from ncgear.teeth.form import Cutter, CutterKind, TipLimits, ToothForm
+from ncgear.teeth.form import Backlash, Cutter, CutterKind, TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 from ncgear.teeth.outline import whole_curves
 from pairs import exact_ring, rack, sine_law
@@ -101,6 +102,16 @@ def test_a_hob_cuts_what_it_is_the_tool_of_and_nothing_hollow() -> None:
         found = of(name, gear, made(name))[Tool.HOB]
         assert found.verdict is Verdict.NOT
         assert why in found.reason
+
+
+def test_idle_flanks_that_stand_turned_take_the_hob_a_second_pass() -> None:
+    """0.1 mm over the base radius where the arm is least; the driving gear stands as it is."""
+    form = ToothForm(rack(), limits=TipLimits(avoid_undercut=False), backlash=Backlash(0.1))
+    pair = toothed_pair(PITCHES["circle"](), form, LEFT)
+    driving, driven = (of("circle", gear, pair)[Tool.HOB] for gear in Gear)
+    turn = degrees(float(np.ptp(pair.driven.flanks.turn_rad)))
+    assert (driving.verdict, driving.reason) == (Verdict.CUTS, "")
+    assert driven.reason == f"idle flanks in a second pass, the gear turned by {turn:.4g} deg"
 
 
 def test_a_hob_of_full_depth_does_not_make_spaces_that_are_shallower_against_undercut() -> None:

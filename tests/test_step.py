@@ -20,6 +20,7 @@ from closeness import farthest, farthest_from_pieces
 from commands import Run
 from drives import DESIGNS, drive, drive_of_text, loaded
 from ncgear.errors import WrongInput
+from ncgear.files.outline_errors import error_of_step_mm
 from ncgear.files.workshop.step import step_files
 from ncgear.files.workshop.step_kernel import VOLUME_TOLERANCE, Part, part_bytes, read_back, require_same
 from ncgear.numerics.plane import signed_area
@@ -199,6 +200,7 @@ def test_the_pair_stands_as_it_goes_together() -> None:
 def test_the_header_says_how_close_and_nothing_of_clock_or_machine() -> None:
     header = " ".join(files("ellipse")["driving.step"].decode().split("ENDSEC", 1)[0].split())
     assert "'ellipse: tooth faces within 3.4e-04 mm of the exact ones'" in header
+    assert error_of_step_mm(files("ellipse")["pair.step"]) == 3.4e-4
     assert "FILE_NAME('driving','1970-01-01T00:00:00',(''),(''), 'Open CASCADE STEP processor" in header
     assert header.endswith("'ncgear',''); FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));")
 

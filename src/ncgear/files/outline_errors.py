@@ -1,6 +1,7 @@
 """How far tooth outlines in files are from the exact ones: measured on what is written, read back.
 
-Points of the exact curves, that no chord and no arc knows of, are held against the outline of each file.
+Points of the exact curves, that no chord and no arc knows of, are held against the outline of each file.  The faces of
+STEP files are held against them when they are made, between the places that they go through.
 """
 
 from __future__ import annotations
@@ -44,7 +45,10 @@ def outline_errors_mm(drive: Drive, files: Mapping[str, bytes], outlines: list[O
             if all(name in files for name in names):
                 found[kind] = (read(files[names[0]]), read(files[names[1]]))
     exact = [exact_points(drive.teeth.of(gear)) for gear in Gear]
-    return {kind: max(map(farthest_mm, exact, both)) for kind, both in found.items()}
+    errors = {kind: max(map(farthest_mm, exact, both)) for kind, both in found.items()}
+    if "pair.step" in files:
+        errors["step"] = error_of_step_mm(files["pair.step"])
+    return errors
 
 
 def exact_points(gear: ToothedGear) -> Array:
@@ -91,6 +95,13 @@ def outline_of_svg(data: bytes) -> Array:
             bulges[row] = (1.0 if numbers[4] else -1.0) * np.tan(turned / 4.0)
     # The path comes back to its first point.
     return flattened(points[:-1], bulges[:-1])
+
+
+def error_of_step_mm(data: bytes) -> float:
+    """What the head of a STEP file says of its faces, which were held against the exact curves when they were made."""
+    head = b" ".join(data.split(b"ENDSEC", 1)[0].split())
+    (error,) = re.findall(rb"tooth faces within (\S+) mm", head)
+    return float(error)
 
 
 READERS: dict[str, Callable[[bytes], Array]] = {"dxf": outline_of_dxf, "svg": outline_of_svg}

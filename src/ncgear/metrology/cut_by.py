@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import Enum
-from math import sin
+from math import degrees, sin
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from ncgear.metrology.round_tool import RoundTool
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import STRAIGHT, PitchPair
 from ncgear.pitch.shape import Gear
-from ncgear.teeth.flank import mating_flanks
+from ncgear.teeth.flank import Flanks, mating_flanks
 from ncgear.teeth.fouling import refuse_fouling_cutter
 from ncgear.teeth.gear import ToothedPair
 from ncgear.teeth.spaces import cut_spaces
@@ -79,6 +79,7 @@ def cut_by(pitch: PitchPair, teeth: ToothedPair, gear: Gear, round_tool: RoundTo
     hob, shaper = _hob(pitch, teeth, gear), _shaper(pitch, teeth, gear)
     if helix == "herringbone":
         hob = CutBy(Tool.HOB, Verdict.NOT, "herringbone teeth leave it no way out")
+    hob, shaper = (_passes(one, teeth.of(gear).flanks) for one in (hob, shaper))
     return [hob, shaper, *(_round(tool, round_tool, helix) for tool in (Tool.WIRE, Tool.END_MILL))]
 
 
@@ -91,6 +92,15 @@ def _round(tool: Tool, largest: RoundTool, helix: str) -> CutBy:
     return CutBy(
         tool, Verdict.CUTS, f"held by {by} of the space after tooth {largest.space}", None, largest.diameter_mm
     )
+
+
+def _passes(generated: CutBy, flanks: Flanks) -> CutBy:
+    """Idle flanks that stand turned are cut by themselves, with the gear turned by as much."""
+    if generated.verdict is Verdict.NOT or not flanks.is_turned:
+        return generated
+    turn = degrees(float(np.ptp(flanks.turn_rad)))
+    second = f"idle flanks in a second pass, the gear turned by {turn:.4g} deg"
+    return replace(generated, reason=f"{generated.reason}; {second}" if generated.reason else second)
 
 
 def _hob(pitch: PitchPair, teeth: ToothedPair, gear: Gear) -> CutBy:
