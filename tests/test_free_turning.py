@@ -150,7 +150,7 @@ def deepest(pitch: PitchPair, form: ToothForm, count: int = 200) -> float:
     return max(float(outlines.overlap(at, share * play).max()) for share in SHARES)
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(slow=["deep ring*"], rest="thorough")
 @pytest.mark.parametrize("name", CASES)
 def test_nothing_is_in_the_mates_way_over_the_whole_play(name: str) -> None:
     assert deepest(*CASES[name]()) <= OVERLAP * TOLERANCE

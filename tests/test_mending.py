@@ -148,7 +148,7 @@ def test_the_mended_gears_do_not_overlap() -> None:
         "8 teeth",
         pytest.param("radius that fits at 20 deg only", marks=pytest.mark.thorough),
         pytest.param("5 teeth", marks=pytest.mark.thorough),
-        pytest.param("more contact than any rack has", marks=pytest.mark.thorough),
+        pytest.param("more contact than any rack has", marks=pytest.mark.slow),
         pytest.param("strongly concave", marks=pytest.mark.slow),
     ],
 )
@@ -307,7 +307,7 @@ def test_other_commands_name_the_build_that_mends(command: str, run: Run) -> Non
     assert err.endswith("; ncgear build --mend takes it\n")
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_mended_build_says_so_and_keeps_its_design_file(run: Run) -> None:
     """The kept file builds the same files; a build in its own folder leaves it there."""
     Path("d.yaml").write_text(TEXT)

@@ -108,14 +108,14 @@ def test_a_drawing_has_the_exact_outline_to_a_tenth_of_the_chord_tolerance(name:
     points = np.array(teeth.points(step_rad=0.001))
     assert 1e-4 < strayed_mm(points, name, gear) <= 0.1 * 0.005
     assert Polygon(points).is_valid
-    # Chords ten times as coarse, and hardly fewer points.
-    assert strayed_mm(outline(name, gear), name, gear) > 0.004
+    # Chords seven times as coarse or more, and hardly fewer points.
+    assert strayed_mm(outline(name, gear), name, gear) > 0.7 * 0.005
     assert len(teeth.vertices()) < 1.5 * len(outline(name, gear))
     # Round edges are arcs there and chords in the solid.
     assert cut_area(data).symmetric_difference(section(name, gear)).buffer(-0.003).is_empty
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(thorough=["ellipse"], rest="slow")
 @pytest.mark.parametrize("name", ["ellipse", "internal-1-2"])
 def test_gears_cut_as_drawn_keep_the_law_closer_than_the_table_s(name: str) -> None:
     """Contact of the written arcs, sampled off their ends: their errors are a third of those of chords, or less."""
@@ -134,7 +134,7 @@ def test_gears_cut_as_drawn_keep_the_law_closer_than_the_table_s(name: str) -> N
     assert arcs.overlap_mm.max() <= 2.0 * 0.1 * 0.005
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(thorough=["ellipse"], rest="slow")
 @pytest.mark.parametrize("name", ["ellipse", "internal-1-2"])
 def test_the_told_errors_of_files_are_those_found_here(name: str) -> None:
     table = Outlines("csv", outline(name, Gear.DRIVING), outline(name, Gear.DRIVEN))
