@@ -9,7 +9,7 @@ from math import pi, radians, sin
 import numpy as np
 import pytest
 import shapely
-from shapely import Polygon
+from shapely import Polygon, affinity
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.pitch.pair import PitchPair, sized_pair
@@ -87,11 +87,16 @@ def brute(
     return rack_cut.cut(sampled, tooth, gear.teeth, True, cutter, positions, window)
 
 
-def apart(gear: ToothedGear, cut: Polygon, step: float = 0.02) -> float:
-    """Largest distance of the two boundaries, to and fro, below the lowest tip and its land's sagitta."""
+def apart(gear: ToothedGear, cut: Polygon, step: float = 0.02, deepest: float = np.inf) -> float:
+    """Largest distance of the two boundaries, to and fro, below the lowest tip and its land's sagitta.
+
+    Nothing deeper below the pitch curve than ``deepest`` is looked at.
+    """
     own = gear.flanks
     sigma = np.linspace(0.0, own.curve.length_mm, 20_001)[:-1]
     below = Polygon(own.offset(sigma, own.tip_height_mm.min() - 0.05)[0])
+    if np.isfinite(deepest):
+        below = below.difference(Polygon(own.offset(sigma, -deepest)[0]))
     shapely.prepare(below)
 
     def farthest(one: Polygon, other: Polygon) -> float:
@@ -126,7 +131,15 @@ def test_backlash_and_profile_shift_move_what_a_rack_cuts(gear: Gear, backlash_m
         rack(), shift_mm, -shift_mm, limits=TipLimits(avoid_undercut=False), backlash=Backlash(backlash_mm)
     )
     own = one_of(made("sine", wanted), gear)
-    assert apart(own, brute(own)) < TOLERANCE + CUTTER_FACETS + SCALLOPS
+    cut, deepest = brute(own), np.inf
+    if gear is Gear.DRIVEN:
+        # A second pass, with the gear turned by the play; between both the bottoms of spaces are swept.
+        turn = float(np.ptp(own.flanks.turn_rad))
+        cut, deepest = (
+            cut.intersection(affinity.rotate(cut, turn, (0.0, 0.0), use_radians=True)),
+            0.9 * own.flanks.flank_depth_mm.min(),
+        )
+    assert apart(own, cut, deepest=deepest) < TOLERANCE + CUTTER_FACETS + SCALLOPS
 
 
 @pytest.mark.tiers(thorough=["wrong2"], rest="slow")

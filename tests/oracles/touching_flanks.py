@@ -106,13 +106,14 @@ def _near_mesh(one: Gear, heading: ComplexArray, window: float) -> _Looked:
 class _Apart:
     """Separations of k pairs of flanks in mm, with their slopes by the driven gear's turn on.
 
-    ``off_corners`` are the separations with the corners of tips left out.
+    ``off_corners`` are the separations with the corners of tips left out, ``at_corners`` those of the corners.
     """
 
     position: IntArray
     apart: FloatArray
     slope: FloatArray
     off_corners: FloatArray
+    at_corners: FloatArray
 
 
 def touching(
@@ -138,7 +139,7 @@ def touching(
         np.maximum.at(step, found.position, -found.apart / found.slope)
         delta += side * step
     found = _separations(gears, looked, at.turned(delta), side)
-    fewest = (found.apart <= within - chords) & (found.off_corners <= found.apart)
+    fewest = (found.apart <= within - chords) & (found.at_corners > found.apart + chords)
     most = (found.apart <= within + chords) & (found.off_corners <= found.apart + chords)
     count = delta.size
     return np.bincount(found.position[fewest], minlength=count), np.bincount(found.position[most], minlength=count)
@@ -165,7 +166,8 @@ def _separations(gears: tuple[Gear, Gear], looked: tuple[_Looked, _Looked], at: 
     begins = np.flatnonzero(np.append(True, np.any(np.diff(pair, axis=0) != 0, axis=1)))
     off_corners = np.minimum.reduceat(np.where(edge, np.inf, apart)[order], begins)
     least = order[begins]
-    return _Apart(row[least], apart[least], slope[least], off_corners)
+    at_corners = np.minimum.reduceat(np.where(edge, apart, np.inf)[order], begins)
+    return _Apart(row[least], apart[least], slope[least], off_corners, at_corners)
 
 
 LEAST_LEVER = 0.3
