@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from math import cos, degrees, sin
 
 from ncgear.errors import WrongInput
@@ -57,8 +58,12 @@ class Play:
 NO_PLAY = Play(0.0, Extremum(0.0, 0.0), Extremum(0.0, 0.0), 0.0)
 
 
+@lru_cache(maxsize=1)
 def play_of(pitch: PitchPair, rack: BasicRack, asked: Backlash) -> Play:
-    """The play that is asked for, on pitch curves of a size; raises WrongInput where it leaves no teeth."""
+    """The play that is asked for, on pitch curves of a size; raises WrongInput where it leaves no teeth.
+
+    The last one is kept, since all sections of helical teeth ask for the same.
+    """
     if not (asked.least_normal_mm or asked.driven_rad):
         return NO_PLAY
     least, largest = (

@@ -173,12 +173,8 @@ def sampled_within(stretch: Stretch, tolerance: float, material: float) -> tuple
 
 def _both_sides(stretch: Stretch, row: IndexArray, share: Array, material: float) -> tuple[Array, Array]:
     """How far chords stand out of the material and how far they cut into it, at most; shape (n,) each."""
-    high = _ends(row, share)
-    start, end = stretch.at(row, share)[0], stretch.at(row, high)[0]
-    middle, slope = stretch.at(row, (share + high) / 2.0)
-    across = _left(end - start)
-    off, tilt = np.sum(across * (middle - start), axis=1), np.sum(across * slope, axis=1) * (high - share)
-    # As in _strayed; a cubic goes to both sides if its slope in the middle is more than twice its distance there.
+    off, tilt, _ = _middles(stretch, row, share)
+    # As in _strayed, where the curve goes to both sides.
     both = np.where(np.abs(tilt) > 2.0 * np.abs(off), np.sqrt(off**2 + tilt**2 / 8.0), 0.0)
     return np.maximum(material * off, both), np.maximum(-material * off, both)
 
@@ -235,15 +231,23 @@ def _refuse_too_many(needed: float, most: int) -> None:
 def _sagittas(stretch: Stretch, row: IndexArray, share: Array) -> tuple[Array, Array]:
     """How far to the left of each chord's middle its curve is, and the chords' unit vectors to the left.
 
-    Shapes (n,) and (n, 2).  The distance is zero where the curve goes to both sides: a cubic does so if its slope in
-    the middle is more than twice its distance there.
+    Shapes (n,) and (n, 2).  The distance is zero where the curve goes to both sides.
+    """
+    off, tilt, across = _middles(stretch, row, share)
+    return np.where(np.abs(tilt) <= 2.0 * np.abs(off), off, 0.0), across
+
+
+def _middles(stretch: Stretch, row: IndexArray, share: Array) -> tuple[Array, Array, Array]:
+    """How far to the left of each chord's middle its curve is, its slope there, and unit vectors to the chords' left.
+
+    The slope is by the share of the chord.  A cubic goes to both sides of its chord if that is more than twice the
+    distance.  Shapes (n,), (n,) and (n, 2).
     """
     high = _ends(row, share)
     start, end = stretch.at(row, share)[0], stretch.at(row, high)[0]
     middle, slope = stretch.at(row, (share + high) / 2.0)
     across = _left(end - start)
-    off, tilt = np.sum(across * (middle - start), axis=1), np.sum(across * slope, axis=1) * (high - share)
-    return np.where(np.abs(tilt) <= 2.0 * np.abs(off), off, 0.0), across
+    return np.sum(across * (middle - start), axis=1), np.sum(across * slope, axis=1) * (high - share), across
 
 
 def _left(direction: Array) -> Array:

@@ -113,10 +113,9 @@ def freed(own: Tips, mate: Tips, paths: TipPaths) -> Tips:
 
     Raises NoSuchMechanism, naming the tooth, where no tip is left.
     """
-    teeth = [
-        _teeth(flanks, mate.height_mm[:, None] * np.linspace(ASIDE, 1.0, FLANK_POINTS))
-        for flanks in _stands(mate.flanks)
-    ]
+    height = mate.height_mm[:, None] * np.linspace(ASIDE, 1.0, FLANK_POINTS)
+    with_play = own.flanks.is_turned or mate.flanks.is_turned
+    teeth = [_teeth(stand, height) for stand in _stands(mate.flanks)[: 1 + with_play]]
     hit = _fouling(own.flanks, own.height_mm, paths, teeth)
     if not hit.any():
         return own
@@ -149,10 +148,10 @@ def _lowered(own: Tips, paths: TipPaths, teeth: list[Array], hit: Mask) -> Flank
 def _fouling(flanks: Flanks, top: Array, paths: TipPaths, teeth: list[Array]) -> Mask:
     """Which tip edges of a gear, at heights ``top``, run into the mate's teeth on their paths; shape (2 z,).
 
-    ``teeth`` are those of the mate as each of ``_stands`` has them.
+    ``teeth`` are those of the mate as each of ``_stands`` has them, of which there is one without play.
     """
     hit = np.zeros(flanks.count, dtype=bool)
-    for stand, mating in zip(_stands(flanks), teeth, strict=True):
+    for stand, mating in zip(_stands(flanks)[: len(teeth)], teeth, strict=True):
         path = paths.in_mate(stand.flank(paths.own, top[paths.own])[0])
         hit[paths.own[_running_into(path, mating, paths.other // 2, NEIGHBOURS)]] = True
     return hit

@@ -157,7 +157,7 @@ def as_designed(teeth: ToothedPair, placement: Placement) -> AsDesigned:
     Raises NoSuchMechanism, with the angle, where no tooth touches another at all.
     """
     paths = _paths_of(teeth)
-    pushing, back = (_candidates(teeth, paths, placement, meetings(teeth, placement, side)) for side in (PUSHING, BACK))
+    pushing, back = _both_sides(teeth, paths, placement)
     return AsDesigned(
         placement,
         _side_contact(pushing, back, placement, tip_clearances(*paths, pushing.meetings)),
@@ -181,7 +181,7 @@ def touch_at(teeth: ToothedPair) -> Callable[[Placement], PairTouch]:
 def contacts_within(teeth: ToothedPair, placement: Placement, within_mm: float) -> tuple[Contacts, Contacts]:
     """What touches on pushing flanks, and on their backs, once the first contacts are pressed in by ``within_mm``."""
     paths = _paths_of(teeth)
-    pushing, back = (_candidates(teeth, paths, placement, meetings(teeth, placement, side)) for side in (PUSHING, BACK))
+    pushing, back = _both_sides(teeth, paths, placement)
     return _contacts_among(pushing, back, placement, within_mm), _contacts_among(back, pushing, placement, within_mm)
 
 
@@ -194,7 +194,7 @@ def pairs_under_load(
     rigid teeth count.
     """
     paths = _paths_of(teeth)
-    pushing, back = (_candidates(teeth, paths, placement, meetings(teeth, placement, side)) for side in (PUSHING, BACK))
+    pushing, back = _both_sides(teeth, paths, placement)
     first, second = (
         own.flanks.touching(
             foremost_two(_contacts_among(own, other, placement), own.meetings.urge, placement),
@@ -229,6 +229,14 @@ def _candidates(
 ) -> _Candidates:
     """The candidates on one side of the teeth."""
     return _Candidates(met, flank_contacts(teeth, placement, met), edge_hits(*paths, placement, met))
+
+
+def _both_sides(
+    teeth: ToothedPair, paths: tuple[SidePaths, SidePaths], placement: Placement
+) -> tuple[_Candidates, _Candidates]:
+    """The candidates on pushing flanks, and on their backs, at even positions of the cycle."""
+    pushing, back = (_candidates(teeth, paths, placement, meetings(teeth, placement, side)) for side in (PUSHING, BACK))
+    return pushing, back
 
 
 def _contacts_among(own: _Candidates, other: _Candidates, placement: Placement, within_mm: float = 0.0) -> Contacts:
