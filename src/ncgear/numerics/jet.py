@@ -152,9 +152,12 @@ def sin_cos(argument: Jet) -> tuple[Jet, Jet]:
     sine, cosine = np.empty_like(a), np.empty_like(a)
     sine[0], cosine[0] = np.sin(a[0]), np.cos(a[0])
     slopes = a[1:] * np.arange(1.0, len(a))[:, None]
+    # A straight argument, which is the usual one, has a single slope.
+    count = len(slopes) if a[2:].any() else 1
     for k in range(1, len(a)):
-        sine[k] = _paired(slopes[:k], cosine[:k]) / k
-        cosine[k] = -_paired(slopes[:k], sine[:k]) / k
+        last = max(k - count, 0)
+        sine[k] = _paired(slopes[: k - last], cosine[last:k]) / k
+        cosine[k] = -_paired(slopes[: k - last], sine[last:k]) / k
     return Jet(sine), Jet(cosine)
 
 
@@ -184,6 +187,8 @@ def tanh(argument: Jet) -> Jet:
 
 def _paired(rising: Array, falling: Array) -> Array:
     """Sum of products of rows: the first of one times the last of the other and so on; shape (n,)."""
+    if len(rising) == 1:
+        return np.asarray(rising[0] * falling[0])
     total: Array = (rising * falling[::-1]).sum(axis=0)
     return total
 
