@@ -43,11 +43,31 @@ def test_paths_lead_from_tip_to_tip_across_each_space(name: str, teeth: int) -> 
     _, pair = made(name, teeth)
     for gear in (pair.driving, pair.driven):
         paths = side_paths(gear.flanks, gear.sides)
-        gaps = np.abs((paths.start + paths.step)[:, :-1] - paths.start[:, 1:])
-        assert np.nanmax(gaps) < 1e-9
-        points = shapely.points(*np.array([paths.start.real, paths.start.imag])[:, np.isfinite(paths.start.real)])
+        following = paths.runs.path[1:] == paths.runs.path[:-1]
+        assert np.abs(paths.point[1:, 0] - paths.point[:-1, -1])[following].max() < 1e-9
+        points = shapely.points(paths.places.real, paths.places.imag)
         # Their points are on the written outline, to its chords.
         assert shapely.distance(shapely.LinearRing(gear.outline_mm), points).max() <= TOLERANCE
+
+
+@pytest.mark.tiers(quick=["sine-25-False"], rest="thorough")
+@pytest.mark.parametrize(
+    ("name", "teeth", "undercut"),
+    [("sine", 25, False), ("uniform", 12, True), ("deep sine", 40, False), ("baler", 25, False), ("ring", 40, False)],
+)
+def test_curves_stray_from_their_chords_by_no_more_than_is_said(name: str, teeth: int, undercut: bool) -> None:
+    """By half of it where they bend evenly; by more where the curvature jumps, as in the baler's curves."""
+    share = np.linspace(0.0, 1.0, 33)[1:-1]
+    _, pair = made(name, teeth, undercut=undercut)
+    for gear in (pair.driving, pair.driven):
+        paths = side_paths(gear.flanks, gear.sides)
+        chord, step = np.diff(paths.point, axis=1)[..., None], np.diff(paths.parameter, axis=1)[..., None]
+        every = np.arange(len(paths.point))
+        places = (paths.parameter[:, :-1, None] + step * share).reshape(every.size, -1)
+        points = paths.curve(every, places)[0].reshape(*chord.shape[:2], -1)
+        strayed = np.abs(((points - paths.point[:, :-1, None]) * np.conj(chord)).imag / np.abs(chord)).max(axis=-1)
+        assert np.all(strayed <= 0.9 * paths.stray_mm + 1e-12)
+        assert np.median(paths.stray_mm / strayed) == pytest.approx(2.0, rel=0.05)
 
 
 # --- positions ---------------------------------------------------------------------------------------------------

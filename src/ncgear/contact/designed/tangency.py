@@ -35,7 +35,7 @@ class FacingFlanks(Columns):
 
     teeth: ToothedPair
     placement: Placement
-    upward: float
+    upward: Array
     driving: IndexArray
     driven: IndexArray
     position: IndexArray
@@ -241,7 +241,7 @@ def _doubtful(facing: FacingFlanks, state: _State) -> Mask:
     if moved.size:
         near, there = facing.kept(moved), state.kept(moved)
         by = _rates(near, there)
-        behind = facing.upward * by.own * by.relative_bend * by.spin_across <= 0.0
+        behind = near.upward * by.own * by.relative_bend * by.spin_across <= 0.0
         doubtful[moved] = behind | _about_joints(near, there)
     return doubtful
 
@@ -298,8 +298,8 @@ def _first_touches(facing: FacingFlanks, limits_mm: Array) -> Touches:
         )
         least, greatest = limits_mm[1, ..., None]
         there = np.isfinite(other_height) & (other_height >= least) & (other_height <= greatest)
-        turn = np.where(there, angle_between(point, other), -facing.upward * np.inf)
-        first = first[0], np.argmax(facing.upward * turn, axis=1)
+        turn = angle_between(point, other)
+        first = first[0], np.argmax(np.where(there, facing.upward[:, None] * turn, -np.inf), axis=1)
         middle, reach = height[first], reach * (SHARES[1] - SHARES[0])
     found = there[first]
     turn = np.where(found, turn[first], 0.0)
