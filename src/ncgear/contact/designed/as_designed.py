@@ -158,9 +158,10 @@ def as_designed(teeth: ToothedPair, placement: Placement) -> AsDesigned:
     Raises NoSuchMechanism, with the angle, where no tooth touches another at all.
     """
     paths = _paths_of(teeth)
-    found = _candidates(teeth, paths, placement, meetings(teeth, placement))
+    met = meetings(teeth, placement)
+    found = _candidates(teeth, paths, placement, met, BESIDE_IN_PITCHES * placement.pitch_mm)
     contacts, foremost = _rigid_contacts(found, placement)
-    met, touches, pairs = found.meetings, _touch(contacts, foremost, placement), found.flanks.touching(foremost)
+    touches, pairs = _touch(contacts, foremost, placement), found.flanks.touching(foremost)
     tips = tip_clearances(*paths, met)
     pushing, back = (
         SideContact(
@@ -182,7 +183,7 @@ def touch_at(teeth: ToothedPair) -> Callable[[Placement], PairTouch]:
     paths = _paths_of(teeth)
 
     def touch(placement: Placement) -> PairTouch:
-        found = _candidates(teeth, paths, placement, single_meetings(teeth, placement))
+        found = _candidates(teeth, paths, placement, single_meetings(teeth, placement), TOUCHING_MM)
         contacts = _contacts_among(found, TOUCHING_MM)
         return PairTouch(placement, *_touch(contacts, foremost_two(contacts, placement), placement))
 
@@ -191,7 +192,7 @@ def touch_at(teeth: ToothedPair) -> Callable[[Placement], PairTouch]:
 
 def contacts_within(teeth: ToothedPair, placement: Placement, within_mm: float) -> tuple[Contacts, Contacts]:
     """What touches on pushing flanks, and on their backs, once the first contacts are pressed in by ``within_mm``."""
-    found = _candidates(teeth, _paths_of(teeth), placement, meetings(teeth, placement))
+    found = _candidates(teeth, _paths_of(teeth), placement, meetings(teeth, placement), within_mm)
     contacts = _contacts_among(found, within_mm)
     return contacts.on(PUSHING), contacts.on(BACK)
 
@@ -204,16 +205,20 @@ def pairs_under_load(
     ``error_rad`` is its angle beyond the law's at each position, shape (n,).  On a side that bears no load there the
     rigid teeth count.
     """
-    found = _candidates(teeth, _paths_of(teeth), placement, meetings(teeth, placement))
+    beside_mm = BESIDE_IN_PITCHES * placement.pitch_mm
+    found = _candidates(teeth, _paths_of(teeth), placement, meetings(teeth, placement), beside_mm)
     return found.flanks.touching(_rigid_contacts(found, placement)[1], error_rad)
 
 
 @dataclass(frozen=True, eq=False)
 class _Candidates:
-    """What may touch: ``flanks`` are the contacts of flanks, and ``hits`` the corners before curves."""
+    """What may touch: the contacts of ``flanks``, and ``hits``, the corners before curves.
 
-    meetings: Meetings
+    ``first_rad`` (shape (2, n)) is the lead with which flanks first touch.
+    """
+
     flanks: FlankContacts
+    first_rad: Array
     hits: list[EdgeHits]
 
 
@@ -224,10 +229,12 @@ def _paths_of(teeth: ToothedPair) -> tuple[SidePaths, SidePaths]:
 
 
 def _candidates(
-    teeth: ToothedPair, paths: tuple[SidePaths, SidePaths], placement: Placement, met: Meetings
+    teeth: ToothedPair, paths: tuple[SidePaths, SidePaths], placement: Placement, met: Meetings, within_mm: float
 ) -> _Candidates:
-    """What may touch in the given meetings."""
-    return _Candidates(met, flank_contacts(teeth, placement, met), edge_hits(*paths, placement, met))
+    """What may touch in the given meetings, with the corners that are within ``within_mm`` of contact."""
+    flanks = flank_contacts(teeth, placement, met)
+    first = foremost_two(flanks.contacts, placement)[0]
+    return _Candidates(flanks, first, edge_hits(paths, placement, met, first, within_mm))
 
 
 def _contacts_among(found: _Candidates, within_mm: Array | float) -> Contacts:
@@ -235,9 +242,7 @@ def _contacts_among(found: _Candidates, within_mm: Array | float) -> Contacts:
 
     ``within_mm`` broadcasts with the shape (2, n) of the sides of the teeth and the positions.
     """
-    flanks = found.flanks.contacts
-    first = foremost_two(flanks, found.flanks.placement)[0]
-    return Contacts.joined([flanks, edge_contacts(found.hits, first, within_mm)])
+    return Contacts.joined([found.flanks.contacts, edge_contacts(found.hits, found.first_rad, within_mm)])
 
 
 BESIDE_IN_PITCHES = 0.0064

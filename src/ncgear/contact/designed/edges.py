@@ -15,7 +15,7 @@ from scipy.optimize import elementwise
 
 from ncgear.contact.designed.curves import TINY, Contacts, SeenGear, SidePaths
 from ncgear.contact.placement import BACK, PUSHING, URGE, Meetings, Placement
-from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
+from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, largest_rows
 from ncgear.numerics.crossing import circle_crossings
 from ncgear.numerics.plane import along, angle_between, square
 from ncgear.teeth.tool import AGREEMENT
@@ -78,67 +78,71 @@ class EdgeHits(Columns):
         return parameter[self.run, self.chord], parameter[self.run, self.chord + 1]
 
 
-def edge_hits(driving: SidePaths, driven: SidePaths, placement: Placement, meetings: Meetings) -> list[EdgeHits]:
-    """Corners of the driving gear on the driven gear's curves, and the other way round, of the flanks that meet."""
+def edge_hits(
+    paths: tuple[SidePaths, SidePaths], placement: Placement, meetings: Meetings, first_rad: Array, within_mm: float
+) -> list[EdgeHits]:
+    """Corners of the driving gear on the driven gear's curves, and the other way round, of the flanks that meet.
+
+    ``paths`` are those of the driving gear and of the driven gear.  Corners that flanks hold farther away than
+    ``within_mm`` are left out; ``first_rad`` (shape (2, n)) is the lead with which flanks first touch on both sides of
+    the teeth at each position, -inf where there are none.
+    """
+    driving, driven = paths
     moving = SeenGear(driving, meetings.driving, placement, moving=True)
     resting = SeenGear(driven, meetings.driven, placement, moving=False)
-    return [_hits(moving, resting, meetings), _hits(resting, moving, meetings)]
+    held_at = first_rad.ravel(), within_mm
+    return [_hits(moving, resting, meetings, *held_at), _hits(resting, moving, meetings, *held_at)]
 
 
-def _hits(corners: SeenGear, curves: SeenGear, meetings: Meetings) -> EdgeHits:
+def _hits(corners: SeenGear, curves: SeenGear, meetings: Meetings, first_rad: Array, within_mm: float) -> EdgeHits:
     """Crossings of the corners' circles with the chords of the flanks they meet."""
-    position, paths = meetings.position, curves.paths
-    corner = corners.points(corners.paths.corner[corners.flank][:, None], position[..., None])
-    # Whether the ends of chords are within the circles, shape (m, positions, corners, ends).
-    within = curves.squares(paths.places, position)[:, :, None] <= square(corner)[..., None]
-    crossed = within[..., 1:] != within[..., :-1]
-    row, column, number, chord = np.unravel_index(np.flatnonzero(crossed), crossed.shape)
-    outwards = within[row, column, number, chord]
-    at = np.broadcast_to(corner, crossed.shape[:3])[row, column, number]
-    flank, at_position = curves.flank[row], position[row, column]
-    begin, end = paths.places[flank, chord], paths.places[flank, chord + 1]
-    inner, step = np.where(outwards, begin, end), np.where(outwards, end - begin, begin - end)
-    inner, step = curves.points(inner, at_position), curves.directions(step, at_position)
-    hit, lever = circle_crossings(inner, step, square(at))
-    turn, share = angle_between(at, hit), np.abs(hit - inner) / np.abs(step)
-    side = meetings.side[row]
-    side = np.where(outwards == curves.rootwards_out, side, PUSHING + BACK - side)
-    near = np.flatnonzero(np.abs(turn) * np.abs(at) <= REACH_IN_PITCHES * paths.flanks.rack.pitch_mm)
-    group = np.ravel_multi_index((row[near], column[near], number[near]), crossed.shape[:3])
-    held = near[_met_first(turn[near], URGE[side[near]] * _ahead(curves, turn[near]), group)]
-    row, share = row[held], np.where(outwards, share, 1.0 - share)[held]
-    flanks = side[held], meetings.driving[row], meetings.driven[row], at_position[held]
-    chords = paths.chord(flank[held], chord[held])
-    return EdgeHits(curves, *flanks, at[held], *chords, share, lever[held], turn[held])
+    paths, ends = curves.paths, curves.paths.places.shape[1]
+    corner = corners.points(corners.paths.corner[corners.flank][:, None], meetings.position[..., None])
+    # Whether the ends of chords are inside the circles, shape (m, positions, corners, ends).
+    inside = curves.squares(paths.places, meetings.position)[:, :, None] <= square(corner)[..., None]
+    number, chord = np.divmod(np.flatnonzero(inside[..., 1:] != inside[..., :-1]), ends - 1)
+    looked_at = number // corner.shape[2]
+    row, position = looked_at // meetings.position.shape[1], meetings.position.ravel()[looked_at]
+    at, flank = np.broadcast_to(corner, inside.shape[:3]).ravel()[number], curves.flank[row]
+    begin = flank * ends + chord
+    start, end = paths.places.ravel()[begin], paths.places.ravel()[begin + 1]
+    start, step = curves.points(start, position), curves.directions(end - start, position)
+    share, lever = circle_crossings(start, step, square(at))
+    turn = angle_between(at, start + share * step)
+    facing = inside.ravel()[number * ends + chord] == curves.rootwards_out
+    side = np.where(facing, meetings.side[row], PUSHING + BACK - meetings.side[row])
+    lead = URGE[side] * _ahead(curves, turn)
+    near = np.abs(turn) * np.abs(at) <= REACH_IN_PITCHES * paths.flanks.rack.pitch_mm
+    near &= _met_first(turn, np.where(near, lead, -np.inf), number)
+    near &= (first_rad[side * curves.placement.count + position] - lead) * lever <= within_mm + paths.stray_mm.max()
+    row, flanks = row[near], (side[near], meetings.driving[row[near]], meetings.driven[row[near]], position[near])
+    return EdgeHits(
+        curves, *flanks, at[near], *paths.chord(flank[near], chord[near]), share[near], lever[near], turn[near]
+    )
 
 
 def _met_first(turn_rad: Array, lead_rad: Array, corner: IndexArray) -> Mask:
     """Which hits of each corner hold it, seen from the law's position.
 
     A corner is inside the other gear where it would come out through the nearest curve; then that curve holds it.
-    Otherwise the curves through which it would go in hold it.  ``corner`` numbers the corners, in order.
+    Otherwise the curves through which it would go in hold it.  ``corner`` numbers the corners.
     """
-    out: Mask = lead_rad > 0.0
-    if not out.size:
-        return out
-    away = np.abs(turn_rad)
-    first = np.nonzero(np.append(True, corner[1:] != corner[:-1]))[0]
-    count = np.diff(np.append(first, out.size))
-    # The first of equally near ones.
-    least = np.nonzero(away == np.repeat(np.minimum.reduceat(away, first), count))[0]
-    least = least[np.append(True, corner[least[1:]] != corner[least[:-1]])]
-    nearest = np.zeros(out.size, dtype=bool)
-    nearest[least] = True
-    held: Mask = np.where(np.repeat(out[least], count), nearest, ~out)
+    out = lead_rad > 0.0
+    held: Mask = ~out
+    rows = np.flatnonzero(np.isin(corner, corner[out]))
+    found, group = np.unique(corner[rows], return_inverse=True)
+    nearest = rows[largest_rows(-np.abs(turn_rad[rows]), group, found.size)]
+    comes_out = out[nearest]
+    held[rows[comes_out[group]]] = False
+    held[nearest[comes_out]] = True
     return held
 
 
 def edge_contacts(found: Sequence[EdgeHits], first_rad: Array, within_mm: Array | float) -> Contacts:
     """Corners that touch before anything else does, or at most ``within_mm`` behind it, and a few that are farther.
 
-    ``first_rad`` (shape (2, n)) is the lead with which flanks first touch on both sides of the teeth at each position,
-    -inf where there are none; ``within_mm`` broadcasts with it.  Raises ArithmeticError if a corner that comes near is
-    not found on its curve.
+    ``first_rad`` is as in ``edge_hits``; ``within_mm`` broadcasts with it and is nowhere greater than there.  Depths
+    are measured across the chords.  Raises ArithmeticError if a corner that comes near is not found on its curve.
     """
     first, within = first_rad.flatten(), np.broadcast_to(within_mm, first_rad.shape).ravel()
     for hits in found:
