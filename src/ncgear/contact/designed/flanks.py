@@ -128,9 +128,18 @@ class FlankContacts:
             pressed_mm = (near.lead_rad - near.urge * error_rad[near.position]) * near.lever_mm
             closer = np.maximum(closer, pressed_mm)
         closer = np.where(near.flanks, closer, -1.0)
-        enters, leaves = _between(closer[None, None], *self.place, self.meetings.position.shape)
-        enters, leaves = np.maximum(enters, self._reaching[0]), np.minimum(leaves, self._reaching[1])
-        pushing, back = (self._pairs(enters[:, rows], leaves[:, rows], rows) for rows in self._sides)
+        enters, leaves = self._reaching
+        if np.any(closer < 0.0):
+            meet, part = _between(closer[None, None], *self.place, self.meetings.position.shape)
+            enters, leaves = np.maximum(enters, meet), np.minimum(leaves, part)
+        arcs = self._arcs(enters, leaves)
+        _, row, column = touch = np.nonzero(leaves > enters)
+        before, count = self.meetings.position[row, column], self.placement.count
+        starts, ends = before + enters[touch], before + leaves[touch]
+        pushing, back = (
+            _pairs(arcs[self.meetings.side == side], starts[own], ends[own], count)
+            for side, own in ((side, self.meetings.side[row] == side) for side in (PUSHING, BACK))
+        )
         return pushing, back
 
     def beside_parted(self, foremost: Array) -> Mask:
@@ -147,39 +156,30 @@ class FlankContacts:
         """Where between positions the flanks of each meeting begin and cease to reach each other."""
         return _between(self.room, *self.place, self.meetings.position.shape)
 
-    @property
-    def _sides(self) -> tuple[Mask, Mask]:
-        return self.meetings.side == PUSHING, self.meetings.side == BACK
-
     def _arcs(self, enters: Array, leaves: Array) -> Array:
         lasting: Array = np.maximum(leaves - enters, 0.0).sum(axis=(0, 2)) / self.placement.per_tooth
         return lasting
 
-    def _pairs(self, enters: Array, leaves: Array, rows: Mask) -> PairsInContact:
-        """The pairs of one side of the teeth, which has the chosen rows of the table of meetings."""
-        touch, count = leaves > enters, self.placement.count
-        before = np.broadcast_to(self.meetings.position[rows, :-1], touch.shape)[touch]
-        starts, ends = before + enters[touch], before + leaves[touch]
-        gaps = _gaps(starts, ends, count)
-        fewest = 0 if len(gaps) else _fewest(starts, ends, count)
-        return PairsInContact(self._arcs(enters, leaves), gaps, fewest, count)
 
-
-def _gaps(starts: Array, ends: Array, count: int) -> Array:
-    """Starts and ends of what no stretch of a cycle of ``count`` positions covers, shape (k, 2)."""
+def _pairs(arcs: Array, starts: Array, ends: Array, count: int) -> PairsInContact:
+    """Pairs that touch over ``arcs``, from the stretches of a cycle of ``count`` positions in which they do."""
     if not starts.size:
-        return np.array([[0.0, count]])
-    order = np.argsort(starts)
-    ends = np.maximum.accumulate(ends[order])
-    following = np.append(starts[order][1:], starts.min() + count)
+        return PairsInContact(arcs, np.array([[0.0, count]]), 0, count)
+    starts, ends = np.sort(starts), np.sort(ends)
+    # Before a gap as many stretches have ended as have begun.
+    following = np.append(starts[1:], starts[0] + count)
     parted = following - ends > GAP
-    return np.column_stack([ends[parted], following[parted]])
+    gaps = np.column_stack([ends[parted], following[parted]])
+    return PairsInContact(arcs, gaps, 0 if len(gaps) else _fewest(starts, ends, count), count)
 
 
 def _fewest(starts: Array, ends: Array, count: int) -> int:
-    """Least number of stretches that cover a place anywhere, left out what is shorter than a gap may be."""
+    """Least number of stretches that cover a place anywhere, left out what is shorter than a gap may be.
+
+    Both ``starts`` and ``ends`` are in order.
+    """
     place = np.concatenate([starts, ends])
-    order = np.argsort(place)
+    order = np.argsort(place, kind="stable")
     number = np.cumsum(np.repeat([1, -1], starts.size)[order])
     lasting = np.diff(place[order], append=count) > GAP
     return int(number[lasting].min())
