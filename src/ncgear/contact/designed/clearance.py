@@ -172,11 +172,9 @@ def _tip_lands(paths: SidePaths) -> _Lands:
 
 def _root_lands(paths: SidePaths) -> _Lands:
     """The roots of all spaces, which begin where the fillets end, right under the pitch curve's points."""
-    foot, roots = paths.sides.roots.end_mm, paths.sides.roots.unturned
+    roots = paths.sides.roots
     # The back flank of a space belongs to the next tooth.
     ends = np.stack(roots.lands(), axis=1)
-    at = roots.flanks.curve.at_length(ends)
-    land = roots.land(np.arange(len(ends))[:, None], ends)[0]
-    height = np.roll(np.sum((land - at.position) * at.normal, axis=-1).ravel(), 1)
+    height = np.roll(roots.height(np.arange(len(ends))[:, None], ends).ravel(), 1)
     width = np.roll(np.repeat(ends[:, 1] - ends[:, 0], 2), 1)
-    return _Lands(foot - paths.flanks.crossing_mm, width, height)
+    return _Lands(roots.end_mm - paths.flanks.crossing_mm, width, height)

@@ -182,9 +182,16 @@ class _Runs(Columns):
 
 def side_paths(flanks: Flanks, sides: Sides) -> SidePaths:
     """The paths of all flanks of a gear."""
-    runs = _runs(flanks, sides)
-    parameter = runs.start[:, None] + (runs.end - runs.start)[:, None] * SHARES
-    point, slope = _curve(flanks, sides, runs.kind, runs.owner, parameter)
+    down, facing = _runs_down(flanks, sides)
+    parameter = down.start[:, None] + (down.end - down.start)[:, None] * SHARES
+    point, slope = _curve(flanks, sides, down.kind, down.owner, parameter)
+    # Up the fillets across the space.
+    fillet = np.flatnonzero(down.kind == FILLET)[::-1]
+    up = _Runs(facing[down.path[fillet]], down.kind[fillet], down.owner[fillet], down.end[fillet], down.start[fillet])
+    runs = _Runs.joined([down, up])
+    order = np.argsort(runs.path, kind="stable")
+    parameter, point, slope = (np.concatenate([of, of[fillet, ::-1]])[order] for of in (parameter, point, slope))
+    runs = runs.kept(order)
     last = np.searchsorted(runs.path, np.arange(flanks.count), side="right") - 1
     run = np.full((flanks.count, int(runs.number.max()) + 1), -1)
     run[runs.path, runs.number] = np.arange(runs.path.size)
@@ -193,20 +200,16 @@ def side_paths(flanks: Flanks, sides: Sides) -> SidePaths:
     return SidePaths(flanks, sides, runs, places, run, parameter, point, slope, _corners(runs, point, slope))
 
 
-def _runs(flanks: Flanks, sides: Sides) -> _Runs:
-    """The runs of all paths: those of the side, the root land, and back up the fillets of the side across the space."""
+def _runs_down(flanks: Flanks, sides: Sides) -> tuple[_Runs, IndexArray]:
+    """The runs of all sides and, behind these, the root lands they lead to; and the flank that each flank faces."""
     own = _Runs(sides.owner, sides.kind, sides.owner, sides.start, sides.end)
     every, front = np.arange(flanks.count), flanks.side > 0.0
-    space = np.where(front, every // 2, every // 2 - 1) % (flanks.count // 2)
+    facing = np.where(front, every + 1, every - 1) % flanks.count
+    space = np.where(front, every, facing) // 2
     first, last = (ends[space] for ends in sides.roots.lands())
     land = np.full(every.size, LAND)
     lands = _Runs(every, land, space, np.where(front, first, last), np.where(front, last, first))
-    fillet = np.nonzero(sides.kind == FILLET)[0][::-1]
-    facing = (sides.owner[fillet] + flanks.side[sides.owner[fillet]].astype(int)) % flanks.count
-    across = _Runs(facing, sides.kind[fillet], sides.owner[fillet], sides.end[fillet], sides.start[fillet])
-    # Path by path, and within a path part by part.
-    runs = _Runs.joined([own, lands, across])
-    return runs.kept(np.argsort(runs.path, kind="stable"))
+    return _Runs.joined([own, lands]), facing
 
 
 def _curve(
