@@ -14,7 +14,7 @@ from ncgear.contact.designed.edges import EdgeHits, edge_contacts, edge_hits
 from ncgear.contact.designed.flanks import TOUCHING_MM, FlankContacts, PairsInContact, flank_contacts, foremost_two
 from ncgear.contact.placement import BACK, PUSHING, URGE, Meetings, Placement, meetings, single_meetings
 from ncgear.errors import NoSuchMechanism
-from ncgear.numerics.arrays import Array, IndexArray, largest_rows
+from ncgear.numerics.arrays import Array, IndexArray, Mask, largest_rows
 from ncgear.numerics.units import in_words
 from ncgear.teeth.gear import ToothedPair
 
@@ -265,20 +265,26 @@ def _rigid_contacts(found: _Candidates, placement: Placement) -> tuple[Contacts,
 def _touch(contacts: Contacts, foremost: Array, placement: Placement) -> tuple[SideTouch, SideTouch]:
     """The first contacts among all, on pushing flanks and on their backs, by the values of ``foremost_two``."""
     later = foremost[0, contacts.side, contacts.position] - contacts.lead_rad
-    first = _foremost(contacts.kept(later <= ALIKE_RAD), placement)
-    touching = contacts.kept(later * contacts.lever_mm <= TOUCHING_MM)
-    pushing, back = (SideTouch(side, first.on(side), touching.on(side)) for side in (PUSHING, BACK))
+    first, touching = _foremost(contacts, later <= ALIKE_RAD, placement), later * contacts.lever_mm <= TOUCHING_MM
+    pushing, back = (
+        SideTouch(side, contacts.kept(first[side]), contacts.kept(touching & (contacts.side == side)))
+        for side in (PUSHING, BACK)
+    )
     return pushing, back
 
 
-def _foremost(alike: Contacts, placement: Placement) -> Contacts:
-    """One of the first contacts of each side and position: flanks before edges, then the nearest to the pitch point."""
-    place, distance = alike.place(placement), np.abs(alike.point - placement.pitch_point[alike.position])
-    count = len(URGE) * placement.count
+def _foremost(contacts: Contacts, alike: Mask, placement: Placement) -> IndexArray:
+    """One of the first contacts, which are ``alike``, of each side and position, shape (2, n).
+
+    Flanks go before edges, then comes the nearest to the pitch point.  Raises NoSuchMechanism where there is none.
+    """
+    rows, count = np.flatnonzero(alike), len(URGE) * placement.count
+    place, flanks, position = contacts.place(placement)[rows], contacts.flanks[rows], contacts.position[rows]
     between_flanks = np.zeros(count, dtype=bool)
-    between_flanks[place[alike.flanks]] = True
-    rows = largest_rows(np.where(alike.flanks | ~between_flanks[place], -distance, -np.inf), place, count)
-    missing = np.flatnonzero(rows < 0) % placement.count
+    between_flanks[place[flanks]] = True
+    distance = np.abs(contacts.point[rows] - placement.pitch_point[position])
+    nearest = largest_rows(np.where(flanks | ~between_flanks[place], -distance, -np.inf), place, count)
+    missing = np.flatnonzero(nearest < 0) % placement.count
     if missing.size:
         phi1 = in_words(float(placement.phi1_rad[missing[0]]))
         raise NoSuchMechanism(
@@ -286,4 +292,4 @@ def _foremost(alike: Contacts, placement: Placement) -> Contacts:
             "more teeth of a smaller module, less backlash or a larger addendum are needed",
             key="gears.teeth",
         )
-    return alike.kept(rows)
+    return rows[nearest].reshape(len(URGE), -1)

@@ -24,7 +24,10 @@ REACH_IN_PITCHES = 0.6
 """How far along its circle a corner is followed: beyond are another tooth or the other side of the same tooth."""
 
 NEWTON_STEPS = 12
-"""Most steps of Newton's method to a circle.  From the cubics of chords one step reaches rounding errors."""
+"""Most steps of Newton's method to a circle.  From the cubics of chords two do."""
+
+CLOSE_IN_MODULES = 1e-10
+"""Last step of Newton's method, which is taken along the tangent: the curve leaves that by the square of the step."""
 
 CUBIC_STEPS = 2
 """Steps of Newton's method from a chord to a circle along the cubic that has the curve's slopes at the chord's ends."""
@@ -161,16 +164,17 @@ def _touching(hits: EdgeHits) -> Contacts:
 
     Newton's method may end beyond the chord where the curve turns close by; there the place is bracketed on the chord.
     """
-    gear, radius = hits.curves, np.abs(hits.corner)
-    agreement = AGREEMENT * gear.paths.flanks.rack.module_mm
+    gear, squared_radius, module = hits.curves, square(hits.corner), hits.curves.paths.flanks.rack.module_mm
     first, last = hits.ends
     parameter = first + (last - first) * _on_cubics(hits)
     for _ in range(NEWTON_STEPS):
         point, slope = gear.curve(hits.run, parameter, hits.position)
-        met = np.abs(np.abs(point) - radius) <= agreement
+        step = _step_to_circle(point, slope, squared_radius)
+        parameter, point = parameter + step, point + slope * step
+        met = np.abs(np.abs(point) - np.sqrt(squared_radius)) <= AGREEMENT * module
+        met &= np.abs(slope * step) <= CLOSE_IN_MODULES * module
         if met.all():
             break
-        parameter = np.where(met, parameter, parameter + _step_to_circle(point, slope, square(hits.corner)))
     astray = np.flatnonzero(~met | ((parameter - first) * (parameter - last) > 0.0))
     if astray.size:
         parameter[astray] = _bracketed(hits.kept(astray))

@@ -151,12 +151,14 @@ def tangencies(facing: FacingFlanks, limits_mm: Array) -> Touches:
     ``limits_mm`` (shape (2, 2, n)): the least and the greatest height of the driving flanks and of the driven flanks.
     """
     state = _state(facing, facing.driving_mm, facing.driven_mm, facing.turn_rad)
+    met = _met(state, facing.module_mm)
     for _ in range(NEWTON_STEPS):
-        todo = np.nonzero(~_met(state, facing.module_mm))[0]
+        todo = np.flatnonzero(~met)
         if not todo.size:
             break
-        state = _merged(state, todo, _stepped(facing.kept(todo), state.kept(todo)))
-    doubtful = np.nonzero(_doubtful(facing, state))[0]
+        nearer = _stepped(facing.kept(todo), state.kept(todo))
+        state, met[todo] = _merged(state, todo, nearer), _met(nearer, facing.module_mm)
+    doubtful = np.flatnonzero(_doubtful(facing, state, met))
     touches = _touches(state)
     if not doubtful.size:
         return touches
@@ -231,12 +233,12 @@ def _rates(facing: FacingFlanks, at: _State) -> _Rates:
     )
 
 
-def _doubtful(facing: FacingFlanks, state: _State) -> Mask:
+def _doubtful(facing: FacingFlanks, state: _State, met: Mask) -> Mask:
     """Whether a tangency is not found, is not the first touch, or is near a joint that the flanks pass unequally.
 
     Points beside a first touch have farther to go: the tangents turn apart on both sides of it.
     """
-    doubtful = ~_met(state, facing.module_mm)
+    doubtful = ~met
     moved = np.nonzero(~doubtful & (np.abs(state.turn_rad - facing.turn_rad) > PARALLEL_RAD))[0]
     if moved.size:
         near, there = facing.kept(moved), state.kept(moved)
