@@ -106,11 +106,11 @@ def _from_fillets(paths: SidePaths, flank: IndexArray, point: ComplexArray, free
 
     A distance is negative where the fillet is between the point and its place of ``free``, which is outside the teeth.
     """
-    chosen = np.where(paths.own_fillet[flank], square(paths.places[flank, :-1] - point[:, None]), np.nan)
-    there = np.isfinite(chosen).any(axis=1)
+    fillet, away = paths.own_fillet[flank], square(paths.places[flank, :-1] - point[:, None])
+    nearest, there = np.argmin(np.where(fillet, away, np.inf), axis=1), fillet.any(axis=1)
     distance = np.full(flank.size, np.inf)
     flank, point, free = flank[there], point[there], free[there]
-    found, heading = _nearest(paths, (flank, np.nanargmin(chosen[there], axis=1)), point)
+    found, heading = _nearest(paths, (flank, nearest[there]), point)
     same = across(heading, point - found) * across(heading, free - found) >= 0.0
     distance[there] = np.where(same, 1.0, -1.0) * np.abs(point - found)
     return distance

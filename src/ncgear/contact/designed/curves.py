@@ -17,7 +17,7 @@ import numpy as np
 from ncgear.contact.placement import URGE, Placement
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import across, along, angle_between, as_complex, square
-from ncgear.teeth.flank import FILLET, Flanks
+from ncgear.teeth.flank import FILLET, FLANK, Flanks
 from ncgear.teeth.sides import Sides
 
 
@@ -215,12 +215,14 @@ def _runs_down(flanks: Flanks, sides: Sides) -> tuple[_Runs, IndexArray]:
 def _curve(
     flanks: Flanks, sides: Sides, kind: IndexArray, owner: IndexArray, parameter: Array
 ) -> tuple[ComplexArray, ComplexArray]:
-    point, slope = flanks.curve_of(kind, owner, parameter)
-    land = np.nonzero(kind == LAND)[0]
-    if land.size:
-        tooth = owner[land].reshape(-1, *[1] * (parameter.ndim - 1))
-        point[land], slope[land] = sides.roots.land(tooth, parameter[land])
-    return as_complex(point), as_complex(slope)
+    """Points of n mixed curves (kinds FLANK, FILLET, LAND) at parameters of shape (n, ...), and derivatives."""
+    point, slope = np.empty(parameter.shape, dtype=complex), np.empty(parameter.shape, dtype=complex)
+    owner = owner.reshape(-1, *[1] * (parameter.ndim - 1))
+    for number, curve in ((FLANK, flanks.flank), (FILLET, flanks.fillet), (LAND, sides.roots.land)):
+        rows = np.flatnonzero(kind == number)
+        if rows.size:
+            point[rows], slope[rows] = (as_complex(array) for array in curve(owner[rows], parameter[rows]))
+    return point, slope
 
 
 def _corners(runs: _Runs, points: ComplexArray, slopes: ComplexArray) -> ComplexArray:

@@ -132,6 +132,8 @@ def _met_first(turn_rad: Array, lead_rad: Array, corner: IndexArray) -> Mask:
     """
     out = lead_rad > 0.0
     held: Mask = ~out
+    if held.all():
+        return held
     rows = np.flatnonzero(np.isin(corner, corner[out]))
     found, group = np.unique(corner[rows], return_inverse=True)
     nearest = rows[largest_rows(-np.abs(turn_rad[rows]), group, found.size)]
