@@ -13,8 +13,9 @@ from scipy.optimize import brentq
 from shapely import LineString, Point, Polygon
 
 from engaged import MODULE, TOLERANCE, designed, made, outlines, read, written
-from ncgear.contact.designed.as_designed import AsDesigned, SideContact, as_designed
+from ncgear.contact.designed.as_designed import AsDesigned, SideContact, as_designed, contacts_within
 from ncgear.contact.designed.curves import side_paths
+from ncgear.contact.designed.flanks import TOUCHING_MM
 from ncgear.contact.pair import refuse_overlap
 from ncgear.contact.placement import Placement, placed
 from ncgear.errors import NoSuchMechanism
@@ -345,6 +346,25 @@ def test_edges_carry_where_contact_is_shorter_than_a_pitch() -> None:
     by_tooth = contact.pushing.variation_by_tooth(contact.pushing.error_rad)
     assert sorted(by_tooth) == list(range(1, 9))
     assert list(by_tooth.values()) == pytest.approx([contact.pushing.transmission_error_rad] * 8, rel=1e-6)
+
+
+@pytest.mark.tiers(quick=["uniform-8-None"], rest="thorough")
+@pytest.mark.parametrize(
+    ("name", "teeth", "relief"),
+    [("uniform", 8, None), ("long ellipse", 18, None), ("baler", 25, TipRelief(0.05, 0.4, MODULE)), ("ring", 40, None)],
+    ids=["uniform-8-None", "long ellipse-18-None", "baler-25-relief", "ring-40-None"],
+)
+def test_no_corner_that_touches_first_is_left_out(name: str, teeth: int, relief: TipRelief | None) -> None:
+    """Beside all corners that come within half a millimetre of contact."""
+    pitch, pair = made(name, teeth, relief=relief)
+    contact = as_designed(pair, placed(pitch))
+    for side, every in zip(both(contact), contacts_within(pair, contact.placement, 0.5), strict=True):
+        lead = np.full(contact.placement.count, -np.inf)
+        np.maximum.at(lead, every.position, every.lead_rad)
+        assert side.first.lead_rad == pytest.approx(lead, abs=1e-12)
+        behind = (lead[every.position] - every.lead_rad) * every.lever_mm
+        few, many = (np.sum(behind <= share * TOUCHING_MM) for share in (0.999999, 1.000001))
+        assert few <= side.touching.position.size <= many
 
 
 @pytest.mark.tiers(quick=["uniform-8-0.0"], slow=["baler-25-0.0"], rest="thorough")
