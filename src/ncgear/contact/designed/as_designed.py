@@ -21,6 +21,10 @@ from ncgear.teeth.gear import ToothedPair
 ALIKE_RAD = 1e-12
 """Difference of driven angles at which contacts count as equally first: a hundred rounding errors."""
 
+BESIDE_IN_PITCHES = 0.0064
+"""How far corners are followed behind the first contact where flanks part: where these come to touch between two
+positions is told by their lead over the corners at both."""
+
 
 @dataclass(frozen=True, eq=False)
 class SideTouch:
@@ -243,11 +247,6 @@ def _contacts_among(found: _Candidates, within_mm: Array | float) -> Contacts:
     ``within_mm`` broadcasts with the shape (2, n) of the sides of the teeth and the positions.
     """
     return Contacts.joined([found.flanks.contacts, edge_contacts(found.hits, found.first_rad, within_mm)])
-
-
-BESIDE_IN_PITCHES = 0.0064
-"""How far corners are followed behind the first contact where flanks part: where these come to touch between two
-positions is told by their lead over the corners at both."""
 
 
 def _rigid_contacts(found: _Candidates, placement: Placement) -> tuple[Contacts, Array]:

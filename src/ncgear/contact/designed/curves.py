@@ -94,7 +94,7 @@ LAND = 2
 """The root land, numbered after the kinds FLANK and FILLET of curves."""
 
 CHORDS = 8
-"""Chords per run of a curve; the exact curve strays from them by less than a hundredth of a module."""
+"""Chords per run of a curve; the exact curve strays from them by less than a fiftieth of a module."""
 
 SHARES = np.linspace(0.0, 1.0, CHORDS + 1)
 """Shares of the way along a run at which its chords end."""

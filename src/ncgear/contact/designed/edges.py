@@ -1,7 +1,8 @@
 """Edge contact: corners of one gear's teeth against the curves of the other.
 
 As one gear turns against the other about the driven axis, its corners run along circles.  Chords of the curves tell
-which corners come near enough to matter; only for those the crossing of circle and exact curve is solved.
+which corners come near enough to matter, since how far curves may stray from them is known; only for those the crossing
+of circle and exact curve is solved.
 """
 
 from __future__ import annotations
@@ -93,8 +94,8 @@ def edge_hits(
     driving, driven = paths
     moving = SeenGear(driving, meetings.driving, placement, moving=True)
     resting = SeenGear(driven, meetings.driven, placement, moving=False)
-    held_at = first_rad.ravel(), within_mm
-    return [_hits(moving, resting, meetings, *held_at), _hits(resting, moving, meetings, *held_at)]
+    first = first_rad.ravel()
+    return [_hits(moving, resting, meetings, first, within_mm), _hits(resting, moving, meetings, first, within_mm)]
 
 
 def _hits(corners: SeenGear, curves: SeenGear, meetings: Meetings, first_rad: Array, within_mm: float) -> EdgeHits:
@@ -103,6 +104,7 @@ def _hits(corners: SeenGear, curves: SeenGear, meetings: Meetings, first_rad: Ar
     corner = corners.points(corners.paths.corner[corners.flank][:, None], meetings.position[..., None])
     # Whether the ends of chords are inside the circles, shape (m, positions, corners, ends).
     inside = curves.squares(paths.places, meetings.position)[:, :, None] <= square(corner)[..., None]
+    # From here on each crossing is one row; ``number`` counts the corners in all meetings and positions.
     number, chord = np.divmod(np.flatnonzero(inside[..., 1:] != inside[..., :-1]), ends - 1)
     looked_at = number // corner.shape[2]
     row, position = looked_at // meetings.position.shape[1], meetings.position.ravel()[looked_at]
@@ -117,11 +119,11 @@ def _hits(corners: SeenGear, curves: SeenGear, meetings: Meetings, first_rad: Ar
     lead = URGE[side] * _ahead(curves, turn)
     near = np.abs(turn) * np.abs(at) <= REACH_IN_PITCHES * paths.flanks.rack.pitch_mm
     near &= _met_first(turn, np.where(near, lead, -np.inf), number)
-    near &= (first_rad[side * curves.placement.count + position] - lead) * lever <= within_mm + paths.stray_mm.max()
+    behind_mm = (first_rad[side * curves.placement.count + position] - lead) * lever
+    near &= behind_mm <= within_mm + paths.stray_mm.max()
     row, flanks = row[near], (side[near], meetings.driving[row[near]], meetings.driven[row[near]], position[near])
-    return EdgeHits(
-        curves, *flanks, at[near], *paths.chord(flank[near], chord[near]), share[near], lever[near], turn[near]
-    )
+    chords = paths.chord(flank[near], chord[near])
+    return EdgeHits(curves, *flanks, at[near], *chords, share[near], lever[near], turn[near])
 
 
 def _met_first(turn_rad: Array, lead_rad: Array, corner: IndexArray) -> Mask:
