@@ -13,8 +13,9 @@ from scipy.optimize import brentq
 from shapely import LineString, Point, Polygon
 
 from engaged import MODULE, TOLERANCE, designed, made, outlines, read, written
-from ncgear.contact.designed.as_designed import AsDesigned, SideContact, as_designed
+from ncgear.contact.designed.as_designed import AsDesigned, SideContact, as_designed, contacts_within
 from ncgear.contact.designed.curves import side_paths
+from ncgear.contact.designed.flanks import TOUCHING_MM
 from ncgear.contact.pair import refuse_overlap
 from ncgear.contact.placement import Placement, placed
 from ncgear.errors import NoSuchMechanism
@@ -43,11 +44,31 @@ def test_paths_lead_from_tip_to_tip_across_each_space(name: str, teeth: int) -> 
     _, pair = made(name, teeth)
     for gear in (pair.driving, pair.driven):
         paths = side_paths(gear.flanks, gear.sides)
-        gaps = np.abs((paths.start + paths.step)[:, :-1] - paths.start[:, 1:])
-        assert np.nanmax(gaps) < 1e-9
-        points = shapely.points(*np.array([paths.start.real, paths.start.imag])[:, np.isfinite(paths.start.real)])
+        following = paths.runs.path[1:] == paths.runs.path[:-1]
+        assert np.abs(paths.point[1:, 0] - paths.point[:-1, -1])[following].max() < 1e-9
+        points = shapely.points(paths.places.real, paths.places.imag)
         # Their points are on the written outline, to its chords.
         assert shapely.distance(shapely.LinearRing(gear.outline_mm), points).max() <= TOLERANCE
+
+
+@pytest.mark.tiers(quick=["sine-25-False"], rest="thorough")
+@pytest.mark.parametrize(
+    ("name", "teeth", "undercut"),
+    [("sine", 25, False), ("uniform", 12, True), ("deep sine", 40, False), ("baler", 25, False), ("ring", 40, False)],
+)
+def test_curves_stray_from_their_chords_by_no_more_than_is_said(name: str, teeth: int, undercut: bool) -> None:
+    """By half of it where they bend evenly; by more where the curvature jumps, as in the baler's curves."""
+    share = np.linspace(0.0, 1.0, 33)[1:-1]
+    _, pair = made(name, teeth, undercut=undercut)
+    for gear in (pair.driving, pair.driven):
+        paths = side_paths(gear.flanks, gear.sides)
+        chord, step = np.diff(paths.point, axis=1)[..., None], np.diff(paths.parameter, axis=1)[..., None]
+        every = np.arange(len(paths.point))
+        places = (paths.parameter[:, :-1, None] + step * share).reshape(every.size, -1)
+        points = paths.curve(every, places)[0].reshape(*chord.shape[:2], -1)
+        strayed = np.abs(((points - paths.point[:, :-1, None]) * np.conj(chord)).imag / np.abs(chord)).max(axis=-1)
+        assert np.all(strayed <= 0.9 * paths.stray_mm + 1e-12)
+        assert np.median(paths.stray_mm / strayed) == pytest.approx(2.0, rel=0.05)
 
 
 # --- positions ---------------------------------------------------------------------------------------------------
@@ -325,6 +346,25 @@ def test_edges_carry_where_contact_is_shorter_than_a_pitch() -> None:
     by_tooth = contact.pushing.variation_by_tooth(contact.pushing.error_rad)
     assert sorted(by_tooth) == list(range(1, 9))
     assert list(by_tooth.values()) == pytest.approx([contact.pushing.transmission_error_rad] * 8, rel=1e-6)
+
+
+@pytest.mark.tiers(quick=["uniform-8-None"], rest="thorough")
+@pytest.mark.parametrize(
+    ("name", "teeth", "relief"),
+    [("uniform", 8, None), ("long ellipse", 18, None), ("baler", 25, TipRelief(0.05, 0.4, MODULE)), ("ring", 40, None)],
+    ids=["uniform-8-None", "long ellipse-18-None", "baler-25-relief", "ring-40-None"],
+)
+def test_no_corner_that_touches_first_is_left_out(name: str, teeth: int, relief: TipRelief | None) -> None:
+    """Beside all corners that come within half a millimetre of contact."""
+    pitch, pair = made(name, teeth, relief=relief)
+    contact = as_designed(pair, placed(pitch))
+    for side, every in zip(both(contact), contacts_within(pair, contact.placement, 0.5), strict=True):
+        lead = np.full(contact.placement.count, -np.inf)
+        np.maximum.at(lead, every.position, every.lead_rad)
+        assert side.first.lead_rad == pytest.approx(lead, abs=1e-12)
+        behind = (lead[every.position] - every.lead_rad) * every.lever_mm
+        few, many = (np.sum(behind <= share * TOUCHING_MM) for share in (0.999999, 1.000001))
+        assert few <= side.touching.position.size <= many
 
 
 @pytest.mark.tiers(quick=["uniform-8-0.0"], slow=["baler-25-0.0"], rest="thorough")

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.crossing import CurveFunction, chord_crossings, refined_crossings
+from ncgear.numerics.crossing import CurveFunction, chord_crossings, circle_crossings, refined_crossings
 
 TIGHT = 1e-13
 """Curves of size 1 to 5: some tens of rounding errors of a point."""
@@ -142,3 +142,22 @@ def test_a_line_through_a_circle(direction: float, turned: float) -> None:
     assert agreed.all()
     assert at2[0] == pytest.approx(length, abs=10 * TIGHT)
     assert tuple(first(at1)[0][0]) == pytest.approx(exact, abs=10 * TIGHT)
+
+
+@settings(deadline=None)
+@given(st.floats(0.2, 1.4), st.floats(-3.0, 3.0), st.floats(0.01, 0.9), st.floats(0.05, 0.95))
+def test_a_chord_through_a_circle_in_both_senses(slope: float, turned: float, before: float, share: float) -> None:
+    """A chord that crosses the unit circle at a known place, at a known angle to the radius there."""
+    place, direction = np.exp(1j * np.array([turned])), np.exp(1j * np.array([turned + slope]))
+    # Inwards the chord ends before it comes out again on the other side.
+    start, step = place - before * cos(slope) * direction, before * cos(slope) / share * direction
+    for begin, way, at in ((start, step, share), (start + step, -step, 1.0 - share)):
+        found, lever = circle_crossings(begin, way, np.ones(1))
+        assert found == pytest.approx(at, abs=1e-10)
+        assert lever == pytest.approx(cos(slope), abs=1e-10)
+
+
+def test_a_chord_that_begins_on_the_circle_crosses_it_there() -> None:
+    for step in (0.5 + 0.1j, 0.5 - 3.0j):
+        share, _ = circle_crossings(np.ones(1, dtype=complex), np.array([step]), np.ones(1))
+        assert share[0] == 0.0

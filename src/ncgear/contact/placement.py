@@ -12,7 +12,7 @@ from math import ceil, floor, lcm, pi
 
 import numpy as np
 
-from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
+from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
 from ncgear.teeth.flank import mating_flanks
@@ -24,11 +24,13 @@ PER_TOOTH = 20
 FEWEST = 400
 """Least number of positions in a cycle, however few the teeth are."""
 
-PUSHING, BACK = -1.0, 1.0
-"""The side of the driving gear's flanks that push the driven gear on, and of those that would hold it back.
+PUSHING, BACK = 0, 1
+"""The side of the driving gear's flanks that push the driven gear on, and of those that would hold it back: the rows of
+tables of shape (2, ...).  Arc length grows against the driving gear's turning, so a pushing flank faces falling arc
+length."""
 
-Arc length grows against the driving gear's turning, so a pushing flank faces falling arc length.
-"""
+URGE = np.array([1.0, -1.0])
+"""+1 on pushing flanks, where the first contact is the one farthest ahead; -1 on their backs."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,14 +193,15 @@ tooth as high as the module covers at 20 degrees, since corners touch beyond the
 
 
 @dataclass(frozen=True, eq=False)
-class Meetings:
-    """The m meetings of two flanks in a cycle, on one side of the teeth, each looked at in k positions.
+class Meetings(Columns):
+    """The m meetings of two flanks in a cycle, each looked at in k positions.
 
-    ``driving`` and ``driven`` number the flanks, shape (m,).  ``position`` numbers the positions, shape (m, k);
-    ``driving_ahead_mm`` and ``driven_ahead_mm`` are the rolled lengths until each flank crosses the pitch point.
+    ``side`` is PUSHING or BACK, ``driving`` and ``driven`` number the flanks, shape (m,).  ``position`` numbers the
+    positions, shape (m, k); ``driving_ahead_mm`` and ``driven_ahead_mm`` are the rolled lengths until each flank
+    crosses the pitch point.
     """
 
-    side: float
+    side: IndexArray
     driving: IndexArray
     driven: IndexArray
     position: IndexArray
@@ -206,14 +209,18 @@ class Meetings:
     driven_ahead_mm: Array
 
     @property
-    def urge(self) -> float:
-        """+1 on pushing flanks, where the first contact is the one farthest ahead; -1 on their backs."""
-        return 1.0 if self.side == PUSHING else -1.0
+    def urge(self) -> Array:
+        """``URGE`` of each meeting, shape (m,)."""
+        return URGE[self.side]
+
+    def on(self, side: int) -> Meetings:
+        """The meetings on one side of the teeth."""
+        return self.kept(self.side == side)
 
 
-def meetings(teeth: ToothedPair, placement: Placement, side: float) -> Meetings:
-    """All meetings on the driving gear's flanks of ``side`` (PUSHING or BACK), in the order in which flanks meet."""
-    driving, driven, driving_mm, driven_mm = _crossings_mm(teeth, placement, side)
+def meetings(teeth: ToothedPair, placement: Placement) -> Meetings:
+    """All meetings on both sides of the teeth, in the order in which the flanks of each side meet."""
+    side, driving, driven, driving_mm, driven_mm = _crossings_mm(teeth, placement)
     reach = REACH_IN_PITCHES * placement.per_tooth
     first = np.ceil(driving_mm / placement.step_mm - reach).astype(int)
     position = first[:, None] + np.arange(int(2 * reach))
@@ -222,24 +229,23 @@ def meetings(teeth: ToothedPair, placement: Placement, side: float) -> Meetings:
     return Meetings(side, driving, driven, position % placement.count, *ahead)
 
 
-def single_meetings(teeth: ToothedPair, placement: Placement, side: float) -> Meetings:
+def single_meetings(teeth: ToothedPair, placement: Placement) -> Meetings:
     """As ``meetings`` for positions at any rolled lengths: every meeting in each position near it, m of k = 1."""
-    driving, driven, driving_mm, driven_mm = _crossings_mm(teeth, placement, side)
+    side, driving, driven, driving_mm, driven_mm = _crossings_mm(teeth, placement)
     cycle = placement.cycle_mm
     ahead = (driving_mm[:, None] - placement.rolled_mm + cycle / 2.0) % cycle - cycle / 2.0
     number, position = np.nonzero(np.abs(ahead) <= REACH_IN_PITCHES * placement.pitch_mm)
     first = ahead[number, position][:, None]
     second = first + (driven_mm - driving_mm)[number][:, None]
-    return Meetings(side, driving[number], driven[number], position[:, None], first, second)
+    return Meetings(side[number], driving[number], driven[number], position[:, None], first, second)
 
 
-def _crossings_mm(teeth: ToothedPair, placement: Placement, side: float) -> tuple[IndexArray, IndexArray, Array, Array]:
-    """The flanks of both gears that meet, and the rolled lengths at which they cross the pitch point, in the cycle."""
-    number = np.arange(placement.meetings)
+def _crossings_mm(teeth: ToothedPair, placement: Placement) -> tuple[IndexArray, IndexArray, IndexArray, Array, Array]:
+    """The sides and flanks of all meetings, and the rolled lengths at which both cross the pitch point in the cycle."""
     driving, driven = mating_flanks(placement.driving_teeth, placement.driven_teeth)
-    rows = slice(None, placement.meetings) if side == BACK else slice(placement.meetings, None)
-    driving, driven = driving[rows], driven[rows]
+    side = np.repeat([BACK, PUSHING], placement.meetings)
+    turn = np.tile(np.arange(placement.meetings) // placement.driving_teeth, 2)
     own, other = teeth.driving.flanks, teeth.driven.flanks
-    driving_mm = own.crossing_mm[driving] + number // placement.driving_teeth * own.curve.length_mm
+    driving_mm = own.crossing_mm[driving] + turn * own.curve.length_mm
     turns = np.round((driving_mm - other.crossing_mm[driven]) / other.curve.length_mm)
-    return driving, driven, driving_mm, other.crossing_mm[driven] + turns * other.curve.length_mm
+    return side, driving, driven, driving_mm, other.crossing_mm[driven] + turns * other.curve.length_mm

@@ -146,7 +146,7 @@ PER_TOOTH = 80
 """Positions per tooth pitch.  At the ends of contact gaps begin to grow with the square of the way; with this many
 positions first touches are met to some millionths of a radian even there (tests/test_gaps.py)."""
 
-WITHIN_IN_MODULES = 0.5
+WITHIN_IN_MODULES = 0.52
 """Depth to which teeth are followed into each other: deeper than any law of impact holds."""
 
 

@@ -59,3 +59,16 @@ def counted_up(first: IndexArray, count: IndexArray) -> tuple[IndexArray, IndexA
     row = np.repeat(np.arange(count.size), count)
     before = np.cumsum(count) - count
     return row, np.arange(row.size) + (first - before)[row]
+
+
+def largest_rows(values: Array, group: IndexArray, groups: int) -> IndexArray:
+    """The row of the largest value in each group, the first of equal ones, and -1 where there is none; shape (groups,).
+
+    ``group`` numbers the group that each of the values (shape (n,) both) is in.
+    """
+    largest = np.full(groups, -np.inf)
+    np.maximum.at(largest, group, values)
+    rows = np.flatnonzero(values == largest[group])[::-1]
+    row = np.full(groups, -1)
+    row[group[rows]] = rows
+    return row

@@ -90,18 +90,15 @@ def zoomed_crossings(
     return at1, at2, there
 
 
-TINY = 1e-300
-"""Least divisor, so that chords of no length give no division of zero by zero."""
+def circle_crossings(start: ComplexArray, step: ComplexArray, squared_radius: Array) -> tuple[Array, Array]:
+    """Shares of the way along chords at which they cross circles about the origin, and the arms of forces on them.
 
-
-def circle_crossings(start: ComplexArray, step: ComplexArray, squared_radius: Array) -> tuple[ComplexArray, Array]:
-    """Where chords from ``start`` to ``start + step`` cross circles about the origin, and the arms of forces on them.
-
-    The radius must grow along the chords.  A force across the chord turns a gear about the origin with the arm that is
-    returned: the component of the chord's unit vector along the radius, times the radius.  All arrays have one shape.
+    The chords lead from ``start``, on one side of the circle, to ``start + step`` on the other.  A force across the
+    chord turns a gear about the origin with the arm that is returned: the component of the chord's unit vector along
+    the radius, times the radius.  All arrays have one shape.
     """
-    outwards, length = along(start, step), square(step)
+    growth, length = along(start, step), square(step)
     missing = squared_radius - square(start)
-    root = np.sqrt(np.maximum(outwards * outwards + length * missing, 0.0))
-    share = missing / np.maximum(outwards + root, TINY)
-    return start + share * step, root / np.sqrt(np.maximum(length, TINY))
+    root = np.sqrt(np.maximum(growth * growth + length * missing, 0.0))
+    divisor = growth + np.copysign(root, missing)
+    return missing / np.where(divisor == 0.0, 1.0, divisor), root / np.sqrt(length)

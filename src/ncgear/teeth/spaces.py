@@ -205,6 +205,14 @@ class Roots:
         land = at.position + distance[..., None] * across, speed[..., None] * along
         return self.flanks.bottom(tooth, sigma_mm, 1.0, land)
 
+    def height(self, tooth: IndexArray, sigma_mm: Array) -> Array:
+        """Heights over the pitch curve, negative, at which the lands after teeth are at arc lengths; shapes broadcast.
+
+        So they are without play, which turns the lands about the gear's axis.
+        """
+        distance, _, square = self._edge(tooth, self.flanks.tool.at_length(sigma_mm))
+        return distance * square
+
     def folding(self, tooth: IndexArray, sigma_mm: Array) -> tuple[Array, Array]:
         """Depth of the lands along the edges' normals, and the depth (or infinity) at which they would fold."""
         tool = self.flanks.tool.at_length(sigma_mm)

@@ -12,25 +12,29 @@ from ncgear.contact.designed.clearance import TipClearance, tip_clearances
 from ncgear.contact.designed.curves import Contacts, SidePaths, side_paths
 from ncgear.contact.designed.edges import EdgeHits, edge_contacts, edge_hits
 from ncgear.contact.designed.flanks import TOUCHING_MM, FlankContacts, PairsInContact, flank_contacts, foremost_two
-from ncgear.contact.placement import BACK, PUSHING, Meetings, Placement, meetings, single_meetings
+from ncgear.contact.placement import BACK, PUSHING, URGE, Meetings, Placement, meetings, single_meetings
 from ncgear.errors import NoSuchMechanism
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, IndexArray, Mask, largest_rows
 from ncgear.numerics.units import in_words
 from ncgear.teeth.gear import ToothedPair
 
 ALIKE_RAD = 1e-12
 """Difference of driven angles at which contacts count as equally first: a hundred rounding errors."""
 
+BESIDE_IN_PITCHES = 0.0064
+"""How far corners are followed behind the first contact where flanks part: where these come to touch between two
+positions is told by their lead over the corners at both."""
+
 
 @dataclass(frozen=True, eq=False)
 class SideTouch:
-    """What touches on one side of the teeth.
+    """What touches on one ``side`` of the teeth, PUSHING or BACK.
 
     ``first`` has the first contact at each of the n positions, in order; of several equally first ones, the one nearest
     to the pitch point.  ``touching`` has all contacts that touch along with the first.
     """
 
-    meetings: Meetings
+    side: int
     first: Contacts
     touching: Contacts
 
@@ -42,23 +46,24 @@ class SideTouch:
     @property
     def ahead_mm(self) -> Array:
         """How deep the teeth are in each other at the law's driven angle, negative where they are apart, shape (n,)."""
-        return self.meetings.urge * self.error_rad * self.first.lever_mm
+        return self.first.lead_rad * self.first.lever_mm
 
     @property
     def overlap_mm(self) -> Array:
         """Depth by which the teeth run into each other at the law's driven angle, 0 where they do not, shape (n,)."""
-        return np.where(self.meetings.urge * self.error_rad > ALIKE_RAD, self.ahead_mm, 0.0)
+        return np.where(self.first.lead_rad > ALIKE_RAD, self.ahead_mm, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
 class SideContact(SideTouch):
     """Contact on one side of the teeth over the whole cycle.
 
-    ``pairs`` are the pairs of flanks that touch without load; ``reaches`` (shape (m,)) is how long the flanks of each
-    meeting could touch, in pitches, if nothing held them apart.  ``driving_tips`` and ``driven_tips`` are the
-    clearances of these gears' tips.
+    ``meetings`` are those of its flanks, ``pairs`` the pairs that touch without load; ``reaches`` (shape (m,)) is how
+    long the flanks of each meeting could touch, in pitches, if nothing held them apart.  ``driving_tips`` and
+    ``driven_tips`` are the clearances of these gears' tips.
     """
 
+    meetings: Meetings
     pairs: PairsInContact
     reaches: Array
     driving_tips: TipClearance
@@ -157,12 +162,24 @@ def as_designed(teeth: ToothedPair, placement: Placement) -> AsDesigned:
     Raises NoSuchMechanism, with the angle, where no tooth touches another at all.
     """
     paths = _paths_of(teeth)
-    pushing, back = _both_sides(teeth, paths, placement)
-    return AsDesigned(
-        placement,
-        _side_contact(pushing, back, placement, tip_clearances(*paths, pushing.meetings)),
-        _side_contact(back, pushing, placement, tip_clearances(*paths, back.meetings)),
+    met = meetings(teeth, placement)
+    found = _candidates(teeth, paths, placement, met, BESIDE_IN_PITCHES * placement.pitch_mm)
+    contacts, foremost = _rigid_contacts(found, placement)
+    touches, pairs = _touch(contacts, foremost, placement), found.flanks.touching(foremost)
+    tips = tip_clearances(*paths, met)
+    pushing, back = (
+        SideContact(
+            side,
+            touches[side].first,
+            touches[side].touching,
+            met.on(side),
+            pairs[side],
+            found.flanks.reaches[met.side == side],
+            *tips[side],
+        )
+        for side in (PUSHING, BACK)
     )
+    return AsDesigned(placement, pushing, back)
 
 
 def touch_at(teeth: ToothedPair) -> Callable[[Placement], PairTouch]:
@@ -170,19 +187,18 @@ def touch_at(teeth: ToothedPair) -> Callable[[Placement], PairTouch]:
     paths = _paths_of(teeth)
 
     def touch(placement: Placement) -> PairTouch:
-        met = (single_meetings(teeth, placement, side) for side in (PUSHING, BACK))
-        pushing, back = (_candidates(teeth, paths, placement, found) for found in met)
-        sides = (pushing, back), (back, pushing)
-        return PairTouch(placement, *(_touch(*side, placement)[0] for side in sides))
+        found = _candidates(teeth, paths, placement, single_meetings(teeth, placement), TOUCHING_MM)
+        contacts = _contacts_among(found, TOUCHING_MM)
+        return PairTouch(placement, *_touch(contacts, foremost_two(contacts, placement), placement))
 
     return touch
 
 
 def contacts_within(teeth: ToothedPair, placement: Placement, within_mm: float) -> tuple[Contacts, Contacts]:
     """What touches on pushing flanks, and on their backs, once the first contacts are pressed in by ``within_mm``."""
-    paths = _paths_of(teeth)
-    pushing, back = _both_sides(teeth, paths, placement)
-    return _contacts_among(pushing, back, placement, within_mm), _contacts_among(back, pushing, placement, within_mm)
+    found = _candidates(teeth, _paths_of(teeth), placement, meetings(teeth, placement), within_mm)
+    contacts = _contacts_among(found, within_mm)
+    return contacts.on(PUSHING), contacts.on(BACK)
 
 
 def pairs_under_load(
@@ -193,28 +209,20 @@ def pairs_under_load(
     ``error_rad`` is its angle beyond the law's at each position, shape (n,).  On a side that bears no load there the
     rigid teeth count.
     """
-    paths = _paths_of(teeth)
-    pushing, back = _both_sides(teeth, paths, placement)
-    first, second = (
-        own.flanks.touching(
-            foremost_two(_contacts_among(own, other, placement), own.meetings.urge, placement),
-            own.meetings.urge,
-            error_rad,
-        )
-        for own, other in ((pushing, back), (back, pushing))
-    )
-    return first, second
+    beside_mm = BESIDE_IN_PITCHES * placement.pitch_mm
+    found = _candidates(teeth, _paths_of(teeth), placement, meetings(teeth, placement), beside_mm)
+    return found.flanks.touching(_rigid_contacts(found, placement)[1], error_rad)
 
 
 @dataclass(frozen=True, eq=False)
 class _Candidates:
-    """What may touch on one side of the teeth.
+    """What may touch: the contacts of ``flanks``, and ``hits``, the corners before curves.
 
-    ``flanks`` are the contacts of flanks, and ``hits`` the corners before curves.
+    ``first_rad`` (shape (2, n)) is the lead with which flanks first touch.
     """
 
-    meetings: Meetings
     flanks: FlankContacts
+    first_rad: Array
     hits: list[EdgeHits]
 
 
@@ -225,60 +233,62 @@ def _paths_of(teeth: ToothedPair) -> tuple[SidePaths, SidePaths]:
 
 
 def _candidates(
-    teeth: ToothedPair, paths: tuple[SidePaths, SidePaths], placement: Placement, met: Meetings
+    teeth: ToothedPair, paths: tuple[SidePaths, SidePaths], placement: Placement, met: Meetings, within_mm: float
 ) -> _Candidates:
-    """The candidates on one side of the teeth."""
-    return _Candidates(met, flank_contacts(teeth, placement, met), edge_hits(*paths, placement, met))
+    """What may touch in the given meetings, with the corners that are within ``within_mm`` of contact."""
+    flanks = flank_contacts(teeth, placement, met)
+    first = foremost_two(flanks.contacts, placement)[0]
+    return _Candidates(flanks, first, edge_hits(paths, placement, met, first, within_mm))
 
 
-def _both_sides(
-    teeth: ToothedPair, paths: tuple[SidePaths, SidePaths], placement: Placement
-) -> tuple[_Candidates, _Candidates]:
-    """The candidates on pushing flanks, and on their backs, at even positions of the cycle."""
-    pushing, back = (_candidates(teeth, paths, placement, meetings(teeth, placement, side)) for side in (PUSHING, BACK))
+def _contacts_among(found: _Candidates, within_mm: Array | float) -> Contacts:
+    """All contacts of flanks, and the corners that touch within ``within_mm`` of the first contacts.
+
+    ``within_mm`` broadcasts with the shape (2, n) of the sides of the teeth and the positions.
+    """
+    return Contacts.joined([found.flanks.contacts, edge_contacts(found.hits, found.first_rad, within_mm)])
+
+
+def _rigid_contacts(found: _Candidates, placement: Placement) -> tuple[Contacts, Array]:
+    """All contacts that touch or tell where flanks begin to, and the values of ``foremost_two``."""
+    contacts = _contacts_among(found, TOUCHING_MM)
+    foremost = foremost_two(contacts, placement)
+    beside = found.flanks.beside_parted(foremost)
+    if beside.any():
+        within_mm = np.where(beside, BESIDE_IN_PITCHES * placement.pitch_mm, TOUCHING_MM)
+        contacts = _contacts_among(found, within_mm)
+        foremost = foremost_two(contacts, placement)
+    return contacts, foremost
+
+
+def _touch(contacts: Contacts, foremost: Array, placement: Placement) -> tuple[SideTouch, SideTouch]:
+    """The first contacts among all, on pushing flanks and on their backs, by the values of ``foremost_two``."""
+    later = foremost[0, contacts.side, contacts.position] - contacts.lead_rad
+    first, touching = _foremost(contacts, later <= ALIKE_RAD, placement), later * contacts.lever_mm <= TOUCHING_MM
+    pushing, back = (
+        SideTouch(side, contacts.kept(first[side]), contacts.kept(touching & (contacts.side == side)))
+        for side in (PUSHING, BACK)
+    )
     return pushing, back
 
 
-def _contacts_among(own: _Candidates, other: _Candidates, placement: Placement, within_mm: float = 0.0) -> Contacts:
-    """All contacts of flanks on one side of the teeth, and the corners that touch within ``within_mm`` of the first.
+def _foremost(contacts: Contacts, alike: Mask, placement: Placement) -> IndexArray:
+    """One of the first contacts, which are ``alike``, of each side and position, shape (2, n).
 
-    A corner in a notch, or at the far side of its space, is held by curves that are gathered with the other side of the
-    teeth.
+    Flanks go before edges, then comes the nearest to the pitch point.  Raises NoSuchMechanism where there is none.
     """
-    urge = own.meetings.urge
-    hits = [found.kept(found.facing) for found in own.hits] + [found.kept(~found.facing) for found in other.hits]
-    flanks = own.flanks.contacts
-    return Contacts.joined([flanks, edge_contacts(hits, urge, foremost_two(flanks, urge, placement)[0], within_mm)])
-
-
-def _touch(own: _Candidates, other: _Candidates, placement: Placement) -> tuple[SideTouch, Array]:
-    """The first contacts among all candidates, and the two values of ``foremost_two``."""
-    urge = own.meetings.urge
-    contacts = _contacts_among(own, other, placement)
-    foremost = foremost_two(contacts, urge, placement)
-    later = foremost[0, contacts.position] - urge * contacts.error_rad
-    first = _foremost(contacts.kept(later <= ALIKE_RAD), placement)
-    return SideTouch(own.meetings, first, contacts.kept(later * contacts.lever_mm <= TOUCHING_MM)), foremost
-
-
-def _side_contact(
-    own: _Candidates, other: _Candidates, placement: Placement, tips: tuple[TipClearance, TipClearance]
-) -> SideContact:
-    touch, foremost = _touch(own, other, placement)
-    pairs = own.flanks.touching(foremost, own.meetings.urge)
-    return SideContact(own.meetings, touch.first, touch.touching, pairs, own.flanks.reaches, *tips)
-
-
-def _foremost(alike: Contacts, placement: Placement) -> Contacts:
-    """One of the first contacts at each position: flanks before edges, then the nearest to the pitch point."""
-    distance = np.abs(alike.point - placement.pitch_point[alike.position])
-    order = np.lexsort((distance, ~alike.flanks, alike.position))
-    position, first = np.unique(alike.position[order], return_index=True)
-    if position.size < placement.count:
-        phi1 = in_words(float(placement.phi1_rad[np.setdiff1d(np.arange(placement.count), position)[0]]))
+    rows, count = np.flatnonzero(alike), len(URGE) * placement.count
+    place, flanks, position = contacts.place(placement)[rows], contacts.flanks[rows], contacts.position[rows]
+    between_flanks = np.zeros(count, dtype=bool)
+    between_flanks[place[flanks]] = True
+    distance = np.abs(contacts.point[rows] - placement.pitch_point[position])
+    nearest = largest_rows(np.where(flanks | ~between_flanks[place], -distance, -np.inf), place, count)
+    missing = np.flatnonzero(nearest < 0) % placement.count
+    if missing.size:
+        phi1 = in_words(float(placement.phi1_rad[missing[0]]))
         raise NoSuchMechanism(
             f"no tooth touches another at phi1 = {phi1}: the teeth are too short or too far apart there; "
             "more teeth of a smaller module, less backlash or a larger addendum are needed",
             key="gears.teeth",
         )
-    return alike.kept(order[first])
+    return rows[nearest].reshape(len(URGE), -1)

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncgear.contact.designed.curves import SidePaths
-from ncgear.contact.placement import Meetings
+from ncgear.contact.placement import BACK, PUSHING, Meetings
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
 from ncgear.numerics.plane import across, along, as_complex, square
-from ncgear.teeth.spaces import Roots
 
 
 @dataclass(frozen=True)
@@ -37,8 +36,8 @@ class _Facing:
     """Tips of one gear over roots of the other, at m pairs of flanks.
 
     ``flank`` (shape (m,)) numbers the flanks of the tips' gear, ``other`` (shape (m,)) those of the roots' gear.
-    ``lead_mm`` (shape (m,)) is the rolled length by which ``flank`` crosses the pitch point before ``other``, ``side``
-    the sense, +1 or -1 of the arc length, in which ``flank`` faces.
+    ``lead_mm`` (shape (m,)) is the rolled length by which ``flank`` crosses the pitch point before ``other``, ``sense``
+    (shape (m,)) the sense, +1 or -1 of the arc length, in which ``flank`` faces.
     """
 
     tips: SidePaths
@@ -46,26 +45,36 @@ class _Facing:
     flank: IndexArray
     other: IndexArray
     lead_mm: Array
-    side: float
+    sense: Array
 
 
-def tip_clearances(driving: SidePaths, driven: SidePaths, met: Meetings) -> tuple[TipClearance, TipClearance]:
-    """Clearance of the driving gear's tips and of the driven gear's, at the flanks of one side of the teeth."""
+def tip_clearances(
+    driving: SidePaths, driven: SidePaths, met: Meetings
+) -> tuple[tuple[TipClearance, TipClearance], tuple[TipClearance, TipClearance]]:
+    """Clearance of the driving gear's tips and of the driven gear's, at pushing flanks, and the same at their backs."""
     lead = met.driven_ahead_mm[:, 0] - met.driving_ahead_mm[:, 0]
-    return (
-        _tip_clearance(_Facing(driving, driven, met.driving, met.driven, lead, met.side)),
-        _tip_clearance(_Facing(driven, driving, met.driven, met.driving, -lead, -met.side)),
+    both = (
+        _Facing(driving, driven, met.driving, met.driven, lead, -met.urge),
+        _Facing(driven, driving, met.driven, met.driving, -lead, met.urge),
     )
+    of_driving, of_driven = (_tip_clearances(facing, met.side) for facing in both)
+    return (of_driving[PUSHING], of_driven[PUSHING]), (of_driving[BACK], of_driven[BACK])
 
 
-def _tip_clearance(facing: _Facing) -> TipClearance:
+def _tip_clearances(facing: _Facing, side: IndexArray) -> tuple[TipClearance, TipClearance]:
+    """Clearance of the tips at pushing flanks, and at their backs."""
     tips = _tip_lands(facing.tips)
-    return TipClearance(float(_over_lands(facing, tips).min()), float(_over_fillets(facing, tips).min()))
+    over_lands, over_fillets = _over_lands(facing, tips), _over_fillets(facing, tips)
+    pushing, back = (
+        TipClearance(float(over_lands[rows].min()), float(over_fillets[rows].min()))
+        for rows in (side == PUSHING, side == BACK)
+    )
+    return pushing, back
 
 
 def _over_lands(facing: _Facing, tips: _Lands) -> Array:
     """Distances of tip lands from root lands, infinite where the tip land does not come over the root land."""
-    roots, back = _root_lands(facing.roots), -facing.side
+    roots, back = _root_lands(facing.roots), -facing.sense
     tip_end = back * tips.from_crossing_mm[facing.flank]
     root_end = back * (roots.from_crossing_mm[facing.other] + facing.lead_mm)
     above = tip_end <= root_end + roots.width_mm[facing.other]
@@ -97,11 +106,11 @@ def _from_fillets(paths: SidePaths, flank: IndexArray, point: ComplexArray, free
 
     A distance is negative where the fillet is between the point and its place of ``free``, which is outside the teeth.
     """
-    chosen = np.where(paths.own_fillet[flank], square(paths.start[flank] - point[:, None]), np.nan)
-    there = np.isfinite(chosen).any(axis=1)
+    fillet, away = paths.own_fillet[flank], square(paths.places[flank, :-1] - point[:, None])
+    nearest, there = np.argmin(np.where(fillet, away, np.inf), axis=1), fillet.any(axis=1)
     distance = np.full(flank.size, np.inf)
     flank, point, free = flank[there], point[there], free[there]
-    found, heading = _nearest(paths, (flank, np.nanargmin(chosen[there], axis=1)), point)
+    found, heading = _nearest(paths, (flank, nearest[there]), point)
     same = across(heading, point - found) * across(heading, free - found) >= 0.0
     distance[there] = np.where(same, 1.0, -1.0) * np.abs(point - found)
     return distance
@@ -110,13 +119,14 @@ def _from_fillets(paths: SidePaths, flank: IndexArray, point: ComplexArray, free
 def _nearest(
     paths: SidePaths, chord: tuple[IndexArray, IndexArray], point: ComplexArray
 ) -> tuple[ComplexArray, ComplexArray]:
-    """Points of curves, about the starts of chords, that are nearest to given points, and the curves' slopes there."""
-    run, middle = paths.run[chord], paths.first[chord]
-    every, reach = np.arange(run.size), np.abs(paths.last[chord] - middle)
+    """The points of fillets, about the starts of chords, that are nearest to given points, and the slopes there."""
+    run, number = paths.chord(*chord)
+    owner, middle = paths.runs.owner[run][:, None], paths.parameter[run, number]
+    every, reach = np.arange(run.size), np.abs(paths.parameter[run, number + 1] - middle)
     ends = np.sort([paths.runs.start[run], paths.runs.end[run]], axis=0)
     for _ in range(ZOOMS):
         parameter = np.clip(middle[:, None] + reach[:, None] * ZOOM, *ends[..., None])
-        found, slope = (as_complex(array) for array in paths.curve(run, parameter))
+        found, slope = (as_complex(array) for array in paths.flanks.fillet(owner, parameter))
         nearest = every, np.argmin(square(found - point[:, None]), axis=1)
         middle, reach = parameter[nearest], reach * (ZOOM[1] - ZOOM[0])
     return found[nearest], slope[nearest]
@@ -162,17 +172,9 @@ def _tip_lands(paths: SidePaths) -> _Lands:
 
 def _root_lands(paths: SidePaths) -> _Lands:
     """The roots of all spaces, which begin where the fillets end, right under the pitch curve's points."""
-    foot, roots = paths.sides.roots.end_mm, paths.sides.roots.unturned
-    first, last = roots.lands()
-    space, height = np.arange(first.size), np.empty(foot.size)
-    height[1::2] = _over_pitch_curve(roots, space, first)
-    height[0::2] = np.roll(_over_pitch_curve(roots, space, last), 1)
-    width = np.append(foot[2::2], foot[0] + paths.flanks.curve.length_mm) - foot[1::2]
-    return _Lands(foot - paths.flanks.crossing_mm, np.roll(np.repeat(width, 2), 1), height)
-
-
-def _over_pitch_curve(roots: Roots, space: IndexArray, sigma_mm: Array) -> Array:
-    """Heights over the pitch curve at which root lands are at arc lengths, shape (z,)."""
-    at = roots.flanks.curve.at_length(sigma_mm)
-    height: Array = np.sum((roots.land(space, sigma_mm)[0] - at.position) * at.normal, axis=1)
-    return height
+    roots = paths.sides.roots
+    # The back flank of a space belongs to the next tooth.
+    ends = np.stack(roots.lands(), axis=1)
+    height = np.roll(roots.height(np.arange(len(ends))[:, None], ends).ravel(), 1)
+    width = np.roll(np.repeat(ends[:, 1] - ends[:, 0], 2), 1)
+    return _Lands(roots.end_mm - paths.flanks.crossing_mm, width, height)

@@ -14,22 +14,24 @@ from functools import cached_property
 
 import numpy as np
 
-from ncgear.contact.placement import Placement
+from ncgear.contact.placement import URGE, Placement
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
-from ncgear.numerics.plane import along, angle_between, as_complex, square
-from ncgear.teeth.flank import FILLET, Flanks
+from ncgear.numerics.plane import across, along, angle_between, as_complex, square
+from ncgear.teeth.flank import FILLET, FLANK, Flanks
 from ncgear.teeth.sides import Sides
 
 
 @dataclass(frozen=True, eq=False)
 class Contacts(Columns):
-    """n places of contact on one side of the teeth, all of shape (n,).
+    """n places of contact, all of shape (n,).
 
-    ``driving`` and ``driven`` number the flanks that meet in ``position``.  ``error_rad`` is how far the driven angle
+    ``side`` is the side of the teeth, PUSHING or BACK; ``driving`` and ``driven`` number the flanks that meet in
+    ``position``.  ``error_rad`` is how far the driven angle
     at which they touch is beyond the law's; ``point`` and ``tangent`` (of any length) are in the frame of the driven
     gear, which then stands there.  ``flanks`` is true where two flanks touch, and false at an edge.
     """
 
+    side: IndexArray
     driving: IndexArray
     driven: IndexArray
     position: IndexArray
@@ -49,6 +51,24 @@ class Contacts(Columns):
         return self.driven // 2 + 1
 
     @property
+    def urge(self) -> Array:
+        """``URGE`` of each contact's side."""
+        return URGE[self.side]
+
+    @cached_property
+    def lead_rad(self) -> Array:
+        """How early each contact touches: the one that leads at a position is the first on its side of the teeth."""
+        return self.urge * self.error_rad
+
+    def place(self, placement: Placement) -> IndexArray:
+        """Number of each contact's place in a table of shape (2, n) of the sides and positions."""
+        return self.side * placement.count + self.position
+
+    def on(self, side: int) -> Contacts:
+        """The contacts on one side of the teeth."""
+        return self.kept(self.side == side)
+
+    @cached_property
     def lever_mm(self) -> Array:
         """Arm about the driven axis of a force across the tangent."""
         return np.asarray(np.abs(along(self.tangent, self.point)) / np.abs(self.tangent))
@@ -74,48 +94,70 @@ LAND = 2
 """The root land, numbered after the kinds FLANK and FILLET of curves."""
 
 CHORDS = 8
-"""Chords per run of a curve; the exact curve strays from them by less than a hundredth of a module."""
+"""Chords per run of a curve; the exact curve strays from them by less than a fiftieth of a module."""
+
+SHARES = np.linspace(0.0, 1.0, CHORDS + 1)
+"""Shares of the way along a run at which its chords end."""
 
 KINK_RAD = 1e-6
 """Angle between two runs from which their joint is a corner; tangential joints are found to 1e-9."""
 
 NOWHERE = complex(np.nan, np.nan)
 
+TINY = 1e-300
+"""Least divisor, so that chords of no length give no division of zero by zero."""
+
 
 @dataclass(frozen=True, eq=False)
 class SidePaths:
-    """The paths from all f flanks of a gear with c chords each, in the gear's frame, padded with NaN.
+    """The paths from all f flanks of a gear with c chords each, in the gear's frame.
 
-    ``start`` and ``step`` are the chords, ``run`` numbers the run of ``runs`` that each belongs to, ``first`` and
-    ``last`` are the run's parameters at the chord's ends, shape (f, c) each.  ``corner`` has the places at which a side
-    has an edge, its tip first, then where two of its curves meet at an angle, shape (f, any number).
+    ``places`` (shape (f, c + 1)) are the ends of the chords; shorter paths stay at their end.  ``run`` (shape (f, any
+    number)) numbers the runs of each path in ``runs``, -1 beyond its end.  Of each of the r runs ``parameter``,
+    ``point`` and ``slope`` (by the parameter) are those at the ends of its chords, shape (r, CHORDS + 1) each.
+    ``corner`` has the places at which a side has an edge, its tip first, then where two of its curves meet at an angle,
+    shape (f, any number), padded with NaN.
     """
 
     flanks: Flanks
     sides: Sides
     runs: _Runs
-    start: ComplexArray
-    step: ComplexArray
+    places: ComplexArray
     run: IndexArray
-    first: Array
-    last: Array
+    parameter: Array
+    point: ComplexArray
+    slope: ComplexArray
     corner: ComplexArray
 
-    def curve(self, run: IndexArray, parameter: Array) -> tuple[Array, Array]:
+    def curve(self, run: IndexArray, parameter: Array) -> tuple[ComplexArray, ComplexArray]:
         """Points of the exact curves of runs (shape (n,)) and derivatives; parameters of shape (n, ...)."""
         return _curve(self.flanks, self.sides, self.runs.kind[run], self.runs.owner[run], parameter)
 
+    def chord(self, flank: IndexArray, number: IndexArray) -> tuple[IndexArray, IndexArray]:
+        """The runs of chords that are numbered along the paths of flanks, and the chords' numbers in them."""
+        return self.run[flank, number // CHORDS], number % CHORDS
+
     @cached_property
-    def end(self) -> ComplexArray:
-        """Where the chords end, shape (f, c)."""
-        return self.start + self.step
+    def stray_mm(self) -> Array:
+        """How far the curves may stray from their chords, shape (r, CHORDS).
+
+        A curve that bends to one side stays within the triangle of its chord and the tangents at both ends, which is no
+        higher than a quarter of the chord times the sum of the tangents' slopes against it.  An arc is half as high.
+        """
+        chord, sense = np.diff(self.point, axis=1), np.sign(self.runs.end - self.runs.start)[:, None]
+        steep = (
+            np.abs(across(chord, slope)) / np.maximum(sense * along(chord, slope), TINY)
+            for slope in (self.slope[:, :-1], self.slope[:, 1:])
+        )
+        stray: Array = np.abs(chord) * sum(steep) / 4.0
+        return stray
 
     @cached_property
     def own_fillet(self) -> Mask:
         """Whether each chord belongs to the fillet of the flank itself, shape (f, c)."""
-        there: Mask = np.isfinite(self.first) & (self.runs.kind[self.run] == FILLET)
-        there &= self.runs.owner[self.run] == np.arange(len(self.run))[:, None]
-        return there
+        own = (self.run >= 0) & (self.runs.kind[self.run] == FILLET)
+        own &= self.runs.owner[self.run] == np.arange(len(self.run))[:, None]
+        return np.repeat(own, CHORDS, axis=1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,48 +182,46 @@ class _Runs(Columns):
 
 def side_paths(flanks: Flanks, sides: Sides) -> SidePaths:
     """The paths of all flanks of a gear."""
-    runs = _runs(flanks, sides)
-    parameter = runs.start[:, None] + (runs.end - runs.start)[:, None] * np.linspace(0.0, 1.0, CHORDS + 1)
-    points, slopes = (as_complex(array) for array in _curve(flanks, sides, runs.kind, runs.owner, parameter))
-    place = runs.path[:, None], runs.number[:, None] * CHORDS + np.arange(CHORDS)
-    shape = flanks.count, (int(runs.number.max()) + 1) * CHORDS
-    run = np.zeros(shape, dtype=int)
-    run[place] = np.arange(runs.path.size)[:, None]
-    return SidePaths(
-        flanks,
-        sides,
-        runs,
-        _table(shape, place, points[:, :-1]),
-        _table(shape, place, np.diff(points, axis=1)),
-        run,
-        _table(shape, place, parameter[:, :-1]).real,
-        _table(shape, place, parameter[:, 1:]).real,
-        _corners(runs, points, slopes),
-    )
+    down, facing = _runs_down(flanks, sides)
+    parameter = down.start[:, None] + (down.end - down.start)[:, None] * SHARES
+    point, slope = _curve(flanks, sides, down.kind, down.owner, parameter)
+    # Up the fillets across the space.
+    fillet = np.flatnonzero(down.kind == FILLET)[::-1]
+    up = _Runs(facing[down.path[fillet]], down.kind[fillet], down.owner[fillet], down.end[fillet], down.start[fillet])
+    runs = _Runs.joined([down, up])
+    order = np.argsort(runs.path, kind="stable")
+    parameter, point, slope = (np.concatenate([of, of[fillet, ::-1]])[order] for of in (parameter, point, slope))
+    runs = runs.kept(order)
+    last = np.searchsorted(runs.path, np.arange(flanks.count), side="right") - 1
+    run = np.full((flanks.count, int(runs.number.max()) + 1), -1)
+    run[runs.path, runs.number] = np.arange(runs.path.size)
+    places = np.where(run[..., None] >= 0, point[run, :-1], point[last, -1][:, None, None]).reshape(flanks.count, -1)
+    places = np.column_stack([places, point[last, -1]])
+    return SidePaths(flanks, sides, runs, places, run, parameter, point, slope, _corners(runs, point, slope))
 
 
-def _runs(flanks: Flanks, sides: Sides) -> _Runs:
-    """The runs of all paths: those of the side, the root land, and back up the fillets of the side across the space."""
+def _runs_down(flanks: Flanks, sides: Sides) -> tuple[_Runs, IndexArray]:
+    """The runs of all sides and, behind these, the root lands they lead to; and the flank that each flank faces."""
     own = _Runs(sides.owner, sides.kind, sides.owner, sides.start, sides.end)
     every, front = np.arange(flanks.count), flanks.side > 0.0
-    space = np.where(front, every // 2, every // 2 - 1) % (flanks.count // 2)
+    facing = np.where(front, every + 1, every - 1) % flanks.count
+    space = np.where(front, every, facing) // 2
     first, last = (ends[space] for ends in sides.roots.lands())
     land = np.full(every.size, LAND)
     lands = _Runs(every, land, space, np.where(front, first, last), np.where(front, last, first))
-    fillet = np.nonzero(sides.kind == FILLET)[0][::-1]
-    facing = (sides.owner[fillet] + flanks.side[sides.owner[fillet]].astype(int)) % flanks.count
-    across = _Runs(facing, sides.kind[fillet], sides.owner[fillet], sides.end[fillet], sides.start[fillet])
-    # Path by path, and within a path part by part.
-    runs = _Runs.joined([own, lands, across])
-    return runs.kept(np.argsort(runs.path, kind="stable"))
+    return _Runs.joined([own, lands]), facing
 
 
-def _curve(flanks: Flanks, sides: Sides, kind: IndexArray, owner: IndexArray, parameter: Array) -> tuple[Array, Array]:
-    point, slope = flanks.curve_of(kind, owner, parameter)
-    land = np.nonzero(kind == LAND)[0]
-    if land.size:
-        tooth = owner[land].reshape(-1, *[1] * (parameter.ndim - 1))
-        point[land], slope[land] = sides.roots.land(tooth, parameter[land])
+def _curve(
+    flanks: Flanks, sides: Sides, kind: IndexArray, owner: IndexArray, parameter: Array
+) -> tuple[ComplexArray, ComplexArray]:
+    """Points of n mixed curves (kinds FLANK, FILLET, LAND) at parameters of shape (n, ...), and derivatives."""
+    point, slope = np.empty(parameter.shape, dtype=complex), np.empty(parameter.shape, dtype=complex)
+    owner = owner.reshape(-1, *[1] * (parameter.ndim - 1))
+    for number, curve in ((FLANK, flanks.flank), (FILLET, flanks.fillet), (LAND, sides.roots.land)):
+        rows = np.flatnonzero(kind == number)
+        if rows.size:
+            point[rows], slope[rows] = (as_complex(array) for array in curve(owner[rows], parameter[rows]))
     return point, slope
 
 
@@ -194,13 +234,9 @@ def _corners(runs: _Runs, points: ComplexArray, slopes: ComplexArray) -> Complex
     sharp = np.nonzero(own & (tip | (bend > KINK_RAD)))[0]
     path = runs.path[sharp]
     number = np.arange(path.size) - np.searchsorted(path, path)
-    return _table((int(runs.path[-1]) + 1, int(number.max()) + 1), (path, number), points[sharp, 0])
-
-
-def _table(shape: tuple[int, int], place: tuple[IndexArray, IndexArray], values: Array | ComplexArray) -> ComplexArray:
-    table = np.full(shape, NOWHERE)
-    table[place] = values
-    return table
+    corner = np.full((int(runs.path[-1]) + 1, int(number.max()) + 1), NOWHERE)
+    corner[path, number] = points[sharp, 0]
+    return corner
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,5 +279,5 @@ class SeenGear:
 
     def curve(self, run: IndexArray, parameter: Array, position: IndexArray) -> tuple[ComplexArray, ComplexArray]:
         """Points of exact curves as seen, and derivatives; ``run`` has shape (n,), the others (n, ...)."""
-        point, slope = (as_complex(array) for array in self.paths.curve(run, parameter))
+        point, slope = self.paths.curve(run, parameter)
         return self.points(point, position), self.directions(slope, position)

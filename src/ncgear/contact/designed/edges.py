@@ -1,29 +1,37 @@
 """Edge contact: corners of one gear's teeth against the curves of the other.
 
 As one gear turns against the other about the driven axis, its corners run along circles.  Chords of the curves tell
-which corners come near enough to matter; only for those the crossing of circle and exact curve is solved.
+which corners come near enough to matter, since how far curves may stray from them is known; only for those the crossing
+of circle and exact curve is solved.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.optimize import elementwise
 
-from ncgear.contact.designed.curves import Contacts, SeenGear, SidePaths
-from ncgear.contact.placement import Meetings, Placement
-from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
-from ncgear.numerics.crossing import circle_crossings, refined_crossings
-from ncgear.numerics.plane import angle_between, as_points, square
+from ncgear.contact.designed.curves import TINY, Contacts, SeenGear, SidePaths
+from ncgear.contact.placement import BACK, PUSHING, URGE, Meetings, Placement
+from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, largest_rows
+from ncgear.numerics.crossing import circle_crossings
+from ncgear.numerics.plane import along, angle_between, square
 from ncgear.teeth.tool import AGREEMENT
 
 REACH_IN_PITCHES = 0.6
 """How far along its circle a corner is followed: beyond are another tooth or the other side of the same tooth."""
 
-NEAR_IN_MODULES = 0.02
-"""How much nearer a corner may be to a curve than to its chords: several times what those chords stray."""
+NEWTON_STEPS = 12
+"""Most steps of Newton's method to a circle.  From the cubics of chords two do."""
+
+CLOSE_IN_MODULES = 1e-10
+"""Last step of Newton's method, which is taken along the tangent: the curve leaves that by the square of the step."""
+
+CUBIC_STEPS = 2
+"""Steps of Newton's method from a chord to a circle along the cubic that has the curve's slopes at the chord's ends."""
 
 ON_CIRCLE = 1e-12
 """Relative error of the radius at which a point counts as on its corner's circle: rounding errors."""
@@ -34,161 +42,192 @@ class EdgeHits(Columns):
     """Corners of one gear whose circles cross chords of the other's ``curves``, all of shape (n,).
 
     ``driving`` and ``driven`` number the flanks that meet in ``position``.  ``corner`` is in the driven gear's frame.
-    ``chord`` is the chord's place in its flank's row of the paths' tables, ``share`` how far along the chord the
-    crossing lies, ``lever_mm`` the arm of a force across it.  Turned by ``turn_rad`` the corner is on the chord; the
-    driven gear is then ``error_rad`` ahead of the law.  ``facing`` is false where the curve holds the corner in the
-    other sense than flanks of its side do, as in the notch of an undercut tooth or at the far side of a space.
+    ``run`` and ``chord`` number the chord, ``share`` is how far along it the crossing lies, ``lever_mm`` the arm of a
+    force across it.  Turned by ``turn_rad`` the corner is on the chord.  ``side`` is the side of the teeth whose flanks
+    hold the corner in the same sense: that of the flanks that meet, and the other side in the notch of an undercut
+    tooth or at the far side of a space.
     """
 
     curves: SeenGear
+    side: IndexArray
     driving: IndexArray
     driven: IndexArray
     position: IndexArray
     corner: ComplexArray
+    run: IndexArray
     chord: IndexArray
     share: Array
     lever_mm: Array
     turn_rad: Array
-    error_rad: Array
-    facing: Mask
+
+    @cached_property
+    def lead_rad(self) -> Array:
+        """As that of ``Contacts``, for the chords."""
+        return URGE[self.side] * _ahead(self.curves, self.turn_rad)
 
     @property
-    def run(self) -> IndexArray:
-        """Number of the run that each chord belongs to."""
-        return self.curves.paths.run[self._place]
+    def place(self) -> IndexArray:
+        """As that of ``Contacts``."""
+        return self.side * self.curves.placement.count + self.position
+
+    @property
+    def stray_mm(self) -> Array:
+        """How far the curves may stray from the chords."""
+        return self.curves.paths.stray_mm[self.run, self.chord]
 
     @property
     def ends(self) -> tuple[Array, Array]:
         """Parameters of the curves at both ends of each chord."""
-        return self.curves.paths.first[self._place], self.curves.paths.last[self._place]
-
-    @property
-    def _place(self) -> tuple[IndexArray, IndexArray]:
-        return (self.driving if self.curves.moving else self.driven), self.chord
+        parameter = self.curves.paths.parameter
+        return parameter[self.run, self.chord], parameter[self.run, self.chord + 1]
 
 
-def edge_hits(driving: SidePaths, driven: SidePaths, placement: Placement, meetings: Meetings) -> list[EdgeHits]:
-    """Corners of the driving gear on the driven gear's curves, and the other way round, of the flanks that meet."""
+def edge_hits(
+    paths: tuple[SidePaths, SidePaths], placement: Placement, meetings: Meetings, first_rad: Array, within_mm: float
+) -> list[EdgeHits]:
+    """Corners of the driving gear on the driven gear's curves, and the other way round, of the flanks that meet.
+
+    ``paths`` are those of the driving gear and of the driven gear.  Corners that flanks hold farther away than
+    ``within_mm`` are left out; ``first_rad`` (shape (2, n)) is the lead with which flanks first touch on both sides of
+    the teeth at each position, -inf where there are none.
+    """
+    driving, driven = paths
     moving = SeenGear(driving, meetings.driving, placement, moving=True)
     resting = SeenGear(driven, meetings.driven, placement, moving=False)
-    return [_hits(moving, resting, meetings), _hits(resting, moving, meetings)]
+    first = first_rad.ravel()
+    return [_hits(moving, resting, meetings, first, within_mm), _hits(resting, moving, meetings, first, within_mm)]
 
 
-def _hits(corners: SeenGear, curves: SeenGear, meetings: Meetings) -> EdgeHits:
+def _hits(corners: SeenGear, curves: SeenGear, meetings: Meetings, first_rad: Array, within_mm: float) -> EdgeHits:
     """Crossings of the corners' circles with the chords of the flanks they meet."""
-    position, pitch_mm = meetings.position, curves.paths.flanks.rack.pitch_mm
-    corner = corners.points(corners.paths.corner[corners.flank][:, None], position[..., None])
-    corner = np.broadcast_to(corner, (*position.shape, corner.shape[2]))
-    before, after = curves.squares(curves.paths.start, position), curves.squares(curves.paths.end, position)
-    radius = square(corner)[..., None]
-    # Whether circles cross chords, shape (m, positions, corners, chords).
-    crossed = (before[:, :, None] <= radius) != (after[:, :, None] <= radius)
-    row, column, number, chord = np.unravel_index(np.flatnonzero(crossed), crossed.shape)
-    at, place = corner[row, column, number], (curves.flank[row], chord)
-    flanks = meetings.driving[row], meetings.driven[row], position[row, column]
-    begin = curves.points(curves.paths.start[place], flanks[2])
-    whole = curves.directions(curves.paths.step[place], flanks[2])
-    outwards = np.broadcast_to(before, (*position.shape, before.shape[2]))[row, column, chord] <= square(at)
-    hit, lever = circle_crossings(
-        np.where(outwards, begin, begin + whole), np.where(outwards, whole, -whole), square(at)
-    )
-    turn, share = angle_between(at, hit), np.abs(hit - begin) / np.abs(whole)
-    facing = outwards == curves.rootwards_out
-    hits = EdgeHits(curves, *flanks, at, chord, share, lever, turn, _ahead(curves, turn), facing)
-    near = np.nonzero(np.abs(turn) * np.abs(at) <= REACH_IN_PITCHES * pitch_mm)[0]
-    hits = hits.kept(near)
-    group = np.ravel_multi_index((row[near], column[near], number[near]), corner.shape)
-    return hits.kept(_met_first(hits, group, meetings.urge))
+    paths, ends = curves.paths, curves.paths.places.shape[1]
+    corner = corners.points(corners.paths.corner[corners.flank][:, None], meetings.position[..., None])
+    # Whether the ends of chords are inside the circles, shape (m, positions, corners, ends).
+    inside = curves.squares(paths.places, meetings.position)[:, :, None] <= square(corner)[..., None]
+    # From here on each crossing is one row; ``number`` counts the corners in all meetings and positions.
+    number, chord = np.divmod(np.flatnonzero(inside[..., 1:] != inside[..., :-1]), ends - 1)
+    looked_at = number // corner.shape[2]
+    row, position = looked_at // meetings.position.shape[1], meetings.position.ravel()[looked_at]
+    at, flank = np.broadcast_to(corner, inside.shape[:3]).ravel()[number], curves.flank[row]
+    begin = flank * ends + chord
+    start, end = paths.places.ravel()[begin], paths.places.ravel()[begin + 1]
+    start, step = curves.points(start, position), curves.directions(end - start, position)
+    share, lever = circle_crossings(start, step, square(at))
+    turn = angle_between(at, start + share * step)
+    facing = inside.ravel()[number * ends + chord] == curves.rootwards_out
+    side = np.where(facing, meetings.side[row], PUSHING + BACK - meetings.side[row])
+    lead = URGE[side] * _ahead(curves, turn)
+    near = np.abs(turn) * np.abs(at) <= REACH_IN_PITCHES * paths.flanks.rack.pitch_mm
+    near &= _met_first(turn, np.where(near, lead, -np.inf), number)
+    behind_mm = (first_rad[side * curves.placement.count + position] - lead) * lever
+    near &= behind_mm <= within_mm + paths.stray_mm.max()
+    row, flanks = row[near], (side[near], meetings.driving[row[near]], meetings.driven[row[near]], position[near])
+    chords = paths.chord(flank[near], chord[near])
+    return EdgeHits(curves, *flanks, at[near], *chords, share[near], lever[near], turn[near])
 
 
-def _met_first(hits: EdgeHits, corner: IndexArray, urge: float) -> Mask:
+def _met_first(turn_rad: Array, lead_rad: Array, corner: IndexArray) -> Mask:
     """Which hits of each corner hold it, seen from the law's position.
 
     A corner is inside the other gear where it would come out through the nearest curve; then that curve holds it.
-    Otherwise the curves through which it would go in hold it.  ``corner`` numbers the corners, in order.
+    Otherwise the curves through which it would go in hold it.  ``corner`` numbers the corners.
     """
-    out: Mask = (urge * hits.error_rad > 0.0) == hits.facing
-    if not out.size:
-        return out
-    away = np.abs(hits.turn_rad)
-    first = np.nonzero(np.append(True, corner[1:] != corner[:-1]))[0]
-    count = np.diff(np.append(first, out.size))
-    # The first of equally near ones.
-    least = np.nonzero(away == np.repeat(np.minimum.reduceat(away, first), count))[0]
-    least = least[np.append(True, corner[least[1:]] != corner[least[:-1]])]
-    nearest = np.zeros(out.size, dtype=bool)
-    nearest[least] = True
-    held: Mask = np.where(np.repeat(out[least], count), nearest, ~out)
+    out = lead_rad > 0.0
+    held: Mask = ~out
+    if held.all():
+        return held
+    rows = np.flatnonzero(np.isin(corner, corner[out]))
+    found, group = np.unique(corner[rows], return_inverse=True)
+    nearest = rows[largest_rows(-np.abs(turn_rad[rows]), group, found.size)]
+    comes_out = out[nearest]
+    held[rows[comes_out[group]]] = False
+    held[nearest[comes_out]] = True
     return held
 
 
-def edge_contacts(found: Sequence[EdgeHits], urge: float, first_rad: Array, within_mm: float) -> Contacts:
-    """Corners that may touch before anything else does, or at most ``within_mm`` behind it.
+def edge_contacts(found: Sequence[EdgeHits], first_rad: Array, within_mm: Array | float) -> Contacts:
+    """Corners that touch before anything else does, or at most ``within_mm`` behind it, and a few that are farther.
 
-    ``urge`` is that of ``Meetings``.  ``first_rad`` is the driven angle at which flanks first touch at each position,
-    times the urge; -inf where there are none.  Raises ArithmeticError if a corner that comes near is not found on its
-    curve.
+    ``first_rad`` is as in ``edge_hits``; ``within_mm`` broadcasts with it and is nowhere greater than there.  Depths
+    are measured across the chords.  Raises ArithmeticError if a corner that comes near is not found on its curve.
     """
-    first = first_rad.copy()
+    first, within = first_rad.flatten(), np.broadcast_to(within_mm, first_rad.shape).ravel()
     for hits in found:
-        np.maximum.at(first, hits.position, urge * hits.error_rad)
+        # The curve may hold its corner later than the chord does.
+        np.maximum.at(first, hits.place, hits.lead_rad - hits.stray_mm / np.maximum(hits.lever_mm, TINY))
     touching = []
     for hits in found:
-        # How far each corner is from its curve when the first contact of its position touches.
-        behind_mm = (first[hits.position] - urge * hits.error_rad) * hits.lever_mm
-        near_mm = NEAR_IN_MODULES * hits.curves.paths.flanks.rack.module_mm
-        touching.append(_touching(hits.kept(behind_mm <= within_mm + near_mm)))
+        # How far each corner is from its chord when the first contact of its position touches.
+        behind_mm = (first[hits.place] - hits.lead_rad) * hits.lever_mm
+        touching.append(_touching(hits.kept(behind_mm <= within[hits.place] + hits.stray_mm)))
     return Contacts.joined(touching)
 
 
 def _touching(hits: EdgeHits) -> Contacts:
-    """The exact places of hits on the curves themselves."""
-    gear, run = hits.curves, hits.run
-    parameter, turn = _solved(hits)
-    point, slope = gear.curve(run, parameter, hits.position)
-    turned = np.exp(-1j * turn) if gear.moving else np.ones(1)
-    columns = _ahead(gear, turn), point * turned, slope * turned, np.zeros(run.size, dtype=bool)
-    return Contacts(hits.driving, hits.driven, hits.position, *columns)
-
-
-def _solved(hits: EdgeHits) -> tuple[Array, Array]:
-    """Parameters of the curves at which they meet the corners' circles, and the angles that turn the corners there.
+    """The exact places of hits on the curves themselves.
 
     Newton's method may end beyond the chord where the curve turns close by; there the place is bracketed on the chord.
     """
-
-    def curve(parameter: Array) -> tuple[Array, Array]:
-        point, slope = hits.curves.curve(hits.run, parameter, hits.position)
-        return as_points(point), as_points(slope)
-
-    def circle(turn: Array) -> tuple[Array, Array]:
-        turned = hits.corner * np.exp(1j * turn)
-        return as_points(turned), as_points(1j * turned)
-
+    gear, squared_radius, module = hits.curves, square(hits.corner), hits.curves.paths.flanks.rack.module_mm
     first, last = hits.ends
-    agreement = AGREEMENT * hits.curves.paths.flanks.rack.module_mm
-    parameter, turn, met = refined_crossings(
-        curve, circle, first + (last - first) * hits.share, hits.turn_rad, agreement
-    )
-    astray = np.nonzero(~met | ((parameter - first) * (parameter - last) > 0.0))[0]
+    parameter = first + (last - first) * _on_cubics(hits)
+    for _ in range(NEWTON_STEPS):
+        point, slope = gear.curve(hits.run, parameter, hits.position)
+        step = _step_to_circle(point, slope, squared_radius)
+        parameter, point = parameter + step, point + slope * step
+        met = np.abs(np.abs(point) - np.sqrt(squared_radius)) <= AGREEMENT * module
+        met &= np.abs(slope * step) <= CLOSE_IN_MODULES * module
+        if met.all():
+            break
+    astray = np.flatnonzero(~met | ((parameter - first) * (parameter - last) > 0.0))
     if astray.size:
-        parameter[astray], turn[astray] = _bracketed(hits.kept(astray))
-    return parameter, turn
+        parameter[astray] = _bracketed(hits.kept(astray))
+        point[astray], slope[astray] = gear.curve(hits.run[astray], parameter[astray], hits.position[astray])
+    turn = angle_between(hits.corner, point)
+    turned = np.exp(-1j * turn) if gear.moving else np.ones(1)
+    columns = _ahead(gear, turn), point * turned, slope * turned, np.zeros(turn.size, dtype=bool)
+    return Contacts(hits.side, hits.driving, hits.driven, hits.position, *columns)
 
 
-def _bracketed(hits: EdgeHits) -> tuple[Array, Array]:
-    """As ``_solved``, by bracketing the radius between the ends of the chords."""
+def _on_cubics(hits: EdgeHits) -> Array:
+    """Shares of the way along chords at which the cubics with the curves' slopes at both ends meet the circles."""
+    first, last = hits.ends
+    (begin, end), (leave, arrive) = (
+        (table[hits.run, hits.chord], table[hits.run, hits.chord + 1])
+        for table in (hits.curves.paths.point, hits.curves.paths.slope)
+    )
+    leave, arrive = (hits.curves.directions(slope * (last - first), hits.position) for slope in (leave, arrive))
+    begin, chord = hits.curves.points(begin, hits.position), hits.curves.directions(end - begin, hits.position)
+    second, third = 3.0 * chord - 2.0 * leave - arrive, leave + arrive - 2.0 * chord
+    share, squared_radius = hits.share, square(hits.corner)
+    for _ in range(CUBIC_STEPS):
+        point = begin + share * (leave + share * (second + share * third))
+        slope = leave + share * (2.0 * second + share * 3.0 * third)
+        share = np.clip(share + _step_to_circle(point, slope, squared_radius), 0.0, 1.0)
+    return share
+
+
+def _step_to_circle(point: ComplexArray, slope: ComplexArray, squared_radius: Array) -> Array:
+    """The step of Newton's method along curves to circles about the origin; none where a curve is across the radius."""
+    rate = 2.0 * along(slope, point)
+    return np.asarray((squared_radius - square(point)) / np.where(rate == 0.0, np.inf, rate))
+
+
+def _bracketed(hits: EdgeHits) -> Array:
+    """Parameters of the curves where they meet the corners' circles, by bracketing the radius on the chords."""
 
     def missing(parameter: Array, row: IndexArray) -> Array:
         chosen = hits.kept(row)
         return square(chosen.curves.curve(chosen.run, parameter, chosen.position)[0]) - square(chosen.corner)
 
     # Rows that are found drop out on the way, so each row brings its number along.
-    parameter = elementwise.find_root(missing, hits.ends, args=(np.arange(hits.position.size),)).x
-    point, _ = hits.curves.curve(hits.run, parameter, hits.position)
-    if not np.all(np.abs(np.abs(point) - np.abs(hits.corner)) <= ON_CIRCLE * np.abs(hits.corner)):
+    parameter: Array = elementwise.find_root(missing, hits.ends, args=(np.arange(hits.position.size),)).x
+    radius = np.abs(hits.corner)
+    if not np.all(
+        np.abs(np.abs(hits.curves.curve(hits.run, parameter, hits.position)[0]) - radius) <= ON_CIRCLE * radius
+    ):
         raise ArithmeticError("a tooth's corner was not found on the curve that it touches")
-    return parameter, angle_between(hits.corner, point)
+    return parameter
 
 
 def _ahead(curves: SeenGear, turn_rad: Array) -> Array:

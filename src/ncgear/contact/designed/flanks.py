@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import cos, sin
 
 import numpy as np
 
 from ncgear.contact.designed.curves import Contacts
 from ncgear.contact.designed.tangency import FacingFlanks, tangencies
-from ncgear.contact.placement import BACK, PUSHING, Meetings, Placement, meetings
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.contact.placement import BACK, PUSHING, URGE, Meetings, Placement, meetings
+from ncgear.numerics.arrays import Array, IndexArray, Mask, largest_rows
 from ncgear.teeth.flank import FLANK
 from ncgear.teeth.gear import ToothedGear, ToothedPair
 
@@ -92,75 +93,100 @@ class PairsInContact:
 
 @dataclass(frozen=True, eq=False)
 class FlankContacts:
-    """Where flanks on one side of the teeth touch if nothing else holds the gears apart.
+    """Where flanks touch, on each side of the teeth, if nothing else holds the gears apart.
 
     ``contacts`` are those within what is left of both flanks.  ``near`` are these and the ones a little beyond the
     flanks' ends, shape (n,): ``room`` (shape (4, combinations, n)) is how far in mm each is from the ends of both
-    flanks' runs, negative beyond them, and ``place`` its row and column in the table of meetings.  ``position``
-    numbers the positions of that table.
+    flanks' runs, negative beyond them, and ``place`` its row and column in the table of ``meetings``.
     """
 
     contacts: Contacts
     near: Contacts
     room: Array
     place: tuple[IndexArray, IndexArray]
-    position: IndexArray
+    meetings: Meetings
     placement: Placement
 
-    @property
+    @cached_property
     def reaches(self) -> Array:
         """How long the flanks of each meeting can touch, in pitches, shape (m,): as far as both flanks reach."""
-        return self._arcs(*_between(self.room, *self.place, self.position.shape))
+        return self._arcs(*self._reaching)
 
-    def touching(self, foremost: Array, urge: float, error_rad: Array | None = None) -> PairsInContact:
-        """The pairs whose flanks do touch, by the two values of ``foremost_two``.
+    def touching(self, foremost: Array, error_rad: Array | None = None) -> tuple[PairsInContact, PairsInContact]:
+        """The pairs whose flanks do touch, on pushing flanks and on their backs, by the values of ``foremost_two``.
 
         Rigid flanks touch along with the first contact at each position; where others hold them apart, as beside a tip
         relief, they do not.  Under a load the driven gear stands at ``error_rad`` beyond the law at each position
         (shape (n,)), and all flanks that are as far ahead touch.
         """
-        own = urge * self.near.error_rad
-        first, second = foremost[:, self.near.position]
+        near = self.near
+        first, second = foremost[:, near.side, near.position]
         # The lead over the others goes smoothly through zero where flanks part, so that it may be interpolated.
-        others = np.where((own >= first) & np.isfinite(second), second, first)
-        closer = TOUCHING_MM - np.where(np.isfinite(others), others - own, 0.0) * self.near.lever_mm
+        others = np.where((near.lead_rad >= first) & np.isfinite(second), second, first)
+        closer = TOUCHING_MM - np.where(np.isfinite(others), others - near.lead_rad, 0.0) * near.lever_mm
         if error_rad is not None:
-            pressed_mm = (own - urge * error_rad[self.near.position]) * self.near.lever_mm
+            pressed_mm = (near.lead_rad - near.urge * error_rad[near.position]) * near.lever_mm
             closer = np.maximum(closer, pressed_mm)
-        closer = np.where(self.near.flanks, closer, -1.0)
-        room = np.concatenate([self.room, np.broadcast_to(closer, (1, *self.room.shape[1:]))])
-        enters, leaves = _between(room, *self.place, self.position.shape)
-        arcs, gaps = self._arcs(enters, leaves), self._gaps(enters, leaves)
-        return PairsInContact(arcs, gaps, 0 if len(gaps) else self._fewest(enters, leaves), self.placement.count)
+        closer = np.where(near.flanks, closer, -1.0)
+        enters, leaves = self._reaching
+        if np.any(closer < 0.0):
+            meet, part = _between(closer[None, None], *self.place, self.meetings.position.shape)
+            enters, leaves = np.maximum(enters, meet), np.minimum(leaves, part)
+        arcs = self._arcs(enters, leaves)
+        _, row, column = touch = np.nonzero(leaves > enters)
+        before, count = self.meetings.position[row, column], self.placement.count
+        starts, ends = before + enters[touch], before + leaves[touch]
+        pushing, back = (
+            _pairs(arcs[self.meetings.side == side], starts[own], ends[own], count)
+            for side, own in ((side, self.meetings.side[row] == side) for side in (PUSHING, BACK))
+        )
+        return pushing, back
+
+    def beside_parted(self, foremost: Array) -> Mask:
+        """At which positions or next to which flanks near contact do not touch, shape (2, n)."""
+        near, parted = self.near, np.zeros(foremost.shape[1:], dtype=bool)
+        behind_mm = (foremost[0, near.side, near.position] - near.lead_rad) * near.lever_mm
+        apart = ~(near.flanks & (behind_mm <= TOUCHING_MM))
+        parted[near.side[apart], near.position[apart]] = True
+        beside: Mask = parted | np.roll(parted, 1, axis=1) | np.roll(parted, -1, axis=1)
+        return beside
+
+    @cached_property
+    def _reaching(self) -> tuple[Array, Array]:
+        """Where between positions the flanks of each meeting begin and cease to reach each other."""
+        return _between(self.room, *self.place, self.meetings.position.shape)
 
     def _arcs(self, enters: Array, leaves: Array) -> Array:
         lasting: Array = np.maximum(leaves - enters, 0.0).sum(axis=(0, 2)) / self.placement.per_tooth
         return lasting
 
-    def _gaps(self, enters: Array, leaves: Array) -> Array:
-        touch, count = leaves > enters, self.placement.count
-        before = np.broadcast_to(self.position[:, :-1], touch.shape)[touch]
-        order = np.argsort(starts := before + enters[touch])
-        if not order.size:
-            return np.array([[0.0, count]])
-        ends = np.maximum.accumulate((before + leaves[touch])[order])
-        starts = np.append(starts[order][1:], starts.min() + count)
-        parted = starts - ends > GAP
-        return np.column_stack([ends[parted], starts[parted]])
 
-    def _fewest(self, enters: Array, leaves: Array) -> int:
-        """Least number of pairs that touch anywhere, left out what is shorter than a gap may be."""
-        touch = leaves > enters
-        before = np.broadcast_to(self.position[:, :-1], touch.shape)[touch]
-        place = np.concatenate([before + enters[touch], before + leaves[touch]])
-        order = np.argsort(place)
-        number = np.cumsum(np.repeat([1, -1], before.size)[order])
-        lasting = np.diff(place[order], append=self.placement.count) > GAP
-        return int(number[lasting].min())
+def _pairs(arcs: Array, starts: Array, ends: Array, count: int) -> PairsInContact:
+    """Pairs that touch over ``arcs``, from the stretches of a cycle of ``count`` positions in which they do."""
+    if not starts.size:
+        return PairsInContact(arcs, np.array([[0.0, count]]), 0, count)
+    starts, ends = np.sort(starts), np.sort(ends)
+    # Before a gap as many stretches have ended as have begun.
+    following = np.append(starts[1:], starts[0] + count)
+    parted = following - ends > GAP
+    gaps = np.column_stack([ends[parted], following[parted]])
+    return PairsInContact(arcs, gaps, 0 if len(gaps) else _fewest(starts, ends, count), count)
+
+
+def _fewest(starts: Array, ends: Array, count: int) -> int:
+    """Least number of stretches that cover a place anywhere, left out what is shorter than a gap may be.
+
+    Both ``starts`` and ``ends`` are in order.
+    """
+    place = np.concatenate([starts, ends])
+    order = np.argsort(place, kind="stable")
+    number = np.cumsum(np.repeat([1, -1], starts.size)[order])
+    lasting = np.diff(place[order], append=count) > GAP
+    return int(number[lasting].min())
 
 
 def flank_contacts(teeth: ToothedPair, placement: Placement, met: Meetings) -> FlankContacts:
-    """All contacts of flanks on one side of the teeth."""
+    """All contacts of flanks in the given meetings."""
     driving, driven = _heights(teeth.driving), _heights(teeth.driven)
     row, column, facing = _near(teeth, placement, met, driving, driven)
     touches = tangencies(facing, np.stack([driving.limits[:, facing.driving], driven.limits[:, facing.driven]]))
@@ -168,35 +194,32 @@ def flank_contacts(teeth: ToothedPair, placement: Placement, met: Meetings) -> F
     least = END_IN_MODULES * facing.module_mm
     touching = touches.found & (room >= -least).all(axis=0).any(axis=0)
     columns = placement.ahead * touches.turn_rad, touches.point, touches.tangent, touches.found
-    near = Contacts(facing.driving, facing.driven, facing.position, *columns)
+    near = Contacts(met.side[row], facing.driving, facing.driven, facing.position, *columns)
     found = np.where(touches.found, room, -1.0)
-    return FlankContacts(near.kept(touching), near, found, (row, column), met.position, placement)
+    return FlankContacts(near.kept(touching), near, found, (row, column), met, placement)
 
 
-def foremost_two(contacts: Contacts, urge: float, placement: Placement) -> Array:
-    """The first and the next driven angle of contacts at each position, times the urge, shape (2, n).
+def foremost_two(contacts: Contacts, placement: Placement) -> Array:
+    """The first and the next lead of contacts on both sides of the teeth at each position, shape (2, 2, n).
 
     They are -inf where there is none.
     """
-    value = urge * contacts.error_rad
-    order = np.lexsort((value, contacts.position))
-    rising = contacts.position[order]
-    leading = np.ones(rising.size, dtype=bool)
-    leading[:-1] = rising[1:] != rising[:-1]
-    two = np.full((2, placement.count), -np.inf)
-    two[0, rising[leading]] = value[order[leading]]
-    np.maximum.at(two[1], rising[~leading], value[order[~leading]])
-    return two
+    count = len(URGE) * placement.count
+    lead, place = contacts.lead_rad, contacts.place(placement)
+    foremost = largest_rows(lead, place, count)
+    foremost = foremost[foremost >= 0]
+    others = np.ones(lead.size, dtype=bool)
+    others[foremost] = False
+    two = np.full((2, count), -np.inf)
+    two[0, place[foremost]] = lead[foremost]
+    np.maximum.at(two[1], place[others], lead[others])
+    return two.reshape(2, len(URGE), -1)
 
 
 def least_arc(teeth: ToothedPair, placement: Placement) -> float:
     """Least arc of contact of any pair of flanks on either side of the teeth, in pitches, without load."""
-    least = []
-    for side in (PUSHING, BACK):
-        met = meetings(teeth, placement, side)
-        found = flank_contacts(teeth, placement, met)
-        least.append(found.touching(foremost_two(found.contacts, met.urge, placement), met.urge).least_arc)
-    return min(least)
+    found = flank_contacts(teeth, placement, meetings(teeth, placement))
+    return min(pairs.least_arc for pairs in found.touching(foremost_two(found.contacts, placement)))
 
 
 def _heights(gear: ToothedGear) -> _Heights:
@@ -216,13 +239,13 @@ def _near(
     """Where in the meetings' table (row, column) both flanks are on or near what is left of them, and these flanks."""
     rack = teeth.driving.flanks.rack
     # Heights, by the closed form, at which flanks touch before they cross the pitch point.
-    first = meetings.side * rack.height_per_rolled * meetings.driving_ahead_mm
-    second = -meetings.side * rack.height_per_rolled * meetings.driven_ahead_mm
+    per_rolled = rack.height_per_rolled * meetings.urge[:, None]
+    first, second = -per_rolled * meetings.driving_ahead_mm, per_rolled * meetings.driven_ahead_mm
     room = _room(driving.room(meetings.driving[:, None], first), driven.room(meetings.driven[:, None], second))
     beyond = BEYOND_IN_PITCHES * rack.pitch_mm * sin(rack.pressure_angle_rad) * cos(rack.pressure_angle_rad)
     row, column = place = np.nonzero((room >= -beyond).all(axis=0).any(axis=0))
     numbers = meetings.driving[row], meetings.driven[row], meetings.position[place]
-    upward = placement.ahead * meetings.urge
+    upward = placement.ahead * meetings.urge[row]
     return row, column, FacingFlanks(teeth, placement, upward, *numbers, first[place], second[place])
 
 

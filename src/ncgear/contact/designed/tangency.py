@@ -35,7 +35,7 @@ class FacingFlanks(Columns):
 
     teeth: ToothedPair
     placement: Placement
-    upward: float
+    upward: Array
     driving: IndexArray
     driven: IndexArray
     position: IndexArray
@@ -151,12 +151,14 @@ def tangencies(facing: FacingFlanks, limits_mm: Array) -> Touches:
     ``limits_mm`` (shape (2, 2, n)): the least and the greatest height of the driving flanks and of the driven flanks.
     """
     state = _state(facing, facing.driving_mm, facing.driven_mm, facing.turn_rad)
+    met = _met(state, facing.module_mm)
     for _ in range(NEWTON_STEPS):
-        todo = np.nonzero(~_met(state, facing.module_mm))[0]
+        todo = np.flatnonzero(~met)
         if not todo.size:
             break
-        state = _merged(state, todo, _stepped(facing.kept(todo), state.kept(todo)))
-    doubtful = np.nonzero(_doubtful(facing, state))[0]
+        nearer = _stepped(facing.kept(todo), state.kept(todo))
+        state, met[todo] = _merged(state, todo, nearer), _met(nearer, facing.module_mm)
+    doubtful = np.flatnonzero(_doubtful(facing, state, met))
     touches = _touches(state)
     if not doubtful.size:
         return touches
@@ -231,17 +233,17 @@ def _rates(facing: FacingFlanks, at: _State) -> _Rates:
     )
 
 
-def _doubtful(facing: FacingFlanks, state: _State) -> Mask:
+def _doubtful(facing: FacingFlanks, state: _State, met: Mask) -> Mask:
     """Whether a tangency is not found, is not the first touch, or is near a joint that the flanks pass unequally.
 
     Points beside a first touch have farther to go: the tangents turn apart on both sides of it.
     """
-    doubtful = ~_met(state, facing.module_mm)
+    doubtful = ~met
     moved = np.nonzero(~doubtful & (np.abs(state.turn_rad - facing.turn_rad) > PARALLEL_RAD))[0]
     if moved.size:
         near, there = facing.kept(moved), state.kept(moved)
         by = _rates(near, there)
-        behind = facing.upward * by.own * by.relative_bend * by.spin_across <= 0.0
+        behind = near.upward * by.own * by.relative_bend * by.spin_across <= 0.0
         doubtful[moved] = behind | _about_joints(near, there)
     return doubtful
 
@@ -298,8 +300,8 @@ def _first_touches(facing: FacingFlanks, limits_mm: Array) -> Touches:
         )
         least, greatest = limits_mm[1, ..., None]
         there = np.isfinite(other_height) & (other_height >= least) & (other_height <= greatest)
-        turn = np.where(there, angle_between(point, other), -facing.upward * np.inf)
-        first = first[0], np.argmax(facing.upward * turn, axis=1)
+        turn = angle_between(point, other)
+        first = first[0], np.argmax(np.where(there, facing.upward[:, None] * turn, -np.inf), axis=1)
         middle, reach = height[first], reach * (SHARES[1] - SHARES[0])
     found = there[first]
     turn = np.where(found, turn[first], 0.0)

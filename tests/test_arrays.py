@@ -1,0 +1,20 @@
+"""Rows and groups in flat arrays, against loops."""
+
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy import array
+
+from ncgear.numerics.arrays import largest_rows
+
+VALUES = st.sampled_from([-float("inf"), -1.5, 0.0, 0.25, 3.0])
+
+
+@given(st.lists(st.tuples(VALUES, st.integers(0, 5)), max_size=20))
+def test_the_largest_row_of_each_group_is_the_first_of_equal_ones(rows: list[tuple[float, int]]) -> None:
+    values, group = array([value for value, _ in rows], dtype=float), array([number for _, number in rows], dtype=int)
+    found = largest_rows(values, group, 6)
+    for number in range(6):
+        own = [row for row, (_, of) in enumerate(rows) if of == number]
+        assert found[number] == (max(own, key=lambda row: rows[row][0]) if own else -1)
