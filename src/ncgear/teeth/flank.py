@@ -179,6 +179,12 @@ class Flanks:
         curvature = self.at_rolled(flank, self.rolled_mm(flank, height_mm)).curvature
         return sin(self.rack.pressure_angle_rad) ** 2 + height_mm * curvature
 
+    def surely_regular(self, flank: IndexArray, height_mm: Array) -> Mask:
+        """Which flanks are regular up to heights over the pitch line, as bounds of the curvature prove."""
+        least = min(self.curve.curvature_bounds[0], 0.0)
+        regular: Mask = sin(self.rack.pressure_angle_rad) ** 2 + height_mm * least > 0.0
+        return regular
+
     def fillet_regularity(self, flank: IndexArray, sigma_mm: Array) -> Array:
         """K (D + rho) - rho v / D^2: positive where the fillet bounds the tooth."""
         at, tool = self.at_rolled(flank, sigma_mm), self.tool.at_length(sigma_mm)
