@@ -407,6 +407,8 @@ def _joints(flanks: Flanks) -> Array:
 
 def _cuts(ends: Array, joints: Array) -> Array:
     """Both ends and the joints between them, in order; a joint at an end, to rounding, is none."""
+    if not joints.size:
+        return ends
     apart = AT_END * (ends[1] - ends[0])
     inside = joints[(joints > ends[0] + apart) & (joints < ends[1] - apart)]
     return np.concatenate([ends[:1], np.sort(inside), ends[1:]])
