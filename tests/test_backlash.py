@@ -186,13 +186,13 @@ def test_worked_designs_may_have_backlash(name: str) -> None:
 
 
 @pytest.mark.tiers(slow=["ring*"], rest="thorough")
-@pytest.mark.parametrize("backlash_mm", [0.05, 0.1])
+@pytest.mark.parametrize("backlash_mm", [0.0, 0.05, 0.4])
 @pytest.mark.parametrize("data", [DEEP_SINE, DEEP_RING], ids=["sine", "ring"])
 def test_deep_laws_may_have_backlash(data: Data, backlash_mm: float) -> None:
+    """With much play, tips are turned to where no tip comes without it: into the bottoms of the mate's spaces."""
     data = deepcopy(data)
-    for played in (0.0, backlash_mm):
-        data["gears"]["backlash_mm"] = played
-        require_contact(data)
+    data["gears"]["backlash_mm"] = backlash_mm
+    require_contact(data)
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from math import pi
 import numpy as np
 import pytest
 
+import ncgear.teeth.fitting
 import ncgear.teeth.gear
 from drives import DESIGNS, drive, loaded
 from ncgear.design.keys.design import Design
@@ -137,6 +138,7 @@ CASES: dict[str, Callable[[], Case]] = {
     "rack, 0.3 mm": lambda: convex(0.3),
     "tips at fillets, 0.2 mm": lambda: reaching(0.2),
     "deep sine, 0.1 mm": lambda: deep(0.1),
+    "deep sine, 0.3 mm": lambda: deep(0.3),
     "deep ring, 0.05 mm": lambda: deep_ring(0.05),
 }
 
@@ -161,6 +163,12 @@ def test_bottoms_that_stand_like_one_flank_each_are_in_the_way(monkeypatch: pyte
     """Negative control: without the sweep the two halves of a bottom stand as their flanks do."""
     monkeypatch.setattr(ncgear.teeth.gear, "swept", lambda tips, sides: (tips, sides))
     assert deepest(*baler(0.3), 60) > 0.05
+
+
+@pytest.mark.thorough
+def test_turned_tips_get_into_bottoms_that_nobody_holds_them_against(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ncgear.teeth.fitting, "freed_of_bottoms", lambda own, mate, paths: own)
+    assert deepest(*deep(0.3), 60) > 0.1
 
 
 @pytest.mark.thorough

@@ -9,6 +9,7 @@ on them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import cos
@@ -105,9 +106,8 @@ class PitchCurve:
 
         The values come from piecewise polynomials, which agree with the closed form to rounding error.
         """
-        columns = self._cells(np.mod(sigma_mm / self.center_distance_mm, self.length_mm / self.center_distance_mm))
-        size, tangent = self.center_distance_mm, columns[..., 2:4]
-        return CurvePoints(columns[..., 0:2] * size, tangent, _normal(self.gear, tangent), columns[..., 4] / size)
+        columns = self._cells(np.mod(sigma_mm, self.length_mm))
+        return CurvePoints(columns[..., 0:2], columns[..., 2:4], columns[..., 4:6], columns[..., 6])
 
     @cached_property
     def curvature_bounds(self) -> tuple[float, float]:
@@ -118,7 +118,11 @@ class PitchCurve:
 
     @cached_property
     def _cells(self) -> Cells:
-        return cells_of(self._by_length)
+        """All columns of ``CurvePoints`` by the arc length in mm over one turn of this gear."""
+        form, size = self._by_length, self.center_distance_mm
+        position, tangent, curvature = np.split(form.coefficients, [2, 4], axis=-1)
+        columns = [position * size, tangent, _normal(self.gear, tangent), curvature / size]
+        return cells_of(PiecewiseChebyshev(form.breaks * size, np.concatenate(columns, axis=-1)))
 
     @cached_property
     def _by_length(self) -> PiecewiseChebyshev:
@@ -129,10 +133,11 @@ class PitchCurve:
             at = self.at_angle(self.arc.angle(sigma))
             return np.column_stack([at.position / size, at.tangent, at.curvature * size])
 
-        period = self.arc.length(self.transmission.joints_rad[:-1])
-        joints = np.concatenate([period + number * self.arc.period for number in range(self.periods)])
+        # What the inverse of arc length needs as panels, the curve needs at least.
+        period = self.arc.by_length.breaks[:-1]
+        panels = np.concatenate([period + number * self.arc.period for number in range(self.periods)])
         try:
-            return chebyshev.fitted(columns, np.append(joints, self.periods * self.arc.period))
+            return chebyshev.fitted(columns, np.append(panels, self.periods * self.arc.period))
         except NotSmooth as fault:
             raise _too_sharp(float(self.arc.angle(np.array(fault.at)))) from fault
 
@@ -142,9 +147,9 @@ class PitchCurve:
         slope = driven.differentiated()
         own = phi1.ravel() if self.gear is Gear.DRIVING else driven.value
         of = self.gear, self.mesh
-        radius = shape.radius(slope, *of).value * self.center_distance_mm
-        radius_slope = shape.radius_slope(slope, *of).value * self.center_distance_mm
-        curvature = shape.curvature(slope, *of).value / self.center_distance_mm
+        polar = shape.polar(slope, *of)
+        radius, radius_slope = (jet.value * self.center_distance_mm for jet in polar[:2])
+        curvature = shape.curvature_of(polar, *of).value / self.center_distance_mm
         return _points(of, own, radius, radius_slope, curvature, phi1.shape)
 
 
@@ -216,16 +221,16 @@ def arc_length(transmission: Transmission, mesh: Mesh) -> ArcLength:
 
     Raises NoSuchMechanism where the curves turn too sharply to be resolved.
     """
-    joints = transmission.joints_rad
     try:
-        by_angle = chebyshev.fitted(lambda phi1: _speed(transmission, phi1, Gear.DRIVING, mesh), joints).integrated()
+        speed = chebyshev.fitted(lambda phi1: _speed(transmission, phi1, Gear.DRIVING, mesh), transmission.joints_rad)
     except NotSmooth as fault:
         raise _too_sharp(fault.at) from fault
-    joint_lengths = np.append(by_angle(joints[:-1]), by_angle.final)
+    by_angle = speed.integrated()
+    panels = np.append(by_angle(speed.breaks[:-1]), by_angle.final)
     try:
-        by_length = chebyshev.fitted(lambda sigma: _inverse(transmission, mesh, by_angle, sigma), joint_lengths)
+        by_length = chebyshev.fitted(_inverse(by_angle, speed), panels)
     except NotSmooth as fault:
-        raise _too_sharp(float(np.interp(fault.at, joint_lengths, joints))) from fault
+        raise _too_sharp(float(np.interp(fault.at, panels, speed.breaks))) from fault
     return ArcLength(by_angle, by_length)
 
 
@@ -248,18 +253,24 @@ def _speed(transmission: Transmission, phi1: Array, gear: Gear, mesh: Mesh) -> A
     return shape.speed(transmission.driven_angle(phi1, 2).differentiated(), gear, mesh).value
 
 
-def _inverse(transmission: Transmission, mesh: Mesh, by_angle: PiecewiseChebyshev, sigma: Array) -> Array:
-    """Driving angles at arc lengths, by Newton's method from a linear interpolation of the panel ends."""
-    ends = np.append(by_angle(by_angle.breaks[:-1]), by_angle.final)
-    phi1 = np.interp(sigma, ends, by_angle.breaks)
-    for _ in range(NEWTON_STEPS):
-        step = (by_angle(phi1) - sigma) / _speed(transmission, phi1, Gear.DRIVING, mesh)
-        phi1 = np.clip(phi1 - step, 0.0, by_angle.breaks[-1])
-        if np.max(np.abs(step)) <= 1e-14 * by_angle.breaks[-1]:
-            return phi1
-    if np.max(np.abs(by_angle(phi1) - sigma)) > 1e-12 * by_angle.final:
-        raise ArithmeticError("the arc length of the pitch curve could not be inverted")
-    return phi1
+def _inverse(by_angle: PiecewiseChebyshev, speed: PiecewiseChebyshev) -> Callable[[Array], Array]:
+    """Driving angles at arc lengths, by Newton's method from a linear interpolation between the panels' own points."""
+    inner = chebyshev.nodes(speed.breaks[:-1], speed.breaks[1:]).ravel(order="F")
+    angles = np.concatenate([speed.breaks[:1], inner, speed.breaks[-1:]])
+    lengths = np.concatenate([[0.0], by_angle(inner), [by_angle.final]])
+
+    def angle(sigma: Array) -> Array:
+        phi1: Array = np.interp(sigma, lengths, angles)
+        for _ in range(NEWTON_STEPS):
+            step = (by_angle(phi1) - sigma) / speed(phi1)
+            phi1 = np.clip(phi1 - step, 0.0, by_angle.breaks[-1])
+            if np.max(np.abs(step)) <= 1e-14 * by_angle.breaks[-1]:
+                return phi1
+        if np.max(np.abs(by_angle(phi1) - sigma)) > 1e-12 * by_angle.final:
+            raise ArithmeticError("the arc length of the pitch curve could not be inverted")
+        return phi1
+
+    return angle
 
 
 STEPS = 40

@@ -51,33 +51,43 @@ def radius(slope: Jet, gear: Gear, mesh: Mesh) -> Jet:
     return slope / across if gear is Gear.DRIVING else 1.0 / across
 
 
-def own_turn(slope: Jet, gear: Gear) -> Jet:
-    """How far the gear itself turns per unit of phi1: 1 or dphi2/dphi1."""
-    return slope * 0.0 + 1.0 if gear is Gear.DRIVING else slope
+def by_own_angle(change: Jet, slope: Jet, gear: Gear) -> Jet:
+    """A derivative by phi1 as one by the angle that the gear itself turns, which grows by 1 or by dphi2/dphi1."""
+    return change if gear is Gear.DRIVING else change / slope.truncated(change.order)
 
 
 def radius_slope(slope: Jet, gear: Gear, mesh: Mesh) -> Jet:
     """Derivative of the pitch radius by the gear's own angle, one order less than ``slope``."""
-    shorter = slope.truncated(slope.order - 1)
-    return radius(slope, gear, mesh).differentiated() / own_turn(shorter, gear)
+    return by_own_angle(radius(slope, gear, mesh).differentiated(), slope, gear)
 
 
 def speed(slope: Jet, gear: Gear, mesh: Mesh) -> Jet:
     """Arc length of the pitch curve per unit of phi1, one order less than ``slope``."""
-    shorter = slope.truncated(slope.order - 1)
-    across, along = radius_slope(slope, gear, mesh), radius(shorter, gear, mesh)
-    return jet.sqrt(across * across + along * along) * own_turn(shorter, gear)
+    along = radius(slope, gear, mesh)
+    across = by_own_angle(along.differentiated(), slope, gear)
+    along = along.truncated(across.order)
+    per_turn = jet.sqrt(across * across + along * along)
+    return per_turn if gear is Gear.DRIVING else per_turn * slope.truncated(across.order)
+
+
+def polar(slope: Jet, gear: Gear, mesh: Mesh) -> tuple[Jet, Jet, Jet]:
+    """The pitch radius and its first two derivatives by the gear's own angle, two orders less than ``slope``."""
+    value, order = radius(slope, gear, mesh), slope.order - 2
+    first = by_own_angle(value.differentiated(), slope, gear)
+    return value.truncated(order), first.truncated(order), by_own_angle(first.differentiated(), slope, gear)
 
 
 def curvature(slope: Jet, gear: Gear, mesh: Mesh) -> Jet:
-    """Curvature at unit centre distance, positive where the material is convex, two orders less than ``slope``.
+    """Curvature at unit centre distance, positive where the material is convex, two orders less than ``slope``."""
+    return curvature_of(polar(slope, gear, mesh), gear, mesh)
+
+
+def curvature_of(radius_and_slopes: tuple[Jet, Jet, Jet], gear: Gear, mesh: Mesh) -> Jet:
+    """The curvature from what ``polar`` gives.
 
     k = (r^2 + 2 r'^2 - r r'') / (r^2 + r'^2)^(3/2), primes by the gear's own angle; a ring has -k.
     """
-    order = slope.order - 2
-    first = radius_slope(slope, gear, mesh)
-    second = first.differentiated() / own_turn(slope.truncated(order), gear)
-    first, value = first.truncated(order), radius(slope.truncated(order), gear, mesh)
+    value, first, second = radius_and_slopes
     square = value * value + first * first
     bend = (square + first * first - value * second) / (square * jet.sqrt(square))
     return -bend if is_ring(gear, mesh) else bend
@@ -85,5 +95,6 @@ def curvature(slope: Jet, gear: Gear, mesh: Mesh) -> Jet:
 
 def tangent_slope(slope: Jet, mesh: Mesh) -> Jet:
     """r1'/r1, the tangent of the angle between the pitch curves' tangent and the normal to the centre line."""
-    shorter = slope.truncated(slope.order - 1)
-    return radius_slope(slope, Gear.DRIVING, mesh) / radius(shorter, Gear.DRIVING, mesh)
+    value = radius(slope, Gear.DRIVING, mesh)
+    change = value.differentiated()
+    return change / value.truncated(change.order)

@@ -17,7 +17,7 @@ from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.curve import PitchCurve
 from ncgear.teeth.flank import CLEAR_OF_CUSPS, Flanks, mating_flanks, regular_depth
 from ncgear.teeth.form import WAYS, TipLimits
-from ncgear.teeth.fouling import Mates, TipPaths, freed, paths_near_concave
+from ncgear.teeth.fouling import Mates, TipPaths, freed, freed_of_bottoms, paths_near_concave
 from ncgear.teeth.spaces import cut_spaces, mated_spaces
 from ncgear.teeth.tips import Bounds, Limit, Tips, fitted_tips, held_below, no_tip
 from ncgear.teeth.tool import PinionCircle
@@ -132,7 +132,8 @@ def _fitted_to_mates(
             tips = _regular_tips(raised, regular, mates, limits) if way.raised else plain
             free = _freed(tips, paths, way.first)
             first, second = _below_ceilings(free, limits)
-            found.append((_deepened(first, second, mates[0], clearance), _deepened(second, first, mates[1], clearance)))
+            deep = _deepened(first, second, mates[0], clearance), _deepened(second, first, mates[1], clearance)
+            found.append(_freed_of_bottoms(deep, paths))
         except NoSuchMechanism as refusal:
             refusals.append(refusal)
             continue
@@ -192,6 +193,14 @@ def _freed(tips: PairTips, paths: tuple[TipPaths, TipPaths] | None, first: int) 
             return tips if all(one is other for one, other in zip(both, tips, strict=True)) else (both[0], both[1])
     worst = both[(first + TURNS - 1) % 2]
     raise no_tip(worst.flanks, int(np.argmax(worst.limit == Limit.FOULING)))
+
+
+def _freed_of_bottoms(tips: PairTips, paths: tuple[TipPaths, TipPaths] | None) -> PairTips:
+    """Tips that play does not turn into the bottoms of the mate's spaces."""
+    if paths is None:
+        return tips
+    driving, driven = tips
+    return freed_of_bottoms(driving, driven.flanks, paths[0]), freed_of_bottoms(driven, driving.flanks, paths[1])
 
 
 def _deepened(own: Tips, mate: Tips, mates: Mates, clearance: float) -> Tips:

@@ -3,6 +3,7 @@
 On concave stretches teeth enter their spaces from above, as in a ring.  The edge of a tip is followed in the mate's
 frame; where its path crosses a tooth of the mate above the pitch curve, the edge is too high, and is lowered until its
 path just passes.  With play that is done at both ends of it: where the pushing flanks touch and where the idle ones do.
+Edges that play has turned are also held against the bottoms of the mate's spaces: they come where no tip comes without.
 
 The tip of a pinion cutter may cut teeth in the same way on its way out of a space.  There nothing can be lowered: the
 cutter is refused.
@@ -10,6 +11,7 @@ cutter is refused.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import ceil, pi, sqrt
 
@@ -34,8 +36,8 @@ raised against undercut."""
 PLACES = 4
 """Steps per pitch in which the rolled length is found after which tips are clear; a finer step hardly matters."""
 
-NEIGHBOURS = 3
-"""Teeth on either side of the mating tooth that a tip's edge may run into on its way."""
+NEIGHBOURS, SPACES_BESIDE = 3, 1
+"""Teeth on either side of the mating tooth, and spaces beside its space, that a tip's edge may run into on its way."""
 
 STEPS, FLANK_POINTS = 32, 33
 """Points of a tip's path per pitch, and of a flank: chords stray by less than a five-thousandth of a module."""
@@ -63,7 +65,7 @@ class TipPaths:
     at: CurvePoints
     there: CurvePoints
 
-    def kept(self, rows: Mask) -> TipPaths:
+    def kept(self, rows: Mask | IndexArray) -> TipPaths:
         """The paths of the chosen meetings."""
         return TipPaths(self.own[rows], self.other[rows], self.at.kept(rows), self.there.kept(rows))
 
@@ -74,6 +76,10 @@ class TipPaths:
         path: Array = self.there.position
         path = path + along[..., None] * self.there.tangent - outwards[..., None] * self.there.normal
         return path
+
+
+Fouling = Callable[[Flanks, Array, TipPaths], Mask]
+"""From flanks, heights of their tips and the paths to look at to which tips run into the mate; shape (2 z,)."""
 
 
 def paths_near_concave(own: Flanks, mate: Flanks, mates: Mates) -> TipPaths:
@@ -116,10 +122,25 @@ def freed(own: Tips, mate: Tips, paths: TipPaths) -> Tips:
     height = mate.height_mm[:, None] * np.linspace(ASIDE, 1.0, FLANK_POINTS)
     with_play = own.flanks.is_turned or mate.flanks.is_turned
     teeth = [_teeth(stand, height) for stand in _stands(mate.flanks)[: 1 + with_play]]
-    hit = _fouling(own.flanks, own.height_mm, paths, teeth)
+    return _free_of(own, paths, lambda flanks, top, near: _fouling(flanks, top, near, teeth))
+
+
+def freed_of_bottoms(own: Tips, mate: Flanks, paths: TipPaths) -> Tips:
+    """The gear with those tips shortened that play turns into the bottoms of the mate's spaces; itself where none is.
+
+    Raises NoSuchMechanism, naming the tooth, where no tip is left.
+    """
+    if not own.flanks.is_turned:
+        return own
+    spaces = [_spaces(stand) for stand in _stands(mate)]
+    return _free_of(own, paths, lambda flanks, top, near: _in_bottoms(flanks, top, near, spaces))
+
+
+def _free_of(own: Tips, paths: TipPaths, fouling: Fouling) -> Tips:
+    hit = fouling(own.flanks, own.height_mm, paths)
     if not hit.any():
         return own
-    flanks = _lowered(own, paths.kept(hit[paths.own]), teeth, hit)
+    flanks = _lowered(own, paths.kept(hit[paths.own]), fouling, hit)
     top, at, met = tip_crossing(flanks)
     if not met.all():
         raise no_tip(flanks, int(np.nonzero(~met)[0][0]))
@@ -133,14 +154,14 @@ def _stands(flanks: Flanks) -> tuple[Flanks, Flanks]:
     return flanks, flanks.pulling
 
 
-def _lowered(own: Tips, paths: TipPaths, teeth: list[Array], hit: Mask) -> Flanks:
+def _lowered(own: Tips, paths: TipPaths, fouling: Fouling, hit: Mask) -> Flanks:
     """The flanks, with the tips that ``hit`` at the greatest heights at which they do not; heights by halving."""
     full = own.flanks.tip_height_mm
     low, high, chosen, top = np.zeros_like(full), full.copy(), np.nonzero(hit)[0], own.height_mm.copy()
     for _ in range(HALVINGS):
         trial = replace(own.flanks, tip_height_mm=np.where(hit, (low + high) / 2.0, full))
         top[chosen] = tip_crossing(trial, chosen)[0]
-        fouls = _fouling(trial, top, paths, teeth)
+        fouls = fouling(trial, top, paths)
         low, high = np.where(fouls, low, trial.tip_height_mm), np.where(fouls, trial.tip_height_mm, high)
     return replace(own.flanks, tip_height_mm=even_heights(own.flanks, np.where(hit, FREE * low, full)))
 
@@ -157,6 +178,22 @@ def _fouling(flanks: Flanks, top: Array, paths: TipPaths, teeth: list[Array]) ->
     return hit
 
 
+def _in_bottoms(flanks: Flanks, top: Array, paths: TipPaths, spaces: list[Array]) -> Mask:
+    """Which tip edges of a gear, at heights ``top``, run into the mate's spaces where play has turned them; (2 z,).
+
+    ``spaces`` are those of the mate as each of ``_stands`` has them.  An edge that is not turned touches the mate's
+    flank and leaves it along the fillet.
+    """
+    hit = np.zeros(flanks.count, dtype=bool)
+    space = (paths.other - 1) // 2
+    for stand, mating in zip(_stands(flanks), spaces, strict=True):
+        moved = np.nonzero(stand.turn_rad[paths.own])[0]
+        near = paths.kept(moved)
+        path = near.in_mate(stand.flank(near.own, top[near.own])[0])
+        hit[near.own[_running_into(path, mating, space[moved], SPACES_BESIDE)]] = True
+    return hit
+
+
 def _running_into(path: Array, teeth: Array, tooth: IndexArray, neighbours: int) -> Mask:
     """Which of n paths cross the tooth of their number (from 0) or a neighbour on either side of it; shape (n,)."""
     hit = np.zeros(len(path), dtype=bool)
@@ -169,6 +206,16 @@ def _teeth(flanks: Flanks, height: Array) -> Array:
     """Outlines of teeth, up the back flank and down the front flank; shape (z, 2 m, 2) from heights (2 z, m)."""
     side = flanks.flank(np.arange(flanks.count)[:, None], height)[0]
     return np.concatenate([side[::2], side[1::2, ::-1]], axis=1)
+
+
+def _spaces(flanks: Flanks) -> Array:
+    """Outlines of spaces from the pitch curve down, after each tooth, shape (z, m, 2), as far as fillets are round."""
+    every, share = np.arange(flanks.count)[:, None], np.linspace(0.0, 1.0, FLANK_POINTS)
+    depth = flanks.flank_depth_mm[:, None]
+    start = flanks.rolled_mm(every, -depth)
+    fillet = start + (flanks.rounding.lowest_mm[:, None] - start) * share
+    side = np.concatenate([flanks.flank(every, -depth * share)[0], flanks.fillet(every, fillet)[0]], axis=1)
+    return np.concatenate([side[1::2], np.roll(side[::2, ::-1], -1, axis=0)], axis=1)
 
 
 CUTTER_PROBES = 25
