@@ -37,7 +37,7 @@ from math import cos, lcm, remainder, sin, tan
 import numpy as np
 
 from ncgear.numerics.arrays import Array, IndexArray, Mask
-from ncgear.numerics.plane import cross, turned
+from ncgear.numerics.plane import as_complex, as_points, cross, turned
 from ncgear.numerics.units import in_words
 from ncgear.numerics.zeros import first_zeros
 from ncgear.pitch.curve import CurvePoints, PitchCurve
@@ -224,11 +224,15 @@ class Flanks:
                 point[mask], slope[mask] = curve(rows[mask], parameter[mask])
         return point, slope
 
-    def offset(self, sigma_mm: Array, height_mm: Array | float) -> tuple[Array, Array]:
-        """The curves at constant distances from the unturned pitch curve (tips, roots), and derivatives by sigma."""
-        at, height = self.curve.at_length(sigma_mm), np.asarray(height_mm, dtype=float)
-        slope = (1.0 + height * at.curvature)[..., None] * at.tangent
-        return at.position + height[..., None] * at.normal, slope
+    def offset(self, sigma_mm: Array, height_mm: Array | float, rise: Array | float = 0.0) -> tuple[Array, Array]:
+        """The curves at distances from the unturned pitch curve (tips, roots), and derivatives by sigma.
+
+        The distances grow by ``rise`` per mm.  Shapes broadcast.
+        """
+        at = self.curve.at_length(sigma_mm)
+        tangent, normal = as_complex(at.tangent), as_complex(at.normal)
+        point = as_complex(at.position) + height_mm * normal
+        return as_points(point), as_points((1.0 + height_mm * at.curvature) * tangent + rise * normal)
 
     def over_tip(self, tooth: IndexArray, share: Array, rate: Array, land: tuple[Array, Array]) -> tuple[Array, Array]:
         """Points of tip lands and derivatives, turned by as much as the flanks at both ends of each land.
