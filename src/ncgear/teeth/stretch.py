@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ncgear.numerics.arrays import Array, IndexArray, Mask, counted_up
+from ncgear.numerics.plane import as_complex, as_points
 
 Curve = Callable[[IndexArray, Array], tuple[Array, Array]]
 """From owners and parameters, whose shapes broadcast, to points and derivatives by the parameter, shape (..., 2)."""
@@ -42,7 +43,7 @@ class Stretch:
         """Points of rows at shares of their way from start to end, and derivatives by the share; shapes broadcast."""
         span = (self.end - self.start)[rows]
         point, slope = self.curve(self.owner[rows], self.start[rows] + span * share)
-        return point, span[..., None] * slope
+        return point, as_points(span * as_complex(slope))
 
     def kept(self, rows: Mask | IndexArray) -> Stretch:
         """The chosen rows."""

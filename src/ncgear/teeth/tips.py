@@ -220,7 +220,7 @@ def _newton_crossing(flanks: Flanks, which: IndexArray) -> tuple[Array, Array, M
         AGREEMENT * rack.module_mm,
     )
     met &= (height > 0.0) & (height < FAR * tip) & (np.abs(sigma - crossing) < rack.pitch_mm / 2.0)
-    doubtful = np.nonzero(met & ~flanks.surely_regular(which, height))[0]
+    doubtful = np.nonzero(met & ~flanks.surely_regular(height))[0]
     way = height[doubtful, None] * np.linspace(0.0, 1.0, PROBES)
     met[doubtful] = flanks.regularity(which[doubtful, None], way).min(axis=1) > 0.0
     return height, sigma, met
