@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import shapely
 
 from ncgear.teeth.chords import sampled, straddled
-from ncgear.teeth.stretch import Stretch, split
+from ncgear.teeth.stretch import Stretch, joined, split
 
 Array = np.ndarray
 Curve = Callable[[Array], tuple[Array, Array]]
@@ -135,3 +136,26 @@ def test_no_curves_have_no_points(sampling: Sampling) -> None:
     points, key = sampling(stretch("arcs").kept(np.zeros(3, dtype=bool)), np.empty(0))
     assert points.shape == (0, 2)
     assert key.size == 0
+
+
+@pytest.mark.parametrize("sampling", [sampled, straddled])
+@pytest.mark.parametrize("tolerance", [0.5, 0.05, 1e-3])
+def test_a_bound_of_the_turning_changes_no_points(sampling: Sampling, tolerance: float) -> None:
+    """Arcs of 1 rad less a little: of small ones, a single chord is known to do without probes."""
+    short = replace(stretch("arcs"), end=np.full(3, 1.19))
+    bounded = replace(short, most_turned_rad=np.full(3, 0.99))
+    for known, found in zip(
+        sampling(short, np.full(3, tolerance)), sampling(bounded, np.full(3, tolerance)), strict=True
+    ):
+        assert np.array_equal(known, found)
+
+
+@pytest.mark.parametrize("sampling", [sampled, straddled])
+def test_curves_that_are_sampled_together_have_the_points_they_have_alone(sampling: Sampling) -> None:
+    tolerances = {"arcs": 1e-3, "bends": 1e-2, "waves": 1e-4}
+    alone = [sampling(stretch(name), np.full(3, tolerance)) for name, tolerance in tolerances.items()]
+    none = stretch("bends").kept(np.zeros(3, dtype=bool))
+    together = joined([stretch("arcs"), none, stretch("bends"), stretch("waves")])
+    points, keys = sampling(together, np.repeat(list(tolerances.values()), 3))
+    assert points == pytest.approx(np.concatenate([found[0] for found in alone]), abs=1e-14)
+    assert keys == pytest.approx(np.concatenate([found[1] for found in alone]), abs=1e-14)

@@ -119,6 +119,10 @@ class Flanks:
         """The flanks as they stand where the idle ones touch, which are then at the law's angle."""
         return replace(self, turn_rad=self.turn_rad - self.turn_rad[0]) if self.is_turned else self
 
+    def with_tips(self, height_mm: Array) -> Flanks:
+        """The flanks with tips of other heights; themselves where none differs."""
+        return replace(self, tip_height_mm=height_mm) if np.any(height_mm != self.tip_height_mm) else self
+
     @property
     def lift_mm(self) -> Array:
         """How far the play moves the pitch curve in or out where a flank crosses it, shape (2 z,); 0 without play."""
@@ -180,10 +184,11 @@ class Flanks:
         curvature = self.at_rolled(flank, self.rolled_mm(flank, height_mm)).curvature
         return sin(self.rack.pressure_angle_rad) ** 2 + height_mm * curvature
 
-    def surely_regular(self, height_mm: Array) -> Mask:
-        """Up to which heights over the pitch line every flank is regular, as bounds of the curvature prove."""
-        least = min(self.curve.curvature_bounds[0], 0.0)
-        regular: Mask = sin(self.rack.pressure_angle_rad) ** 2 + height_mm * least > 0.0
+    def surely_regular(self, flank: IndexArray, height_mm: Array) -> Mask:
+        """Which flanks bounds of the curvature prove regular from the pitch line to given heights, shape (n,)."""
+        ends = np.sort([self.crossing_mm[flank], self.rolled_mm(flank, height_mm)], axis=0)
+        least = np.min([height_mm * bound for bound in self.curve.curvature_between(*ends)], axis=0)
+        regular: Mask = sin(self.rack.pressure_angle_rad) ** 2 + np.minimum(least, 0.0) > 0.0
         return regular
 
     def fillet_regularity(self, flank: IndexArray, sigma_mm: Array) -> Array:
@@ -379,14 +384,15 @@ def regular_depth(flanks: Flanks, limit_mm: float) -> Array:
 
 def _reach(flanks: Flanks, limit: float, sense: float) -> Array:
     """Largest h in [0, limit] such that sin^2(alpha) + sense h k stays positive from 0 to h."""
-    square = sin(flanks.rack.pressure_angle_rad) ** 2
-    low, high = flanks.curve.curvature_bounds
-    if square + limit * min(sense * low, sense * high) > 0.0:
-        return np.full(flanks.count, limit)
+    reached, every = np.full(flanks.count, limit), np.arange(flanks.count)
+    doubtful = np.nonzero(~flanks.surely_regular(every, sense * reached))[0]
+    if not doubtful.size:
+        return reached
     per_mm = -sense * flanks.side * flanks.rack.height_per_rolled
     ends, joints = np.array([0.0, limit]), _joints(flanks)
-    cuts = [_cuts(ends, (joints - flanks.crossing_mm[i]) * per_mm[i]) for i in range(flanks.count)]
-    return first_zeros(lambda i, height: flanks.regularity(i, sense * height), cuts)
+    cuts = [_cuts(ends, (joints - flanks.crossing_mm[i]) * per_mm[i]) for i in doubtful]
+    reached[doubtful] = first_zeros(lambda i, height: flanks.regularity(doubtful[i], sense * height), cuts)
+    return reached
 
 
 def folded_fillets(flanks: Flanks) -> Mask:

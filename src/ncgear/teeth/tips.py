@@ -96,7 +96,7 @@ class _Edges:
         moved = np.nonzero(height_mm != self.flanks.tip_height_mm)[0]
         if not moved.size:
             return self
-        flanks = replace(self.flanks, tip_height_mm=height_mm)
+        flanks = self.flanks.with_tips(height_mm)
         found = self.top_mm.copy(), self.at_mm.copy(), self.met.copy()
         for values, new in zip(found, tip_crossing(flanks, moved), strict=True):
             values[moved] = new
@@ -114,7 +114,7 @@ def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: f
     regular = CLEAR_OF_CUSPS * regular_height(flanks, float(np.max(bounds.contact_mm)) / CLEAR_OF_CUSPS)
     cusp = regular < bounds.contact_mm
     allowed = np.minimum(regular, bounds.contact_mm)
-    flanks = replace(flanks, tip_height_mm=height)
+    flanks = flanks.with_tips(height)
     edges = _Edges(flanks, *tip_crossing(flanks))
     lowered = _lowered(edges, allowed)
     limit = np.where(lowered < height, np.where(cusp, Limit.CUSP, reason), limit)
@@ -220,7 +220,8 @@ def _newton_crossing(flanks: Flanks, which: IndexArray) -> tuple[Array, Array, M
         AGREEMENT * rack.module_mm,
     )
     met &= (height > 0.0) & (height < FAR * tip) & (np.abs(sigma - crossing) < rack.pitch_mm / 2.0)
-    doubtful = np.nonzero(met & ~flanks.surely_regular(height))[0]
+    near = np.nonzero(met)[0]
+    doubtful = near[~flanks.surely_regular(which[near], height[near])]
     way = height[doubtful, None] * np.linspace(0.0, 1.0, PROBES)
     met[doubtful] = flanks.regularity(which[doubtful, None], way).min(axis=1) > 0.0
     return height, sigma, met
