@@ -68,7 +68,7 @@ class PitchCurve:
         lobes = self.transmission.lobes
         return lobes.driving if self.gear is Gear.DRIVING else lobes.driven
 
-    @property
+    @cached_property
     def length_mm(self) -> float:
         """Length of the closed curve."""
         return self.periods * self.arc.period * self.center_distance_mm

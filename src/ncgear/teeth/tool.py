@@ -36,9 +36,8 @@ class RackLine:
 
     def at_length(self, sigma_mm: Array) -> CurvePoints:
         """The x axis; the rack's material lies above it."""
-        position = np.zeros((*np.shape(sigma_mm), 2))
-        position[..., 0] = sigma_mm
-        tangent, normal = (np.broadcast_to(vector, position.shape) for vector in ([1.0, 0.0], [0.0, -1.0]))
+        position, tangent, normal = np.zeros((3, *np.shape(sigma_mm), 2))
+        position[..., 0], tangent[..., 0], normal[..., 1] = sigma_mm, 1.0, -1.0
         return CurvePoints(position, tangent, normal, np.zeros(np.shape(sigma_mm)))
 
     def flank_depth_mm(self, rack: BasicRack, depth_mm: Array, radius_mm: Array) -> Array:
