@@ -142,8 +142,8 @@ def test_no_curves_have_no_points(sampling: Sampling) -> None:
 @pytest.mark.parametrize("tolerance", [0.5, 0.05, 1e-3])
 def test_a_bound_of_the_turning_changes_no_points(sampling: Sampling, tolerance: float) -> None:
     """Arcs of 1 rad less a little: of small ones, a single chord is known to do without probes."""
-    short = replace(stretch("arcs"), end=np.full(3, 1.19))
-    bounded = replace(short, most_turned_rad=np.full(3, 0.99))
+    short = replace(stretch("arcs"), end=np.full(3, 1.19), rolled=np.array([np.full(3, 0.2), np.full(3, 1.19)]))
+    bounded = replace(short, most_turning=np.ones(3))
     for known, found in zip(
         sampling(short, np.full(3, tolerance)), sampling(bounded, np.full(3, tolerance)), strict=True
     ):

@@ -280,10 +280,10 @@ def _most_needed(stretch: Stretch, tolerance: Array) -> Array:
     Such a curve is no longer than the line between its ends over cos(t / 2); the integral of sqrt(ds dt) is no greater
     than the root of its length times t.
     """
-    most = np.full(tolerance.size, np.inf)
-    gentle = np.nonzero(stretch.most_turned_rad < GENTLE_RAD)[0]
+    most, turned = np.full(tolerance.size, np.inf), stretch.most_turning * np.abs(stretch.rolled[1] - stretch.rolled[0])
+    gentle = np.nonzero(turned < GENTLE_RAD)[0]
     if gentle.size:
-        turned = stretch.most_turned_rad[gentle]
+        turned = turned[gentle]
         first, last = as_complex(stretch.at(gentle[:, None], np.broadcast_to([0.0, 1.0], (gentle.size, 2)))[0]).T
         most[gentle] = np.sqrt(np.abs(last - first) / np.cos(turned / 2.0) * turned / (8.0 * tolerance[gentle]))
     return most

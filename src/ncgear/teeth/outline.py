@@ -136,15 +136,23 @@ def _side_runs(flanks: Flanks, sides: Sides, kind: int) -> Stretch:
     start, end = np.where(outwards, end, start), np.where(outwards, start, end)
     rolled = np.array([start, end] if kind != FLANK else [flanks.rolled_mm(owner, start), flanks.rolled_mm(owner, end)])
     # A flank turns with the pitch curve, but for its tip relief.
-    bounded = kind == FLANK and flanks.rack.relief is None
-    turned = _most_turned(flanks, rolled) if bounded else np.full(rank.size, np.inf)
-    return Stretch(curve, owner, start, end, rolled, 4.0 * rank, np.ones(rank.size), turned, np.zeros_like(owner))
+    turning = _most_turning(flanks) if kind == FLANK and flanks.rack.relief is None else np.inf
+    return Stretch(
+        curve,
+        owner,
+        start,
+        end,
+        rolled,
+        4.0 * rank,
+        np.ones(rank.size),
+        np.full(rank.size, turning),
+        np.zeros_like(owner),
+    )
 
 
-def _most_turned(flanks: Flanks, rolled: Array) -> Array:
-    """How far the pitch curve turns at most, in rad, between arc lengths of shape (2, n); shape (n,)."""
-    most: Array = max(map(abs, flanks.curve.curvature_bounds)) * np.abs(rolled[1] - rolled[0])
-    return most
+def _most_turning(flanks: Flanks) -> float:
+    """How fast the pitch curve turns at most, in rad per mm."""
+    return max(map(abs, flanks.curve.curvature_bounds))
 
 
 def _tip_lands(flanks: Flanks, sides: Sides) -> Stretch:
@@ -183,8 +191,8 @@ def _lands(curve: Curve, sides: Sides, owner: IndexArray, rolled: Array, paralle
     ``rolled`` (shape (2, z)) are the arc lengths at which they begin and end.
     """
     rank = np.asarray(4.0 * (np.searchsorted(sides.owner, owner, side="right") - 1) + 1.0, dtype=float)
-    turned = np.where(parallel, _most_turned(sides.roots.flanks, rolled), np.inf)
-    return Stretch(curve, owner, rolled[0], rolled[1], rolled, rank, np.ones(rank.size), turned, np.zeros_like(owner))
+    turning = np.where(parallel, _most_turning(sides.roots.flanks), np.inf)
+    return Stretch(curve, owner, rolled[0], rolled[1], rolled, rank, np.ones(rank.size), turning, np.zeros_like(owner))
 
 
 REMEDY = "more teeth, a smaller addendum or dedendum, or a less uneven ratio avoids that"

@@ -13,7 +13,7 @@ from ncgear.numerics.plane import as_complex, as_points
 Curve = Callable[[IndexArray, Array], tuple[Array, Array]]
 """From owners and parameters, whose shapes broadcast, to points and derivatives by the parameter, shape (..., 2)."""
 
-BY_ROW = ("owner", "start", "end", "rolled", "rank", "span", "most_turned_rad", "kind")
+BY_ROW = ("owner", "start", "end", "rolled", "rank", "span", "most_turning", "kind")
 """The fields of stretches, in order, whose last axis counts rows."""
 
 
@@ -24,8 +24,8 @@ class Stretch:
     ``curve`` maps owners and parameters to points and derivatives.  ``owner`` numbers the flanks, ``start`` and ``end``
     are the parameters, shape (n,) each.  ``rolled`` (shape (2, n)) holds the arc lengths at which both ends touch;
     between them arc length is linear in the parameter.  ``rank`` orders the rows along the outline, and ``span`` is the
-    part of the way to the next rank that a row takes, shape (n,) each.  ``most_turned_rad`` (shape (n,)) bounds how far
-    a row turns, counting turns to either side; it is infinite where no bound is known.  ``kind`` (shape (n,)) numbers
+    part of the way to the next rank that a row takes, shape (n,) each.  ``most_turning`` (shape (n,)) bounds how fast a
+    row turns to either side, in rad per mm of arc length; it is infinite where no bound is known.  ``kind`` (shape (n,)) numbers
     the curves that have been joined into this one.
     """
 
@@ -36,7 +36,7 @@ class Stretch:
     rolled: Array
     rank: Array
     span: Array
-    most_turned_rad: Array
+    most_turning: Array
     kind: IndexArray
 
     def at(self, rows: IndexArray, share: Array) -> tuple[Array, Array]:
