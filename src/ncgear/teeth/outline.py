@@ -136,18 +136,9 @@ def _side_runs(flanks: Flanks, sides: Sides, kind: int) -> Stretch:
     start, end = np.where(outwards, end, start), np.where(outwards, start, end)
     rolled = np.array([start, end] if kind != FLANK else [flanks.rolled_mm(owner, start), flanks.rolled_mm(owner, end)])
     # A flank turns with the pitch curve, but for its tip relief.
-    turning = _most_turning(flanks) if kind == FLANK and flanks.rack.relief is None else np.inf
-    return Stretch(
-        curve,
-        owner,
-        start,
-        end,
-        rolled,
-        4.0 * rank,
-        np.ones(rank.size),
-        np.full(rank.size, turning),
-        np.zeros_like(owner),
-    )
+    bounded = kind == FLANK and flanks.rack.relief is None
+    turning = np.full(rank.size, _most_turning(flanks) if bounded else np.inf)
+    return Stretch(curve, owner, start, end, rolled, 4.0 * rank, np.ones(rank.size), turning, np.zeros_like(owner))
 
 
 def _most_turning(flanks: Flanks) -> float:

@@ -25,8 +25,8 @@ class Stretch:
     are the parameters, shape (n,) each.  ``rolled`` (shape (2, n)) holds the arc lengths at which both ends touch;
     between them arc length is linear in the parameter.  ``rank`` orders the rows along the outline, and ``span`` is the
     part of the way to the next rank that a row takes, shape (n,) each.  ``most_turning`` (shape (n,)) bounds how fast a
-    row turns to either side, in rad per mm of arc length; it is infinite where no bound is known.  ``kind`` (shape (n,)) numbers
-    the curves that have been joined into this one.
+    row turns to either side, in rad per mm of arc length; it is infinite where no bound is known.  ``kind`` (shape
+    (n,)) numbers the curves that have been joined into this one.
     """
 
     curve: Curve
