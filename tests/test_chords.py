@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import shapely
 
-from ncgear.teeth.chords import Stretch, sampled, split, straddled
+from ncgear.teeth.chords import sampled, straddled
+from ncgear.teeth.stretch import Stretch, joined, split
 
 Array = np.ndarray
 Curve = Callable[[Array], tuple[Array, Array]]
-Sampling = Callable[[Stretch, float], tuple[Array, Array]]
+Sampling = Callable[[Stretch, Array], tuple[Array, Array]]
 
 RADII = np.array([1.0, 10.0, 300.0])
 
@@ -50,13 +52,13 @@ def stretch(name: str) -> Stretch:
     curve, start, end = SHAPES[name]
     every = np.arange(3)
     ends = np.array([np.full(3, start), np.full(3, end)])
-    return Stretch(curve, every, *ends, ends, 4.0 * every, np.ones(3))
+    return Stretch(curve, every, *ends, ends, 4.0 * every, np.ones(3), np.full(3, np.inf), np.zeros_like(every))
 
 
 def polylines(sampling: Sampling, name: str, tolerance: float) -> list[Array]:
     """Points of each of the curves in order, the last one included."""
     curve, _, end = SHAPES[name]
-    points, key = sampling(stretch(name), tolerance)
+    points, key = sampling(stretch(name), np.full(3, tolerance))
     ends = curve(np.arange(3), np.full(3, end))[0]
     return [
         np.vstack([points[np.argsort(key)][np.sort(key) // 4 == number], ends[number : number + 1]])
@@ -122,7 +124,7 @@ def test_straddling_takes_fewer_chords_by_the_square_root_of_two() -> None:
 @pytest.mark.parametrize("sampling", [sampled, straddled])
 def test_a_stretch_that_is_split_keeps_the_points_where_it_is(sampling: Sampling) -> None:
     joints = np.array([-0.5, 0.25, 0.5])
-    points, key = sampling(split(stretch("bends"), joints), 1e-3)
+    points, key = sampling(split(stretch("bends"), joints), np.full(12, 1e-3))
     on_first = points[np.argsort(key)][np.sort(key) < 1.0]
     assert np.all(np.diff(on_first[:, 0]) > 0.0)
     for joint in joints:
@@ -131,6 +133,29 @@ def test_a_stretch_that_is_split_keeps_the_points_where_it_is(sampling: Sampling
 
 @pytest.mark.parametrize("sampling", [sampled, straddled])
 def test_no_curves_have_no_points(sampling: Sampling) -> None:
-    points, key = sampling(stretch("arcs").kept(np.zeros(3, dtype=bool)), 1e-3)
+    points, key = sampling(stretch("arcs").kept(np.zeros(3, dtype=bool)), np.empty(0))
     assert points.shape == (0, 2)
     assert key.size == 0
+
+
+@pytest.mark.parametrize("sampling", [sampled, straddled])
+@pytest.mark.parametrize("tolerance", [0.5, 0.05, 1e-3])
+def test_a_bound_of_the_turning_changes_no_points(sampling: Sampling, tolerance: float) -> None:
+    """Arcs of 1 rad less a little: of small ones, a single chord is known to do without probes."""
+    short = replace(stretch("arcs"), end=np.full(3, 1.19), rolled=np.array([np.full(3, 0.2), np.full(3, 1.19)]))
+    bounded = replace(short, most_turning=np.ones(3))
+    for known, found in zip(
+        sampling(short, np.full(3, tolerance)), sampling(bounded, np.full(3, tolerance)), strict=True
+    ):
+        assert np.array_equal(known, found)
+
+
+@pytest.mark.parametrize("sampling", [sampled, straddled])
+def test_curves_that_are_sampled_together_have_the_points_they_have_alone(sampling: Sampling) -> None:
+    tolerances = {"arcs": 1e-3, "bends": 1e-2, "waves": 1e-4}
+    alone = [sampling(stretch(name), np.full(3, tolerance)) for name, tolerance in tolerances.items()]
+    none = stretch("bends").kept(np.zeros(3, dtype=bool))
+    together = joined([stretch("arcs"), none, stretch("bends"), stretch("waves")])
+    points, keys = sampling(together, np.repeat(list(tolerances.values()), 3))
+    assert points == pytest.approx(np.concatenate([found[0] for found in alone]), abs=1e-14)
+    assert keys == pytest.approx(np.concatenate([found[1] for found in alone]), abs=1e-14)

@@ -20,7 +20,6 @@ from ncgear.ratio.laws.expression import ratio_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.teeth import contour as splines
-from ncgear.teeth.chords import Stretch
 from ncgear.teeth.contour import (
     DEGREE,
     SAME_MM,
@@ -40,6 +39,7 @@ from ncgear.teeth.contour import (
 from ncgear.teeth.form import TipRelief, ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
 from ncgear.teeth.outline import exact_curves
+from ncgear.teeth.stretch import Stretch
 from pairs import baler_law, exact_ring, rack, sine_law
 
 TOLERANCE = 5e-4
@@ -182,7 +182,8 @@ def wave(turn: float = 1.0) -> Stretch:
         shift = np.asarray(row, dtype=float) + turn * at
         return np.stack([at, np.sin(shift)], axis=-1), np.stack([np.ones_like(at), turn * np.cos(shift)], axis=-1)
 
-    return Stretch(curve, np.array([0, 1]), np.zeros(2), np.ones(2), np.tile(two, 2), np.tile(one, 2), np.ones(2))
+    ends = np.zeros(2), np.ones(2), np.tile(two, 2)
+    return Stretch(curve, np.arange(2), *ends, np.tile(one, 2), np.ones(2), np.full(2, np.inf), np.zeros(2, dtype=int))
 
 
 def test_splines_come_closer_with_the_fourth_power_of_their_spans(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -285,6 +285,25 @@ def test_curvature_range_bounds_a_dense_sample(name: str, gear: Gear) -> None:
     assert high.value - sampled.max() <= 0.01 * reach + slack
 
 
+@pytest.mark.tiers(quick=["driven-*"], rest="thorough")
+@every_law
+@every_gear
+def test_curvature_between_arc_lengths_bounds_a_dense_sample(name: str, gear: Gear) -> None:
+    """Also across the seam, from another turn, over several turns and at a single place."""
+    curve = one_of(pair(name), gear)
+    first = np.array([-2.1, -0.01, 0.0, 0.02, 0.3, 0.3, 1.95, 7.0]) * curve.length_mm
+    last = first + np.array([0.2, 0.02, 1.0, 0.0, 0.001, 0.3, 0.1, 2.5]) * curve.length_mm
+    low, high = curve.curvature_between(first, last)
+    curvature = curve.at_length(np.linspace(first, last, 20_001)).curvature
+    rounding = 1e-12 * np.abs(curvature).max()
+    assert np.all(low <= curvature.min(axis=0) + rounding)
+    assert np.all(high >= curvature.max(axis=0) - rounding)
+    # Both lie on whole cells, of which there are a hundred at least.
+    spread = np.ptp(curvature[:, 2])
+    assert np.all(curvature.min(axis=0) - low <= 0.2 * spread + rounding)
+    assert np.all(high - curvature.max(axis=0) <= 0.2 * spread + rounding)
+
+
 @every_law
 @every_gear
 def test_concave_ranges_are_where_curvature_is_negative(name: str, gear: Gear) -> None:

@@ -21,12 +21,12 @@ from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
-from ncgear.teeth.chords import Stretch
 from ncgear.teeth.flank import FILLET, FLANK
 from ncgear.teeth.form import Backlash, BasicRack, Cutter, CutterKind, ToothForm
 from ncgear.teeth.gear import pair_tips, toothed_pair
 from ncgear.teeth.outline import simple_polygon, whole_curves
 from ncgear.teeth.sides import Sides, refuse_folded_lands, regular_sides, swept
+from ncgear.teeth.stretch import Stretch
 from ncgear.teeth.tips import Tips
 from speed_against_error.exact_gears import CircularGear, EllipticalGear
 from speed_against_error.study import Method, Size, Study

@@ -22,10 +22,10 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.teeth.chords import Stretch
 from ncgear.teeth.flank import FILLET, FLANK, Flanks
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.outline import whole_curves
+from ncgear.teeth.stretch import Stretch
 
 ALMOST = 1.0 - 1e-9
 """Share of a curve's way that counts as its end: there the next curve begins, in another direction at an edge."""

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
-from ncgear.numerics.plane import along, cross, square
+from ncgear.numerics.plane import across, along, as_complex, square
 
 CurveFunction = Callable[[Array], tuple[Array, Array]]
 """From parameters of n curves, shape (n,) or (n, m), to points and derivatives by the parameter, shape (n, ..., 2)."""
@@ -53,17 +53,17 @@ def refined_crossings(
     """Parameters of the crossings near the starts, and whether both points agree to ``tolerance``; shape (n,) each."""
     at1, at2 = start1.copy(), start2.copy()
     for _ in range(NEWTON_STEPS):
-        (point1, slope1), (point2, slope2) = first(at1), second(at2)
+        (point1, slope1), (point2, slope2) = (map(as_complex, curve) for curve in (first(at1), second(at2)))
         gap = point2 - point1
-        met = np.hypot(gap[:, 0], gap[:, 1]) <= tolerance
+        met = np.abs(gap) <= tolerance
         if met.all():
             return at1, at2, met
-        area = cross(slope1, slope2)
+        area = across(slope1, slope2)
         area = np.where(area == 0.0, np.inf, area)
-        at1 = at1 + cross(gap, slope2) / area
-        at2 = at2 + cross(gap, slope1) / area
-    gap = second(at2)[0] - first(at1)[0]
-    return at1, at2, np.hypot(gap[:, 0], gap[:, 1]) <= tolerance
+        at1 = at1 + across(gap, slope2) / area
+        at2 = at2 + across(gap, slope1) / area
+    gap = as_complex(second(at2)[0]) - as_complex(first(at1)[0])
+    return at1, at2, np.abs(gap) <= tolerance
 
 
 def zoomed_crossings(

@@ -15,14 +15,16 @@ from ncgear.numerics.arrays import Array, ComplexArray
 
 
 def as_complex(points: Array) -> ComplexArray:
-    """Points of shape (..., 2) as x + i y, shape (...)."""
-    flat: ComplexArray = points[..., 0] + 1j * points[..., 1]
+    """Points of shape (..., 2) as x + i y, shape (...): the same memory, where x and y are next to each other."""
+    near = points if points.strides[-1] == points.itemsize else np.ascontiguousarray(points)
+    flat: ComplexArray = near.view(complex)[..., 0]
     return flat
 
 
 def as_points(places: ComplexArray) -> Array:
     """The inverse of ``as_complex``."""
-    return np.stack([places.real, places.imag], axis=-1)
+    points: Array = np.ascontiguousarray(places)[..., None].view(float)
+    return points
 
 
 def square(vector: ComplexArray) -> Array:

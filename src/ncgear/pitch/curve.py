@@ -68,7 +68,7 @@ class PitchCurve:
         lobes = self.transmission.lobes
         return lobes.driving if self.gear is Gear.DRIVING else lobes.driven
 
-    @property
+    @cached_property
     def length_mm(self) -> float:
         """Length of the closed curve."""
         return self.periods * self.arc.period * self.center_distance_mm
@@ -115,6 +115,27 @@ class PitchCurve:
         coefficients = self._by_length.coefficients[..., 4] / self.center_distance_mm
         spread = np.abs(coefficients[1:]).sum(axis=0)
         return float(np.min(coefficients[0] - spread)), float(np.max(coefficients[0] + spread))
+
+    def curvature_between(self, first_mm: Array, last_mm: Array) -> tuple[Array, Array]:
+        """Lower and upper bounds of the curvature in 1/mm from one arc length to another one beyond; shape (n,) each.
+
+        The coefficients of the cells prove them.
+        """
+        low, high = self._cell_bounds
+        start, turn = self._cells.ends[:, 0], np.floor(first_mm / self.length_mm) * self.length_mm
+        turns = int(np.max(last_mm - turn, initial=0.0) // self.length_mm) + 1
+        starts = (np.arange(turns)[:, None] * self.length_mm + start).ravel()
+        cells = [np.searchsorted(starts[1:], at - turn, side="right") for at in (first_mm, last_mm)]
+        ends = np.column_stack(cells).ravel() + np.tile([0, 1], first_mm.size)
+        least, most = np.append(np.tile(low, turns), np.inf), np.append(np.tile(high, turns), -np.inf)
+        return np.minimum.reduceat(least, ends)[::2], np.maximum.reduceat(most, ends)[::2]
+
+    @cached_property
+    def _cell_bounds(self) -> tuple[Array, Array]:
+        """Lower and upper bounds of the curvature in 1/mm on each cell, shape (n,) each."""
+        powers = self._cells.powers[..., 6]
+        spread = np.abs(powers[:, 1:]).sum(axis=1)
+        return powers[:, 0] - spread, powers[:, 0] + spread
 
     @cached_property
     def _cells(self) -> Cells:

@@ -16,10 +16,10 @@ import numpy as np
 
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
 from ncgear.numerics.plane import across, along, as_complex, as_points
-from ncgear.teeth.chords import Stretch
 from ncgear.teeth.contour import INSIDE, SHORTEST_MM, SPANS
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.outline import exact_curves
+from ncgear.teeth.stretch import Stretch
 
 STRAIGHT_MM = 1e-7
 """Height of an arc over its chord below which it is written as a line."""

@@ -7,13 +7,15 @@ stray too far.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from ncgear.errors import WrongInput
-from ncgear.numerics.arrays import Array, IndexArray, Mask, counted_up
+from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, counted_up
+from ncgear.numerics.plane import along, angle_between, as_complex, as_points
+from ncgear.teeth.stretch import Stretch
 
 PROBES = 33
 """Points per curve between which its turning is measured to place the chords."""
@@ -24,8 +26,15 @@ SHARES = np.linspace(0.0, 1.0, PROBES)
 PLACED = 0.95
 """Share of the tolerance for which chords are placed: between probes the turning is known to a few per cent only."""
 
+GENTLE_RAD = 1.0
+"""Turning below which a curve is looked at as one that a single chord may do for."""
+
+SURELY_ONE = 1.0 - 1e-6
+"""Most chords, as a bound tells them, of a curve that is not probed: probes add less than the rest to their count."""
+
 MOST_CHORDS, MOST_OF_ONE = 30_000, 25
-"""Chords of all curves together, and of each where there are very many curves: a minute and 3 GB of all that follows.
+"""Chords of all curves of a kind together, and of each where there are very many: a minute and 3 GB of all that
+follows.
 
 Teeth of a usual module take some twenty points each; their number grows with the root of module over tolerance.
 """
@@ -35,101 +44,123 @@ HALVINGS = 12
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
-    """One curve of every flank or land, n in all, between two parameters each.
+class _Chords(Columns):
+    """Chords along the rows of a stretch, in order.
 
-    ``curve`` maps owners and parameters to points and derivatives.  ``owner`` numbers the flanks, ``start`` and ``end``
-    are the parameters, shape (n,) each.  ``rolled`` (shape (2, n)) holds the arc lengths at which both ends touch;
-    between them arc length is linear in the parameter.  ``rank`` orders the rows along the outline, and ``span`` is the
-    part of the way to the next rank that a row takes, shape (n,) each.
+    Chord i of m goes from share ``low`` to share ``high`` of row ``row``; ``start``, ``middle`` and ``end`` are its
+    curve's points there and half the way between, ``start_slope`` and ``middle_slope`` the derivatives by the share.
     """
 
-    curve: Callable[[IndexArray, Array], tuple[Array, Array]]
-    owner: IndexArray
-    start: Array
-    end: Array
-    rolled: Array
-    rank: Array
-    span: Array
+    row: IndexArray
+    low: Array
+    high: Array
+    start: ComplexArray
+    middle: ComplexArray
+    end: ComplexArray
+    start_slope: ComplexArray
+    middle_slope: ComplexArray
 
-    def at(self, rows: IndexArray, share: Array) -> tuple[Array, Array]:
-        """Points of rows at shares of their way from start to end, and derivatives by the share; shapes broadcast."""
-        span = (self.end - self.start)[rows]
-        point, slope = self.curve(self.owner[rows], self.start[rows] + span * share)
-        return point, span[..., None] * slope
+    @cached_property
+    def across(self) -> ComplexArray:
+        """Unit vectors to the left of the chords."""
+        return _left(self.end - self.start)
 
-    def kept(self, rows: Mask | IndexArray) -> Stretch:
-        """The chosen rows."""
-        return replace(
-            self,
-            owner=self.owner[rows],
-            start=self.start[rows],
-            end=self.end[rows],
-            rolled=self.rolled[:, rows],
-            rank=self.rank[rows],
-            span=self.span[rows],
+    @cached_property
+    def off(self) -> Array:
+        """How far to the left of the chords' middles their curves are."""
+        return along(self.across, self.middle - self.start)
+
+    @cached_property
+    def tilt(self) -> Array:
+        """Slopes of the curves there off the chords, by the share of the chord.
+
+        A cubic goes to both sides of its chord if that is more than twice the distance.
+        """
+        return along(self.across, self.middle_slope) * (self.high - self.low)
+
+    @cached_property
+    def strayed(self) -> Array:
+        """How far curves stray at most from their chords.
+
+        Across the chord the curve is taken as a cubic that starts and ends on the chord: with the distance d and the
+        slope d' in the middle, it strays by sqrt(d^2 + d'^2 / 8) or less.
+        """
+        strayed: Array = np.sqrt(self.off**2 + self.tilt**2 / 8.0)
+        return strayed
+
+    @cached_property
+    def is_first(self) -> Mask:
+        """Which chords are the first of their rows."""
+        first: Mask = np.diff(self.row, prepend=-1) != 0
+        return first
+
+    @cached_property
+    def is_last(self) -> Mask:
+        """Which chords are the last of their rows."""
+        last: Mask = np.diff(self.row, append=-1) != 0
+        return last
+
+    def halved(self, stretch: Stretch, cut: IndexArray) -> _Chords:
+        """The chords with those numbered ``cut`` in two halves."""
+        whole = self.kept(cut)
+        half = (whole.low + whole.high) / 2.0
+        middles = np.column_stack([(whole.low + half) / 2.0, (half + whole.high) / 2.0])
+        (left, right), (left_slope, right_slope) = (as_complex(p).T for p in stretch.at(whole.row[:, None], middles))
+        first = replace(whole, high=half, middle=left, end=whole.middle, middle_slope=left_slope)
+        second = replace(
+            whole,
+            low=half,
+            start=whole.middle,
+            middle=right,
+            start_slope=whole.middle_slope,
+            middle_slope=right_slope,
         )
+        kept = np.delete(np.arange(self.row.size), cut)
+        order = np.argsort(np.concatenate([kept, cut, cut]), kind="stable")
+        return _Chords.joined([self.kept(kept), first, second]).kept(order)
 
 
-def parted(stretch: Stretch, cut: Array) -> Stretch:
-    """The stretch with each row parted in two where its parameter is ``cut``, if that lies inside."""
-    share = (cut - stretch.start) / (stretch.end - stretch.start)
-    inside = (share > 0.0) & (share < 1.0)
-    share = np.where(inside, share, 1.0)
-    rolled = stretch.rolled[0] + share * (stretch.rolled[1] - stretch.rolled[0])
-    end = np.where(inside, cut, stretch.end)
-    first = replace(stretch, end=end, rolled=np.array([stretch.rolled[0], rolled]), span=share * stretch.span)
-    rest = replace(
-        stretch,
-        start=end,
-        rolled=np.array([rolled, stretch.rolled[1]]),
-        rank=stretch.rank + share * stretch.span,
-        span=(1.0 - share) * stretch.span,
-    ).kept(inside)
-    return _joined(first, rest)
-
-
-def _joined(first: Stretch, second: Stretch) -> Stretch:
-    """The rows of two stretches of the same curve."""
-    return replace(
-        first,
-        owner=np.concatenate([first.owner, second.owner]),
-        start=np.concatenate([first.start, second.start]),
-        end=np.concatenate([first.end, second.end]),
-        rolled=np.concatenate([first.rolled, second.rolled], axis=1),
-        rank=np.concatenate([first.rank, second.rank]),
-        span=np.concatenate([first.span, second.span]),
+def _chords(stretch: Stretch, row: IndexArray, share: Array) -> _Chords:
+    """The chords that begin at shares of rows, in order; every row has one at least."""
+    last = np.diff(row, append=-1) != 0
+    high = np.where(last, 1.0, np.append(share[1:], 1.0))
+    # Along each row: the beginning and the middle of every chord, and the end of the last one.
+    begin = 2 * np.arange(row.size) + row
+    rows, shares = np.repeat(row, 2 + last), np.ones(2 * row.size + np.count_nonzero(last))
+    shares[begin], shares[begin + 1] = share, (share + high) / 2.0
+    points, slopes = (as_complex(array) for array in stretch.at(rows, shares))
+    return _Chords(
+        row, share, high, points[begin], points[begin + 1], points[begin + 2], slopes[begin], slopes[begin + 1]
     )
 
 
-def split(stretch: Stretch, joints: Array) -> Stretch:
-    """The stretch, cut where it rolls over a joint, since a curve's turning must not be averaged across a jump."""
-    low, high = stretch.rolled.min(axis=0), stretch.rolled.max(axis=0)
-    first, last = np.searchsorted(joints, low, side="right"), np.searchsorted(joints, high, side="left")
-    counts = np.maximum(last - first, 0)
-    cut, number = counted_up(first, counts)
-    share_cut = (joints[number] - stretch.rolled[0, cut]) / (stretch.rolled[1, cut] - stretch.rolled[0, cut])
-    every = np.arange(counts.size)
-    row, share = np.concatenate([every, cut]), np.concatenate([np.zeros(counts.size), share_cut])
-    order = np.lexsort((share, row))
-    row, share = row[order], share[order]
-    following = np.append(np.where(np.diff(row) == 0, share[1:], 1.0), 1.0)
-    parts = stretch.kept(row)
-    length = parts.end - parts.start
-    return replace(
-        parts,
-        start=parts.start + length * share,
-        end=np.where(following == 1.0, parts.end, parts.start + length * following),
-        rank=parts.rank + share * parts.span,
-        span=(following - share) * parts.span,
-    )
+def _near(stretch: Stretch, chords: _Chords, allowed: Array, tolerance: Array) -> _Chords:
+    """The chords, halved until none strays too far from its curve.
+
+    A given chord may stray by its ``allowed``, a halved one by the tolerance of its row.
+    """
+    for _ in range(HALVINGS):
+        cut = np.nonzero(chords.strayed > allowed)[0]
+        if not cut.size:
+            break
+        within = tolerance[chords.row[cut]]
+        chords, allowed = chords.halved(stretch, cut), np.insert(allowed, cut, within)
+        allowed[cut + np.arange(1, cut.size + 1)] = within
+    return chords
 
 
-def sampled(stretch: Stretch, tolerance: float) -> tuple[Array, Array]:
-    """Points of a stretch, without the last point of each curve, and keys that order them along the outline."""
-    row, at = _placed(stretch, tolerance)
-    row, at, points = _with_halves(stretch, row, at, np.full(row.size, tolerance), tolerance)
-    return points, stretch.rank[row] + stretch.span[row] * at
+def _written(stretch: Stretch, chords: _Chords, off: ComplexArray | float) -> tuple[Array, Array]:
+    """The beginnings of chords, ``off`` their curves, and keys that order them along the outline."""
+    return as_points(chords.start + off), stretch.rank[chords.row] + stretch.span[chords.row] * chords.low
+
+
+def sampled(stretch: Stretch, tolerance: Array) -> tuple[Array, Array]:
+    """Points of a stretch, without the last point of each curve, and keys that order them along the outline.
+
+    No chord strays farther from its curve than the tolerance of its row, shape (n,).
+    """
+    chords = _placed(stretch, tolerance)
+    return _written(stretch, _near(stretch, chords, tolerance[chords.row], tolerance), 0.0)
 
 
 END_CHORD = 4.0
@@ -142,21 +173,19 @@ HOLLOW = 0.8
 a chord strays by its sagitta and by what its ends stand off."""
 
 
-def sampled_within(stretch: Stretch, tolerance: float, material: float) -> tuple[Array, Array]:
+def sampled_within(stretch: Stretch, tolerance: Array, material: float) -> tuple[Array, Array]:
     """As ``sampled``, with chords that stray into the material only, which lies to the left (+1) or to the right (-1).
 
     Where a curve is hollow the points stand off it by the sagitta of the chords beside them, so that chords touch it in
     their middles.  The ends of the curves are on the curves: a first or last chord is tangent to the curve there, and
     so short that its other end stands off by the tolerance at most.
     """
-    hollow, most = HOLLOW * tolerance, PLACED * tolerance
-    row, at = _placed(stretch, hollow)
-    row, at, _ = _with_halves(stretch, row, at, np.full(row.size, hollow), hollow)
-    order = np.lexsort((at, row))
-    row, at = row[order], at[order]
+    hollow = HOLLOW * tolerance
+    chords = _placed(stretch, hollow)
+    chords = _near(stretch, chords, hollow[chords.row], hollow)
     for _ in range(HALVINGS):
-        first, last = np.diff(row, prepend=-1) != 0, np.diff(row, append=-1) != 0
-        out, within = _both_sides(stretch, row, at, material)
+        first, last, most = chords.is_first, chords.is_last, PLACED * tolerance[chords.row]
+        out, within = _both_sides(chords, material)
         raised = out * np.where(first | last, END_CHORD, 1.0)
         off = np.where(first, 0.0, np.maximum(np.roll(raised, 1), raised))
         # How far a chord strays in its middle from a curve that bulges between two points that stand off it.
@@ -164,153 +193,115 @@ def sampled_within(stretch: Stretch, tolerance: float, material: float) -> tuple
         cut = np.nonzero((first & last & (out > 0.0)) | (raised > most) | ((within > 0.0) & (bulging > most)))[0]
         if not cut.size:
             break
-        row, at = np.insert(row, cut + 1, row[cut]), np.insert(at, cut + 1, (at[cut] + _ends(row, at)[cut]) / 2.0)
+        chords = chords.halved(stretch, cut)
     else:
         raise ArithmeticError("chords of a hollow curve were not found")
-    points, slope = stretch.at(row, at)
-    return points + (material * off)[:, None] * _left(slope), stretch.rank[row] + stretch.span[row] * at
+    return _written(stretch, chords, material * off * _left(chords.start_slope))
 
 
-def _both_sides(stretch: Stretch, row: IndexArray, share: Array, material: float) -> tuple[Array, Array]:
-    """How far chords stand out of the material and how far they cut into it, at most; shape (n,) each."""
-    off, tilt, _ = _middles(stretch, row, share)
-    # As in _strayed, where the curve goes to both sides.
-    both = np.where(np.abs(tilt) > 2.0 * np.abs(off), np.sqrt(off**2 + tilt**2 / 8.0), 0.0)
-    return np.maximum(material * off, both), np.maximum(-material * off, both)
+def _both_sides(chords: _Chords, material: float) -> tuple[Array, Array]:
+    """How far chords stand out of the material and how far they cut into it, at most; shape (m,) each."""
+    off = material * chords.off
+    both = np.where(np.abs(chords.tilt) > 2.0 * np.abs(off), chords.strayed, 0.0)
+    return np.maximum(off, both), np.maximum(-off, both)
 
 
-def straddled(stretch: Stretch, tolerance: float) -> tuple[Array, Array]:
+def straddled(stretch: Stretch, tolerance: Array) -> tuple[Array, Array]:
     """As ``sampled``, with chords that stray to both sides of the curves, by at most the tolerance.
 
     A chord may then be longer by the square root of 2.  Points stand off the curves by half of the chords' sagitta;
     the ends of the curves, and points where a curve bends the other way, are on the curves.
     """
-    row, at = _placed(stretch, 2.0 * tolerance)
-    sagitta, across = _sagittas(stretch, row, at)
-    shift = _standing_off(row, sagitta, tolerance)[:, None] * _left(stretch.at(row, at)[1])
-    following = np.where((np.diff(row, append=-1) == 0)[:, None], np.roll(shift, -1, axis=0), 0.0)
+    chords = _placed(stretch, 2.0 * tolerance)
+    most = tolerance[chords.row]
+    # A curve that goes to both sides of its chord has no sagitta.
+    sagitta = np.where(np.abs(chords.tilt) <= 2.0 * np.abs(chords.off), chords.off, 0.0)
+    shift = _standing_off(chords, sagitta, most) * _left(chords.start_slope)
+    following = np.where(chords.is_last, 0.0, np.roll(shift, -1))
     # A whole chord stands off at least as far as the nearer of its ends, and strays that much less to the other side.
-    taken = np.sign(sagitta) * np.sum([shift * across, following * across], axis=2)
-    allowed = tolerance + np.maximum(taken.min(axis=0), 0.0)
-    row, at, points = _with_halves(stretch, row, at, allowed, tolerance)
-    points[: len(shift)] += shift
-    return points, stretch.rank[row] + stretch.span[row] * at
+    taken = np.sign(sagitta) * [along(chords.across, shift), along(chords.across, following)]
+    near = _near(stretch, chords, most + np.maximum(taken.min(axis=0), 0.0), tolerance)
+    off = np.zeros_like(near.start)
+    off[np.searchsorted(near.row + near.low, chords.row + chords.low)] = shift
+    return _written(stretch, near, off)
 
 
-def _standing_off(row: IndexArray, sagitta: Array, tolerance: float) -> Array:
+def _standing_off(chords: _Chords, sagitta: Array, most: Array) -> Array:
     """How far to the left of its curve each chord's beginning is put: half the smaller sagitta of the chords beside it.
 
-    Zero at the beginning of a row, and where the two chords lie on different sides of the curve.
+    At ``most`` as far as given; zero at the beginning of a row, and where the two chords lie on different sides of the
+    curve.
     """
     before = np.roll(sagitta, 1)
-    inner = (np.diff(row, prepend=-1) == 0) & (before * sagitta > 0.0)
-    off = np.minimum(np.minimum(np.abs(before), np.abs(sagitta)) / 2.0, tolerance)
+    inner = ~chords.is_first & (before * sagitta > 0.0)
+    off = np.minimum(np.minimum(np.abs(before), np.abs(sagitta)) / 2.0, most)
     return np.where(inner, np.sign(sagitta) * off, 0.0)
 
 
-def _placed(stretch: Stretch, tolerance: float) -> tuple[IndexArray, Array]:
-    """Row and share of the beginning of every chord."""
-    every = np.arange(stretch.owner.size)
-    needed = _chords_needed(*stretch.at(every[:, None], SHARES), tolerance * PLACED)
-    _refuse_too_many(float(np.sum(needed[:, -1])), max(MOST_CHORDS, MOST_OF_ONE * every.size))
-    counts = np.maximum(np.ceil(needed[:, -1]), 1).astype(int)
+def _placed(stretch: Stretch, tolerance: Array) -> _Chords:
+    """Chords as many as a tolerance needs on each row (shape (n,)), at even shares of what they are needed for."""
+    placed_for = PLACED * tolerance
+    total = _most_needed(stretch, placed_for)
+    probed = np.nonzero(~(total <= SURELY_ONE))[0]
+    needed = _chords_needed(stretch, probed, placed_for[probed])
+    total[probed] = needed[:, -1]
+    _refuse_too_many(np.bincount(stretch.kind, total).astype(float), np.bincount(stretch.kind))
+    counts = np.maximum(np.ceil(total), 1).astype(int)
     row, place = counted_up(np.zeros_like(counts), counts)
-    return row, _inverse_rows(needed, row, place / counts[row])
+    share, inner = np.zeros(row.size), np.nonzero(place)[0]
+    fraction = place[inner] / counts[row[inner]]
+    share[inner] = _inverse_rows(needed, np.searchsorted(probed, row[inner]), fraction)
+    return _chords(stretch, row, share)
 
 
-def _refuse_too_many(needed: float, most: int) -> None:
-    """Raise WrongInput where a tolerance is out of all proportion to the curves."""
-    if needed > most:
-        raise WrongInput(
-            f"the teeth are so large for it that flanks, fillets or lands need {needed:.3g} points; at most {most} are "
-            f"made: at least {(needed / most) ** 2:.2g} times the tolerance, or so much less module_mm, is right",
-            key="output.chord_tolerance_mm",
-        )
+def _refuse_too_many(needed: Array, rows: IndexArray) -> None:
+    """Raise WrongInput where a tolerance is out of all proportion to the curves of a kind."""
+    most = np.maximum(MOST_CHORDS, MOST_OF_ONE * rows)
+    if np.all(needed <= most):
+        return
+    first = int(np.argmax(needed > most))
+    share = needed[first] / most[first]
+    raise WrongInput(
+        f"the teeth are so large for it that flanks, fillets or lands need {needed[first]:.3g} points; at most "
+        f"{most[first]} are made: at least {share**2:.2g} times the tolerance, or so much less module_mm, is right",
+        key="output.chord_tolerance_mm",
+    )
 
 
-def _sagittas(stretch: Stretch, row: IndexArray, share: Array) -> tuple[Array, Array]:
-    """How far to the left of each chord's middle its curve is, and the chords' unit vectors to the left.
+def _left(direction: ComplexArray) -> ComplexArray:
+    """Unit vectors to the left of directions."""
+    left: ComplexArray = 1j * direction / np.maximum(np.abs(direction), 1e-300)
+    return left
 
-    Shapes (n,) and (n, 2).  The distance is zero where the curve goes to both sides.
+
+def _most_needed(stretch: Stretch, tolerance: Array) -> Array:
+    """Most chords that rows can need, shape (n,), infinite where the bound of a row's turning t tells nothing.
+
+    Such a curve is no longer than the line between its ends over cos(t / 2); the integral of sqrt(ds dt) is no greater
+    than the root of its length times t.
     """
-    off, tilt, across = _middles(stretch, row, share)
-    return np.where(np.abs(tilt) <= 2.0 * np.abs(off), off, 0.0), across
+    most, turned = np.full(tolerance.size, np.inf), stretch.most_turning * np.abs(stretch.rolled[1] - stretch.rolled[0])
+    gentle = np.nonzero(turned < GENTLE_RAD)[0]
+    if gentle.size:
+        turned = turned[gentle]
+        first, last = as_complex(stretch.at(gentle[:, None], np.broadcast_to([0.0, 1.0], (gentle.size, 2)))[0]).T
+        most[gentle] = np.sqrt(np.abs(last - first) / np.cos(turned / 2.0) * turned / (8.0 * tolerance[gentle]))
+    return most
 
 
-def _middles(stretch: Stretch, row: IndexArray, share: Array) -> tuple[Array, Array, Array]:
-    """How far to the left of each chord's middle its curve is, its slope there, and unit vectors to the chords' left.
-
-    The slope is by the share of the chord.  A cubic goes to both sides of its chord if that is more than twice the
-    distance.  Shapes (n,), (n,) and (n, 2).
-    """
-    high = _ends(row, share)
-    start, end = stretch.at(row, share)[0], stretch.at(row, high)[0]
-    middle, slope = stretch.at(row, (share + high) / 2.0)
-    across = _left(end - start)
-    return np.sum(across * (middle - start), axis=1), np.sum(across * slope, axis=1) * (high - share), across
-
-
-def _left(direction: Array) -> Array:
-    """Unit vectors to the left of directions, shape (n, 2) each."""
-    length = np.maximum(np.hypot(direction[:, 0], direction[:, 1]), 1e-300)
-    return np.stack([-direction[:, 1], direction[:, 0]], axis=1) / length[:, None]
-
-
-def _ends(row: IndexArray, share: Array) -> Array:
-    """Share of every chord's end, from the shares of all beginnings."""
-    return np.where(np.append(row[1:] != row[:-1], True), 1.0, np.append(share[1:], 1.0))
-
-
-def _with_halves(
-    stretch: Stretch, row: IndexArray, share: Array, allowed: Array, tolerance: float
-) -> tuple[IndexArray, Array, Array]:
-    """Rows, shares and points, with points added until no chord strays too far from its curve.
-
-    A given chord may stray by its ``allowed``, a halved one by the tolerance.  Added points come after the given ones;
-    the last point of each row ends a chord but is not returned.
-    """
-    chords = row, share, _ends(row, share)
-    start, end = stretch.at(row, share)[0], stretch.at(row, chords[2])[0]
-    found = [(row, share, start)]
-    for _ in range(HALVINGS):
-        rows, low, high = chords
-        middle = (low + high) / 2.0
-        between, slope = stretch.at(rows, middle)
-        astray = _strayed(start, end, between, slope * (high - low)[:, None]) > allowed
-        if not astray.any():
-            break
-        rows, low, middle, high = rows[astray], low[astray], middle[astray], high[astray]
-        found.append((rows, middle, between[astray]))
-        chords = np.tile(rows, 2), np.concatenate([low, middle]), np.concatenate([middle, high])
-        start, end = (np.concatenate([start[astray], between[astray]]), np.concatenate([between[astray], end[astray]]))
-        allowed = np.full(2 * rows.size, tolerance)
-    rows, shares, points = (np.concatenate(parts) for parts in zip(*found, strict=True))
-    return rows, shares, points
-
-
-def _strayed(start: Array, end: Array, middle: Array, slope: Array) -> Array:
-    """How far curves stray at most from their chords, shape (n,), from their middles and slopes by the share there.
-
-    Across the chord the curve is taken as a cubic that starts and ends on the chord: with the distance d and the slope
-    d' in the middle, it strays by sqrt(d^2 + d'^2 / 8) or less.
-    """
-    across = _left(end - start)
-    off, tilt = np.sum(across * (middle - start), axis=1), np.sum(across * slope, axis=1)
-    strayed: Array = np.sqrt(off**2 + tilt**2 / 8.0)
-    return strayed
-
-
-def _chords_needed(probe: Array, slope: Array, tolerance: float) -> Array:
-    """Number of chords needed from the start of each curve to each of its probes, shape (n, PROBES).
+def _chords_needed(stretch: Stretch, rows: IndexArray, tolerance: Array) -> Array:
+    """Number of chords needed from the start of each of m rows to each of its probes, shape (m, PROBES).
 
     The curves' slopes give the turning from probe to probe exactly.
     """
-    chord = np.diff(probe, axis=1)
-    before, after = slope[:, :-1], slope[:, 1:]
-    area = before[..., 0] * after[..., 1] - before[..., 1] * after[..., 0]
-    turn = np.abs(np.arctan2(area, np.sum(before * after, axis=2)))
-    density = np.sqrt(np.hypot(chord[..., 0], chord[..., 1]) * turn / (8.0 * tolerance)) + 1e-9
-    return np.concatenate([np.zeros((len(probe), 1)), np.cumsum(density, axis=1)], axis=1)
+    needed = np.zeros((rows.size, PROBES))
+    if rows.size:
+        shares = np.broadcast_to(SHARES, needed.shape)
+        points, slopes = (as_complex(array) for array in stretch.at(rows[:, None], shares))
+        turn = angle_between(slopes[:, :-1], slopes[:, 1:])
+        product = np.abs(np.diff(points, axis=1)) * np.abs(turn)
+        np.cumsum(np.sqrt(product / (8.0 * tolerance[:, None])) + 1e-9, axis=1, out=needed[:, 1:])
+    return needed
 
 
 def _inverse_rows(needed: Array, row: IndexArray, fraction: Array) -> Array:

@@ -18,9 +18,9 @@ from scipy.interpolate import make_interp_spline
 
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import across, as_complex, square
-from ncgear.teeth.chords import Stretch
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.outline import exact_curves
+from ncgear.teeth.stretch import Stretch
 
 
 @dataclass(frozen=True, eq=False)

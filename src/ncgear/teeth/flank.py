@@ -37,7 +37,7 @@ from math import cos, lcm, remainder, sin, tan
 import numpy as np
 
 from ncgear.numerics.arrays import Array, IndexArray, Mask
-from ncgear.numerics.plane import cross, turned
+from ncgear.numerics.plane import along, as_complex, as_points, cross
 from ncgear.numerics.units import in_words
 from ncgear.numerics.zeros import first_zeros
 from ncgear.pitch.curve import CurvePoints, PitchCurve
@@ -119,6 +119,10 @@ class Flanks:
         """The flanks as they stand where the idle ones touch, which are then at the law's angle."""
         return replace(self, turn_rad=self.turn_rad - self.turn_rad[0]) if self.is_turned else self
 
+    def with_tips(self, height_mm: Array) -> Flanks:
+        """The flanks with tips of other heights; themselves where none differs."""
+        return replace(self, tip_height_mm=height_mm) if np.any(height_mm != self.tip_height_mm) else self
+
     @property
     def lift_mm(self) -> Array:
         """How far the play moves the pitch curve in or out where a flank crosses it, shape (2 z,); 0 without play."""
@@ -154,17 +158,18 @@ class Flanks:
 
     def flank(self, flank: IndexArray, height_mm: Array) -> tuple[Array, Array]:
         """Points of flanks at heights over the rack's pitch line, and their derivatives by the height."""
-        angle, side = self.rack.pressure_angle_rad, self.side[flank][..., None]
+        angle, side = self.rack.pressure_angle_rad, self.side[flank]
         at = self.standing(flank, self.rolled_mm(flank, height_mm))
-        along = cos(angle) * at.normal - side * sin(angle) * at.tangent
+        tangent, normal = as_complex(at.tangent), as_complex(at.normal)
         slope = (sin(angle) + height_mm * at.curvature / sin(angle)) / self.rack.height_per_rolled
-        point = at.position + height_mm[..., None] * (side / tan(angle) * at.tangent + at.normal)
+        inwards = cos(angle) * normal - side * sin(angle) * tangent
+        point = as_complex(at.position) + height_mm * (side / tan(angle) * tangent + normal)
         if self.rack.relief is None:
-            return point, slope[..., None] * along
-        outwards = side * cos(angle) * at.tangent + sin(angle) * at.normal
+            return as_points(point), as_points(slope * inwards)
+        outwards = side * cos(angle) * tangent + sin(angle) * normal
         taken, taken_slope = self._relieved(height_mm)
         slope = slope - taken * at.curvature / self.rack.height_per_rolled
-        return point - taken[..., None] * outwards, slope[..., None] * along - taken_slope[..., None] * outwards
+        return as_points(point - taken * outwards), as_points(slope * inwards - taken_slope * outwards)
 
     def _relieved(self, height_mm: Array) -> tuple[Array, Array]:
         """What the tip relief takes off along the normal at given heights, and its derivative by the height."""
@@ -179,25 +184,33 @@ class Flanks:
         curvature = self.at_rolled(flank, self.rolled_mm(flank, height_mm)).curvature
         return sin(self.rack.pressure_angle_rad) ** 2 + height_mm * curvature
 
+    def surely_regular(self, flank: IndexArray, height_mm: Array) -> Mask:
+        """Which flanks bounds of the curvature prove regular from the pitch line to given heights, shape (n,)."""
+        ends = np.sort([self.crossing_mm[flank], self.rolled_mm(flank, height_mm)], axis=0)
+        least = np.min([height_mm * bound for bound in self.curve.curvature_between(*ends)], axis=0)
+        regular: Mask = sin(self.rack.pressure_angle_rad) ** 2 + np.minimum(least, 0.0) > 0.0
+        return regular
+
     def fillet_regularity(self, flank: IndexArray, sigma_mm: Array) -> Array:
         """K (D + rho) - rho v / D^2: positive where the fillet bounds the tooth."""
         at, tool = self.at_rolled(flank, sigma_mm), self.tool.at_length(sigma_mm)
-        arm = self.rounding.center_mm[flank] - tool.position
-        v, distance = -np.sum(arm * tool.normal, axis=-1), np.hypot(arm[..., 0], arm[..., 1])
-        radius = self.root_radius_mm[flank]
-        regularity: Array = (at.curvature + tool.curvature) * (distance + radius) - radius * v / distance**2
-        return regularity
+        _, v, distance = self._arm(flank, tool)
+        return _fillet_regularity(at.curvature + tool.curvature, v, distance, self.root_radius_mm[flank])
+
+    def _arm(self, flank: IndexArray, tool: CurvePoints) -> tuple[Array, Array, Array]:
+        """u, v and D of the roundings' centres from where the tool rolls."""
+        arm = as_complex(self.rounding.center_mm)[flank] - as_complex(tool.position)
+        u, v = along(as_complex(tool.tangent), arm), -along(as_complex(tool.normal), arm)
+        return u, v, np.sqrt(u * u + v * v)
 
     def fillet(self, flank: IndexArray, sigma_mm: Array) -> tuple[Array, Array]:
         """Points cut by the tool's rounded tip when the pitch point is at sigma, and derivatives by sigma."""
         at, tool = self.at_rolled(flank, sigma_mm), self.tool.at_length(sigma_mm)
-        arm = self.rounding.center_mm[flank] - tool.position
-        u, v = np.sum(arm * tool.tangent, axis=-1), -np.sum(arm * tool.normal, axis=-1)
-        distance, radius = np.hypot(u, v), self.root_radius_mm[flank]
-        reach, turning = 1.0 + radius / distance, at.curvature + tool.curvature
-        speed = (turning * (distance + radius) - radius * v / distance**2) / distance
-        point = at.position + (reach * u)[..., None] * at.tangent + (reach * v)[..., None] * at.normal
-        fillet = point, (speed * v)[..., None] * at.tangent - (speed * u)[..., None] * at.normal
+        (u, v, distance), radius = self._arm(flank, tool), self.root_radius_mm[flank]
+        tangent, normal = as_complex(at.tangent), as_complex(at.normal)
+        speed = _fillet_regularity(at.curvature + tool.curvature, v, distance, radius) / distance
+        point = as_complex(at.position) + (1.0 + radius / distance) * (u * tangent + v * normal)
+        fillet = as_points(point), as_points(speed * (v * tangent - u * normal))
         if not self.is_turned:
             return fillet
         if self.sweep is None:
@@ -218,11 +231,15 @@ class Flanks:
                 point[mask], slope[mask] = curve(rows[mask], parameter[mask])
         return point, slope
 
-    def offset(self, sigma_mm: Array, height_mm: Array | float) -> tuple[Array, Array]:
-        """The curves at constant distances from the unturned pitch curve (tips, roots), and derivatives by sigma."""
-        at, height = self.curve.at_length(sigma_mm), np.asarray(height_mm, dtype=float)
-        slope = (1.0 + height * at.curvature)[..., None] * at.tangent
-        return at.position + height[..., None] * at.normal, slope
+    def offset(self, sigma_mm: Array, height_mm: Array | float, rise: Array | float = 0.0) -> tuple[Array, Array]:
+        """The curves at distances from the unturned pitch curve (tips, roots), and derivatives by sigma.
+
+        The distances grow by ``rise`` per mm.  Shapes broadcast.
+        """
+        at = self.curve.at_length(sigma_mm)
+        tangent, normal = as_complex(at.tangent), as_complex(at.normal)
+        point = as_complex(at.position) + height_mm * normal
+        return as_points(point), as_points((1.0 + height_mm * at.curvature) * tangent + rise * normal)
 
     def over_tip(self, tooth: IndexArray, share: Array, rate: Array, land: tuple[Array, Array]) -> tuple[Array, Array]:
         """Points of tip lands and derivatives, turned by as much as the flanks at both ends of each land.
@@ -251,11 +268,17 @@ class Flanks:
         return _turned(curve, first + (last - first) * share, (last - first) * rate / reach * pace)
 
 
+def _fillet_regularity(turning: Array, v: Array, distance: Array, radius: Array) -> Array:
+    """How fast fillets run along themselves, times the distance of the rounding's centre."""
+    regularity: Array = turning * (distance + radius) - radius * v / (distance * distance)
+    return regularity
+
+
 def _turned(curve: tuple[Array, Array], angle_rad: Array, rate: Array | float) -> tuple[Array, Array]:
     """Points and derivatives of curves that are turned by angles, which grow by ``rate`` along them."""
-    point, slope = (turned(array, angle_rad) for array in curve)
-    across = np.stack([-point[..., 1], point[..., 0]], axis=-1)
-    return point, slope + np.asarray(rate)[..., None] * across
+    turn = np.exp(1j * angle_rad)
+    point, slope = (as_complex(array) * turn for array in curve)
+    return as_points(point), as_points(slope + 1j * rate * point)
 
 
 def on_circles(touched: CurvePoints, rolled_mm: Array) -> CurvePoints:
@@ -263,16 +286,17 @@ def on_circles(touched: CurvePoints, rolled_mm: Array) -> CurvePoints:
 
     The touched points' shape broadcasts against that of ``rolled_mm``.
     """
-    tangent, normal = touched.tangent, touched.normal
+    tangent, normal = as_complex(touched.tangent), as_complex(touched.normal)
     curvature = np.broadcast_to(touched.curvature, rolled_mm.shape)
-    turned = (rolled_mm * curvature)[..., None]
+    turned = rolled_mm * curvature
     # Along and across without dividing by the curvature, which may vanish: sin(x) / x and (1 - cos x) / x.
-    along = rolled_mm[..., None] * np.sinc(turned / np.pi)
-    across = rolled_mm[..., None] * np.sin(turned / 2.0) * np.sinc(turned / (2.0 * np.pi))
+    ahead = rolled_mm * np.sinc(turned / np.pi)
+    aside = rolled_mm * np.sin(turned / 2.0) * np.sinc(turned / (2.0 * np.pi))
+    cosine, sine = np.cos(turned), np.sin(turned)
     return CurvePoints(
-        touched.position + along * tangent - across * normal,
-        np.cos(turned) * tangent - np.sin(turned) * normal,
-        np.sin(turned) * tangent + np.cos(turned) * normal,
+        as_points(as_complex(touched.position) + ahead * tangent - aside * normal),
+        as_points(cosine * tangent - sine * normal),
+        as_points(sine * tangent + cosine * normal),
         curvature,
     )
 
@@ -360,14 +384,15 @@ def regular_depth(flanks: Flanks, limit_mm: float) -> Array:
 
 def _reach(flanks: Flanks, limit: float, sense: float) -> Array:
     """Largest h in [0, limit] such that sin^2(alpha) + sense h k stays positive from 0 to h."""
-    square = sin(flanks.rack.pressure_angle_rad) ** 2
-    low, high = flanks.curve.curvature_bounds
-    if square + limit * min(sense * low, sense * high) > 0.0:
-        return np.full(flanks.count, limit)
+    reached, every = np.full(flanks.count, limit), np.arange(flanks.count)
+    doubtful = np.nonzero(~flanks.surely_regular(every, sense * reached))[0]
+    if not doubtful.size:
+        return reached
     per_mm = -sense * flanks.side * flanks.rack.height_per_rolled
     ends, joints = np.array([0.0, limit]), _joints(flanks)
-    cuts = [_cuts(ends, (joints - flanks.crossing_mm[i]) * per_mm[i]) for i in range(flanks.count)]
-    return first_zeros(lambda i, height: flanks.regularity(i, sense * height), cuts)
+    cuts = [_cuts(ends, (joints - flanks.crossing_mm[i]) * per_mm[i]) for i in doubtful]
+    reached[doubtful] = first_zeros(lambda i, height: flanks.regularity(doubtful[i], sense * height), cuts)
+    return reached
 
 
 def folded_fillets(flanks: Flanks) -> Mask:
@@ -401,6 +426,8 @@ def _joints(flanks: Flanks) -> Array:
 
 def _cuts(ends: Array, joints: Array) -> Array:
     """Both ends and the joints between them, in order; a joint at an end, to rounding, is none."""
+    if not joints.size:
+        return ends
     apart = AT_END * (ends[1] - ends[0])
     inside = joints[(joints > ends[0] + apart) & (joints < ends[1] - apart)]
     return np.concatenate([ends[:1], np.sort(inside), ends[1:]])

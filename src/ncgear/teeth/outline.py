@@ -6,8 +6,8 @@ The last check is whether the outline is a simple polygon: it sees what no singl
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from math import atan2, degrees, sqrt
 
 import numpy as np
@@ -19,10 +19,12 @@ from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
-from ncgear.teeth.chords import Stretch, parted, sampled, sampled_within, split, straddled
+from ncgear.teeth.chords import sampled, sampled_within, straddled
 from ncgear.teeth.flank import FILLET, FLANK, Flanks
 from ncgear.teeth.sides import Sides
+from ncgear.teeth.stretch import Curve, Stretch, joined, parted, split
 from ncgear.teeth.tips import Tips
+from ncgear.teeth.tool import RackLine
 
 
 @dataclass(frozen=True)
@@ -38,27 +40,42 @@ class ChordTolerance:
     straddling: bool = False
 
 
+Toleranced = tuple[Stretch, float]
+"""Curves and how far their chords may stray."""
+
+
 def outline_points(tips: Tips, sides: Sides, chords: ChordTolerance) -> Array:
     """The outline in mm, shape (n, 2), counter-clockwise, first point not repeated.
 
     No chord strays farther from the exact curve than its tolerance.  The points are on the curve, but for those of
     hollow and of straddling flanks.
     """
-    flanks = tips.flanks
+    flanks, elsewhere = tips.flanks, chords.elsewhere_mm
     runs, fillets, *lands = whole_curves(tips, sides)
     # A flank works no deeper than its mate reaches.
     parts = parted(runs, -tips.met_depth_mm[runs.owner])
     works = (parts.start + parts.end) / 2.0 > -tips.met_depth_mm[parts.owner]
-    working = _real(flanks, parts.kept(works))
-    found = [straddled(working, chords.flanks_mm) if chords.straddling else _within(flanks, working, chords.flanks_mm)]
-    near = _near_fillets(tips, chords.elsewhere_mm)[fillets.owner]
-    found.append(_within(flanks, _real(flanks, parts.kept(~works)), chords.elsewhere_mm))
-    found.append(_within(flanks, _real(flanks, fillets.kept(near)), chords.elsewhere_mm, hollow=True))
-    found.append(sampled(_real(flanks, fillets.kept(~near)), chords.elsewhere_mm))
-    found += [sampled(_real(flanks, land), chords.elsewhere_mm) for land in lands]
-    points, keys = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    near = _near_fillets(tips, elsewhere)[fillets.owner]
+    on_curve: list[Toleranced] = [(fillets.kept(~near), elsewhere), *((land, elsewhere) for land in lands)]
+    within: list[Toleranced] = [(fillets.kept(near), elsewhere)]
+    both_sides: list[Toleranced] = []
+    flanks_turn_freely = within if _is_hollow(flanks) else on_curve
+    flanks_turn_freely.append((parts.kept(~works), elsewhere))
+    (both_sides if chords.straddling else flanks_turn_freely).append((parts.kept(works), chords.flanks_mm))
+    # Arc length runs clockwise about the driving gear and round a ring's hole, against the clock about other gears.
+    material = -1.0 if flanks.curve.gear is Gear.DRIVING else 1.0
+    ways = (sampled, on_curve), (partial(sampled_within, material=material), within), (straddled, both_sides)
+    found = [way(*_together(flanks, curves)) for way, curves in ways if any(curve.owner.size for curve, _ in curves)]
+    points, keys = (np.concatenate(arrays) for arrays in zip(*found, strict=True))
     outline = points[np.argsort(keys, kind="stable")]
     return outline[::-1] if signed_area(outline) < 0.0 else outline
+
+
+def _together(flanks: Flanks, curves: list[Toleranced]) -> tuple[Stretch, Array]:
+    """The real rows of all curves as rows of one, and the tolerance of each row."""
+    rows = _real(flanks, joined([curve for curve, _ in curves]))
+    tolerance = np.repeat([tolerance for _, tolerance in curves], [curve.owner.size for curve, _ in curves])
+    return rows, tolerance[rows.owner]
 
 
 def _near_fillets(tips: Tips, tolerance_mm: float) -> Mask:
@@ -80,14 +97,6 @@ def _near_fillets(tips: Tips, tolerance_mm: float) -> Mask:
 def _is_hollow(flanks: Flanks) -> bool:
     """Whether flanks may be hollow, as on concave pitch curves, or the mate's own tips have cut the fillets."""
     return flanks.curve.curvature_bounds[0] < 0.0 or isinstance(flanks.tool, PitchCurve)
-
-
-def _within(flanks: Flanks, curves: Stretch, tolerance: float, *, hollow: bool = False) -> tuple[Array, Array]:
-    """Points of flanks and fillets whose chords stay in the material, so that written gears turn freely."""
-    if not hollow and not _is_hollow(flanks):
-        return sampled(curves, tolerance)
-    # Arc length runs clockwise about the driving gear and round a ring's hole, against the clock about other gears.
-    return sampled_within(curves, tolerance, -1.0 if flanks.curve.gear is Gear.DRIVING else 1.0)
 
 
 def exact_curves(tips: Tips, sides: Sides) -> list[Stretch]:
@@ -126,7 +135,15 @@ def _side_runs(flanks: Flanks, sides: Sides, kind: int) -> Stretch:
     rank = np.where(outwards, first + last - step, step)
     start, end = np.where(outwards, end, start), np.where(outwards, start, end)
     rolled = np.array([start, end] if kind != FLANK else [flanks.rolled_mm(owner, start), flanks.rolled_mm(owner, end)])
-    return Stretch(curve, owner, start, end, rolled, 4.0 * rank, np.ones(rank.size))
+    # A flank turns with the pitch curve, but for its tip relief.
+    bounded = kind == FLANK and flanks.rack.relief is None
+    turning = np.full(rank.size, _most_turning(flanks) if bounded else np.inf)
+    return Stretch(curve, owner, start, end, rolled, 4.0 * rank, np.ones(rank.size), turning, np.zeros_like(owner))
+
+
+def _most_turning(flanks: Flanks) -> float:
+    """How fast the pitch curve turns at most, in rad per mm."""
+    return max(map(abs, flanks.curve.curvature_bounds))
 
 
 def _tip_lands(flanks: Flanks, sides: Sides) -> Stretch:
@@ -143,28 +160,30 @@ def _tip_lands(flanks: Flanks, sides: Sides) -> Stretch:
     def curve(flank: IndexArray, sigma: Array) -> tuple[Array, Array]:
         tooth = flank // 2
         along = sigma - start[tooth]
-        point, slope = flanks.offset(sigma, low[tooth] + rise[tooth] * along)
-        land = point, slope + rise[tooth][..., None] * flanks.curve.at_length(sigma).normal
+        land = flanks.offset(sigma, low[tooth] + rise[tooth] * along, rise[tooth])
         return flanks.over_tip(tooth, along * rate[tooth], rate[tooth], land)
 
-    return _lands(curve, sides, back, start, end)
+    # A level land that play does not turn is parallel to the pitch curve.
+    parallel = (rise == 0.0) & (not flanks.is_turned)
+    return _lands(curve, sides, back, np.array([start, end]), parallel)
 
 
 def _root_lands(flanks: Flanks, sides: Sides) -> Stretch:
     """From each tooth's front flank to the next tooth's back flank, after the last run of the front flank."""
-    start, end = sides.roots.lands()
-    return _lands(
-        lambda flank, sigma: sides.roots.land(flank // 2, sigma), sides, np.arange(1, flanks.count, 2), start, end
-    )
+    front, rolled = np.arange(1, flanks.count, 2), np.array(sides.roots.lands())
+    # A rack's edge keeps its angle to the pitch curve's tangent, but for the turning of bottoms.
+    parallel = np.full(front.size, isinstance(flanks.tool, RackLine) and flanks.sweep is None)
+    return _lands(lambda flank, sigma: sides.roots.land(flank // 2, sigma), sides, front, rolled, parallel)
 
 
-def _lands(
-    curve: Callable[[IndexArray, Array], tuple[Array, Array]], sides: Sides, owner: IndexArray, start: Array, end: Array
-) -> Stretch:
-    """Lands that follow the last runs of their owners, which are every other flank."""
-    last_run = np.searchsorted(sides.owner, owner, side="right") - 1
-    rank, rolled = np.asarray(4.0 * last_run + 1.0, dtype=float), np.array([start, end])
-    return Stretch(curve, owner, start, end, rolled, rank, np.ones(rank.size))
+def _lands(curve: Curve, sides: Sides, owner: IndexArray, rolled: Array, parallel: Mask) -> Stretch:
+    """Lands that follow the last runs of their owners, which are every other flank; some turn as the pitch curve does.
+
+    ``rolled`` (shape (2, z)) are the arc lengths at which they begin and end.
+    """
+    rank = np.asarray(4.0 * (np.searchsorted(sides.owner, owner, side="right") - 1) + 1.0, dtype=float)
+    turning = np.where(parallel, _most_turning(sides.roots.flanks), np.inf)
+    return Stretch(curve, owner, rolled[0], rolled[1], rolled, rank, np.ones(rank.size), turning, np.zeros_like(owner))
 
 
 REMEDY = "more teeth, a smaller addendum or dedendum, or a less uneven ratio avoids that"

@@ -135,6 +135,8 @@ def _refuse_folded_tips(flanks: Flanks, sides: Sides) -> None:
     back, front = np.arange(0, flanks.count, 2), np.arange(1, flanks.count, 2)
     sigma = _probes(sides.tip_mm[back], sides.tip_mm[front])
     height = np.maximum(flanks.tip_height_mm[back], flanks.tip_height_mm[front])
+    if np.all(-height * flanks.curve.curvature_bounds[0] < 1.0):
+        return
     folding = -height[:, None] * flanks.curve.at_length(sigma).curvature
     tooth, place = _worst(folding)
     if folding[tooth, place] < 1.0:

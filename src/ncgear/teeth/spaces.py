@@ -22,6 +22,7 @@ from scipy.optimize import elementwise
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.plane import along, as_complex, as_points
 from ncgear.pitch.curve import CurvePoints, PitchCurve
 from ncgear.teeth.flank import CLEAR_OF_CUSPS, Flanks, Sweep, flank_name, regular_depth
 from ncgear.teeth.tool import AGREEMENT, PinionCircle, RackLine, Rounding, rounding_of
@@ -199,10 +200,10 @@ class Roots:
         """
         at, tool = self.flanks.curve.at_length(sigma_mm), self.flanks.tool.at_length(sigma_mm)
         distance, tilt, square = self._edge(tooth, tool)
-        across = tilt[..., None] * at.tangent + square[..., None] * at.normal
-        along = square[..., None] * at.tangent - tilt[..., None] * at.normal
+        tangent, normal = as_complex(at.tangent), as_complex(at.normal)
         speed = (at.curvature + tool.curvature) * distance + square
-        land = at.position + distance[..., None] * across, speed[..., None] * along
+        point = as_complex(at.position) + distance * (tilt * tangent + square * normal)
+        land = as_points(point), as_points(speed * (square * tangent - tilt * normal))
         return self.flanks.bottom(tooth, sigma_mm, 1.0, land)
 
     def height(self, tooth: IndexArray, sigma_mm: Array) -> Array:
@@ -224,9 +225,9 @@ class Roots:
 
     def _edge(self, tooth: IndexArray, tool: CurvePoints) -> tuple[Array, Array, Array]:
         """Distance of the edges from the pitch point along their normals, and the normals' parts along and outwards."""
-        normal, radius = self.normal[tooth], self.flanks.root_radius_mm[2 * tooth + 1]
-        distance = np.sum((self.center_mm[tooth] - tool.position) * normal, axis=-1) + radius
-        return distance, np.sum(normal * tool.tangent, axis=-1), -np.sum(normal * tool.normal, axis=-1)
+        normal, radius = as_complex(self.normal)[tooth], self.flanks.root_radius_mm[2 * tooth + 1]
+        distance = along(normal, as_complex(self.center_mm)[tooth] - as_complex(tool.position)) + radius
+        return distance, along(normal, as_complex(tool.tangent)), -along(normal, as_complex(tool.normal))
 
 
 def roots_of(flanks: Flanks) -> Roots:
@@ -278,9 +279,9 @@ def sweep_of(roots: Roots, start_mm: Array) -> Sweep:
     for side, land in zip((front, back), lands, strict=True):
         fillet = flanks.fillet(side, roots.end_mm[side])[1]
         pace[side] = np.linalg.norm(fillet, axis=1) / np.linalg.norm(land, axis=1)
-    along = roots.end_mm[:, None] + (start_mm - roots.end_mm)[:, None] * share
-    fillets = flanks.fillet(np.arange(flanks.count)[:, None], along)[0]
-    place = roots.end_mm[:, None] - pace[:, None] * (along - roots.end_mm[:, None])
+    touched = roots.end_mm[:, None] + (start_mm - roots.end_mm)[:, None] * share
+    fillets = flanks.fillet(np.arange(flanks.count)[:, None], touched)[0]
+    place = roots.end_mm[:, None] - pace[:, None] * (touched - roots.end_mm[:, None])
     rolled = first[:, None] + (last - first)[:, None] * share
     points = fillets[front, ::-1], plain.land(tooth[:, None], rolled)[0], fillets[back]
     places = np.concatenate([place[front, ::-1], rolled, place[back] + turn[:, None]], axis=1)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import IntEnum
-from math import degrees
+from math import degrees, sin, tan
 
 import numpy as np
 from scipy.optimize import elementwise
@@ -18,16 +18,16 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import refined_crossings
 from ncgear.numerics.plane import turned
-from ncgear.pitch.curve import nearest
+from ncgear.pitch.curve import LEAST_SHARE, nearest
 from ncgear.teeth.flank import CLEAR_OF_CUSPS, Flanks, flank_name, regular_height
 from ncgear.teeth.tool import AGREEMENT
 
-START = 0.5
-"""Share of the tip's height at which the search for the contact's height starts: from below, since on concave stretches
-a flank comes to the same height again beyond its cusp."""
+HALFWAY = 0.5
+"""Share of the tip's height, on the way to which the pitch curve's curvature is taken for that of the whole way."""
 
 PROBES = 17
-"""Points on the way to a crossing at which the flank must be regular; fitted tips are held against the exact cusp."""
+"""Points on the way to a crossing at which the flank must be regular, where bounds of the curvature do not prove it;
+fitted tips are held against the exact cusp."""
 
 FAR = 3.0
 """Flanks are followed up to this many tip heights; they lean so much that they reach the tip land before."""
@@ -82,6 +82,27 @@ class Tips:
     met_depth_mm: Array
 
 
+@dataclass(frozen=True, eq=False)
+class _Edges:
+    """Tip lands of all flanks, and where the flanks reach them as ``tip_crossing`` tells; shape (2 z,)."""
+
+    flanks: Flanks
+    top_mm: Array
+    at_mm: Array
+    met: Mask
+
+    def moved(self, height_mm: Array) -> _Edges:
+        """The edges of tips of other heights, of which only those that differ are sought."""
+        moved = np.nonzero(height_mm != self.flanks.tip_height_mm)[0]
+        if not moved.size:
+            return self
+        flanks = self.flanks.with_tips(height_mm)
+        found = self.top_mm.copy(), self.at_mm.copy(), self.met.copy()
+        for values, new in zip(found, tip_crossing(flanks, moved), strict=True):
+            values[moved] = new
+        return _Edges(flanks, *found)
+
+
 def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: float) -> Tips:
     """Tips at the greatest heights that all bounds allow.
 
@@ -93,20 +114,24 @@ def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: f
     regular = CLEAR_OF_CUSPS * regular_height(flanks, float(np.max(bounds.contact_mm)) / CLEAR_OF_CUSPS)
     cusp = regular < bounds.contact_mm
     allowed = np.minimum(regular, bounds.contact_mm)
-    lowered = _lowered(replace(flanks, tip_height_mm=height), allowed)
+    flanks = flanks.with_tips(height)
+    edges = _Edges(flanks, *tip_crossing(flanks))
+    lowered = _lowered(edges, allowed)
     limit = np.where(lowered < height, np.where(cusp, Limit.CUSP, reason), limit)
-    free = _within_play(replace(flanks, tip_height_mm=lowered))
+    edges = edges.moved(lowered)
+    free = _within_play(edges)
     limit = np.where(free < lowered, np.maximum(limit, Limit.FILLET), limit)
     even = even_heights(flanks, free)
     limit = np.where(even < free, np.maximum(limit, Limit.SLOPE), limit)
-    flanks, narrow = _with_lands(replace(flanks, tip_height_mm=even), least_land_mm)
+    edges = edges.moved(even)
+    wide, narrow = _with_lands(edges, least_land_mm)
     limit = np.where(narrow, Limit.LAND, limit)
-    top, at, met = tip_crossing(flanks)
-    too_high = top > allowed + AGREEMENT * flanks.rack.module_mm
-    lost = np.nonzero(~met | (flanks.tip_height_mm <= 0.0) | (top <= 0.0) | too_high)[0]
+    edges = edges.moved(wide)
+    too_high = edges.top_mm > allowed + AGREEMENT * flanks.rack.module_mm
+    lost = np.nonzero(~edges.met | (wide <= 0.0) | (edges.top_mm <= 0.0) | too_high)[0]
     if lost.size:
         raise no_tip(flanks, int(lost[0]))
-    return Tips(flanks, top, at, limit, undercut, np.full(flanks.count, np.inf))
+    return Tips(edges.flanks, edges.top_mm, edges.at_mm, limit, undercut, np.full(flanks.count, np.inf))
 
 
 def held_below(tips: Tips, ceiling_mm: Array) -> Tips:
@@ -116,12 +141,11 @@ def held_below(tips: Tips, ceiling_mm: Array) -> Tips:
     """
     full = tips.flanks.tip_height_mm
     height = even_heights(tips.flanks, np.minimum(full, ceiling_mm))
-    flanks = replace(tips.flanks, tip_height_mm=height)
-    top, at, met = tip_crossing(flanks)
-    if not met.all():
-        raise no_tip(flanks, int(np.argmin(met)))
+    edges = _Edges(tips.flanks, tips.height_mm, tips.at_mm, np.ones(full.size, dtype=bool)).moved(height)
+    if not edges.met.all():
+        raise no_tip(edges.flanks, int(np.argmin(edges.met)))
     limit = np.where(height < full, Limit.HELIX, tips.limit)
-    return replace(tips, flanks=flanks, height_mm=top, at_mm=at, limit=limit)
+    return replace(tips, flanks=edges.flanks, height_mm=edges.top_mm, at_mm=edges.at_mm, limit=limit)
 
 
 def even_heights(flanks: Flanks, height: Array) -> Array:
@@ -137,27 +161,25 @@ CLEARANCE_SHARE = 0.5
 """Share of the rack's clearance that tips may take where they stand higher at one end of the play."""
 
 
-def _within_play(flanks: Flanks) -> Array:
+def _within_play(edges: _Edges) -> Array:
     """Tip heights, lowered where an edge stands higher over the pitch curve at the other end of the play."""
-    height = flanks.tip_height_mm
+    flanks, height = edges.flanks, edges.flanks.tip_height_mm
     if not flanks.is_turned:
         return height
-    _, at, met = tip_crossing(flanks)
-    if not met.all():
-        raise no_tip(flanks, int(np.argmin(met)))
+    if not edges.met.all():
+        raise no_tip(flanks, int(np.argmin(edges.met)))
     turn = flanks.turn_rad - flanks.turn_rad.reshape(-1, 2)[:, ::-1].ravel()
-    edge = turned(flanks.offset(at, height)[0], turn)
-    over = nearest(flanks.curve, edge, at, AGREEMENT * flanks.rack.module_mm)[1] - height
+    edge = turned(flanks.offset(edges.at_mm, height)[0], turn)
+    over = nearest(flanks.curve, edge, edges.at_mm, AGREEMENT * flanks.rack.module_mm)[1] - height
     allowed = CLEARANCE_SHARE * (flanks.rack.dedendum_mm - flanks.rack.addendum_mm)
     free: Array = height - np.maximum(over - allowed, 0.0)
     return free
 
 
-def _lowered(flanks: Flanks, allowed: Array) -> Array:
+def _lowered(edges: _Edges, allowed: Array) -> Array:
     """Tip heights, lowered where the flank would touch higher than ``allowed``."""
-    height = flanks.tip_height_mm
-    top, _, met = tip_crossing(flanks)
-    chosen = np.nonzero(~met | (top > allowed))[0]
+    flanks, height = edges.flanks, edges.flanks.tip_height_mm
+    chosen = np.nonzero(~edges.met | (edges.top_mm > allowed))[0]
     if not chosen.size:
         return height
     distance = _foot(flanks, chosen, allowed[chosen])[1]
@@ -194,14 +216,32 @@ def _newton_crossing(flanks: Flanks, which: IndexArray) -> tuple[Array, Array, M
     height, sigma, met = refined_crossings(
         lambda h: flanks.flank(which, h),
         lambda s: flanks.offset(s, tip),
-        START * tip,
-        crossing - flanks.side[which] * START * tip * np.tan(rack.pressure_angle_rad),
+        *_crossing_on_circle(flanks, which),
         AGREEMENT * rack.module_mm,
     )
     met &= (height > 0.0) & (height < FAR * tip) & (np.abs(sigma - crossing) < rack.pitch_mm / 2.0)
-    way = height[met, None] * np.linspace(0.0, 1.0, PROBES)
-    met[met] = flanks.regularity(which[met, None], way).min(axis=1) > 0.0
+    near = np.nonzero(met)[0]
+    doubtful = near[~flanks.surely_regular(which[near], height[near])]
+    way = height[doubtful, None] * np.linspace(0.0, 1.0, PROBES)
+    met[doubtful] = flanks.regularity(which[doubtful, None], way).min(axis=1) > 0.0
     return height, sigma, met
+
+
+def _crossing_on_circle(flanks: Flanks, which: IndexArray) -> tuple[Array, Array]:
+    """About where flanks reach their tip lands: heights, and arc lengths of the tip lands.
+
+    It is where they do on circles with the curvature k that the pitch curve has on the way there.  A circle's flank of
+    height h is 1 + h k radii up from the centre and h k cot(alpha) along, its tip land 1 + k tip radii off.  On a
+    concave stretch a flank comes to the same height again beyond its cusp: it is the lesser height that is sought.
+    """
+    angle, tip = flanks.rack.pressure_angle_rad, flanks.tip_height_mm[which]
+    curvature = flanks.curve.at_length(flanks.rolled_mm(which, HALFWAY * tip)).curvature
+    twice = tip * (2.0 + curvature * tip)
+    height = twice / (1.0 + np.sqrt(np.maximum(1.0 + twice * curvature / sin(angle) ** 2, 0.0)))
+    along = height / tan(angle) / np.maximum(1.0 + height * curvature, LEAST_SHARE)
+    # An arc is x / (1 + x^2 / 3) of its radius, nearly, where its tangent is x.
+    along /= 1.0 + (along * curvature) ** 2 / 3.0
+    return height, flanks.rolled_mm(which, height) + flanks.side[which] * along
 
 
 def _crossing_below_cusp(flanks: Flanks, which: IndexArray) -> tuple[Array, Array, Mask]:
@@ -223,17 +263,17 @@ def _crossing_below_cusp(flanks: Flanks, which: IndexArray) -> tuple[Array, Arra
     return height, sigma, np.isfinite(height) & np.isfinite(sigma)
 
 
-def _with_lands(flanks: Flanks, least: float) -> tuple[Flanks, Mask]:
-    """The flanks with tips shortened where their land is narrower than ``least``, and which those are."""
-    width = _land(flanks, np.arange(0, flanks.count, 2))
+def _with_lands(edges: _Edges, least: float) -> tuple[Array, Mask]:
+    """Tip heights, lowered where their land is narrower than ``least``, and which those are."""
+    flanks, height = edges.flanks, edges.flanks.tip_height_mm
+    width = _width(flanks, np.arange(flanks.count), edges.at_mm, edges.met)
     narrow = ~(width >= least)
     if not narrow.any():
-        return flanks, np.zeros(flanks.count, dtype=bool)
+        return height, np.zeros(flanks.count, dtype=bool)
     back = 2 * np.nonzero(narrow)[0]
     most = np.full(flanks.count, np.inf)
     most[back] = most[back + 1] = _height_of_land(flanks, back, least)
-    lower = most < flanks.tip_height_mm
-    return replace(flanks, tip_height_mm=np.minimum(flanks.tip_height_mm, most)), lower
+    return np.minimum(height, most), most < height
 
 
 def _height_of_land(flanks: Flanks, back: IndexArray, least: float) -> Array:
@@ -260,12 +300,18 @@ def _height_of_land(flanks: Flanks, back: IndexArray, least: float) -> Array:
 
 
 def _land(flanks: Flanks, back: IndexArray) -> Array:
-    """Width of tip lands in mm along the chord, negative where the flanks have crossed below it; shape (n,).
-
-    Play takes off what it moves the flanks along the curve.
-    """
-    both = np.stack([back, back + 1], axis=1).ravel()
+    """Width in mm of the tip lands behind the given back flanks, as ``_width``."""
+    both = np.column_stack([back, back + 1]).ravel()
     _, at, met = tip_crossing(flanks, both)
+    return _width(flanks, both, at, met)
+
+
+def _width(flanks: Flanks, both: IndexArray, at: Array, met: Mask) -> Array:
+    """Width of tip lands in mm along the chord, negative where the flanks have crossed below it.
+
+    ``both`` are the back and the front flank of each of n lands, one after the other, ``at`` the arc lengths where they
+    reach it, if they have ``met`` it; shape (2 n,).  Play takes off what it moves the flanks along the curve.
+    """
     point, along = flanks.offset(at, flanks.tip_height_mm[both])
     edges = point.reshape(-1, 2, 2)
     width = np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1) * np.sign(np.diff(at.reshape(-1, 2), axis=1)[:, 0])

@@ -36,10 +36,9 @@ class RackLine:
 
     def at_length(self, sigma_mm: Array) -> CurvePoints:
         """The x axis; the rack's material lies above it."""
-        zero, one = np.zeros_like(sigma_mm), np.ones_like(sigma_mm)
-        return CurvePoints(
-            np.stack([sigma_mm, zero], axis=-1), np.stack([one, zero], axis=-1), np.stack([zero, -one], axis=-1), zero
-        )
+        position, tangent, normal = np.zeros((3, *np.shape(sigma_mm), 2))
+        position[..., 0], tangent[..., 0], normal[..., 1] = sigma_mm, 1.0, -1.0
+        return CurvePoints(position, tangent, normal, np.zeros(np.shape(sigma_mm)))
 
     def flank_depth_mm(self, rack: BasicRack, depth_mm: Array, radius_mm: Array) -> Array:
         """How deep the straight flank goes on a tool tooth of a depth and a tip radius."""

@@ -16,9 +16,9 @@ from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.pitch.shape import Gear
 from ncgear.solids.helical.sections import Sections
-from ncgear.teeth.chords import Stretch
 from ncgear.teeth.contour import DEGREE, INSIDE, PROBES, SHORTEST_MM
 from ncgear.teeth.outline import whole_curves
+from ncgear.teeth.stretch import Stretch
 
 GRIDS = ((4, 8), (4, 12), (6, 16), (8, 24), (12, 32), (16, 48), (24, 64))
 """Spans up the gear and along each curve that are tried in turn: what takes more is no smooth surface."""
