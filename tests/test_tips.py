@@ -18,9 +18,10 @@ from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.teeth import fitting
-from ncgear.teeth.flank import flanks_of, mating_flanks, regular_depth, regular_height
+from ncgear.teeth.flank import flanks_of, mating_flanks
 from ncgear.teeth.form import Backlash, BasicRack, Cutter, CutterKind, TipLimits, TipRelief, ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
+from ncgear.teeth.regular import regular_depth, regular_height
 from ncgear.teeth.tips import Limit, Tips, tip_crossing
 from ncgear.teeth.tool import RackLine
 from oracles import meshing

@@ -16,10 +16,11 @@ from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import ratio_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
-from ncgear.teeth.flank import FLANK, Flanks, flanks_of, regular_depth, regular_height
+from ncgear.teeth.flank import FLANK, Flanks, flanks_of
 from ncgear.teeth.form import BasicRack, TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, shift_against_undercut, teeth_free_of_undercut, toothed_pair
 from ncgear.teeth.lost import shortening, undercutting
+from ncgear.teeth.regular import regular_depth, regular_height
 from ncgear.teeth.tips import Limit
 from ncgear.teeth.tool import RackLine
 from pairs import baler_law, both, pitch_pair, rack, sine_law

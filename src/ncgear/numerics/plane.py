@@ -16,7 +16,8 @@ from ncgear.numerics.arrays import Array, ComplexArray
 
 def as_complex(points: Array) -> ComplexArray:
     """Points of shape (..., 2) as x + i y, shape (...): the same memory, where x and y are next to each other."""
-    near = points if points.strides[-1] == points.itemsize else np.ascontiguousarray(points)
+    pairs = np.asarray(points, dtype=float)
+    near = pairs if pairs.strides[-1] == pairs.itemsize else np.ascontiguousarray(pairs)
     flat: ComplexArray = near.view(complex)[..., 0]
     return flat
 

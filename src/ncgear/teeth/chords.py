@@ -257,7 +257,7 @@ def _placed(stretch: Stretch, tolerance: Array) -> _Chords:
 def _refuse_too_many(needed: Array, rows: IndexArray) -> None:
     """Raise WrongInput where a tolerance is out of all proportion to the curves of a kind."""
     most = np.maximum(MOST_CHORDS, MOST_OF_ONE * rows)
-    if np.all(needed <= most):
+    if not np.any(needed > most):
         return
     first = int(np.argmax(needed > most))
     share = needed[first] / most[first]

@@ -15,9 +15,10 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.curve import PitchCurve
-from ncgear.teeth.flank import CLEAR_OF_CUSPS, Flanks, mating_flanks, regular_depth
+from ncgear.teeth.flank import Flanks, mating_flanks
 from ncgear.teeth.form import WAYS, TipLimits
 from ncgear.teeth.fouling import Mates, TipPaths, freed, freed_of_bottoms, paths_near_concave
+from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_depth
 from ncgear.teeth.spaces import cut_spaces, mated_spaces
 from ncgear.teeth.tips import Bounds, Limit, Tips, fitted_tips, held_below, no_tip
 from ncgear.teeth.tool import PinionCircle

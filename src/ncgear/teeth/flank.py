@@ -39,10 +39,9 @@ import numpy as np
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import along, as_complex, as_points, cross
 from ncgear.numerics.units import in_words
-from ncgear.numerics.zeros import first_zeros
 from ncgear.pitch.curve import CurvePoints, PitchCurve
 from ncgear.teeth.form import BasicRack
-from ncgear.teeth.tool import RackLine, Rounding, Tool, rounding_of
+from ncgear.teeth.tool import Rounding, Tool, rounding_of
 
 FLANK, FILLET = 0, 1
 """The kinds of curve along a tooth's side, from the tip inwards."""
@@ -355,79 +354,3 @@ def flank_name(flanks: Flanks, flank: int) -> str:
     phi1 = float(flanks.curve.driving_angle(flanks.crossing_mm[flank : flank + 1])[0])
     gear = flanks.curve.gear.value
     return f"the {facing} flank of tooth {flanks.tooth[flank]} of the {gear} gear (phi1 = {in_words(phi1)})"
-
-
-CLEAR_OF_CUSPS = 0.99
-"""Share of the height up to a cusp that is used.  At the cusp the flank's radius of curvature is zero; a hundredth of
-the height before it, the radius is a tenth of what it is at the pitch curve."""
-
-CLEAR = 1e-9
-"""A zero that lies before a fillet's end by less than this share of its rolled length is at the end: rounding."""
-
-AT_END = 1e-12
-"""A joint that is nearer to the end of a range than this share of it counts as the end: between them there are no
-numbers left to tell its sides apart."""
-
-
-def regular_height(flanks: Flanks, limit_mm: float) -> Array:
-    """Height over the pitch line, at most ``limit_mm``, up to which each flank is regular; shape (2 z,)."""
-    return _reach(flanks, limit_mm, 1.0)
-
-
-def regular_depth(flanks: Flanks, limit_mm: float) -> Array:
-    """Depth below the pitch line, at most ``limit_mm``, up to which each flank is regular; shape (2 z,).
-
-    A tool cuts away what is deeper (undercut).
-    """
-    return _reach(flanks, limit_mm, -1.0)
-
-
-def _reach(flanks: Flanks, limit: float, sense: float) -> Array:
-    """Largest h in [0, limit] such that sin^2(alpha) + sense h k stays positive from 0 to h."""
-    reached, every = np.full(flanks.count, limit), np.arange(flanks.count)
-    doubtful = np.nonzero(~flanks.surely_regular(every, sense * reached))[0]
-    if not doubtful.size:
-        return reached
-    per_mm = -sense * flanks.side * flanks.rack.height_per_rolled
-    ends, joints = np.array([0.0, limit]), _joints(flanks)
-    cuts = [_cuts(ends, (joints - flanks.crossing_mm[i]) * per_mm[i]) for i in doubtful]
-    reached[doubtful] = first_zeros(lambda i, height: flanks.regularity(doubtful[i], sense * height), cuts)
-    return reached
-
-
-def folded_fillets(flanks: Flanks) -> Mask:
-    """Which fillets fold between the flank and the root land; shape (2 z,)."""
-    if _never_folds(flanks):
-        return np.zeros(flanks.count, dtype=bool)
-    start = flanks.rolled_mm(np.arange(flanks.count), -flanks.flank_depth_mm)
-    length, joints = flanks.rounding.lowest_mm - start, _joints(flanks)
-    cuts = [_cuts(np.array([0.0, 1.0]), (joints - start[i]) / length[i]) for i in range(flanks.count)]
-    regular = first_zeros(lambda i, share: flanks.fillet_regularity(i, start[i] + length[i] * share), cuts)
-    folded: Mask = regular < 1.0 - CLEAR
-    return folded
-
-
-def _never_folds(flanks: Flanks) -> bool:
-    """Whether both terms of the fillets' condition are positive for certain.
-
-    They are where the roundings stand below the pitch line, and the tool is either the mate, whose curve rolls with a
-    positive sum of curvatures, or a rack on a curve without a concave stretch.
-    """
-    below = flanks.flank_depth_mm > flanks.root_radius_mm * sin(flanks.rack.pressure_angle_rad)
-    mated = isinstance(flanks.tool, PitchCurve)
-    straight = isinstance(flanks.tool, RackLine) and flanks.curve.curvature_bounds[0] >= 0.0
-    return bool(below.all()) and (mated or straight)
-
-
-def _joints(flanks: Flanks) -> Array:
-    """Arc lengths at which the curvature of what rolls may jump."""
-    return np.empty(0) if flanks.equivalent else flanks.curve.joints_around_mm
-
-
-def _cuts(ends: Array, joints: Array) -> Array:
-    """Both ends and the joints between them, in order; a joint at an end, to rounding, is none."""
-    if not joints.size:
-        return ends
-    apart = AT_END * (ends[1] - ends[0])
-    inside = joints[(joints > ends[0] + apart) & (joints < ends[1] - apart)]
-    return np.concatenate([ends[:1], np.sort(inside), ends[1:]])

@@ -12,8 +12,9 @@ import numpy as np
 
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.pitch.curve import PitchCurve
-from ncgear.teeth.flank import Flanks, regular_depth
+from ncgear.teeth.flank import Flanks
 from ncgear.teeth.gear import ToothedGear
+from ncgear.teeth.regular import regular_depth
 from ncgear.teeth.tips import tip_crossing
 
 ROUNDING_IN_MODULES = 1e-9

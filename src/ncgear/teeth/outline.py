@@ -59,9 +59,10 @@ def outline_points(tips: Tips, sides: Sides, chords: ChordTolerance) -> Array:
     on_curve: list[Toleranced] = [(fillets.kept(~near), elsewhere), *((land, elsewhere) for land in lands)]
     within: list[Toleranced] = [(fillets.kept(near), elsewhere)]
     both_sides: list[Toleranced] = []
-    flanks_turn_freely = within if _is_hollow(flanks) else on_curve
-    flanks_turn_freely.append((parts.kept(~works), elsewhere))
-    (both_sides if chords.straddling else flanks_turn_freely).append((parts.kept(works), chords.flanks_mm))
+    # Chords of hollow flanks stay in the material too, so that written gears turn freely.
+    freely = within if _is_hollow(flanks) else on_curve
+    freely.append((parts.kept(~works), elsewhere))
+    (both_sides if chords.straddling else freely).append((parts.kept(works), chords.flanks_mm))
     # Arc length runs clockwise about the driving gear and round a ring's hole, against the clock about other gears.
     material = -1.0 if flanks.curve.gear is Gear.DRIVING else 1.0
     ways = (sampled, on_curve), (partial(sampled_within, material=material), within), (straddled, both_sides)

@@ -18,7 +18,8 @@ from ncgear.numerics.crossing import chord_crossings, refined_crossings, zoomed_
 from ncgear.numerics.units import in_words
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
-from ncgear.teeth.flank import FILLET, FLANK, Flanks, flank_name, folded_fillets, regular_depth
+from ncgear.teeth.flank import FILLET, FLANK, Flanks, flank_name
+from ncgear.teeth.regular import folded_fillets, regular_depth
 from ncgear.teeth.spaces import Roots, roots_of, sweep_of
 from ncgear.teeth.tips import Tips
 from ncgear.teeth.tool import AGREEMENT

@@ -24,7 +24,8 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import along, as_complex, as_points
 from ncgear.pitch.curve import CurvePoints, PitchCurve
-from ncgear.teeth.flank import CLEAR_OF_CUSPS, Flanks, Sweep, flank_name, regular_depth
+from ncgear.teeth.flank import Flanks, Sweep, flank_name
+from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_depth
 from ncgear.teeth.tool import AGREEMENT, PinionCircle, RackLine, Rounding, rounding_of
 
 Depth = Callable[[Array, IndexArray], Array]

@@ -19,7 +19,8 @@ from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import refined_crossings
 from ncgear.numerics.plane import turned
 from ncgear.pitch.curve import LEAST_SHARE, nearest
-from ncgear.teeth.flank import CLEAR_OF_CUSPS, Flanks, flank_name, regular_height
+from ncgear.teeth.flank import Flanks, flank_name
+from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_height
 from ncgear.teeth.tool import AGREEMENT
 
 HALFWAY = 0.5
