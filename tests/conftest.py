@@ -1,10 +1,12 @@
-"""What all tests share: their tiers, one thread per worker, and the command line in this process.
+"""What all tests share: their tiers, one thread per worker, few collections, and the command line in this process.
 
-Tests run on all cores already, and linear algebra on threads of its own would only wait.
+Tests run on all cores already, and linear algebra on threads of its own would only wait.  Thousands of tests and the
+libraries stay until the end, and to look through them for what nothing needs any more would only take time.
 """
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import sys
@@ -18,6 +20,8 @@ from tiers import Collected, tier_of
 
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
+
+gc.set_threshold(100_000)
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -33,6 +37,11 @@ def pytest_itemcollected(item: pytest.Item) -> None:
         tier = tier_of(callspec.id, **tiers.kwargs)
         if tier != "quick":
             item.add_marker(tier)
+
+
+def pytest_collection_finish() -> None:
+    """Leave all that is there before the first test out of what is looked through."""
+    gc.freeze()
 
 
 @pytest.fixture

@@ -235,6 +235,7 @@ def test_contact_of_a_circular_pair_runs_along_the_line_of_action(backlash: floa
         assert touching.pressure_angle_rad == pytest.approx(np.arccos(second * cos(ALPHA) / rho), abs=1e-10)
 
 
+@pytest.mark.thorough
 def test_contact_of_a_circular_ring_is_the_closed_form() -> None:
     """The driving gear lies inside: pitch point beyond its axis, gears turning alike, sliding by the difference."""
     backlash, base = 0.1, 60.0 * cos(ALPHA)
@@ -455,6 +456,7 @@ def test_arcs_of_contact_are_those_of_the_heights_that_are_left(name: str, teeth
         assert contact.pairs.arcs == pytest.approx(arcs, abs=1e-9)
 
 
+@pytest.mark.tiers(thorough=["baler-*"], rest="quick")
 @pytest.mark.parametrize(("name", "teeth"), COUNTED)
 def test_numbers_in_contact_are_what_counting_finds(name: str, teeth: int) -> None:
     contact = designed(name, teeth)
@@ -554,6 +556,7 @@ def test_written_outlines_see_the_same_overlap() -> None:
     assert contact.overlap_mm.min() > 2.0 * TOLERANCE
 
 
+@pytest.mark.tiers(thorough=["case1", "case2"], rest="quick")
 @pytest.mark.parametrize("case", [("baler", 18, True), ("baler", 25, True), ("baler", 25, False), ("sine", 25, False)])
 def test_gaps_of_contact_are_those_of_counting_between_positions(case: tuple[str, int, bool]) -> None:
     """Four hundred times as fine as the positions; the cycle's end is no end of a gap."""

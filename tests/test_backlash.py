@@ -43,7 +43,7 @@ def pitch_of(name: str, teeth: int = 40) -> PitchPair:
 
 
 @pytest.mark.judges("teeth")
-@pytest.mark.tiers(quick=["uniform*"], rest="thorough")
+@pytest.mark.tiers(quick=["uniform*"], rest="slow")
 @pytest.mark.parametrize(
     ("name", "teeth", "driven_mm"),
     [("uniform", 30, 30.0), ("uniform 1:2", 24, 48.0), ("uniform 3:2", 30, 20.0), ("ring 1:2", 30, 60.0)],
@@ -179,13 +179,15 @@ def require_contact(data: Data) -> None:
         _ = stage.designed_contact
 
 
-@pytest.mark.tiers(quick=["ellipse", "baler-smooth"], rest="thorough")
+@pytest.mark.tiers(
+    quick=["ellipse", "baler-smooth"], thorough=["baler", "helical-ellipse", "pump-1-2", "pusher"], rest="slow"
+)
 @pytest.mark.parametrize("name", WORKED)
 def test_worked_designs_may_have_backlash(name: str) -> None:
     require_contact(with_gears(name, backlash_mm=0.05))
 
 
-@pytest.mark.tiers(slow=["ring*"], rest="thorough")
+@pytest.mark.tiers(thorough=["sine-0.4"], rest="slow")
 @pytest.mark.parametrize("backlash_mm", [0.0, 0.05, 0.4])
 @pytest.mark.parametrize("data", [DEEP_SINE, DEEP_RING], ids=["sine", "ring"])
 def test_deep_laws_may_have_backlash(data: Data, backlash_mm: float) -> None:
@@ -195,11 +197,12 @@ def test_deep_laws_may_have_backlash(data: Data, backlash_mm: float) -> None:
     require_contact(data)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("gears", "lacking"),
     [
         ({"least_contact_ratio": 1.2}, r"touch over 1\.16 pitches only, less than 1\.2"),
-        pytest.param({"teeth": 21}, "no flanks touch at phi1 =", marks=pytest.mark.thorough),
+        ({"teeth": 21}, "no flanks touch at phi1 ="),
     ],
 )
 def test_idle_flanks_are_refused_only_where_they_must_hold(gears: Data, lacking: str) -> None:

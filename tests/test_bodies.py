@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from math import cos, pi, radians, sin, sqrt
 
 import numpy as np
@@ -25,6 +26,7 @@ from ncgear.figures.summary.build_summary import bodies_summary
 from ncgear.files.meshes import outline_of_stl, read_back, section_rings, stl_bytes, written_outlines
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
+from ncgear.project.computed import take_over
 from ncgear.project.drive import Drive
 from ncgear.solids.mesh import slabs
 from ncgear.solids.mesh.finish import SCREW_TOLERANCE, screw_hole_mm3
@@ -378,6 +380,7 @@ def of_both_gears(made: Callable[[float], Drive], fault: WrongInput, pattern: st
     return size
 
 
+@pytest.mark.tiers(thorough=["process_clearance_mm: -0.9*"], rest="quick")
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
@@ -431,9 +434,17 @@ BASE = (DESIGNS / "printed-pump.yaml").read_text()
 GEARS = BASE[: BASE.index("  first_layer_chamfer_mm")]
 
 
+@cache
+def plain_pump() -> Drive:
+    return drive_of_text(GEARS)
+
+
 def asked(text: str) -> Drive:
-    """The printed pump with other bodies."""
-    return drive_of_text(GEARS + text)
+    """The printed pump with other bodies; what does not hang on them is computed once."""
+    _ = plain_pump().teeth
+    own = drive_of_text(GEARS + text)
+    take_over(("law", "pitch", "tooth_form", "teeth"), plain_pump(), own)
+    return own
 
 
 NO_ROOM = [

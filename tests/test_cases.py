@@ -43,6 +43,7 @@ def test_the_page_has_every_case_once() -> None:
     assert {path.stem for path in FOLDER.glob("*.yaml")} <= set(ALL)
 
 
+@pytest.mark.tiers(thorough=["pole*"], rest="quick")
 @pytest.mark.parametrize("name", REFUSED)
 def test_what_does_not_exist_is_refused_in_these_words(name: str) -> None:
     refused = verdict(name)

@@ -470,7 +470,7 @@ def in_shell(redirected: str, folder: Path) -> tuple[int, str]:
     return done.returncode, done.stderr
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(slow=["ncgear check right.yaml 2>&--0", "*--timing*"], rest="thorough")
 @pytest.mark.parametrize(
     ("line", "status"),
     [

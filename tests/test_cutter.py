@@ -229,7 +229,7 @@ def shaped_apart(name: str, cutter_teeth: int, root_radius: float, steps: tuple[
 
 
 @pytest.mark.judges("teeth")
-@pytest.mark.tiers(thorough=["sine"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SHAPED)
 def test_more_steps_of_a_shaper_come_nearer_to_the_outline_as_their_square(name: str) -> None:
     """12, 24 and 48 steps a pitch leave 9.8e-3, 2.9e-3 and 8e-4 mm: scallops, and nothing beside them."""
@@ -304,17 +304,22 @@ def tip_inside_teeth(ring: ToothedGear, cutter_teeth: int) -> int:
     return int(np.sum(~free & ~own_space))
 
 
-@pytest.mark.thorough
-def test_a_pinion_that_fouls_on_its_way_out_of_a_ring_is_refused() -> None:
-    """The rule of internal gears: a difference of about ten teeth at 20 degrees."""
+@pytest.mark.slow
+def test_a_pinion_of_57_teeth_does_foul_on_its_way_out_of_a_ring() -> None:
+    """By the place of its tips in the finished ring, where one of 36 teeth gets out."""
     ring = toothed_pair(ring_pair(), form(CutterKind.PINION, 36), 0.001).driven
     assert tip_inside_teeth(ring, 36) == 0
     assert tip_inside_teeth(ring, 57) > 0
-    for teeth in (56, 57, 58):
-        with pytest.raises(NoSuchMechanism, match=r"cuts the \w+ flank of tooth \d+ of the driven gear") as caught:
-            toothed_pair(ring_pair(), form(CutterKind.PINION, teeth), 0.01)
-        assert caught.value.key == "gears.cutter.teeth"
-        assert "phi1 = " in caught.value.problem
+
+
+@pytest.mark.tiers(thorough=["57"], rest="slow")
+@pytest.mark.parametrize("teeth", [56, 57, 58])
+def test_a_pinion_that_fouls_on_its_way_out_of_a_ring_is_refused(teeth: int) -> None:
+    """The rule of internal gears: a difference of about ten teeth at 20 degrees."""
+    with pytest.raises(NoSuchMechanism, match=r"cuts the \w+ flank of tooth \d+ of the driven gear") as caught:
+        toothed_pair(ring_pair(), form(CutterKind.PINION, teeth), 0.01)
+    assert caught.value.key == "gears.cutter.teeth"
+    assert "phi1 = " in caught.value.problem
 
 
 @pytest.mark.slow

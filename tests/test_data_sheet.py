@@ -127,6 +127,7 @@ def test_the_sheet_says_what_the_design_gives() -> None:
     assert row(found, "least normal backlash").pair == pytest.approx(0.06, rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_a_ring_has_pins_and_says_that_it_has_no_span() -> None:
     found = sheet("internal-1-2")
     assert "not defined" in str(row(found, "places of a span").driven)
@@ -290,7 +291,7 @@ def read_radii_mm(name: str, gear: str, module_mm: float) -> tuple[np.ndarray, n
     return found[0], found[1]
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(thorough=["ellipse-*"], rest="slow")
 @pytest.mark.parametrize("gear", ["driving", "driven"])
 @pytest.mark.parametrize("name", ["ellipse", "pump-1-2"])
 def test_tips_and_roots_are_those_of_the_written_solid(name: str, gear: str) -> None:

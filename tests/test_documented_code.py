@@ -16,7 +16,7 @@ from documented.sessions import Step, differs, steps_of
 from documented.shell import WIDTH
 from ncgear.errors import WrongInput
 
-THOROUGH = ["README.md", "docs/commands/check.md", "docs/commands/balance.md", "docs/python.md", "docs/baler.md"]
+THOROUGH = ["README.md", "docs/commands/balance.md", "docs/python.md", "docs/baler.md"]
 
 
 @pytest.fixture

@@ -347,7 +347,7 @@ def test_joints_bear_what_newton_and_euler_ask_of_the_simulated_motion() -> None
     np.testing.assert_allclose(shown.joints.torque_n_mm, brought, atol=1e-6 * np.abs(brought).max())
 
 
-@pytest.mark.tiers(thorough=["ring-24"], rest="quick")
+@pytest.mark.tiers(slow=["ring-24"], rest="quick")
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 24), ("sine", 31), ("ring", 24)])
 def test_tangents_have_the_length_one(name: str, teeth: int) -> None:
     found = meshing(name, teeth)
@@ -359,6 +359,7 @@ def test_tangents_have_the_length_one(name: str, teeth: int) -> None:
     assert np.quantile(np.abs(np.abs(tangent(near, found.law.at(phi1)[1], place))[close] - 1.0), 0.95) < 2e-3
 
 
+@pytest.mark.tiers(thorough=["*ring*"], rest="quick")
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 24), ("sine", 31), ("ring", 24)])
 @pytest.mark.parametrize("torque", [500.0, -500.0])
 def test_stiff_teeth_push_as_the_rigid_levels_mesh_force(name: str, teeth: int, torque: float) -> None:

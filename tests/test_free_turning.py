@@ -73,7 +73,9 @@ def test_designs_that_are_left_out_have_no_gears() -> None:
         _ = drive("baler-a1-at-law-speed").teeth
 
 
-@pytest.mark.tiers(quick=["ellipse", "printed-pump"], rest="thorough")
+@pytest.mark.tiers(
+    quick=["ellipse"], thorough=["baler", "helical-ellipse", "internal-1-2", "pump-1-2", "pusher"], rest="slow"
+)
 @pytest.mark.parametrize("name", WITH_GEARS)
 def test_gears_without_backlash_overlap_nowhere_and_turn(name: str) -> None:
     for stage in tight(name):
@@ -152,7 +154,7 @@ def deepest(pitch: PitchPair, form: ToothForm, count: int = 200) -> float:
     return max(float(outlines.overlap(at, share * play).max()) for share in SHARES)
 
 
-@pytest.mark.tiers(slow=["deep ring*"], rest="thorough")
+@pytest.mark.tiers(thorough=["baler, 0.3 mm", "rack*", "tips*"], rest="slow")
 @pytest.mark.parametrize("name", CASES)
 def test_nothing_is_in_the_mates_way_over_the_whole_play(name: str) -> None:
     assert deepest(*CASES[name]()) <= OVERLAP * TOLERANCE

@@ -74,12 +74,13 @@ def table() -> PitchPair:
     return sized_pair(law, 60, None, DISTANCE, Mesh.INTERNAL)
 
 
-every_pair = pytest.mark.parametrize("of", [variable, table])
+every_pair = pytest.mark.parametrize("of", [variable, pytest.param(table, marks=pytest.mark.thorough)])
 
 
 # --- circles -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.tiers(thorough=["lobes2", "lobes3"], rest="quick")
 @pytest.mark.parametrize("lobes", [Lobes(1, 2), Lobes(1, 3), Lobes(2, 3), Lobes(7, 8)])
 def test_a_constant_ratio_makes_a_circle_in_a_circle(lobes: Lobes) -> None:
     found = sized_pair(uniform_law(lobes), 21 * lobes.driving, None, DISTANCE, Mesh.INTERNAL)
@@ -247,6 +248,7 @@ def longest(depth: float) -> Transmission:
     return ratio_expression_law(f"2 + {depth}*cos(phi)", Lobes(1, 2), scale_to_close=True)
 
 
+@pytest.mark.thorough
 def test_a_driving_gear_too_long_for_its_ring_is_refused_where_shapely_sees_it_stand_out() -> None:
     """One lobe on two fits until, at phi1 = 0, the driving gear is as long as the ring is wide through its axis.
 
@@ -313,7 +315,7 @@ def test_spaces_of_a_circular_ring_are_involute_teeth_of_its_base_circle(law: st
     assert np.ptp(radius[0]) > MODULE
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(thorough=["variable"], rest="slow")
 @pytest.mark.parametrize("law", ["1:2", "variable"])
 def test_mating_flanks_touch_where_their_normal_goes_through_the_pitch_point(law: str) -> None:
     """A driving flank at height h and the ring's flank of the same crossing at -h, in the fixed frame."""
@@ -334,6 +336,7 @@ def test_mating_flanks_touch_where_their_normal_goes_through_the_pitch_point(law
         assert np.max(np.abs(np.sum(arm * along, axis=1)) / np.linalg.norm(along, axis=1)) <= 1e-10
 
 
+@pytest.mark.thorough
 def test_the_rings_outline_is_the_edge_of_its_hole() -> None:
     """Counter-clockwise, tips towards the axis, roots away from it."""
     _, pair = made("1:2", 60)
@@ -365,6 +368,7 @@ def turns(count: int = 101) -> Array:
     return np.arange(count) * (4.0 * pi / count)
 
 
+@pytest.mark.tiers(thorough=["variable"], rest="quick")
 @pytest.mark.parametrize("law", ["1:2", "variable"])
 def test_pairs_neither_overlap_nor_stand_apart(law: str) -> None:
     report = judge_of(made(law, 60), turns()).report(101)

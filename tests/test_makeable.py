@@ -214,6 +214,7 @@ def test_coefficients_are_what_a_file_holds() -> None:
     assert [float(f"{value:.10f}") for value in found.cosine] == found.cosine.tolist()
 
 
+@pytest.mark.thorough
 def test_power_and_acceleration_are_each_other_s_inverse() -> None:
     """One frontier: the least power at the least acceleration under a cap is that cap.
 
@@ -328,6 +329,7 @@ def test_next_to_no_mass_is_none() -> None:
     assert judged(light).peak_acceleration_mm_s2 == pytest.approx(judged(HALF).peak_acceleration_mm_s2, rel=1e-5)
 
 
+@pytest.mark.tiers(thorough=["0.02*"], rest="quick")
 @pytest.mark.parametrize(("width_mm", "refused"), [(0.02, True), (1.5, False)])
 def test_a_peak_of_the_resistance_that_no_place_of_the_search_shows_is_refused(width_mm: float, refused: bool) -> None:
     """Its power would not be limited; without a wish for power it does no harm."""

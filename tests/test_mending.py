@@ -147,7 +147,7 @@ def test_the_mended_gears_do_not_overlap() -> None:
     [
         "8 teeth",
         pytest.param("radius that fits at 20 deg only", marks=pytest.mark.thorough),
-        pytest.param("5 teeth", marks=pytest.mark.thorough),
+        pytest.param("5 teeth", marks=pytest.mark.slow),
         pytest.param("more contact than any rack has", marks=pytest.mark.slow),
         pytest.param("strongly concave", marks=pytest.mark.slow),
     ],

@@ -51,6 +51,7 @@ def test_the_other_flanks_have_other_arms(name: str, teeth: int) -> None:
     assert np.max(np.abs(found * contact.pushing.first.lever_mm / TORQUE - 1.0)) > 0.05
 
 
+@pytest.mark.tiers(thorough=["ring*"], rest="quick")
 @pytest.mark.parametrize("torque", [TORQUE, -TORQUE])
 @pytest.mark.parametrize("name", ["sine", "ring"])
 def test_force_turns_the_driven_gear_and_drives_it_off(name: str, torque: float) -> None:

@@ -82,6 +82,7 @@ def test_over_pins_of_a_circular_gear_is_the_closed_form(teeth: int, shift: floa
     np.testing.assert_allclose(two.distance_mm, across, rtol=AGREEMENT)
 
 
+@pytest.mark.thorough
 def test_between_pins_of_a_circular_ring_is_the_closed_form() -> None:
     ring = made("ring 1:2", 30)[1].driven
     found = pins(ring, 3.5)
@@ -256,6 +257,7 @@ def test_chords_leave_and_come_in_at_the_pressure_angle(
         np.testing.assert_allclose(np.degrees(np.arccos(np.sum(tangent * way, axis=1))), angle_deg, atol=1e-7)
 
 
+@pytest.mark.thorough
 def test_a_ring_has_no_span() -> None:
     assert spans(working_flanks(made("ring", 32)[1].driven)).first.size == 0
 

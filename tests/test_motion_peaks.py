@@ -140,6 +140,7 @@ def test_the_laws_motion_is_the_one_at_the_driving_gears_own_speed() -> None:
     assert peaks.velocity_error_mm_s.value < 0.02 * np.abs(shown.law.velocity_mm_s).max()
 
 
+@pytest.mark.tiers(thorough=["0.003"], rest="quick")
 @pytest.mark.parametrize("width_mm", [0.01, 0.003])
 def test_a_narrow_peak_of_the_resistance_is_met(width_mm: float) -> None:
     """The wrist bears its part of it: the crank slows down by its moment while speeds and teeth are as they were."""

@@ -139,7 +139,7 @@ def test_no_exact_curve_is_farther_from_the_outline_than_the_tolerance(name: str
         assert max(distances(points, gear).max() for points in dense_lands(gear)) <= TOLERANCE
 
 
-@pytest.mark.tiers(quick=["undercut*"], rest="thorough")
+@pytest.mark.tiers(quick=["undercut*"], thorough=["baler*", "sine*"], rest="slow")
 @pytest.mark.parametrize(("name", "teeth"), CASES)
 def test_vertices_are_on_the_exact_curves_but_for_hollow_ones(name: str, teeth: int) -> None:
     for gear in gears(name, teeth):

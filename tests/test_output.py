@@ -302,7 +302,7 @@ optimize: {harmonics: 3}
 """
 
 
-@pytest.mark.tiers(quick=["sweep"], thorough=["animate", "balance"], rest="slow")
+@pytest.mark.tiers(quick=["sweep"], thorough=["balance"], rest="slow")
 @pytest.mark.parametrize("command", EVERY_COMMAND)
 def test_no_command_loses_a_file_of_others(tmp_path: Path, command: str, run: Run) -> None:
     Path("pump.yaml").write_text(DESIGN + LOADED)
@@ -475,6 +475,7 @@ def test_a_curve_without_values_says_so(force: float, said: str) -> None:
     assert [text.get_text() for text in axes.texts] == [said]
 
 
+@pytest.mark.tiers(thorough=["internal*"], rest="quick")
 @pytest.mark.parametrize(
     ("name", "angles_pi"), [("ellipse", []), ("internal-1-2", []), ("pusher", [0.0, 0.5, 1.0, 1.3])]
 )

@@ -387,7 +387,7 @@ def test_the_interpolants_of_the_exact_radius_are_resolved() -> None:
         assert np.abs(radius.coef[-3:]).max() <= 1e-11 * DISTANCE
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_baler_length_against_quadrature_of_the_exact_law() -> None:
     """629.2813 mm, not the 628.94 mm that a coarse sample gives."""
     unit, weights = legendre.leggauss(200)

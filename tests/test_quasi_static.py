@@ -64,7 +64,7 @@ def test_without_friction_the_drive_puts_in_what_the_load_takes(name: str, teeth
     assert given == pytest.approx(taken, rel=2e-5)
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(thorough=["uniform*"], rest="slow")
 @pytest.mark.parametrize(("name", "teeth", "torque_n_mm"), [("uniform", 24, 300.0), ("sine", 31, 2e4)])
 def test_most_pairs_are_found_between_angles_that_all_see_fewer(name: str, teeth: int, torque_n_mm: float) -> None:
     found = frictionless(meshing(name, teeth))

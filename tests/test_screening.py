@@ -119,6 +119,7 @@ def test_shipped_designs_are_screened_together(name: str) -> None:
     assert tuple(found.figures) == CHECK_FIGURES + PITCH_FIGURES
 
 
+@pytest.mark.tiers(thorough=["0.02*"], rest="quick")
 @pytest.mark.parametrize(("width_mm", "batch"), [(90.0, True), (0.02, False)])
 def test_a_narrow_peak_of_the_resistance_is_not_left_to_a_batch(width_mm: float, batch: bool) -> None:
     """The samples of a batch see nothing of it, and their series is resolved all the same."""
@@ -284,6 +285,7 @@ def test_several_lobes_of_the_driving_gear() -> None:
     assert disagreement(screened(designs), designs) <= AGREEMENT
 
 
+@pytest.mark.tiers(thorough=["internal-1-2"], rest="quick")
 @pytest.mark.parametrize("name", ["ellipse", "feeder-table", "internal-1-2", "baler-66-two-stage", "uniform-crank"])
 def test_laws_without_a_batch_are_computed_by_themselves(name: str) -> None:
     designs = [loaded(name).design]

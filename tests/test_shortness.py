@@ -49,7 +49,7 @@ def test_a_pair_that_loses_contact_is_refused_with_its_teeth_and_limits(teeth: i
 @pytest.mark.parametrize(
     ("name", "teeth"),
     [
-        ("deep sine", 72),
+        pytest.param("deep sine", 72, marks=pytest.mark.slow),
         ("baler", 25),
         ("baler", 86),
         pytest.param("deep sine", 48, marks=pytest.mark.slow),
@@ -65,7 +65,7 @@ def test_hard_pairs_that_are_made_keep_the_law_on_both_sides(name: str, teeth: i
     assert contact.overlap_mm.max() == 0.0
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(thorough=["24"], rest="slow")
 @pytest.mark.parametrize("teeth", [24, 37])
 def test_flanks_that_are_refused_do_stand_apart(teeth: int) -> None:
     """By shapely on fine outlines, where the refusal says that no flanks touch: corners hold the gears, off the law."""

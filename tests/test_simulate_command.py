@@ -57,7 +57,7 @@ def test_the_published_baler_with_masses(run: Run) -> None:
     assert cells == ["peak mesh force, all pairs together", "94295 N at phi1 = 201 deg", "113071 N at phi1 = 153.3 deg"]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_optimised_baler_with_the_same_masses() -> None:
     """At 60 r/min, with its own gears' inertia, its peak torque is half the uniform crank's, and is in the return."""
     drive = Drive(load(DESIGN.with_name("baler-half-dynamics.yaml")).design)

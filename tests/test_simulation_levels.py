@@ -36,7 +36,7 @@ def run(run: Run) -> Run:
     return run_once
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_loaded_contact_of_the_published_baler(run: Run) -> None:
     """Pinned: what its teeth give way and bear under the rigid level's torque, with chosen masses."""
     status, _, err = run(DESIGN.read_text(encoding="utf-8"), "quasi_static")
@@ -107,7 +107,7 @@ def test_an_impact_between_the_rows_is_told(run: Run) -> None:
     assert "peak mesh force, all pairs together" in out
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_motor_on_the_law_starts_at_the_operating_speed(run: Run) -> None:
     """Its speed without load is 90 r/min, the design's is 60; the slider keeps to the law at the motor's own speed."""
     motor = "simulation: {turns: 0.02, motor: {no_load_speed_rpm: 90, stall_torque_n_m: 300}}\n"
@@ -157,6 +157,7 @@ def test_wrong_parameters_are_refused_by_key(run: Run, block: str, key: str, sai
     assert not Path("here").exists()
 
 
+@pytest.mark.tiers(thorough=["helix*"], rest="quick")
 @pytest.mark.parametrize("level", ["quasi_static", "dynamic"])
 @pytest.mark.parametrize(
     ("text", "key"),

@@ -107,7 +107,7 @@ def test_a_planted_error_of_an_inversion_is_told(row: int) -> None:
     assert inversion_error(planted) >= 5e-11
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_planted_error_of_phi2_is_told() -> None:
     stretch = return_of_baler()
     planted = read(stretch, lambda at: panels(stretch, 24)(at + 1e-10))
@@ -330,7 +330,7 @@ def test_the_page_in_docs_has_the_methods_levels_and_choices_of_today(key: str) 
     assert study.reference in section
 
 
-@pytest.mark.tiers(slow=["driven-angle-return", "closure"], rest="thorough")
+@pytest.mark.tiers(slow=["driven-angle-return", "closure", "curvature-baler"], rest="thorough")
 @pytest.mark.parametrize("key", BOUNDS)
 def test_the_errors_in_the_page_are_todays(key: str) -> None:
     """What ncgear works at: rounding errors differ between machines, their size does not."""

@@ -79,6 +79,7 @@ def test_designs_that_cannot_be_made_have_a_verdict_and_no_figures(run: Run) -> 
     assert f" 1 at motion.v1_mm_s = 6000: {refused['verdict']}" in " ".join(out.split())
 
 
+@pytest.mark.thorough
 def test_refusals_are_told_to_their_end_with_the_design_and_the_keys_of_the_file(run: Run) -> None:
     """Many designs share one refusal; the first of them is named, with every word of its own."""
     _, out, _ = run("motion.theta1_pi=0.3:0.68:3", "motion.v1_mm_s=1700:9000:3")

@@ -55,7 +55,7 @@ def agrees(pairs: PairsInContact, few: Array, many: Array) -> bool:
     return bool(mean and few.min() <= pairs.fewest <= many.min())
 
 
-@pytest.mark.tiers(thorough=["ellipse-25-relief2", "baler-25-None"], rest="slow")
+@pytest.mark.tiers(thorough=["baler-25-None"], rest="slow")
 @pytest.mark.parametrize(
     ("name", "teeth", "relief"),
     [

@@ -174,6 +174,7 @@ def test_chosen_shift_is_limited_and_halves_what_cannot_be_freed() -> None:
     assert shift_against_undercut(pitch_pair(uniform_law(Lobes()), 30), rack()) == 0.0
 
 
+@pytest.mark.tiers(thorough=["18*", "33*"], rest="quick")
 @pytest.mark.parametrize(("teeth", "expected"), [(11, 1.0 - 5.5 * sin(radians(20.0)) ** 2), (18, 0.0), (33, 0.0)])
 def test_a_ring_sets_no_bound_to_the_chosen_shift(teeth: int, expected: float) -> None:
     """No tool undercuts a ring's teeth, so the driving gear takes what it needs and no more."""

@@ -98,7 +98,7 @@ def cut_area(data: bytes, prefix: str = "") -> Polygon:
 
 
 @pytest.mark.judges("files")
-@pytest.mark.tiers(quick=["ellipse-*"], rest="thorough")
+@pytest.mark.tiers(quick=["ellipse-*"], thorough=["baler-*DRIVING", "internal-1-2-*DRIVEN"], rest="slow")
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize("name", DESIGNS)
 def test_a_drawing_has_the_exact_outline_to_a_tenth_of_the_chord_tolerance(name: str, gear: Gear) -> None:
@@ -194,7 +194,7 @@ def test_the_axis_is_marked_across() -> None:
     assert np.allclose(np.diff(ends, axis=1)[:, 0], [[6.0, 0.0], [0.0, 6.0]])
 
 
-@pytest.mark.tiers(quick=["ellipse"], slow=["helical-ellipse"], rest="thorough")
+@pytest.mark.tiers(quick=["ellipse"], thorough=["internal-1-2"], rest="slow")
 @pytest.mark.parametrize("name", [*DESIGNS, "printed-pump", "helical-ellipse"])
 def test_the_pair_is_drawn_as_assembled(name: str) -> None:
     """Clear of each other but for the chord tolerance of each; not so where one is turned by half a tooth."""
@@ -354,7 +354,7 @@ def test_prints_are_the_solids_side_by_side(name: str) -> None:
     assert parts["driven"].bounds[0][0] - parts["driving"].bounds[1][0] == pytest.approx(5.0, abs=1e-4)
 
 
-@pytest.mark.tiers(quick=["ellipse"], rest="thorough")
+@pytest.mark.tiers(quick=["ellipse"], thorough=["internal-1-2"], rest="slow")
 @pytest.mark.parametrize("name", DESIGNS)
 def test_assembled_prints_are_sections_of_the_drawings_times_the_face_width(name: str) -> None:
     """To the tolerance along teeth and circles, chords in the solid; a gear a thousandth larger is far off."""

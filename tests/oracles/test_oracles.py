@@ -51,6 +51,7 @@ def test_baler_at_one_speed_for_everything_closes_at_51_rpm() -> None:
     assert float(stroke.Stroke(parameters).omega * 30 / mp.pi) == pytest.approx(51.31, abs=5e-3)
 
 
+@pytest.mark.thorough
 def test_segments_meet_every_condition(baler: stroke.Cycle) -> None:
     omega, s = baler.working.omega, baler.working.displacement
     with mp.workdps(60):

@@ -13,9 +13,10 @@ from xml.etree import ElementTree as Xml
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from ncgear.contact.written.as_written import Outlines
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, counted_up
 from ncgear.numerics.plane import as_complex, as_points
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -30,6 +31,12 @@ OFF_GRID = 0.382
 
 FLAT_MM = 5e-6
 """Distance from an arc of the chords by which it is measured: a thousandth of a usual chord tolerance."""
+
+CHORDS = 8
+"""Chords of an outline that are found as one line."""
+
+FEW = 16
+"""Every so many points are measured at once; each of the others where they do not show that it is nearer."""
 
 
 def outline_errors_mm(drive: Drive, files: Mapping[str, bytes], outlines: list[Outlines]) -> dict[str, float]:
@@ -61,9 +68,22 @@ def exact_points(gear: ToothedGear) -> Array:
 
 def farthest_mm(points: Array, outline_mm: Array) -> float:
     """The largest distance of points (n, 2) from a closed line through others (m, 2)."""
-    chords = shapely.linestrings(np.stack([outline_mm, np.roll(outline_mm, -1, axis=0)], axis=1))
-    _, distance = shapely.STRtree(chords).query_nearest(shapely.points(points), return_distance=True, all_matches=False)
-    return float(distance.max())
+    # Lines of a few chords: hardly more is measured than with each chord by itself, and far fewer lines are made.
+    first = np.arange(0, len(outline_mm), CHORDS)
+    last = np.minimum(first + CHORDS, len(outline_mm))
+    line, corner = counted_up(first, last - first + 1)
+    tree = shapely.STRtree(shapely.linestrings(outline_mm[corner % len(outline_mm)], indices=line))
+    places = shapely.points(points)
+    # Most points are seen to be nearer than the farthest of a few; only the others are measured.
+    few = _farthest_mm(places[::FEW], tree)
+    nearer, _ = tree.query(places, predicate="dwithin", distance=few)
+    return max(few, _farthest_mm(np.delete(places, nearer), tree))
+
+
+def _farthest_mm(places: NDArray[np.object_], tree: shapely.STRtree) -> float:
+    """The largest distance of places from the nearest line of a tree each; 0 for no places."""
+    _, distance = tree.query_nearest(places, return_distance=True, all_matches=False)
+    return float(distance.max(initial=0.0))
 
 
 def outline_of_dxf(data: bytes) -> Array:
@@ -112,10 +132,10 @@ def flattened(points_mm: Array, bulges: Array) -> Array:
     start = as_complex(points_mm)
     chord, turn = np.roll(start, -1) - start, 4.0 * np.arctan(bulges)
     height = np.abs(bulges) * np.abs(chord) / 2.0
-    rows = []
-    for row, count in enumerate(np.maximum(np.ceil(np.sqrt(height / FLAT_MM)), 1).astype(int)):
-        share = np.arange(count) / count
-        if bulges[row] != 0.0:
-            share = np.expm1(1j * turn[row] * share) / np.expm1(1j * turn[row])
-        rows.append(start[row] + chord[row] * share)
-    return as_points(np.concatenate(rows))
+    count = np.maximum(np.ceil(np.sqrt(height / FLAT_MM)), 1).astype(int)
+    row, number = counted_up(np.zeros(count.size, dtype=int), count)
+    share, turn = number / count[row], turn[row]
+    bent = turn != 0.0
+    on_arc = share.astype(complex)
+    on_arc[bent] = np.expm1(1j * turn[bent] * share[bent]) / np.expm1(1j * turn[bent])
+    return as_points(start[row] + chord[row] * on_arc)

@@ -20,6 +20,7 @@ from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import RAD_S_PER_RPM
+from ncgear.pitch.shape import Gear
 from ncgear.project.computed import computed
 from ncgear.project.law import law_of, resistance_of
 from ncgear.project.tooth_form import backlash_of, helix_of, mesh_place, rack_of, require_pushing_flanks, tooth_form_of
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from ncgear.pitch.pair import PitchPair
     from ncgear.solids.helical.helix import Helix
     from ncgear.solids.mesh.pair import SolidPair
+    from ncgear.teeth.arcs import ArcOutline
     from ncgear.teeth.backlash import Play
     from ncgear.teeth.form import ToothForm
     from ncgear.teeth.gear import ToothedPair
@@ -327,6 +329,20 @@ class Drive:
         teeth = self.teeth
         with self.stopwatch("solids"):
             return straight_solids(gears, pitch, teeth, tolerance)
+
+    @computed
+    def tooth_arcs(self) -> dict[Gear, ArcOutline] | None:
+        """Both gears' teeth as lines and arcs; None where the bodies' outlines are sections or parallels: chords only.
+
+        Arcs, not splines: all programs for cutters read arcs, and many of them cut splines into chords of their own.
+        """
+        from ncgear.teeth.arcs import arc_outline
+        from ncgear.teeth.contour import CURVES_SHARE
+
+        if self.helix is not None or self.gears.process_clearance_mm != 0.0:
+            return None
+        tolerance = CURVES_SHARE * self.design.output.chord_tolerance_mm
+        return {gear: arc_outline(self.teeth.of(gear), tolerance) for gear in Gear}
 
     @computed
     def masses(self) -> Masses:

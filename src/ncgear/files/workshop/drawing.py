@@ -21,7 +21,6 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.solids.plan.areas import polygons
 from ncgear.solids.plan.body import BodyPlan, Bore, RoundHole
-from ncgear.teeth.arcs import ArcOutline, arc_outline
 from ncgear.teeth.contour import CURVES_SHARE
 
 CROSS_IN_MODULES = 2.0
@@ -170,29 +169,15 @@ def gear_drawing(drive: Drive, gear: Gear) -> Drawing:
     """A gear in its own frame; raises the errors of the drive's solids."""
     plan = drive.solids.of(gear).plan
     curve = drive.pitch.of(gear)
-    arcs = tooth_arcs(drive, gear)
+    arcs = drive.tooth_arcs
     shapes = {
         **body_shapes(plan),
-        **({} if arcs is None else {Layer.OUTLINE: (Polyline(arcs.points_mm, arcs.bulges),)}),
+        **({} if arcs is None else {Layer.OUTLINE: (Polyline(arcs[gear].points_mm, arcs[gear].bulges),)}),
         Layer.PITCH_CURVE: (polygon(pitch_points(curve, plan.chord_tolerance_mm)),),
         Layer.AXIS: (Cross(0.0, 0.0, CROSS_IN_MODULES * drive.pitch.size.module_mm),),
     }
     layers = {layer: shapes[layer] for layer in Layer if shapes[layer]}
     return Drawing(gear.value, layers, gear_notes(drive, gear, plan))
-
-
-def tooth_arcs(drive: Drive, gear: Gear) -> ArcOutline | None:
-    """The teeth as lines and arcs; None where the body's outline is a section or a parallel, which has chords only.
-
-    Arcs, and not splines: programs for cutters all read arcs, and many of them cut splines into chords of their own.
-    """
-    if not _has_arcs(drive):
-        return None
-    return arc_outline(drive.teeth.of(gear), CURVES_SHARE * drive.design.output.chord_tolerance_mm)
-
-
-def _has_arcs(drive: Drive) -> bool:
-    return drive.helix is None and drive.gears.process_clearance_mm == 0.0
 
 
 def body_shapes(plan: BodyPlan) -> dict[Layer, tuple[Shape, ...]]:
@@ -296,5 +281,5 @@ def _title(drive: Drive) -> str:
 
 def _scale(drive: Drive) -> str:
     tolerance = drive.design.output.chord_tolerance_mm
-    arcs = f"arcs of the teeth no farther than {CURVES_SHARE * tolerance:g} mm and " if _has_arcs(drive) else ""
+    arcs = f"arcs of the teeth no farther than {CURVES_SHARE * tolerance:g} mm and " if drive.tooth_arcs else ""
     return f"1:1 in mm; {arcs}chords no farther than {tolerance:g} mm from the exact curve, round holes exact"

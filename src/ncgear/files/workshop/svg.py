@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from math import atan, pi, sin
+from collections.abc import Iterator
+from math import pi
 from xml.etree import ElementTree as Xml
 
 import numpy as np
@@ -19,6 +20,7 @@ from ncgear.files.workshop.drawing import (
     gear_drawing,
     written,
 )
+from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 
@@ -67,30 +69,35 @@ def _path(shape: Shape) -> str:
     """The ``d`` attribute of a path that draws a shape."""
     match shape:
         case Polyline():
-            points = shape.points.tolist()
-            steps = zip(points, [*points[1:], points[0]], shape.bulges.tolist(), strict=True)
-            return f"M{_coordinates(points[0])}{''.join(_step(*step) for step in steps)}Z"
+            return f"M{_coordinates(shape.points[:1])[0]}{''.join(_steps(shape))}Z"
         case Circle():
-            left, right = ((shape.x_mm + side * shape.radius_mm, shape.y_mm) for side in (-1.0, 1.0))
+            reach = shape.radius_mm * np.array([[-1.0, 0.0], [1.0, 0.0]])
+            left, right = _coordinates(np.array([shape.x_mm, shape.y_mm]) + reach)
             half = f"A{_number(shape.radius_mm)},{_number(shape.radius_mm)} 0 0 1 "
-            return f"M{_coordinates(left)}{half}{_coordinates(right)}{half}{_coordinates(left)}Z"
+            return f"M{left}{half}{right}{half}{left}Z"
         case Cross():
-            return "".join(f"M{_coordinates(start)}L{_coordinates(end)}" for start, end in shape.lines.tolist())
+            return "".join(f"M{start}L{end}" for start, end in map(_coordinates, shape.lines))
 
 
-def _step(start: list[float], end: list[float], bulge: float) -> str:
-    """A line or an arc to the end; an arc of over half a turn is the larger one of the two with its radius."""
-    if bulge == 0.0:
-        return f"L{_coordinates(end)}"
-    turned = 4.0 * atan(abs(bulge))
-    radius = _number(float(np.hypot(end[0] - start[0], end[1] - start[1])) / 2.0 / sin(turned / 2.0))
-    return f"A{radius},{radius} 0 {int(turned > pi)} {int(bulge > 0.0)} {_coordinates(end)}"
+def _steps(chain: Polyline) -> Iterator[str]:
+    """Its lines and arcs; an arc of over half a turn is the larger one of the two with its radius."""
+    ends, turned = np.roll(chain.points, -1, axis=0), 4.0 * np.arctan(chain.bulges)
+    # Lines have no radius; theirs is not written.
+    sine = np.where(turned == 0.0, 1.0, np.sin(np.abs(turned) / 2.0))
+    radii = _numbers(np.hypot(*(ends - chain.points).T) / 2.0 / sine)
+    for end, radius, turn in zip(_coordinates(ends), radii, turned.tolist(), strict=True):
+        yield f"A{radius},{radius} 0 {int(abs(turn) > pi)} {int(turn > 0.0)} {end}" if turn else f"L{end}"
 
 
-def _coordinates(point: tuple[float, float] | list[float]) -> str:
-    return f"{_number(point[0])},{_number(point[1])}"
+def _coordinates(points: Array) -> list[str]:
+    """Points of shape (n, 2) as a path has them."""
+    return [f"{x},{y}" for x, y in zip(*map(_numbers, points.T), strict=True)]
 
 
 def _number(value: float) -> str:
-    """The number without needless zeros, and without a minus before a zero."""
-    return f"{written(value):.{DECIMALS}f}".rstrip("0").rstrip(".")
+    return _numbers(np.array([value]))[0]
+
+
+def _numbers(values: Array) -> list[str]:
+    """Numbers without needless zeros, and without a minus before a zero."""
+    return [f"{value:.{DECIMALS}f}".rstrip("0").rstrip(".") for value in written(values).tolist()]
