@@ -1,5 +1,6 @@
 """Play of two outlines as written: how far one can be turned against the other each way before they touch.
 
+Nearly always outlines stand apart, and ``apart.py`` finds their play.  Here is what is done where they may overlap.
 Every vertex of one outline near the mesh is followed along its circle about the driven axis to the chords of the other
 outline, and the other way round.  That gives the exact play of two polygons.  The driven outline is cut into runs along
 which its radius grows; bins of the radius tell where a chord of the driving outline begins and ends on such a run, and
@@ -13,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncgear.contact.placement import Placement
+from ncgear.contact.written.apart import apart_play, half_width_rad
 from ncgear.contact.written.polar import TURN, RadialRuns, headings, polar_outline, radial_runs, with_feet
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, counted_up
 from ncgear.numerics.plane import as_complex, square
@@ -130,47 +132,41 @@ def outline_play(driving_mm: Array, driven_mm: Array, placement: Placement, reac
     Outlines are compared within the sector of the driving gear that ``reach_mm`` from the pitch point spans, which must
     cover the line of action.
     """
-    play = np.empty((3, placement.count))
-    open_still, longest = np.arange(placement.count), _longest_chord_mm(driving_mm, driven_mm)
+    # Outlines are followed with the material on their left: a ring's goes round the hole the other way.
+    driving, driven = as_complex(driving_mm), as_complex(driven_mm[::-1] if placement.driven_inside else driven_mm)
+    apart = apart_play(driving, driven, placement, reach_mm)
+    play = np.stack([apart.up_rad, apart.down_rad, np.zeros(placement.count)])
+    open_still, longest = np.nonzero(~apart.known)[0], _longest_chord_mm(driving, driven)
     for followed in REACHES_IN_PITCHES:
         if followed < max(REACHES_IN_PITCHES) and longest > (followed - DEEP_IN_PITCHES) * placement.pitch_mm:
             continue
-        setting = _setting(driving_mm, driven_mm, placement, reach_mm, followed * placement.pitch_mm)
+        if not open_still.size:
+            break
+        setting = _setting(driving, driven, placement, reach_mm, followed * placement.pitch_mm)
         for start in range(0, open_still.size, BLOCK):
             position = open_still[start : start + BLOCK]
             play[:, position] = _block_play(setting, position)
         up, down, depth = play[:, open_still]
         shallow = depth <= DEEP_IN_PITCHES * placement.pitch_mm
         open_still = open_still[~(np.isfinite(up) & np.isfinite(down) & shallow)]
-        if not open_still.size:
-            break
     return Play(*play)
 
 
-def _longest_chord_mm(*outlines_mm: Array) -> float:
-    chords = (np.diff(outline, axis=0, append=outline[:1]) for outline in outlines_mm)
-    return max(float(np.hypot(*chord.T).max()) for chord in chords)
+def _longest_chord_mm(*outlines: ComplexArray) -> float:
+    return max(float(np.abs(np.diff(outline, append=outline[:1])).max()) for outline in outlines)
 
 
 def _setting(
-    driving_mm: Array, driven_mm: Array, placement: Placement, reach_mm: float, followed_mm: float
+    driving: ComplexArray, driven: ComplexArray, placement: Placement, reach_mm: float, followed_mm: float
 ) -> _Setting:
-    # Outlines are followed with the material on their left: a ring's goes round the hole the other way.
-    driving, driven = as_complex(driving_mm), as_complex(driven_mm[::-1] if placement.driven_inside else driven_mm)
-    longest = float(np.abs(np.diff(driving, append=driving[:1])).max())
+    longest = _longest_chord_mm(driving)
     runs = radial_runs(driven, followed_mm + longest, placement.pitch_mm)
     outline = polar_outline(driving)
     core, windows = (
-        outline.windows(placement.mesh_direction_rad, _half_width(placement, reach))
+        outline.windows(placement.mesh_direction_rad, half_width_rad(placement, reach))
         for reach in (reach_mm, reach_mm + longest + 2.0 * followed_mm)
     )
     return _Setting(placement, runs, driving, longest, followed_mm, windows, core)
-
-
-def _half_width(placement: Placement, reach_mm: float) -> Array:
-    """Half the angle that a circle about the pitch point spans from the driving axis; half a turn around it."""
-    share = reach_mm / placement.driving_radius_mm
-    return np.where(share < 1.0, np.arcsin(np.minimum(share, 1.0)), np.pi)
 
 
 def _block_play(setting: _Setting, position: IndexArray) -> tuple[Array, Array, Array]:

@@ -1,0 +1,274 @@
+"""Play of two outlines in the positions in which they stand apart, which are nearly all.
+
+Where no chords of two outlines cross, no point of one gear is inside the other, and the play is the least angle by
+which a vertex comes upon a chord.  (Neither outline crosses itself.)  Only chords that are nearly as close as the play
+matter, so that few pairs of chords are looked at.  Positions follow each other so closely that one set of pairs serves
+a stretch of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from ncgear.contact.placement import Placement
+from ncgear.contact.written.cells import Cells, Chords, cells_near, chords_of
+from ncgear.contact.written.polar import polar_outline
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, counted_up
+from ncgear.numerics.plane import across, square
+
+REACHES_IN_PITCHES = 0.005, 0.02, 0.08
+"""How far vertices are followed along their circles: without backlash the first is nearly always enough."""
+
+LONGEST_IN_PITCHES = 0.15
+"""Longer chords of the driving outline are cut into pieces: one long chord would make all of them have many pairs."""
+
+CELL_IN_PITCHES = 0.15
+"""Size of the cells by which pairs are found; smaller ones find fewer pairs that are not near and take longer to make.
+"""
+
+STRETCHES = 9, 3, 1
+"""Numbers of positions in a stretch, of which the greatest is taken that leaves chords near each other."""
+
+MOVED_IN_PITCHES = 0.06
+"""How far chords may move within a stretch, as the other gear sees them."""
+
+BLOCK = 128
+"""Positions treated at once, so few that their arrays stay in the processor's cache."""
+
+TOUCHING_IN_PITCHES = 1e-7
+"""Chords that are as near as this all along, or much nearer at one end, may cross by a rounding error."""
+
+SLACK_IN_PITCHES = 1e-10
+"""By this much chords count as longer, so that rounding errors leave no gap where two of them join."""
+
+
+@dataclass(frozen=True, eq=False)
+class Apart:
+    """Play at n positions, shape (n,) each.
+
+    ``known`` tells where outlines are sure to stand apart and the play was found.  There ``up_rad`` and ``down_rad``
+    are how far the driving gear, as the driven gear sees it, can be turned up and down; elsewhere they are infinite.
+    """
+
+    up_rad: Array
+    down_rad: Array
+    known: Mask
+
+
+@dataclass(frozen=True, eq=False)
+class _Stretches:
+    """Stretches of k positions each, and the driving chords that are looked at in them.
+
+    ``position`` numbers the positions, shape (stretches, k); the last may be repeated.  ``width`` driving chords are
+    looked at, from number ``first`` on.  As the driven gear sees them, none is farther than ``moved_mm`` from where it
+    is in the middle of its stretch.
+    """
+
+    position: IndexArray
+    first: IndexArray
+    width: int
+    moved_mm: Array
+
+    @property
+    def middle(self) -> IndexArray:
+        """The position in the middle of each stretch."""
+        return self.position[:, self.position.shape[1] // 2]
+
+
+@dataclass(frozen=True, eq=False)
+class _Setting:
+    """What is the same at all positions: the chords of both outlines, those of the driven one twice round.
+
+    ``windows`` are the middles of driving chords, shape (chords, width): each chord's own and those that follow it.
+    """
+
+    placement: Placement
+    stretches: _Stretches
+    driving: Chords
+    driven: Chords
+    windows: ComplexArray
+
+
+@dataclass(frozen=True, eq=False)
+class _Pairs:
+    """Chords of both outlines that may be near each other in a stretch, shape (n,); ``row`` numbers the stretch."""
+
+    row: IndexArray
+    driving: Chords
+    driven: Chords
+
+
+@dataclass(frozen=True, eq=False)
+class _Placed:
+    """One chord of each of n pairs in the driven gear's frame at k positions; shapes (n, k), or (n, 1) if it stands.
+
+    ``against`` is the turn that lays the chord along the first axis.
+    """
+
+    start: ComplexArray
+    against: ComplexArray
+    length_mm: Array
+
+
+def apart_play(driving: ComplexArray, driven: ComplexArray, placement: Placement, reach_mm: float) -> Apart:
+    """Play of two outlines, with their material on the left, where they stand apart; shape (n,) each.
+
+    Outlines are compared within the sector of the driving gear that ``reach_mm`` from the pitch point spans.
+    """
+    pitch = placement.pitch_mm
+    chords, once = chords_of(driving, LONGEST_IN_PITCHES * pitch), chords_of(driven, np.inf)
+    stretches = _stretches(chords, placement, reach_mm)
+    twice = Chords.joined([once, once])
+    setting = _Setting(placement, stretches, chords, twice, _windows(chords, stretches.width))
+    play, known = np.full((2, placement.count), np.inf), np.zeros(placement.count, dtype=bool)
+    together = max(BLOCK // stretches.position.shape[1], 1)
+    for followed in REACHES_IN_PITCHES:
+        near = followed * pitch + stretches.moved_mm
+        cells = cells_near(once, float(near.max() + chords.half_mm.max()), CELL_IN_PITCHES * pitch)
+        open_still = np.nonzero(~known[stretches.position].all(axis=1))[0]
+        for start in range(0, open_still.size, together):
+            rows = open_still[start : start + together]
+            pairs = _near_pairs(setting, cells, rows, near[rows])
+            bounds, found = _block_play(setting, pairs, rows, followed * pitch)
+            position = stretches.position[rows].ravel()[found]
+            play[:, position], known[position] = bounds[:, found], True
+            if not position.size:
+                break
+    return Apart(play[0], play[1], known)
+
+
+def half_width_rad(placement: Placement, reach_mm: float) -> Array:
+    """Half the angle that a circle about the pitch point spans from the driving axis; half a turn around it."""
+    share = reach_mm / placement.driving_radius_mm
+    return np.where(share < 1.0, np.arcsin(np.minimum(share, 1.0)), np.pi)
+
+
+def _stretches(chords: Chords, placement: Placement, reach_mm: float) -> _Stretches:
+    """The longest stretches within which chords move little."""
+    outline = polar_outline(chords.start)
+    direction, half_width = placement.mesh_direction_rad, half_width_rad(placement, reach_mm)
+    for length in STRETCHES:
+        number = np.arange(-(-placement.count // length) * length).reshape(-1, length)
+        position = np.minimum(number, placement.count - 1)
+        low, high = (direction - half_width)[position].min(axis=1), (direction + half_width)[position].max(axis=1)
+        first, count = outline.windows((low + high) / 2.0, (high - low) / 2.0)
+        stretches = _Stretches(position, first % chords.start.size, int(count.max()), np.zeros(first.size))
+        if length == 1:
+            break
+        stretches = replace(stretches, moved_mm=_moved_mm(chords, placement, stretches))
+        if stretches.moved_mm.max() <= MOVED_IN_PITCHES * placement.pitch_mm:
+            break
+    return stretches
+
+
+def _moved_mm(chords: Chords, placement: Placement, stretches: _Stretches) -> Array:
+    """Bounds of how far chords are from where they are in the middle of their stretch, as the driven gear sees them."""
+    position, middle = stretches.position, stretches.middle
+    # All points turn about a pole that hardly moves.
+    pole = placement.driving_radius_mm[middle] * np.exp(1j * placement.mesh_direction_rad[middle])
+    window = _windows(chords, stretches.width)[stretches.first]
+    farthest = np.sqrt(square(window - pole[:, None]).max(axis=1)) + chords.half_mm.max()
+    one = np.ones(1, dtype=complex)
+    shift = placement.driving_points(pole[:, None], position) - placement.driving_points(pole, middle)[:, None]
+    turn = placement.driving_directions(one, position) - placement.driving_directions(one, middle)[:, None]
+    moved: Array = (np.abs(shift) + np.abs(turn) * farthest[:, None]).max(axis=1)
+    return moved
+
+
+def _windows(chords: Chords, width: int) -> ComplexArray:
+    return sliding_window_view(np.concatenate([chords.middle, chords.middle[: width - 1]]), width)
+
+
+def _near_pairs(setting: _Setting, cells: Cells, rows: IndexArray, near_mm: Array) -> _Pairs:
+    """All pairs of chords that come as near as ``near_mm`` in the middle of their stretch, and a few more."""
+    placement, stretches = setting.placement, setting.stretches
+    first, middle = stretches.first[rows], stretches.middle[rows]
+    places = placement.driving_points(setting.windows[first], middle[:, None]).ravel()
+    cell = cells.cell(places)
+    kept = np.nonzero(cells.beyond[cell])[0]
+    row, column = np.divmod(kept, stretches.width)
+    chord = (first[row] + column) % setting.driving.start.size
+    begin = cells.first[cell[kept]]
+    own, other = counted_up(begin, cells.beyond[cell[kept]] - begin)
+    between = setting.driven.middle[other] - places[kept][own]
+    half, other_half = setting.driving.half_mm[chord], setting.driven.half_mm
+    close = np.nonzero(square(between) <= ((near_mm[row] + half)[own] + other_half[other]) ** 2)[0]
+    own, other, between = own[close], other[close], between[close]
+    direction = placement.driving_directions(setting.driving.direction[chord], middle[row])[own]
+    other_direction, near = setting.driven.direction[other], near_mm[row[own]]
+    # How far one chord's middle is from the other's line, less how far its ends are nearer.
+    lean = np.abs(across(direction, other_direction))
+    beside = np.abs(across(direction, between)) - lean * other_half[other]
+    other_beside = np.abs(across(other_direction, between)) - lean * half[own]
+    close = np.nonzero((beside <= near) & (other_beside <= near))[0]
+    own, other = own[close], other[close]
+    return _Pairs(row[own], setting.driving.kept(chord[own]), setting.driven.kept(other))
+
+
+def _block_play(setting: _Setting, pairs: _Pairs, rows: IndexArray, reach_mm: float) -> tuple[Array, Mask]:
+    """Play up and down at each position of the given stretches, and whether it is known."""
+    placement, position = setting.placement, setting.stretches.position[rows]
+    driving, driven = _placed(placement, pairs, position[pairs.row])
+    place = (pairs.row * position.shape[1])[:, None] + np.arange(position.shape[1])
+    between = driven.start - driving.start
+    driving_vertices, driven_vertices = -driven.against * between, driving.against * between
+    lean = across(driven.against, driving.against)
+    least = (TOUCHING_IN_PITCHES * placement.pitch_mm) ** 2
+    # Chords do not cross if both ends of one are on the same side of the other.
+    separate = driven_vertices.imag * (driven_vertices.imag + lean * driven.length_mm) > least
+    separate |= driving_vertices.imag * (driving_vertices.imag - lean * driving.length_mm) > least
+    apart = np.ones(position.size, dtype=bool)
+    apart[place[~separate]] = False
+    slack = SLACK_IN_PITCHES * placement.pitch_mm
+    own = _least_turns(driving_vertices, driven, place, position.size, reach_mm, slack)
+    other = _least_turns(driven_vertices, driving, place, position.size, reach_mm, slack)
+    # Where nothing crosses, all vertices are inside if the nearest one is.
+    for leaving, entering in (own.min(axis=1), other.min(axis=1)):
+        apart &= entering <= leaving
+    # To turn the driving gear up is to turn the driven one's vertices down.
+    bounds = np.minimum(own, other[:, ::-1]).min(axis=0)
+    return bounds, apart & (bounds.max(axis=0) * np.abs(setting.driven.start).max() <= reach_mm)
+
+
+def _placed(placement: Placement, pairs: _Pairs, position: IndexArray) -> tuple[_Placed, _Placed]:
+    """The driving and the driven chords of pairs at positions, shape (n, k)."""
+    driving, driven = pairs.driving, pairs.driven
+    start = placement.driving_points(driving.start[:, None], position)
+    against = np.conj(placement.driving_directions(driving.direction[:, None], position))
+    other_against = np.conj(driven.direction)[:, None]
+    return (
+        _Placed(start, against, driving.length_mm[:, None]),
+        _Placed(driven.start[:, None], other_against, driven.length_mm[:, None]),
+    )
+
+
+def _least_turns(
+    vertex: ComplexArray, chord: _Placed, place: IndexArray, places: int, reach_mm: float, slack_mm: float
+) -> Array:
+    """Least angles by which vertices turn about the driven axis until they are on chords, within reach of them.
+
+    Vertices are seen from the chords' starts, with the chords along the first axis; ``place`` numbers their positions.
+    The angles have the shape (2, 2, places): those at which a vertex leaves the other gear and at which it enters it,
+    each up and down.
+    """
+    half = chord.length_mm / 2.0
+    near = np.flatnonzero((np.abs(vertex.imag) <= reach_mm) & (np.abs(vertex.real - half) <= half + reach_mm))
+    pair, moves = near // place.shape[1], chord.start.shape == place.shape
+    start, against = (values.ravel()[near if moves else pair] for values in (chord.start, chord.against))
+    start, half, beside = against * start, half[pair, 0], vertex.ravel()[near]
+    vertex = start + beside
+    # The vertex's circle crosses the chord's line on both sides of its foot, where the radius falls and where it rises.
+    squared = vertex.real**2 + beside.imag * (vertex.imag + start.imag)
+    from_foot = np.sqrt(np.maximum(squared, 0.0)) * np.array([[-1.0], [1.0]])
+    met = (np.abs(from_foot - start.real - half) <= half + slack_mm) & (squared >= 0.0)
+    rising, which = np.nonzero(met)
+    vertex, along, aside = vertex[which], from_foot[met], start.imag[which]
+    turn = np.arctan2(vertex.real * aside - vertex.imag * along, vertex.real * along + vertex.imag * aside)
+    down = np.signbit(turn)
+    kind = 2 * (down != rising) + down
+    least = np.full(4 * places, np.inf)
+    np.minimum.at(least, kind * places + place.ravel()[near[which]], np.abs(turn))
+    return least.reshape(2, 2, places)
