@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from math import pi
 
 import numpy as np
 import pytest
 import shapely
 from shapely import Polygon
 
+import ncgear.contact.written.apart as search
 from engaged import made
 from ncgear.contact.placement import Placement, placed
 from ncgear.contact.written.apart import REACHES_IN_PITCHES, Apart, apart_play
 from ncgear.contact.written.as_written import reach_mm
-from ncgear.contact.written.cells import cells_near, chords_of
+from ncgear.contact.written.cells import Chords, cells_near, chords_of
 from ncgear.pitch.shape import Mesh
 from test_play import jagged
 
@@ -89,6 +91,53 @@ def test_play_is_known_no_farther_than_vertices_are_followed(ahead_rad: float) -
     assert found.known.all() == (ahead_rad == 0.0)
 
 
+def test_a_gear_wholly_inside_the_other_does_not_stand_apart() -> None:
+    """A round driving gear within a bar that is the driven one: nothing crosses, and both its sides are near."""
+    around = np.exp(2j * pi * np.arange(40) / 40)
+    bar = np.array([-20 - 1j, 20 - 1j, 20 + 1j, -20 + 1j])
+    zero, one = np.zeros(1), np.ones(1)
+    at = Placement(Mesh.EXTERNAL, 15.0, 1, 1, 1.5, 20, zero, zero, zero, one)
+    assert not apart_play(0.5 * around, bar, at, 40.0).known.any()
+    # Beside the bar it does, between two prongs.
+    fork = np.array([-20 - 3j, 20 - 3j, 20 + 3j, -20 + 3j, -20 + 2j, -10 + 1j, -10 - 1j, -20 - 2j])
+    found = apart_play(0.9 * around, fork, at, 40.0)
+    assert found.known.all()
+    assert found.up_rad == pytest.approx(found.down_rad, abs=1e-12)
+
+
+@pytest.mark.tiers(quick=["sine-*"], rest="thorough")
+@pytest.mark.parametrize(("name", "teeth", "tolerance"), [*KINDS, ("uniform", 120, 0.03)])
+def test_pairs_of_a_stretch_are_all_that_come_near_in_any_of_its_positions(
+    name: str, teeth: int, tolerance: float
+) -> None:
+    _, driving, driven, at = apart(name, teeth, tolerance, 0.0)
+    pitch = at.pitch_mm
+    chords, once = chords_of(driving, 0.15 * pitch), chords_of(driven[::-1] if at.driven_inside else driven, np.inf)
+    stretches = search._stretches(chords, at, 1.2 * pitch)
+    near = 0.02 * pitch + stretches.moved_mm
+    cells = cells_near(once, float(near.max() + chords.half_mm.max()), 0.01 * pitch)
+    windows = search._windows(chords, stretches.width)
+    setting = search._Setting(at, stretches, chords, Chords.joined([once, once]), windows)
+    rows = np.arange(0, near.size, near.size // 3)
+    pairs = search._near_pairs(setting, cells, rows, near[rows])
+    others = segments(once.start, once.start + once.direction * once.length_mm)
+    for number, row in enumerate(rows):
+        looked_at = (stretches.first[row] + np.arange(stretches.width)) % chords.start.size
+        of_row = pairs.row == number
+        found = set(zip(pairs.driving.start[of_row].tolist(), pairs.driven.start[of_row].tolist(), strict=True))
+        for position in stretches.position[row]:
+            start = at.driving_points(chords.start[looked_at], position)
+            end = start + at.driving_directions(chords.direction[looked_at], position) * chords.length_mm[looked_at]
+            close = shapely.distance(segments(start, end)[:, None], others) <= 0.02 * pitch
+            for own, other in np.argwhere(close):
+                assert (chords.start[looked_at[own]], once.start[other]) in found
+
+
+def segments(start: Array, end: Array) -> Array:
+    """Straight lines from points to points."""
+    return shapely.linestrings(np.stack([start, end], axis=-1).view(float).reshape(-1, 2, 2))
+
+
 # --- chords and cells ------------------------------------------------------------------------------------------------
 
 
@@ -111,10 +160,7 @@ def test_cells_name_all_chords_that_are_near(seed: int, near: float, cell: float
     cells = cells_near(chords, near, cell)
     noise = np.random.default_rng(seed)
     places = noise.uniform(-14.0, 14.0, 400) + 1j * noise.uniform(-14.0, 14.0, 400)
-    lines = [
-        shapely.LineString([(start.real, start.imag), (end.real, end.imag)])
-        for start, end in zip(ring, np.roll(ring, -1), strict=True)
-    ]
+    lines = segments(ring, np.roll(ring, -1))
     named = 0
     for place, number in zip(places, cells.cell(places), strict=True):
         chord = set((np.arange(cells.first[number], cells.beyond[number]) % ring.size).tolist())
