@@ -126,9 +126,11 @@ def apart_play(driving: ComplexArray, driven: ComplexArray, placement: Placement
     play, known = np.full((2, placement.count), np.inf), np.zeros(placement.count, dtype=bool)
     together = max(BLOCK // stretches.position.shape[1], 1)
     for followed in REACHES_IN_PITCHES:
+        open_still = np.nonzero(~known[stretches.position].all(axis=1))[0]
+        if not open_still.size:
+            break
         near = followed * pitch + stretches.moved_mm
         cells = cells_near(once, float(near.max() + chords.half_mm.max()), CELL_IN_PITCHES * pitch)
-        open_still = np.nonzero(~known[stretches.position].all(axis=1))[0]
         for start in range(0, open_still.size, together):
             rows = open_still[start : start + together]
             pairs = _near_pairs(setting, cells, rows, near[rows])
