@@ -214,7 +214,6 @@ def _block_play(setting: _Setting, pairs: _Pairs, rows: IndexArray, reach_mm: fl
     """Play up and down at each position of the given stretches, and whether it is known."""
     placement, position = setting.placement, setting.stretches.position[rows]
     driving, driven = _placed(placement, pairs, position[pairs.row])
-    place = (pairs.row * position.shape[1])[:, None] + np.arange(position.shape[1])
     between = driven.start - driving.start
     driving_vertices, driven_vertices = -driven.against * between, driving.against * between
     lean = across(driven.against, driving.against)
@@ -223,10 +222,10 @@ def _block_play(setting: _Setting, pairs: _Pairs, rows: IndexArray, reach_mm: fl
     separate = driven_vertices.imag * (driven_vertices.imag + lean * driven.length_mm) > least
     separate |= driving_vertices.imag * (driving_vertices.imag - lean * driving.length_mm) > least
     apart = np.ones(position.size, dtype=bool)
-    apart[place[~separate]] = False
+    apart[_places(pairs.row, np.flatnonzero(~separate), position.shape[1])] = False
     slack = SLACK_IN_PITCHES * placement.pitch_mm
-    own = _least_turns(driving_vertices, driven, place, position.size, reach_mm, slack)
-    other = _least_turns(driven_vertices, driving, place, position.size, reach_mm, slack)
+    own = _least_turns(driving_vertices, driven, pairs.row, position.size, reach_mm, slack)
+    other = _least_turns(driven_vertices, driving, pairs.row, position.size, reach_mm, slack)
     # Where nothing crosses, all vertices are inside if the nearest one is.
     for leaving, entering in (own.min(axis=1), other.min(axis=1)):
         apart &= entering <= leaving
@@ -247,20 +246,28 @@ def _placed(placement: Placement, pairs: _Pairs, position: IndexArray) -> tuple[
     )
 
 
+def _places(row: IndexArray, number: IndexArray, positions: int) -> IndexArray:
+    """Numbers of positions within the block, from flat numbers in arrays of shape (pairs, positions)."""
+    place: IndexArray = row[number // positions] * positions + number % positions
+    return place
+
+
 def _least_turns(
-    vertex: ComplexArray, chord: _Placed, place: IndexArray, places: int, reach_mm: float, slack_mm: float
+    vertex: ComplexArray, chord: _Placed, row: IndexArray, places: int, reach_mm: float, slack_mm: float
 ) -> Array:
     """Least angles by which vertices turn about the driven axis until they are on chords, within reach of them.
 
-    Vertices are seen from the chords' starts, with the chords along the first axis; ``place`` numbers their positions.
+    Vertices, shape (n, k), are seen from the chords' starts, with the chords along the first axis.
     The angles have the shape (2, 2, places): those at which a vertex leaves the other gear and at which it enters it,
     each up and down.
     """
-    half = chord.length_mm / 2.0
-    near = np.flatnonzero((np.abs(vertex.imag) <= reach_mm) & (np.abs(vertex.real - half) <= half + reach_mm))
-    pair, moves = near // place.shape[1], chord.start.shape == place.shape
-    start, against = (values.ravel()[near if moves else pair] for values in (chord.start, chord.against))
-    start, half, beside = against * start, half[pair, 0], vertex.ravel()[near]
+    positions, moves = vertex.shape[1], chord.start.shape == vertex.shape
+    near = np.flatnonzero(np.abs(vertex.imag) <= reach_mm)
+    beside, half = vertex.ravel()[near], (chord.length_mm / 2.0)[near // positions, 0]
+    close = np.nonzero(np.abs(beside.real - half) <= half + reach_mm)[0]
+    near, beside, half = near[close], beside[close], half[close]
+    start, against = (values.ravel()[near if moves else near // positions] for values in (chord.start, chord.against))
+    start = against * start
     vertex = start + beside
     # The vertex's circle crosses the chord's line on both sides of its foot, where the radius falls and where it rises.
     squared = vertex.real**2 + beside.imag * (vertex.imag + start.imag)
@@ -272,5 +279,5 @@ def _least_turns(
     down = np.signbit(turn)
     kind = 2 * (down != rising) + down
     least = np.full(4 * places, np.inf)
-    np.minimum.at(least, kind * places + place.ravel()[near[which]], np.abs(turn))
+    np.minimum.at(least, kind * places + _places(row, near[which], positions), np.abs(turn))
     return least.reshape(2, 2, places)
