@@ -114,12 +114,12 @@ def test_pairs_of_a_stretch_are_all_that_come_near_in_any_of_its_positions(
     pitch = at.pitch_mm
     chords, once = chords_of(driving, 0.15 * pitch), chords_of(driven[::-1] if at.driven_inside else driven, np.inf)
     stretches = search._stretches(chords, at, 1.2 * pitch)
-    near = 0.02 * pitch + stretches.moved_mm
-    cells = cells_near(once, float(near.max() + chords.half_mm.max()), 0.01 * pitch)
+    near = 0.02 * pitch + search._moved_mm(chords, stretches) + float(chords.half_mm.max())
+    cells = cells_near(once, near, 0.01 * pitch)
     windows = search._windows(chords, stretches.width)
     setting = search._Setting(at, stretches, chords, Chords.joined([once, once]), windows)
-    rows = np.arange(0, near.size, near.size // 3)
-    pairs = search._near_pairs(setting, cells, rows, near[rows])
+    rows = np.arange(0, stretches.first.size, stretches.first.size // 3)
+    pairs = search._near_pairs(setting, cells, rows, 0.02 * pitch)
     others = segments(once.start, once.start + once.direction * once.length_mm)
     for number, row in enumerate(rows):
         looked_at = (stretches.first[row] + np.arange(stretches.width)) % chords.start.size

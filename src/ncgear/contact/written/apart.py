@@ -8,7 +8,7 @@ a stretch of them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -63,14 +63,17 @@ class _Stretches:
     """Stretches of k positions each, and the driving chords that are looked at in them.
 
     ``position`` numbers the positions, shape (stretches, k); the last may be repeated.  ``width`` driving chords are
-    looked at, from number ``first`` on.  As the driven gear sees them, none is farther than ``moved_mm`` from where it
-    is in the middle of its stretch.
+    looked at, from number ``first`` on.  As the driven gear sees them, points move about a ``pole`` of the driving
+    gear's frame: from where they are in the middle of the stretch by no more than ``shift_mm`` and ``turn_rad`` times
+    their distance from the pole.
     """
 
     position: IndexArray
     first: IndexArray
     width: int
-    moved_mm: Array
+    pole: ComplexArray
+    shift_mm: Array
+    turn_rad: Array
 
     @property
     def middle(self) -> IndexArray:
@@ -125,15 +128,15 @@ def apart_play(driving: ComplexArray, driven: ComplexArray, placement: Placement
     setting = _Setting(placement, stretches, chords, twice, _windows(chords, stretches.width))
     play, known = np.full((2, placement.count), np.inf), np.zeros(placement.count, dtype=bool)
     together = max(BLOCK // stretches.position.shape[1], 1)
+    margin = float(chords.half_mm.max()) + _moved_mm(chords, stretches)
     for followed in REACHES_IN_PITCHES:
         open_still = np.nonzero(~known[stretches.position].all(axis=1))[0]
         if not open_still.size:
             break
-        near = followed * pitch + stretches.moved_mm
-        cells = cells_near(once, float(near.max() + chords.half_mm.max()), CELL_IN_PITCHES * pitch)
+        cells = cells_near(once, followed * pitch + margin, CELL_IN_PITCHES * pitch)
         for start in range(0, open_still.size, together):
             rows = open_still[start : start + together]
-            pairs = _near_pairs(setting, cells, rows, near[rows])
+            pairs = _near_pairs(setting, cells, rows, followed * pitch)
             bounds, found = _block_play(setting, pairs, rows, followed * pitch)
             position = stretches.position[rows].ravel()[found]
             play[:, position], known[position] = bounds[:, found], True
@@ -157,35 +160,38 @@ def _stretches(chords: Chords, placement: Placement, reach_mm: float) -> _Stretc
         position = np.minimum(number, placement.count - 1)
         low, high = (direction - half_width)[position].min(axis=1), (direction + half_width)[position].max(axis=1)
         first, count = outline.windows((low + high) / 2.0, (high - low) / 2.0)
-        stretches = _Stretches(position, first % chords.start.size, int(count.max()), np.zeros(first.size))
-        if length == 1:
-            break
-        stretches = replace(stretches, moved_mm=_moved_mm(chords, placement, stretches))
-        if stretches.moved_mm.max() <= MOVED_IN_PITCHES * placement.pitch_mm:
+        moving = _moving(placement, position)
+        stretches = _Stretches(position, first % chords.start.size, int(count.max()), *moving)
+        if _moved_mm(chords, stretches) <= MOVED_IN_PITCHES * placement.pitch_mm:
             break
     return stretches
 
 
-def _moved_mm(chords: Chords, placement: Placement, stretches: _Stretches) -> Array:
-    """Bounds of how far chords are from where they are in the middle of their stretch, as the driven gear sees them."""
-    position, middle = stretches.position, stretches.middle
-    # All points turn about a pole that hardly moves.
+def _moving(placement: Placement, position: IndexArray) -> tuple[ComplexArray, Array, Array]:
+    """The pole of each stretch, and its ``shift_mm`` and ``turn_rad``."""
+    middle = position[:, position.shape[1] // 2]
     pole = placement.driving_radius_mm[middle] * np.exp(1j * placement.mesh_direction_rad[middle])
-    window = _windows(chords, stretches.width)[stretches.first]
-    farthest = np.sqrt(square(window - pole[:, None]).max(axis=1)) + chords.half_mm.max()
     one = np.ones(1, dtype=complex)
     shift = placement.driving_points(pole[:, None], position) - placement.driving_points(pole, middle)[:, None]
     turn = placement.driving_directions(one, position) - placement.driving_directions(one, middle)[:, None]
-    moved: Array = (np.abs(shift) + np.abs(turn) * farthest[:, None]).max(axis=1)
-    return moved
+    return pole, np.abs(shift).max(axis=1), np.abs(turn).max(axis=1)
+
+
+def _moved_mm(chords: Chords, stretches: _Stretches) -> float:
+    """How far any chord that is looked at moves from where it is in the middle of its stretch, at most."""
+    if stretches.position.shape[1] == 1:
+        return 0.0
+    window = _windows(chords, stretches.width)[stretches.first]
+    farthest = np.sqrt(square(window - stretches.pole[:, None]).max(axis=1)) + chords.half_mm.max()
+    return float((stretches.shift_mm + stretches.turn_rad * farthest).max())
 
 
 def _windows(chords: Chords, width: int) -> ComplexArray:
     return sliding_window_view(np.concatenate([chords.middle, chords.middle[: width - 1]]), width)
 
 
-def _near_pairs(setting: _Setting, cells: Cells, rows: IndexArray, near_mm: Array) -> _Pairs:
-    """All pairs of chords that come as near as ``near_mm`` in the middle of their stretch, and a few more."""
+def _near_pairs(setting: _Setting, cells: Cells, rows: IndexArray, reach_mm: float) -> _Pairs:
+    """All pairs of chords that come as near as ``reach_mm`` somewhere in their stretch, and a few more."""
     placement, stretches = setting.placement, setting.stretches
     first, middle = stretches.first[rows], stretches.middle[rows]
     places = placement.driving_points(setting.windows[first], middle[:, None]).ravel()
@@ -197,10 +203,13 @@ def _near_pairs(setting: _Setting, cells: Cells, rows: IndexArray, near_mm: Arra
     own, other = counted_up(begin, cells.beyond[cell[kept]] - begin)
     between = setting.driven.middle[other] - places[kept][own]
     half, other_half = setting.driving.half_mm[chord], setting.driven.half_mm
-    close = np.nonzero(square(between) <= ((near_mm[row] + half)[own] + other_half[other]) ** 2)[0]
+    # How near pairs are in the middle of the stretch: chords far from the pole move more.
+    away = np.abs(setting.driving.middle[chord] - stretches.pole[rows][row]) + half
+    near = reach_mm + stretches.shift_mm[rows][row] + stretches.turn_rad[rows][row] * away
+    close = np.nonzero(square(between) <= ((near + half)[own] + other_half[other]) ** 2)[0]
     own, other, between = own[close], other[close], between[close]
     direction = placement.driving_directions(setting.driving.direction[chord], middle[row])[own]
-    other_direction, near = setting.driven.direction[other], near_mm[row[own]]
+    other_direction, near = setting.driven.direction[other], near[own]
     # How far one chord's middle is from the other's line, less how far its ends are nearer.
     lean = np.abs(across(direction, other_direction))
     beside = np.abs(across(direction, between)) - lean * other_half[other]
