@@ -123,12 +123,12 @@ def apart_play(driving: ComplexArray, driven: ComplexArray, placement: Placement
     """
     pitch = placement.pitch_mm
     chords, once = chords_of(driving, LONGEST_IN_PITCHES * pitch), chords_of(driven, np.inf)
-    stretches = _stretches(chords, placement, reach_mm)
+    stretches, moved = _stretches(chords, placement, reach_mm)
     twice = Chords.joined([once, once])
     setting = _Setting(placement, stretches, chords, twice, _windows(chords, stretches.width))
     play, known = np.full((2, placement.count), np.inf), np.zeros(placement.count, dtype=bool)
     together = max(BLOCK // stretches.position.shape[1], 1)
-    margin = float(chords.half_mm.max()) + _moved_mm(chords, stretches)
+    margin = float(chords.half_mm.max()) + moved
     for followed in REACHES_IN_PITCHES:
         open_still = np.nonzero(~known[stretches.position].all(axis=1))[0]
         if not open_still.size:
@@ -140,6 +140,7 @@ def apart_play(driving: ComplexArray, driven: ComplexArray, placement: Placement
             bounds, found = _block_play(setting, pairs, rows, followed * pitch)
             position = stretches.position[rows].ravel()[found]
             play[:, position], known[position] = bounds[:, found], True
+            # Where no play is within reach, the next one is tried at once.
             if not position.size:
                 break
     return Apart(play[0], play[1], known)
@@ -151,8 +152,8 @@ def half_width_rad(placement: Placement, reach_mm: float) -> Array:
     return np.where(share < 1.0, np.arcsin(np.minimum(share, 1.0)), np.pi)
 
 
-def _stretches(chords: Chords, placement: Placement, reach_mm: float) -> _Stretches:
-    """The longest stretches within which chords move little."""
+def _stretches(chords: Chords, placement: Placement, reach_mm: float) -> tuple[_Stretches, float]:
+    """The longest stretches within which chords move little, and how far in mm they do."""
     outline = polar_outline(chords.start)
     direction, half_width = placement.mesh_direction_rad, half_width_rad(placement, reach_mm)
     for length in STRETCHES:
@@ -162,9 +163,10 @@ def _stretches(chords: Chords, placement: Placement, reach_mm: float) -> _Stretc
         first, count = outline.windows((low + high) / 2.0, (high - low) / 2.0)
         moving = _moving(placement, position)
         stretches = _Stretches(position, first % chords.start.size, int(count.max()), *moving)
-        if _moved_mm(chords, stretches) <= MOVED_IN_PITCHES * placement.pitch_mm:
+        moved = _moved_mm(chords, stretches)
+        if moved <= MOVED_IN_PITCHES * placement.pitch_mm:
             break
-    return stretches
+    return stretches, moved
 
 
 def _moving(placement: Placement, position: IndexArray) -> tuple[ComplexArray, Array, Array]:
