@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import astuple, replace
 from functools import cache
 from math import cos, pi, radians, sin
 
@@ -11,6 +11,7 @@ import pytest
 import shapely
 from shapely import Polygon
 
+import ncgear.contact.written.pairs as pairs
 from engaged import MODULE, TOLERANCE, least_driven_radius, made
 from ncgear.contact.placement import Placement, placed
 from ncgear.contact.written.as_written import BEYOND, reach_mm
@@ -196,6 +197,22 @@ def test_gears_out_of_reach_have_no_play() -> None:
     assert np.isinf(found.up_rad).all()
     assert np.isinf(found.down_rad).all()
     assert found.overlap_mm.max() == 0.0
+
+
+@pytest.mark.tiers(quick=["sine-*"], rest="thorough")
+@pytest.mark.parametrize(
+    ("name", "teeth", "tolerance"), [("sine", 25, 0.005), ("ring 1:2", 30, 0.01), ("baler", 24, 0.2)]
+)
+@pytest.mark.parametrize("ahead_rad", [1e-4, 0.004, -0.02])
+def test_play_is_the_same_if_each_position_is_looked_at_by_itself(
+    name: str, teeth: int, tolerance: float, ahead_rad: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    together, _ = play(name, teeth, ahead_rad, tolerance=tolerance)
+    monkeypatch.setattr(pairs, "STRETCHES", (1,))
+    alone, _ = play(name, teeth, ahead_rad, tolerance=tolerance)
+    assert (together.overlap_mm > 0.0).any()
+    for found, expected in zip(astuple(together), astuple(alone), strict=True):
+        assert found == pytest.approx(expected, abs=1e-13)
 
 
 # --- the parts of the search -----------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncgear.contact.written.pairs import Outlines, Pairs, Stretches, near_pairs, stretches_of
+from ncgear.contact.written.pairs import MeshedOutlines, Pairs, Stretches, near_pairs, stretches_of
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import across
 
@@ -57,7 +57,7 @@ class _Placed:
     length_mm: Array
 
 
-def apart_play(outlines: Outlines, reach_mm: float) -> Apart:
+def apart_play(outlines: MeshedOutlines, reach_mm: float) -> Apart:
     """Play of two outlines where they stand apart.
 
     Outlines are compared within the sector of the driving gear that ``reach_mm`` from the pitch point spans.
@@ -109,7 +109,7 @@ def _block_play(stretches: Stretches, pairs: Pairs, rows: IndexArray, reach_mm: 
     return bounds, apart & (bounds.max(axis=0) * np.abs(outlines.driven.start).max() <= reach_mm)
 
 
-def _placed(outlines: Outlines, pairs: Pairs, position: IndexArray) -> tuple[_Placed, _Placed]:
+def _placed(outlines: MeshedOutlines, pairs: Pairs, position: IndexArray) -> tuple[_Placed, _Placed]:
     """The driving and the driven chords of pairs at positions, shape (n, k)."""
     placement, own, other = outlines.placement, outlines.driving, outlines.driven_twice
     start = placement.driving_points(own.start[pairs.driving][:, None], position)

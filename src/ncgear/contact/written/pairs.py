@@ -31,7 +31,7 @@ STRETCHES = 9, 3, 1
 
 
 @dataclass(frozen=True, eq=False)
-class Outlines:
+class MeshedOutlines:
     """The chords of both outlines, with the material on their left, where ``placement`` puts them.
 
     Long chords of the driving outline are cut into pieces.
@@ -64,10 +64,10 @@ class Outlines:
         return first % self.driving.start.size, count
 
 
-def outlines_at(driving: ComplexArray, driven: ComplexArray, placement: Placement) -> Outlines:
+def meshed_outlines(driving: ComplexArray, driven: ComplexArray, placement: Placement) -> MeshedOutlines:
     """Two outlines by their vertices, shape (n,), in their own frames, with the material on their left."""
     pieces = chords_of(driving, LONGEST_IN_PITCHES * placement.pitch_mm)
-    return Outlines(placement, pieces, chords_of(driven, np.inf))
+    return MeshedOutlines(placement, pieces, chords_of(driven, np.inf))
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +81,7 @@ class Stretches:
     that is looked at moves farther than ``moved_mm``.
     """
 
-    outlines: Outlines
+    outlines: MeshedOutlines
     position: IndexArray
     first: IndexArray
     width: int
@@ -115,7 +115,7 @@ class Stretches:
         return cells_near(self.outlines.driven, reach_mm + margin, CELL_IN_PITCHES * self.outlines.placement.pitch_mm)
 
 
-def stretches_of(outlines: Outlines, position: IndexArray, reach_mm: float, most_mm: float) -> Stretches:
+def stretches_of(outlines: MeshedOutlines, position: IndexArray, reach_mm: float, most_mm: float) -> Stretches:
     """The longest stretches of positions, shape (n,), in which no chord moves farther than ``most_mm``.
 
     Outlines are compared within the sector of the driving gear that ``reach_mm`` from the pitch point spans.

@@ -15,7 +15,7 @@ import numpy as np
 
 from ncgear.contact.placement import Placement
 from ncgear.contact.written.apart import apart_play, crossings_from_foot, turn_onto
-from ncgear.contact.written.pairs import Outlines, Pairs, near_pairs, outlines_at, stretches_of
+from ncgear.contact.written.pairs import MeshedOutlines, Pairs, meshed_outlines, near_pairs, stretches_of
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import across, along, as_complex, square
 
@@ -25,8 +25,9 @@ always the first reach finds its nearer side.  Where nothing is in reach, or an 
 
 DEEP_IN_PITCHES = 0.05
 """Overlap from which vertices are followed over the greater reach.  A vertex that is too deep inside for the first
-reach has others beside it that the first reach shows to be this deep, if no chord is longer than the first reach is
-beyond this depth; where one is, there is no first reach."""
+reach has others beside it that the first reach shows to be this deep: along the outline, from the vertex to where it
+comes out, the depth falls by no more than a chord's length from vertex to vertex.  That holds if no chord is longer
+than the first reach is beyond this depth; where one is, there is no first reach."""
 
 MOVED_IN_REACHES = 0.5
 """How far chords may move, in reaches, within a stretch of positions that are looked at together."""
@@ -103,9 +104,9 @@ def outline_play(driving_mm: Array, driven_mm: Array, placement: Placement, reac
     Outlines are compared within the sector of the driving gear that ``reach_mm`` from the pitch point spans, which must
     cover the line of action.
     """
-    # Outlines are followed with the material on their left: a ring's goes round the hole the other way.
+    # MeshedOutlines are followed with the material on their left: a ring's goes round the hole the other way.
     driving, driven = as_complex(driving_mm), as_complex(driven_mm[::-1] if placement.driven_inside else driven_mm)
-    outlines, pitch = outlines_at(driving, driven, placement), placement.pitch_mm
+    outlines, pitch = meshed_outlines(driving, driven, placement), placement.pitch_mm
     apart = apart_play(outlines, reach_mm)
     play = np.stack([apart.up_rad, apart.down_rad, np.zeros(placement.count)])
     open_still, longest = np.nonzero(~apart.known)[0], _longest_chord_mm(driving, driven)
@@ -125,7 +126,7 @@ def _longest_chord_mm(*outlines: ComplexArray) -> float:
     return max(float(np.abs(np.diff(outline, append=outline[:1])).max()) for outline in outlines)
 
 
-def _play_by_vertices(outlines: Outlines, position: IndexArray, reach_mm: float, followed_mm: float) -> Array:
+def _play_by_vertices(outlines: MeshedOutlines, position: IndexArray, reach_mm: float, followed_mm: float) -> Array:
     """Play up and down and the deepest overlap at positions, shape (3, positions).
 
     Driving chords are looked at as far around the core of them, those within ``reach_mm`` of the pitch point, that
@@ -143,7 +144,7 @@ def _play_by_vertices(outlines: Outlines, position: IndexArray, reach_mm: float,
 
 
 def _block_play(
-    outlines: Outlines, pairs: Pairs, position: IndexArray, reach_mm: float, followed_mm: float
+    outlines: MeshedOutlines, pairs: Pairs, position: IndexArray, reach_mm: float, followed_mm: float
 ) -> tuple[Array, Array, Array]:
     """Play up and down and the deepest overlap at positions, which the pairs number from 0 on."""
     driving, driven = _driving_side(outlines, pairs, position), _driven_side(outlines, pairs, position.size)
@@ -157,7 +158,7 @@ def _block_play(
     return np.minimum(up, other_up), np.minimum(down, other_down), np.maximum(depth, other_depth)
 
 
-def _driving_side(outlines: Outlines, pairs: Pairs, position: IndexArray) -> _Side:
+def _driving_side(outlines: MeshedOutlines, pairs: Pairs, position: IndexArray) -> _Side:
     chords, placement = outlines.driving, outlines.placement
     number, row, chord = _numbered(pairs.row, pairs.driving, position.size, chords.start.size)
     start, end = (placement.driving_points(ends[chord], position[row]) for ends in (chords.start, chords.end))
@@ -165,7 +166,7 @@ def _driving_side(outlines: Outlines, pairs: Pairs, position: IndexArray) -> _Si
     return _Side(number, row, start, end, direction, chords.at_vertex[chord])
 
 
-def _driven_side(outlines: Outlines, pairs: Pairs, positions: int) -> _Side:
+def _driven_side(outlines: MeshedOutlines, pairs: Pairs, positions: int) -> _Side:
     chords = outlines.driven
     number, row, chord = _numbered(pairs.row, pairs.driven % chords.start.size, positions, chords.start.size)
     chords = chords.kept(chord)
