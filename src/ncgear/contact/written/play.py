@@ -104,7 +104,7 @@ def outline_play(driving_mm: Array, driven_mm: Array, placement: Placement, reac
     Outlines are compared within the sector of the driving gear that ``reach_mm`` from the pitch point spans, which must
     cover the line of action.
     """
-    # MeshedOutlines are followed with the material on their left: a ring's goes round the hole the other way.
+    # Outlines are followed with the material on their left: a ring's goes round the hole the other way.
     driving, driven = as_complex(driving_mm), as_complex(driven_mm[::-1] if placement.driven_inside else driven_mm)
     outlines, pitch = meshed_outlines(driving, driven, placement), placement.pitch_mm
     apart = apart_play(outlines, reach_mm)
