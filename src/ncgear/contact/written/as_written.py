@@ -15,8 +15,8 @@ from math import sin
 import numpy as np
 
 from ncgear.contact.placement import Placement
+from ncgear.contact.written.chords import polar_outline
 from ncgear.contact.written.play import outline_play
-from ncgear.contact.written.polar import polar_outline
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, ComplexArray, counted_up
 from ncgear.numerics.plane import across, along, as_complex
@@ -85,14 +85,14 @@ def _tip_clearances(outlines: Outlines, teeth: ToothedPair, placement: Placement
 
     Driving tooth n stands in the driven space before driven tooth n, driven tooth n in the space after driving tooth n.
     """
-    driving, driven = teeth.driving.flanks, teeth.driven.flanks
+    driving_tips, driving_roots = _tips_and_roots(outlines.driving_mm, teeth.driving.flanks)
+    driven_tips, driven_roots = _tips_and_roots(outlines.driven_mm, teeth.driven.flanks)
     number = np.arange(placement.meetings)
     own, other = number % teeth.driving.teeth, number % teeth.driven.teeth
-    over_driven = _root_depths(outlines.driven_mm, driven)[(number - 1) % teeth.driven.teeth]
-    over_driving = _root_depths(outlines.driving_mm, driving)[own]
+    before = (number - 1) % teeth.driven.teeth
     return (
-        float(np.min(over_driven - _tip_heights(outlines.driving_mm, driving)[own])),
-        float(np.min(over_driving - _tip_heights(outlines.driven_mm, driven)[other])),
+        float(np.min(driven_roots[before] - driving_tips[own])),
+        float(np.min(driving_roots[own] - driven_tips[other])),
     )
 
 
@@ -100,21 +100,21 @@ SECTOR_IN_PITCHES = 1.0
 """Arc to either side of a pitch point within which its normal is followed: longer than any tooth is high."""
 
 
-def _tip_heights(outline_mm: Array, flanks: Flanks) -> Array:
-    """Height in mm of the outline over the pitch curve at each tooth's middle, shape (z,)."""
-    crossing = flanks.crossing_mm
-    return _along_normals(outline_mm, flanks, (crossing[0::2] + crossing[1::2]) / 2.0, 1.0)
+def _tips_and_roots(outline_mm: Array, flanks: Flanks) -> tuple[Array, Array]:
+    """Height in mm of the outline over the pitch curve at each tooth's middle, and depth below it, shape (z,) each.
 
-
-def _root_depths(outline_mm: Array, flanks: Flanks) -> Array:
-    """Depth in mm of the outline below the pitch curve in the middle of the space after each tooth, shape (z,)."""
+    The depth is that in the middle of the space after each tooth.
+    """
     crossing = flanks.crossing_mm
     following = np.append(crossing[2::2], crossing[0] + flanks.curve.length_mm)
-    return _along_normals(outline_mm, flanks, (crossing[1::2] + following) / 2.0, -1.0)
+    middle = np.concatenate([crossing[0::2] + crossing[1::2], crossing[1::2] + following]) / 2.0
+    sense = np.repeat([1.0, -1.0], following.size)
+    height, depth = np.split(_along_normals(outline_mm, flanks, middle, sense), 2)
+    return height, depth
 
 
-def _along_normals(outline_mm: Array, flanks: Flanks, sigma_mm: Array, sense: float) -> Array:
-    """Distances from points of the pitch curve to the outline, outwards (``sense`` +1) or inwards (-1).
+def _along_normals(outline_mm: Array, flanks: Flanks, sigma_mm: Array, sense: Array) -> Array:
+    """Distances from points of the pitch curve to the outline, outwards (``sense`` +1) or inwards (-1), shape (n,).
 
     Infinite where the outline is not met.
     """

@@ -1,0 +1,145 @@
+"""Chords of an outline, and how they are found: by their direction from the axis, or by the cells of a square grid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import ceil
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, counted_up
+
+TURN = 2.0 * np.pi
+
+
+@dataclass(frozen=True, eq=False)
+class Chords(Columns):
+    """Chords, or pieces of them, by their ``start``, ``end``, ``direction`` (of length 1) and ``length_mm``.
+
+    ``at_vertex`` tells which start at a vertex of the outline; shape (n,) each.
+    """
+
+    start: ComplexArray
+    end: ComplexArray
+    direction: ComplexArray
+    length_mm: Array
+    at_vertex: Mask
+
+    @cached_property
+    def middle(self) -> ComplexArray:
+        """The point in the middle of each chord."""
+        return self.start + self.direction * self.half_mm
+
+    @cached_property
+    def half_mm(self) -> Array:
+        """Half the length of each chord."""
+        return self.length_mm / 2.0
+
+    @cached_property
+    def inner_mm(self) -> Array:
+        """A bound of the least distance of each chord from the axis."""
+        return np.abs(self.middle) - self.half_mm
+
+    @cached_property
+    def outer_mm(self) -> Array:
+        """The greatest distance of each chord from the axis."""
+        return np.maximum(np.abs(self.start), np.abs(self.end))
+
+
+def chords_of(outline: ComplexArray, longest_mm: float) -> Chords:
+    """The chords of a closed outline, shape (n,), one after the other; longer ones are cut into equal pieces."""
+    step = np.roll(outline, -1) - outline
+    length = np.abs(step)
+    pieces = np.maximum(np.ceil(length / longest_mm), 1.0).astype(int)
+    chord, number = counted_up(np.zeros_like(pieces), pieces)
+    direction = step / np.maximum(length, np.finfo(float).tiny)
+    start = outline[chord] + step[chord] * (number / pieces[chord])
+    return Chords(start, np.roll(start, -1), direction[chord], (length / pieces)[chord], number == 0)
+
+
+@dataclass(frozen=True, eq=False)
+class PolarOutline:
+    """An outline around the origin, with bounds by which vertices are found by their polar angle.
+
+    Over three turns, ``reached`` is the largest angle up to each vertex and ``left`` the smallest angle from it on;
+    both grow all along, even where the outline turns back.
+    """
+
+    outline: ComplexArray
+    reached: Array
+    left: Array
+
+    def windows(self, direction: Array, half_width: Array) -> tuple[IndexArray, IndexArray]:
+        """Stretches of vertices (first number and count) that hold all vertices in sectors, and one more at either end.
+
+        Polar angles and half widths in rad, shape (n,).  Numbers may be negative: they count round the outline.
+        """
+        count = self.outline.size
+        base = self.reached[count]
+        middle = base + np.mod(direction - base, TURN)
+        first = np.searchsorted(self.reached, middle - half_width) - 1
+        after = np.searchsorted(self.left, middle + half_width) + 1
+        return first - count, np.minimum(after - first, count)
+
+
+def polar_outline(outline: ComplexArray) -> PolarOutline:
+    """The bounds of an outline, shape (n,), that goes round the origin once, counter-clockwise."""
+    angle = np.unwrap(np.angle(outline))
+    turns = np.concatenate([angle - TURN, angle, angle + TURN])
+    return PolarOutline(outline, np.maximum.accumulate(turns), np.minimum.accumulate(turns[::-1])[::-1])
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """A square grid; each of its cells names a range of chords, among them all that are near any place in the cell.
+
+    The grid has ``side`` cells of ``cell_mm`` along each axis from its lower left ``corner``.  ``first`` numbers the
+    first chord of each range and ``beyond`` the chord after its last, shape (side * side,) each; both are 0 where no
+    chord is near.  Numbers go on counting where the outline begins again.
+    """
+
+    corner: complex
+    cell_mm: float
+    side: int
+    first: IndexArray
+    beyond: IndexArray
+
+    def cell(self, places: ComplexArray) -> IndexArray:
+        """Numbers of the cells that places lie in, shape (n,); no chord is near those at the grid's edge."""
+        steps = (places - self.corner).view(float) * (1.0 / self.cell_mm)
+        number = np.clip(steps, 0.0, self.side - 1.0).astype(int)
+        cell: IndexArray = number[0::2] * self.side + number[1::2]
+        return cell
+
+
+def cells_near(chords: Chords, near_mm: float, cell_mm: float) -> Cells:
+    """Cells that name the chords of a closed outline that come as near as ``near_mm`` to them."""
+    # Every point of a chord is within half a cell of the middle of one of its pieces.
+    count = np.ceil(chords.length_mm / cell_mm).astype(int)
+    chord, number = counted_up(np.zeros_like(count), count)
+    share = (number + 0.5) / count[chord]
+    places = chords.start[chord] + chords.direction[chord] * (share * chords.length_mm[chord])
+    around = near_mm + cell_mm / 2.0
+    span = ceil(2.0 * around / cell_mm) + 1
+    corner = complex(places.real.min(), places.imag.min()) - (around + cell_mm) * (1.0 + 1.0j)
+    extent = max(places.real.max() - corner.real, places.imag.max() - corner.imag)
+    side = int((extent + around) / cell_mm) + 3
+    low = ((places - corner - around * (1.0 + 1.0j)).view(float) / cell_mm).astype(int)
+    offset = np.add.outer(np.arange(span) * side, np.arange(span)).ravel()
+    cell = (low[0::2] * side + low[1::2])[:, None] + offset
+    cells = Cells(corner, cell_mm, side, np.zeros(side * side, dtype=int), np.zeros(side * side, dtype=int))
+    _name(cells, cell.ravel(), np.repeat(chord, span * span))
+    # Where the outline ends and begins again, the chords after the seam go on counting.
+    half = chords.length_mm.size // 2
+    row, column = np.nonzero(cells.beyond[cell] - cells.first[cell] > half)
+    counted_on = chord[row] + np.where(chord[row] < half, chords.length_mm.size, 0)
+    order = np.argsort(counted_on, kind="stable")
+    _name(cells, cell[row, column][order], counted_on[order])
+    return cells
+
+
+def _name(cells: Cells, cell: IndexArray, chord: IndexArray) -> None:
+    """Name the range from the least to the greatest of each cell's chords, which are in ascending order."""
+    cells.beyond[cell] = chord + 1
+    cells.first[cell[::-1]] = chord[::-1]
