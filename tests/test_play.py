@@ -199,7 +199,7 @@ def test_gears_out_of_reach_have_no_play() -> None:
     assert found.overlap_mm.max() == 0.0
 
 
-@pytest.mark.tiers(quick=["sine-*"], rest="thorough")
+@pytest.mark.tiers(quick=["*-sine-*"], rest="thorough")
 @pytest.mark.parametrize(
     ("name", "teeth", "tolerance"), [("sine", 25, 0.005), ("ring 1:2", 30, 0.01), ("baler", 24, 0.2)]
 )
