@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import astuple, replace
+from dataclasses import replace
 from functools import cache
 from math import cos, pi, radians, sin
 
@@ -11,12 +11,11 @@ import pytest
 import shapely
 from shapely import Polygon
 
-import ncgear.contact.written.pairs as pairs
 from engaged import MODULE, TOLERANCE, least_driven_radius, made
 from ncgear.contact.placement import Placement, placed
 from ncgear.contact.written.as_written import BEYOND, reach_mm
-from ncgear.contact.written.chords import polar_outline
 from ncgear.contact.written.play import Play, outline_play
+from ncgear.contact.written.polar import NO_RUN, polar_outline, radial_runs
 from ncgear.pitch.shape import Mesh
 from oracles import meshing
 
@@ -199,22 +198,6 @@ def test_gears_out_of_reach_have_no_play() -> None:
     assert found.overlap_mm.max() == 0.0
 
 
-@pytest.mark.tiers(quick=["*-sine-*"], rest="thorough")
-@pytest.mark.parametrize(
-    ("name", "teeth", "tolerance"), [("sine", 25, 0.005), ("ring 1:2", 30, 0.01), ("baler", 24, 0.2)]
-)
-@pytest.mark.parametrize("ahead_rad", [1e-4, 0.004, -0.02])
-def test_play_is_the_same_if_each_position_is_looked_at_by_itself(
-    name: str, teeth: int, tolerance: float, ahead_rad: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    together, _ = play(name, teeth, ahead_rad, tolerance=tolerance)
-    monkeypatch.setattr(pairs, "STRETCHES", (1,))
-    alone, _ = play(name, teeth, ahead_rad, tolerance=tolerance)
-    assert (together.overlap_mm > 0.0).any()
-    for found, expected in zip(astuple(together), astuple(alone), strict=True):
-        assert found == pytest.approx(expected, abs=1e-13)
-
-
 # --- the parts of the search -----------------------------------------------------------------------------------------
 
 
@@ -225,6 +208,36 @@ def jagged(seed: int, count: int = 60) -> Array:
     angle = np.linspace(0.0, 2.0 * pi, count, endpoint=False) + noise.uniform(-0.15, 0.15, count)
     ring: Array = noise.uniform(8.0, 12.0, count) * np.exp(1j * angle)
     return ring
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_runs_are_the_outline_cut_where_its_radius_turns(seed: int) -> None:
+    ring = jagged(seed)
+    runs = radial_runs(ring, 1.0, 1.0)
+    for first, last in zip(runs.first, runs.last, strict=True):
+        assert np.all(np.diff(runs.square[first : last + 1]) > 0.0)
+    # Every circle crosses the outline as often as it crosses runs, by the outline's own chords sampled densely.
+    dense = np.abs(ring[:, None] + (np.roll(ring, -1) - ring)[:, None] * np.linspace(0.0, 1.0, 2000, endpoint=False))
+    for radius in np.linspace(8.05, 11.9, 23):
+        crossed = np.count_nonzero(np.diff(np.sign(dense.ravel() - radius), append=np.sign(dense[0, 0] - radius)))
+        assert np.count_nonzero((runs.inner[:-1] < radius**2) & (radius**2 < runs.outer[:-1])) == crossed
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_entries_and_near_runs_are_what_a_plain_search_finds(seed: int) -> None:
+    ring, reach = jagged(seed), 1.5
+    runs = radial_runs(ring, reach, 4.0)
+    for run in range(runs.first.size):
+        own = runs.square[runs.first[run] : runs.last[run] + 1]
+        for squared in (60.0, 81.0, 100.0, 143.0, 200.0):
+            found = runs.entry_beyond(np.array([run]), np.array([squared]))[0]
+            assert found == runs.first[run] + np.searchsorted(own, squared)
+    for point in 10.0 * np.exp(1j * np.linspace(-pi, pi, 77)):
+        near = set(runs.near[runs.sector(np.angle(np.array([point])))[0]].tolist()) - {NO_RUN}
+        for run in range(runs.first.size):
+            entries = runs.point[runs.first[run] : runs.last[run] + 1]
+            if np.any(np.abs(np.angle(entries / point)) * np.abs(runs.point[runs.first[run]]) < reach):
+                assert run in near
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -11,16 +11,29 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
-from ncgear.contact.written.pairs import MeshedOutlines, Pairs, Stretches, near_pairs, stretches_of
-from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
-from ncgear.numerics.plane import across
+from ncgear.contact.placement import Placement
+from ncgear.contact.written.cells import Cells, Chords, cells_near, chords_of
+from ncgear.contact.written.polar import polar_outline
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, counted_up
+from ncgear.numerics.plane import across, square
 
 REACHES_IN_PITCHES = 0.005, 0.02, 0.08
 """How far vertices are followed along their circles: without backlash the first is nearly always enough."""
 
+LONGEST_IN_PITCHES = 0.15
+"""Longer chords of the driving outline are cut into pieces: one long chord would make all of them have many pairs."""
+
+CELL_IN_PITCHES = 0.15
+"""Size of the cells by which pairs are found; smaller ones find fewer pairs that are not near and take longer to make.
+"""
+
+STRETCHES = 9, 3, 1
+"""Numbers of positions in a stretch, of which the greatest is taken that leaves chords near each other."""
+
 MOVED_IN_PITCHES = 0.06
-"""How far chords may move within a stretch of positions that are looked at together, as the other gear sees them."""
+"""How far chords may move within a stretch, as the other gear sees them."""
 
 BLOCK = 128
 """Positions treated at once, so few that their arrays stay in the processor's cache."""
@@ -46,6 +59,52 @@ class Apart:
 
 
 @dataclass(frozen=True, eq=False)
+class _Stretches:
+    """Stretches of k positions each, and the driving chords that are looked at in them.
+
+    ``position`` numbers the positions, shape (stretches, k); the last may be repeated.  ``width`` driving chords are
+    looked at, from number ``first`` on.  As the driven gear sees them, points move about a ``pole`` of the driving
+    gear's frame: from where they are in the middle of the stretch by no more than ``shift_mm`` and ``turn_rad`` times
+    their distance from the pole.
+    """
+
+    position: IndexArray
+    first: IndexArray
+    width: int
+    pole: ComplexArray
+    shift_mm: Array
+    turn_rad: Array
+
+    @property
+    def middle(self) -> IndexArray:
+        """The position in the middle of each stretch."""
+        return self.position[:, self.position.shape[1] // 2]
+
+
+@dataclass(frozen=True, eq=False)
+class _Setting:
+    """What is the same at all positions: the chords of both outlines, those of the driven one twice round.
+
+    ``windows`` are the middles of driving chords, shape (chords, width): each chord's own and those that follow it.
+    """
+
+    placement: Placement
+    stretches: _Stretches
+    driving: Chords
+    driven: Chords
+    windows: ComplexArray
+
+
+@dataclass(frozen=True, eq=False)
+class _Pairs:
+    """Chords of both outlines that may be near each other in a stretch, shape (n,); ``row`` numbers the stretch."""
+
+    row: IndexArray
+    driving: Chords
+    driven: Chords
+
+
+@dataclass(frozen=True, eq=False)
 class _Placed:
     """One chord of each of n pairs in the driven gear's frame at k positions; shapes (n, k), or (n, 1) if it stands.
 
@@ -57,38 +116,116 @@ class _Placed:
     length_mm: Array
 
 
-def apart_play(outlines: MeshedOutlines, reach_mm: float) -> Apart:
-    """Play of two outlines where they stand apart.
+def apart_play(driving: ComplexArray, driven: ComplexArray, placement: Placement, reach_mm: float) -> Apart:
+    """Play of two outlines, with their material on the left, where they stand apart; shape (n,) each.
 
     Outlines are compared within the sector of the driving gear that ``reach_mm`` from the pitch point spans.
     """
-    placement = outlines.placement
-    most = MOVED_IN_PITCHES * placement.pitch_mm
-    stretches = stretches_of(outlines, np.arange(placement.count), reach_mm, most)
-    play, known = np.full((2, placement.count), np.inf), np.zeros(placement.count, dtype=bool)
+    pitch = placement.pitch_mm
+    chords, once = chords_of(driving, LONGEST_IN_PITCHES * pitch), chords_of(driven, np.inf)
+    stretches, moved = _stretches(chords, placement, reach_mm)
+    twice = Chords.joined([once, once])
+    setting = _Setting(placement, stretches, chords, twice, _windows(chords, stretches.width))
+    play, crossed = np.full((2, placement.count), np.inf), np.zeros(placement.count, dtype=bool)
     together = max(BLOCK // stretches.position.shape[1], 1)
+    margin, outermost = float(chords.half_mm.max()) + moved, float(np.abs(driven).max())
     for followed in REACHES_IN_PITCHES:
-        open_still = np.nonzero(~known[stretches.position].all(axis=1))[0]
+        open_still = np.nonzero((np.isinf(play).any(axis=0) & ~crossed)[stretches.position].any(axis=1))[0]
         if not open_still.size:
             break
-        reach = followed * placement.pitch_mm
-        cells = stretches.cells(reach)
+        cells = cells_near(once, followed * pitch + margin, CELL_IN_PITCHES * pitch)
         for start in range(0, open_still.size, together):
             rows = open_still[start : start + together]
-            bounds, found = _block_play(stretches, near_pairs(stretches, cells, rows, reach), rows, reach)
-            position = stretches.position[rows].ravel()[found]
-            play[:, position], known[position] = bounds[:, found], True
+            pairs = _near_pairs(setting, cells, rows, followed * pitch)
+            bounds, apart = _block_play(setting, pairs, rows, followed * pitch)
+            position, within = stretches.position[rows].ravel(), bounds.max(axis=0) * outermost <= followed * pitch
+            crossed[position] = ~apart
+            play[:, position[apart & within]] = bounds[:, apart & within]
             # Where no play is within reach, the next one is tried at once.
-            if not position.size:
+            if apart.any() and not within[apart].any():
                 break
-    return Apart(play[0], play[1], known)
+    return Apart(play[0], play[1], np.isfinite(play).all(axis=0))
 
 
-def _block_play(stretches: Stretches, pairs: Pairs, rows: IndexArray, reach_mm: float) -> tuple[Array, Mask]:
-    """Play up and down at each position of the given stretches, and whether it is known."""
-    outlines, position = stretches.outlines, stretches.position[rows]
-    placement = outlines.placement
-    driving, driven = _placed(outlines, pairs, position[pairs.row])
+def half_width_rad(placement: Placement, reach_mm: float) -> Array:
+    """Half the angle that a circle about the pitch point spans from the driving axis; half a turn around it."""
+    share = reach_mm / placement.driving_radius_mm
+    return np.where(share < 1.0, np.arcsin(np.minimum(share, 1.0)), np.pi)
+
+
+def _stretches(chords: Chords, placement: Placement, reach_mm: float) -> tuple[_Stretches, float]:
+    """The longest stretches within which chords move little, and how far in mm they do."""
+    outline = polar_outline(chords.start)
+    direction, half_width = placement.mesh_direction_rad, half_width_rad(placement, reach_mm)
+    for length in STRETCHES:
+        number = np.arange(-(-placement.count // length) * length).reshape(-1, length)
+        position = np.minimum(number, placement.count - 1)
+        low, high = (direction - half_width)[position].min(axis=1), (direction + half_width)[position].max(axis=1)
+        first, count = outline.windows((low + high) / 2.0, (high - low) / 2.0)
+        moving = _moving(placement, position)
+        stretches = _Stretches(position, first % chords.start.size, int(count.max()), *moving)
+        moved = _moved_mm(chords, stretches)
+        if moved <= MOVED_IN_PITCHES * placement.pitch_mm:
+            break
+    return stretches, moved
+
+
+def _moving(placement: Placement, position: IndexArray) -> tuple[ComplexArray, Array, Array]:
+    """The pole of each stretch, and its ``shift_mm`` and ``turn_rad``."""
+    middle = position[:, position.shape[1] // 2]
+    pole = placement.driving_radius_mm[middle] * np.exp(1j * placement.mesh_direction_rad[middle])
+    one = np.ones(1, dtype=complex)
+    shift = placement.driving_points(pole[:, None], position) - placement.driving_points(pole, middle)[:, None]
+    turn = placement.driving_directions(one, position) - placement.driving_directions(one, middle)[:, None]
+    return pole, np.abs(shift).max(axis=1), np.abs(turn).max(axis=1)
+
+
+def _moved_mm(chords: Chords, stretches: _Stretches) -> float:
+    """How far any chord that is looked at moves from where it is in the middle of its stretch, at most."""
+    if stretches.position.shape[1] == 1:
+        return 0.0
+    window = _windows(chords, stretches.width)[stretches.first]
+    farthest = np.sqrt(square(window - stretches.pole[:, None]).max(axis=1)) + chords.half_mm.max()
+    return float((stretches.shift_mm + stretches.turn_rad * farthest).max())
+
+
+def _windows(chords: Chords, width: int) -> ComplexArray:
+    return sliding_window_view(np.concatenate([chords.middle, chords.middle[: width - 1]]), width)
+
+
+def _near_pairs(setting: _Setting, cells: Cells, rows: IndexArray, reach_mm: float) -> _Pairs:
+    """All pairs of chords that come as near as ``reach_mm`` somewhere in their stretch, and a few more."""
+    placement, stretches = setting.placement, setting.stretches
+    first, middle = stretches.first[rows], stretches.middle[rows]
+    places = placement.driving_points(setting.windows[first], middle[:, None]).ravel()
+    cell = cells.cell(places)
+    kept = np.nonzero(cells.beyond[cell])[0]
+    row, column = np.divmod(kept, stretches.width)
+    chord = (first[row] + column) % setting.driving.start.size
+    begin = cells.first[cell[kept]]
+    own, other = counted_up(begin, cells.beyond[cell[kept]] - begin)
+    between = setting.driven.middle[other] - places[kept][own]
+    half, other_half = setting.driving.half_mm[chord], setting.driven.half_mm
+    # How near pairs are in the middle of the stretch: chords far from the pole move more.
+    away = np.abs(setting.driving.middle[chord] - stretches.pole[rows][row]) + half
+    near = reach_mm + stretches.shift_mm[rows][row] + stretches.turn_rad[rows][row] * away
+    close = np.nonzero(square(between) <= ((near + half)[own] + other_half[other]) ** 2)[0]
+    own, other, between = own[close], other[close], between[close]
+    direction = placement.driving_directions(setting.driving.direction[chord], middle[row])[own]
+    other_direction, near = setting.driven.direction[other], near[own]
+    # How far one chord's middle is from the other's line, less how far its ends are nearer.
+    lean = np.abs(across(direction, other_direction))
+    beside = np.abs(across(direction, between)) - lean * other_half[other]
+    other_beside = np.abs(across(other_direction, between)) - lean * half[own]
+    close = np.nonzero((beside <= near) & (other_beside <= near))[0]
+    own, other = own[close], other[close]
+    return _Pairs(row[own], setting.driving.kept(chord[own]), setting.driven.kept(other))
+
+
+def _block_play(setting: _Setting, pairs: _Pairs, rows: IndexArray, reach_mm: float) -> tuple[Array, Mask]:
+    """Play up and down at each position of the given stretches, as far as within reach, and whether no chords cross."""
+    placement, position = setting.placement, setting.stretches.position[rows]
+    driving, driven = _placed(placement, pairs, position[pairs.row])
     between = driven.start - driving.start
     driving_vertices, driven_vertices = -driven.against * between, driving.against * between
     lean = across(driven.against, driving.against)
@@ -105,18 +242,19 @@ def _block_play(stretches: Stretches, pairs: Pairs, rows: IndexArray, reach_mm: 
     for leaving, entering in (own.min(axis=1), other.min(axis=1)):
         apart &= entering <= leaving
     # To turn the driving gear up is to turn the driven one's vertices down.
-    bounds = np.minimum(own, other[:, ::-1]).min(axis=0)
-    return bounds, apart & (bounds.max(axis=0) * np.abs(outlines.driven.start).max() <= reach_mm)
+    return np.minimum(own, other[:, ::-1]).min(axis=0), apart
 
 
-def _placed(outlines: MeshedOutlines, pairs: Pairs, position: IndexArray) -> tuple[_Placed, _Placed]:
+def _placed(placement: Placement, pairs: _Pairs, position: IndexArray) -> tuple[_Placed, _Placed]:
     """The driving and the driven chords of pairs at positions, shape (n, k)."""
-    placement, own, other = outlines.placement, outlines.driving, outlines.driven_twice
-    start = placement.driving_points(own.start[pairs.driving][:, None], position)
-    against = np.conj(placement.driving_directions(own.direction[pairs.driving][:, None], position))
-    driving = _Placed(start, against, own.length_mm[pairs.driving][:, None])
-    start, against, length = other.start[pairs.driven], np.conj(other.direction[pairs.driven]), other.length_mm
-    return driving, _Placed(start[:, None], against[:, None], length[pairs.driven][:, None])
+    driving, driven = pairs.driving, pairs.driven
+    start = placement.driving_points(driving.start[:, None], position)
+    against = np.conj(placement.driving_directions(driving.direction[:, None], position))
+    other_against = np.conj(driven.direction)[:, None]
+    return (
+        _Placed(start, against, driving.length_mm[:, None]),
+        _Placed(driven.start[:, None], other_against, driven.length_mm[:, None]),
+    )
 
 
 def _places(row: IndexArray, number: IndexArray, positions: int) -> IndexArray:
@@ -142,28 +280,15 @@ def _least_turns(
     start, against = (values.ravel()[near if moves else near // positions] for values in (chord.start, chord.against))
     start = against * start
     vertex = start + beside
-    squared, from_foot = crossings_from_foot(vertex, beside, start)
+    # The vertex's circle crosses the chord's line on both sides of its foot, where the radius falls and where it rises.
+    squared = vertex.real**2 + beside.imag * (vertex.imag + start.imag)
+    from_foot = np.sqrt(np.maximum(squared, 0.0)) * np.array([[-1.0], [1.0]])
     met = (np.abs(from_foot - start.real - half) <= half + slack_mm) & (squared >= 0.0)
     rising, which = np.nonzero(met)
-    turn = turn_onto(vertex[which], from_foot[met], start.imag[which])
+    vertex, along, aside = vertex[which], from_foot[met], start.imag[which]
+    turn = np.arctan2(vertex.real * aside - vertex.imag * along, vertex.real * along + vertex.imag * aside)
     down = np.signbit(turn)
     kind = 2 * (down != rising) + down
     least = np.full(4 * places, np.inf)
     np.minimum.at(least, kind * places + _places(row, near[which], positions), np.abs(turn))
     return least.reshape(2, 2, places)
-
-
-def crossings_from_foot(vertex: ComplexArray, beside: ComplexArray, start: ComplexArray) -> tuple[Array, Array]:
-    """Where vertices' circles about the driven axis cross the lines of chords, which lie along the first axis.
-
-    Vertices and the chords' starts are seen from the driven axis, ``beside`` are vertices seen from the starts; shape
-    (n,) each.  The circle crosses the line on both sides of its foot, where the radius falls and where it rises:
-    returned are the squared distance from the foot and both places, shape (2, n); it does not where that is negative.
-    """
-    squared = vertex.real**2 + beside.imag * (vertex.imag + start.imag)
-    return squared, np.sqrt(np.maximum(squared, 0.0)) * np.array([[-1.0], [1.0]])
-
-
-def turn_onto(vertex: ComplexArray, from_foot: Array, aside: Array) -> Array:
-    """Angles by which vertices turn about the driven axis until they are at crossings, of lines ``aside`` of it."""
-    return np.arctan2(vertex.real * aside - vertex.imag * from_foot, vertex.real * from_foot + vertex.imag * aside)

@@ -15,8 +15,8 @@ from math import sin
 import numpy as np
 
 from ncgear.contact.placement import Placement
-from ncgear.contact.written.chords import polar_outline
 from ncgear.contact.written.play import outline_play
+from ncgear.contact.written.polar import polar_outline
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, ComplexArray, counted_up
 from ncgear.numerics.plane import across, along, as_complex

@@ -1,23 +1,23 @@
 """Play of two outlines as written: how far one can be turned against the other each way before they touch.
 
-Nearly always outlines stand apart, and ``apart.py`` finds their play.  What is left is judged here vertex by vertex:
-where outlines overlap, or their play is great.  Every vertex of one outline near the mesh is followed along its circle
-about the driven axis to the chords of the other outline, and the other way round.  That gives the exact play of two
-polygons.
+Nearly always outlines stand apart, and ``apart.py`` finds their play.  Here is what is done where they may overlap.
+Every vertex of one outline near the mesh is followed along its circle about the driven axis to the chords of the other
+outline, and the other way round.  That gives the exact play of two polygons.  The driven outline is cut into runs along
+which its radius grows; bins of the radius tell where a chord of the driving outline begins and ends on such a run, and
+so both which chord its vertex meets and which of the run's vertices meet the chord.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from ncgear.contact.placement import Placement
-from ncgear.contact.written.apart import apart_play, crossings_from_foot, turn_onto
-from ncgear.contact.written.pairs import MeshedOutlines, Pairs, meshed_outlines, near_pairs, stretches_of
-from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
-from ncgear.numerics.plane import across, along, as_complex, square
+from ncgear.contact.written.apart import apart_play, half_width_rad
+from ncgear.contact.written.polar import TURN, RadialRuns, headings, polar_outline, radial_runs, with_feet
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, counted_up
+from ncgear.numerics.plane import as_complex, square
 
 REACHES_IN_PITCHES = 0.4, 0.6
 """How far along its circle a vertex is followed: a tooth that holds it inside is half a pitch thick, so that nearly
@@ -25,14 +25,10 @@ always the first reach finds its nearer side.  Where nothing is in reach, or an 
 
 DEEP_IN_PITCHES = 0.05
 """Overlap from which vertices are followed over the greater reach.  A vertex that is too deep inside for the first
-reach has others beside it that the first reach shows to be this deep: along the outline, from the vertex to where it
-comes out, the depth falls by no more than a chord's length from vertex to vertex.  That holds if no chord is longer
-than the first reach is beyond this depth; where one is, there is no first reach."""
+reach has others beside it that the first reach shows to be this deep, if no chord is longer than the first reach is
+beyond this depth; where one is, there is no first reach."""
 
-MOVED_IN_REACHES = 0.5
-"""How far chords may move, in reaches, within a stretch of positions that are looked at together."""
-
-BLOCK = 64
+BLOCK = 128
 """Positions treated at once, so few that their arrays stay in the processor's cache."""
 
 
@@ -51,51 +47,83 @@ class Play:
 
 
 @dataclass(frozen=True, eq=False)
-class _Side:
-    """One gear's chords among n pairs, at each position once, in the driven gear's frame; shape (m,) each.
+class _Setting:
+    """What is the same at all positions: the driven outline's runs, the driving outline's vertices and longest chord.
 
-    ``number`` tells the chord of each pair, shape (n,), and ``row`` the position of each chord.  ``at_vertex`` tells
-    which chords start at a vertex of the outline, and do not follow another piece of the same chord.
+    ``reach_mm`` is how far vertices are followed.  At each position ``windows`` hold the driving vertices that are
+    looked at; everything within twice that reach around the ``core`` of them is in the windows.  Both are first numbers
+    and counts.
     """
 
-    number: IndexArray
-    row: IndexArray
-    start: ComplexArray
-    end: ComplexArray
-    direction: ComplexArray
-    at_vertex: Mask
-
-    @cached_property
-    def start_square(self) -> Array:
-        """Squared distance of each chord's start from the driven axis."""
-        return square(self.start)
-
-    @cached_property
-    def end_square(self) -> Array:
-        """Squared distance of each chord's end."""
-        return square(self.end)
-
-    @cached_property
-    def least_square(self) -> Array:
-        """Squared distance of each chord's nearest point: an end, or the foot of its line if it lies between them."""
-        foot_between = (along(self.direction, self.start) < 0.0) & (along(self.direction, self.end) > 0.0)
-        least = np.minimum(self.start_square, self.end_square)
-        return np.where(foot_between, np.minimum(across(self.direction, self.start) ** 2, least), least)
+    placement: Placement
+    runs: RadialRuns
+    driving: ComplexArray
+    longest_mm: float
+    reach_mm: float
+    windows: tuple[IndexArray, IndexArray]
+    core: tuple[IndexArray, IndexArray]
 
 
 @dataclass(frozen=True, eq=False)
-class _Crossings(Columns):
-    """Where circles of vertices cross chords of the other outline, shape (n,) each.
+class _Chords:
+    """Chords of the driving outline near the mesh in the driven gear's frame, shape (n,) each.
 
-    ``vertex`` and ``chord`` number both; ``turn_rad`` turns the vertex onto the chord, ``entering`` tells whether it
-    would go into the other gear there, and ``depth_mm`` is the distance across the chord, to first order in the angle.
+    Along each chord the distance from the driven axis grows or falls all the way.  ``position`` counts within the
+    block, ``start_rad`` is the polar angle of the start; ``core`` tells whether all chords within twice the reach
+    around it are there as well.
     """
 
-    vertex: IndexArray
+    position: IndexArray
+    start: ComplexArray
+    end: ComplexArray
+    start_rad: Array
+    core: Mask
+
+
+@dataclass(frozen=True, eq=False)
+class _Meets:
+    """Pairs of a driving chord and a driven run that share a range of radii.
+
+    ``start_square`` and ``end_square`` are the squared radii of all chords' ends.  Pairs, shape (n,) each, have the
+    numbers of the ``chord`` and the ``run``, and the first entries of the run at or beyond the radius of the chord's
+    start and of its end.
+    """
+
+    chords: _Chords
+    runs: RadialRuns
+    start_square: Array
+    end_square: Array
     chord: IndexArray
+    run: IndexArray
+    at_start: IndexArray
+    at_end: IndexArray
+
+
+@dataclass(frozen=True, eq=False)
+class _Crossings:
+    """Where circles of vertices cross chords of the other outline, shape (n,) each.
+
+    ``vertex`` numbers the vertices, of which ``position`` (shape (vertices,)) tells the position in the block;
+    ``turn_rad`` turns a vertex onto the chord, ``entering`` tells whether a growing angle leads through it into the
+    other gear, ``depth_mm`` is the distance across the chord.
+    """
+
+    position: IndexArray
+    vertex: IndexArray
     turn_rad: Array
     entering: Mask
     depth_mm: Array
+
+    def kept(self, mask: Mask) -> _Crossings:
+        rows = np.nonzero(mask)[0]
+        columns = self.vertex[rows], self.turn_rad[rows], self.entering[rows], self.depth_mm[rows]
+        return _Crossings(self.position, *columns)
+
+    @property
+    def leading_out(self) -> Mask:
+        """Whether the vertex would come out of the other gear there."""
+        out: Mask = np.signbit(self.turn_rad) == self.entering
+        return out
 
 
 def outline_play(driving_mm: Array, driven_mm: Array, placement: Placement, reach_mm: float) -> Play:
@@ -106,18 +134,20 @@ def outline_play(driving_mm: Array, driven_mm: Array, placement: Placement, reac
     """
     # Outlines are followed with the material on their left: a ring's goes round the hole the other way.
     driving, driven = as_complex(driving_mm), as_complex(driven_mm[::-1] if placement.driven_inside else driven_mm)
-    outlines, pitch = meshed_outlines(driving, driven, placement), placement.pitch_mm
-    apart = apart_play(outlines, reach_mm)
+    apart = apart_play(driving, driven, placement, reach_mm)
     play = np.stack([apart.up_rad, apart.down_rad, np.zeros(placement.count)])
     open_still, longest = np.nonzero(~apart.known)[0], _longest_chord_mm(driving, driven)
     for followed in REACHES_IN_PITCHES:
-        if followed < max(REACHES_IN_PITCHES) and longest > (followed - DEEP_IN_PITCHES) * pitch:
+        if followed < max(REACHES_IN_PITCHES) and longest > (followed - DEEP_IN_PITCHES) * placement.pitch_mm:
             continue
         if not open_still.size:
             break
-        play[:, open_still] = _play_by_vertices(outlines, open_still, reach_mm, followed * pitch)
+        setting = _setting(driving, driven, placement, reach_mm, followed * placement.pitch_mm)
+        for start in range(0, open_still.size, BLOCK):
+            position = open_still[start : start + BLOCK]
+            play[:, position] = _block_play(setting, position)
         up, down, depth = play[:, open_still]
-        shallow = depth <= DEEP_IN_PITCHES * pitch
+        shallow = depth <= DEEP_IN_PITCHES * placement.pitch_mm
         open_still = open_still[~(np.isfinite(up) & np.isfinite(down) & shallow)]
     return Play(*play)
 
@@ -126,116 +156,160 @@ def _longest_chord_mm(*outlines: ComplexArray) -> float:
     return max(float(np.abs(np.diff(outline, append=outline[:1])).max()) for outline in outlines)
 
 
-def _play_by_vertices(outlines: MeshedOutlines, position: IndexArray, reach_mm: float, followed_mm: float) -> Array:
-    """Play up and down and the deepest overlap at positions, shape (3, positions).
-
-    Driving chords are looked at as far around the core of them, those within ``reach_mm`` of the pitch point, that
-    everything is there within twice the way that vertices are followed.
-    """
-    beyond = reach_mm + 2.0 * followed_mm + float(outlines.driving.length_mm.max())
-    stretches = stretches_of(outlines, position, beyond, MOVED_IN_REACHES * followed_mm)
-    cells, length = stretches.cells(followed_mm), stretches.position.shape[1]
-    together, found = max(BLOCK // length, 1), []
-    for start in range(0, len(stretches.position), together):
-        rows = np.arange(start, min(start + together, len(stretches.position)))
-        pairs = near_pairs(stretches, cells, rows, followed_mm).at_each(length)
-        found.append(_block_play(outlines, pairs, stretches.position[rows].ravel(), reach_mm, followed_mm))
-    return np.concatenate(found, axis=1)[:, : position.size]
+def _setting(
+    driving: ComplexArray, driven: ComplexArray, placement: Placement, reach_mm: float, followed_mm: float
+) -> _Setting:
+    longest = _longest_chord_mm(driving)
+    runs = radial_runs(driven, followed_mm + longest, placement.pitch_mm)
+    outline = polar_outline(driving)
+    core, windows = (
+        outline.windows(placement.mesh_direction_rad, half_width_rad(placement, reach))
+        for reach in (reach_mm, reach_mm + longest + 2.0 * followed_mm)
+    )
+    return _Setting(placement, runs, driving, longest, followed_mm, windows, core)
 
 
-def _block_play(
-    outlines: MeshedOutlines, pairs: Pairs, position: IndexArray, reach_mm: float, followed_mm: float
-) -> tuple[Array, Array, Array]:
-    """Play up and down and the deepest overlap at positions, which the pairs number from 0 on."""
-    driving, driven = _driving_side(outlines, pairs, position), _driven_side(outlines, pairs, position.size)
-    first, count = outlines.mesh_windows(position[:, None], reach_mm)
-    core = np.zeros(driving.row.size, dtype=bool)
-    core[driving.number] = (pairs.driving - first[pairs.row]) % outlines.driving.start.size < count[pairs.row]
-    up, down, depth = _free(_crossings(driving, driven, followed_mm), driving, position.size)
-    crossings = _of_surrounded(_crossings(driven, driving, followed_mm), core, driven.row.size)
+def _block_play(setting: _Setting, position: IndexArray) -> tuple[Array, Array, Array]:
+    """Play up and down and the deepest overlap at each of the given positions."""
+    chords = _near_chords(setting, position)
+    meets = _meets(chords, setting.runs)
+    own_up, own_down, own_depth = _free(_of_driving_vertices(meets, setting.reach_mm), position.size)
+    up, down, depth = _free(_of_driven_vertices(meets, setting.reach_mm, position.size), position.size)
     # To turn the driving gear up is to turn the driven one's vertices down.
-    other_down, other_up, other_depth = _free(crossings, driven, position.size)
-    return np.minimum(up, other_up), np.minimum(down, other_down), np.maximum(depth, other_depth)
+    return np.minimum(own_up, down), np.minimum(own_down, up), np.maximum(own_depth, depth)
 
 
-def _driving_side(outlines: MeshedOutlines, pairs: Pairs, position: IndexArray) -> _Side:
-    chords, placement = outlines.driving, outlines.placement
-    number, row, chord = _numbered(pairs.row, pairs.driving, position.size, chords.start.size)
-    start, end = (placement.driving_points(ends[chord], position[row]) for ends in (chords.start, chords.end))
-    direction = placement.driving_directions(chords.direction[chord], position[row])
-    return _Side(number, row, start, end, direction, chords.at_vertex[chord])
+def _near_chords(setting: _Setting, position: IndexArray) -> _Chords:
+    """The driving chords that may come within the driven outline's reach."""
+    runs, (first, count) = setting.runs, (numbers[position] for numbers in setting.windows)
+    row, vertex = counted_up(first, count + 1)
+    outline = np.take(setting.driving, vertex, mode="wrap")
+    points = setting.placement.driving_points(outline, position[row])
+    squared = square(points)
+    # A chord's foot may be nearer to the axis than both its ends, by no more than its half length squared.
+    least = np.minimum(squared[:-1], squared[1:]) - setting.longest_mm**2 / 4.0
+    greatest = np.maximum(squared[:-1], squared[1:])
+    low, high = runs.reach
+    chord = np.nonzero((least < high.max()) & (greatest > low.min()) & (row[1:] == row[:-1]))[0]
+    start_rad = np.angle(points[chord])
+    sector = runs.sector(start_rad)
+    within = np.nonzero((least[chord] < high[sector]) & (greatest[chord] > low[sector]))[0]
+    chord, start_rad = chord[within], start_rad[within]
+    core_first, core_count = (numbers[position[row[chord]]] for numbers in setting.core)
+    core = (vertex[chord] >= core_first) & (vertex[chord] < core_first + core_count)
+    return _split_at_feet(_Chords(row[chord], points[chord], points[chord + 1], start_rad, core))
 
 
-def _driven_side(outlines: MeshedOutlines, pairs: Pairs, positions: int) -> _Side:
-    chords = outlines.driven
-    number, row, chord = _numbered(pairs.row, pairs.driven % chords.start.size, positions, chords.start.size)
-    chords = chords.kept(chord)
-    return _Side(number, row, chords.start, chords.end, chords.direction, chords.at_vertex)
+def _split_at_feet(chords: _Chords) -> _Chords:
+    """The chords, with those cut in two along which the radius falls and then grows."""
+    split, foot = with_feet(chords.start, chords.end)
+    end = chords.end.copy()
+    end[split] = foot
+    return _Chords(
+        np.concatenate([chords.position, chords.position[split]]),
+        np.concatenate([chords.start, foot]),
+        np.concatenate([end, chords.end[split]]),
+        np.concatenate([chords.start_rad, np.angle(foot)]),
+        np.concatenate([chords.core, chords.core[split]]),
+    )
 
 
-def _numbered(row: IndexArray, chord: IndexArray, rows: int, chords: int) -> tuple[IndexArray, IndexArray, IndexArray]:
-    """Numbers for pairs of a row and a chord, equal pairs having the same, and both of each number."""
-    place = row * chords + chord
-    seen = np.zeros(rows * chords, dtype=bool)
-    seen[place] = True
-    number = np.cumsum(seen) - 1
-    return number[place], *np.divmod(np.nonzero(seen)[0], chords)
+def _meets(chords: _Chords, runs: RadialRuns) -> _Meets:
+    near = runs.near[runs.sector(chords.start_rad)]
+    start, end = square(chords.start), square(chords.end)
+    low, high = np.minimum(start, end)[:, None], np.maximum(start, end)[:, None]
+    chord, column = np.nonzero((runs.inner[near] <= high) & (runs.outer[near] >= low))
+    run = near[chord, column]
+    ends = (runs.entry_beyond(run, squared[chord]) for squared in (start, end))
+    return _Meets(chords, runs, start, end, chord, run, *ends)
 
 
-def _crossings(vertices: _Side, chords: _Side, followed_mm: float) -> _Crossings:
-    """Where vertices, which the one side's chords start at, come upon the other side's chords within reach.
+def _of_driving_vertices(meets: _Meets, reach_mm: float) -> _Crossings:
+    """Circles of the chords' starts across the driven outline, as far as within reach."""
+    runs, squared = meets.runs, meets.start_square[meets.chord]
+    crossed = np.nonzero((runs.inner[meets.run] <= squared) & (squared < runs.outer[meets.run]))[0]
+    vertex, run = meets.chord[crossed], meets.run[crossed]
+    before = np.maximum(meets.at_start[crossed] - 1, runs.first[run])
+    radius, aside = np.sqrt(meets.start_square)[vertex], runs.aside_mm[before]
+    turn = _turned(meets.chords.start_rad[vertex], runs.heading_rad[before], aside, radius)
+    found = _Crossings(meets.chords.position, vertex, turn, runs.rising[run], _across(turn, radius, aside))
+    return found.kept(np.abs(turn) * radius <= reach_mm)
 
-    A circle crosses the outline where the ends of a chord are on both sides of it, so that none is lost or found
-    twice where chords join; and twice where both ends are outside of it, but not the chord's foot.
+
+def _of_driven_vertices(meets: _Meets, reach_mm: float, positions: int) -> _Crossings:
+    """Circles of the driven outline's vertices across the chords, as far as within reach.
+
+    A vertex that only meets chords at the edge of the windows may look as if it were inside, because nearer chords are
+    missing: it counts as outside.
     """
-    squared = vertices.start_square[vertices.number]
-    crossed = np.maximum(chords.start_square, chords.end_square)[chords.number] >= squared
-    crossed &= (chords.least_square[chords.number] < squared) & vertices.at_vertex[vertices.number]
-    pair = np.nonzero(crossed)[0]
-    number, chord, squared = vertices.number[pair], chords.number[pair], squared[pair]
-    against, start, vertex = np.conj(chords.direction)[chord], chords.start[chord], vertices.start[number]
-    beside = against * (vertex - start)
-    start, vertex = against * start, against * vertex
-    _, from_foot = crossings_from_foot(vertex, beside, start)
-    rising, which = np.nonzero(np.stack([chords.start_square[chord] >= squared, chords.end_square[chord] >= squared]))
-    from_foot = from_foot[rising, which]
-    turn = turn_onto(vertex[which], from_foot, start.imag[which])
-    entering: Mask = np.signbit(turn) != rising
-    found = _Crossings(number[which], chord[which], turn, entering, np.abs(turn * from_foot))
-    return found.kept(np.nonzero(np.abs(turn) * np.sqrt(squared[which]) <= followed_mm)[0])
+    runs, chords = meets.runs, meets.chords
+    first = np.minimum(meets.at_start, meets.at_end)
+    pair, entry = counted_up(first, np.maximum(meets.at_start, meets.at_end) - first)
+    chord, rising = meets.chord[pair], meets.end_square > meets.start_square
+    heading, aside = headings(chords.start, np.where(rising, 1.0, -1.0) * (chords.end - chords.start))
+    radius, aside = runs.radius_mm[entry], aside[chord]
+    turn = _turned(runs.polar_rad[entry], heading[chord], aside, radius)
+    position, vertex = _numbered(chords.position[chord], entry, runs.point.size, positions)
+    found = _Crossings(position, vertex, turn, rising[chord], _across(turn, radius, aside))
+    within = np.abs(turn) * radius <= reach_mm
+    surrounded = np.zeros(position.size, dtype=bool)
+    surrounded[vertex[within & chords.core[chord]]] = True
+    return found.kept(within & (surrounded[vertex] | ~found.leading_out))
 
 
-def _of_surrounded(crossings: _Crossings, core: Mask, vertices: int) -> _Crossings:
-    """The crossings of driven vertices, without those that could make one count as inside because chords are missing.
+def _turned(vertex_rad: Array, heading_rad: Array, aside_mm: Array, radius_mm: Array) -> Array:
+    """Angles, from -pi to pi, from vertices along their circles to chords; see ``headings``."""
+    share = np.clip(aside_mm / radius_mm, -1.0, 1.0)
+    turn = heading_rad + np.arcsin(share) - vertex_rad
+    turned: Array = turn - TURN * np.rint(turn / TURN)
+    return turned
 
-    Of a vertex that meets a chord of the core, all that it meets is within twice the reach of the core, so that no
-    chord is missing.  Others, which only meet chords at the windows' edge, count as outside.
+
+def _across(turn_rad: Array, radius_mm: Array, aside_mm: Array) -> Array:
+    """Distances across chords of vertices that angles turn onto them, to first order in the angle."""
+    lever = np.sqrt(np.maximum((radius_mm - aside_mm) * (radius_mm + aside_mm), 0.0))
+    across: Array = np.abs(turn_rad) * lever
+    return across
+
+
+def _numbered(position: IndexArray, entry: IndexArray, entries: int, positions: int) -> tuple[IndexArray, IndexArray]:
+    """Numbers for pairs of a position and an entry: the position of each number, and the number of each pair.
+
+    Entries that are met in one position are neighbours around the outline, so they are counted from one of them.
     """
-    surrounded = np.zeros(vertices, dtype=bool)
-    surrounded[crossings.vertex[core[crossings.chord]]] = True
-    return crossings.kept(np.nonzero(surrounded[crossings.vertex] | crossings.entering)[0])
+    some = np.zeros(positions, dtype=int)
+    some[position] = entry
+    beside = (entry - some[position] + entries // 2) % entries
+    least = int(beside.min(initial=entries))
+    span = int(beside.max(initial=least)) - least + 1
+    return np.repeat(np.arange(positions), span), position * span + beside - least
 
 
-def _free(crossings: _Crossings, vertices: _Side, positions: int) -> tuple[Array, Array, Array]:
+def _free(crossings: _Crossings, positions: int) -> tuple[Array, Array, Array]:
     """Least angles by which the vertices of each position can move up and down, and the deepest one's depth.
 
     A vertex is inside the other gear if, turned one way or the other, it would come out of the gear before it goes in;
     the other side of a thick tooth may be out of reach.  It then counts as past the nearer side.
     """
-    count = vertices.row.size
-    least = np.full((2, 2, count), np.inf)
-    kind = 2 * crossings.entering + np.signbit(crossings.turn_rad)
-    np.minimum.at(least.ravel(), count * kind + crossings.vertex, np.abs(crossings.turn_rad))
-    leaving, entering = least
-    inside: Mask = np.any(leaving < entering, axis=0)
-    past_upper = leaving[0] <= leaving[1]
-    up = np.where(inside, np.where(past_upper, np.inf, -leaving[1]), least[:, 0].min(axis=0))
-    down = np.where(inside, np.where(past_upper, -leaving[0], np.inf), least[:, 1].min(axis=0))
-    depth = np.where(inside, np.inf, 0.0)
+    least = np.full((4, crossings.position.size), np.inf)
+    kind = 2 * np.signbit(crossings.turn_rad) + crossings.entering
+    np.minimum.at(least.ravel(), crossings.position.size * kind + crossings.vertex, np.abs(crossings.turn_rad))
+    left_above, entered_above, left_below, entered_below = least
+    inside = (left_above < entered_above) | (entered_below < left_below)
+    past_upper = inside & (left_above <= entered_below)
+    up = np.where(inside, np.where(past_upper, np.inf, -entered_below), np.minimum(entered_above, left_above))
+    down = np.where(inside, np.where(past_upper, -left_above, np.inf), np.minimum(entered_below, left_below))
+    bounds = np.full((2, positions), np.inf)
+    np.minimum.at(bounds[0], crossings.position, up)
+    np.minimum.at(bounds[1], crossings.position, down)
+    return bounds[0], bounds[1], _deepest(crossings, inside, positions)
+
+
+def _deepest(crossings: _Crossings, inside: Mask, positions: int) -> Array:
+    """Largest depth, at each position, of vertices inside the other gear: the distance to the nearest chord."""
     deep = np.nonzero(inside[crossings.vertex])[0]
+    depth = np.where(inside, np.inf, 0.0)
     np.minimum.at(depth, crossings.vertex[deep], crossings.depth_mm[deep])
-    bounds, deepest = np.full((2, positions), np.inf), np.zeros(positions)
-    np.minimum.at(bounds[0], vertices.row, up)
-    np.minimum.at(bounds[1], vertices.row, down)
-    np.maximum.at(deepest, vertices.row, depth)
-    return bounds[0], bounds[1], deepest
+    deepest = np.zeros(positions)
+    np.maximum.at(deepest, crossings.position, depth)
+    return deepest

@@ -1,4 +1,4 @@
-"""Chords of an outline, and how they are found: by their direction from the axis, or by the cells of a square grid."""
+"""Chords of an outline, and which of them are near a place: found in the cells of a square grid."""
 
 from __future__ import annotations
 
@@ -8,23 +8,16 @@ from math import ceil
 
 import numpy as np
 
-from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, counted_up
-
-TURN = 2.0 * np.pi
+from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, counted_up
 
 
 @dataclass(frozen=True, eq=False)
 class Chords(Columns):
-    """Chords, or pieces of them, by their ``start``, ``end``, ``direction`` (of length 1) and ``length_mm``.
-
-    ``at_vertex`` tells which start at a vertex of the outline; shape (n,) each.
-    """
+    """Chords by their ``start``, ``direction`` (of length 1) and ``length_mm``, shape (n,) each."""
 
     start: ComplexArray
-    end: ComplexArray
     direction: ComplexArray
     length_mm: Array
-    at_vertex: Mask
 
     @cached_property
     def middle(self) -> ComplexArray:
@@ -36,16 +29,6 @@ class Chords(Columns):
         """Half the length of each chord."""
         return self.length_mm / 2.0
 
-    @cached_property
-    def inner_mm(self) -> Array:
-        """A bound of the least distance of each chord from the axis."""
-        return np.abs(self.middle) - self.half_mm
-
-    @cached_property
-    def outer_mm(self) -> Array:
-        """The greatest distance of each chord from the axis."""
-        return np.maximum(np.abs(self.start), np.abs(self.end))
-
 
 def chords_of(outline: ComplexArray, longest_mm: float) -> Chords:
     """The chords of a closed outline, shape (n,), one after the other; longer ones are cut into equal pieces."""
@@ -55,39 +38,7 @@ def chords_of(outline: ComplexArray, longest_mm: float) -> Chords:
     chord, number = counted_up(np.zeros_like(pieces), pieces)
     direction = step / np.maximum(length, np.finfo(float).tiny)
     start = outline[chord] + step[chord] * (number / pieces[chord])
-    return Chords(start, np.roll(start, -1), direction[chord], (length / pieces)[chord], number == 0)
-
-
-@dataclass(frozen=True, eq=False)
-class PolarOutline:
-    """An outline around the origin, with bounds by which vertices are found by their polar angle.
-
-    Over three turns, ``reached`` is the largest angle up to each vertex and ``left`` the smallest angle from it on;
-    both grow all along, even where the outline turns back.
-    """
-
-    outline: ComplexArray
-    reached: Array
-    left: Array
-
-    def windows(self, direction: Array, half_width: Array) -> tuple[IndexArray, IndexArray]:
-        """Stretches of vertices (first number and count) that hold all vertices in sectors, and one more at either end.
-
-        Polar angles and half widths in rad, shape (n,).  Numbers may be negative: they count round the outline.
-        """
-        count = self.outline.size
-        base = self.reached[count]
-        middle = base + np.mod(direction - base, TURN)
-        first = np.searchsorted(self.reached, middle - half_width) - 1
-        after = np.searchsorted(self.left, middle + half_width) + 1
-        return first - count, np.minimum(after - first, count)
-
-
-def polar_outline(outline: ComplexArray) -> PolarOutline:
-    """The bounds of an outline, shape (n,), that goes round the origin once, counter-clockwise."""
-    angle = np.unwrap(np.angle(outline))
-    turns = np.concatenate([angle - TURN, angle, angle + TURN])
-    return PolarOutline(outline, np.maximum.accumulate(turns), np.minimum.accumulate(turns[::-1])[::-1])
+    return Chords(start, direction[chord], (length / pieces)[chord])
 
 
 @dataclass(frozen=True, eq=False)
