@@ -113,7 +113,7 @@ def test_pairs_of_a_stretch_are_all_that_come_near_in_any_of_its_positions(
     _, driving, driven, at = apart(name, teeth, tolerance, 0.0)
     pitch = at.pitch_mm
     chords, once = chords_of(driving, 0.15 * pitch), chords_of(driven[::-1] if at.driven_inside else driven, np.inf)
-    stretches, moved = search._stretches(chords, at, 1.2 * pitch)
+    stretches, moved = search._stretches(chords, at, 1.2 * pitch, 0.06 * pitch)
     near = 0.02 * pitch + moved + float(chords.half_mm.max())
     cells = cells_near(once, near, 0.01 * pitch)
     windows = search._windows(chords, stretches.width)

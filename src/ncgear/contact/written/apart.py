@@ -22,18 +22,24 @@ from ncgear.numerics.plane import across, square
 REACHES_IN_PITCHES = 0.005, 0.02, 0.08
 """How far vertices are followed along their circles: without backlash the first is nearly always enough."""
 
-LONGEST_IN_PITCHES = 0.15
-"""Longer chords of the driving outline are cut into pieces: one long chord would make all of them have many pairs."""
+FARTHEST = 4.0
+"""Grains over which vertices are followed at most: fine chords have too many others within a greater reach."""
 
-CELL_IN_PITCHES = 0.15
-"""Size of the cells by which pairs are found; smaller ones find fewer pairs that are not near and take longer to make.
-"""
+GRAIN_IN_PITCHES = 0.04
+"""The grain of outlines, by which the sizes below count, is the mean length of their chords, and this at most."""
+
+LONGEST = 4.0
+"""Grains from which chords of the driving outline are cut into pieces: a long one would make all have many pairs."""
+
+CELL, MOST_CELLS = 4.0, 2000
+"""Size in grains of the cells by which pairs are found, and most cells across an outline.  Smaller ones find fewer
+pairs that are not near, and take longer to make."""
 
 STRETCHES = 9, 3, 1
 """Numbers of positions in a stretch, of which the greatest is taken that leaves chords near each other."""
 
-MOVED_IN_PITCHES = 0.06
-"""How far chords may move within a stretch, as the other gear sees them."""
+MOVED = 1.5
+"""How far, in grains, chords may move within a stretch, as the other gear sees them."""
 
 BLOCK = 128
 """Positions treated at once, so few that their arrays stay in the processor's cache."""
@@ -122,18 +128,21 @@ def apart_play(driving: ComplexArray, driven: ComplexArray, placement: Placement
     Outlines are compared within the sector of the driving gear that ``reach_mm`` from the pitch point spans.
     """
     pitch = placement.pitch_mm
-    chords, once = chords_of(driving, LONGEST_IN_PITCHES * pitch), chords_of(driven, np.inf)
-    stretches, moved = _stretches(chords, placement, reach_mm)
+    once = chords_of(driven, np.inf)
+    grain = min(GRAIN_IN_PITCHES * pitch, float(once.length_mm.mean()))
+    chords = chords_of(driving, LONGEST * grain)
+    stretches, moved = _stretches(chords, placement, reach_mm, MOVED * grain)
     twice = Chords.joined([once, once])
     setting = _Setting(placement, stretches, chords, twice, _windows(chords, stretches.width))
     play, crossed = np.full((2, placement.count), np.inf), np.zeros(placement.count, dtype=bool)
     together = max(BLOCK // stretches.position.shape[1], 1)
     margin, outermost = float(chords.half_mm.max()) + moved, float(np.abs(driven).max())
+    cell = max(CELL * grain, 2.0 * outermost / MOST_CELLS)
     for followed in REACHES_IN_PITCHES:
         open_still = np.nonzero((np.isinf(play).any(axis=0) & ~crossed)[stretches.position].any(axis=1))[0]
-        if not open_still.size:
+        if not open_still.size or followed * pitch > FARTHEST * grain:
             break
-        cells = cells_near(once, followed * pitch + margin, CELL_IN_PITCHES * pitch)
+        cells = cells_near(once, followed * pitch + margin, cell)
         for start in range(0, open_still.size, together):
             rows = open_still[start : start + together]
             pairs = _near_pairs(setting, cells, rows, followed * pitch)
@@ -153,8 +162,8 @@ def half_width_rad(placement: Placement, reach_mm: float) -> Array:
     return np.where(share < 1.0, np.arcsin(np.minimum(share, 1.0)), np.pi)
 
 
-def _stretches(chords: Chords, placement: Placement, reach_mm: float) -> tuple[_Stretches, float]:
-    """The longest stretches within which chords move little, and how far in mm they do."""
+def _stretches(chords: Chords, placement: Placement, reach_mm: float, most_mm: float) -> tuple[_Stretches, float]:
+    """The longest stretches within which chords move by ``most_mm`` at most, and how far in mm they do."""
     outline = polar_outline(chords.start)
     direction, half_width = placement.mesh_direction_rad, half_width_rad(placement, reach_mm)
     for length in STRETCHES:
@@ -165,7 +174,7 @@ def _stretches(chords: Chords, placement: Placement, reach_mm: float) -> tuple[_
         moving = _moving(placement, position)
         stretches = _Stretches(position, first % chords.start.size, int(count.max()), *moving)
         moved = _moved_mm(chords, stretches)
-        if moved <= MOVED_IN_PITCHES * placement.pitch_mm:
+        if moved <= most_mm:
             break
     return stretches, moved
 
