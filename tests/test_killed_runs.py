@@ -115,6 +115,7 @@ def designs(tmp_path: Path) -> dict[Path, tuple[float, dict[str, Any]]]:
 
 
 @pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.attack
 def test_builds_killed_at_random_moments_leave_one_build_whole(
     tmp_path: Path, designs: dict[Path, tuple[float, dict[str, Any]]]
