@@ -26,9 +26,9 @@ class Contacts(Columns):
     """n places of contact, all of shape (n,).
 
     ``side`` is the side of the teeth, PUSHING or BACK; ``driving`` and ``driven`` number the flanks that meet in
-    ``position``.  ``error_rad`` is how far the driven angle
-    at which they touch is beyond the law's; ``point`` and ``tangent`` (of any length) are in the frame of the driven
-    gear, which then stands there.  ``flanks`` is true where two flanks touch, and false at an edge.
+    ``position``.  ``error_rad`` is how far the driven angle at which they touch is beyond the law's; ``point`` and
+    ``tangent`` (of any length) are in the frame of the driven gear, which then stands there.  ``flanks`` is true where
+    two flanks touch, and false at an edge.
     """
 
     side: IndexArray
