@@ -65,7 +65,7 @@ class TipPaths:
     at: CurvePoints
     there: CurvePoints
 
-    def kept(self, rows: Mask | IndexArray) -> TipPaths:
+    def kept(self, rows: Mask) -> TipPaths:
         """The paths of the chosen meetings."""
         return TipPaths(self.own[rows], self.other[rows], self.at.kept(rows), self.there.kept(rows))
 
@@ -173,8 +173,7 @@ def _fouling(flanks: Flanks, top: Array, paths: TipPaths, teeth: list[Array]) ->
     """
     hit = np.zeros(flanks.count, dtype=bool)
     for stand, mating in zip(_stands(flanks)[: len(teeth)], teeth, strict=True):
-        path = paths.in_mate(stand.flank(paths.own, top[paths.own])[0])
-        hit[paths.own[_running_into(path, mating, paths.other // 2, NEIGHBOURS)]] = True
+        hit[_edges_in(stand, top, paths, mating, paths.other // 2, NEIGHBOURS)] = True
     return hit
 
 
@@ -185,13 +184,18 @@ def _in_bottoms(flanks: Flanks, top: Array, paths: TipPaths, spaces: list[Array]
     flank and leaves it along the fillet.
     """
     hit = np.zeros(flanks.count, dtype=bool)
-    space = (paths.other - 1) // 2
     for stand, mating in zip(_stands(flanks), spaces, strict=True):
-        moved = np.nonzero(stand.turn_rad[paths.own])[0]
-        near = paths.kept(moved)
-        path = near.in_mate(stand.flank(near.own, top[near.own])[0])
-        hit[near.own[_running_into(path, mating, space[moved], SPACES_BESIDE)]] = True
+        moved = paths.kept(stand.turn_rad[paths.own] != 0.0)
+        hit[_edges_in(stand, top, moved, mating, (moved.other - 1) // 2, SPACES_BESIDE)] = True
     return hit
+
+
+def _edges_in(
+    stand: Flanks, top: Array, paths: TipPaths, outlines: Array, number: IndexArray, beside: int
+) -> IndexArray:
+    """Flanks with tip edges, at heights ``top``, that run into the outline of their path's number, or one beside it."""
+    path = paths.in_mate(stand.flank(paths.own, top[paths.own])[0])
+    return paths.own[_running_into(path, outlines, number, beside)]
 
 
 def _running_into(path: Array, teeth: Array, tooth: IndexArray, neighbours: int) -> Mask:
