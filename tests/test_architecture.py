@@ -27,7 +27,7 @@ LAYERS = [
     {"contact", "metrology"},
     {"solids"},
     {"optimum", "dynamics"},
-    {"balance"},
+    {"balance", "strength"},
     {"papers"},
     {"design"},
     {"project"},

@@ -1,0 +1,81 @@
+"""The answer of all methods: stress, safety and life of every tooth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array
+from ncgear.pitch.shape import Gear
+from ncgear.strength.contacts import LoadedContacts
+from ncgear.strength.material import Material
+
+
+@dataclass(frozen=True, eq=False)
+class ContactStresses:
+    """Stresses of n loaded contacts in MPa, all factors of load included.
+
+    ``pressure_mpa`` (shape (n,)) is the pressure between the flanks, NaN at edges.  ``tension_mpa`` and
+    ``compression_mpa`` (shape (2, n)) are those at the roots of the driving and the driven tooth.
+    """
+
+    pressure_mpa: Array
+    tension_mpa: Array
+    compression_mpa: Array
+
+
+@dataclass(frozen=True, eq=False)
+class ToothLife:
+    """What one kind of damage leaves to the z teeth of a gear; shape (z,) each, from tooth 1 on.
+
+    ``stress_mpa`` is the largest stress of each tooth and ``phi1_rad`` the driving angle at which it has it.
+    ``safety`` is the endured stress over the equivalent one: all stresses may grow by this factor until the life asked
+    for is just reached.  ``life_h`` are the hours until failure by Miner's rule, infinite where the stress is endured
+    for ever.  Teeth that bear no load have a stress of 0 and an infinite safety.
+    """
+
+    stress_mpa: Array
+    phi1_rad: Array
+    safety: Array
+    life_h: Array
+
+    @property
+    def weakest(self) -> int:
+        """Number of the tooth of least safety, from 1."""
+        return int(np.argmin(self.safety)) + 1
+
+    @property
+    def safety_min(self) -> float:
+        """Least safety of any tooth."""
+        return float(self.safety.min())
+
+
+@dataclass(frozen=True, eq=False)
+class GearStrength:
+    """One gear: its material, breakage of teeth, and pitting of flanks (None where the material has no figures)."""
+
+    gear: Gear
+    material: Material
+    bending: ToothLife
+    contact: ToothLife | None
+
+
+@dataclass(frozen=True, eq=False)
+class Strength:
+    """Both gears by one method.
+
+    ``load`` says what the load follows from: the machine with its masses, or the resistance alone.
+    """
+
+    method: Literal["estimate", "elements"]
+    load: Literal["masses", "resistance"]
+    contacts: LoadedContacts
+    stresses: ContactStresses
+    driving: GearStrength
+    driven: GearStrength
+
+    def of(self, gear: Gear) -> GearStrength:
+        """The driving or the driven gear."""
+        return self.driving if gear is Gear.DRIVING else self.driven

@@ -1,0 +1,64 @@
+"""The contacts of the teeth under load over a whole cycle of meetings, as the methods of strength need them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
+from ncgear.pitch.shape import Gear
+
+
+@dataclass(frozen=True, eq=False)
+class FlankPlaces(Columns):
+    """n places on the flanks of one gear, in the gear's own frame; shape (n,) each.
+
+    ``flank`` numbers the flanks from 0, two for each tooth, as in ``ncgear.teeth.flank``; ``point`` is the place as
+    x + i y in mm, ``inwards`` the unit normal of the flank there that leads into the tooth.
+    """
+
+    flank: IndexArray
+    point: ComplexArray
+    inwards: ComplexArray
+
+    @property
+    def tooth(self) -> IndexArray:
+        """Number of each place's tooth, from 1."""
+        return self.flank // 2 + 1
+
+
+@dataclass(frozen=True, eq=False)
+class LoadedContacts(Columns):
+    """n contacts that bear load, in the order of positions; shape (n,) each.
+
+    ``position`` numbers the positions of the cycle and ``phi1_rad`` is the driving angle there.  ``side`` is PUSHING or
+    BACK.  ``force_n`` is the normal force that the pair bears, in the plane across the axes.  ``relative_curvature``
+    is the sum of both flanks' curvatures in 1/mm, infinite where an edge touches; ``flanks`` is false there.
+    ``rolling_mm_s`` (shape (n, 2)) are the speeds at which the contact moves along the driving and the driven flank.
+    """
+
+    position: IndexArray
+    phi1_rad: Array
+    side: IndexArray
+    force_n: Array
+    relative_curvature: Array
+    flanks: Mask
+    rolling_mm_s: Array
+    driving_flank: IndexArray
+    driving_point: ComplexArray
+    driving_inwards: ComplexArray
+    driven_flank: IndexArray
+    driven_point: ComplexArray
+    driven_inwards: ComplexArray
+
+    def on(self, gear: Gear) -> FlankPlaces:
+        """The places on one gear's flanks."""
+        if gear is Gear.DRIVING:
+            return FlankPlaces(self.driving_flank, self.driving_point, self.driving_inwards)
+        return FlankPlaces(self.driven_flank, self.driven_point, self.driven_inwards)
+
+    @property
+    def sliding_mm_s(self) -> Array:
+        """Speed of sliding, shape (n,)."""
+        return np.abs(self.rolling_mm_s[:, 0] - self.rolling_mm_s[:, 1])
