@@ -1,0 +1,128 @@
+"""Plane strain in meshes of one topology: stiffness, displacements under many loads, stresses.
+
+All meshes are assembled at once, since they differ only in where their nodes are; each is factorised once.  Shape
+functions and quadrature are scikit-fem's.  Displacements are complex, x + i y.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
+from skfem import ElementQuad1, ElementQuad2
+from skfem.quadrature import get_quadrature
+from skfem.refdom import RefQuad
+
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
+from ncgear.strength.elements.mesh import Topology
+from ncgear.strength.material import Material
+
+
+@dataclass(frozen=True, eq=False)
+class Gradients:
+    """Gradients of shape functions by x and y, shape (2, z, e, q, nodes), at q places of each of e elements.
+
+    ``area_mm2`` (shape (z, e, q)) is the part of the element that each place stands for, of either sign.
+    """
+
+    by: Array
+    area_mm2: Array
+
+
+def gradients_at(topology: Topology, nodes: ComplexArray, places: Array, weight: Array) -> Gradients:
+    """Gradients at places of the unit square (shape (2, q), weights (q,)) in meshes with ``nodes``, shape (z, n)."""
+    order = topology.order
+    element = {1: ElementQuad1, 2: ElementQuad2}[order]()
+    number = np.rint(element.doflocs * order).astype(int) @ [order + 1, 1]
+    reference = np.empty((2, places.shape[1], len(number)))
+    for own, ours in enumerate(number):
+        reference[:, :, ours] = element.lbasis(places, own)[1]
+    around = nodes[:, topology.cells]
+    first, second = (around @ slope.T for slope in reference)
+    area = np.imag(np.conj(first) * second)
+    # The inverse of the matrix of derivatives (first, second) of x and y.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        by_first, by_second = first / area, second / area
+    u, v = reference
+    by_x = by_second.imag[..., None] * u - by_first.imag[..., None] * v
+    by_y = by_first.real[..., None] * v - by_second.real[..., None] * u
+    return Gradients(np.stack([by_x, by_y]), area * weight)
+
+
+def inner_gradients(topology: Topology, nodes: ComplexArray) -> Gradients:
+    """Gradients where stiffness is integrated."""
+    return gradients_at(topology, nodes, *get_quadrature(RefQuad, 2 * topology.order + 1))
+
+
+def lame_mpa(material: Material) -> tuple[float, float]:
+    """Lame's constants: of the change of volume, and the shear modulus."""
+    modulus, poisson = material.youngs_modulus_mpa, material.poisson
+    shear = modulus / (2.0 * (1.0 + poisson))
+    return 2.0 * shear * poisson / (1.0 - 2.0 * poisson), shear
+
+
+def element_stiffness(gradients: Gradients, material: Material) -> Array:
+    """Stiffness of all elements in N/mm for a width of 1 mm, shape (z, e, 2 nodes, 2 nodes), x and y of each node."""
+    volume, shear = lame_mpa(material)
+    x, y = gradients.by
+    weighted = np.abs(gradients.area_mm2)[..., None]
+    xx, yy, xy = (np.swapaxes(a, -1, -2) @ (weighted * b) for a, b in ((x, x), (y, y), (x, y)))
+    count = xx.shape[-1]
+    stiffness = np.empty((*xx.shape[:-2], count, 2, count, 2))
+    stiffness[..., :, 0, :, 0] = (volume + 2.0 * shear) * xx + shear * yy
+    stiffness[..., :, 1, :, 1] = (volume + 2.0 * shear) * yy + shear * xx
+    stiffness[..., :, 0, :, 1] = volume * xy + shear * np.swapaxes(xy, -1, -2)
+    stiffness[..., :, 1, :, 0] = np.swapaxes(stiffness[..., :, 0, :, 1], -1, -2)
+    return stiffness.reshape(*xx.shape[:-2], 2 * count, 2 * count)
+
+
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """Where elements' entries go in the matrix of the free unknowns: sorted entries, and the first of each sum."""
+
+    free: IndexArray
+    entry: IndexArray
+    first: IndexArray
+    row: IndexArray
+    start: IndexArray
+
+
+def pattern_of(topology: Topology, order: IndexArray | None = None) -> Pattern:
+    """The pattern of the free unknowns (x and y of each node that is not held), numbered in a given order."""
+    free = np.flatnonzero(~np.repeat(topology.held, 2))
+    free = free if order is None else free[order]
+    number = np.full(2 * topology.held.size, -1)
+    number[free] = np.arange(free.size)
+    unknown = number[(2 * topology.cells[:, :, None] + np.arange(2)).reshape(len(topology.cells), -1)]
+    row, column = np.broadcast_arrays(unknown[:, :, None], unknown[:, None, :])
+    key = (column * free.size + row).ravel()
+    entry = np.flatnonzero((row >= 0).ravel() & (column >= 0).ravel())
+    entry = entry[np.argsort(key[entry], kind="stable")]
+    key, first = np.unique(key[entry], return_index=True)
+    start = np.searchsorted(key, np.arange(free.size + 1) * free.size)
+    return Pattern(free, entry, first, key % free.size, start)
+
+
+def displacements(
+    topology: Topology, nodes: ComplexArray, material: Material, at: Array, force: ComplexArray
+) -> ComplexArray:
+    """Displacements of all nodes in mm under forces of N per mm of width, shape (z, loads, nodes).
+
+    ``nodes`` has shape (z, nodes).  ``at`` (shape (loads, nodes)) says how each load is spread over the nodes, the same
+    in all meshes; ``force`` has shape (z, loads).
+    """
+    stiffness = element_stiffness(inner_gradients(topology, nodes), material).reshape(len(nodes), -1)
+    pattern = pattern_of(topology)
+    moved = np.zeros((len(nodes), *at.shape), dtype=complex)
+    size = pattern.free.size
+    for mesh, entries in enumerate(stiffness):
+        values = np.add.reduceat(entries[pattern.entry], pattern.first)
+        matrix = csc_array((values, pattern.row, pattern.start), shape=(size, size))
+        solver = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        load = (at * force[mesh][:, None]).view(float)[:, pattern.free].T
+        found = np.zeros((len(at), 2 * topology.held.size))
+        found[:, pattern.free] = solver.solve(np.ascontiguousarray(load)).T
+        moved[mesh] = found.view(complex)
+    return moved
