@@ -23,6 +23,10 @@ FINE = 33
 TURNS = 64
 """Places on each half of a space at which the direction of the outline is told, to find the corners of teeth."""
 
+CORNER = 0.4
+"""Part of the turning from the middle of the root land to the flank's foot after which a tooth has its corner: below
+the place of the largest stress, where the outline still rises so little that three elements share the corner well."""
+
 ROOT_LAND = 3
 """The number of root lands among the curves of ``whole_curves``."""
 
@@ -32,8 +36,7 @@ class Outline:
     """A gear's outline as a way of ``total_mm``, and the places of its z teeth along it in mm, shape (z, 2) each.
 
     The columns are the back and the front side.  ``valley_mm`` are the middles of the root lands before and behind the
-    tooth, ``corner_mm`` the places at which the outline has turned half of its way from there to the flank's foot,
-    ``foot_mm`` where the flank passes into its fillet, and ``tip_mm`` where it ends at the tip land.  ``axis`` (shape
+    tooth, ``corner_mm`` the corners where meshes of teeth begin, ``foot_mm`` where the flank passes into its fillet, and ``tip_mm`` where it ends at the tip land.  ``axis`` (shape
     (z,)) is the direction from the root to the tip.
     """
 
@@ -91,8 +94,7 @@ def outline_of(gear: ToothedGear) -> Outline:
     turned = angle_between(axis[:, None, None], upwards)
     turned *= np.sign(turned[:, :, :1])
     passed = np.maximum.accumulate(turned[:, :, 0, None] - turned, axis=2)
-    half = passed[:, :, -1] / 2.0
-    number = np.sum(passed < half[:, :, None], axis=2)
+    number = np.sum(passed < CORNER * passed[:, :, -1:], axis=2)
     corner = np.take_along_axis(places, number[:, :, None], axis=2)[:, :, 0]
     return Outline(curves, shares, lengths, total, valley, corner, foot, tip, axis)
 

@@ -48,13 +48,14 @@ class Topology:
 
     ``cells`` (shape (e, (order + 1)^2)) numbers the nodes of each element, row by row of its own small grid; ``held``
     marks the nodes that cannot move.  ``sides`` (shape (2, k)) numbers the nodes along the back and the front side, from
-    the middle of the root land to the tip, and ``middle`` those from the tip's middle down to the bottom.
+    the middle of the root land to the tip, the first ``root_nodes`` of them up to the foot, and ``middle`` those from the tip's middle down to the bottom.
     """
 
     order: int
     cells: IndexArray
     held: Mask
     sides: IndexArray
+    root_nodes: int
     middle: IndexArray
 
 
@@ -76,7 +77,7 @@ def topology_of(size: MeshSize) -> Topology:
     half = size.across * p // 2
     middle = np.concatenate([tooth[::-1, half], strip[first + half, 1:]])
     cells = np.concatenate([cells_of(strip, p), cells_of(tooth, p)])
-    return Topology(p, cells, held, np.stack([back, front]), middle)
+    return Topology(p, cells, held, np.stack([back, front]), valley + size.fillet * p + 1, middle)
 
 
 def cells_of(grid: IndexArray, order: int) -> IndexArray:

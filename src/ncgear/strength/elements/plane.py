@@ -16,6 +16,7 @@ from skfem.quadrature import get_quadrature
 from skfem.refdom import RefQuad
 
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
+from ncgear.numerics.plane import along, square
 from ncgear.strength.elements.mesh import Topology
 from ncgear.strength.material import Material
 
@@ -126,3 +127,56 @@ def displacements(
         found[:, pattern.free] = solver.solve(np.ascontiguousarray(load)).T
         moved[mesh] = found.view(complex)
     return moved
+
+
+def edge_values(order: int, places: Array) -> tuple[Array, Array]:
+    """The shape functions of an edge from 0 to 1, and their derivatives, at places; shape (places, order + 1) each."""
+    powers = np.linalg.inv(np.vander(np.linspace(0.0, 1.0, order + 1), increasing=True))
+    exponents = np.arange(order + 1)
+    slopes = exponents[1:] * places[:, None] ** exponents[:-1]
+    return places[:, None] ** exponents @ powers, slopes @ powers[1:]
+
+
+def edge_stress(
+    order: int, nodes: ComplexArray, moved: ComplexArray, material: Material
+) -> tuple[Array, Array]:
+    """Stresses along free edges in MPa, shape (..., k), and their places from the first node in mm.
+
+    ``nodes`` and ``moved`` have shape (..., nodes along the way) and broadcast.  Where nothing presses on an edge, the
+    stress along it is E / (1 - nu^2) times the strain along it, which is taken where it is most exact: at the Gauss
+    points of each element's edge.
+    """
+    gauss = (1.0 + np.polynomial.legendre.leggauss(order)[0]) / 2.0
+    _, slopes = edge_values(order, gauss)
+
+    def by_share(values: ComplexArray) -> ComplexArray:
+        along_edges = np.lib.stride_tricks.sliding_window_view(values, order + 1, axis=-1)[..., ::order, :]
+        return np.asarray(along_edges @ slopes.T)
+
+    step, stretched = by_share(nodes), by_share(moved)
+    strain = along(step, stretched) / square(step)
+    length = np.abs(step).mean(axis=-1, keepdims=True)
+    place = np.cumsum(length, axis=-2) - length + length * gauss
+    modulus = material.youngs_modulus_mpa / (1.0 - material.poisson**2)
+    return modulus * strain.reshape(*strain.shape[:-2], -1), place.reshape(*place.shape[:-2], -1)
+
+
+def von_mises_mpa(topology: Topology, nodes: ComplexArray, moved: ComplexArray, material: Material) -> Array:
+    """Von Mises' stress at the nodes in MPa, the mean of the elements that meet there; shape (z, n).
+
+    ``nodes`` and ``moved`` have shape (z, n).
+    """
+    order, count = topology.order, topology.cells.shape[1]
+    own = np.stack(np.divmod(np.arange(count), order + 1)) / order
+    gradients = gradients_at(topology, nodes, own, np.ones(count))
+    around = moved[:, topology.cells][:, :, None, :]
+    by_x, by_y = (np.sum(by * around, axis=-1) for by in gradients.by)
+    volume, shear = lame_mpa(material)
+    mean = volume * (by_x.real + by_y.imag)
+    normal = [mean + 2.0 * shear * by_x.real, mean + 2.0 * shear * by_y.imag, mean]
+    shearing = shear * (by_x.imag + by_y.real)
+    stress = np.stack([*normal, shearing])
+    shared = np.zeros((4, len(nodes), topology.held.size))
+    np.add.at(shared, (slice(None), slice(None), topology.cells), stress)
+    x, y, z, xy = shared / np.bincount(topology.cells.ravel())
+    return np.sqrt(((x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2) / 2.0 + 3.0 * xy**2)
