@@ -66,7 +66,7 @@ def outline_of(gear: ToothedGear) -> Outline:
     steps = np.abs(np.diff(fine.reshape(-1, FINE), axis=1))
     lengths = np.concatenate([[0.0], np.cumsum(steps)])
     shares = np.concatenate([[0.0], (rows[:, None] + np.linspace(0.0, 1.0, FINE)[1:]).ravel()])
-    start, end = lengths[:-1:FINE - 1], lengths[FINE - 1 :: FINE - 1]
+    start, end = lengths[: -1 : FINE - 1], lengths[FINE - 1 :: FINE - 1]
     total = float(lengths[-1])
 
     def extreme(kind: int, values: Array, side: int, largest: bool) -> Array:

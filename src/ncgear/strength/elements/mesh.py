@@ -29,12 +29,12 @@ class MeshSize:
     """
 
     order: int = 2
-    across: int = 8
+    across: int = 12
     flank: int = 10
-    fillet: int = 4
-    valley: int = 4
-    beyond: int = 3
-    deep: int = 6
+    fillet: int = 6
+    valley: int = 5
+    beyond: int = 2
+    deep: int = 8
 
     def times(self, finer: int) -> MeshSize:
         """The mesh with each element cut in so many by so many."""
@@ -47,12 +47,13 @@ class Topology:
     """What the meshes of all teeth have in common.
 
     ``cells`` (shape (e, (order + 1)^2)) numbers the nodes of each element, row by row of its own small grid; ``held``
-    marks the nodes that cannot move.  ``sides`` (shape (2, k)) numbers the nodes along the back and the front side, from
+    marks the nodes that cannot move.  ``own`` numbers the elements between the middles of both spaces beside the tooth.  ``sides`` (shape (2, k)) numbers the nodes along the back and the front side, from
     the middle of the root land to the tip, the first ``root_nodes`` of them up to the foot, and ``middle`` those from the tip's middle down to the bottom.
     """
 
     order: int
     cells: IndexArray
+    own: IndexArray
     held: Mask
     sides: IndexArray
     root_nodes: int
@@ -77,7 +78,10 @@ def topology_of(size: MeshSize) -> Topology:
     half = size.across * p // 2
     middle = np.concatenate([tooth[::-1, half], strip[first + half, 1:]])
     cells = np.concatenate([cells_of(strip, p), cells_of(tooth, p)])
-    return Topology(p, cells, held, np.stack([back, front]), valley + size.fillet * p + 1, middle)
+    # The strip's elements are numbered column by column.
+    beyond = 2 * size.beyond * rows
+    own = np.concatenate([np.arange(beyond, columns * rows - beyond), np.arange(columns * rows, len(cells))])
+    return Topology(p, cells, own, held, np.stack([back, front]), valley + size.fillet * p + 1, middle)
 
 
 def cells_of(grid: IndexArray, order: int) -> IndexArray:
@@ -143,7 +147,9 @@ def _upper(outline: Outline, size: MeshSize, floor: ComplexArray, u: Array) -> C
     v = ((ways[0] + ways[1]) / 2.0)[:, :, None]
     left, right = sides[0][:, :, None], sides[1][:, :, None]
     bottom, top = floor[:, None, :], land[:, None, :]
-    corners = (1.0 - v) * _between(floor[:, 0], floor[:, -1], u)[:, None] + v * _between(land[:, 0], land[:, -1], u)[:, None]
+    corners = (1.0 - v) * _between(floor[:, 0], floor[:, -1], u)[:, None] + v * _between(land[:, 0], land[:, -1], u)[
+        :, None
+    ]
     return (1.0 - u) * left + u * right + (1.0 - v) * bottom + v * top - corners
 
 

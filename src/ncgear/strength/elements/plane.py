@@ -137,9 +137,7 @@ def edge_values(order: int, places: Array) -> tuple[Array, Array]:
     return places[:, None] ** exponents @ powers, slopes @ powers[1:]
 
 
-def edge_stress(
-    order: int, nodes: ComplexArray, moved: ComplexArray, material: Material
-) -> tuple[Array, Array]:
+def edge_stress(order: int, nodes: ComplexArray, moved: ComplexArray, material: Material) -> tuple[Array, Array]:
     """Stresses along free edges in MPa, shape (..., k), and their places from the first node in mm.
 
     ``nodes`` and ``moved`` have shape (..., nodes along the way) and broadcast.  Where nothing presses on an edge, the
