@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncgear.numerics.arrays import Array, ComplexArray
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
 from ncgear.numerics.plane import angle_between, as_complex
 from ncgear.teeth.flank import FLANK
 from ncgear.teeth.gear import ToothedGear
@@ -36,8 +36,8 @@ class Outline:
     """A gear's outline as a way of ``total_mm``, and the places of its z teeth along it in mm, shape (z, 2) each.
 
     The columns are the back and the front side.  ``valley_mm`` are the middles of the root lands before and behind the
-    tooth, ``corner_mm`` the corners where meshes of teeth begin, ``foot_mm`` where the flank passes into its fillet, and ``tip_mm`` where it ends at the tip land.  ``axis`` (shape
-    (z,)) is the direction from the root to the tip.
+    tooth, ``corner_mm`` the corners where meshes of teeth begin, ``foot_mm`` where the flank passes into its fillet,
+    and ``tip_mm`` where it ends at the tip land.  ``axis`` (shape (z,)) is the direction from the root to the tip.
     """
 
     curves: Stretch
@@ -107,7 +107,7 @@ def _at(curves: Stretch, shares: Array, length_mm: Array, place_mm: Array) -> tu
     return point.reshape(place_mm.shape), (slope / np.abs(slope)).reshape(place_mm.shape)
 
 
-def _points(curves: Stretch, row: Array, share: Array) -> tuple[ComplexArray, ComplexArray]:
+def _points(curves: Stretch, row: IndexArray, share: Array) -> tuple[ComplexArray, ComplexArray]:
     """Points and derivatives at shares of rows in any order, shape (n,)."""
     order = np.argsort(curves.owner[row], kind="stable")
     point, slope = (as_complex(array) for array in curves.at(row[order], share[order]))

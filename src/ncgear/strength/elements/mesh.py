@@ -11,6 +11,7 @@ held at its bottom and at both of its ends.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -18,14 +19,17 @@ from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import along
 from ncgear.strength.elements.landmarks import Outline
 
+Values = TypeVar("Values", Array, ComplexArray)
+"""Numbers or places."""
+
 
 @dataclass(frozen=True)
 class MeshSize:
     """Numbers of elements, and their order: 1 for straight elements of four nodes, 2 for curved ones of nine.
 
     ``across`` (even) counts those from side to side of the tooth, ``flank`` those along each flank, ``fillet`` those
-    from each flank's foot to the corner, ``valley`` those on to the middle of the root land, ``beyond`` those from there
-    to the neighbour's corner and again to its middle, and ``deep`` those from the roots to the held bottom.
+    from each flank's foot to the corner, ``valley`` those on to the middle of the root land, ``beyond`` those from
+    there to the neighbour's corner and again to its middle, and ``deep`` those from the roots to the held bottom.
     """
 
     order: int = 2
@@ -46,9 +50,11 @@ class MeshSize:
 class Topology:
     """What the meshes of all teeth have in common.
 
-    ``cells`` (shape (e, (order + 1)^2)) numbers the nodes of each element, row by row of its own small grid; ``held``
-    marks the nodes that cannot move.  ``own`` numbers the elements between the middles of both spaces beside the tooth.  ``sides`` (shape (2, k)) numbers the nodes along the back and the front side, from
-    the middle of the root land to the tip, the first ``root_nodes`` of them up to the foot, and ``middle`` those from the tip's middle down to the bottom.
+    ``cells`` (shape (e, (order + 1)^2)) numbers the nodes of each element, row by row of its own small grid; ``own``
+    numbers the elements between the middles of both spaces beside the tooth.  ``held`` marks the nodes that cannot
+    move.  ``sides`` (shape (2, k)) numbers the nodes along the back and the front side, from the middle of the root
+    land to the tip, the first ``root_nodes`` of them up to the foot, and ``middle`` those from the tip's middle down to
+    the bottom.
     """
 
     order: int
@@ -147,10 +153,9 @@ def _upper(outline: Outline, size: MeshSize, floor: ComplexArray, u: Array) -> C
     v = ((ways[0] + ways[1]) / 2.0)[:, :, None]
     left, right = sides[0][:, :, None], sides[1][:, :, None]
     bottom, top = floor[:, None, :], land[:, None, :]
-    corners = (1.0 - v) * _between(floor[:, 0], floor[:, -1], u)[:, None] + v * _between(land[:, 0], land[:, -1], u)[
-        :, None
-    ]
-    return (1.0 - u) * left + u * right + (1.0 - v) * bottom + v * top - corners
+    corners = (1.0 - v) * _between(floor[:, 0], floor[:, -1], u)[:, None]
+    corners = corners + v * _between(land[:, 0], land[:, -1], u)[:, None]
+    return np.asarray((1.0 - u) * left + u * right + (1.0 - v) * bottom + v * top - corners)
 
 
 def _columns(
@@ -172,10 +177,9 @@ def _columns(
     return _between(top, bottom, share)
 
 
-def _between(first: Array | ComplexArray, last: Array | ComplexArray, share: Array) -> Array:
+def _between(first: Values, last: Values, share: Array) -> Values:
     """Values at shares of the ways from first to last, shape (..., shares)."""
-    between: Array = first[..., None] + (last - first)[..., None] * share
-    return between
+    return np.asarray(first[..., None] + (last - first)[..., None] * share)
 
 
 def _stations(count: int, order: int, power: float = 1.0) -> Array:

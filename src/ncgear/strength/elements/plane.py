@@ -90,10 +90,9 @@ class Pattern:
     start: IndexArray
 
 
-def pattern_of(topology: Topology, order: IndexArray | None = None) -> Pattern:
-    """The pattern of the free unknowns (x and y of each node that is not held), numbered in a given order."""
+def pattern_of(topology: Topology) -> Pattern:
+    """The pattern of the free unknowns (x and y of each node that is not held)."""
     free = np.flatnonzero(~np.repeat(topology.held, 2))
-    free = free if order is None else free[order]
     number = np.full(2 * topology.held.size, -1)
     number[free] = np.arange(free.size)
     unknown = number[(2 * topology.cells[:, :, None] + np.arange(2)).reshape(len(topology.cells), -1)]
@@ -104,6 +103,10 @@ def pattern_of(topology: Topology, order: IndexArray | None = None) -> Pattern:
     key, first = np.unique(key[entry], return_index=True)
     start = np.searchsorted(key, np.arange(free.size + 1) * free.size)
     return Pattern(free, entry, first, key % free.size, start)
+
+
+RESIDUAL = 1e-8
+"""Part of a load that may be left unbalanced at any node; rounding leaves 1e-12."""
 
 
 def displacements(
@@ -123,8 +126,11 @@ def displacements(
         matrix = csc_array((values, pattern.row, pattern.start), shape=(size, size))
         solver = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
         load = (at * force[mesh][:, None]).view(float)[:, pattern.free].T
+        solved = solver.solve(load)
+        if not np.abs(matrix @ solved - load).max() <= RESIDUAL * np.abs(load).max():
+            raise ArithmeticError("the displacements of a tooth do not balance its load")
         found = np.zeros((len(at), 2 * topology.held.size))
-        found[:, pattern.free] = solver.solve(np.ascontiguousarray(load)).T
+        found[:, pattern.free] = solved.T
         moved[mesh] = found.view(complex)
     return moved
 
@@ -173,8 +179,7 @@ def von_mises_mpa(topology: Topology, nodes: ComplexArray, moved: ComplexArray, 
     mean = volume * (by_x.real + by_y.imag)
     normal = [mean + 2.0 * shear * by_x.real, mean + 2.0 * shear * by_y.imag, mean]
     shearing = shear * (by_x.imag + by_y.real)
-    stress = np.stack([*normal, shearing])
-    shared = np.zeros((4, len(nodes), topology.held.size))
-    np.add.at(shared, (slice(None), slice(None), topology.cells), stress)
-    x, y, z, xy = shared / np.bincount(topology.cells.ravel())
-    return np.sqrt(((x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2) / 2.0 + 3.0 * xy**2)
+    node = (np.arange(len(nodes))[:, None] * topology.held.size + topology.cells.ravel()).ravel()
+    shared = [np.bincount(node, values.ravel()) / np.bincount(node) for values in (*normal, shearing)]
+    x, y, z, xy = (values.reshape(nodes.shape) for values in shared)
+    return np.asarray(np.sqrt(((x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2) / 2.0 + 3.0 * xy**2))
