@@ -27,18 +27,20 @@ Values = TypeVar("Values", Array, ComplexArray)
 class MeshSize:
     """Numbers of elements, and their order: 1 for straight elements of four nodes, 2 for curved ones of nine.
 
+    The least mesh of use stands here; ``times`` makes finer ones.
+
     ``across`` (even) counts those from side to side of the tooth, ``flank`` those along each flank, ``fillet`` those
     from each flank's foot to the corner, ``valley`` those on to the middle of the root land, ``beyond`` those from
     there to the neighbour's corner and again to its middle, and ``deep`` those from the roots to the held bottom.
     """
 
     order: int = 2
-    across: int = 12
-    flank: int = 10
-    fillet: int = 6
-    valley: int = 5
-    beyond: int = 2
-    deep: int = 8
+    across: int = 4
+    flank: int = 4
+    fillet: int = 2
+    valley: int = 2
+    beyond: int = 1
+    deep: int = 3
 
     def times(self, finer: int) -> MeshSize:
         """The mesh with each element cut in so many by so many."""
@@ -107,8 +109,9 @@ STRAIGHT = 1e-6
 """Curvature, times the module, that a line of roots is given at least, so that its circle has a centre."""
 
 
-NEAR_CORNERS, NEAR_ROOTS, NEAR_SIDES = 1.3, 1.8, 1.3
-"""Powers by which elements are denser at the corners along valleys, at the roots downwards, and at sides across."""
+NEAR_CORNERS, NEAR_ROOTS, NEAR_SIDES = 1.5, 2.2, 1.6
+"""Powers by which elements are denser at the corners along valleys, at the roots downwards, and at sides across:
+the elements that meet in a corner are then about as large as one another."""
 
 
 def nodes_of(outline: Outline, size: MeshSize, module_mm: float, depth_mm: float) -> ComplexArray:

@@ -46,8 +46,9 @@ CLEAR = 0.25
 """Distance in modules from the load within which no root stress is read: a few elements, beyond which the mesh does not
 tell a force at a point from a spread one."""
 
-SIZE = MeshSize()
-"""The mesh that is used: the largest root stress of each tooth is within 1 % of that of much finer meshes."""
+SIZE = MeshSize().times(3)
+"""The mesh that is used.  Beside meshes of five times (baler, ellipse, ring) the largest root stress of each tooth is
+within 0.6 %, that at every place within 1.9 % (0.3 % in the quadratic mean), the way of the middle within 0.4 %."""
 
 
 @dataclass(frozen=True, eq=False)
