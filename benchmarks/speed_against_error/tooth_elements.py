@@ -33,7 +33,7 @@ NEVER = EnduredStress(np.array([1.0]), np.array([1.0]))
 STEEL = Material("steel", Family.STEEL, 206_000.0, 0.3, 7850.0, None, NEVER, "elastic constants alone")
 
 TOOTH = 16
-"""Number from 0 of the driving tooth of the baler whose back flank is hardest to mesh: errors of the others are less."""
+"""Number from 0 of the driving tooth of the baler whose back flank is hardest to mesh: errors at others are less."""
 
 PLACES = (10, 15, 20)
 """Loaded places of the back flank: the middle, three quarters, the edge of the tip.  All meshes have nodes there."""
@@ -59,8 +59,8 @@ def root_stress_study() -> Study:
         error=lambda stress: float(np.abs(stress / reference()[0] - 1.0).max()),
         chosen=(NINE, 3),
         enough=0.01,
-        because="it is the coarsest mesh with which the largest root stress of every tooth of the worked designs is within "
-        "a percent",
+        because="it is the coarsest mesh with which the largest root stress of every tooth of the worked designs is "
+        "within a percent of its limit",
     )
 
 

@@ -23,7 +23,7 @@ FINE = 33
 TURNS = 64
 """Places on each half of a space at which the direction of the outline is told, to find the corners of teeth."""
 
-CORNER = 0.4
+CORNER = 0.45
 """Part of the turning from the middle of the root land to the flank's foot after which a tooth has its corner: below
 the place of the largest stress, where the outline still rises so little that three elements share the corner well."""
 
