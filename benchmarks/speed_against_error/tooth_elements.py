@@ -44,7 +44,7 @@ FINE = MeshSize().times(4)
 TIMES = (1, 2, 3, 4)
 STRAIGHT = (2, 3, 4, 6)
 NINE, FOUR = "elements of nine nodes", "elements of four nodes"
-FINENESS = "cuts of the least mesh"
+FINENESS = "parts of each side"
 
 
 def root_stress_study() -> Study:

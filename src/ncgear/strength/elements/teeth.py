@@ -48,7 +48,8 @@ tell a force at a point from a spread one."""
 
 SIZE = MeshSize().times(3)
 """The mesh that is used.  Beside meshes with five by five elements for each of the least (baler, ellipse, ring) the
-largest root stress of each tooth is within 0.7 %, that at any place within 1.7 %, the way of the middle within 0.4 %."""
+largest root stress of each tooth is within 0.7 %, that at any place within 1.7 %, and the way of the middle within
+0.4 %."""
 
 
 @dataclass(frozen=True, eq=False)
