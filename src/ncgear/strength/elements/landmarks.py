@@ -32,27 +32,49 @@ ROOT_LAND = 3
 
 
 @dataclass(frozen=True, eq=False)
+class Way:
+    """The outline's curves one after the other as one closed way.
+
+    ``length_mm`` (rising from 0) are the lengths of the way at k places, and ``index`` (shape (k,)) the curves there,
+    counted from 0, with the share of the curve behind the point.
+    """
+
+    curves: Stretch
+    length_mm: Array
+    index: Array
+
+    @property
+    def total_mm(self) -> float:
+        """The length of the outline."""
+        return float(self.length_mm[-1])
+
+    def at(self, place_mm: Array) -> tuple[ComplexArray, ComplexArray]:
+        """Exact points at places along the way, any shape, and unit vectors along it."""
+        index = np.interp(np.remainder(place_mm, self.total_mm), self.length_mm, self.index)
+        row = np.minimum(index.astype(int), self.curves.owner.size - 1)
+        point, slope = _points(self.curves, row.ravel(), (index - row).ravel())
+        return point.reshape(place_mm.shape), (slope / np.abs(slope)).reshape(place_mm.shape)
+
+
+@dataclass(frozen=True, eq=False)
 class Outline:
-    """A gear's outline as a way of ``total_mm``, and the places of its z teeth along it in mm, shape (z, 2) each.
+    """A gear's outline, and the places of its z teeth along it in mm, shape (z, 2) each.
 
     The columns are the back and the front side.  ``valley_mm`` are the middles of the root lands before and behind the
     tooth, ``corner_mm`` the corners where meshes of teeth begin, ``foot_mm`` where the flank passes into its fillet,
     and ``tip_mm`` where it ends at the tip land.  ``axis`` (shape (z,)) is the direction from the root to the tip.
     """
 
-    curves: Stretch
-    shares: Array
-    length_mm: Array
-    total_mm: float
+    way: Way
     valley_mm: Array
     corner_mm: Array
     foot_mm: Array
     tip_mm: Array
     axis: ComplexArray
 
-    def at(self, place_mm: Array) -> tuple[ComplexArray, ComplexArray]:
-        """Exact points at places along the way, any shape, and unit vectors along it."""
-        return _at(self.curves, self.shares, self.length_mm, np.remainder(place_mm, self.total_mm))
+    def at(self, place_mm: Array) -> ComplexArray:
+        """Exact points at places along the outline, any shape."""
+        return self.way.at(place_mm)[0]
 
 
 def outline_of(gear: ToothedGear) -> Outline:
@@ -65,9 +87,9 @@ def outline_of(gear: ToothedGear) -> Outline:
     fine = _points(curves, np.repeat(rows, FINE), np.tile(np.linspace(0.0, 1.0, FINE), rows.size))[0]
     steps = np.abs(np.diff(fine.reshape(-1, FINE), axis=1))
     lengths = np.concatenate([[0.0], np.cumsum(steps)])
-    shares = np.concatenate([[0.0], (rows[:, None] + np.linspace(0.0, 1.0, FINE)[1:]).ravel()])
+    index = np.concatenate([[0.0], (rows[:, None] + np.linspace(0.0, 1.0, FINE)[1:]).ravel()])
     start, end = lengths[: -1 : FINE - 1], lengths[FINE - 1 :: FINE - 1]
-    total = float(lengths[-1])
+    way = Way(curves, lengths, index)
 
     def extreme(kind: int, values: Array, side: int, largest: bool) -> Array:
         """The largest or least value of the rows of a kind, at the back (0) or front (1) flank of each tooth."""
@@ -79,32 +101,22 @@ def outline_of(gear: ToothedGear) -> Outline:
     tip = np.column_stack([extreme(FLANK, end, 0, True), extreme(FLANK, start, 1, False)])
     foot = np.column_stack([extreme(FLANK, start, 0, False), extreme(FLANK, end, 1, True)])
     behind = (extreme(ROOT_LAND, start, 1, False) + extreme(ROOT_LAND, end, 1, True)) / 2.0
-    before = np.concatenate([behind[-1:] - total, behind[:-1]])
+    before = np.concatenate([behind[-1:] - way.total_mm, behind[:-1]])
     valley = np.column_stack([before, behind])
 
-    def at(place: Array) -> tuple[ComplexArray, ComplexArray]:
-        return _at(curves, shares, lengths, np.remainder(place, total))
-
-    axis = np.diff([at(valley)[0].mean(axis=1), at(tip)[0].mean(axis=1)], axis=0)[0]
+    axis = way.at(tip)[0].mean(axis=1) - way.at(valley)[0].mean(axis=1)
     axis = axis / np.abs(axis)
-    # The direction upwards along each side, against the tooth's axis; it turns away from the land by growing amounts.
+    # The direction upwards along each side, against the tooth's axis; from the land on it turns towards that, and where
+    # the tool undercuts the flank beyond and back again.
     share = (np.arange(TURNS) + 0.5) / TURNS
     places = valley[:, :, None] + (foot - valley)[:, :, None] * share
-    upwards = at(places)[1] * np.array([1.0, -1.0])[:, None]
+    upwards = way.at(places)[1] * np.array([1.0, -1.0])[:, None]
     turned = angle_between(axis[:, None, None], upwards)
     turned *= np.sign(turned[:, :, :1])
     passed = np.maximum.accumulate(turned[:, :, 0, None] - turned, axis=2)
     number = np.sum(passed < CORNER * passed[:, :, -1:], axis=2)
     corner = np.take_along_axis(places, number[:, :, None], axis=2)[:, :, 0]
-    return Outline(curves, shares, lengths, total, valley, corner, foot, tip, axis)
-
-
-def _at(curves: Stretch, shares: Array, length_mm: Array, place_mm: Array) -> tuple[ComplexArray, ComplexArray]:
-    """Points and directions at places along the way from 0 to its total."""
-    index = np.interp(place_mm, length_mm, shares)
-    row = np.minimum(index.astype(int), curves.owner.size - 1)
-    point, slope = _points(curves, row.ravel(), (index - row).ravel())
-    return point.reshape(place_mm.shape), (slope / np.abs(slope)).reshape(place_mm.shape)
+    return Outline(way, valley, corner, foot, tip, axis)
 
 
 def _points(curves: Stretch, row: IndexArray, share: Array) -> tuple[ComplexArray, ComplexArray]:

@@ -116,11 +116,11 @@ def loaded_teeth(
     for side in (0, 1):
         np.put_along_axis(spread[side], topology.sides[side, step], values, axis=1)
     foot, length = outline.foot_mm[..., None], (outline.tip_mm - outline.foot_mm)[..., None]
-    point = outline.at(foot + length * share)[0]
-    way = outline.at(foot + length * np.clip(share, WITHIN, 1.0 - WITHIN))[1]
+    point = outline.at(foot + length * share)
+    along_flank = outline.way.at(foot + length * np.clip(share, WITHIN, 1.0 - WITHIN))[1]
     # The normal that leads towards the other side.
-    width = np.diff(outline.at(outline.corner_mm)[0], axis=1)
-    inwards = 1j * way * np.sign(along(1j * way, np.concatenate([width, -width], axis=1)[..., None]))
+    width = np.diff(outline.at(outline.corner_mm), axis=1)
+    inwards = 1j * along_flank * np.sign(along(1j * along_flank, np.concatenate([width, -width], axis=1)[..., None]))
     force = inwards.reshape(len(nodes), -1)
     moved = displacements(topology, nodes, material, spread.reshape(2 * positions, -1), force)
     return LoadedTeeth(topology, material, nodes, point, inwards, moved.reshape(*point.shape, -1))

@@ -120,7 +120,7 @@ def nodes_of(outline: Outline, size: MeshSize, module_mm: float, depth_mm: float
     The body is held ``depth_mm`` below the line through the teeth's corners, or less where the gear is curved sharply.
     """
     p = size.order
-    back, front = (outline.at(outline.corner_mm[:, side])[0] for side in (0, 1))
+    back, front = (outline.at(outline.corner_mm[:, side]) for side in (0, 1))
     stump = (back + front) / 2.0
     # Both halves of the strip's outline beyond the corners, from the corners outwards.
     valley, corner = outline.valley_mm, outline.corner_mm
@@ -130,7 +130,7 @@ def nodes_of(outline: Outline, size: MeshSize, module_mm: float, depth_mm: float
         across = np.roll(corner[:, 1 - side] - valley[:, 1 - side], turn)
         near = _between(corner[:, side], valley[:, side], down)
         far = _between(valley[:, side], valley[:, side] + across, flat)
-        way = outline.at(np.concatenate([near[:, 1:], far[:, 1:]], axis=1))[0]
+        way = outline.at(np.concatenate([near[:, 1:], far[:, 1:]], axis=1))
         beyond = _between(way[:, -1], np.roll(stump, turn), flat)
         halves.append(np.concatenate([way, beyond[:, 1:]], axis=1))
     half = _stations(size.across // 2, p, NEAR_SIDES) / 2.0
@@ -150,8 +150,8 @@ def _upper(outline: Outline, size: MeshSize, floor: ComplexArray, u: Array) -> C
         np.concatenate([_between(corner[:, s], foot[:, s], fillet), _between(foot[:, s], tip[:, s], flank)[:, 1:]], 1)
         for s in (0, 1)
     ]
-    sides = [outline.at(place)[0] for place in places]
-    land = outline.at(_between(tip[:, 0], tip[:, 1], u))[0]
+    sides = [outline.at(place) for place in places]
+    land = outline.at(_between(tip[:, 0], tip[:, 1], u))
     ways = [(place - place[:, :1]) / (place[:, -1:] - place[:, :1]) for place in places]
     v = ((ways[0] + ways[1]) / 2.0)[:, :, None]
     left, right = sides[0][:, :, None], sides[1][:, :, None]
