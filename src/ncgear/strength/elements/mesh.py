@@ -2,10 +2,10 @@
 
 All teeth have the same mesh but for the places of its nodes, so that all are assembled at once.  A tooth consists of
 two grids.  The upper one joins the two sides from their corners, half-way through the fillets, up to the tip.  The
-lower one is a strip of body from the middle of the tooth before to the middle of the tooth behind; its columns run from
-the outline down to a circle below the roots, towards the centre of the circle through the three teeth's roots, and its
-middle columns carry the upper grid.  Of the neighbouring teeth there are stumps, up to their own corners.  The strip is
-held at its bottom and at both of its ends.
+lower one is a strip of body, two pitches to either side of the tooth's middle.  Of the neighbouring teeth it has
+stumps, up to their own corners; beyond their middles its outline goes on along the circle through the three stumps.
+Its columns run from the outline to another circle below the roots, towards the common centre, and its middle columns
+carry the upper grid.  The strip is held at its bottom and at both of its ends.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import TypeVar
 import numpy as np
 
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
-from ncgear.numerics.plane import along
+from ncgear.numerics.plane import along, angle_between
 from ncgear.strength.elements.landmarks import Outline
 
 Values = TypeVar("Values", Array, ComplexArray)
@@ -31,7 +31,8 @@ class MeshSize:
 
     ``across`` (even) counts those from side to side of the tooth, ``flank`` those along each flank, ``fillet`` those
     from each flank's foot to the corner, ``valley`` those on to the middle of the root land, ``beyond`` those from
-    there to the neighbour's corner and again to its middle, and ``deep`` those from the roots to the held bottom.
+    there to the neighbour's corner, again to its middle, and again over one pitch more, and ``deep`` those from the
+    roots to the held bottom.
     """
 
     order: int = 2
@@ -71,7 +72,7 @@ class Topology:
 def topology_of(size: MeshSize) -> Topology:
     """The mesh of any tooth."""
     p = size.order
-    aside = size.valley + 2 * size.beyond
+    aside = size.valley + 3 * size.beyond
     columns, rows = 2 * aside + size.across, size.deep
     strip = np.arange((columns * p + 1) * (rows * p + 1)).reshape(columns * p + 1, rows * p + 1)
     first, last = aside * p, (aside + size.across) * p
@@ -87,7 +88,7 @@ def topology_of(size: MeshSize) -> Topology:
     middle = np.concatenate([tooth[::-1, half], strip[first + half, 1:]])
     cells = np.concatenate([cells_of(strip, p), cells_of(tooth, p)])
     # The strip's elements are numbered column by column.
-    beyond = 2 * size.beyond * rows
+    beyond = 3 * size.beyond * rows
     own = np.concatenate([np.arange(beyond, columns * rows - beyond), np.arange(columns * rows, len(cells))])
     return Topology(p, cells, own, held, np.stack([back, front]), valley + size.fillet * p + 1, middle)
 
@@ -122,7 +123,8 @@ def nodes_of(outline: Outline, size: MeshSize, module_mm: float, depth_mm: float
     p = size.order
     back, front = (outline.at(outline.corner_mm[:, side]) for side in (0, 1))
     stump = (back + front) / 2.0
-    # Both halves of the strip's outline beyond the corners, from the corners outwards.
+    center = stump + _to_center(stump, outline.axis, module_mm)
+    # Both halves of the strip's outline, from the corners outwards.
     valley, corner = outline.valley_mm, outline.corner_mm
     down, flat = _stations(size.valley, p, NEAR_CORNERS), _stations(size.beyond, p)
     halves = []
@@ -130,14 +132,19 @@ def nodes_of(outline: Outline, size: MeshSize, module_mm: float, depth_mm: float
         across = np.roll(corner[:, 1 - side] - valley[:, 1 - side], turn)
         near = _between(corner[:, side], valley[:, side], down)
         far = _between(valley[:, side], valley[:, side] + across, flat)
-        way = outline.at(np.concatenate([near[:, 1:], far[:, 1:]], axis=1))
-        beyond = _between(way[:, -1], np.roll(stump, turn), flat)
-        halves.append(np.concatenate([way, beyond[:, 1:]], axis=1))
+        root = outline.at(np.concatenate([near[:, 1:], far[:, 1:]], axis=1))
+        arm = np.roll(stump, turn) - center
+        pitch_rad = angle_between(stump - center, arm)[:, None]
+        circle = center[:, None] + arm[:, None] * np.exp(1j * pitch_rad * flat)
+        halves.append(np.concatenate([root, _between(root[:, -1], circle[:, 0], flat)[:, 1:], circle[:, 1:]], axis=1))
     half = _stations(size.across // 2, p, NEAR_SIDES) / 2.0
     u = np.concatenate([half, 1.0 - half[-2::-1]])
     floor = _between(back, front, u) - outline.axis[:, None] * np.abs(front - back)[:, None] * SAG * 4.0 * u * (1.0 - u)
-    top = np.concatenate([halves[0][:, ::-1], floor, halves[1]], axis=1)
-    strip = _columns(top, stump, outline.axis, module_mm, depth_mm, _stations(size.deep, p, NEAR_ROOTS))
+    outside = np.concatenate([halves[0][:, ::-1], floor, halves[1]], axis=1) - center[:, None]
+    radius, below = np.abs(stump - center), along(center - stump, outline.axis) < 0.0
+    held = np.where(below, np.maximum(radius - depth_mm, LEAST_BOTTOM * radius), radius + depth_mm)
+    inside = outside / np.abs(outside) * held[:, None]
+    strip = center[:, None, None] + _between(outside, inside, _stations(size.deep, p, NEAR_ROOTS))
     tooth = _upper(outline, size, floor, u)
     return np.concatenate([strip.reshape(len(strip), -1), tooth[:, 1:].reshape(len(strip), -1)], axis=1)
 
@@ -161,23 +168,13 @@ def _upper(outline: Outline, size: MeshSize, floor: ComplexArray, u: Array) -> C
     return np.asarray((1.0 - u) * left + u * right + (1.0 - v) * bottom + v * top - corners)
 
 
-def _columns(
-    top: ComplexArray, stump: ComplexArray, axis: ComplexArray, module_mm: float, depth_mm: float, share: Array
-) -> ComplexArray:
-    """Nodes of the strips, shape (z, columns, rows), from the outline ``top`` (shape (z, columns)) to the held circle.
-
-    The circle is concentric with the one through the stumps of three teeth.
-    """
+def _to_center(stump: ComplexArray, axis: ComplexArray, module_mm: float) -> ComplexArray:
+    """From the stump of each tooth to the centre of the circle through it and both of its neighbours', shape (z,)."""
     before, behind = np.roll(stump, 1) - stump, np.roll(stump, -1) - stump
-    # The circle's curvature as a vector towards its centre c, that is 1 / conj(c) from the middle stump.
+    # The circle's curvature as a vector towards its centre c, that is 1 / conj(c).
     bent = 2j * np.imag(before * np.conj(behind)) / (np.conj(before * behind) * (before - behind))
     bent = np.where(np.abs(bent) * module_mm < STRAIGHT, -axis * STRAIGHT / module_mm, bent)
-    center, radius = stump + 1.0 / np.conj(bent), 1.0 / np.abs(bent)
-    below = along(bent, axis) < 0.0
-    held = np.where(below, np.maximum(radius - depth_mm, LEAST_BOTTOM * radius), radius + depth_mm)
-    arm = top - center[:, None]
-    bottom = center[:, None] + arm / np.abs(arm) * held[:, None]
-    return _between(top, bottom, share)
+    return np.asarray(1.0 / np.conj(bent))
 
 
 def _between(first: Values, last: Values, share: Array) -> Values:
