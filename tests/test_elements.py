@@ -407,8 +407,8 @@ def test_all_teeth_of_worked_designs_are_meshed(name: str) -> None:
         assert (np.diff(elements.height_mm, axis=1) > 0.0).all()
         assert (elements.tension_mpa[:, -1] * module > 1.5).all()
         assert (elements.compression_mpa * module < 8.0).all()
-        # At undercut feet flanks lie so low and so flat that the next place may give way less.
-        assert (np.diff(elements.middle_moved_mm[:, 2:], axis=1) > 0.0).all()
+        # Farther down the load's direction turns so much that a higher place may give way a little less.
+        assert (np.diff(elements.middle_moved_mm[:, 8:], axis=1) > 0.0).all()
 
 
 @pytest.mark.slow

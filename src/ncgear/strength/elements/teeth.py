@@ -39,8 +39,9 @@ POSITIONS = 21
 """Loaded places on each flank."""
 
 DEPTH = 3.5
-"""Depth in modules below the corners of the teeth at which the body is held.  With twice the depth the largest root
-stresses of the baler, the ellipse and a ring change by 0.5 % or less, and the middles of teeth move 0.5 to 2 % more."""
+"""Depth in modules below the corners of the teeth at which the body is held.  With it, and two pitches to either side,
+the single stiffness of circular gears is ISO 6336-1's; displacements of a plane body grow without end with its size.
+With twice the depth the middles of teeth move 2 to 9 % more, and largest root stresses change by 2.6 % at most."""
 
 CLEAR = 0.25
 """Distance in modules from the load within which no root stress is read: a few elements, beyond which the mesh does not
