@@ -93,7 +93,8 @@ class Elements:
     def painted(self, places: FlankPlaces, load_n_mm: Array) -> Painted:
         """Von Mises' stress of n teeth, each loaded at one of n places with so many N per mm of face width.
 
-        Pictures of a whole gear load every tooth at its worst place; each tooth counts as loaded alone.
+        Pictures of a whole gear load every tooth at its worst place; each tooth counts as loaded alone.  Beside the
+        load values depend on the mesh: scales of colour should end at the largest stress of the roots.
         """
         step, share = self._between(places)
         tooth, side = np.divmod(places.flank, 2)
@@ -154,6 +155,7 @@ class Painted:
 def _painted(teeth: LoadedTeeth, tooth: IndexArray, moved: ComplexArray) -> Painted:
     """The stress of teeth (numbered from 0) and the body under them, up to the middles of the spaces beside them.
 
+    Deep down neighbours' parts may overlap or gape a little, where the gear's curvature changes from tooth to tooth.
     ``moved`` has shape (teeth, nodes).
     """
     topology, nodes = teeth.topology, teeth.nodes_mm[tooth]
