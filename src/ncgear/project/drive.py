@@ -466,12 +466,13 @@ class Drive:
         with self.stopwatch("gaps"):
             return meshing_of(self.design.simulation, pitch, teeth, stiffness)
 
-    def _loaded_at(self, phi1_rad: Array) -> LoadedContact:
-        """The teeth under the torque of the rigid level, at driving angles in rad, shape (n,)."""
+    def _loaded_at(self, phi1_rad: Array, stiffness_factor: float = 1.0) -> LoadedContact:
+        """The teeth, stiffer by a factor, under the rigid level's torque at driving angles in rad, shape (n,)."""
         from ncgear.dynamics.quasi_static import loaded_contact
 
         torque = self.rigid.machine.at(phi1_rad).driven_torque.value
-        return loaded_contact(self._any_meshing, phi1_rad, torque, self.machine.speed_rad_s)
+        meshing = self._any_meshing.stiffened(stiffness_factor)
+        return loaded_contact(meshing, phi1_rad, torque, self.machine.speed_rad_s)
 
     @computed
     def loaded_contact(self) -> LoadedContact:
@@ -490,16 +491,28 @@ class Drive:
         with self.stopwatch("peaks of loaded contact"):
             return loaded_peaks(self._loaded_at, places, int(loaded.pairs.max()))
 
+    def loaded_with(self, stiffness_factor: float) -> LoadedContact:
+        """As ``loaded_contact``, the teeth stiffer by a factor, at all angles that ``loaded_peaks`` begins with."""
+        from ncgear.project.forces import loaded_places_rad
+
+        places = loaded_places_rad(self.motion.phi1_rad, self.meshing, self.rigid.machine)
+        with self.stopwatch("band of stiffness"):
+            return self._loaded_at(places, stiffness_factor)
+
     @computed
     def course(self) -> Course:
         """The motion of the toothed machine in time."""
+        return self.course_with(1.0)
+
+    def course_with(self, stiffness_factor: float) -> Course:
+        """The motion in time with teeth stiffer by a factor; raises as ``dynamics.motion_in_time.course`` does."""
         from ncgear.dynamics.crank_load import crank_load
         from ncgear.dynamics.motion_in_time import Start, ToothedMachine, course, started
         from ncgear.project.forces import damped, drive_line_of
 
         given, masses, speed = self.design.simulation, self.masses, self.machine.speed_rad_s
-        driving, meshing = drive_line_of(given, masses, speed), self.meshing
-        with self.stopwatch("motion in time"):
+        driving, meshing = drive_line_of(given, masses, speed), self.meshing.stiffened(stiffness_factor)
+        with self.stopwatch("motion in time" if stiffness_factor == 1.0 else "band of stiffness"):
             load = crank_load(self.linkage, masses, self.machine.resistance)
             toothed = ToothedMachine(driving, damped(given, meshing, driving, load), load)
             state = started(toothed, self.transmission, Start(given.start), speed)
