@@ -30,8 +30,8 @@ SOLVED_PER_TOOTH = 80
 """Positions in a tooth pitch at which the pairs' shares are solved for, to find the largest force of each pair."""
 
 JUMP = 0.01
-"""Share of the largest force by which that of the most loaded pair changes between two positions where it is looked for
-between them too."""
+"""Share of the largest force by which that of the most loaded pair changes from one position to the next where it is
+looked for between them too, as it is wherever other pairs begin to bear load."""
 
 BETWEEN = 8
 """Parts into which such a step is cut.  Where a tooth bears all load for a moment only, as with contact ratios next to
@@ -85,7 +85,8 @@ def loading_of(
     solved = placed(pitch, SOLVED_PER_TOOTH)
     first = loaded_at(solved.phi1_rad)
     most = first.tooth_force_n
-    jumps = np.abs(np.roll(most, -1) - most) > JUMP * most.max()
+    bearing = _bearing(meshing, solved, first.forces.normal_n > 0.0)
+    jumps = (np.roll(bearing, -1) != bearing) | (np.abs(np.roll(most, -1) - most) > JUMP * most.max())
     between = solved.rolled_mm[jumps][:, None] + solved.step_mm * np.arange(1, BETWEEN) / BETWEEN
     every = placed_at(pitch, solved, np.concatenate([solved.rolled_mm, between.ravel()]))
     second = loaded_at(every.phi1_rad[solved.count :])
@@ -112,6 +113,12 @@ def loading_of(
         fewest_pairs=int(pairs.min()) if pairs.size else 0,
         cycle_turns=solved.meetings // solved.driving_teeth,
     )
+
+
+def _bearing(meshing: Meshing, placement: Placement, loaded: Mask) -> IndexArray:
+    """A number for the set of pairs that bear load at each position, shape (n,); ``loaded`` has shape (n, slots)."""
+    pair = meshing.gaps.pair[meshing.gaps.table.place(placement.phi1_rad)[1]]
+    return np.asarray(np.sum((pair[..., 0] * (placement.driven_teeth + 1) + pair[..., 1]) * loaded, axis=-1))
 
 
 def _largest_of_pairs(touching: _Touching, force_n: Array) -> IndexArray:
