@@ -10,9 +10,9 @@ the load's moment M about the chord's middle and its part c across the middle li
 of a load of 1 is 6 c / s^2 times h Y_S.  The notch factor is Y_S = (1.2 + 0.13 L) q^(1 / (1.21 + 2.3 / L)), L = s / h,
 q = s / (2 r), r the fillet's radius of curvature at its tangent point.  The standard counts bending alone for tension;
 for compression the load's part along the tooth is added.  Where the pitch curve is concave, and on rings, the tangent
-leans by 60 degrees, as in the standard for internal gears.  Where a fillet begins with a greater lean its beginning
-counts.  The standard gives Y_S for q from 1 to 8 and loads at the outer point of single contact; beyond that the
-formula is carried on.
+leans by 60 degrees, as in the standard for internal gears.  Where a fillet begins with a greater lean, or ends with a
+lesser one, its end counts.  The standard gives Y_S for q from 1 to 8 and loads at the outer point of single contact;
+beyond that the formula is carried on, but q counts as 1 at least.
 
 **Compliance**.  The energy of bending, shear and compression of the beam between the contact and the height at which
 the first fillet passes into its root land, of the half-plane below it, and of what is pressed in at the contact:
