@@ -92,7 +92,9 @@ def test_a_straight_tooth_bends_as_a_cantilever(width: float) -> None:
     assert parts.foundation == pytest.approx([ground / modulus], rel=1e-12)
     # 6 l / w^2 is the beam's stress; with a radius of half the width q is 1 and Y_S is 1.2 + 0.13 w / l.
     wanted = 6.0 * length / width**2 * (1.2 + 0.13 * width / length)
-    assert estimate.root_stress(place).tension_mpa == pytest.approx([wanted], rel=1e-12)
+    stress = estimate.root_stress(place)
+    assert stress.tension_mpa == pytest.approx([wanted], rel=1e-12)
+    assert stress.compression_mpa == pytest.approx([wanted], rel=1e-12)
 
 
 def pair_of_62(material: Material) -> tuple[Array, Compliance]:

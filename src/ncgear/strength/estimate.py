@@ -9,10 +9,10 @@ points of both fillets at which the tangent leans by 30 degrees from the middle 
 the load's moment M about the chord's middle and its part c across the middle line, h = M / c is the arm, and the stress
 of a load of 1 is 6 c / s^2 times h Y_S.  The notch factor is Y_S = (1.2 + 0.13 L) q^(1 / (1.21 + 2.3 / L)), L = s / h,
 q = s / (2 r), r the fillet's radius of curvature at its tangent point.  The standard counts bending alone for tension;
-for compression the load's part along the tooth is added.  Where the pitch curve is concave, and on rings, the tangent
-leans by 60 degrees, as in the standard for internal gears.  Where a fillet begins with a greater lean, or ends with a
-lesser one, its end counts.  The standard gives Y_S for q from 1 to 8 and loads at the outer point of single contact;
-beyond that the formula is carried on, but q counts as 1 at least.
+for compression the load's part d along the tooth adds d / s times 1.2 q^(1 / (1.21 + 2.3 / L)).  Where the pitch curve
+is concave, and on rings, the tangent leans by 60 degrees, as in the standard for internal gears.  Where a fillet begins
+with a greater lean, or ends with a lesser one, its end counts.  The standard gives Y_S for q from 1 to 8 and loads at
+the outer point of single contact; beyond that the formula is carried on, but q counts as 1 at least.
 
 **Compliance**.  The energy of bending, shear and compression of the beam between the contact and the height at which
 the first fillet passes into its root land, of the half-plane below it, and of what is pressed in at the contact:
@@ -216,15 +216,14 @@ class Estimate:
         arm = np.maximum(up - load.down / load.across * off, 0.0)
         bent = 6.0 * load.across / chord**2
 
-        def notched(flank: IndexArray) -> Array:
-            """h Y_S, written without dividing by the arm."""
+        def notch(flank: IndexArray) -> Array:
+            """q^(1 / (1.21 + 2.3 / L)), written without dividing by the arm."""
             sharpness = np.maximum(chord / (2.0 * self.sections.radius_mm[flank]), 1.0)
-            power = 1.0 / (1.21 + 2.3 * arm / chord)
-            return np.asarray((1.2 * arm + 0.13 * chord) * sharpness**power)
+            return np.asarray(sharpness ** (1.0 / (1.21 + 2.3 * arm / chord)))
 
-        other = places.flank ^ 1
-        pressed = np.maximum(load.down, 0.0) / chord
-        return RootStress(bent * notched(places.flank), bent * notched(other) + pressed)
+        bending = bent * (1.2 * arm + 0.13 * chord)
+        pressed = 1.2 * np.maximum(load.down, 0.0) / chord
+        return RootStress(bending * notch(places.flank), (bending + pressed) * notch(places.flank ^ 1))
 
     def _loads(self, places: FlankPlaces) -> _Loads:
         """The places and loads in the frames of their teeth.
