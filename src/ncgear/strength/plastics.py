@@ -107,7 +107,7 @@ def lost_w(contacts: LoadedContacts, coefficient: float) -> float:
 
 
 def temperatures_of(
-    choices: tuple[Choice, Choice], conditions: Conditions, running: Running, loss_w: float
+    choices: tuple[Choice, Choice], conditions: Conditions, running: Running, loss_w: float = 0.0
 ) -> tuple[ToothTemperature, ToothTemperature]:
     """How warm the teeth of both gears run.
 
