@@ -11,6 +11,7 @@ import pytest
 
 from ncgear.design.reading.design_file import load
 from ncgear.errors import WrongInput
+from ncgear.project.drive import loads
 from ncgear.project.service import choices_of, conditions_of
 from ncgear.strength.classes import (
     ALLOY,
@@ -28,6 +29,7 @@ from ncgear.strength.classes import (
     StrengthClass,
 )
 from ncgear.strength.conditions import Conditions, Running, dynamic_factor, hours_of_strokes
+from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.endurance import (
     contact_size_factor,
     hardening_factor,
@@ -39,7 +41,7 @@ from ncgear.strength.endurance import (
 )
 from ncgear.strength.material import EnduredStress, Family, Material
 from ncgear.strength.materials import ASSUMED, ROWS, TABLE, Choice, Ferrous, Plastic, assumed_choice
-from ncgear.strength.plastics import flank_limit_mpa, friction, root_limit_mpa, temperatures_of
+from ncgear.strength.plastics import flank_limit_mpa, friction, lost_w, root_limit_mpa, temperatures_of
 
 RUNNING = Running(3.0, (25, 25), 20.0, 2.1)
 
@@ -248,6 +250,27 @@ def test_temperature_of_teeth() -> None:
         assert [(one.root_c, one.flank_c) for one in cool] == [(20.0, 20.0)] * 2
 
 
+def test_power_that_friction_takes() -> None:
+    """Two contacts of 1000 N that slide at 50 mm/s in one of four positions, coefficient 0.2: 2 * 10 W / 4."""
+    nowhere, flank = np.zeros(2, dtype=complex), np.zeros(2, dtype=int)
+    contacts = LoadedContacts(
+        position=np.array([2, 2]),
+        phi1_rad=np.zeros(2),
+        side=flank,
+        force_n=np.array([1000.0, 1000.0]),
+        relative_curvature=np.ones(2),
+        flanks=np.ones(2, dtype=bool),
+        rolling_mm_s=np.array([[80.0, 30.0], [-20.0, 30.0]]),
+        driving_flank=flank,
+        driving_point=nowhere,
+        driving_inwards=nowhere,
+        driven_flank=flank,
+        driven_point=nowhere,
+        driven_inwards=nowhere,
+    )
+    assert lost_w(contacts, 4, 0.2) == pytest.approx(5.0, rel=1e-14)
+
+
 def test_friction_of_plastics() -> None:
     pom, nylon, steel = of("POM"), of("PA66-dry"), of("C45")
     assert [friction(both, "dry") for both in ((pom, steel), (pom, pom), (nylon, pom), (nylon, nylon))] == [
@@ -348,3 +371,17 @@ def test_conditions_left_out_and_life_in_strokes(tmp_path: Path) -> None:
     assert [wanted.wanted_contact_safety(one) for one in (metal, plastic)] == [1.0, 1.4]
     asked = Conditions(contact_safety=1.2, bending_safety=1.7)
     assert (asked.wanted_contact_safety(plastic), asked.wanted_bending_safety(metal)) == (1.2, 1.7)
+
+
+@pytest.mark.thorough
+def test_density_of_the_gears_is_that_of_their_materials() -> None:
+    """Inertias of a plastic and a steel gear are as their densities; a density that is given stands for both."""
+    masses = "masses: {slider_kg: 1, rod: {mass_kg: 0, center_mm: 0, inertia_kg_mm2: 0}, crank: CRANK}\n"
+    text = HEAD + masses.replace("CRANK", "{mass_kg: 0, center_mm: 0, inertia_kg_mm2: 0}")
+    steel, mixed = (
+        loads(text.replace("MATERIAL", name)).masses for name in ("null", "{driving: POM, driven: 42CrMo4}")
+    )
+    assert mixed.driving_inertia_kg_mm2 == pytest.approx(steel.driving_inertia_kg_mm2 * 1410.0 / 7850.0, rel=1e-12)
+    assert mixed.driven_inertia_kg_mm2 == steel.driven_inertia_kg_mm2
+    given = loads(text.replace("MATERIAL", "POM").replace("{slider_kg", "{density_kg_m3: 7850, slider_kg")).masses
+    assert given.driving_inertia_kg_mm2 == steel.driving_inertia_kg_mm2
