@@ -424,14 +424,26 @@ class Drive:
         return load_by_resistance(self.machine, mesh_place(self.gears, self.pitch.center_distance_mm))
 
     @computed
-    def pair_stiffness(self) -> LinearTeeth:
-        """The stiffness of each pair of teeth, from its own form and face width."""
-        from ncgear.project.loading import STEEL
-        from ncgear.strength.stiffness import EvenTeeth
+    def materials(self) -> tuple[Material, Material]:
+        """The materials of the driving and the driven gear, plastics as warm as their surroundings."""
+        from ncgear.project.service import choices_of, conditions_of
+        from ncgear.strength.conditions import Running
+        from ncgear.strength.endurance import materials_of
+        from ncgear.strength.plastics import temperatures_of
 
-        # Until both gears have materials and a method of strength: steel, and the same stiffness everywhere.
-        even = EvenTeeth(STEEL.youngs_modulus_mpa)
-        return self.linear_teeth((even, even), (STEEL, STEEL))
+        size, speed, choices = self.pitch.size, self.machine.speed_rad_s, choices_of(self.gears)
+        running = Running(size.module_mm, (size.driving_teeth, size.driven_teeth), self.gears.face_width_mm, speed)
+        conditions = conditions_of(self.design.strength, self.transmission.cycle_rad, speed)
+        return materials_of(choices, conditions, running, temperatures_of(choices, conditions, running, 0.0))
+
+    @computed
+    def pair_stiffness(self) -> LinearTeeth:
+        """The stiffness of each pair of teeth in N/mm, from its form, face width and material by the estimate."""
+        from ncgear.project.loading import estimated
+
+        driving, driven = self.materials
+        methods = estimated(self.teeth.driving, driving), estimated(self.teeth.driven, driven)
+        return self.linear_teeth(methods, self.materials)
 
     def linear_teeth(
         self, methods: tuple[ToothMethod, ToothMethod], materials: tuple[Material, Material]
