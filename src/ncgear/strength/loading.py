@@ -8,13 +8,12 @@ begins or ceases to bear load, the others' forces change within a small part of 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ncgear.contact.placement import BACK, PUSHING, Placement, placed, placed_at
-from ncgear.dynamics.meshing import Friction, Meshing
-from ncgear.dynamics.quasi_static import LoadedContact, loaded_contact
+from ncgear.dynamics.meshing import Meshing
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, largest_rows
 from ncgear.numerics.plane import along, as_complex
 from ncgear.pitch.pair import PitchPair
@@ -36,6 +35,9 @@ looked for between them too, as it is wherever other pairs begin to bear load.""
 BETWEEN = 8
 """Parts into which such a step is cut.  Where a tooth bears all load for a moment only, as with contact ratios next to
 2 or 3, its largest force is then met to 1 % (tests/test_loading.py); even positions alone may miss a quarter of it."""
+
+ROUNDING_RAD = 1e-15
+"""Steps of the driven angle at which it is found."""
 
 IDLE = 1e-9
 """Share of the largest force below which a pair bears nothing."""
@@ -75,44 +77,72 @@ def loading_of(
 
     ``torque_n_mm`` gives the torque asked of the driven gear at driving angles (shape (n,)), of either sign;
     ``speed_rad_s`` is the speed of the driving gear, ``per_tooth`` a divisor of SOLVED_PER_TOOTH.  Raises as
-    ``loaded_contact`` does.
+    ``shared`` does.
     """
-    smooth = replace(meshing, friction=Friction(0.0, 0.0, 1.0, 10.0))
-
-    def loaded_at(phi1_rad: Array) -> LoadedContact:
-        return loaded_contact(smooth, phi1_rad, torque_n_mm(phi1_rad), 0.0)
-
     solved = placed(pitch, SOLVED_PER_TOOTH)
-    first = loaded_at(solved.phi1_rad)
-    most = first.tooth_force_n
-    bearing = _bearing(meshing, solved, first.forces.normal_n > 0.0)
+    first = shared(meshing, solved.phi1_rad, torque_n_mm(solved.phi1_rad))
+    most = first.force_n.max(axis=1)
+    bearing = _bearing(meshing, solved, first.force_n > 0.0)
     jumps = (np.roll(bearing, -1) != bearing) | (np.abs(np.roll(most, -1) - most) > JUMP * most.max())
     between = solved.rolled_mm[jumps][:, None] + solved.step_mm * np.arange(1, BETWEEN) / BETWEEN
     every = placed_at(pitch, solved, np.concatenate([solved.rolled_mm, between.ravel()]))
-    second = loaded_at(every.phi1_rad[solved.count :])
-    force = np.concatenate([first.forces.normal_n, second.forces.normal_n])
-    error_rad = np.concatenate([first.error_rad, second.error_rad])
-    position, slot = np.nonzero(force > IDLE * force.max())
+    found = shared(meshing, every.phi1_rad, torque_n_mm(every.phi1_rad))
+    loaded = found.force_n > IDLE * found.force_n.max()
+    position, slot = np.nonzero(loaded)
+    largest = _largest_of_pairs(_Touching.of(meshing, every, position, slot), found.force_n[position, slot])
     even = np.isin(np.arange(every.count), np.arange(0, solved.count, SOLVED_PER_TOOTH // per_tooth))
-    kept = even.copy()
-    kept[position[_largest_of_pairs(_Touching.of(meshing, every, position, slot), force[position, slot])]] = True
-    chosen = np.flatnonzero(kept)
+    chosen = np.flatnonzero(even | np.isin(np.arange(every.count), position[largest]))
     chosen = chosen[np.argsort(every.rolled_mm[chosen])]
     phi1 = every.phi1_rad[chosen]
-    row, slot = np.nonzero(force[chosen] > IDLE * force.max())
+    row, slot = np.nonzero(loaded[chosen])
     touching = _Touching.of(meshing, every, chosen[row], slot)
-    pairs = first.pairs[first.pairs > 0]
+    pairs = loaded[: solved.count].sum(axis=1)
+    pairs = pairs[pairs > 0]
     return Loading(
-        contacts=_contacts(teeth, touching, (row, phi1[row], force[chosen[row], slot]), speed_rad_s),
+        contacts=_contacts(teeth, touching, (row, phi1[row], found.force_n[chosen[row], slot]), speed_rad_s),
         phi1_rad=phi1,
         torque_n_mm=torque_n_mm(phi1),
-        error_rad=error_rad[chosen],
+        error_rad=found.error_rad[chosen],
         even=even[chosen],
-        transmission_error_rad=float(np.ptp(error_rad)),
+        transmission_error_rad=float(np.ptp(found.error_rad)),
         contact_ratio=float(pairs.mean()) if pairs.size else 0.0,
         fewest_pairs=int(pairs.min()) if pairs.size else 0,
         cycle_turns=solved.meetings // solved.driving_teeth,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class Shared:
+    """How pairs share torques: normal forces of shape (n, slots), and driven angles beyond the law's, shape (n,)."""
+
+    force_n: Array
+    error_rad: Array
+
+
+def shared(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array) -> Shared:
+    """The pairs of ``meshing`` as linear springs under torques on the driven gear at driving angles, shape (n,) each.
+
+    With stiffness k, lever l and touching angle e of each pair, sum(k l^2 max(0, e - x)) = T on pushing flanks, and so
+    on backs with the other sign.  The left side falls with x and is convex, so Newton's method from where the first
+    pair alone would bear the torque meets the zero from one side, in as many steps as pairs come to bear load.  Raises
+    NoSuchMechanism where teeth would be pressed deeper into each other than the tables follow.
+    """
+    near, every = meshing.gaps.at(phi1_rad), np.arange(phi1_rad.size)
+    urge = np.where(torque_n_mm < 0.0, -1.0, 1.0)
+    ahead = np.where(near.urge == urge[:, None], urge[:, None] * near.error_rad, -np.inf)
+    turning, torque = near.stiffness * near.lever_mm**2, np.abs(torque_n_mm)
+    first = ahead.argmax(axis=1)
+    at = ahead[every, first] - torque / turning[every, first]
+    for _ in range(ahead.shape[1]):
+        active = ahead >= at[:, None]
+        borne = np.sum(turning * np.maximum(ahead - at[:, None], 0.0), axis=1)
+        step = (borne - torque) / np.sum(turning * active, axis=1)
+        at = at + step
+        if np.all(np.abs(step) <= ROUNDING_RAD):
+            break
+    error = urge * at
+    meshing.gaps.require_reach(phi1_rad, error)
+    return Shared(near.stiffness * near.lever_mm * np.maximum(ahead - at[:, None], 0.0), error)
 
 
 def _bearing(meshing: Meshing, placement: Placement, loaded: Mask) -> IndexArray:

@@ -22,7 +22,7 @@ from ncgear.strength.material import Material
 from ncgear.strength.method import RootStress, ToothMethod
 from ncgear.teeth.gear import ToothedGear, ToothedPair
 
-NEWTON_STEPS = 8
+NEWTON_STEPS = 5
 """Steps to the height of a place on its flank; the start is right for a circular gear to the second order."""
 
 SOFTER, STIFFER = 0.7, 1.3
