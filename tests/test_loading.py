@@ -9,15 +9,21 @@ from math import cos, pi, radians, sin, sqrt
 import numpy as np
 import pytest
 
+import drives
 from engaged import LAWS, MODULE, RINGS, made
 from loaded import FRICTION, LINEAR, SMOOTH
+from ncgear.contact.designed.as_designed import contacts_within
 from ncgear.contact.placement import BACK, PUSHING, placed
 from ncgear.dynamics.gaps import gaps_of
 from ncgear.dynamics.meshing import Meshing
 from ncgear.dynamics.motion_in_time import law_table
+from ncgear.dynamics.pair_places import pair_places
 from ncgear.dynamics.quasi_static import loaded_contact
+from ncgear.errors import WrongInput
 from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
 from ncgear.strength.contacts import LoadedContacts
+from ncgear.strength.estimate import estimate_of
 from ncgear.strength.loading import Loading, loading_of, shared
 from ncgear.strength.stiffness import LinearTeeth
 from ncgear.teeth.form import TipRelief
@@ -253,3 +259,101 @@ def test_largest_loads_converge_with_the_positions(name: str, teeth: int) -> Non
     assert errors[0] < 0.01
     assert errors[1] > 4.0 * errors[0]
     assert found.transmission_error_rad == pytest.approx(float(np.ptp(exact.error_rad)), rel=1e-3)
+
+
+# --- drives -----------------------------------------------------------------------------------------------------------
+
+
+def drive_loading(drive: Drive) -> Loading:
+    return drive.loading(drive.pair_stiffness.methods, drive.materials)
+
+
+@pytest.mark.thorough
+def test_the_published_baler_with_masses_bears_its_94_295_newtons() -> None:
+    """All pairs together bear the rigid level's mesh force, largest at 201 deg; at 20 r/min one pair bears 67 kN."""
+    drive = drives.drive("baler-dynamics")
+    found = drive_loading(drive)
+    together = np.bincount(found.contacts.position, found.contacts.force_n, minlength=found.phi1_rad.size)
+    edges = np.bincount(found.contacts.position, ~found.contacts.flanks, minlength=found.phi1_rad.size) > 0
+    expected = np.abs(drive.rigid.machine.at(found.phi1_rad).mesh_force.size_n.value)
+    missed = np.abs(together - expected) / expected.max()
+    assert np.quantile(missed[~edges], 0.95) < 1e-9
+    assert missed[~edges].max() < 1e-3
+    assert drive.tooth_load.load == "masses"
+    assert drive.rigid.peaks.mesh is not None
+    assert drive.rigid.peaks.mesh.force_n.value == pytest.approx(94_295.0, abs=1.0)
+    assert expected.max() == pytest.approx(94_295.0, rel=2e-3)
+    assert found.contacts.force_n.max() == pytest.approx(66_974.0, rel=1e-3)
+    # Loads change their side where the slider's mass carries the driven gear on.
+    assert set(found.contacts.side) == {PUSHING, BACK}
+    assert found.cycle_turns == 1
+
+
+@pytest.mark.thorough
+def test_without_masses_the_resistance_alone_loads_the_teeth() -> None:
+    """The torque by virtual work: the force on the slider times its velocity over the driven gear's speed."""
+    drive = drives.drive("baler")
+    found = drive_loading(drive)
+    assert drive.tooth_load.load == "resistance"
+    motion = drive.machine.motion(found.phi1_rad)
+    ratio = drive.transmission.driven_angle(found.phi1_rad, 1).derivative(1)
+    asked = motion.force_n * motion.velocity_mm_s / (drive.machine.speed_rad_s * ratio)
+    np.testing.assert_allclose(found.torque_n_mm, asked, atol=1e-6 * asked.max())
+    working = drive.machine.working(drive.transmission.driven_angle(found.contacts.phi1_rad).value)
+    assert working.all()
+
+
+PRESS = """\
+name: press
+linkage: {crank_mm: 38, rod_mm: 96}
+operation: {speed_rpm: 60}
+motion: {law: ellipse, eccentricity: 0.3}
+gears: {teeth: 19, module_mm: 1.5, face_width_mm: 10}
+"""
+FORCE = "resistance: {polynomial_n: [400]}\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "said"),
+    [
+        (PRESS, "resistance", "missing, and so are masses"),
+        (
+            PRESS.replace("face_width_mm: 10", "face_width_mm: 10, helix: {angle_deg: 9, kind: helical, hand: left}")
+            + FORCE,
+            "gears.helix",
+            "helical teeth are not followed under load",
+        ),
+    ],
+    ids=["no load", "helix"],
+)
+def test_what_cannot_be_loaded_is_refused_by_key(text: str, key: str, said: str) -> None:
+    drive = drives.drive_of_text(text)
+    with pytest.raises(WrongInput, match=said) as told:
+        drive.loading((Beams(14.0), Beams(14.0)), (STEEL, STEEL))
+    assert told.value.key == key
+
+
+def test_two_pairs_in_series_are_refused() -> None:
+    drive = drives.drive("baler-66-two-stage").by_stage[0]
+    with pytest.raises(WrongInput, match="two pairs of gears") as told:
+        _ = drive.tooth_load
+    assert told.value.key == "motion.second_stage"
+
+
+def test_twice_the_width_is_twice_as_stiff_and_half_the_modulus_half() -> None:
+    wide = drives.drive_of_text((PRESS + FORCE).replace("face_width_mm: 10", "face_width_mm: 20"))
+    narrow = drives.drive_of_text(PRESS + FORCE)
+
+    def stiffness(drive: Drive, share: float) -> Array:
+        material = replace(STEEL, youngs_modulus_mpa=share * STEEL.youngs_modulus_mpa)
+        methods = tuple(estimate_of(drive.teeth.of(gear), material) for gear in Gear)
+        return LinearTeeth(
+            drive.teeth, (methods[0], methods[1]), (material, material), drive.gears.face_width_mm, 40.0
+        )(pair_places(contacts, placed(drive.pitch)))
+
+    contacts = contacts_within(narrow.teeth, placed(narrow.pitch), 0.1)[0]
+    np.testing.assert_allclose(stiffness(wide, 1.0), 2.0 * stiffness(narrow, 1.0), rtol=1e-12)
+    # The contact of softer gears is flattened more: a little stiffer than by the modulus alone.
+    ratio = stiffness(narrow, 0.5) / stiffness(narrow, 1.0)
+    assert ratio.min() > 0.5
+    assert ratio.max() < 0.53
