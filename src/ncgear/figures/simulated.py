@@ -249,11 +249,15 @@ def dynamic_figures(drive: Drive, peaks: MotionPeaks) -> dict[str, Any]:
     }
 
 
+BAND_ACCURACY = 1e-5
+"""Accuracy of the motions of the band: half the time, and peaks to some thousandths."""
+
+
 def _motion_with(drive: Drive, factor: float) -> dict[str, float | None]:
     """The peaks of the motion if all pairs were as many times as stiff; None where it cannot be followed."""
     names = "peak_pushing_force_n", "peak_back_force_n", "peak_mesh_force_n", "peak_acceleration_mm_s2"
     try:
-        peaks = motion_peaks(drive.course_with(factor), drive.rigid.machine)
+        peaks = motion_peaks(drive.course_with(factor, BAND_ACCURACY), drive.rigid.machine)
     except NoSuchMechanism:
         return {"stiffness_factor": factor, **dict.fromkeys(names)}
     found = peaks.pushing_n, peaks.back_n, peaks.forces_n["mesh"], peaks.acceleration_mm_s2

@@ -516,9 +516,11 @@ class Drive:
     @computed
     def course(self) -> Course:
         """The motion of the toothed machine in time."""
-        return self.course_with(1.0)
+        from ncgear.dynamics.motion_in_time import ACCURACY
 
-    def course_with(self, stiffness_factor: float) -> Course:
+        return self.course_with(1.0, ACCURACY)
+
+    def course_with(self, stiffness_factor: float, accuracy: float) -> Course:
         """The motion in time with teeth stiffer by a factor; raises as ``dynamics.motion_in_time.course`` does."""
         from ncgear.dynamics.crank_load import crank_load
         from ncgear.dynamics.motion_in_time import Start, ToothedMachine, course, started
@@ -530,7 +532,7 @@ class Drive:
             load = crank_load(self.linkage, masses, self.machine.resistance)
             toothed = ToothedMachine(driving, damped(given, meshing, driving, load), load)
             state = started(toothed, self.transmission, Start(given.start), speed)
-            return course(toothed, state, given.turns)
+            return course(toothed, state, given.turns, accuracy)
 
 
 def load(path: str | Path) -> Drive:

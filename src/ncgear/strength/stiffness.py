@@ -22,8 +22,11 @@ from ncgear.strength.material import Material
 from ncgear.strength.method import RootStress, ToothMethod
 from ncgear.teeth.gear import ToothedGear, ToothedPair
 
-NEWTON_STEPS = 5
-"""Steps to the height of a place on its flank; the start is right for a circular gear to the second order."""
+NEWTON_STEPS = 12
+"""Most steps to the height of a place on its flank; three do but where the curvature of what rolls jumps.  A height
+that is missed shows, since the place is then beside its flank."""
+
+MET_IN_MODULES = 1e-10
 
 SOFTER, STIFFER = 0.7, 1.3
 """The band in which the stiffness of real teeth lies about the computed one.  ISO 6336-1 takes a fifth off the computed
@@ -49,11 +52,14 @@ def flank_heights_mm(gear: ToothedGear, places: FlankPlaces) -> Array:
     turning = flanks.at_rolled(places.flank, flanks.crossing_mm[places.flank]).curvature
     second = turning / (sin(rack.pressure_angle_rad) * rack.height_per_rolled)
     height = 2.0 * length / (first + np.sqrt(np.maximum(first**2 + 2.0 * second * length, 0.0)))
+    height = np.clip(height, bottom, top)
     for _ in range(NEWTON_STEPS):
-        height = np.clip(height, bottom, top)
         point, slope = (as_complex(part) for part in flanks.flank(places.flank, height))
-        height = height + along(slope, places.point - point) / np.abs(slope) ** 2
-    return np.asarray(np.clip(height, bottom, top))
+        nearer = np.clip(height + along(slope, places.point - point) / np.abs(slope) ** 2, bottom, top)
+        step, height = np.abs(nearer - height), nearer
+        if np.all(step <= MET_IN_MODULES * rack.module_mm):
+            break
+    return np.asarray(height)
 
 
 def on_flanks(gear: ToothedGear, places: FlankPlaces) -> tuple[FlankPlaces, Array]:
