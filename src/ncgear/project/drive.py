@@ -491,9 +491,7 @@ class Drive:
     @computed
     def loaded_contact(self) -> LoadedContact:
         """The teeth under the torque of the rigid level, at the angles of ``motion``."""
-        phi1, _, _ = self.motion.phi1_rad, self.rigid, self.meshing
-        with self.stopwatch("loaded contact"):
-            return self._loaded_at(phi1)
+        return self.loaded_with(1.0)
 
     @computed
     def loaded_peaks(self) -> LoadedPeaks:
@@ -506,12 +504,10 @@ class Drive:
             return loaded_peaks(self._loaded_at, places, int(loaded.pairs.max()))
 
     def loaded_with(self, stiffness_factor: float) -> LoadedContact:
-        """As ``loaded_contact``, the teeth stiffer by a factor, at all angles that ``loaded_peaks`` begins with."""
-        from ncgear.project.forces import loaded_places_rad
-
-        places = loaded_places_rad(self.motion.phi1_rad, self.meshing, self.rigid.machine)
-        with self.stopwatch("band of stiffness"):
-            return self._loaded_at(places, stiffness_factor)
+        """As ``loaded_contact``, the teeth stiffer by a factor."""
+        phi1, _, _ = self.motion.phi1_rad, self.rigid, self.meshing
+        with self.stopwatch("band of stiffness" if stiffness_factor != 1.0 else "loaded contact"):
+            return self._loaded_at(phi1, stiffness_factor)
 
     @computed
     def course(self) -> Course:
