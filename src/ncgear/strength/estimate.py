@@ -47,7 +47,8 @@ LEAN_CONCAVE_RAD = radians(60.0)
 """The same for internal gears."""
 
 SAMPLES = {FLANK: 33, FILLET: 65}
-"""Points on each run of a side.  With eight times as many compliances change by 0.5 % or less (baler, ring, ellipse)."""
+"""Points on each run of a side.  With five times as many compliances of the baler, a ring and an ellipse change by half
+a per cent or less."""
 
 STEP = 1e-4
 """Share of the module, in arc length, over which the fillet's turning is measured; a tenth changes radii by 1e-6."""
