@@ -182,16 +182,18 @@ def test_meetings_are_those_that_a_plain_count_finds(gear: Gear) -> None:
     assert np.array_equal(found.counted_mpa, 2.0 * found.stress_mpa)
 
 
-def test_pressures_count_where_a_pair_bears_the_load_alone() -> None:
-    """Three pairs of flanks: alone in position 1, on an edge alone in 2, never alone; edges count nowhere."""
+def test_pressures_count_where_a_pair_bears_the_most() -> None:
+    """Pair 0-1 leads alone in position 1, pair 2-3 in position 0, 4-5 nowhere, and edges count nowhere."""
     loaded = replace(
         contacts().kept(np.arange(7)),
-        position=np.array([0, 0, 1, 2, 3, 3, 3]),
-        driving_flank=np.array([0, 2, 0, 2, 4, 4, 0]),
-        driven_flank=np.array([1, 3, 1, 3, 5, 5, 1]),
-        flanks=np.array([True, True, True, False, True, False, True]),
+        position=np.array([0, 0, 1, 2, 2, 3, 3]),
+        driving_flank=np.array([0, 2, 0, 2, 4, 4, 2]),
+        driven_flank=np.array([1, 3, 1, 3, 5, 5, 3]),
+        force_n=np.array([10.0, 20.0, 5.0, 30.0, 20.0, 10.0, 11.0]),
+        flanks=np.array([True, True, True, False, True, True, True]),
     )
-    assert rated_for_pitting(loaded).tolist() == [False, True, True, False, True, False, False]
+    assert rated_for_pitting(loaded).tolist() == [False, True, True, False, True, True, True]
+    assert rated_for_pitting(loaded.kept(np.arange(0))).size == 0
 
 
 def test_a_pair_that_meets_every_turn_is_counted_every_turn() -> None:
