@@ -28,12 +28,12 @@ INTRODUCTION = f"""\
 What flanks and roots of gears endure, by name. [`gears.material`](design-file.md#gearsmaterial) takes one name for both
 gears or one for each, and a person's own values in place of the table's:
 
-```yaml
-material: 16MnCr5                                            # both gears
-material: {{driving: 16MnCr5, driven: POM}}
-material: {{name: 42CrMo4, quality: ME, hardness: 350}}        # both, better than usual
-material: {{name: C45, contact_limit_mpa: 600, bending_limit_mpa: 450, density_kg_m3: 7800}}
-```
+| written | what it is |
+|---|---|
+| `material: 16MnCr5` | both gears |
+| `material: {{driving: 16MnCr5, driven: POM}}` | each its own |
+| `material: {{name: 42CrMo4, quality: ME, hardness: 350}}` | both, of a better grade and harder than usual |
+| `material: {{name: C45, contact_limit_mpa: 600, bending_limit_mpa: 450}}` | own stresses, the rest as of C45 |
 
 A design that names none is computed as if it were of {ASSUMED}, quenched and tempered, and what is told says that this
 is assumed. All figures are from secondary sources: standards as transcribed by others, compared where there were two.
@@ -58,6 +58,10 @@ allowed for.
 
 FACTORS = """\
 ### Other factors
+
+Pressures count where a pair of flanks bears the most of the load: ISO 6336-2 rates the pitch point and where single
+contact begins. Where teeth begin and cease to touch, flanks near their base circles have small radii and high
+pressures, in the gears that were tested as well.
 
 Beyond the first point, flanks have the factors Z<sub>L</sub>, Z<sub>v</sub> and Z<sub>R</sub> of the oil's film, at the
 mean speed along the pitch curves and the radius of circular gears of the same teeth; Z<sub>W</sub>, where a soft flank

@@ -46,17 +46,22 @@ LEAN_RAD = radians(30.0)
 LEAN_CONCAVE_RAD = radians(60.0)
 """The same for internal gears."""
 
-SAMPLES = {FLANK: 25, FILLET: 41}
-"""Points on each run of a side.  A chord of a fillet spans 3 degrees, and strays by 2e-4 of its radius."""
+SAMPLES = {FLANK: 33, FILLET: 65}
+"""Points on each run of a side.  With five times as many compliances of the baler, a ring and an ellipse change by half
+a per cent or less."""
 
 STEP = 1e-4
-"""Share of the module, in arc length, over which the fillet's turning is measured: it misses the curvature by 1e-7."""
+"""Share of the module, in arc length, over which the fillet's turning is measured; a tenth changes radii by 1e-6."""
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
-"""Gauss points along the beam; twice as many change compliances by less than 1e-4."""
+"""Gauss points along the beam; twice as many change compliances by 2e-4 or less."""
 
 LEAST_REACH = 1e-3
 """Least half-width of a contact, in depths to the tooth's middle, so that an edge gives way by a finite way."""
+
+LEAST_ACROSS = 0.1
+"""Least part of a load across its tooth by which arms and depths are divided.  Only edges touch with normals that lead
+along the tooth (beyond 84 degrees here); so their loads neither bend the tooth nor meet its middle line far away."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,7 +206,7 @@ class Estimate:
         foundation += 4.8 / pi * load.across**2 + 2.0 * (1.0 - poisson) / pi * load.down**2
 
         thick = self.halves.at(places.flank, load.height_mm) + self.halves.at(places.flank ^ 1, load.height_mm)
-        depth = thick / 2.0 / load.across
+        depth = thick / 2.0 / np.maximum(load.across, LEAST_ACROSS)
         reach = np.maximum(reach_mm, LEAST_REACH * depth)
         pressed = np.maximum(np.log(2.0 * depth / reach) - poisson / (2.0 * (1.0 - poisson)), 0.0)
         return Compliance(tooth, foundation / modulus, 2.0 / (pi * modulus) * pressed)
@@ -213,8 +218,9 @@ class Estimate:
         up = load.height_mm - self.frames.height(load.tooth, middle)
         off = load.aside_mm - self.frames.aside(places.flank, middle)
         # A load whose line passes below the section does not bend it to the other side.
-        arm = np.maximum(up - load.down / load.across * off, 0.0)
-        bent = 6.0 * load.across / chord**2
+        across = np.maximum(load.across, LEAST_ACROSS)
+        arm = np.maximum((load.across * up - load.down * off) / across, 0.0)
+        bent = 6.0 * across / chord**2
 
         def notch(flank: IndexArray) -> Array:
             """q^(1 / (1.21 + 2.3 / L)), written without dividing by the arm."""
@@ -226,29 +232,15 @@ class Estimate:
         return RootStress(bending * notch(places.flank), (bending + pressed) * notch(places.flank ^ 1))
 
     def _loads(self, places: FlankPlaces) -> _Loads:
-        """The places and loads in the frames of their teeth.
-
-        Raises NoSuchMechanism where a load does not lead across its tooth.
-        """
+        """The places and loads in the frames of their teeth."""
         tooth, frames = places.flank // 2, self.frames
-        across = -along(frames.outwards(places.flank), places.inwards)
-        if np.any(across < LEAST_ACROSS):
-            raise NoSuchMechanism(
-                f"the load on tooth {int(tooth[np.argmin(across)]) + 1} leads along the tooth instead of across it: "
-                "the estimate takes teeth for beams; strength by elements is needed",
-                key="gears",
-            )
         return _Loads(
             tooth,
             frames.aside(places.flank, places.point),
             frames.height(tooth, places.point),
-            across,
+            -along(frames.outwards(places.flank), places.inwards),
             -along(frames.towards_tip[tooth], places.inwards),
         )
-
-
-LEAST_ACROSS = 0.1
-"""Least part of a load across its tooth: beyond 84 degrees the tooth is a column, no beam."""
 
 
 def estimate_of(gear: ToothedGear, material: Material) -> Estimate:
@@ -347,4 +339,4 @@ def _sections(
 
 
 BISECTIONS = 12
-"""They place the tangent point within 1e-5 modules; the stress is stationary there to the first order in chord."""
+"""Halvings of a sample's span, which place the tangent point: chords and stresses are right to 3e-5."""
