@@ -465,11 +465,13 @@ class Drive:
         from ncgear.project.forces import meshing_of
         from ncgear.strength.loading import loading_of
 
-        self.require_straight_sound_teeth()
-        pitch, teeth, load, stiffness = self.pitch, self.teeth, self.tooth_load, self.linear_teeth(methods, materials)
-        with self.stopwatch("load of every tooth"):
-            meshing = meshing_of(Simulation(), pitch, teeth, stiffness)
-            return loading_of(meshing, teeth, pitch, load.torque_n_mm, self.machine.speed_rad_s)
+        with located(self.places):
+            self.require_straight_sound_teeth()
+            stiffness, load = self.linear_teeth(methods, materials), self.tooth_load
+            pitch, teeth = self.pitch, self.teeth
+            with self.stopwatch("load of every tooth"):
+                meshing = meshing_of(Simulation(), pitch, teeth, stiffness)
+                return loading_of(meshing, teeth, pitch, load.torque_n_mm, self.machine.speed_rad_s)
 
     @computed
     def _any_meshing(self) -> Meshing:
