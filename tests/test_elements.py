@@ -36,11 +36,13 @@ from ncgear.strength.elements.plane import (
     von_mises_mpa,
 )
 from ncgear.strength.elements.teeth import CLEAR, DEPTH, POSITIONS, SIZE, Elements, elements_of, pressed_in_mm
+from ncgear.strength.estimate import estimate_of
 from ncgear.strength.material import EnduredStress, Family, Material
 from ncgear.teeth.form import Backlash, ToothForm
 from ncgear.teeth.gear import ToothedGear, toothed_pair
 from oracles.root_form_factors import bending_factor
 from pairs import rack
+from tooth_places import random_places
 
 MODULUS, POISSON = 206_000.0, 0.3
 STEEL = Material(
@@ -424,6 +426,22 @@ def test_all_teeth_of_worked_designs_are_meshed(name: str) -> None:
         assert (elements.compression_mpa * module < 8.0).all()
         # Farther down the load's direction turns so much that a higher place may give way a little less.
         assert (np.diff(elements.middle_moved_mm[:, 8:], axis=1) > 0.0).all()
+
+
+@pytest.mark.slow
+@pytest.mark.judges("strength")
+@pytest.mark.parametrize(("name", "astray"), [("ellipse", 0.07), ("baler-86", 0.12), ("baler", 0.31)])
+def test_elements_and_estimate_differ_no_more_than_the_page_says(name: str, astray: float) -> None:
+    """Root tension under loads on the upper halves of flanks; most where the tool undercuts the teeth."""
+    for gear in (drive(name).teeth.driving, drive(name).teeth.driven):
+        elements = elements_of(gear, STEEL)
+        places, _ = random_places(gear, 1000)
+        tooth, top = places.flank // 2, elements.height_mm[places.flank]
+        height = along(elements.axis[tooth], places.point - elements.base_mm[tooth])
+        upper = places.kept(height > top.mean(axis=1))
+        share = elements.root_stress(upper).tension_mpa / estimate_of(gear, STEEL).root_stress(upper).tension_mpa
+        assert np.median(share) == pytest.approx(0.95, abs=0.025)
+        assert np.abs(share - 1.0).max() < astray
 
 
 @pytest.mark.slow
