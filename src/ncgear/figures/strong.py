@@ -1,0 +1,180 @@
+"""What is told of the strength of teeth: figures, a table with a row for each gear and tooth, and a screen of text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from math import degrees, isfinite
+from textwrap import wrap
+from typing import Any
+
+import numpy as np
+
+from ncgear.figures.advice.values import Remedy
+from ncgear.figures.csv_text import rows_text
+from ncgear.figures.numbers import fixed, shown, to_digits
+from ncgear.figures.tables import aligned
+from ncgear.figures.terminal import INDENT, WIDTH
+from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
+from ncgear.strength.answer import Strength
+from ncgear.strength.holding import Damage, Weakest, lives_of
+
+LOADS = {
+    "masses": "the machine with its masses, at constant driving speed",
+    "resistance": "the resistance alone: no masses are given, so forces of inertia are not counted",
+}
+"""The words for what a load follows from."""
+
+METHODS = {
+    "estimate": "local estimate on the outline of each tooth, after ISO 6336 and VDI 2736, which cover circular gears",
+    "elements": "plane finite elements on the outline of each tooth; a local estimate for what the material endures",
+}
+"""The words for a method, and how far the standards cover it."""
+
+
+def strength_figures(drive: Drive, strength: Strength, found: Sequence[Weakest]) -> dict[str, Any]:
+    """The figures of a strength as sections of plain values whose keys end in their unit.
+
+    A life is None where the tooth lasts for ever.
+    """
+    contacts, size = strength.contacts, drive.pitch.size
+    most = int(np.argmax(contacts.force_n))
+    return {
+        "design": {"name": drive.design.name, "description": drive.design.description},
+        "load": {
+            "speed_rpm": drive.design.operation.speed_rpm,
+            "peak_tooth_force_n": float(contacts.force_n[most]),
+            "peak_tooth_force_at_rad": float(contacts.phi1_rad[most]),
+            "contact_ratio_under_load_mean": loaded_contact_ratio(strength),
+        },
+        "gears": {"module_mm": size.module_mm, "face_width_mm": drive.gears.face_width_mm},
+        "strength": strength_summary(strength, found),
+        **{gear.value: _gear_figures(strength, gear, found) for gear in Gear},
+    }
+
+
+def strength_summary(strength: Strength, found: Sequence[Weakest]) -> dict[str, Any]:
+    """The method, the load, and the least safeties of both gears with the numbers of their teeth."""
+    least: dict[str, dict[str, Any]] = {gear.value: {} for gear in Gear}
+    for one in found:
+        least[one.gear.value][f"{one.damage}_safety_min"] = one.safety
+        least[one.gear.value][f"{one.damage}_tooth"] = one.tooth
+    return {"method": strength.method, "load": strength.load, **least}
+
+
+def _gear_figures(strength: Strength, gear: Gear, found: Sequence[Weakest]) -> dict[str, Any]:
+    material = strength.of(gear).material
+    figures: dict[str, Any] = {"material": material.name, "source": material.source}
+    for one in found:
+        if one.gear is gear:
+            name = one.damage.value
+            figures |= {
+                f"{name}_safety_wanted": one.wanted,
+                f"{name}_stress_mpa": one.stress_mpa,
+                f"{name}_stress_at_rad": one.phi1_rad,
+                f"{name}_endured_mpa": one.endured_mpa,
+                f"{name}_life_h": _or_none(one.life_h),
+                f"{name}_too_weak_teeth": sorted(one.too_weak),
+            }
+    return figures
+
+
+def loaded_contact_ratio(strength: Strength) -> float:
+    """The mean number of pairs of teeth that bear load, over the positions at which any does."""
+    return float(strength.contacts.position.size / np.unique(strength.contacts.position).size)
+
+
+COLUMNS = ("gear", "tooth", *(f"{kind}_{name}" for kind in Damage for name in ("stress_mpa", "phi1_rad", "safety", "life_h")))
+
+
+def strength_csv(strength: Strength) -> str:
+    """A row for each gear and tooth; cells are empty where a safety or a life is without end or nothing is known."""
+    return rows_text(COLUMNS, _rows(strength))
+
+
+def _rows(strength: Strength) -> Iterable[list[object]]:
+    for gear in Gear:
+        lives = lives_of(strength, gear)
+        for row in range(lives[Damage.BENDING].safety.size):
+            cells: list[object] = [gear.value, row + 1]
+            for kind in Damage:
+                life = lives.get(kind)
+                values = (life.stress_mpa, life.phi1_rad, life.safety, life.life_h) if life else ()
+                cells += [_or_none(float(one[row])) for one in values] or [None] * 4
+            yield cells
+
+
+def _or_none(value: float) -> float | None:
+    return value if isfinite(value) else None
+
+
+def life_words(hours: float) -> str:
+    """Hours of life, to two digits, or the words for none and for no end of it."""
+    if not isfinite(hours):
+        return "no end"
+    return f"{to_digits(hours, 2)} h" if hours >= 0.01 else "none"
+
+
+def strength_text(drive: Drive, strength: Strength, found: Sequence[Weakest], remedies: Sequence[Remedy]) -> str:
+    """A screen about the strength of a pair: load, method, least safeties, and what would do."""
+    name, speed, size = drive.design.name, drive.design.operation.speed_rpm, drive.pitch.size
+    forces, materials = strength.contacts.force_n, (strength.driving.material.name, strength.driven.material.name)
+    most = int(np.argmax(forces))
+    about = {
+        "load": LOADS[strength.load],
+        "method": METHODS[strength.method],
+        "gears": f"module {shown(size.module_mm)} mm, {size.driving_teeth} and {size.driven_teeth} teeth, face width "
+        f"{shown(drive.gears.face_width_mm)} mm, {' on '.join(dict.fromkeys(materials))}",
+        "teeth": f"up to {shown(float(forces[most]))} N on one pair, at phi1 = {_degrees(strength.contacts.phi1_rad[most])} "
+        f"deg; {to_digits(loaded_contact_ratio(strength), 3)} pairs bear load on average",
+    }
+    start = max(map(len, about)) + 2
+    lines = [f"{name}: strength of the teeth at {speed:g} r/min"]
+    for label, words in about.items():
+        lines += wrap(
+            words, WIDTH, initial_indent=f"{INDENT}{label:<{start}}", subsequent_indent=INDENT + " " * start
+        )
+    return "\n".join([*lines, "", *_safety_lines(found), "", *_verdict(found, remedies)])
+
+
+def _safety_lines(found: Sequence[Weakest]) -> list[str]:
+    heads = ["", "", "safety", "wanted", "tooth", "phi1, deg", "stress, MPa", "endured, MPa", "life"]
+    rows = [
+        [
+            one.gear.value,
+            one.damage.words,
+            to_digits(one.safety, 3),
+            f"{one.wanted:g}",
+            str(one.tooth),
+            _degrees(one.phi1_rad),
+            to_digits(one.stress_mpa, 3),
+            to_digits(one.endured_mpa, 3),
+            life_words(one.life_h),
+        ]
+        for one in found
+    ]
+    return aligned([heads, *rows], left=2)
+
+
+def _verdict(found: Sequence[Weakest], remedies: Sequence[Remedy]) -> list[str]:
+    weak = [one for one in found if not one.holds]
+    if not weak:
+        return ["The teeth hold: no safety is under the wanted one."]
+    lines = ["The teeth do not hold. Under the wanted safety:"]
+    for one in weak:
+        words = f"{one.gear.value} gear, {one.damage.words}: {_teeth(one.too_weak)}"
+        lines += wrap(words, WIDTH, initial_indent=INDENT, subsequent_indent=INDENT * 2)
+    if not remedies:
+        return [*lines, "No face width, module or material alone would do; ncgear size looks for all of them together."]
+    lines.append("What would do, each alone:")
+    for remedy in remedies:
+        lines += wrap(str(remedy), WIDTH, initial_indent=INDENT, subsequent_indent=INDENT * 2)
+    return lines
+
+
+def _teeth(numbers: Sequence[int]) -> str:
+    return f"{'tooth' if len(numbers) == 1 else 'teeth'} {shown(sorted(numbers))}"
+
+
+def _degrees(angle_rad: float) -> str:
+    return fixed(degrees(float(angle_rad)), 1)
