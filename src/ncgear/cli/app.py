@@ -8,7 +8,7 @@ import typer
 
 from ncgear import __version__
 from ncgear.cli.lookup import explain, reproduce, schema
-from ncgear.cli.machine import animate, balance, build, check, report, simulate
+from ncgear.cli.machine import animate, balance, build, check, report, simulate, strength
 from ncgear.cli.new import new
 from ncgear.cli.search import frontier, optimize, sweep
 
@@ -27,6 +27,7 @@ COMMANDS = (
     animate,
     check,
     simulate,
+    strength,
     optimize,
     frontier,
     sweep,

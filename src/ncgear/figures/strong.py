@@ -16,6 +16,7 @@ from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import INDENT, WIDTH
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.project.strengthening import Verdict
 from ncgear.strength.answer import Strength
 from ncgear.strength.holding import Damage, Weakest, lives_of
 
@@ -32,12 +33,13 @@ METHODS = {
 """The words for a method, and how far the standards cover it."""
 
 
-def strength_figures(drive: Drive, strength: Strength, found: Sequence[Weakest]) -> dict[str, Any]:
+def strength_figures(drive: Drive, verdict: Verdict) -> dict[str, Any]:
     """The figures of a strength as sections of plain values whose keys end in their unit.
 
     A life is None where the tooth lasts for ever.
     """
-    contacts, size = strength.contacts, drive.pitch.size
+    strength, size = verdict.strength, drive.pitch.size
+    contacts = strength.contacts
     most = int(np.argmax(contacts.force_n))
     return {
         "design": {"name": drive.design.name, "description": drive.design.description},
@@ -48,24 +50,24 @@ def strength_figures(drive: Drive, strength: Strength, found: Sequence[Weakest])
             "contact_ratio_under_load_mean": loaded_contact_ratio(strength),
         },
         "gears": {"module_mm": size.module_mm, "face_width_mm": drive.gears.face_width_mm},
-        "strength": strength_summary(strength, found),
-        **{gear.value: _gear_figures(strength, gear, found) for gear in Gear},
+        "strength": strength_summary(verdict),
+        **{gear.value: _gear_figures(verdict, gear) for gear in Gear},
     }
 
 
-def strength_summary(strength: Strength, found: Sequence[Weakest]) -> dict[str, Any]:
+def strength_summary(verdict: Verdict) -> dict[str, Any]:
     """The method, the load, and the least safeties of both gears with the numbers of their teeth."""
     least: dict[str, dict[str, Any]] = {gear.value: {} for gear in Gear}
-    for one in found:
+    for one in verdict.weakest:
         least[one.gear.value][f"{one.damage}_safety_min"] = one.safety
         least[one.gear.value][f"{one.damage}_tooth"] = one.tooth
-    return {"method": strength.method, "load": strength.load, **least}
+    return {"method": verdict.strength.method, "load": verdict.strength.load, **least}
 
 
-def _gear_figures(strength: Strength, gear: Gear, found: Sequence[Weakest]) -> dict[str, Any]:
-    material = strength.of(gear).material
+def _gear_figures(verdict: Verdict, gear: Gear) -> dict[str, Any]:
+    material = verdict.strength.of(gear).material
     figures: dict[str, Any] = {"material": material.name, "source": material.source}
-    for one in found:
+    for one in verdict.weakest:
         if one.gear is gear:
             name = one.damage.value
             figures |= {
@@ -84,7 +86,9 @@ def loaded_contact_ratio(strength: Strength) -> float:
     return float(strength.contacts.position.size / np.unique(strength.contacts.position).size)
 
 
-COLUMNS = ("gear", "tooth", *(f"{kind}_{name}" for kind in Damage for name in ("stress_mpa", "phi1_rad", "safety", "life_h")))
+OF_TOOTH = ("stress_mpa", "phi1_rad", "safety", "life_h")
+COLUMNS = ("gear", "tooth", *(f"{kind}_{name}" for kind in Damage for name in OF_TOOTH))
+"""Columns of the table: four of each kind of damage."""
 
 
 def strength_csv(strength: Strength) -> str:
@@ -99,8 +103,7 @@ def _rows(strength: Strength) -> Iterable[list[object]]:
             cells: list[object] = [gear.value, row + 1]
             for kind in Damage:
                 life = lives.get(kind)
-                values = (life.stress_mpa, life.phi1_rad, life.safety, life.life_h) if life else ()
-                cells += [_or_none(float(one[row])) for one in values] or [None] * 4
+                cells += [_or_none(float(getattr(life, name)[row])) if life else None for name in OF_TOOTH]
             yield cells
 
 
@@ -115,25 +118,25 @@ def life_words(hours: float) -> str:
     return f"{to_digits(hours, 2)} h" if hours >= 0.01 else "none"
 
 
-def strength_text(drive: Drive, strength: Strength, found: Sequence[Weakest], remedies: Sequence[Remedy]) -> str:
+def strength_text(drive: Drive, verdict: Verdict, remedies: Sequence[Remedy]) -> str:
     """A screen about the strength of a pair: load, method, least safeties, and what would do."""
     name, speed, size = drive.design.name, drive.design.operation.speed_rpm, drive.pitch.size
+    strength, found = verdict.strength, verdict.weakest
     forces, materials = strength.contacts.force_n, (strength.driving.material.name, strength.driven.material.name)
     most = int(np.argmax(forces))
+    where = f"at phi1 = {_degrees(strength.contacts.phi1_rad[most])} deg"
     about = {
         "load": LOADS[strength.load],
         "method": METHODS[strength.method],
         "gears": f"module {shown(size.module_mm)} mm, {size.driving_teeth} and {size.driven_teeth} teeth, face width "
         f"{shown(drive.gears.face_width_mm)} mm, {' on '.join(dict.fromkeys(materials))}",
-        "teeth": f"up to {shown(float(forces[most]))} N on one pair, at phi1 = {_degrees(strength.contacts.phi1_rad[most])} "
-        f"deg; {to_digits(loaded_contact_ratio(strength), 3)} pairs bear load on average",
+        "teeth": f"up to {shown(float(forces[most]))} N on one pair, {where}; "
+        f"{to_digits(loaded_contact_ratio(strength), 3)} pairs bear load on average",
     }
     start = max(map(len, about)) + 2
     lines = [f"{name}: strength of the teeth at {speed:g} r/min"]
     for label, words in about.items():
-        lines += wrap(
-            words, WIDTH, initial_indent=f"{INDENT}{label:<{start}}", subsequent_indent=INDENT + " " * start
-        )
+        lines += wrap(words, WIDTH, initial_indent=f"{INDENT}{label:<{start}}", subsequent_indent=INDENT + " " * start)
     return "\n".join([*lines, "", *_safety_lines(found), "", *_verdict(found, remedies)])
 
 
@@ -164,9 +167,7 @@ def _verdict(found: Sequence[Weakest], remedies: Sequence[Remedy]) -> list[str]:
     for one in weak:
         words = f"{one.gear.value} gear, {one.damage.words}: {_teeth(one.too_weak)}"
         lines += wrap(words, WIDTH, initial_indent=INDENT, subsequent_indent=INDENT * 2)
-    if not remedies:
-        return [*lines, "No face width, module or material alone would do; ncgear size looks for all of them together."]
-    lines.append("What would do, each alone:")
+    lines.append("To change it:")
     for remedy in remedies:
         lines += wrap(str(remedy), WIDTH, initial_indent=INDENT, subsequent_indent=INDENT * 2)
     return lines

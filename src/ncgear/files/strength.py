@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from ncgear.drawings.strength_pictures import strength_pictures
 from ncgear.figures.numbers import json_text
 from ncgear.figures.strong import strength_csv, strength_figures
 from ncgear.project.drive import Drive
-from ncgear.strength.answer import Strength
-from ncgear.strength.holding import Weakest
+from ncgear.project.strengthening import Verdict
 
 
-def strength_files(drive: Drive, strength: Strength, found: Sequence[Weakest]) -> dict[str, bytes]:
+def strength_files(drive: Drive, verdict: Verdict) -> dict[str, bytes]:
     """Pictures, table and figures as files."""
     return {
-        **strength_pictures(drive, strength, found),
-        "strength.csv": strength_csv(strength).encode(),
-        "strength.json": json_text(strength_figures(drive, strength, found)).encode(),
+        **strength_pictures(drive, verdict),
+        "strength.csv": strength_csv(verdict.strength).encode(),
+        "strength.json": json_text(strength_figures(drive, verdict)).encode(),
     }

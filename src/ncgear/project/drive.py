@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from ncgear.pitch.pair import PitchPair
     from ncgear.solids.helical.helix import Helix
     from ncgear.solids.mesh.pair import SolidPair
+    from ncgear.strength.answer import Strength
     from ncgear.teeth.arcs import ArcOutline
     from ncgear.teeth.backlash import Play
     from ncgear.teeth.form import ToothForm
@@ -435,6 +436,15 @@ class Drive:
             toothed = ToothedMachine(driving, meshing, crank_load(self.linkage, masses, self.machine.resistance))
             state = started(toothed, self.transmission, Start(given.start), speed)
             return course(toothed, state, given.turns)
+
+    @computed
+    def strength(self) -> Strength:
+        """The strength of the teeth by the method that the design names."""
+        return self.strength_by("estimate")
+
+    def strength_by(self, method: Literal["estimate", "elements"]) -> Strength:
+        """The strength of the teeth by a method."""
+        raise NotImplementedError(method)
 
 
 def load(path: str | Path) -> Drive:

@@ -9,6 +9,7 @@ on the size, and sharing of loads between pairs are left out: what comes out is 
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -32,7 +33,7 @@ class Damage(StrEnum):
 
 @dataclass(frozen=True)
 class WantedSafety:
-    """The least safeties that a person wants against breakage and pitting."""
+    """The least safeties of a gear that a person wants against breakage and pitting."""
 
     bending: float
     contact: float
@@ -85,10 +86,10 @@ def lives_of(strength: Strength, gear: Gear) -> dict[Damage, ToothLife]:
     return lives if found.contact is None else {**lives, Damage.CONTACT: found.contact}
 
 
-def weakest_teeth(strength: Strength, wanted: WantedSafety) -> list[Weakest]:
+def weakest_teeth(strength: Strength, wanted: Mapping[Gear, WantedSafety]) -> list[Weakest]:
     """The weakest tooth of both gears for each kind of damage that has figures: driving gear, then driven gear."""
     return [
-        _weakest(life, gear, damage, wanted.of(damage))
+        _weakest(life, gear, damage, wanted[gear].of(damage))
         for gear in Gear
         for damage, life in lives_of(strength, gear).items()
     ]
@@ -97,20 +98,23 @@ def weakest_teeth(strength: Strength, wanted: WantedSafety) -> list[Weakest]:
 def _weakest(life: ToothLife, gear: Gear, damage: Damage, wanted: float) -> Weakest:
     row, order = life.weakest - 1, np.argsort(life.safety, kind="stable")
     too_weak = tuple(int(place) + 1 for place in order[life.safety[order] < wanted])
-    figures = (float(values[row]) for values in (life.stress_mpa, life.phi1_rad, life.safety, life.life_h))
-    return Weakest(gear, damage, life.weakest, *figures, wanted, too_weak)
+    stress, angle = float(life.stress_mpa[row]), float(life.phi1_rad[row])
+    safety, hours = float(life.safety[row]), float(life.life_h[row])
+    return Weakest(gear, damage, life.weakest, stress, angle, safety, hours, wanted, too_weak)
 
 
-def worst(found: list[Weakest]) -> Weakest:
+def worst(found: Sequence[Weakest]) -> Weakest:
     """The one whose safety is the least share of the wanted one."""
     return min(found, key=lambda one: one.share)
 
 
-def face_width_factor(found: list[Weakest]) -> float:
-    """The factor of the face width with which all would just have the wanted safeties."""
-    return max((1.0 / one.share) ** (1 if one.damage is Damage.BENDING else 2) for one in found)
+def face_width_factor(found: Sequence[Weakest]) -> float:
+    """The factor of the face width with which all would just be safe enough; under 1 where less would do."""
+    factor: float = max(float(1.0 / one.share) ** (1.0 if one.damage is Damage.BENDING else 2.0) for one in found)
+    return factor
 
 
-def module_factor(found: list[Weakest]) -> float:
-    """The factor of the module, at the same number of teeth, with which all would just have the wanted safeties."""
-    return max((1.0 / one.share) ** (0.5 if one.damage is Damage.BENDING else 1.0) for one in found)
+def module_factor(found: Sequence[Weakest]) -> float:
+    """The factor of the module, with as many teeth of the same width, with which all would just be safe enough."""
+    factor: float = max(float(1.0 / one.share) ** (0.5 if one.damage is Damage.BENDING else 1.0) for one in found)
+    return factor

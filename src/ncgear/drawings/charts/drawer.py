@@ -77,7 +77,6 @@ CONTACT_LOOK = Look(
 )
 
 
-
 def _dress_with_legend(axes: Axes, _: Chart, label: str) -> None:
     dress(axes, "", label)
     legend_above(axes)

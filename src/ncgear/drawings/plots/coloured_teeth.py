@@ -114,7 +114,8 @@ def _draw(
             place = root + BELOW_IN * mm_per_in * inwards
             box = {"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": INK, "linewidth": 1.0}
             axes.text(
-                *place,
+                float(place[0]),
+                float(place[1]),
                 str(number),
                 size=SMALL - 1.0,
                 color=INK,

@@ -1,0 +1,129 @@
+"""Whether the teeth of a design hold, and what would make them: a face width, a module, or a material alone.
+
+Each change is first guessed by how stresses scale (``ncgear.strength.holding``), then computed with the changed design
+and made larger until it holds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import ceil
+from typing import Literal
+
+from pydantic import ValidationError
+
+from ncgear.errors import DesignError, WrongInput
+from ncgear.pitch.shape import Gear
+from ncgear.project.alternatives import Changes, changed_drive
+from ncgear.project.drive import Drive
+from ncgear.strength.answer import Strength
+from ncgear.strength.holding import WantedSafety, Weakest, face_width_factor, module_factor, weakest_teeth
+from ncgear.strength.material import Family
+
+SERIES_I_MM = (1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 32.0, 40.0, 50.0)
+"""Modules of ISO 54, series I (secondary source)."""
+
+WIDEST_MODULES = 12.0
+"""Face width in modules beyond which straight teeth do not bear over their whole width, as shafts bend and lie askew:
+makers of machines keep to 10 or 12."""
+
+TRIALS = 4
+"""How often a guess is made larger.  The second is mostly right: load factors change little with the size."""
+
+METAL, PLASTIC = WantedSafety(bending=1.4, contact=1.0), WantedSafety(bending=2.0, contact=1.4)
+"""Safeties wanted where a design says nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """The strength of a drive's teeth, and the weakest tooth of each gear for each kind of damage."""
+
+    strength: Strength
+    weakest: tuple[Weakest, ...]
+
+    @property
+    def holds(self) -> bool:
+        """Whether no safety is under the wanted one."""
+        return all(one.holds for one in self.weakest)
+
+
+def verdict_of(drive: Drive, method: Literal["estimate", "elements"] | None = None) -> Verdict:
+    """The verdict on a drive's teeth by a method, or by that of its design.
+
+    Raises WrongInput, with what is missing, where strength is not known, and where the teeth bear no load.
+    """
+    if (why := unknown(drive)) is not None:
+        raise why
+    strength = drive.strength if method is None else drive.strength_by(method)
+    if not strength.contacts.force_n.any():
+        raise WrongInput("the teeth bear no load at any angle, so that nothing can be said of them", key="resistance")
+    return Verdict(strength, tuple(weakest_teeth(strength, {gear: _wanted(drive, strength, gear) for gear in Gear})))
+
+
+def _wanted(drive: Drive, strength: Strength, gear: Gear) -> WantedSafety:
+    return PLASTIC if strength.of(gear).material.family is Family.PLASTIC else METAL
+
+
+def unknown(drive: Drive) -> WrongInput | None:
+    """Why the strength of a design is not known before anything is computed; None where it can be."""
+    design = drive.design
+    if design.gears is None:
+        return WrongInput("missing; gears need teeth, module_mm, face_width_mm and more", key="gears")
+    if design.masses is None and design.resistance is None:
+        return WrongInput("missing; the load of the teeth needs it, or masses", key="resistance")
+    if design.stages > 1:
+        return WrongInput("two pairs of gears; the load of teeth is computed of one", key="motion.second_stage")
+    if drive.helix is not None:
+        return WrongInput("helical teeth are not followed under load; leave it out", key="gears.helix")
+    return None
+
+
+def wide_enough(drive: Drive, verdict: Verdict) -> Changes:
+    """The face width in whole mm with which the teeth hold; empty where it is over WIDEST_MODULES."""
+    most = WIDEST_MODULES * drive.pitch.size.module_mm
+
+    def changes(width_mm: float) -> Changes | None:
+        return {"gears.face_width_mm": float(ceil(width_mm))} if ceil(width_mm) <= most else None
+
+    return _enough(drive, verdict, drive.gears.face_width_mm, face_width_factor, changes)
+
+
+def large_enough(drive: Drive, verdict: Verdict) -> Changes:
+    """The module of series I with which as many teeth of the same face width hold; empty where there is none."""
+
+    def changes(module_mm: float) -> Changes | None:
+        module = next((one for one in SERIES_I_MM if one >= module_mm), None)
+        return None if module is None else sized(drive, drive.pitch.size.driving_teeth, module)
+
+    return _enough(drive, verdict, drive.pitch.size.module_mm, module_factor, changes)
+
+
+def sized(drive: Drive, teeth: int, module_mm: float) -> Changes:
+    """The changes that give a design a number of driving teeth and a module; a centre distance is left out."""
+    changes: Changes = {"gears.teeth": teeth, "gears.module_mm": module_mm}
+    return changes if drive.gears.center_distance_mm is None else {**changes, "gears.center_distance_mm": None}
+
+
+def _enough(
+    drive: Drive,
+    verdict: Verdict,
+    size_mm: float,
+    factor: Callable[[tuple[Weakest, ...]], float],
+    changes: Callable[[float], Changes | None],
+) -> Changes:
+    """The changes for the least size that holds, found by computing; empty where a size is not allowed or refused."""
+    found = verdict
+    for _ in range(TRIALS):
+        size_mm *= factor(found.weakest)
+        tried = changes(size_mm)
+        if tried is None:
+            return {}
+        try:
+            found = verdict_of(changed_drive(drive, tried), verdict.strength.method)
+        except (DesignError, ValidationError):
+            # Larger teeth may be refused, and a hub may be too low for a wider gear.
+            return {}
+        if found.holds:
+            return tried
+    return {}
