@@ -47,6 +47,7 @@ gears:                     # a check does without, a build needs it
   # helix: {angle_deg: 15, kind: helical, hand: right}   # or herringbone, left; left out: straight teeth
   backlash_mm: 0           # normal backlash
   index_holes: true        # a small hole in each gear; they face each other at phi1 = 0, so that teeth pair up right
+  material: 42CrMo4        # both gears; or {driving: 16MnCr5, driven: POM}; docs/materials.md lists all
   # tolerances: {standard: ISO 1328-1, grade: "8", tooth_thickness_upper_mm: -0.05, tooth_thickness_lower_mm: -0.1}
   # measuring_pin_mm: 3.5  # of the data sheet; left out: one that fits
   # first_layer_chamfer_mm: 0.4   # bevel of all edges at z = 0, where the first layers of a print spread
@@ -90,6 +91,20 @@ resistance:                # the force against the slider; left out: none
 #   # motor: {no_load_speed_rpm: 21, stall_torque_n_m: 60000}        # left out: the operating speed, whatever it takes
 #   start: on_law          # or rest
 #   turns: 1               # of the driving gear
+
+# strength:                # for ncgear strength; left out: 20 000 h in oil
+#   method: estimate       # or elements
+#   life_h: 20000          # or life_strokes
+#   application_factor: 1.0   # jolts beyond the computed load
+#   face_load_factor: 1.3  # uneven load along the width
+#   reliability: 0.99
+#   lubrication: oil       # grease or dry
+#   oil_viscosity_mm2_s: 220
+#   flank_roughness_um: 6  # Rz; 3 ground, 6 hobbed, 12 milled
+#   root_roughness_um: 16
+#   temperature_c: 20      # of the oil or the air
+#   # contact_safety: 1.0    # least ones wanted; left out: by the material
+#   # bending_safety: 1.4
 
 # comparison:              # published mechanisms, compared at equal speed
 #   published:

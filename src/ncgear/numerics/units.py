@@ -20,9 +20,11 @@ STANDARD_GRAVITY_M_S2 = 9.80665
 """Acceleration of gravity where none is given: the standard one (3rd General Conference on Weights and Measures)."""
 
 UNITS = {
+    "c": "\u00b0C",
     "deg": "deg",
     "g": "g",
     "gpa": "GPa",
+    "h": "h",
     "hz": "Hz",
     "j": "J",
     "kg": "kg",
@@ -33,6 +35,7 @@ UNITS = {
     "m_s2": "m/s2",
     "mm": "mm",
     "mm2": "mm2",
+    "mm2_s": "mm2/s",
     "mm3": "mm3",
     "mm_s": "mm/s",
     "mm_s2": "mm/s2",

@@ -14,6 +14,7 @@ from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.machine import Comparison, Linkage, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation
 from ncgear.design.keys.optimize import Optimize
+from ncgear.design.keys.strength import StrengthKeys
 from ncgear.design.laws.base import LawKeys
 from ncgear.design.laws.registry import law_models
 from ncgear.design.mechanisms import MECHANISMS, entry_of, kind_named
@@ -50,6 +51,10 @@ class Design(Model):
     simulation: Simulation = Field(
         default_factory=Simulation,
         description="how the teeth bear load in ncgear simulate; left out: as in the published baler's simulation",
+    )
+    strength: StrengthKeys = Field(
+        default_factory=StrengthKeys,
+        description="what the teeth run under and how safe they shall be; left out: 20 000 h in oil",
     )
     comparison: Comparison | None = Field(default=None, description="published mechanisms to compare with")
     optimize: Optimize | None = Field(
