@@ -10,7 +10,7 @@ from ncgear import __version__
 from ncgear.cli.lookup import explain, reproduce, schema
 from ncgear.cli.machine import animate, balance, build, check, report, simulate, strength
 from ncgear.cli.new import new
-from ncgear.cli.search import frontier, optimize, sweep
+from ncgear.cli.search import frontier, optimize, size, sweep
 
 app = typer.Typer(
     name="ncgear",
@@ -28,6 +28,7 @@ COMMANDS = (
     check,
     simulate,
     strength,
+    size,
     optimize,
     frontier,
     sweep,

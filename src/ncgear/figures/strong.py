@@ -122,14 +122,14 @@ def strength_text(drive: Drive, verdict: Verdict, remedies: Sequence[Remedy]) ->
     """A screen about the strength of a pair: load, method, least safeties, and what would do."""
     name, speed, size = drive.design.name, drive.design.operation.speed_rpm, drive.pitch.size
     strength, found = verdict.strength, verdict.weakest
-    forces, materials = strength.contacts.force_n, (strength.driving.material.name, strength.driven.material.name)
+    forces = strength.contacts.force_n
     most = int(np.argmax(forces))
     where = f"at phi1 = {_degrees(strength.contacts.phi1_rad[most])} deg"
     about = {
         "load": LOADS[strength.load],
         "method": METHODS[strength.method],
         "gears": f"module {shown(size.module_mm)} mm, {size.driving_teeth} and {size.driven_teeth} teeth, face width "
-        f"{shown(drive.gears.face_width_mm)} mm, {' on '.join(dict.fromkeys(materials))}",
+        f"{shown(drive.gears.face_width_mm)} mm, {materials_words(drive, strength)}",
         "teeth": f"up to {shown(float(forces[most]))} N on one pair, {where}; "
         f"{to_digits(loaded_contact_ratio(strength), 3)} pairs bear load on average",
     }
@@ -138,6 +138,13 @@ def strength_text(drive: Drive, verdict: Verdict, remedies: Sequence[Remedy]) ->
     for label, words in about.items():
         lines += wrap(words, WIDTH, initial_indent=f"{INDENT}{label:<{start}}", subsequent_indent=INDENT + " " * start)
     return "\n".join([*lines, "", *_safety_lines(found), "", *_verdict(found, remedies)])
+
+
+def materials_words(drive: Drive, strength: Strength) -> str:
+    """The materials of the driving and the driven gear, once where they are the same, and whether they are assumed."""
+    names = dict.fromkeys((strength.driving.material.name, strength.driven.material.name))
+    assumed = ", assumed since gears.material is not given" if drive.gears.material is None else ""
+    return " on ".join(names) + assumed
 
 
 def _safety_lines(found: Sequence[Weakest]) -> list[str]:

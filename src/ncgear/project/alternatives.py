@@ -59,7 +59,7 @@ LEAST_ADDENDUM = 0.5
 SIZES = ("teeth", "module_mm", "center_distance_mm")
 """Keys that give the pitch curves their size."""
 
-BODY = ("face_width_mm",)
+BODY = ("face_width_mm", "material")
 """Keys that change nothing of straight teeth in the plane across the axes."""
 
 SAME_TEETH = ("law", "pitch", "rack", "play", "tooth_form", "teeth", "_free_contact")

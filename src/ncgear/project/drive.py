@@ -440,7 +440,7 @@ class Drive:
     @computed
     def strength(self) -> Strength:
         """The strength of the teeth by the method that the design names."""
-        return self.strength_by("estimate")
+        return self.strength_by(self.design.strength.method)
 
     def strength_by(self, method: Literal["estimate", "elements"]) -> Strength:
         """The strength of the teeth by a method."""

@@ -18,8 +18,8 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import Changes, changed_drive
 from ncgear.project.drive import Drive
 from ncgear.strength.answer import Strength
+from ncgear.strength.conditions import Conditions
 from ncgear.strength.holding import WantedSafety, Weakest, face_width_factor, module_factor, weakest_teeth
-from ncgear.strength.material import Family
 
 SERIES_I_MM = (1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 32.0, 40.0, 50.0)
 """Modules of ISO 54, series I (secondary source)."""
@@ -30,9 +30,6 @@ makers of machines keep to 10 or 12."""
 
 TRIALS = 4
 """How often a guess is made larger.  The second is mostly right: load factors change little with the size."""
-
-METAL, PLASTIC = WantedSafety(bending=1.4, contact=1.0), WantedSafety(bending=2.0, contact=1.4)
-"""Safeties wanted where a design says nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +59,10 @@ def verdict_of(drive: Drive, method: Literal["estimate", "elements"] | None = No
 
 
 def _wanted(drive: Drive, strength: Strength, gear: Gear) -> WantedSafety:
-    return PLASTIC if strength.of(gear).material.family is Family.PLASTIC else METAL
+    """What the design asks for or, where it says nothing, what is usual for the gear's material."""
+    given, material = drive.design.strength, strength.of(gear).material
+    conditions = Conditions(bending_safety=given.bending_safety, contact_safety=given.contact_safety)
+    return WantedSafety(conditions.wanted_bending_safety(material), conditions.wanted_contact_safety(material))
 
 
 def unknown(drive: Drive) -> WrongInput | None:
