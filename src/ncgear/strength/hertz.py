@@ -29,7 +29,9 @@ def hertz_pressure_mpa(
     return np.asarray(np.sqrt(squared))
 
 
-def half_width_mm(force_n_per_mm: Array, relative_curvature_per_mm: Array, materials: tuple[Material, Material]) -> Array:
+def half_width_mm(
+    force_n_per_mm: Array, relative_curvature_per_mm: Array, materials: tuple[Material, Material]
+) -> Array:
     """Half the width of the contact, sqrt(4 w / (pi k E*)), for the arguments of ``hertz_pressure_mpa``."""
     squared = 4.0 * force_n_per_mm / (np.pi * relative_curvature_per_mm * contact_modulus_mpa(materials))
     return np.asarray(np.sqrt(squared))

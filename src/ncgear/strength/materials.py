@@ -73,14 +73,14 @@ class Bronze:
 class Plastic:
     """A plastic whose strength falls with temperature and cycles.
 
-    ``flank`` and ``root`` name the formulas of ``ncgear.strength.plastics``; an empty ``flank`` means that no figures
-    are known.  ``hottest_c`` is the highest temperature at which the figures hold.  ``friction`` is the coefficient
-    on steel when dry.
+    ``root`` names a formula of ``ncgear.strength.plastics``; ``pits`` tells whether that for flanks holds, since of
+    some materials no figures are known.  ``hottest_c`` is the highest temperature at which the figures hold.
+    ``friction`` is the coefficient on steel when dry.
     """
 
     name: str
     meaning: str
-    flank: str
+    pits: bool
     root: str
     hottest_c: float
     friction: float
@@ -109,21 +109,21 @@ ROWS: tuple[Entry, ...] = (
     Ferrous("GJL-250", "grey cast iron", GREY, 200.0, Elastic(110_000.0, 0.26, 7200.0)),
     Bronze("CuSn12", "tin bronze, sand-cast", 207.0, 39.0, Elastic(95_000.0, 0.34, 8700.0)),
     Bronze("CuAl10Fe", "aluminium bronze, heat-treated", 448.0, 163.0, Elastic(115_000.0, 0.33, 7600.0)),
-    Plastic("POM", "polyacetal", "POM", "POM", 120.0, 0.2, Elastic(2800.0, 0.35, 1410.0), VDI),
-    Plastic("PA66", "polyamide 66, moist", "PA66", "PA66", 120.0, 0.2, Elastic(1600.0, 0.4, 1140.0), VDI),
-    Plastic("PA66-dry", "polyamide 66, as moulded", "PA66", "PA66", 120.0, 0.2, Elastic(3100.0, 0.4, 1140.0), VDI),
+    Plastic("POM", "polyacetal", True, "POM", 120.0, 0.2, Elastic(2800.0, 0.35, 1410.0), VDI),
+    Plastic("PA66", "polyamide 66, moist", True, "PA66", 120.0, 0.2, Elastic(1600.0, 0.4, 1140.0), VDI),
+    Plastic("PA66-dry", "polyamide 66, as moulded", True, "PA66", 120.0, 0.2, Elastic(3100.0, 0.4, 1140.0), VDI),
     Plastic(
         "PA66-GF30",
         "polyamide 66 with 30 % glass fibre, moist",
-        "",
+        False,
         "PA66",
         120.0,
         0.3,
         Elastic(7200.0, 0.4, 1370.0),
         f"root as unfilled polyamide by {VDI}, which glass fibre surpasses; no figures for pitting",
     ),
-    Plastic("PLA-print", "polylactide, printed", "", "PLA-print", 50.0, 0.4, Elastic(2800.0, 0.36, 1240.0), ROUGH),
-    Plastic("PETG-print", "PETG, printed", "", "PETG-print", 65.0, 0.4, Elastic(1800.0, 0.4, 1270.0), ROUGH),
+    Plastic("PLA-print", "polylactide, printed", False, "PLA-print", 50.0, 0.4, Elastic(2800.0, 0.36, 1240.0), ROUGH),
+    Plastic("PETG-print", "PETG, printed", False, "PETG-print", 65.0, 0.4, Elastic(1800.0, 0.4, 1270.0), ROUGH),
 )
 
 TABLE: dict[str, Entry] = {entry.name: entry for entry in ROWS}
