@@ -75,12 +75,8 @@ def test_figures_of_example_1_of_iso_tr_6336_30() -> None:
 def test_full_tip_diameters_would_miss_the_nominal_stress_by_a_tenth_of_a_megapascal() -> None:
     """The negative control of the rounded tip diameters."""
     exact = replace(TR_30, given_tip_mm=None)
-    stress = nominal_contact_stress_mpa(
-        exact,
-        2.0 * TORQUE_N_MM / exact.reference_mm[0],
-        elasticity_factor(206e3, 0.3),
-        1.0 / sqrt(cos(exact.helix_rad)),
-    )
+    tangential, helix = 2.0 * TORQUE_N_MM / exact.reference_mm[0], 1.0 / sqrt(cos(exact.helix_rad))
+    stress = nominal_contact_stress_mpa(exact, tangential, elasticity_factor(206e3, 0.3), helix)
     assert 1206.58207 - stress == pytest.approx(0.098, abs=0.001)
 
 
