@@ -39,9 +39,14 @@ if TYPE_CHECKING:
     from ncgear.dynamics.quasi_static import LoadedContact, LoadedPeaks
     from ncgear.dynamics.rigid import Rigid
     from ncgear.pitch.pair import PitchPair
+    from ncgear.project.loading import ToothLoad
     from ncgear.solids.helical.helix import Helix
     from ncgear.solids.mesh.pair import SolidPair
     from ncgear.strength.answer import Strength
+    from ncgear.strength.loading import Loading
+    from ncgear.strength.material import Material
+    from ncgear.strength.method import ToothMethod
+    from ncgear.strength.stiffness import LinearTeeth
     from ncgear.teeth.arcs import ArcOutline
     from ncgear.teeth.backlash import Play
     from ncgear.teeth.form import ToothForm
@@ -372,11 +377,15 @@ class Drive:
         """The forces in the uniform crank with the same masses."""
         return self._rigid(self.uniform_machine)
 
+    def require_one_stage(self) -> None:
+        """Raise WrongInput where there are two pairs of gears."""
+        if self.design.stages > 1:
+            raise WrongInput("two pairs of gears; forces are computed of one", key="motion.second_stage")
+
     def _rigid(self, machine: Machine) -> Rigid:
         from ncgear.dynamics.rigid import RigidMachine, rigid_level
 
-        if self.design.stages > 1:
-            raise WrongInput("two pairs of gears; forces are computed of one", key="motion.second_stage")
+        self.require_one_stage()
         place = None if self.design.gears is None else mesh_place(self.gears, self.pitch.center_distance_mm)
         masses = self.masses
         with self.stopwatch("forces"):
@@ -385,19 +394,78 @@ class Drive:
     @computed
     def meshing(self) -> Meshing:
         """The straight teeth of the pair under load; raises where they are helical or their contact is not sound."""
+        self.require_straight_sound_teeth()
+        return self._any_meshing
+
+    def require_straight_sound_teeth(self) -> None:
+        """Raise WrongInput where teeth are helical, and as ``require_sound_teeth`` does."""
         if self.helix is not None:
             raise WrongInput("helical teeth are not followed under load; leave it out", key="gears.helix")
         self.require_sound_teeth()
-        return self._any_meshing
+
+    @computed
+    def tooth_load(self) -> ToothLoad:
+        """The torque that the teeth bear: with the masses, or where there are none, of the resistance alone.
+
+        Raises WrongInput where there is neither, and NoSuchMechanism where teeth cannot hold it.
+        """
+        from ncgear.project.loading import ToothLoad, load_by_resistance
+
+        if self.design.masses is not None:
+            return ToothLoad("masses", self.rigid.machine)
+        self.require_one_stage()
+        if self.design.resistance is None:
+            raise WrongInput(
+                "missing, and so are masses; the load of the teeth follows from the force against the slider, from the "
+                "moving masses, or from both: give one of them",
+                key="resistance",
+            )
+        return load_by_resistance(self.machine, mesh_place(self.gears, self.pitch.center_distance_mm))
+
+    @computed
+    def pair_stiffness(self) -> LinearTeeth:
+        """The stiffness of each pair of teeth, from its own form and face width."""
+        from ncgear.project.loading import STEEL
+        from ncgear.strength.stiffness import EvenTeeth
+
+        # Until both gears have materials and a method of strength: steel, and the same stiffness everywhere.
+        even = EvenTeeth(STEEL.youngs_modulus_mpa)
+        return self.linear_teeth((even, even), (STEEL, STEEL))
+
+    def linear_teeth(
+        self, methods: tuple[ToothMethod, ToothMethod], materials: tuple[Material, Material]
+    ) -> LinearTeeth:
+        """The stiffness of each pair of teeth, by methods and materials of the driving and of the driven gear."""
+        from ncgear.project.loading import linear_teeth
+
+        return linear_teeth(
+            self.tooth_load, self.motion.phi1_rad, self.teeth, self.gears.face_width_mm, methods, materials
+        )
+
+    def loading(self, methods: tuple[ToothMethod, ToothMethod], materials: tuple[Material, Material]) -> Loading:
+        """The load of every tooth over a cycle of meetings, shared by the stiffness of the given methods.
+
+        A stiffness that ``simulation`` gives does not count.  Raises WrongInput for helical teeth and for two pairs of
+        gears, NoSuchMechanism where teeth are pressed too deep into each other, and as ``tooth_load`` does.
+        """
+        from ncgear.design.keys.masses import Simulation
+        from ncgear.project.forces import meshing_of
+        from ncgear.strength.loading import loading_of
+
+        self.require_straight_sound_teeth()
+        pitch, teeth, load, stiffness = self.pitch, self.teeth, self.tooth_load, self.linear_teeth(methods, materials)
+        with self.stopwatch("load of every tooth"):
+            meshing = meshing_of(Simulation(), pitch, teeth, stiffness)
+            return loading_of(meshing, teeth, pitch, load.torque_n_mm, self.machine.speed_rad_s)
 
     @computed
     def _any_meshing(self) -> Meshing:
         """The teeth of the pair under load, as if they were straight and their contact sound."""
         from ncgear.project.forces import meshing_of
 
-        pitch, teeth = self.pitch, self.teeth
+        pitch, teeth, stiffness = self.pitch, self.teeth, self.pair_stiffness
         with self.stopwatch("gaps"):
-            return meshing_of(self.design.simulation, pitch, teeth)
+            return meshing_of(self.design.simulation, pitch, teeth, stiffness)
 
     def _loaded_at(self, phi1_rad: Array) -> LoadedContact:
         """The teeth under the torque of the rigid level, at driving angles in rad, shape (n,)."""
@@ -428,12 +496,13 @@ class Drive:
         """The motion of the toothed machine in time."""
         from ncgear.dynamics.crank_load import crank_load
         from ncgear.dynamics.motion_in_time import Start, ToothedMachine, course, started
-        from ncgear.project.forces import drive_line_of
+        from ncgear.project.forces import damped, drive_line_of
 
         given, masses, speed = self.design.simulation, self.masses, self.machine.speed_rad_s
         driving, meshing = drive_line_of(given, masses, speed), self.meshing
         with self.stopwatch("motion in time"):
-            toothed = ToothedMachine(driving, meshing, crank_load(self.linkage, masses, self.machine.resistance))
+            load = crank_load(self.linkage, masses, self.machine.resistance)
+            toothed = ToothedMachine(driving, damped(given, meshing, driving, load), load)
             state = started(toothed, self.transmission, Start(given.start), speed)
             return course(toothed, state, given.turns)
 
