@@ -506,14 +506,31 @@ class Drive:
             state = started(toothed, self.transmission, Start(given.start), speed)
             return course(toothed, state, given.turns)
 
-    @computed
+    @property
     def strength(self) -> Strength:
         """The strength of the teeth by the method that the design names."""
         return self.strength_by(self.design.strength.method)
 
     def strength_by(self, method: Literal["estimate", "elements"]) -> Strength:
-        """The strength of the teeth by a method."""
-        raise NotImplementedError(method)
+        """The strength of the teeth by a method; computed once."""
+        return self._strengths(method)[1]
+
+    def loading_by(self, method: Literal["estimate", "elements"]) -> Loading:
+        """The load of every tooth, shared by the stiffness that a method of strength gives the teeth."""
+        return self._strengths(method)[0]
+
+    def _strengths(self, method: Literal["estimate", "elements"]) -> tuple[Loading, Strength]:
+        from ncgear.project.tooth_strength import loading_and_strength
+
+        known = self._known_strengths
+        if method not in known:
+            with located(self.places):
+                known[method] = loading_and_strength(self, method)
+        return known[method]
+
+    @computed
+    def _known_strengths(self) -> dict[str, tuple[Loading, Strength]]:
+        return {}
 
 
 def load(path: str | Path) -> Drive:
