@@ -361,10 +361,12 @@ class Drive:
             raise WrongInput(f"missing; forces need {needed}", key="masses")
         if gears is None or given.tells_gears:
             return masses_of(given, self.linkage)
+        from ncgear.project.service import densities_kg_m3
         from ncgear.solids.plan.body import body_kg_mm2
 
-        plans, density = (self.solids.driving.plan, self.solids.driven.plan), given.density_kg_m3
-        driving, driven = (body_kg_mm2(plan, density) for plan in plans)
+        plans = self.solids.driving.plan, self.solids.driven.plan
+        densities = densities_kg_m3(given, gears)
+        driving, driven = (body_kg_mm2(plan, density) for plan, density in zip(plans, densities, strict=True))
         return masses_of(given, self.linkage, driving, driven)
 
     @computed

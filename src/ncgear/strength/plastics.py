@@ -100,14 +100,13 @@ def friction(choices: tuple[Choice, Choice], lubrication: str) -> float:
     return PLASTICS_FRICTION.get((first, second), OTHER_FRICTION)
 
 
-def lost_w(contacts: LoadedContacts, coefficient: float) -> float:
-    """The mean power in W that friction takes over a cycle, whose positions are evenly spread."""
-    positions = int(contacts.position.max()) + 1 if contacts.position.size else 1
+def lost_w(contacts: LoadedContacts, positions: int, coefficient: float) -> float:
+    """The mean power in W that friction takes over a cycle with so many evenly spread positions."""
     return float(np.sum(coefficient * contacts.force_n * contacts.sliding_mm_s)) / positions / 1000.0
 
 
 def temperatures_of(
-    choices: tuple[Choice, Choice], conditions: Conditions, running: Running, loss_w: float
+    choices: tuple[Choice, Choice], conditions: Conditions, running: Running, loss_w: float = 0.0
 ) -> tuple[ToothTemperature, ToothTemperature]:
     """How warm the teeth of both gears run.
 

@@ -117,7 +117,12 @@ class ShaftMasses(Model):
         default=None,
         description="moment of inertia of the driven gear in kg mm2; left out: that of its own body",
     )
-    density_kg_m3: float = Field(default=7850.0, gt=0.0, le=30000.0, description="density of both gears in kg/m3")
+    density_kg_m3: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=30000.0,
+        description="density of both gears in kg/m3; left out: those of gears.material, 7850 where none is named",
+    )
     flywheel: Flywheel = Field(default_factory=Flywheel, description="flywheel on the driving shaft; left out: none")
     gravity: Gravity | None = Field(default=None, description="gravity; left out: none")
 
