@@ -11,6 +11,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.strength.answer import ContactStresses, GearStrength, Strength, ToothLife
 from ncgear.strength.contacts import LoadedContacts
+from ncgear.strength.loading import Loading
 from ncgear.strength.material import EnduredStress, Family, Material
 
 STEEL = Material(
@@ -53,6 +54,15 @@ def made_up(drive: Drive, bending: float = 2.0, contact: float | None = 1.5) -> 
         for gear, count, factor in ((Gear.DRIVING, size.driving_teeth, 1.0), (Gear.DRIVEN, size.driven_teeth, 1.1))
     }
     return Strength("estimate", "masses", contacts, stresses, gears[Gear.DRIVING], gears[Gear.DRIVEN])
+
+
+def made_up_loading(drive: Drive, strength: Strength) -> Loading:
+    """The loads behind such an answer, with an error of 120 microrad."""
+    phi1 = (
+        2.0 * pi * np.arange(PER_PITCH * drive.pitch.size.driving_teeth) / (PER_PITCH * drive.pitch.size.driving_teeth)
+    )
+    error = 60e-6 * np.cos(phi1)
+    return Loading(strength.contacts, phi1, np.full(phi1.size, 1e5), error, 1)
 
 
 def _contacts(driving: int, driven: int) -> LoadedContacts:

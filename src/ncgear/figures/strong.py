@@ -11,8 +11,8 @@ import numpy as np
 
 from ncgear.figures.advice.values import Remedy
 from ncgear.figures.csv_text import rows_text
-from ncgear.figures.numbers import fixed, shown, to_digits
-from ncgear.figures.tables import aligned
+from ncgear.figures.numbers import MICRORAD, fixed, shown, to_digits
+from ncgear.figures.tables import Column, Table, aligned
 from ncgear.figures.terminal import INDENT, WIDTH
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -47,7 +47,8 @@ def strength_figures(drive: Drive, verdict: Verdict) -> dict[str, Any]:
             "speed_rpm": drive.design.operation.speed_rpm,
             "peak_tooth_force_n": float(contacts.force_n[most]),
             "peak_tooth_force_at_rad": float(contacts.phi1_rad[most]),
-            "contact_ratio_under_load_mean": loaded_contact_ratio(strength),
+            "contact_ratio_under_load_mean": verdict.loading.contact_ratio,
+            "transmission_error_under_load_rad": verdict.loading.transmission_error_rad,
         },
         "gears": {"module_mm": size.module_mm, "face_width_mm": drive.gears.face_width_mm},
         "strength": strength_summary(verdict),
@@ -79,11 +80,6 @@ def _gear_figures(verdict: Verdict, gear: Gear) -> dict[str, Any]:
                 f"{name}_too_weak_teeth": sorted(one.too_weak),
             }
     return figures
-
-
-def loaded_contact_ratio(strength: Strength) -> float:
-    """The mean number of pairs of teeth that bear load, over the positions at which any does."""
-    return float(strength.contacts.position.size / np.unique(strength.contacts.position).size)
 
 
 OF_TOOTH = ("stress_mpa", "phi1_rad", "safety", "life_h")
@@ -121,7 +117,7 @@ def life_words(hours: float) -> str:
 def strength_text(drive: Drive, verdict: Verdict, remedies: Sequence[Remedy]) -> str:
     """A screen about the strength of a pair: load, method, least safeties, and what would do."""
     name, speed, size = drive.design.name, drive.design.operation.speed_rpm, drive.pitch.size
-    strength, found = verdict.strength, verdict.weakest
+    strength, loading, found = verdict.strength, verdict.loading, verdict.weakest
     forces = strength.contacts.force_n
     most = int(np.argmax(forces))
     where = f"at phi1 = {_degrees(strength.contacts.phi1_rad[most])} deg"
@@ -130,14 +126,23 @@ def strength_text(drive: Drive, verdict: Verdict, remedies: Sequence[Remedy]) ->
         "method": METHODS[strength.method],
         "gears": f"module {shown(size.module_mm)} mm, {size.driving_teeth} and {size.driven_teeth} teeth, face width "
         f"{shown(drive.gears.face_width_mm)} mm, {materials_words(drive, strength)}",
-        "teeth": f"up to {shown(float(forces[most]))} N on one pair, {where}; "
-        f"{to_digits(loaded_contact_ratio(strength), 3)} pairs bear load on average",
+        "teeth": f"up to {shown(float(forces[most]))} N on one pair, {where}",
+        "under load": f"contact ratio {to_digits(loading.contact_ratio, 3)}, "
+        f"transmission error {to_digits(1e6 * loading.transmission_error_rad, 3)} {MICRORAD}",
     }
     start = max(map(len, about)) + 2
     lines = [f"{name}: strength of the teeth at {speed:g} r/min"]
     for label, words in about.items():
         lines += wrap(words, WIDTH, initial_indent=f"{INDENT}{label:<{start}}", subsequent_indent=INDENT + " " * start)
-    return "\n".join([*lines, "", *_safety_lines(found), "", *_verdict(found, remedies)])
+    return "\n".join(
+        [
+            *lines,
+            "",
+            *aligned([[head.label for head in HEADS], [head.unit for head in HEADS], *map(_cells, found)], left=2),
+            "",
+            *_verdict(found, remedies),
+        ]
+    )
 
 
 def materials_words(drive: Drive, strength: Strength) -> str:
@@ -147,23 +152,39 @@ def materials_words(drive: Drive, strength: Strength) -> str:
     return " on ".join(names) + assumed
 
 
-def _safety_lines(found: Sequence[Weakest]) -> list[str]:
-    heads = ["", "", "safety", "wanted", "tooth", "phi1, deg", "stress, MPa", "endured, MPa", "life"]
-    rows = [
-        [
-            one.gear.value,
-            one.damage.words,
-            to_digits(one.safety, 3),
-            f"{one.wanted:g}",
-            str(one.tooth),
-            _degrees(one.phi1_rad),
-            to_digits(one.stress_mpa, 3),
-            to_digits(one.endured_mpa, 3),
-            life_words(one.life_h),
-        ]
-        for one in found
-    ]
-    return aligned([heads, *rows], left=2)
+HEADS = (
+    Column(""),
+    Column(""),
+    Column("safety"),
+    Column("wanted"),
+    Column("tooth"),
+    Column("phi1", "deg"),
+    Column("stress", "MPa"),
+    Column("endured", "MPa"),
+    Column("life"),
+)
+"""Columns of the table of weakest teeth."""
+
+
+def weakest_table(drive: Drive, verdict: Verdict) -> Table:
+    """The weakest tooth of each gear for each kind of damage, with notes on load, method and material."""
+    strength = verdict.strength
+    notes = LOADS[strength.load], METHODS[strength.method], materials_words(drive, strength)
+    return Table("Weakest teeth", HEADS, tuple(map(_cells, verdict.weakest)), tuple(f"{note}." for note in notes))
+
+
+def _cells(one: Weakest) -> tuple[str, ...]:
+    return (
+        one.gear.value,
+        one.damage.words,
+        to_digits(one.safety, 3),
+        f"{one.wanted:g}",
+        str(one.tooth),
+        _degrees(one.phi1_rad),
+        to_digits(one.stress_mpa, 3),
+        to_digits(one.endured_mpa, 3),
+        life_words(one.life_h),
+    )
 
 
 def _verdict(found: Sequence[Weakest], remedies: Sequence[Remedy]) -> list[str]:

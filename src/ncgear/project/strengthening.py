@@ -20,6 +20,8 @@ from ncgear.project.drive import Drive
 from ncgear.strength.answer import Strength
 from ncgear.strength.conditions import Conditions
 from ncgear.strength.holding import WantedSafety, Weakest, face_width_factor, module_factor, weakest_teeth
+from ncgear.strength.loading import Loading
+from ncgear.strength.materials import ASSUMED
 
 SERIES_I_MM = (1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 32.0, 40.0, 50.0)
 """Modules of ISO 54, series I (secondary source)."""
@@ -28,15 +30,19 @@ WIDEST_MODULES = 12.0
 """Face width in modules beyond which straight teeth do not bear over their whole width, as shafts bend and lie askew:
 makers of machines keep to 10 or 12."""
 
+STRONGER = ("PETG-print", "PLA-print", "PA66", "POM", "C45", "42CrMo4", "34CrNiMo6", "42CrMo4-nitrided", "18CrNiMo7-6")
+"""Materials of the table by what they endure, the weakest first."""
+
 TRIALS = 4
 """How often a guess is made larger.  The second is mostly right: load factors change little with the size."""
 
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """The strength of a drive's teeth, and the weakest tooth of each gear for each kind of damage."""
+    """The strength of a drive's teeth, the loads behind it, and each gear's weakest tooth for each kind of damage."""
 
     strength: Strength
+    loading: Loading
     weakest: tuple[Weakest, ...]
 
     @property
@@ -52,10 +58,25 @@ def verdict_of(drive: Drive, method: Literal["estimate", "elements"] | None = No
     """
     if (why := unknown(drive)) is not None:
         raise why
-    strength = drive.strength if method is None else drive.strength_by(method)
+    method = method or drive.design.strength.method
+    strength, loading = drive.strength_by(method), drive.loading_by(method)
     if not strength.contacts.force_n.any():
         raise WrongInput("the teeth bear no load at any angle, so that nothing can be said of them", key="resistance")
-    return Verdict(strength, tuple(weakest_teeth(strength, {gear: _wanted(drive, strength, gear) for gear in Gear})))
+    wanted = {gear: _wanted(drive, strength, gear) for gear in Gear}
+    return Verdict(strength, loading, tuple(weakest_teeth(strength, wanted)))
+
+
+def known_verdict(drive: Drive) -> Verdict | DesignError | None:
+    """The verdict on a drive's teeth by its design's method; None where no load is known or no strength is computed.
+
+    A refusal, as of a load that teeth cannot bear at all, is the answer then.
+    """
+    if unknown(drive) is not None:
+        return None
+    try:
+        return verdict_of(drive)
+    except DesignError as error:
+        return error
 
 
 def _wanted(drive: Drive, strength: Strength, gear: Gear) -> WantedSafety:
@@ -97,6 +118,35 @@ def large_enough(drive: Drive, verdict: Verdict) -> Changes:
         return None if module is None else sized(drive, drive.pitch.size.driving_teeth, module)
 
     return _enough(drive, verdict, drive.pitch.size.module_mm, module_factor, changes)
+
+
+def strong_enough(drive: Drive, verdict: Verdict) -> Changes:
+    """The weakest material of STRONGER with which both gears hold; empty where none does.
+
+    A material that holds is taken to hold in the place of every weaker one, so that few are computed.
+    """
+    given = drive.gears.material
+    names = [ASSUMED] if given is None else [one.name for one in given.each]
+    above = max((STRONGER.index(name) + 1 for name in names if name in STRONGER), default=0)
+    low, high, found = above, len(STRONGER), Changes()
+    while low < high:
+        # The strongest first: mostly none or that one does.
+        middle = high - 1 if high == len(STRONGER) and not found else (low + high) // 2
+        tried: Changes = {"gears.material": STRONGER[middle]}
+        if _holds(drive, verdict, tried):
+            high, found = middle, tried
+        elif found:
+            low = middle + 1
+        else:
+            return {}
+    return found
+
+
+def _holds(drive: Drive, verdict: Verdict, changes: Changes) -> bool:
+    try:
+        return verdict_of(changed_drive(drive, changes), verdict.strength.method).holds
+    except (DesignError, ValidationError):
+        return False
 
 
 def sized(drive: Drive, teeth: int, module_mm: float) -> Changes:

@@ -16,7 +16,6 @@ from ncgear.strength.plastics import friction, lost_w, temperatures_of
 if TYPE_CHECKING:
     from ncgear.project.drive import Drive
     from ncgear.strength.answer import Strength
-    from ncgear.strength.contacts import LoadedContacts
     from ncgear.strength.loading import Loading
     from ncgear.strength.material import Material
     from ncgear.strength.method import ToothMethod
@@ -33,7 +32,7 @@ def loading_and_strength(drive: Drive, method: Method) -> tuple[Loading, Strengt
     cold = materials_of(choices, conditions, running, temperatures_of(choices, conditions, running, 0.0))
     methods = _methods(drive, method, cold)
     loading = drive.loading(methods, cold)
-    warm = temperatures_of(choices, conditions, running, _lost_w(choices, conditions, loading.contacts))
+    warm = temperatures_of(choices, conditions, running, _lost_w(choices, conditions, loading))
     materials = materials_of(choices, conditions, running, warm)
     with drive.stopwatch("strength"):
         stresses = stresses_of(loading.contacts, methods, materials, conditions, running)
@@ -53,8 +52,8 @@ def _methods(drive: Drive, method: Method, materials: tuple[Material, Material])
         return driving, driven
 
 
-def _lost_w(choices: tuple[Choice, Choice], conditions: Conditions, contacts: LoadedContacts) -> float:
+def _lost_w(choices: tuple[Choice, Choice], conditions: Conditions, loading: Loading) -> float:
     """The power lost between teeth of which some are of plastic; 0 of metal, which it hardly warms."""
     if not any(isinstance(choice.entry, Plastic) for choice in choices):
         return 0.0
-    return lost_w(contacts, friction(choices, conditions.lubrication))
+    return lost_w(loading.contacts, friction(choices, conditions.lubrication), loading.phi1_rad.size)

@@ -17,7 +17,7 @@ def check_advice(drive: Drive) -> tuple[Advice, ...]:
 def build_advice(drive: Drive) -> tuple[Advice, ...]:
     """Advices about pitch curves, teeth and contact of one pair of gears; raises as the drive does."""
     # The modules that make teeth are slow to import, and a check does not need them.
-    from ncgear.figures.advice import teeth_advice
+    from ncgear.figures.advice import strength_advice, teeth_advice
 
     of_curves = [
         law_advice.pressure_angle(drive),
@@ -27,7 +27,8 @@ def build_advice(drive: Drive) -> tuple[Advice, ...]:
     ]
     of_teeth = [teeth_advice.undercut(drive), teeth_advice.pointed(drive), *teeth_advice.shortened(drive)]
     of_contact = teeth_advice.contact_ratio(drive), teeth_advice.idle_flanks(drive)
-    return _given(*of_curves, *of_teeth, *of_contact, teeth_advice.thrust(drive))
+    of_load = strength_advice.strength(drive), teeth_advice.thrust(drive)
+    return _given(*of_curves, *of_teeth, *of_contact, *of_load)
 
 
 def _given(*advices: Advice | None) -> tuple[Advice, ...]:
