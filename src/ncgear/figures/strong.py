@@ -111,7 +111,7 @@ def life_words(hours: float) -> str:
     """Hours of life, to two digits, or the words for none and for no end of it."""
     if not isfinite(hours):
         return "no end"
-    return f"{to_digits(hours, 2)} h" if hours >= 0.01 else "none"
+    return f"{float(f'{hours:.2g}'):.7g} h" if hours >= 0.01 else "none"
 
 
 def strength_text(drive: Drive, verdict: Verdict, remedies: Sequence[Remedy]) -> str:
@@ -134,22 +134,9 @@ def strength_text(drive: Drive, verdict: Verdict, remedies: Sequence[Remedy]) ->
     lines = [f"{name}: strength of the teeth at {speed:g} r/min"]
     for label, words in about.items():
         lines += wrap(words, WIDTH, initial_indent=f"{INDENT}{label:<{start}}", subsequent_indent=INDENT + " " * start)
-    return "\n".join(
-        [
-            *lines,
-            "",
-            *aligned([[head.label for head in HEADS], [head.unit for head in HEADS], *map(_cells, found)], left=2),
-            "",
-            *_verdict(found, remedies),
-        ]
-    )
-
-
-def materials_words(drive: Drive, strength: Strength) -> str:
-    """The materials of the driving and the driven gear, once where they are the same, and whether they are assumed."""
-    names = dict.fromkeys((strength.driving.material.name, strength.driven.material.name))
-    assumed = ", assumed since gears.material is not given" if drive.gears.material is None else ""
-    return " on ".join(names) + assumed
+    heads = [[head.label for head in HEADS], [head.unit for head in HEADS]]
+    table = aligned([*heads, *map(_cells, found)], left=2)
+    return "\n".join([*lines, "", *table, "", *_verdict(found, remedies)])
 
 
 HEADS = (

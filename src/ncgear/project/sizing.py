@@ -32,13 +32,13 @@ from ncgear.strength.materials import TABLE
 OnTrial = Callable[[int, int], None]
 """Called with the numbers of computed gears so far and at most."""
 
-MOST_COMPUTED = 40
-"""Gears that are computed at most: the search ends after some ten or twenty seconds in any case."""
+MOST_COMPUTED = 24
+"""Gears that are computed at most, half a second to a second each: so long one waits."""
 
 BEST = 6
 """Answers that are given."""
 
-GREATER = 4.0
+GREATER = 2.5
 """Gears of so many times the volume of the smallest are not looked for."""
 
 TRIES = 3
