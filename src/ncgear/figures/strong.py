@@ -139,6 +139,13 @@ def strength_text(drive: Drive, verdict: Verdict, remedies: Sequence[Remedy]) ->
     return "\n".join([*lines, "", *table, "", *_verdict(found, remedies)])
 
 
+def materials_words(drive: Drive, strength: Strength) -> str:
+    """The materials of the driving and the driven gear, once where they are the same, and whether they are assumed."""
+    names = dict.fromkeys((strength.driving.material.name, strength.driven.material.name))
+    assumed = ", assumed since gears.material is not given" if drive.gears.material is None else ""
+    return " on ".join(names) + assumed
+
+
 HEADS = (
     Column(""),
     Column(""),
