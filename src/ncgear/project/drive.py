@@ -353,7 +353,7 @@ class Drive:
     @computed
     def masses(self) -> Masses:
         """The moving masses; makes solids only where a gear's moment of inertia is left out."""
-        from ncgear.project.forces import masses_of
+        from ncgear.project.moving_masses import masses_of
 
         given, gears = self.design.masses, self.design.gears
         if given is None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from pydantic import ValidationError
 
@@ -20,8 +20,10 @@ from ncgear.project.drive import Drive
 from ncgear.strength.answer import Strength
 from ncgear.strength.conditions import Conditions
 from ncgear.strength.holding import WantedSafety, Weakest, face_width_factor, module_factor, weakest_teeth
-from ncgear.strength.loading import Loading
 from ncgear.strength.materials import ASSUMED
+
+if TYPE_CHECKING:
+    from ncgear.strength.loading import Loading
 
 SERIES_I_MM = (1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 32.0, 40.0, 50.0)
 """Modules of ISO 54, series I (secondary source)."""

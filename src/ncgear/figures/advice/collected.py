@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ncgear.figures.advice import law_advice
+from ncgear.figures.advice import law_advice, strength_advice
 from ncgear.figures.advice.values import Advice
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -14,10 +14,15 @@ def check_advice(drive: Drive) -> tuple[Advice, ...]:
     return _given(*ranges, law_advice.speeds(drive), law_advice.negative_resistance(drive))
 
 
+def rough_advice(drive: Drive) -> tuple[Advice, ...]:
+    """What a check says of teeth without making them, in the place of what a build knows better."""
+    return _given(strength_advice.rough(drive))
+
+
 def build_advice(drive: Drive) -> tuple[Advice, ...]:
     """Advices about pitch curves, teeth and contact of one pair of gears; raises as the drive does."""
     # The modules that make teeth are slow to import, and a check does not need them.
-    from ncgear.figures.advice import strength_advice, teeth_advice
+    from ncgear.figures.advice import teeth_advice
 
     of_curves = [
         law_advice.pressure_angle(drive),
