@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from drives import drive
-from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import as_complex
 from ncgear.pitch.shape import Gear
@@ -92,7 +91,9 @@ def test_a_straight_tooth_bends_as_a_cantilever(width: float) -> None:
     assert parts.foundation == pytest.approx([ground / modulus], rel=1e-12)
     # 6 l / w^2 is the beam's stress; with a radius of half the width q is 1 and Y_S is 1.2 + 0.13 w / l.
     wanted = 6.0 * length / width**2 * (1.2 + 0.13 * width / length)
-    assert estimate.root_stress(place).tension_mpa == pytest.approx([wanted], rel=1e-12)
+    stress = estimate.root_stress(place)
+    assert stress.tension_mpa == pytest.approx([wanted], rel=1e-12)
+    assert stress.compression_mpa == pytest.approx([wanted], rel=1e-12)
 
 
 def pair_of_62(material: Material) -> tuple[Array, Compliance]:
@@ -214,13 +215,22 @@ def test_critical_sections_are_those_of_the_sampled_outline(name: str, which: Ge
     assert ended == (1 if name == "baler" else 0)
 
 
-def test_loads_along_a_tooth_are_refused() -> None:
+def test_a_load_along_the_tooth_presses_it_and_hardly_bends_it() -> None:
+    """Edges may touch so: a column of the tooth's widths over the ground, and next to no tension."""
     gear = circular_pair(25).driving
-    places = places_at(gear, np.array([3]), np.array([0.0]))
+    across = places_at(gear, np.array([3]), np.array([1.0]))
     estimate = estimate_of(gear, STEEL)
-    down = FlankPlaces(places.flank, places.point, -estimate.frames.towards_tip[[1]])
-    with pytest.raises(NoSuchMechanism, match="the load on tooth 2 leads along the tooth"):
-        estimate.root_stress(down)
+    frames = estimate.frames
+    middle = frames.origin[[1]] + frames.towards_tip[[1]] * frames.height(np.array([1]), across.point)
+    down = FlankPlaces(across.flank, middle, -frames.towards_tip[[1]])
+    parts = estimate.compliance_parts(down, np.array([0.03]))
+    height = np.linspace(estimate.halves.low_mm[2:4].max(), frames.height(np.array([1]), middle)[0], 4001)
+    width = sum(estimate.halves.at(np.array([flank]), height) for flank in (2, 3))
+    assert parts.tooth == pytest.approx([0.91 / 206e3 * np.trapezoid(1.0 / width, height)], rel=1e-3)
+    assert parts.foundation == pytest.approx([0.91 / 206e3 * 1.4 / pi], rel=1e-9)
+    stress, usual = estimate.root_stress(down), estimate.root_stress(across)
+    assert stress.tension_mpa < 0.1 * usual.tension_mpa
+    assert stress.compression_mpa > stress.tension_mpa
 
 
 def test_every_place_of_the_baler_and_of_a_ring_has_finite_answers() -> None:

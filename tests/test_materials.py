@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from math import pi
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from commands import ROOT
 from ncgear.design.reading.design_file import load
 from ncgear.errors import WrongInput
 from ncgear.project.drive import loads
@@ -354,6 +356,14 @@ def test_a_wrong_material_is_refused_where_it_stands(tmp_path: Path, material: s
     assert said in str(caught.value)
     assert "d.yaml:5:" in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_what_the_page_of_materials_shows_can_be_written(tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "materials.md").read_text(encoding="utf-8")
+    shown = re.findall(r"`material: ([^`]+)`", page)
+    assert len(shown) == 4
+    for material in shown:
+        chosen(tmp_path, material)
 
 
 def test_conditions_left_out_and_life_in_strokes(tmp_path: Path) -> None:

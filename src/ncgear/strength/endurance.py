@@ -2,10 +2,10 @@
 
 Flanks of steel and iron endure sigma_Hlim Z_NT Z_L Z_v Z_R Z_W Z_X (ISO 6336-2), roots the local stress
 sigma_FE Y_NT Y_RrelT Y_X (ISO 6336-3) with sigma_FE = 2 sigma_Flim, since Y_ST = 2.  Y_deltarelT is 1: roots of usual
-notches are those of the test gears, whose own factor is 1; very sharp ones have 0.95 to 1.  For few cycles only the
-life factors count, as the standard has it.  What differs along the flanks is taken at one place: the speed of Z_v is
-the mean one along the pitch curves, the radius of Z_R that of circular gears of the same teeth; together they change
-the result by some per cent.  All factors are from secondary sources.
+notches are those of the test gears, whose own factor is 1; blunt ones have down to 0.95, sharp ones up to 1.05.  For
+few cycles only the life factors count, as the standard has it.  What differs along the flanks is taken at one place:
+the speed of Z_v is the mean one along the pitch curves, the radius of Z_R that of circular gears of the same teeth;
+together they change the result by some per cent.  All factors are from secondary sources.
 """
 
 from __future__ import annotations

@@ -9,10 +9,10 @@ points of both fillets at which the tangent leans by 30 degrees from the middle 
 the load's moment M about the chord's middle and its part c across the middle line, h = M / c is the arm, and the stress
 of a load of 1 is 6 c / s^2 times h Y_S.  The notch factor is Y_S = (1.2 + 0.13 L) q^(1 / (1.21 + 2.3 / L)), L = s / h,
 q = s / (2 r), r the fillet's radius of curvature at its tangent point.  The standard counts bending alone for tension;
-for compression the load's part along the tooth is added.  Where the pitch curve is concave, and on rings, the tangent
-leans by 60 degrees, as in the standard for internal gears.  Where a fillet begins with a greater lean, or ends with a
-lesser one, its end counts.  The standard gives Y_S for q from 1 to 8 and loads at the outer point of single contact;
-beyond that the formula is carried on, but q counts as 1 at least.
+for compression the load's part d along the tooth adds d / s times 1.2 q^(1 / (1.21 + 2.3 / L)).  Where the pitch curve
+is concave, and on rings, the tangent leans by 60 degrees, as in the standard for internal gears.  Where a fillet begins
+with a greater lean, or ends with a lesser one, its end counts.  The standard gives Y_S for q from 1 to 8 and loads at
+the outer point of single contact; beyond that the formula is carried on, but q counts as 1 at least.
 
 **Compliance**.  The energy of bending, shear and compression of the beam between the contact and the height at which
 the first fillet passes into its root land, of the half-plane below it, and of what is pressed in at the contact:
@@ -57,6 +57,10 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
 
 LEAST_REACH = 1e-3
 """Least half-width of a contact, in depths to the tooth's middle, so that an edge gives way by a finite way."""
+
+LEAST_ACROSS = 0.1
+"""Least part of a load across its tooth by which arms and depths are divided.  Only edges touch with normals that lead
+along the tooth (beyond 84 degrees here); so their loads neither bend the tooth nor meet its middle line far away."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,7 +205,7 @@ class Estimate:
         foundation += 4.8 / pi * load.across**2 + 2.0 * (1.0 - poisson) / pi * load.down**2
 
         thick = self.halves.at(places.flank, load.height_mm) + self.halves.at(places.flank ^ 1, load.height_mm)
-        depth = thick / 2.0 / load.across
+        depth = thick / 2.0 / np.maximum(load.across, LEAST_ACROSS)
         reach = np.maximum(reach_mm, LEAST_REACH * depth)
         pressed = np.maximum(np.log(2.0 * depth / reach) - poisson / (2.0 * (1.0 - poisson)), 0.0)
         return Compliance(tooth, foundation / modulus, 2.0 / (pi * modulus) * pressed)
@@ -213,43 +217,29 @@ class Estimate:
         up = load.height_mm - self.frames.height(load.tooth, middle)
         off = load.aside_mm - self.frames.aside(places.flank, middle)
         # A load whose line passes below the section does not bend it to the other side.
-        arm = np.maximum(up - load.down / load.across * off, 0.0)
-        bent = 6.0 * load.across / chord**2
+        across = np.maximum(load.across, LEAST_ACROSS)
+        arm = np.maximum((load.across * up - load.down * off) / across, 0.0)
+        bent = 6.0 * across / chord**2
 
-        def notched(flank: IndexArray) -> Array:
-            """h Y_S, written without dividing by the arm."""
+        def notch(flank: IndexArray) -> Array:
+            """q^(1 / (1.21 + 2.3 / L)), written without dividing by the arm."""
             sharpness = np.maximum(chord / (2.0 * self.sections.radius_mm[flank]), 1.0)
-            power = 1.0 / (1.21 + 2.3 * arm / chord)
-            return np.asarray((1.2 * arm + 0.13 * chord) * sharpness**power)
+            return np.asarray(sharpness ** (1.0 / (1.21 + 2.3 * arm / chord)))
 
-        other = places.flank ^ 1
-        pressed = np.maximum(load.down, 0.0) / chord
-        return RootStress(bent * notched(places.flank), bent * notched(other) + pressed)
+        bending = bent * (1.2 * arm + 0.13 * chord)
+        pressed = 1.2 * np.maximum(load.down, 0.0) / chord
+        return RootStress(bending * notch(places.flank), (bending + pressed) * notch(places.flank ^ 1))
 
     def _loads(self, places: FlankPlaces) -> _Loads:
-        """The places and loads in the frames of their teeth.
-
-        Raises NoSuchMechanism where a load does not lead across its tooth.
-        """
+        """The places and loads in the frames of their teeth."""
         tooth, frames = places.flank // 2, self.frames
-        across = -along(frames.outwards(places.flank), places.inwards)
-        if np.any(across < LEAST_ACROSS):
-            raise NoSuchMechanism(
-                f"the load on tooth {int(tooth[np.argmin(across)]) + 1} leads along the tooth instead of across it: "
-                "the estimate takes teeth for beams; strength by elements is needed",
-                key="gears",
-            )
         return _Loads(
             tooth,
             frames.aside(places.flank, places.point),
             frames.height(tooth, places.point),
-            across,
+            -along(frames.outwards(places.flank), places.inwards),
             -along(frames.towards_tip[tooth], places.inwards),
         )
-
-
-LEAST_ACROSS = 0.1
-"""Least part of a load across its tooth: beyond 84 degrees the tooth is a column, no beam."""
 
 
 def estimate_of(gear: ToothedGear, material: Material) -> Estimate:

@@ -92,7 +92,7 @@ Entry = Ferrous | Bronze | Plastic
 
 STEEL = Elastic(206_000.0, 0.3, 7850.0)
 VDI = "VDI 2736-2:2014 (secondary source)"
-ROUGH = "rough: cautious estimate from fatigue tests of printed bars, not of gears; no figures for pitting"
+ROUGH = "rough: a cautious guess from the strength of printed bars, not from tests of gears; no figures for pitting"
 
 ROWS: tuple[Entry, ...] = (
     Ferrous("S235", "structural steel", STRUCTURAL, 120.0, STEEL),

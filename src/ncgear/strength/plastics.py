@@ -67,8 +67,8 @@ PRINTS = {
 }
 """Where prints soften, in degrees Celsius, and the stress in MPa at their roots for numbers of cycles.
 
-Rough: half the strength of printed bars in tension across the layers' plane (about 50 and 40 MPa) for few cycles, a
-fifth for a million, as fatigue tests of printed bars have it, and less than an eighth for long."""
+A cautious guess without a source: half, a fifth and an eighth of the strength of printed bars in tension, about 50 and
+40 MPa across the layers' plane, for a thousand, a million and more cycles."""
 
 
 @dataclass(frozen=True)
