@@ -522,12 +522,21 @@ class Drive:
         return self._strengths(method)[0]
 
     def _strengths(self, method: Literal["estimate", "elements"]) -> tuple[Loading, Strength]:
+        from ncgear.project.service import conditions_of
         from ncgear.project.tooth_strength import loading_and_strength
+        from ncgear.strength.conditions import Running
 
         known = self._known_strengths
         if method not in known:
+            size, speed = self.pitch.size, self.machine.speed_rad_s
+            teeth = size.driving_teeth, size.driven_teeth
+            running = Running(size.module_mm, teeth, self.gears.face_width_mm, speed)
+            conditions = conditions_of(self.design.strength, self.transmission.cycle_rad, speed)
             with located(self.places):
-                known[method] = loading_and_strength(self, method)
+                load = self.tooth_load.load
+                known[method] = loading_and_strength(
+                    method, self.gears, self.teeth, conditions, running, self.loading, load
+                )
         return known[method]
 
     @computed
