@@ -35,6 +35,9 @@ makers of machines keep to 10 or 12."""
 STRONGER = ("PETG-print", "PLA-print", "PA66", "POM", "C45", "42CrMo4", "34CrNiMo6", "42CrMo4-nitrided", "18CrNiMo7-6")
 """Materials of the table by what they endure, the weakest first."""
 
+NOTHING_N = 1e-6
+"""Force under which teeth bear nothing but rounding errors: far below the weight of any part."""
+
 TRIALS = 4
 """How often a guess is made larger.  The second is mostly right: load factors change little with the size."""
 
@@ -62,7 +65,7 @@ def verdict_of(drive: Drive, method: Literal["estimate", "elements"] | None = No
         raise why
     method = method or drive.design.strength.method
     strength, loading = drive.strength_by(method), drive.loading_by(method)
-    if not strength.contacts.force_n.any():
+    if strength.contacts.force_n.max(initial=0.0) < NOTHING_N:
         raise WrongInput("the teeth bear no load at any angle, so that nothing can be said of them", key="resistance")
     wanted = {gear: _wanted(drive, strength, gear) for gear in Gear}
     return Verdict(strength, loading, tuple(weakest_teeth(strength, wanted)))
