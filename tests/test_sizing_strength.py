@@ -110,7 +110,7 @@ def test_a_diameter_holds_for_both_gears(pretend: list[int]) -> None:
 
 
 def test_no_room_is_told_with_what_comes_nearest(pretend: list[int]) -> None:
-    with pytest.raises(NoSuchMechanism, match="nearest of .* come 24 teeth of module 2 mm"):
+    with pytest.raises(NoSuchMechanism, match=r"nearest of .* come 24 teeth of module 2 mm"):
         smallest_gears(drive_of_text(TEXT), Space(30.0))
 
 
@@ -171,9 +171,11 @@ def test_what_is_written_builds_what_was_found(run: Run, pretend: list[int]) -> 
 
 def test_more_safety_makes_larger_gears(run: Run, pretend: list[int]) -> None:
     def volume(*options: str) -> float:
-        _, out, _ = run(TEXT, "--out", "d2.yaml", *options)
+        assert run(TEXT, "--out", "d2.yaml", *options)[0] == 0
         gears = load(Path("d2.yaml")).design.gears
-        assert gears is not None and gears.teeth is not None and gears.module_mm is not None
+        assert gears is not None
+        assert gears.teeth is not None
+        assert gears.module_mm is not None
         return (gears.teeth * gears.module_mm) ** 2 * gears.face_width_mm
 
     assert volume("--bending-safety", "3", "--contact-safety", "1.5") > 1.5 * volume()
