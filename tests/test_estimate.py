@@ -170,7 +170,7 @@ def test_single_stiffness_is_that_of_iso_6336_1(teeth: int) -> None:
     assert 1e-3 / compliance == pytest.approx(wanted, rel=0.08)
 
 
-def test_a_symmetric_tooth_bears_alike_on_both_flanks_and_stress_falls_with_size() -> None:
+def test_a_symmetric_tooth_bears_alike_on_both_flanks_and_only_the_contact_knows_its_width() -> None:
     gear = circular_pair(25).driving
     estimate = estimate_of(gear, STEEL)
     height = np.array([0.5, 0.5, -0.4, -0.4])

@@ -14,7 +14,15 @@ from ncgear.pitch.shape import Gear
 from ncgear.strength.conditions import Conditions, Running
 from ncgear.strength.contacts import FlankPlaces, LoadedContacts
 from ncgear.strength.endurance import materials_of
-from ncgear.strength.life import Meetings, alternating_mpa, meetings_of, strength_of, stresses_of, tooth_life
+from ncgear.strength.life import (
+    Meetings,
+    alternating_mpa,
+    meetings_of,
+    rated_for_pitting,
+    strength_of,
+    stresses_of,
+    tooth_life,
+)
 from ncgear.strength.material import EnduredStress, Material
 from ncgear.strength.materials import assumed_choice
 from ncgear.strength.method import RootStress
@@ -172,6 +180,20 @@ def test_meetings_are_those_that_a_plain_count_finds(gear: Gear) -> None:
     expected = sorted((pair[place], force, phi1) for pair, (force, phi1) in largest.items())
     assert sorted(zip(found.flank, found.stress_mpa, found.phi1_rad, strict=True)) == expected
     assert np.array_equal(found.counted_mpa, 2.0 * found.stress_mpa)
+
+
+def test_pressures_count_where_a_pair_bears_the_most() -> None:
+    """Pair 0-1 leads alone in position 1, pair 2-3 in position 0, 4-5 nowhere, and edges count nowhere."""
+    loaded = replace(
+        contacts().kept(np.arange(7)),
+        position=np.array([0, 0, 1, 2, 2, 3, 3]),
+        driving_flank=np.array([0, 2, 0, 2, 4, 4, 2]),
+        driven_flank=np.array([1, 3, 1, 3, 5, 5, 3]),
+        force_n=np.array([10.0, 20.0, 5.0, 30.0, 20.0, 10.0, 11.0]),
+        flanks=np.array([True, True, True, False, True, True, True]),
+    )
+    assert rated_for_pitting(loaded).tolist() == [False, True, True, False, True, True, True]
+    assert rated_for_pitting(loaded.kept(np.arange(0))).size == 0
 
 
 def test_a_pair_that_meets_every_turn_is_counted_every_turn() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import radians, sin
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,9 +12,12 @@ from drives import drive
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.plane import as_complex
 from ncgear.pitch.shape import Gear
+from ncgear.project.drive import load
 from ncgear.strength.replacement import replacement_gears
 from ncgear.teeth.gear import ToothedGear
 from tooth_places import circular_pair, places_at, random_places
+
+CASES = Path(__file__).parent / "cases"
 
 GEARS = [("baler", Gear.DRIVING), ("baler", Gear.DRIVEN), ("internal-1-2", Gear.DRIVEN), ("ellipse", Gear.DRIVING)]
 
@@ -36,6 +40,13 @@ def test_the_flank_bends_as_the_replacement_gears_involute(name: str, which: Gea
     assert found.height_mm == pytest.approx(height, abs=1e-8)
     measured = measured_curvature(gear, places.flank, height)
     assert np.abs(1.0 / found.flank_radius_mm) == pytest.approx(measured, rel=1e-6)
+
+
+def test_places_are_found_where_the_pitch_curve_bends_within_a_module() -> None:
+    """There normals meet it twice; a search that began over the flank's crossing was 0.7 mm off."""
+    gear = load(CASES / "harmonics-1-100.yaml").teeth.driving
+    places, height = random_places(gear, 1000)
+    assert replacement_gears(gear.flanks, places).height_mm == pytest.approx(height, abs=1e-8)
 
 
 def test_the_gear_of_where_the_flank_crosses_the_pitch_curve_is_another_one() -> None:

@@ -59,6 +59,10 @@ allowed for.
 FACTORS = """\
 ### Other factors
 
+Pressures count where a pair of flanks bears the most of the load: ISO 6336-2 rates the pitch point and where single
+contact begins. Where teeth begin and cease to touch, flanks near their base circles have small radii and high
+pressures, in the gears that were tested as well.
+
 Beyond the first point, flanks have the factors Z<sub>L</sub>, Z<sub>v</sub> and Z<sub>R</sub> of the oil's film, at the
 mean speed along the pitch curves and the radius of circular gears of the same teeth; Z<sub>W</sub>, where a soft flank
 runs against a hard one of R<sub>z</sub> 6 &micro;m or less; and Z<sub>X</sub> of the size. Roots have

@@ -46,14 +46,15 @@ LEAN_RAD = radians(30.0)
 LEAN_CONCAVE_RAD = radians(60.0)
 """The same for internal gears."""
 
-SAMPLES = {FLANK: 25, FILLET: 41}
-"""Points on each run of a side.  A chord of a fillet spans 3 degrees, and strays by 2e-4 of its radius."""
+SAMPLES = {FLANK: 33, FILLET: 65}
+"""Points on each run of a side.  With five times as many compliances of the baler, a ring and an ellipse change by half
+a per cent or less."""
 
 STEP = 1e-4
-"""Share of the module, in arc length, over which the fillet's turning is measured: it misses the curvature by 1e-7."""
+"""Share of the module, in arc length, over which the fillet's turning is measured; a tenth changes radii by 1e-6."""
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
-"""Gauss points along the beam; twice as many change compliances by less than 1e-4."""
+"""Gauss points along the beam; twice as many change compliances by 2e-4 or less."""
 
 LEAST_REACH = 1e-3
 """Least half-width of a contact, in depths to the tooth's middle, so that an edge gives way by a finite way."""
@@ -338,4 +339,4 @@ def _sections(
 
 
 BISECTIONS = 12
-"""They place the tangent point within 1e-5 modules; the stress is stationary there to the first order in chord."""
+"""Halvings of a sample's span, which place the tangent point: chords and stresses are right to 3e-5."""

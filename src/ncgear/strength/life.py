@@ -1,9 +1,10 @@
 """From loaded contacts to the answer: stresses with the factors of load, and safety and life of every tooth by Miner.
 
 Each meeting of a tooth with a mate is one load cycle with the largest stress on its path: for pitting the largest
-pressure on the flank that meets, for breakage the largest tension at the root of that flank.  The damage of a cycle is
-one over the number of cycles that its stress is endured, and a tooth is broken or pitted when the damages sum to 1
-(Miner's rule as in ISO 6336-6: stresses that are endured for ever do no damage).
+pressure on the flank while its pair bears the most (``rated_for_pitting``), for breakage the largest tension at the
+root of that flank.  The damage of a cycle is one over the number of cycles that its stress is endured, and a tooth is
+broken or pitted when the damages sum to 1 (Miner's rule as in ISO 6336-6: stresses that are endured for ever do no
+damage).
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.pitch.shape import Gear
 from ncgear.strength.answer import ContactStresses, GearStrength, Strength, ToothLife
 from ncgear.strength.conditions import Conditions, Running, dynamic_factor, face_load_factor_of_roots
@@ -96,9 +97,26 @@ def _gear_strength(
     bending = tooth_life(met, material.bending, teeth, life_h, cycle_h)
     if material.contact is None:
         return GearStrength(gear, material, bending, None)
-    on_flanks, pressed = contacts.kept(contacts.flanks), pressure[contacts.flanks]
-    rolled = meetings_of(on_flanks, gear, pressed, pressed, cycle_rad)
+    rated = rated_for_pitting(contacts)
+    rolled = meetings_of(contacts.kept(rated), gear, pressure[rated], pressure[rated], cycle_rad)
     return GearStrength(gear, material, bending, tooth_life(rolled, material.contact, teeth, life_h, cycle_h))
+
+
+def rated_for_pitting(contacts: LoadedContacts) -> Mask:
+    """The contacts whose pressure counts, shape (n,): those of flanks that bear the most of the load at their position.
+
+    ISO 6336-2 compares the pressure at the pitch point, or where a pair begins to bear the load alone, with stresses
+    that test gears endured at these places.  Where teeth begin and cease to touch, flanks near their base circles have
+    small radii and high pressures over little width, in test gears as well, and are not compared; there another pair
+    bears more.  Flanks that meet without ever bearing the most count wherever they touch.
+    """
+    most = np.zeros(int(contacts.position.max(initial=-1)) + 1)
+    np.maximum.at(most, contacts.position, contacts.force_n)
+    leading = contacts.flanks & (contacts.force_n >= most[contacts.position])
+    flanks = np.stack([contacts.driving_flank, contacts.driven_flank], axis=1)
+    _, pair = np.unique(flanks, axis=0, return_inverse=True)
+    ever_leading = np.bincount(pair, weights=leading) > 0.0
+    return np.asarray(leading | (contacts.flanks & ~ever_leading[pair]))
 
 
 BOTH_WAYS = 0.7

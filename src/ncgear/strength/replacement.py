@@ -14,12 +14,15 @@ from math import sin
 import numpy as np
 
 from ncgear.numerics.arrays import Array, Columns
-from ncgear.numerics.plane import across, along, as_complex
+from ncgear.numerics.plane import across, as_complex
 from ncgear.strength.contacts import FlankPlaces
 from ncgear.teeth.flank import Flanks
 
 STEPS = 20
 """Newton steps to a pitch point; five do as a rule."""
+
+TRIALS = 13
+"""Points on each flank from which the search may begin, a fifth of a module apart."""
 
 CLOSE = 1e-9
 """Distance of the normal from the pitch point, in modules, at which it is found."""
@@ -57,8 +60,10 @@ def flank_heights_mm(flanks: Flanks, places: FlankPlaces) -> Array:
     Raises ArithmeticError where a normal does not meet it nearby.
     """
     crossing, side, rise = flanks.crossing_mm[places.flank], flanks.side[places.flank], flanks.rack.height_per_rolled
-    at = flanks.standing(places.flank, crossing)
-    sigma = crossing - side * along(as_complex(at.normal), places.point - as_complex(at.position)) / rise
+    # Where a pitch curve bends within less than a module a normal meets it twice: begin at the nearest of a few points.
+    trial = np.linspace(-float(np.max(flanks.flank_depth_mm)), float(np.max(flanks.tip_height_mm)), TRIALS)
+    away = np.abs(as_complex(flanks.flank(places.flank[:, None], trial)[0]) - places.point[:, None])
+    sigma = flanks.rolled_mm(places.flank, trial[np.argmin(away, axis=1)])
     for _ in range(STEPS):
         at = flanks.standing(places.flank, sigma)
         missing = across(places.inwards, places.point - as_complex(at.position))
