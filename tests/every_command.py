@@ -16,7 +16,10 @@ DESIGNS = {path.stem: path for path in sorted((ROOT / "designs").glob("*.yaml"))
 BALANCES = {path.stem: path for path in sorted((ROOT / "designs" / "balance").glob("*.yaml"))}
 CASES = {path.stem: path for path in sorted((ROOT / "tests" / "cases").glob("*.yaml"))}
 
-COMMANDS = "build report animate check simulate strength size optimize frontier sweep bench balance new explain reproduce schema"
+COMMANDS = (
+    "build report animate check simulate strength size optimize frontier sweep bench balance new explain reproduce "
+    "schema"
+)
 LAWS = "three_segment_stroke", "ratio_expression", "harmonic_ratio", "ellipse", "table", "uniform_crank"
 SIZES = {"stroke": 80, "crank": 40, "rod": 150, "speed": 50, "teeth": 30, "module": 2, "face-width": 9}
 UNITS = {"stroke": "-mm", "crank": "-mm", "rod": "-mm", "speed": "-rpm", "module": "-mm", "face-width": "-mm"}
