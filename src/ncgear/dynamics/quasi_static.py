@@ -21,8 +21,8 @@ from ncgear.numerics.zeros import zeros_between
 FIRST_STEP_RAD = 1e-7
 CLEAR_RAD = 1e-12
 DOUBLINGS = 24
-"""The search for a driven angle that bears the torque begins clear of the first touch, with this step, and doubles it at
-most so often: up to a radian, farther than any tooth gives way."""
+"""The search for a driven angle that bears the torque begins clear of the first touch and with this step, and doubles
+it at most so often: up to a radian, farther than any tooth gives way."""
 
 BALANCED = 1e-6
 """Share of the largest torque that a balance may miss.  A driven angle of some rad is known to 1e-15, so that the depth

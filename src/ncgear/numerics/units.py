@@ -44,6 +44,7 @@ UNITS = {
     "n": "N",
     "n_m": "N m",
     "n_mm": "N mm",
+    "n_per_mm": "N/mm",
     "n_s_mm": "N s/mm",
     "percent": "%",
     "pi": "multiples of pi",

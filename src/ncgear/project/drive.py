@@ -425,14 +425,26 @@ class Drive:
         return load_by_resistance(self.machine, mesh_place(self.gears, self.pitch.center_distance_mm))
 
     @computed
-    def pair_stiffness(self) -> LinearTeeth:
-        """The stiffness of each pair of teeth, from its own form and face width."""
-        from ncgear.project.loading import STEEL
-        from ncgear.strength.stiffness import EvenTeeth
+    def materials(self) -> tuple[Material, Material]:
+        """The materials of the driving and the driven gear, plastics as warm as their surroundings."""
+        from ncgear.project.service import choices_of, conditions_of
+        from ncgear.strength.conditions import Running
+        from ncgear.strength.endurance import materials_of
+        from ncgear.strength.plastics import temperatures_of
 
-        # Until both gears have materials and a method of strength: steel, and the same stiffness everywhere.
-        even = EvenTeeth(STEEL.youngs_modulus_mpa)
-        return self.linear_teeth((even, even), (STEEL, STEEL))
+        size, speed, choices = self.pitch.size, self.machine.speed_rad_s, choices_of(self.gears)
+        running = Running(size.module_mm, (size.driving_teeth, size.driven_teeth), self.gears.face_width_mm, speed)
+        conditions = conditions_of(self.design.strength, self.transmission.cycle_rad, speed)
+        return materials_of(choices, conditions, running, temperatures_of(choices, conditions, running, 0.0))
+
+    @computed
+    def pair_stiffness(self) -> LinearTeeth:
+        """The stiffness of each pair of teeth in N/mm, from its form, face width and material by the estimate."""
+        from ncgear.project.loading import estimated
+
+        driving, driven = self.materials
+        methods = estimated(self.teeth.driving, driving), estimated(self.teeth.driven, driven)
+        return self.linear_teeth(methods, self.materials)
 
     def linear_teeth(
         self, methods: tuple[ToothMethod, ToothMethod], materials: tuple[Material, Material]
@@ -469,12 +481,13 @@ class Drive:
         with self.stopwatch("gaps"):
             return meshing_of(self.design.simulation, pitch, teeth, stiffness)
 
-    def _loaded_at(self, phi1_rad: Array) -> LoadedContact:
-        """The teeth under the torque of the rigid level, at driving angles in rad, shape (n,)."""
+    def _loaded_at(self, phi1_rad: Array, stiffness_factor: float = 1.0) -> LoadedContact:
+        """The teeth, stiffer by a factor, under the rigid level's torque at driving angles in rad, shape (n,)."""
         from ncgear.dynamics.quasi_static import loaded_contact
 
         torque = self.rigid.machine.at(phi1_rad).driven_torque.value
-        return loaded_contact(self._any_meshing, phi1_rad, torque, self.machine.speed_rad_s)
+        meshing = self._any_meshing.stiffened(stiffness_factor)
+        return loaded_contact(meshing, phi1_rad, torque, self.machine.speed_rad_s)
 
     @computed
     def loaded_contact(self) -> LoadedContact:
@@ -493,20 +506,34 @@ class Drive:
         with self.stopwatch("peaks of loaded contact"):
             return loaded_peaks(self._loaded_at, places, int(loaded.pairs.max()))
 
+    def loaded_with(self, stiffness_factor: float) -> LoadedContact:
+        """As ``loaded_contact``, the teeth stiffer by a factor, at all angles that ``loaded_peaks`` begins with."""
+        from ncgear.project.forces import loaded_places_rad
+
+        places = loaded_places_rad(self.motion.phi1_rad, self.meshing, self.rigid.machine)
+        with self.stopwatch("band of stiffness"):
+            return self._loaded_at(places, stiffness_factor)
+
     @computed
     def course(self) -> Course:
         """The motion of the toothed machine in time."""
+        from ncgear.dynamics.motion_in_time import ACCURACY
+
+        return self.course_with(1.0, ACCURACY)
+
+    def course_with(self, stiffness_factor: float, accuracy: float) -> Course:
+        """The motion in time with teeth stiffer by a factor; raises as ``dynamics.motion_in_time.course`` does."""
         from ncgear.dynamics.crank_load import crank_load
         from ncgear.dynamics.motion_in_time import Start, ToothedMachine, course, started
         from ncgear.project.forces import damped, drive_line_of
 
         given, masses, speed = self.design.simulation, self.masses, self.machine.speed_rad_s
-        driving, meshing = drive_line_of(given, masses, speed), self.meshing
-        with self.stopwatch("motion in time"):
+        driving, meshing = drive_line_of(given, masses, speed), self.meshing.stiffened(stiffness_factor)
+        with self.stopwatch("motion in time" if stiffness_factor == 1.0 else "band of stiffness"):
             load = crank_load(self.linkage, masses, self.machine.resistance)
             toothed = ToothedMachine(driving, damped(given, meshing, driving, load), load)
             state = started(toothed, self.transmission, Start(given.start), speed)
-            return course(toothed, state, given.turns)
+            return course(toothed, state, given.turns, accuracy)
 
     @property
     def strength(self) -> Strength:

@@ -9,12 +9,14 @@ import numpy as np
 
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.dynamics.rigid import RigidMachine, refuse_locked
+from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
 from ncgear.numerics.arrays import Array
-from ncgear.strength.material import EnduredStress, Family, Material
+from ncgear.strength.estimate import estimate_of
+from ncgear.strength.material import Material
 from ncgear.strength.method import ToothMethod
-from ncgear.strength.stiffness import LinearTeeth
-from ncgear.teeth.gear import ToothedPair
+from ncgear.strength.stiffness import EvenTeeth, LinearTeeth
+from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,18 +45,6 @@ def load_by_resistance(machine: Machine, place: MeshPlace) -> ToothLoad:
     return ToothLoad("resistance", rigid)
 
 
-STEEL = Material(
-    name="steel",
-    family=Family.STEEL,
-    youngs_modulus_mpa=206e3,
-    poisson=0.3,
-    density_kg_m3=7850.0,
-    contact=None,
-    bending=EnduredStress(np.array([1.0]), np.array([1.0])),
-    source="elastic constants as in ISO 6336-1, from a secondary source",
-)
-"""The elastic constants of steel; nothing is known of its strength."""
-
 LIGHTEST_N_MM = 1.0
 """Load per mm of face width at which contacts are taken to be flattened where the teeth bear less: next to nothing."""
 
@@ -73,3 +63,11 @@ def linear_teeth(
     """
     line_load = max(load.peak_n(phi1_rad) / face_width_mm, LIGHTEST_N_MM)
     return LinearTeeth(teeth, methods, materials, face_width_mm, line_load)
+
+
+def estimated(gear: ToothedGear, material: Material) -> ToothMethod:
+    """The estimate of the teeth of a gear; where it does not reach, for want of a fillet, teeth that are all alike."""
+    try:
+        return estimate_of(gear, material)
+    except NoSuchMechanism:
+        return EvenTeeth(material.youngs_modulus_mpa)
