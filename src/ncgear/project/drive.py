@@ -411,18 +411,20 @@ class Drive:
 
         Raises WrongInput where there is neither, and NoSuchMechanism where teeth cannot hold it.
         """
-        from ncgear.project.loading import ToothLoad, load_by_resistance
+        from ncgear.project.loading import load_by_masses, load_by_resistance
 
-        if self.design.masses is not None:
-            return ToothLoad("masses", self.rigid.machine)
         self.require_one_stage()
+        place = mesh_place(self.gears, self.pitch.center_distance_mm)
+        if self.design.masses is not None:
+            # Without the peaks of the rigid level, which take longer than all else that strength needs.
+            return load_by_masses(self.machine, self.masses, place)
         if self.design.resistance is None:
             raise WrongInput(
                 "missing, and so are masses; the load of the teeth follows from the force against the slider, from the "
                 "moving masses, or from both: give one of them",
                 key="resistance",
             )
-        return load_by_resistance(self.machine, mesh_place(self.gears, self.pitch.center_distance_mm))
+        return load_by_resistance(self.machine, place)
 
     @computed
     def materials(self) -> tuple[Material, Material]:
