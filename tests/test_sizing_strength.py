@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from commands import Run, on_text
-from drives import drive_of_text
+from drives import drive, drive_of_text
 from ncgear.design.reading.design_file import load
 from ncgear.errors import NoSuchMechanism
 from ncgear.pitch.shape import Gear
@@ -204,21 +204,33 @@ def test_gears_without_a_load_are_refused(run: Run) -> None:
 @pytest.mark.judges("strength")
 def test_with_the_real_estimate() -> None:
     """The first answer holds, and with a tenth less width or the next smaller module it does not."""
-    drive = drive_of_text(TEXT)
-    assert not verdict_of(drive, "estimate").holds
-    first = smallest_gears(drive, Space())[0]
+    given = drive_of_text(TEXT)
+    assert not verdict_of(given, "estimate").holds
+    first = smallest_gears(given, Space())[0]
     assert first.verdict.holds
     smaller = SERIES_I_MM[SERIES_I_MM.index(first.module_mm) - 1]
     for key, value in (("face_width_mm", 0.9 * first.face_width_mm), ("module_mm", smaller)):
         less = changed_drive(first.drive, {f"gears.{key}": value})
         assert not verdict_of(less, "estimate").holds, key
     # The same gears, from the design file that is asked of the command, have the same safety.
-    again = verdict_of(changed_drive(drive, first.changes), "estimate")
+    again = verdict_of(changed_drive(given, first.changes), "estimate")
     assert [one.safety for one in again.weakest] == [one.safety for one in first.verdict.weakest]
 
 
-def test_twelve_teeth_are_on_a_circle_of_their_module() -> None:
+@pytest.mark.thorough
+def test_the_baler_that_holds() -> None:
+    """At 60 r/min with the masses of designs/baler-half-dynamics.yaml, whose law it has, and whose teeth do not hold."""
+    holds, weak = (drive(name) for name in ("baler-holds", "baler-half-dynamics"))
+    assert holds.design.masses == weak.design.masses
+    assert holds.design.motion == weak.design.motion
+    least = {one.damage: one.safety for one in sorted(verdict_of(holds).weakest, key=lambda one: -one.safety)}
+    assert least[Damage.BENDING] == pytest.approx(2.17, rel=0.05)
+    assert least[Damage.CONTACT] == pytest.approx(1.10, rel=0.05)
+    assert not verdict_of(weak).holds
+
+
+def test_gears_are_on_a_circle_of_their_module() -> None:
     """What the sizes of these tests rest on: a = m z for equal circular gears."""
-    drive = drive_of_text(TEXT)
-    assert drive.pitch.center_distance_mm == pytest.approx(48.0, rel=1e-9)
-    assert drive.pitch.driving.length_mm == pytest.approx(48.0 * pi, rel=1e-9)
+    pitch = drive_of_text(TEXT).pitch
+    assert pitch.center_distance_mm == pytest.approx(48.0, rel=1e-9)
+    assert pitch.driving.length_mm == pytest.approx(48.0 * pi, rel=1e-9)

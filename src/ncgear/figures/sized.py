@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from textwrap import wrap
-from typing import Any
 
 from ncgear.design.keys.base import listed
 from ncgear.design.naming import LONGEST_NAME
 from ncgear.design.reading.design_file import LoadedDesign
+from ncgear.design.reading.text import whole
 from ncgear.design.rewritten import design_copy
 from ncgear.figures.advice.values import changed
 from ncgear.figures.numbers import shown, to_digits
@@ -69,10 +69,10 @@ def sized_name(name: str) -> str:
     return name if name.endswith(SUFFIX) else f"{name[: LONGEST_NAME - len(SUFFIX)]}{SUFFIX}"
 
 
-def sized_design(loaded: LoadedDesign, one: Sized, asked: Mapping[str, Any]) -> str:
+def sized_design(loaded: LoadedDesign, one: Sized, asked: dict[str, float | str]) -> str:
     """The text of a design file with other gears and with what was asked for, its name and description saying so."""
     design = loaded.design
-    values = {**asked, **one.changes}
+    values = {key: whole(value) if isinstance(value, float) else value for key, value in (asked | one.changes).items()}
     said = f"Sized: {design.name} with {listed(map(str, changed(values)), 'and')}, so that its teeth hold."
     about = {"description": f"{said} {design.description}".strip()[:LONGEST_DESCRIPTION]}
     return design_copy(loaded, {"name": sized_name(design.name), **about, **values})
