@@ -219,7 +219,7 @@ def test_with_the_real_estimate() -> None:
 
 @pytest.mark.thorough
 def test_the_baler_that_holds() -> None:
-    """At 60 r/min with the masses of designs/baler-half-dynamics.yaml, whose law it has, and whose teeth do not hold."""
+    """At 60 r/min, with law and masses of designs/baler-half-dynamics.yaml, whose teeth do not hold."""
     holds, weak = (drive(name) for name in ("baler-holds", "baler-half-dynamics"))
     assert holds.design.masses == weak.design.masses
     assert holds.design.motion == weak.design.motion
