@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import degrees, isfinite
+from math import degrees, floor, isfinite, log10
 from textwrap import wrap
 from typing import Any
 
@@ -111,7 +111,7 @@ def life_words(hours: float) -> str:
     """Hours of life, to two digits, or the words for none and for no end of it."""
     if not isfinite(hours):
         return "no end"
-    return f"{float(f'{hours:.2g}'):.7g} h" if hours >= 0.01 else "none"
+    return f"{to_digits(round(hours, 1 - floor(log10(hours))), 2)} h" if hours >= 0.01 else "none"
 
 
 def strength_text(drive: Drive, verdict: Verdict, remedies: Sequence[Remedy]) -> str:
