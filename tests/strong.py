@@ -61,8 +61,17 @@ def made_up_loading(drive: Drive, strength: Strength) -> Loading:
     phi1 = (
         2.0 * pi * np.arange(PER_PITCH * drive.pitch.size.driving_teeth) / (PER_PITCH * drive.pitch.size.driving_teeth)
     )
-    error = 60e-6 * np.cos(phi1)
-    return Loading(strength.contacts, phi1, np.full(phi1.size, 1e5), error, 1)
+    return Loading(
+        contacts=strength.contacts,
+        phi1_rad=phi1,
+        torque_n_mm=np.full(count, 1e5),
+        error_rad=60e-6 * np.cos(phi1),
+        even=np.ones(count, dtype=bool),
+        transmission_error_rad=120e-6,
+        contact_ratio=1.5,
+        fewest_pairs=1,
+        cycle_turns=1,
+    )
 
 
 def _contacts(driving: int, driven: int) -> LoadedContacts:

@@ -67,4 +67,5 @@ def _lost_w(choices: tuple[Choice, Choice], conditions: Conditions, loading: Loa
     """The power lost between teeth of which some are of plastic; 0 of metal, which it hardly warms."""
     if not any(isinstance(choice.entry, Plastic) for choice in choices):
         return 0.0
-    return lost_w(loading.contacts, loading.phi1_rad.size, friction(choices, conditions.lubrication))
+    even = loading.contacts.kept(loading.even[loading.contacts.position])
+    return lost_w(even, int(loading.even.sum()), friction(choices, conditions.lubrication))
