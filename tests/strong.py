@@ -58,9 +58,8 @@ def made_up(drive: Drive, bending: float = 2.0, contact: float | None = 1.5) -> 
 
 def made_up_loading(drive: Drive, strength: Strength) -> Loading:
     """The loads behind such an answer, with an error of 120 microrad."""
-    phi1 = (
-        2.0 * pi * np.arange(PER_PITCH * drive.pitch.size.driving_teeth) / (PER_PITCH * drive.pitch.size.driving_teeth)
-    )
+    count = PER_PITCH * drive.pitch.size.driving_teeth
+    phi1 = 2.0 * pi * np.arange(count) / count
     return Loading(
         contacts=strength.contacts,
         phi1_rad=phi1,
