@@ -16,6 +16,7 @@ from math import pi, radians, sqrt, tan
 from typing import Any
 
 import numpy as np
+
 from ncgear.numerics.arrays import Array
 
 Real = Any
