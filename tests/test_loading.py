@@ -181,6 +181,13 @@ def test_few_newtons_bear_on_as_many_pairs_as_the_closed_form_counts() -> None:
     assert even("uniform", 24, 1e5).contact_ratio > ratio + 0.05
 
 
+def test_without_torque_nothing_bears() -> None:
+    found = even("uniform", 24, 0.0)
+    assert found.contacts.force_n.size == 0
+    assert (found.contact_ratio, found.fewest_pairs) == (0.0, 0)
+    assert np.abs(found.error_rad).max() < 1e-9
+
+
 # --- other gears ------------------------------------------------------------------------------------------------------
 
 

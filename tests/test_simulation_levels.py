@@ -136,12 +136,12 @@ def test_a_stiffness_that_is_given_is_that_of_all_pairs() -> None:
             HEAD + "simulation: {stiffness_n_mm: 7e4, exponent: 1.5}\n",
         )
     )
-    assert given.meshing.gaps.stiffness_range == (7e4, 7e4)
+    assert set(given.meshing.gaps.touching_stiffness) == {7e4}
     assert given.meshing.impact.exponent == 1.5
-    least, largest = wide.meshing.gaps.stiffness_range
-    assert 1.1 * least < largest
+    stiffness = wide.meshing.gaps.touching_stiffness
+    assert 1.1 * stiffness.min() < stiffness.max()
     # Half as wide, each millimetre bears twice the load, under which contacts are flatter and a little stiffer.
-    ratio = np.array(narrow.meshing.gaps.stiffness_range) / np.array([least, largest])
+    ratio = narrow.meshing.gaps.touching_stiffness / stiffness
     assert np.all((ratio > 0.5) & (ratio < 0.53))
 
 
@@ -154,7 +154,7 @@ def test_damping_is_the_ratio_of_the_critical_one() -> None:
     moving = drive.linkage.moving_masses(Jet.variable(angles, 2), drive.masses)
     inertia = 1e-3 * reduced_inertia(moving, drive.masses)[0].mean()
     base = 19 * 1.5 / 2.0 * np.cos(np.radians(20.0))
-    stiffness = np.mean(meshing.gaps.stiffness_range)
+    stiffness = np.mean(meshing.gaps.touching_stiffness)
     critical = 2.0 * np.sqrt(stiffness * inertia) / base
     assert meshing.impact.damping_n_s_mm == pytest.approx(0.07 * critical, rel=1e-6)
 

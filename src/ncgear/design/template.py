@@ -80,13 +80,12 @@ resistance:                # the force against the slider; left out: none
 #   # flywheel: {inertia_kg_mm2: 0, speed_fluctuation: 0.05}
 #   # gravity: {direction_deg: -90}                                # from the slider's way out, counter-clockwise
 
-# simulation:              # for ncgear simulate --level quasi_static and dynamic; left out: as published for a baler
-#   youngs_modulus_gpa: 201
-#   poisson: 0.29
-#   # stiffness_n_mm:        # force at a depth of 1 mm; left out: from the two above
-#   exponent: 2.2          # of the depth, in the force of a contact
-#   damping_n_s_mm: 100    # full from a depth on
-#   full_damping_depth_mm: 0.1
+# simulation:              # for ncgear simulate --level quasi_static and dynamic
+#   # stiffness_n_mm:        # of a pair of teeth; left out: each pair's own, from its teeth, material and face width
+#   # exponent: 1            # of the depth, in the force of a pair; other than 1 only with stiffness_n_mm
+#   # damping_n_s_mm:        # of a pair of teeth, full from a depth on; left out: by the ratio
+#   damping_ratio: 0.07      # to the critical damping of one pair of teeth
+#   full_damping_depth_mm: 0.002
 #   friction: {static: 0.08, dynamic: 0.05, static_speed_mm_s: 1, dynamic_speed_mm_s: 10}
 #   # motor: {no_load_speed_rpm: 21, stall_torque_n_m: 60000}        # left out: the operating speed, whatever it takes
 #   start: on_law          # or rest

@@ -205,14 +205,13 @@ class Gaps:
         return Near(self.urge[index], error, lever, driving, driven, stiffness, slopes)
 
     @property
-    def stiffness_range(self) -> tuple[float, float]:
-        """Least and greatest stiffness of pairs that touch without load at the positions of the table."""
-        stiffness = self.table.coefficients[-1, ..., STIFFNESS][self._touching]
-        return float(stiffness.min()), float(stiffness.max())
+    def touching_stiffness(self) -> Array:
+        """Stiffness of the pairs that touch without load at the positions of the table, shape (n,)."""
+        return np.asarray(self.table.coefficients[-1, ..., STIFFNESS][self._touching])
 
     @property
     def touching_levers_mm(self) -> Array:
-        """Levers of the pairs that touch without load at the positions of the table, shape (n,)."""
+        """Levers of the same pairs, shape (n,)."""
         return np.asarray(self.table.coefficients[-1, ..., LEVER][self._touching])
 
     @property

@@ -172,9 +172,10 @@ def quasi_static_figures(drive: Drive) -> dict[str, Any]:
 
 
 def _stiffness(drive: Drive) -> dict[str, float]:
-    """The least and the largest stiffness of a pair of teeth at any place."""
-    least, largest = drive.meshing.gaps.stiffness_range
-    return {"least_pair_stiffness_n_per_mm": least, "largest_pair_stiffness_n_per_mm": largest}
+    """The least, the mean and the largest stiffness of a pair of teeth at all places."""
+    stiffness = drive.meshing.gaps.touching_stiffness
+    names = "least_pair_stiffness_n_per_mm", "mean_pair_stiffness_n_per_mm", "largest_pair_stiffness_n_per_mm"
+    return dict(zip(names, (float(of(stiffness)) for of in (np.min, np.mean, np.max)), strict=True))
 
 
 def _loaded_with(drive: Drive, factor: float) -> dict[str, float]:

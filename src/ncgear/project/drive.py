@@ -468,11 +468,13 @@ class Drive:
         from ncgear.project.forces import meshing_of
         from ncgear.strength.loading import loading_of
 
-        self.require_straight_sound_teeth()
-        pitch, teeth, load, stiffness = self.pitch, self.teeth, self.tooth_load, self.linear_teeth(methods, materials)
-        with self.stopwatch("load of every tooth"):
-            meshing = meshing_of(Simulation(), pitch, teeth, stiffness)
-            return loading_of(meshing, teeth, pitch, load.torque_n_mm, self.machine.speed_rad_s)
+        with located(self.places):
+            self.require_straight_sound_teeth()
+            stiffness, load = self.linear_teeth(methods, materials), self.tooth_load
+            pitch, teeth = self.pitch, self.teeth
+            with self.stopwatch("load of every tooth"):
+                meshing = meshing_of(Simulation(), pitch, teeth, stiffness)
+                return loading_of(meshing, teeth, pitch, load.torque_n_mm, self.machine.speed_rad_s)
 
     @computed
     def _any_meshing(self) -> Meshing:
@@ -494,9 +496,7 @@ class Drive:
     @computed
     def loaded_contact(self) -> LoadedContact:
         """The teeth under the torque of the rigid level, at the angles of ``motion``."""
-        phi1, _, _ = self.motion.phi1_rad, self.rigid, self.meshing
-        with self.stopwatch("loaded contact"):
-            return self._loaded_at(phi1)
+        return self.loaded_with(1.0)
 
     @computed
     def loaded_peaks(self) -> LoadedPeaks:
@@ -509,12 +509,10 @@ class Drive:
             return loaded_peaks(self._loaded_at, places, int(loaded.pairs.max()))
 
     def loaded_with(self, stiffness_factor: float) -> LoadedContact:
-        """As ``loaded_contact``, the teeth stiffer by a factor, at all angles that ``loaded_peaks`` begins with."""
-        from ncgear.project.forces import loaded_places_rad
-
-        places = loaded_places_rad(self.motion.phi1_rad, self.meshing, self.rigid.machine)
-        with self.stopwatch("band of stiffness"):
-            return self._loaded_at(places, stiffness_factor)
+        """As ``loaded_contact``, the teeth stiffer by a factor."""
+        phi1, _, _ = self.motion.phi1_rad, self.rigid, self.meshing
+        with self.stopwatch("band of stiffness" if stiffness_factor != 1.0 else "loaded contact"):
+            return self._loaded_at(phi1, stiffness_factor)
 
     @computed
     def course(self) -> Course:

@@ -38,9 +38,9 @@ def meshing_of(given: Simulation, pitch: PitchPair, teeth: ToothedPair, own: Pai
 def damped(given: Simulation, meshing: Meshing, drive: DriveLine, load: CrankLoad) -> Meshing:
     """The pair of gears with the damping given, or where none is, with the ratio given to the critical damping.
 
-    That is 2 sqrt(k m) of one pair of teeth with the stiffness k in the middle of its range, between the shafts' mean
-    inertias, each as a mass at the end of the normal force's arm, 1/m = r1^2/J1 + r2^2/J2; for exponents other than 1,
-    k is the slope of the force at the depth of full damping.
+    That is 2 sqrt(k m) of one pair of teeth with the mean stiffness k, between the shafts' mean inertias, each as a
+    mass at the end of the normal force's arm, 1/m = r1^2/J1 + r2^2/J2; for exponents other than 1, k is the slope of
+    the force at the depth of full damping.
     """
     if given.damping_n_s_mm is not None:
         return meshing
@@ -50,7 +50,7 @@ def damped(given: Simulation, meshing: Meshing, drive: DriveLine, load: CrankLoa
     inertia = drive.inertia_n_mm_s2
     driving = float(np.mean(lever**2)) * float(np.mean(ratio)) ** 2 / inertia if inertia else 0.0
     exponent, depth = meshing.impact.exponent, given.full_damping_depth_mm
-    stiffness = float(np.mean(meshing.gaps.stiffness_range)) * exponent * depth ** (exponent - 1.0)
+    stiffness = float(np.mean(meshing.gaps.touching_stiffness)) * exponent * depth ** (exponent - 1.0)
     critical = 2.0 * sqrt(stiffness / (driven + driving))
     return replace(meshing, impact=replace(meshing.impact, damping_n_s_mm=given.damping_ratio * critical))
 

@@ -185,7 +185,7 @@ class Simulation(Model):
     stiffness_n_mm: Positive | None = Field(
         default=None,
         description="force in N of a pair of teeth 1 mm deep in each other, k of k d^exponent; left out: each pair's "
-        "own stiffness, from its teeth and the face width",
+        "own stiffness, from its teeth, their material and the face width",
     )
     exponent: float = Field(
         default=1.0,
