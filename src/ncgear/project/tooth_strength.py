@@ -58,9 +58,13 @@ def _methods(
     method: Method, teeth: ToothedPair, materials: tuple[Material, Material]
 ) -> tuple[ToothMethod, ToothMethod]:
     if method == "elements":
-        raise NotImplementedError(method)
-    driving, driven = (estimate_of(teeth.of(gear), material) for gear, material in zip(Gear, materials, strict=True))
-    return driving, driven
+        # Loads slowly, and only where it is asked for.
+        from ncgear.strength.elements.teeth import elements_of
+
+        driving, driven = (elements_of(teeth.of(gear), one) for gear, one in zip(Gear, materials, strict=True))
+        return driving, driven
+    beams = tuple(estimate_of(teeth.of(gear), one) for gear, one in zip(Gear, materials, strict=True))
+    return beams[0], beams[1]
 
 
 def _lost_w(choices: tuple[Choice, Choice], conditions: Conditions, loading: Loading) -> float:
