@@ -171,6 +171,21 @@ def test_half_the_width_shows(run: Run) -> None:
         assert half[gear]["contact_stress_mpa"] / whole[gear]["contact_stress_mpa"] == pytest.approx(2**0.5, rel=0.1)
 
 
+@pytest.mark.thorough
+@pytest.mark.judges("strength")
+def test_elements_with_the_estimate_beside_them(run: Run) -> None:
+    """Both methods within 15 %: the scatter of beams against elements on gears whose roots are as sharp as these."""
+    status, out, _ = run(HEAD + GEARS + LOAD, "--method", "elements")
+    assert status == 0
+    assert "by estimate" in out
+    found = figures()
+    assert (found["strength"]["method"], found["strength_beside"]["method"]) == ("elements", "estimate")
+    for gear in ("driving", "driven"):
+        one, other = (found[key][gear] for key in ("strength", "strength_beside"))
+        for kind in ("bending", "contact"):
+            assert one[f"{kind}_safety_min"] == pytest.approx(other[f"{kind}_safety_min"], rel=0.15)
+
+
 @pytest.mark.slow
 def test_a_build_tells_the_same_in_its_summary_and_warns() -> None:
     summary = built("baler").summary

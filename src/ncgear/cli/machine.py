@@ -244,17 +244,20 @@ def strength(
         with naming_what_helps(drive, BUILD), steps_shown(3) as on_step:
             on_step("strength")
             verdict = verdict_of(drive, method.value if method else None)
+            beside = None if verdict.strength.method == "estimate" else verdict_of(drive, "estimate")
             on_step("what would do")
             ways = remedies(drive, verdict)
             on_step("pictures")
-            files = strength_files(drive, verdict)
+            files = strength_files(drive, verdict, beside)
         run = publish_run(folder, files, "strength")
         if as_json:
             typer.echo(files["strength.json"].decode().rstrip())
             if run.kept:
                 typer.echo("\n".join(kept_lines(run.kept)), err=True)
         else:
-            typer.echo("\n".join([strength_text(drive, verdict, ways), "", *written_lines(run.paths, run.kept)]))
+            typer.echo(
+                "\n".join([strength_text(drive, verdict, ways, beside), "", *written_lines(run.paths, run.kept)])
+            )
         if timing:
             typer.echo(timing_text(drive), err=True)
 

@@ -33,10 +33,10 @@ METHODS = {
 """The words for a method, and how far the standards cover it."""
 
 
-def strength_figures(drive: Drive, verdict: Verdict) -> dict[str, Any]:
+def strength_figures(drive: Drive, verdict: Verdict, beside: Verdict | None = None) -> dict[str, Any]:
     """The figures of a strength as sections of plain values whose keys end in their unit.
 
-    A life is None where the tooth lasts for ever.
+    A life is None where the tooth lasts for ever.  ``beside`` is the verdict by another method, to compare with.
     """
     strength, size = verdict.strength, drive.pitch.size
     contacts = strength.contacts
@@ -52,6 +52,7 @@ def strength_figures(drive: Drive, verdict: Verdict) -> dict[str, Any]:
         },
         "gears": {"module_mm": size.module_mm, "face_width_mm": drive.gears.face_width_mm},
         "strength": strength_summary(verdict),
+        **({} if beside is None else {"strength_beside": strength_summary(beside)}),
         **{gear.value: _gear_figures(verdict, gear) for gear in Gear},
     }
 
@@ -114,8 +115,11 @@ def life_words(hours: float) -> str:
     return f"{to_digits(round(hours, 1 - floor(log10(hours))), 2)} h" if hours >= 0.01 else "none"
 
 
-def strength_text(drive: Drive, verdict: Verdict, remedies: Sequence[Remedy]) -> str:
-    """A screen about the strength of a pair: load, method, least safeties, and what would do."""
+def strength_text(drive: Drive, verdict: Verdict, remedies: Sequence[Remedy], beside: Verdict | None = None) -> str:
+    """A screen about the strength of a pair: load, method, least safeties, and what would do.
+
+    ``beside`` is the verdict by another method, whose safeties get a column of their own.
+    """
     name, speed, size = drive.design.name, drive.design.operation.speed_rpm, drive.pitch.size
     strength, loading, found = verdict.strength, verdict.loading, verdict.weakest
     forces = strength.contacts.force_n
@@ -134,8 +138,12 @@ def strength_text(drive: Drive, verdict: Verdict, remedies: Sequence[Remedy]) ->
     lines = [f"{name}: strength of the teeth at {speed:g} r/min"]
     for label, words in about.items():
         lines += wrap(words, WIDTH, initial_indent=f"{INDENT}{label:<{start}}", subsequent_indent=INDENT + " " * start)
-    heads = [[head.label for head in HEADS], [head.unit for head in HEADS]]
-    table = aligned([*heads, *map(_cells, found)], left=2)
+    rows = [[head.label for head in HEADS], [head.unit for head in HEADS], *(list(_cells(one)) for one in found)]
+    if beside is not None:
+        others = [f"by {beside.strength.method}", "", *(to_digits(one.safety, 3) for one in beside.weakest)]
+        for row, other in zip(rows, others, strict=True):
+            row.insert(3, other)
+    table = aligned(rows, left=2)
     return "\n".join([*lines, "", *table, "", *_verdict(found, remedies)])
 
 

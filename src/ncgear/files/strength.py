@@ -9,10 +9,10 @@ from ncgear.project.drive import Drive
 from ncgear.project.strengthening import Verdict
 
 
-def strength_files(drive: Drive, verdict: Verdict) -> dict[str, bytes]:
-    """Pictures, table and figures as files."""
+def strength_files(drive: Drive, verdict: Verdict, beside: Verdict | None = None) -> dict[str, bytes]:
+    """Pictures, table and figures as files; ``beside`` is the verdict by another method, whose figures are told too."""
     return {
         **strength_pictures(drive, verdict),
         "strength.csv": strength_csv(verdict.strength).encode(),
-        "strength.json": json_text(strength_figures(drive, verdict)).encode(),
+        "strength.json": json_text(strength_figures(drive, verdict, beside)).encode(),
     }

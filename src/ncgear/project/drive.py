@@ -559,10 +559,10 @@ class Drive:
             teeth = size.driving_teeth, size.driven_teeth
             running = Running(size.module_mm, teeth, self.gears.face_width_mm, speed)
             conditions = conditions_of(self.design.strength, self.transmission.cycle_rad, speed)
-            with located(self.places):
-                load = self.tooth_load.load
+            load, teeth_of_pair = self.tooth_load.load, self.teeth
+            with located(self.places), self.stopwatch("strength"):
                 known[method] = loading_and_strength(
-                    method, self.gears, self.teeth, conditions, running, self.loading, load
+                    method, self.gears, teeth_of_pair, conditions, running, self.loading, load
                 )
         return known[method]
 
