@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from ncgear.project.loading import ToothLoad
     from ncgear.solids.helical.helix import Helix
     from ncgear.solids.mesh.pair import SolidPair
+    from ncgear.strength.answer import Strength
     from ncgear.strength.loading import Loading
     from ncgear.strength.material import Material
     from ncgear.strength.method import ToothMethod
@@ -352,7 +353,7 @@ class Drive:
     @computed
     def masses(self) -> Masses:
         """The moving masses; makes solids only where a gear's moment of inertia is left out."""
-        from ncgear.project.forces import masses_of
+        from ncgear.project.moving_masses import masses_of
 
         given, gears = self.design.masses, self.design.gears
         if given is None:
@@ -410,18 +411,20 @@ class Drive:
 
         Raises WrongInput where there is neither, and NoSuchMechanism where teeth cannot hold it.
         """
-        from ncgear.project.loading import ToothLoad, load_by_resistance
+        from ncgear.project.loading import load_by_masses, load_by_resistance
 
-        if self.design.masses is not None:
-            return ToothLoad("masses", self.rigid.machine)
         self.require_one_stage()
+        place = mesh_place(self.gears, self.pitch.center_distance_mm)
+        if self.design.masses is not None:
+            # Without the peaks of the rigid level, which take longer than all else that strength needs.
+            return load_by_masses(self.machine, self.masses, place)
         if self.design.resistance is None:
             raise WrongInput(
                 "missing, and so are masses; the load of the teeth follows from the force against the slider, from the "
                 "moving masses, or from both: give one of them",
                 key="resistance",
             )
-        return load_by_resistance(self.machine, mesh_place(self.gears, self.pitch.center_distance_mm))
+        return load_by_resistance(self.machine, place)
 
     @computed
     def materials(self) -> tuple[Material, Material]:
@@ -531,6 +534,41 @@ class Drive:
             toothed = ToothedMachine(driving, damped(given, meshing, driving, load), load)
             state = started(toothed, self.transmission, Start(given.start), speed)
             return course(toothed, state, given.turns, accuracy)
+
+    @property
+    def strength(self) -> Strength:
+        """The strength of the teeth by the method that the design names."""
+        return self.strength_by(self.design.strength.method)
+
+    def strength_by(self, method: Literal["estimate", "elements"]) -> Strength:
+        """The strength of the teeth by a method; computed once."""
+        return self._strengths(method)[1]
+
+    def loading_by(self, method: Literal["estimate", "elements"]) -> Loading:
+        """The load of every tooth, shared by the stiffness that a method of strength gives the teeth."""
+        return self._strengths(method)[0]
+
+    def _strengths(self, method: Literal["estimate", "elements"]) -> tuple[Loading, Strength]:
+        from ncgear.project.service import conditions_of
+        from ncgear.project.tooth_strength import loading_and_strength
+        from ncgear.strength.conditions import Running
+
+        known = self._known_strengths
+        if method not in known:
+            size, speed = self.pitch.size, self.machine.speed_rad_s
+            teeth = size.driving_teeth, size.driven_teeth
+            running = Running(size.module_mm, teeth, self.gears.face_width_mm, speed)
+            conditions = conditions_of(self.design.strength, self.transmission.cycle_rad, speed)
+            load, teeth_of_pair = self.tooth_load.load, self.teeth
+            with located(self.places), self.stopwatch("strength"):
+                known[method] = loading_and_strength(
+                    method, self.gears, teeth_of_pair, conditions, running, self.loading, load
+                )
+        return known[method]
+
+    @computed
+    def _known_strengths(self) -> dict[str, tuple[Loading, Strength]]:
+        return {}
 
 
 def load(path: str | Path) -> Drive:

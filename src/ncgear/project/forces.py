@@ -1,13 +1,13 @@
-"""From keys to values: the moving masses of a design, and the teeth and the drive of its simulation."""
+"""From keys to values: the teeth and the drive of a simulation."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from math import cos, pi, radians, sin, sqrt
+from math import pi, sqrt
 
 import numpy as np
 
-from ncgear.design.keys.masses import Gravity, MechanismMasses, Simulation
+from ncgear.design.keys.masses import Simulation
 from ncgear.dynamics.crank_load import CrankLoad
 from ncgear.dynamics.gaps import gaps_of
 from ncgear.dynamics.meshing import Friction, Impact, Meshing
@@ -17,7 +17,6 @@ from ncgear.dynamics.rigid import RigidMachine
 from ncgear.errors import WrongInput
 from ncgear.kinematics.motion import stretches
 from ncgear.mechanisms.masses import Masses
-from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import N_PER_KG_MM_S2, RAD_S_PER_RPM
 from ncgear.pitch.pair import PitchPair
@@ -25,37 +24,6 @@ from ncgear.teeth.gear import ToothedPair
 
 SAMPLES = 720
 """Angles of a turn over which inertias are averaged."""
-
-
-def masses_of(
-    given: MechanismMasses,
-    mechanism: Mechanism,
-    driving_body_kg_mm2: float = 0.0,
-    driven_body_kg_mm2: float = 0.0,
-) -> Masses:
-    """The masses that a design gives; a gear without a moment of inertia gets that of its body (kg mm2)."""
-    driving, driven = given.driving_gear_kg_mm2, given.driven_gear_kg_mm2
-    rods = {name: getattr(given, name) for name in mechanism.RODS}
-    return mechanism.MASSES(
-        slider_kg=given.slider_kg,
-        **{f"{name}_kg": rod.mass_kg for name, rod in rods.items()},
-        **{f"{name}_center_mm": rod.center_mm for name, rod in rods.items()},
-        **{f"{name}_inertia_kg_mm2": rod.inertia_kg_mm2 for name, rod in rods.items()},
-        crank_kg=given.crank.mass_kg,
-        crank_center_mm=given.crank.center_mm,
-        crank_inertia_kg_mm2=given.crank.inertia_kg_mm2,
-        driven_inertia_kg_mm2=driven_body_kg_mm2 if driven is None else driven,
-        driving_inertia_kg_mm2=driving_body_kg_mm2 if driving is None else driving,
-        flywheel_inertia_kg_mm2=given.flywheel.inertia_kg_mm2,
-        gravity_m_s2=_vector(given.gravity),
-    )
-
-
-def _vector(gravity: Gravity | None) -> tuple[float, float]:
-    if gravity is None:
-        return 0.0, 0.0
-    direction = radians(gravity.direction_deg)
-    return gravity.acceleration_m_s2 * cos(direction), gravity.acceleration_m_s2 * sin(direction)
 
 
 def meshing_of(given: Simulation, pitch: PitchPair, teeth: ToothedPair, own: PairStiffness) -> Meshing:

@@ -11,6 +11,7 @@ from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.dynamics.rigid import RigidMachine, refuse_locked
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
+from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.arrays import Array
 from ncgear.strength.estimate import estimate_of
 from ncgear.strength.material import Material
@@ -36,6 +37,13 @@ class ToothLoad:
     def peak_n(self, phi1_rad: Array) -> float:
         """Largest normal force of all pairs together at driving angles in rad, shape (n,)."""
         return float(np.abs(self.machine.at(phi1_rad).mesh_force.size_n.value).max())
+
+
+def load_by_masses(machine: Machine, masses: Masses, place: MeshPlace | None) -> ToothLoad:
+    """The load of the masses with the resistance; raises as ``load_by_resistance`` does."""
+    rigid = RigidMachine(machine, masses, place)
+    refuse_locked(rigid)
+    return ToothLoad("masses", rigid)
 
 
 def load_by_resistance(machine: Machine, place: MeshPlace) -> ToothLoad:

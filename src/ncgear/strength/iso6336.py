@@ -16,7 +16,6 @@ from math import pi, radians, sqrt, tan
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ncgear.numerics.arrays import Array
 
@@ -85,6 +84,9 @@ class CylindricalPair:
         if self.given_center_distance_mm is not None:
             return float(np.arccos(self.base_mm.sum() / 2.0 / self.given_center_distance_mm))
         inv = involute(alpha) + 2.0 * tan(self.pressure_angle_rad) * sum(self.shift) / sum(self.teeth)
+        # ncgear check uses other formulas of this module, and loads no solver.
+        from scipy.optimize import brentq
+
         return float(brentq(lambda angle: involute(angle) - inv, 0.0, 1.4))
 
     @property
