@@ -1,0 +1,277 @@
+"""How fast the driving shaft turns over the cycle where a motor drives it and a flywheel evens it out; the flywheel's disc.
+
+With the energy E = J w^2 / 2 of all that moves, and T_drive the motor's torque at the driving shaft,
+
+    dE/dphi = T_drive(w) - A(phi),   w = sqrt(2 E / J(phi)),   E(0) = E(cycle)
+
+(``ncgear.drivetrain.demand`` defines J and A).  The torque falls with the speed, so one solution is reached from any
+start.  E is a polynomial on each of many panels and keeps the equation at their Gauss points (collocation; E. Hairer,
+C. Lubich, G. Wanner, "Geometric Numerical Integration", 2nd edition 2006, section II.1); Newton's method solves the
+equations of all panels and the periodicity together.  Where the motor begins to brake, or a clutch lets go, the torque
+has a kink: panels are made to end there.  All panels are then halved until the speed no longer changes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import pi, sqrt
+
+import numpy as np
+from numpy.polynomial import chebyshev, legendre
+
+from ncgear.drivetrain.cycle import panels_between
+from ncgear.drivetrain.demand import Demand
+from ncgear.drivetrain.motor import Gearbox, StraightLine
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.chebyshev import PiecewiseChebyshev
+from ncgear.numerics.extrema import Extremum
+from ncgear.numerics.highest import largest_of_each
+
+NODES = 6
+"""Collocation points of a panel; the ends of panels are met to order 12."""
+
+WIDEST_RAD = 2.0 * pi / 24.0
+"""Widest panel of the first solution."""
+
+SOLUTIONS = 5
+"""Most solutions, each with panels half as wide as the one before."""
+
+SETTLED = 1e-8
+"""Share by which energies at the ends of panels may differ between two solutions: far below what a speed is needed to."""
+
+STEPS = 60
+"""Most steps of Newton's method; some 5 are taken."""
+
+SOLVED = 1e-12
+"""Share of the largest energy that the last step changes."""
+
+LEAST_SHARE = 0.1
+"""Share of every energy that a step leaves at least, so that energies stay positive."""
+
+
+@dataclass(frozen=True)
+class LineDrive:
+    """A motor of straight line behind a gearbox; with an overrunning clutch it cannot brake the machine."""
+
+    line: StraightLine
+    gearbox: Gearbox
+    overrunning_clutch: bool = False
+
+    @property
+    def free_rad_s(self) -> float:
+        """Speed of the driving shaft beyond which the motor brakes or the clutch lets go."""
+        return self.line.no_load_rad_s / self.gearbox.ratio
+
+    def motor_n_mm(self, speed_rad_s: Array) -> Array:
+        """Torque of the motor at speeds of the driving shaft; the motor runs without load while the clutch is open."""
+        torque = self.line.torque_n_mm(speed_rad_s * self.gearbox.ratio)
+        return np.maximum(torque, 0.0) if self.overrunning_clutch else torque
+
+    def torque_n_mm(self, speed_rad_s: Array) -> Array:
+        """Torque on the driving shaft."""
+        return self.gearbox.shaft_n_mm(self.motor_n_mm(speed_rad_s))
+
+    def change_n_mm_s(self, speed_rad_s: Array) -> Array:
+        """Derivative of the torque by the driving shaft's speed."""
+        slope = np.full(speed_rad_s.shape, -self.line.stall_n_mm / self.free_rad_s)
+        braking = speed_rad_s > self.free_rad_s
+        if self.overrunning_clutch:
+            slope = np.where(braking, 0.0, slope)
+        factor = np.where(braking, 1.0 / self.gearbox.efficiency, self.gearbox.efficiency)
+        changed: Array = slope * self.gearbox.ratio * factor
+        return changed
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedCourse:
+    """The periodic motion: ``energy`` in N mm over the driving angle of one cycle, and what follows from it."""
+
+    demand: Demand
+    drive: LineDrive
+    energy: PiecewiseChebyshev
+
+    def speed_rad_s(self, phi1_rad: Array) -> Array:
+        """Speed of the driving shaft at driving angles of the cycle in rad, shape (n,)."""
+        return np.asarray(np.sqrt(2.0 * self.energy(phi1_rad) / self.demand.inertia(phi1_rad)[0]))
+
+    @cached_property
+    def _points(self) -> tuple[Array, Array, Array]:
+        """Gauss points in driving angle, their weights in rad, and the speeds there."""
+        unit, weights = legendre.leggauss(NODES)
+        half = np.diff(self.energy.breaks)[:, None] / 2.0
+        points = (self.energy.breaks[:-1, None] + half * (1.0 + unit)).ravel()
+        return points, (half * weights).ravel(), self.speed_rad_s(points)
+
+    @cached_property
+    def range_rad_s(self) -> tuple[Extremum, Extremum]:
+        """Slowest and fastest speed with their driving angles."""
+        points = np.union1d(self._points[0], self.energy.breaks)
+
+        def both(phi1: Array) -> Array:
+            speed = self.speed_rad_s(phi1)
+            return np.stack([-speed, speed])
+
+        slow, fast = largest_of_each(both, points)
+        return Extremum(-slow.value, slow.at), fast
+
+    @property
+    def period_s(self) -> float:
+        """Time that a cycle takes."""
+        _, weights, speed = self._points
+        return float(np.sum(weights / speed))
+
+    @property
+    def mean_rad_s(self) -> float:
+        """Mean speed in time."""
+        return float(np.ptp(self.energy.breaks)) / self.period_s
+
+    @property
+    def fluctuation(self) -> float:
+        """Coefficient of speed fluctuation: largest less smallest speed over the mean."""
+        slow, fast = self.range_rad_s
+        return (fast.value - slow.value) / self.mean_rad_s
+
+    @property
+    def rms_n_mm(self) -> float:
+        """Root of the mean square in time of the motor's torque."""
+        _, weights, speed = self._points
+        return sqrt(float(np.sum(weights / speed * self.drive.motor_n_mm(speed) ** 2)) / self.period_s)
+
+    @property
+    def motor_range_n_mm(self) -> tuple[float, float]:
+        """Least and largest torque of the motor; the least is below 0 where it brakes."""
+        slow, fast = (self.drive.motor_n_mm(np.array([end.value]))[0] for end in self.range_rad_s)
+        return float(fast), float(slow)
+
+    @property
+    def drive_work_n_mm(self) -> float:
+        """Work of the motor on the driving shaft in a cycle."""
+        _, weights, speed = self._points
+        return float(np.sum(weights * self.drive.torque_n_mm(speed)))
+
+    @property
+    def asked_work_n_mm(self) -> float:
+        """Work that the machine asks for in a cycle."""
+        points, weights, _ = self._points
+        return float(np.sum(weights * self.demand.at_any_speed_n_mm(points)))
+
+
+def speed_course(demand: Demand, drive: LineDrive) -> SpeedCourse:
+    """The periodic motion of a machine whose driving shaft has inertia.
+
+    Raises NoSuchMechanism where the motor stops, and ArithmeticError where solutions do not settle.
+    """
+    breaks, before = demand.cycle.breaks_rad, None
+    for number in range(SOLUTIONS):
+        found = _solved(demand, drive, panels_between(breaks, WIDEST_RAD / 2.0**number))
+        kinks = _free_rad(found)
+        if kinks.size:
+            breaks = np.unique(np.concatenate([demand.cycle.breaks_rad, kinks]))
+            found = _solved(demand, drive, panels_between(breaks, WIDEST_RAD / 2.0**number))
+        if before is not None:
+            moved = np.abs(found.energy(demand.cycle.loads.phi1_rad) - before.energy(demand.cycle.loads.phi1_rad))
+            if moved.max() <= SETTLED * float(found.energy.coefficients[0].max()):
+                return found
+        before = found
+    raise ArithmeticError("the speed over the cycle does not settle with finer panels")
+
+
+def _free_rad(course: SpeedCourse) -> Array:
+    """Driving angles at which the speed passes the one without torque, shape (k,), by bisection between points."""
+    points, free = course.demand.cycle.loads.phi1_rad, course.drive.free_rad_s
+    beyond = course.speed_rad_s(points) > free
+    change = np.nonzero(beyond[:-1] != beyond[1:])[0]
+    low, high = points[change], points[change + 1]
+    for _ in range(50 if change.size else 0):
+        middle = (low + high) / 2.0
+        same = (course.speed_rad_s(middle) > free) == beyond[change]
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    return np.asarray((low + high) / 2.0)
+
+
+def _solved(demand: Demand, drive: LineDrive, ends: Array) -> SpeedCourse:
+    """Newton's method for the energies at the Gauss points of panels and at the beginning."""
+    unit, weights = legendre.leggauss(NODES)
+    half = np.diff(ends)[:, None] / 2.0
+    points = (ends[:-1, None] + half * (1.0 + unit)).ravel()
+    whole = (half * weights).ravel()
+    summed = _summing(unit, weights, half[:, 0])
+    inertia, asked = demand.inertia(points)[0], demand.at_any_speed_n_mm(points)
+    closed, mean = replace(drive, overrunning_clutch=False), float(np.sum(whole * asked)) / float(np.ptp(ends))
+    strongest = float(drive.torque_n_mm(np.zeros(1))[0])
+    if mean >= strongest:
+        raise _stops("is stopped by it")
+    if mean <= 0.0 and drive.overrunning_clutch:
+        raise _stops("is driven by it")
+    # The speed at which the motor gives the mean torque
+    energy = inertia * (drive.free_rad_s * (1.0 - mean / strongest)) ** 2 / 2.0
+    start, count = float(energy[0]), points.size
+    for _ in range(STEPS):
+        speed = np.sqrt(2.0 * energy / inertia)
+        given = drive.torque_n_mm(speed) - asked
+        change = drive.change_n_mm_s(speed)
+        # While the clutch is open all the way round, the line itself shows where to go.
+        slope = (change if np.any(change) else closed.change_n_mm_s(speed)) / (inertia * speed)
+        missed = np.append(energy - start - summed @ given, np.sum(whole * given))
+        matrix = np.zeros((count + 1, count + 1))
+        matrix[:count, :count] = np.eye(count) - summed * slope
+        matrix[:count, count] = -1.0
+        matrix[count, :count] = whole * slope
+        step = np.linalg.solve(matrix, -missed)
+        falling = step[:count] < 0.0
+        room = (1.0 - LEAST_SHARE) * energy[falling] / -step[:count][falling]
+        share = float(np.min(room, initial=1.0))
+        energy, start = energy + share * step[:count], start + share * float(step[count])
+        if np.abs(step).max() <= SOLVED * energy.max():
+            given = drive.torque_n_mm(np.sqrt(2.0 * energy / inertia)) - asked
+            return SpeedCourse(demand, drive, _form(ends, unit, given, start))
+    raise _stops("is stopped by it")
+
+
+def _stops(how: str) -> NoSuchMechanism:
+    return NoSuchMechanism(
+        f"the motor cannot keep the machine turning evenly from cycle to cycle: it {how}; a stronger motor, another "
+        "gearbox ratio or a larger flywheel is needed",
+        key="drivetrain.motor",
+    )
+
+
+def _summing(unit: Array, weights: Array, half: Array) -> Array:
+    """Matrix from a slope at the Gauss points of all panels to its integral from the first end to each of them."""
+    degree = unit.size - 1
+    integrals = legendre.legint(np.eye(degree + 1), lbnd=-1, axis=0)
+    inside = legendre.legvander(unit, degree + 1) @ integrals @ np.linalg.inv(legendre.legvander(unit, degree))
+    panels, nodes = half.size, unit.size
+    whole = np.kron(np.tri(panels, k=-1), np.ones((nodes, 1)) * weights) * np.repeat(half, nodes)
+    return np.asarray(whole + np.kron(np.diag(half), inside))
+
+
+def _form(ends: Array, unit: Array, slope: Array, start: float) -> PiecewiseChebyshev:
+    """The energy from its slope at the Gauss points and its value at the beginning."""
+    values = slope.reshape(-1, unit.size).T
+    series = np.linalg.solve(chebyshev.chebvander(unit, unit.size - 1), values)
+    energy = PiecewiseChebyshev(ends, series).integrated()
+    energy.coefficients[0] += start
+    return energy
+
+
+STEEL_KG_MM3 = 7.85e-6
+
+
+@dataclass(frozen=True)
+class Disc:
+    """A full disc of steel as a flywheel: its width, its mass, and the speed of its rim."""
+
+    diameter_mm: float
+    width_mm: float
+    mass_kg: float
+    rim_m_s: float
+
+
+def disc(inertia_kg_mm2: float, diameter_mm: float, speed_rad_s: float) -> Disc:
+    """The disc of a moment of inertia m d^2 / 8."""
+    mass = 8.0 * inertia_kg_mm2 / diameter_mm**2
+    width = mass / (STEEL_KG_MM3 * pi * diameter_mm**2 / 4.0)
+    return Disc(diameter_mm, width, mass, speed_rad_s * diameter_mm / 2000.0)
