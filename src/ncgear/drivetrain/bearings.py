@@ -12,8 +12,8 @@ life is multiplied by the factor a_1 of the three-parameter Weibull distribution
 
     a_1 = 0.95 (ln(100/S) / ln(100/90))^(1/1.5) + 0.05
 
-(ISO 281:2007, clauses 5 to 7, and ISO/TR 1281-2 for the distribution; ISO 76:2006 for the static safety C_0 / F_max; all
-from secondary sources).  Lubrication and dirt (the factor a_ISO) are not counted, nor are forces along the shaft.
+(ISO 281:2007, clauses 5 to 7, and ISO/TR 1281-2 for the distribution; ISO 76:2006 for the static safety C_0 / F_max;
+all from secondary sources).  Lubrication and dirt (the factor a_ISO) are not counted, nor are forces along the shaft.
 """
 
 from __future__ import annotations
@@ -69,9 +69,10 @@ class WantedLife:
 class BearingLife:
     """What a bearing bears and how long.
 
-    ``largest_n`` is its largest force with the driving angle, ``equivalent_n`` its equivalent load at ``speed_rad_s``, its
-    mean speed.  ``needed_rating_n`` is the dynamic rating for the wanted life.  ``life_h`` and ``static_safety`` need the
-    ratings and a load; else they are None.  ``within_iso_281`` is false where the load is over half the rating.
+    ``largest_n`` is its largest force with the driving angle, ``equivalent_n`` its equivalent load at ``speed_rad_s``,
+    its mean speed.  ``needed_rating_n`` is the dynamic rating for the wanted life.  ``life_h`` and ``static_safety``
+    need the ratings and a load; else they are None.  ``within_iso_281`` is false where the load is over half the
+    rating.
     """
 
     bearing: Bearing
@@ -129,7 +130,8 @@ def life_h(rating_n: float, load_n: float, kind: str, speed_rad_s: float, factor
 def rating_for_n(load_n: float, kind: str, speed_rad_s: float, wanted: WantedLife) -> float:
     """The dynamic rating with which a bearing reaches the wanted life."""
     turns = wanted.hours * SECONDS_PER_HOUR * speed_rad_s / (2.0 * pi)
-    return float(load_n * (turns / (MILLION * wanted.factor)) ** (1.0 / EXPONENTS[kind]))
+    powered: float = (turns / (MILLION * wanted.factor)) ** (1.0 / EXPONENTS[kind])
+    return load_n * powered
 
 
 def bearing_lives(

@@ -47,8 +47,8 @@ class ShaftLoads:
 class LoadsAt:
     """The loads of a machine with gears at n driving angles, shape (n,).
 
-    ``driven_slope`` is dphi2/dphi1 and ``way_mm`` the slider's way in mm per rad of phi1; ``guide_n`` presses the slider
-    on its guide, and ``working_n`` is the resistance that it meets.
+    ``driven_slope`` is dphi2/dphi1 and ``way_mm`` the slider's way in mm per rad of phi1; ``guide_n`` presses the
+    slider on its guide.
     """
 
     phi1_rad: Array

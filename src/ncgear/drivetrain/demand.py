@@ -1,13 +1,13 @@
 """What the driving shaft is asked for over the cycle, friction counted, and the energy that its machine stores.
 
-At the speed w_0 the torque is T = T1 + share |T1| + mu |N s'|, with the torque T1 of the rigid level, the share that the
-teeth take, and the guide's force N on the slider's way s.  A machine that turns at another speed w has the energy
+At the speed w_0 the torque is T = T1 + share |T1| + mu |N s'|, with the torque T1 of the rigid level, the share that
+the teeth take, and the guide's force N on the slider's way s.  A machine that turns at another speed w has the energy
 J(phi) w^2 / 2, with everything that moves in the inertia J reduced to the driving shaft,
 
     J = J_shaft + M(phi2) phi2'^2
 
-where M is the crank's reduced inertia (``ncgear.dynamics.crank_load``).  The part of T that accelerates masses at constant
-speed is J' w_0^2 / 2; what is left, A = T - J' w_0^2 / 2, is asked for at any speed.  So
+where M is the crank's reduced inertia (``ncgear.dynamics.crank_load``).  The part of T that accelerates masses at
+constant speed is J' w_0^2 / 2; what is left, A = T - J' w_0^2 / 2, is asked for at any speed.  So
 
     d(J w^2 / 2) / dphi = T_drive - A
 
@@ -27,13 +27,15 @@ from ncgear.dynamics.crank_load import reduced_inertia
 from ncgear.dynamics.rigid import Fluctuation
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import fitted
+from ncgear.numerics.extrema import Extremum
+from ncgear.numerics.highest import largest_of_each
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import N_PER_KG_MM_S2
 
 
 @dataclass(frozen=True, eq=False)
 class Demand:
-    """The driving shaft's torque with losses, and its inertia; ``added_kg_mm2`` turns with the driving shaft besides."""
+    """The driving shaft's torque with losses, and its inertia; ``added_kg_mm2`` is what else turns with it."""
 
     cycle: Cycle
     losses: Losses
@@ -71,3 +73,14 @@ class Demand:
     def fluctuation(self) -> Fluctuation:
         """The torque over one cycle as a form, with its work and swing."""
         return Fluctuation(fitted(self.torque_n_mm, self.cycle.breaks_rad), self.speed_rad_s)
+
+    @cached_property
+    def torque_range_n_mm(self) -> tuple[Extremum, Extremum]:
+        """Least and largest T with their driving angles."""
+
+        def both(phi1: Array) -> Array:
+            asked = self.torque_n_mm(phi1)
+            return np.stack([-asked, asked])
+
+        least, most = largest_of_each(both, self.cycle.loads.phi1_rad)
+        return Extremum(-least.value, least.at), most

@@ -1,13 +1,13 @@
 """What friction takes: between the teeth, at the slider's guide, and so of the whole.
 
-Between the teeth, as H. Ohlendorf, "Verlustleistung und Erwaermung von Stirnraedern", dissertation, TU Muenchen 1958 (from
-secondary sources), for circular gears, but integrated over the contacts of the exact teeth of any pair:
+Between the teeth, as H. Ohlendorf, "Verlustleistung und Erwaermung von Stirnraedern", dissertation, TU Muenchen 1958
+(from secondary sources), for circular gears, but integrated over the contacts of the exact teeth of any pair:
 
     loss = mu H |T1|,   H = integral of sum(F |v|) dphi1 / integral of |T1| dphi1
 
-with the normal force F of each pair of flanks that touches, its speed of sliding v in mm per rad of phi1, and the torque
-T1 of the driving shaft.  Pairs that touch together share the force alike, as they do in his closed form, which holds
-for circular gears under an even load with 1 to 2 pairs in contact:
+with the normal force F of each pair of flanks that touches, its speed of sliding v in mm per rad of phi1, and the
+torque T1 of the driving shaft.  Pairs that touch together share the force alike, as they do in his closed form, which
+holds for circular gears under an even load with 1 to 2 pairs in contact:
 
     H_V = pi (1/z1 + 1/z2) (1 - e1 - e2 + e1^2 + e2^2),   e1, e2: contact ratios before and behind the pitch point
 
@@ -35,7 +35,7 @@ HALVINGS = 16
 """Halvings by which the angles are found at which a pair meets or parts: a twentieth of a pitch to less than 1e-6."""
 
 NODES = 4
-"""Gauss points between two angles at which pairs meet, part or pass the pitch point; force and speed are smooth there."""
+"""Gauss points between two angles at which pairs meet, part or pass the pitch point: loads are smooth there."""
 
 BLOCK = 1024
 """Positions looked at together, so that pairs with many meetings do not fill the memory."""
@@ -100,12 +100,15 @@ class TouchingTeeth:
         """Evenly spaced positions of the cycle."""
         return self.designed.placement
 
+    @cached_property
+    def _touch(self) -> Callable[[Placement], PairTouch]:
+        return touch_at(self.teeth)
+
     def at(self, rolled_mm: Array) -> list[PairTouch]:
         """What touches at rolled lengths, shape (n,), in blocks of positions."""
-        touch = touch_at(self.teeth)
         inside = np.mod(rolled_mm, self.even.cycle_mm)
         blocks = np.split(inside, range(BLOCK, inside.size, BLOCK))
-        return [touch(placed_at(self.pitch, self.even, block)) for block in blocks]
+        return [self._touch(placed_at(self.pitch, self.even, block)) for block in blocks]
 
     @cached_property
     def breaks_mm(self) -> Array:
@@ -146,8 +149,8 @@ def mesh_loss_factor(
 ) -> float:
     """H over the cycle in which all teeth meet; 0 where nothing is moved.
 
-    ``torques`` maps driving angles (shape (n,)) to the torques in N mm of the driving and of the driven shaft, which are
-    smooth between the breaks (shape (m,)) of one cycle, ends included, and of one sign.
+    ``torques`` maps driving angles (shape (n,)) to the torques in N mm of the driving and of the driven shaft, which
+    are smooth between the breaks (shape (m,)) of one cycle, ends included, and of one sign.
     """
     arc, distance, whole = touching.pitch.driving.arc, touching.pitch.center_distance_mm, touching.even.cycle_mm
     period = float(np.ptp(breaks_rad))

@@ -1,9 +1,10 @@
 """A motor behind a gearbox: what it gives and takes at the driving shaft, and what a cycle asks of it.
 
-A gearbox of the ratio i and the efficiency e makes T i e of the motor's torque T where the motor drives, and T i / e where
-it brakes: the gearbox helps to brake.  What counts for a motor's heat is the root of the mean square of its torque in
-time, which has to stay below its rated torque (e.g. R. L. Norton, "Design of Machinery", 5th edition 2012, section 2.19
-for motors and their speed-torque lines).  A motor of straight line loses its torque in proportion to its speed,
+A gearbox of the ratio i and the efficiency e makes T i e of the motor's torque T where the motor drives, and T i / e
+where it brakes: the gearbox helps to brake.  What counts for a motor's heat is the root of the mean square of its
+torque in time, which has to stay below its rated torque (e.g. R. L. Norton, "Design of Machinery", 5th edition 2012,
+section 2.19 for motors and their speed-torque lines).  A motor of straight line loses its torque in proportion to its
+speed,
 
     T(w) = T_rated (n_0 - n) / (n_0 - n_rated)
 
@@ -20,7 +21,6 @@ import numpy as np
 from ncgear.drivetrain.demand import Demand
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
-from ncgear.numerics.highest import largest_of_each
 
 
 @dataclass(frozen=True)
@@ -58,8 +58,8 @@ class StraightLine:
 class MotorLoad:
     """What a cycle asks of a motor that turns evenly; torques in N mm at the motor's shaft.
 
-    ``braking_share`` is the share of the time in which it brakes, ``braking_n_mm`` the mean torque over that time and
-    ``least_n_mm`` the most it brakes with; both are 0 or less.
+    ``braking_share`` is the share of the time in which it brakes, and ``braking_n_mm``, 0 or less, the mean torque over
+    that time.
     """
 
     speed_rad_s: float
@@ -81,18 +81,17 @@ def motor_load(demand: Demand, gearbox: Gearbox) -> MotorLoad:
     cycle = demand.cycle
     torque = gearbox.motor_n_mm(demand.torque_n_mm(cycle.loads.phi1_rad))
 
-    def both(phi1: Array) -> Array:
-        asked = gearbox.motor_n_mm(demand.torque_n_mm(phi1))
-        return np.stack([asked, -asked])
-
-    most, least = largest_of_each(both, cycle.loads.phi1_rad)
+    # The gearbox turns no order of torques round
+    least, most = (
+        Extremum(float(gearbox.motor_n_mm(np.array([end.value]))[0]), end.at) for end in demand.torque_range_n_mm
+    )
     braking = float(np.sum(cycle.weight_rad[torque < 0.0]))
     return MotorLoad(
         speed_rad_s=gearbox.ratio * demand.speed_rad_s,
         rms_n_mm=sqrt(cycle.integral(torque**2) / cycle.cycle_rad),
         mean_n_mm=cycle.integral(torque) / cycle.cycle_rad,
         most_n_mm=most,
-        least_n_mm=Extremum(-least.value, least.at),
+        least_n_mm=least,
         braking_share=braking / cycle.cycle_rad,
         braking_n_mm=cycle.integral(np.minimum(torque, 0.0)) / braking if braking else 0.0,
     )

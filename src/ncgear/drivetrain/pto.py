@@ -1,9 +1,9 @@
 """A shaft that turns at a constant speed, as a tractor's, before a torque limiter or an overrunning clutch.
 
-A torque limiter passes no more than a set torque.  Where the machine at the shaft's speed w_0 asks for more, it slips: the
-machine gets the set torque T_s, is slowed down and, once it asks for less, brought back to w_0.  An overrunning clutch
-passes no braking torque: where the machine asks for less than nothing, it gets T_s = 0 and runs ahead.  In either case
-the work that the machine has got beyond that which it asks for at w_0,
+A torque limiter passes no more than a set torque.  Where the machine at the shaft's speed w_0 asks for more, it slips:
+the machine gets the set torque T_s, is slowed down and, once it asks for less, brought back to w_0.  An overrunning
+clutch passes no braking torque: where the machine asks for less than nothing, it gets T_s = 0 and runs ahead.  In
+either case the work that the machine has got beyond that which it asks for at w_0,
 
     D(phi) = integral of (T_s - T) dphi from where it lets go,
 
@@ -47,6 +47,12 @@ class Excursion:
     speed_rad_s: Extremum
     energy_n_mm: float
     heat_n_mm: float | None
+    cycle_rad: float
+
+    @property
+    def last_rad(self) -> float:
+        """The end or, without one, the end of a cycle."""
+        return self.start_rad + self.cycle_rad if self.end_rad is None else self.end_rad
 
 
 def slipping(demand: Demand, limit_n_mm: float) -> list[Excursion]:
@@ -80,6 +86,7 @@ def _excursions(demand: Demand, held_n_mm: float, sign: float) -> list[Excursion
         turns, local = np.divmod(phi1 - start, cycle)
         return np.asarray(turns * work.final + work(start + local))
 
+    later = np.concatenate([places, places[1:] + cycle, places[1:] + 2.0 * cycle])
     begins = places[:-1][positive & ~np.roll(positive, 1)]
     found: list[Excursion] = []
     until = -np.inf
@@ -87,7 +94,7 @@ def _excursions(demand: Demand, held_n_mm: float, sign: float) -> list[Excursion
     for begin in [*begins, *(begins + cycle)]:
         if begin < until:
             continue
-        end = _end_rad(gained, float(begin), np.concatenate([places, places[1:] + cycle, places[1:] + 2.0 * cycle]), cycle)
+        end = _end_rad(gained, float(begin), later, cycle)
         until = begin + cycle if end is None else end
         if begin >= start + cycle:
             found.append(_excursion(demand, gained, held_n_mm, sign, float(begin) - cycle, end and end - cycle))
@@ -127,11 +134,18 @@ def _excursion(
         turning = np.sqrt(square(points))
         heat = float(np.sum(weights * held_n_mm * (speed - turning) / turning))
     extreme = Extremum(float(np.sqrt(max(most, 0.0))), float(farthest[0].at % cycle))
-    return Excursion(begin, end, extreme, sign * farthest[1].value, heat)
+    return Excursion(begin, end, extreme, sign * farthest[1].value, heat, cycle)
 
 
 def _lasting(demand: Demand, held_n_mm: float, sign: float) -> Excursion:
-    """A coupling that never catches: a limiter set below all torques stops the machine; a machine that asks for none."""
+    """A coupling that never catches: a limiter set below all torques, a clutch that is never asked for any."""
     begin = float(demand.fluctuation.torque.breaks[0])
     gained = abs(demand.fluctuation.work_n_mm - held_n_mm * demand.cycle.cycle_rad)
-    return Excursion(begin, None, Extremum(0.0 if sign < 0.0 else demand.speed_rad_s, begin), sign * gained, None)
+    return Excursion(
+        begin,
+        None,
+        Extremum(0.0 if sign < 0.0 else demand.speed_rad_s, begin),
+        sign * gained,
+        None,
+        demand.cycle.cycle_rad,
+    )

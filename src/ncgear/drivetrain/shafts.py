@@ -112,8 +112,9 @@ def shaft_safety(
 ) -> ShaftSafety:
     """The safety of a shaft whose moments, torques and angles (shape (n,)) are those of one cycle.
 
-    Moments are x + i y in the frame of the machine.  ``cycles_rad`` (shape (k,)) are the angles that the shaft has turned
-    at the beginning of the cycles after which it stands as at first, k of them.  Peaks are those of the n angles.
+    Moments are x + i y in the frame of the machine.  ``cycles_rad`` (shape (k,)) are the angles that the shaft has
+    turned at the beginning of the cycles after which it stands as at first, k of them.  Peaks are those of the n
+    angles.
     """
     resistance_mm3 = pi * section.diameter_mm**3 / 32.0
     bending, torsion = moment_n_mm / resistance_mm3, torque_n_mm / (2.0 * resistance_mm3)

@@ -1,4 +1,4 @@
-"""How fast the driving shaft turns over the cycle where a motor drives it and a flywheel evens it out; the flywheel's disc.
+"""How fast the driving shaft turns over the cycle where a motor drives it against a flywheel; the flywheel's disc.
 
 With the energy E = J w^2 / 2 of all that moves, and T_drive the motor's torque at the driving shaft,
 
@@ -39,7 +39,7 @@ SOLUTIONS = 5
 """Most solutions, each with panels half as wide as the one before."""
 
 SETTLED = 1e-8
-"""Share by which energies at the ends of panels may differ between two solutions: far below what a speed is needed to."""
+"""Share by which energies may differ between two solutions: far below what a speed is needed to."""
 
 STEPS = 60
 """Most steps of Newton's method; some 5 are taken."""
@@ -252,7 +252,7 @@ def _form(ends: Array, unit: Array, slope: Array, start: float) -> PiecewiseCheb
     """The energy from its slope at the Gauss points and its value at the beginning."""
     values = slope.reshape(-1, unit.size).T
     series = np.linalg.solve(chebyshev.chebvander(unit, unit.size - 1), values)
-    energy = PiecewiseChebyshev(ends, series).integrated()
+    energy = PiecewiseChebyshev(ends, np.asarray(series, dtype=float)).integrated()
     energy.coefficients[0] += start
     return energy
 

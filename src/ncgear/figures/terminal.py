@@ -43,6 +43,7 @@ TITLES = {
     "contact": "Contact",
     "check": "Motion and power at the operating speed",
     "masses": "Moving masses",
+    "pto": "Power take-off",
 }
 """Headings of sections; the heading of any other section is its key."""
 

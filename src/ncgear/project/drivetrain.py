@@ -56,8 +56,9 @@ class PowerTakeOffResult:
 class DrivetrainResult:
     """What stands around the gears of a design.
 
-    ``flywheel_kg_mm2`` is the inertia on the driving shaft, its gear and the motor included, that the wanted coefficient of
-    fluctuation ``wanted_fluctuation`` needs by the torque with losses; ``disc`` gives what is not there yet.
+    ``flywheel_kg_mm2`` is the inertia on the driving shaft, its gear and the motor included, that the wanted
+    coefficient of fluctuation ``wanted_fluctuation`` needs by the torque with losses; ``disc`` gives what is not there
+    yet.
     """
 
     wanted: WantedLife
@@ -77,7 +78,8 @@ def drivetrain_of(design: Design, rigid: Rigid, touching: TouchingTeeth | None) 
     Raises WrongInput where a part lacks what it needs of the gears, and NoSuchMechanism where the motor is too weak.
     """
     given, masses = design.drivetrain, design.masses
-    assert given is not None and masses is not None and design.gears is not None
+    assert given is not None
+    assert masses is not None
     cycle, wanted = cycle_of(rigid), WantedLife(given.life_h, given.reliability_percent)
     factor = None if touching is None else _loss_factor(touching, cycle)
     losses = losses_of(cycle, factor, design.simulation.friction.dynamic, given.guide_friction)
@@ -124,8 +126,8 @@ def _shaft(
         return ShaftResult(None, None, None)
     if gears.helix is not None and gears.helix.kind == "helical":
         raise WrongInput(
-            "given, but helical teeth press along their shafts, which is not followed; herringbone or straight teeth, or "
-            "leave the bearings out",
+            "given, but helical teeth press along their shafts, which is not followed; herringbone or straight ones, "
+            "or leave the bearings out",
             key=f"drivetrain.{name}_shaft.bearing_a",
         )
     a, b = given.bearing_a, given.bearing_b
@@ -139,16 +141,19 @@ def _shaft(
     body = gears.driving if gear is Gear.DRIVING else gears.driven
     diameter = given.diameter_mm or body.bore_mm
     if diameter is None:
-        raise WrongInput(
-            f"missing; gears.{name} has no bore that tells it", key=f"drivetrain.{name}_shaft.diameter_mm"
-        )
+        raise WrongInput(f"missing; gears.{name} has no bore that tells it", key=f"drivetrain.{name}_shaft.diameter_mm")
     steel = STEELS[given.steel] if given.steel else Steel(given.tensile_mpa or 0.0, given.yield_mpa or 0.0, fall=0.0)
     loads = cycle.loads.driving if gear is Gear.DRIVING else cycle.loads.driven
     moment = bending_moment_n_mm(loads, bearings, crank_at_mm, 0.0)
+    section = Section(diameter, steel, given.roughness_um)
     safety = shaft_safety(
-        Section(diameter, steel, given.roughness_um), moment, loads.torque_n_mm, loads.turned_rad, _cycles_rad(gear, cycle)
+        section,
+        moment,
+        loads.torque_n_mm,
+        loads.turned_rad,
+        _cycles_rad(gear, cycle),
     )
-    return ShaftResult(lives, safety, _key(design, gear, given, safety.section, cycle))
+    return ShaftResult(lives, safety, _key(design, gear, given, section, cycle))
 
 
 def _cycles_rad(gear: Gear, cycle: Cycle) -> Array:
@@ -158,7 +163,7 @@ def _cycles_rad(gear: Gear, cycle: Cycle) -> Array:
     place = cycle.rigid.place
     assert place is not None
     lobes = cycle.rigid.machine.transmission.lobes
-    return -place.mesh.sense * cycle.cycle_rad * np.arange(lobes.driving)
+    return np.arange(lobes.driving, dtype=float) * (-place.mesh.sense * cycle.cycle_rad)
 
 
 def _key(design: Design, gear: Gear, given: DrivingShaft, section: Section, cycle: Cycle) -> KeySafety | None:
@@ -173,7 +178,7 @@ def _key(design: Design, gear: Gear, given: DrivingShaft, section: Section, cycl
         height = body.keyway.depth_mm - FREE_HEIGHT_MM
         if height <= 0.0:
             raise WrongInput(
-                f"missing; a keyway {body.keyway.depth_mm:g} mm deep leaves nothing after {FREE_HEIGHT_MM:g} mm of play",
+                f"missing; a keyway {body.keyway.depth_mm:g} mm deep leaves nothing over {FREE_HEIGHT_MM:g} mm of play",
                 key=f"{where}.height_mm",
             )
     yields = section.steel.size_factor(section.diameter_mm) * section.steel.yield_mpa

@@ -100,7 +100,7 @@ class Design(Model):
             raise fault("drivetrain", "given, but forces are computed of one pair of gears; leave it out of two stages")
         motor = self.drivetrain.motor
         if motor is not None and motor.no_load_speed_rpm is not None and self.simulation.motor is not None:
-            raise fault("drivetrain.motor.no_load_speed_rpm", "simulation.motor gives a line already; keep one of the two")
+            raise fault("drivetrain.motor.no_load_speed_rpm", "given, but simulation.motor has a line too; keep one")
         return self
 
     @model_validator(mode="after")

@@ -79,7 +79,7 @@ class DrivingShaft(Model):
             absent = "bearing_b" if pair == ["bearing_a"] else "bearing_a"
             raise fault(absent, f"missing; {pair[0]} is given, and a shaft has two")
         if self.bearing_a and self.bearing_b and self.bearing_a.at_mm == self.bearing_b.at_mm:
-            raise fault("bearing_b.at_mm", f"{self.bearing_b.at_mm:g} mm is the place of bearing_a; another one is right")
+            raise fault("bearing_b.at_mm", f"{self.bearing_b.at_mm:g} mm given, as of bearing_a; another one is right")
         if self.has_strength and not pair:
             raise fault("bearing_a", "missing; the bending of a shaft of given steel follows from its bearings")
         if self.key is not None and not self.has_strength:
@@ -154,7 +154,7 @@ class DrivetrainMotor(Model):
         if self.peak_torque_n_m is not None and self.peak_torque_n_m < self.rated_torque_n_m:
             raise fault(
                 "peak_torque_n_m",
-                f"{self.peak_torque_n_m:g} N m is less than the rated torque; {self.rated_torque_n_m:g} or over is right",
+                f"{self.peak_torque_n_m:g} N m is under the rated torque; {self.rated_torque_n_m:g} or over is right",
             )
         return self
 
@@ -184,8 +184,8 @@ class Drivetrain(Model):
     guide_friction: Coefficient = Field(default=0.0, description="coefficient of friction of the slider in its guide")
     flywheel_diameter_mm: Length | None = Field(
         default=None,
-        description="diameter in mm of a steel disc that masses.flywheel.speed_fluctuation asks for; left out: only its "
-        "inertia is told",
+        description="diameter in mm of a steel disc that masses.flywheel.speed_fluctuation asks for; left out: only "
+        "its inertia is told",
     )
     motor: DrivetrainMotor | None = Field(default=None, description="motor with its gearbox; left out: none")
     pto: PowerTakeOff | None = Field(
