@@ -118,7 +118,8 @@ def equivalent_load_n(force_n: Array, weight: Array, exponent: float) -> float:
     if largest == 0.0:
         return 0.0
     mean = float(np.sum(weight * (force_n / largest) ** exponent) / np.sum(weight))
-    return largest * mean ** (1.0 / exponent)
+    root: float = mean ** (1.0 / exponent)
+    return largest * root
 
 
 def life_h(rating_n: float, load_n: float, kind: str, speed_rad_s: float, factor: float = 1.0) -> float:

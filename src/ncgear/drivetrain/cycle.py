@@ -114,10 +114,21 @@ def cycle_of(rigid: Rigid) -> Cycle:
     machine = rigid.machine
     edges = np.unique(np.concatenate([machine.breaks(stretch) for stretch in stretches(machine.machine)]))
     guide = fitted(lambda phi1: machine.at(phi1).guide.value, edges)
-    kinks = np.concatenate([edges, rigid.fluctuation.flank_changes_rad, all_zeros(guide)])
-    breaks = np.unique(np.clip(kinks, edges[0], edges[-1]))
+    breaks = apart(np.concatenate([edges, rigid.fluctuation.flank_changes_rad, all_zeros(guide)]), edges[0], edges[-1])
     points, weights = gauss_points(panels_between(breaks, WIDEST_RAD), NODES)
     return Cycle(machine, breaks, weights, loads_at(machine, points))
+
+
+CLOSE_RAD = 1e-9
+"""Driving angles that are not told apart: zeros are found to less, and no load changes within it."""
+
+
+def apart(places: Array, first: float, last: float) -> Array:
+    """The places (shape (n,)) in order from the first to the last, both among them, one of those that are close."""
+    inner = np.unique(places)
+    inner = inner[(inner > first + CLOSE_RAD) & (inner < last - CLOSE_RAD)]
+    kept = np.diff(inner, prepend=first) > CLOSE_RAD
+    return np.concatenate([[first], inner[kept], [last]])
 
 
 def panels_between(breaks: Array, widest: float) -> Array:

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncgear.drivetrain.cycle import WIDEST_RAD, panels_between
+from ncgear.drivetrain.cycle import CLOSE_RAD, WIDEST_RAD, panels_between
 from ncgear.drivetrain.demand import Demand
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
@@ -76,7 +76,7 @@ def _excursions(demand: Demand, held_n_mm: float, sign: float) -> list[Excursion
     excess = PiecewiseChebyshev(torque.breaks, series)
     cycle, start = float(np.ptp(torque.breaks)), float(torque.breaks[0])
     places = np.union1d(all_zeros(excess), torque.breaks)
-    positive = excess((places[1:] + places[:-1]) / 2.0) > 0.0
+    positive = (excess((places[1:] + places[:-1]) / 2.0) > 0.0) & (np.diff(places) > CLOSE_RAD)
     if positive.all():
         return [_lasting(demand, held_n_mm, sign)]
     work = excess.integrated()

@@ -5,25 +5,25 @@ frame of the machine and from the angle that the shaft has turned.  It is follow
 cycle come back to where they began, at fibres all around; its amplitude and its mean are those of the fibre that is
 worst.  Torsion is the same at all fibres.
 
-After DIN 743:2012, from secondary sources (e.g. B. Schlecht, "Maschinenelemente 1", Pearson 2007, chapter 10), with
-stresses of the full section of diameter d, sigma_B the tensile and sigma_S the yield strength in MPa:
+After DIN 743:2012, from secondary sources (B. Schlecht, "Maschinenelemente 1", Pearson 2007, chapter 10; the public
+repository hanslhansl/din743), with stresses of the full section of diameter d, sigma_B the tensile and sigma_S the
+yield strength in MPa:
 
     sigma_W = 0.5 sigma_B for bending, tau_W = 0.3 sigma_B for torsion, both alternating
-    K_1 = 1 - s lg(d / d_0) beyond d_0 (``Steel``), for the strength that a thick shaft lacks
+    K_1 = 1 - s lg(d / d_0) beyond d_0, for what a thick blank lacks; each strength has its own (``Steel``)
     K_2 = 1 - 0.2 lg(d / 7.5 mm) / lg 20 from 7.5 to 150 mm, for bending and torsion of thick shafts
-    beta_sigma = 3.0 (K_1 sigma_B / 1000)^0.38, beta_tau = 0.56 beta_sigma + 0.1 at a keyway for one key
-    K_F = 1 - 0.22 lg(Rz / um) (lg(K_1 sigma_B / 20) - 1) for bending, 0.575 K_F + 0.425 for torsion
-    K = beta / K_2 + 1 / K_F - 1,   sigma_WK = K_1 sigma_W / K
+    beta_40 = 3.0 (K_1 sigma_B / 1000)^0.38 for bending, 0.56 of that and 0.1 more for torsion: a keyway at 40 mm
+    K_3 = 1 - 0.2 lg(beta_40) lg(d / 7.5 mm) / lg 20,   beta = beta_40 K_3(40 mm) / K_3(d)
+    sigma_WK = K_1 sigma_W K_2 / beta
 
-The mean stress lowers the amplitude that is endured, where it stays as it is while the amplitude grows, by psi times
-the equivalent mean stress sqrt(sigma_m^2 + 3 tau_m^2), for torsion by psi times this over sqrt(3), where
-psi = sigma_WK / (2 K_1 sigma_B - sigma_WK).  Safety against fatigue is 1 / sqrt((sigma_a/sigma_AK)^2 +
-(tau_a/tau_AK)^2), and against yielding, with the largest stresses, 1 / sqrt((sigma/sigma_S')^2 + (tau/tau_S')^2) where
-sigma_S' = K_1 sigma_S and tau_S' = sigma_S' / sqrt(3).
+The roughness is in the factor of a keyway already.  Amplitude and mean stress are taken to grow together; the mean then
+lowers what is endured to sigma_WK / (1 + psi sigma_mv / sigma_a), with the equivalent mean stress
+sigma_mv = sqrt(sigma_m^2 + 3 tau_m^2), over sqrt(3) for torsion, and psi = sigma_WK / (2 K_1 sigma_B - sigma_WK).
+Safety against fatigue is 1 / sqrt((sigma_a / sigma_AK)^2 + (tau_a / tau_AK)^2), and against yielding, with the largest
+stresses, K_1 sigma_S / sqrt(sigma^2 + 3 tau^2).
 
-Left out, each on the safe side or small: the factors for supported yielding in notches (1.2 and 1.05 to 1.15) and for
-hardened surfaces.  The factor of a keyway is taken as it is at 40 mm, without its own dependence on size (some per
-cent).  Shoulders, grooves and press fits beside the keyway are not looked at: an estimate, in place of no proof.
+Left out, on the safe side: the factors for supported yielding (up to 1.2) and for hardened surfaces.  Shoulders,
+grooves and press fits beside the keyway are not looked at: an estimate, in place of no proof.
 """
 
 from __future__ import annotations
@@ -40,41 +40,61 @@ FIBRES = 72
 
 
 @dataclass(frozen=True)
-class Steel:
-    """Strengths in MPa at the small diameters for which standards state them, and how they fall with the diameter.
+class Fall:
+    """How a strength falls with the diameter of the blank: d_0 in mm, up to which it is whole, and s."""
 
-    ``whole_to_mm`` is d_0, up to which both hold; ``fall`` is s.  Values by name in ``STEELS`` are those of DIN 743-3,
-    from secondary sources.
-    """
+    whole_to_mm: float
+    per_decade: float
+
+    def factor(self, blank_mm: float) -> float:
+        """K_1, for diameters up to 300 mm; beyond them as at 300 mm."""
+        return 1.0 - self.per_decade * log10(max(min(blank_mm, 300.0) / self.whole_to_mm, 1.0))
+
+
+LASTING = Fall(1.0, 0.0)
+"""Of strengths that are known at the shaft's own diameter."""
+
+
+@dataclass(frozen=True)
+class Steel:
+    """Strengths in MPa at the small diameters for which standards state them, and how either falls."""
 
     tensile_mpa: float
     yield_mpa: float
-    whole_to_mm: float = 16.0
-    fall: float = 0.26
+    tensile_fall: Fall = LASTING
+    yield_fall: Fall = LASTING
 
-    def size_factor(self, diameter_mm: float) -> float:
-        """K_1, for diameters up to 300 mm; beyond them as at 300 mm."""
-        return 1.0 - self.fall * log10(max(min(diameter_mm, 300.0) / self.whole_to_mm, 1.0))
 
+STRUCTURAL = Fall(100.0, 0.23), Fall(32.0, 0.26)
+TEMPERED = Fall(16.0, 0.26), Fall(16.0, 0.34)
 
 STEELS = {
-    "S355": Steel(510.0, 355.0, 32.0),
-    "E335": Steel(590.0, 335.0, 32.0),
-    "C45": Steel(700.0, 490.0),
-    "42CrMo4": Steel(1100.0, 900.0),
-    "34CrNiMo6": Steel(1200.0, 1000.0),
+    "S355": Steel(510.0, 355.0, *STRUCTURAL),
+    "E335": Steel(590.0, 335.0, *STRUCTURAL),
+    "C45": Steel(700.0, 490.0, *TEMPERED),
+    "42CrMo4": Steel(1100.0, 900.0, *TEMPERED),
+    "34CrNiMo6": Steel(1200.0, 1000.0, *TEMPERED),
 }
-"""Structural steels, whose yield strength falls from 32 mm on (their tensile strength less: taken alike), and steels
-quenched and tempered, which fall from 16 mm on."""
+"""Structural steels, and steels quenched and tempered; values of DIN 743-3, from secondary sources."""
 
 
 @dataclass(frozen=True)
 class Section:
-    """A shaft where it has a keyway: diameter in mm, steel, and the roughness Rz of its surface in micrometres."""
+    """A shaft where it has a keyway: its diameter and that of its blank when it was treated in mm, and its steel."""
 
     diameter_mm: float
+    blank_mm: float
     steel: Steel
-    roughness_um: float
+
+    @property
+    def tensile_mpa(self) -> float:
+        """Tensile strength of the shaft."""
+        return self.steel.tensile_mpa * self.steel.tensile_fall.factor(self.blank_mm)
+
+    @property
+    def yield_mpa(self) -> float:
+        """Yield strength of the shaft."""
+        return self.steel.yield_mpa * self.steel.yield_fall.factor(self.blank_mm)
 
 
 @dataclass(frozen=True)
@@ -128,8 +148,7 @@ def shaft_safety(
     worst = int(np.argmax(used))
     largest = float(np.abs(bending).max()), float(np.abs(torsion).max())
     stresses = ShaftStresses(float(amplitude[worst]), float(mean[worst]), torsion_amplitude, torsion_mean, *largest)
-    yields = section.steel.size_factor(section.diameter_mm) * section.steel.yield_mpa
-    strained = sqrt(largest[0] ** 2 + 3.0 * largest[1] ** 2) / yields
+    strained = sqrt(largest[0] ** 2 + 3.0 * largest[1] ** 2) / section.yield_mpa
     return ShaftSafety(section, stresses, _inverse(float(used[worst])), _inverse(strained))
 
 
@@ -137,29 +156,45 @@ def _inverse(used: float) -> float:
     return 1.0 / used if used else np.inf
 
 
+NOTCH_MM = 40.0
+"""Diameter for which the factor of a keyway is known."""
+
+
 def fatigue_strengths_mpa(section: Section) -> tuple[float, float]:
     """sigma_WK and tau_WK, the alternating stresses of bending and torsion that the keyway endures."""
-    size, diameter = section.steel.size_factor(section.diameter_mm), section.diameter_mm
-    tensile = size * section.steel.tensile_mpa
-    thick = 1.0 - 0.2 * log10(min(max(diameter / 7.5, 1.0), 20.0)) / log10(20.0)
-    bending_notch = 3.0 * (tensile / 1000.0) ** 0.38
-    rough = 1.0 - 0.22 * log10(max(section.roughness_um, 1.0)) * (log10(tensile / 20.0) - 1.0)
-    in_bending = bending_notch / thick + 1.0 / rough - 1.0
-    in_torsion = (0.56 * bending_notch + 0.1) / thick + 1.0 / (0.575 * rough + 0.425) - 1.0
-    return 0.5 * tensile / in_bending, 0.3 * tensile / in_torsion
+    tensile, thick = section.tensile_mpa, _thickness(section.diameter_mm)
+    in_bending = 3.0 * (tensile / 1000.0) ** 0.38
+    bending, torsion = (
+        share * tensile * (1.0 - 0.2 * thick) / _notch(at_40_mm, thick)
+        for share, at_40_mm in ((0.5, in_bending), (0.3, 0.56 * in_bending + 0.1))
+    )
+    return bending, torsion
+
+
+def _thickness(diameter_mm: float) -> float:
+    """lg(d / 7.5 mm) / lg 20 within its range, 0 to 1."""
+    return log10(min(max(diameter_mm / 7.5, 1.0), 20.0)) / log10(20.0)
+
+
+def _notch(at_40_mm: float, thick: float) -> float:
+    """beta from its value at 40 mm."""
+    fall = 0.2 * log10(at_40_mm)
+    return at_40_mm * (1.0 - fall * _thickness(NOTCH_MM)) / (1.0 - fall * thick)
 
 
 def _fatigue_used(
     section: Section, amplitude: Array, mean: Array, torsion_amplitude: float, torsion_mean: float
 ) -> Array:
-    """1/S of fibres, shape (n,); infinite where the mean stress alone is too much."""
-    tensile = section.steel.size_factor(section.diameter_mm) * section.steel.tensile_mpa
+    """1/S of fibres, shape (n,)."""
     equivalent = np.sqrt(mean**2 + 3.0 * torsion_mean**2)
-    used = np.zeros(amplitude.shape)
-    strengths = fatigue_strengths_mpa(section)
-    for strength, alternating, lasting in zip(
-        strengths, (amplitude, torsion_amplitude), (equivalent, equivalent / sqrt(3.0)), strict=True
-    ):
-        endured = strength - strength / (2.0 * tensile - strength) * lasting
-        used += np.where(endured > 0.0, alternating / np.where(endured > 0.0, endured, 1.0), np.inf) ** 2
-    return np.asarray(np.sqrt(used))
+    bending, torsion = fatigue_strengths_mpa(section)
+    used = [
+        # sigma_a / sigma_AK, without dividing by an amplitude of 0, where the standard takes the term for 0
+        np.where(alternating > 0.0, alternating + strength / (2.0 * section.tensile_mpa - strength) * lasting, 0.0)
+        / strength
+        for strength, alternating, lasting in (
+            (bending, amplitude, equivalent),
+            (torsion, np.full(amplitude.shape, torsion_amplitude), equivalent / sqrt(3.0)),
+        )
+    ]
+    return np.hypot(*used)

@@ -20,7 +20,7 @@ from math import pi, sqrt
 import numpy as np
 from numpy.polynomial import chebyshev, legendre
 
-from ncgear.drivetrain.cycle import panels_between
+from ncgear.drivetrain.cycle import apart, panels_between
 from ncgear.drivetrain.demand import Demand
 from ncgear.drivetrain.motor import Gearbox, StraightLine
 from ncgear.errors import NoSuchMechanism
@@ -168,7 +168,8 @@ def speed_course(demand: Demand, drive: LineDrive) -> SpeedCourse:
         found = _solved(demand, drive, panels_between(breaks, WIDEST_RAD / 2.0**number))
         kinks = _free_rad(found)
         if kinks.size:
-            breaks = np.unique(np.concatenate([demand.cycle.breaks_rad, kinks]))
+            own = demand.cycle.breaks_rad
+            breaks = apart(np.concatenate([own, kinks]), float(own[0]), float(own[-1]))
             found = _solved(demand, drive, panels_between(breaks, WIDEST_RAD / 2.0**number))
         if before is not None:
             moved = np.abs(found.energy(demand.cycle.loads.phi1_rad) - before.energy(demand.cycle.loads.phi1_rad))

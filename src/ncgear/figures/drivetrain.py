@@ -78,8 +78,8 @@ def _of_shaft(name: str, found: ShaftResult) -> list[str]:
         )
     if found.key is not None and found.key.safety < 1.0:
         said.append(
-            f"the key of the {name} shaft bears {found.key.pressure_mpa:.0f} MPa, {1.0 / found.key.safety:.3g} times what "
-            "is allowed: a longer key, two keys or a thicker shaft"
+            f"the key of the {name} shaft bears {found.key.pressure_mpa:.0f} MPa, {1.0 / found.key.safety:.3g} times "
+            "what is allowed: a longer key, two keys or a thicker shaft"
         )
     if found.key is not None and found.key.both_senses:
         said.append(

@@ -142,10 +142,10 @@ def _shaft(
     diameter = given.diameter_mm or body.bore_mm
     if diameter is None:
         raise WrongInput(f"missing; gears.{name} has no bore that tells it", key=f"drivetrain.{name}_shaft.diameter_mm")
-    steel = STEELS[given.steel] if given.steel else Steel(given.tensile_mpa or 0.0, given.yield_mpa or 0.0, fall=0.0)
+    steel = STEELS[given.steel] if given.steel else Steel(given.tensile_mpa or 0.0, given.yield_mpa or 0.0)
     loads = cycle.loads.driving if gear is Gear.DRIVING else cycle.loads.driven
     moment = bending_moment_n_mm(loads, bearings, crank_at_mm, 0.0)
-    section = Section(diameter, steel, given.roughness_um)
+    section = Section(diameter, given.blank_mm or diameter, steel)
     safety = shaft_safety(
         section,
         moment,
@@ -181,7 +181,7 @@ def _key(design: Design, gear: Gear, given: DrivingShaft, section: Section, cycl
                 f"missing; a keyway {body.keyway.depth_mm:g} mm deep leaves nothing over {FREE_HEIGHT_MM:g} mm of play",
                 key=f"{where}.height_mm",
             )
-    yields = section.steel.size_factor(section.diameter_mm) * section.steel.yield_mpa
+    yields = section.yield_mpa
     torque = (cycle.loads.driving if gear is Gear.DRIVING else cycle.loads.driven).torque_n_mm
     length = key.length_mm or gears.face_width_mm
     made = Key(section.diameter_mm, height, length, min(yields, key.yield_mpa or yields))

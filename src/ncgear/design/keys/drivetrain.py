@@ -65,8 +65,9 @@ class DrivingShaft(Model):
     yield_mpa: Positive | None = Field(
         default=None, description="yield strength in MPa at this diameter, in place of a steel"
     )
-    roughness_um: float = Field(
-        default=6.3, gt=0.0, le=200.0, description="roughness Rz of the shaft's surface in micrometres"
+    blank_mm: Length | None = Field(
+        default=None,
+        description="diameter in mm at which the steel was heat treated, the blank's; left out: that of the shaft",
     )
     key: ShaftKey | None = Field(
         default=None, description="key in the gear's keyway; left out: not looked at. Needs the steel"
