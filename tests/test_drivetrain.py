@@ -201,7 +201,7 @@ def demand(added_kg_mm2: float = 0.0, *, friction: bool = True) -> Demand:
 
 @pytest.mark.thorough
 def test_means_over_the_cycle_against_simpsons_rule() -> None:
-    """Work of the shaft as of the rigid level; the mean cube of the mesh force by dense even points between the breaks."""
+    """Work of the shaft as of the rigid level; the mean cube of the mesh force by Simpson's rule."""
     found, rigid = cycle(), drive(DESIGN).rigid
     assert found.integral(found.loads.driving.torque_n_mm) == pytest.approx(rigid.fluctuation.work_n_mm, rel=1e-12)
     size = np.abs(found.loads.driven.gear_n)

@@ -32,7 +32,7 @@ def drivetrain_figures(found: DrivetrainResult) -> dict[str, Any]:
         "losses": _losses(found),
         **{name: _shaft(one) for name, one in shafts.items() if one is not None and one.bearings is not None},
         "flywheel": _flywheel(found),
-        **({"motor": _motor(found.motor)} if found.motor else {}),
+        **({"motor": _motor(found.motor, found.demand)} if found.motor else {}),
         **({"pto": _pto(found.pto, found.demand)} if found.pto else {}),
     }
 
@@ -119,7 +119,6 @@ def _of_pto(found: PowerTakeOffResult) -> list[str]:
 def _losses(found: DrivetrainResult) -> dict[str, Any]:
     demand, losses = found.demand, found.demand.losses
     cycle_s = demand.cycle.cycle_rad / demand.speed_rad_s
-    efficiency = losses.efficiency * (found.motor.given.gearbox.efficiency if found.motor else 1.0)
     least, most = demand.torque_range_n_mm
     return {
         "useful_power_w": W * losses.useful_n_mm / cycle_s,
@@ -130,7 +129,6 @@ def _losses(found: DrivetrainResult) -> dict[str, Any]:
         "guide_friction": losses.guide_friction,
         "guide_loss_w": W * losses.guide_n_mm / cycle_s,
         "efficiency": losses.efficiency,
-        "efficiency_with_gearbox": efficiency,
         "mean_driving_power_w": W * demand.fluctuation.work_n_mm / cycle_s,
         **_at("peak_driving_torque", "n_m", most, N_M_PER_N_MM),
         **_at("least_driving_torque", "n_m", least, N_M_PER_N_MM),
@@ -195,8 +193,9 @@ def _flywheel(found: DrivetrainResult) -> dict[str, Any]:
     return told
 
 
-def _motor(found: MotorResult) -> dict[str, Any]:
+def _motor(found: MotorResult, demand: Demand) -> dict[str, Any]:
     given, load = found.given, found.load
+    useful_n_mm_s = demand.losses.useful_n_mm / demand.cycle.cycle_rad * demand.speed_rad_s
     peak = None if given.peak_torque_n_m is None else given.peak_torque_n_m / (N_M_PER_N_MM * load.most_n_mm.value)
     told: dict[str, Any] = {
         "rated_power_w": given.rated_torque_n_m * given.rated_speed_rpm * RAD_S_PER_RPM,
@@ -213,6 +212,7 @@ def _motor(found: MotorResult) -> dict[str, Any]:
             "most_braking_power_w": W * min(load.least_n_mm.value, 0.0) * load.speed_rad_s,
             "mean_power_while_braking_w": W * load.braking_n_mm * load.speed_rad_s,
             "time_braking_percent": 100.0 * load.braking_share,
+            "efficiency_gearbox_included": useful_n_mm_s / (load.mean_n_mm * load.speed_rad_s),
         },
     }
     if found.course is not None:
