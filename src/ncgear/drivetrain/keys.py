@@ -12,6 +12,7 @@ way, and the standard's method B, or a fit without play, is needed.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 ALLOWED_OF_YIELD = 0.9
 """Share of the yield strength that method C allows for ductile parts."""
@@ -44,7 +45,8 @@ class KeySafety:
 
 
 def key_safety(key: Key, most_n_mm: float, least_n_mm: float) -> KeySafety:
-    """The safety under torques that range from the least to the most, which must not both be 0."""
+    """The safety under torques that range from the least to the most; infinite where both are 0."""
     largest = max(abs(most_n_mm), abs(least_n_mm))
     pressure = 2.0 * largest / (key.diameter_mm * key.height_mm * key.length_mm)
-    return KeySafety(key, pressure, ALLOWED_OF_YIELD * key.yield_mpa / pressure, most_n_mm > 0.0 > least_n_mm)
+    safety = ALLOWED_OF_YIELD * key.yield_mpa / pressure if pressure else inf
+    return KeySafety(key, pressure, safety, most_n_mm > 0.0 > least_n_mm)

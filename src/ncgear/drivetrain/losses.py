@@ -26,6 +26,7 @@ from ncgear.contact.designed.as_designed import AsDesigned, PairTouch, touch_at
 from ncgear.contact.designed.curves import Contacts
 from ncgear.contact.placement import BACK, PUSHING, Placement, placed_at
 from ncgear.drivetrain.cycle import Cycle
+from ncgear.dynamics.rigid import IDLE
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.quadrature import gauss_points
 from ncgear.pitch.pair import PitchPair
@@ -66,8 +67,10 @@ class Losses:
         return self.mesh_share * self.moved_n_mm
 
     @property
-    def efficiency(self) -> float:
-        """Useful work over the work of the driving shaft."""
+    def efficiency(self) -> float | None:
+        """Useful work over the work of the driving shaft; None for a machine that does no work but for rounding."""
+        if self.useful_n_mm <= IDLE * self.moved_n_mm:
+            return None
         return self.useful_n_mm / (self.useful_n_mm + self.mesh_n_mm + self.guide_n_mm)
 
 

@@ -152,6 +152,11 @@ class SpeedCourse:
         return float(np.sum(weights * self.drive.torque_n_mm(speed)))
 
     @property
+    def energy_error(self) -> float:
+        """What the motor's work misses of what the machine asks for, over the most that its masses store."""
+        return abs(self.drive_work_n_mm - self.asked_work_n_mm) / float(self.energy(self._points[0]).max())
+
+    @property
     def asked_work_n_mm(self) -> float:
         """Work that the machine asks for in a cycle."""
         points, weights, _ = self._points

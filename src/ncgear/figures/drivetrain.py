@@ -10,7 +10,7 @@ from ncgear.drivetrain.bearings import BearingLife
 from ncgear.drivetrain.demand import Demand
 from ncgear.drivetrain.pto import Excursion
 from ncgear.drivetrain.speed import SpeedCourse
-from ncgear.figures.numbers import five_digits
+from ncgear.figures.numbers import five_digits, fixed, to_digits
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drivetrain import DrivetrainResult, MotorResult, PowerTakeOffResult, ShaftResult
@@ -57,29 +57,30 @@ def _of_bearings(name: str, found: ShaftResult, hours: float) -> list[str]:
         if one.life_h is not None and one.life_h < hours:
             said.append(
                 f"{which} lasts {five_digits(one.life_h)} h, and {five_digits(hours)} h are wanted: a dynamic load "
-                f"rating of {one.needed_rating_n:.0f} N is needed"
+                f"rating of {fixed(one.needed_rating_n, 0)} N is needed"
             )
         if one.within_iso_281 is False:
             said.append(f"{which} bears more than half its dynamic load rating, up to which ISO 281 holds")
         if one.static_safety is not None and one.static_safety < 1.0:
             said.append(
-                f"{which} bears {one.largest_n.value:.0f} N, more than its static load rating: it would be dented"
+                f"{which} bears {fixed(one.largest_n.value, 0)} N, more than its static load rating: it would be dented"
             )
     return said
 
 
 def _of_shaft(name: str, found: ShaftResult) -> list[str]:
     said = []
-    if found.shaft is not None and min(found.shaft.fatigue, found.shaft.yielding) < LEAST_SAFETY:
-        said.append(
-            f"the {name} shaft has an estimated safety of {found.shaft.fatigue:.3g} against fatigue and "
-            f"{found.shaft.yielding:.3g} against yielding at its keyway; {LEAST_SAFETY:g} or over is right: a thicker "
-            "shaft or a stronger steel"
-        )
+    if found.shaft is not None:
+        safety, against = min((found.shaft.fatigue, "fatigue"), (found.shaft.yielding, "yielding"))
+        if safety < LEAST_SAFETY:
+            said.append(
+                f"the {name} shaft has an estimated safety of {to_digits(safety, 3)} against {against} at its keyway; "
+                f"{LEAST_SAFETY:g} or over is right: a thicker shaft or a stronger steel"
+            )
     if found.key is not None and found.key.safety < 1.0:
         said.append(
-            f"the key of the {name} shaft bears {found.key.pressure_mpa:.0f} MPa, {1.0 / found.key.safety:.3g} times "
-            "what is allowed: a longer key, two keys or a thicker shaft"
+            f"the key of the {name} shaft bears {fixed(found.key.pressure_mpa, 0)} MPa, and "
+            f"{fixed(found.key.pressure_mpa * found.key.safety, 0)} MPa are allowed: a longer key or a thicker shaft"
         )
     if found.key is not None and found.key.both_senses:
         said.append(
@@ -97,11 +98,11 @@ def _of_motor(found: MotorResult) -> list[str]:
     said = []
     if rms > rated:
         said.append(
-            f"the motor gives {rms:.4g} N m in the mean square of a cycle, more than its rated {rated:g} N m: a "
+            f"the motor gives {to_digits(rms, 4)} N m in the mean square, more than its rated {rated:g} N m: a "
             "stronger motor, a larger ratio or a larger flywheel is needed"
         )
     if peak is not None and most > peak:
-        said.append(f"the motor gives up to {most:.4g} N m, more than its {peak:g} N m")
+        said.append(f"the motor gives up to {to_digits(most, 4)} N m, more than its {peak:g} N m")
     return said
 
 
@@ -110,7 +111,9 @@ def _of_pto(found: PowerTakeOffResult) -> list[str]:
     if found.slips:
         stops = any(one.end_rad is None for one in found.slips)
         says = "and stops the machine" if stops else "in every cycle"
-        said.append(f"the torque limiter slips from phi1 = {degrees(found.slips[0].start_rad):.4g} deg on, {says}")
+        said.append(
+            f"the torque limiter slips from phi1 = {to_digits(degrees(found.slips[0].start_rad), 4)} deg on, {says}"
+        )
     if found.runs_ahead and any(one.end_rad is None for one in found.runs_ahead):
         said.append("the machine runs ahead of its clutch and is not caught again within a cycle")
     return said
@@ -154,7 +157,7 @@ def _shaft(found: ShaftResult) -> dict[str, Any]:
     if found.key is not None:
         told["key"] = {
             "pressure_mpa": found.key.pressure_mpa,
-            "safety": found.key.safety,
+            "safety": _finite(found.key.safety),
             "torque_changes_sense": found.key.both_senses,
         }
     return told
@@ -212,7 +215,9 @@ def _motor(found: MotorResult, demand: Demand) -> dict[str, Any]:
             "most_braking_power_w": W * min(load.least_n_mm.value, 0.0) * load.speed_rad_s,
             "mean_power_while_braking_w": W * load.braking_n_mm * load.speed_rad_s,
             "time_braking_percent": 100.0 * load.braking_share,
-            "efficiency_gearbox_included": useful_n_mm_s / (load.mean_n_mm * load.speed_rad_s),
+            "efficiency_gearbox_included": useful_n_mm_s / (load.mean_n_mm * load.speed_rad_s)
+            if load.mean_n_mm > 0.0
+            else None,
         },
     }
     if found.course is not None:
@@ -236,7 +241,7 @@ def _course(course: SpeedCourse, rated_n_m: float, peak_n_m: float | None) -> di
         "peak_torque_safety": None if peak_n_m is None or most <= 0.0 else peak_n_m / (N_M_PER_N_MM * most),
         "most_braking_torque_n_m": N_M_PER_N_MM * min(least, 0.0),
         "mean_driving_power_w": W * power,
-        "energy_error": abs(course.drive_work_n_mm / course.asked_work_n_mm - 1.0),
+        "energy_error": course.energy_error,
     }
 
 
