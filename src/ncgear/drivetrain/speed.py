@@ -5,15 +5,15 @@ With the energy E = J w^2 / 2 of all that moves, and T_drive the motor's torque 
     dE/dphi = T_drive(w) - A(phi),   w = sqrt(2 E / J(phi)),   E(0) = E(cycle)
 
 (``ncgear.drivetrain.demand`` defines J and A).  The torque falls with the speed, so one solution is reached from any
-start.  E is a polynomial on each of many panels and keeps the equation at their Gauss points (collocation; E. Hairer,
-C. Lubich, G. Wanner, "Geometric Numerical Integration", 2nd edition 2006, section II.1); Newton's method solves the
-equations of all panels and the periodicity together.  Where the motor begins to brake, or a clutch lets go, the torque
+start.  E is a polynomial on each of many panels and keeps the equation at their Radau nodes (collocation; E. Hairer,
+G. Wanner, "Solving Ordinary Differential Equations II", 2nd edition 1996, section IV.5), which damp what stiff motors
+would let ring; Newton's method solves the equations of all panels and the periodicity together.  Where the motor begins to brake, or a clutch lets go, the torque
 has a kink: panels are made to end there.  All panels are then halved until the speed no longer changes.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from math import pi, sqrt
 
@@ -30,7 +30,7 @@ from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.highest import largest_of_each
 
 NODES = 6
-"""Collocation points of a panel; the ends of panels are met to order 12."""
+"""Collocation points of a panel; the ends of panels are met to order 11."""
 
 WIDEST_RAD = 2.0 * pi / 24.0
 """Widest panel of the first solution."""
@@ -46,6 +46,12 @@ STEPS = 60
 
 SOLVED = 1e-12
 """Share of the largest energy that the last step changes."""
+
+ROUNDED = 1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 0.0
+"""Torques by which the edge of a clutch is rounded, one after the other, as shares of the largest torque."""
+
+TINY_N_MM = 1e-100
+"""Least torque of a rounded edge, so that nothing is divided by zero."""
 
 LEAST_SHARE = 0.1
 """Share of every energy that a step leaves at least, so that energies stay positive."""
@@ -73,15 +79,16 @@ class LineDrive:
         """Torque on the driving shaft."""
         return self.gearbox.shaft_n_mm(self.motor_n_mm(speed_rad_s))
 
-    def change_n_mm_s(self, speed_rad_s: Array) -> Array:
-        """Derivative of the torque by the driving shaft's speed."""
-        slope = np.full(speed_rad_s.shape, -self.line.stall_n_mm / self.free_rad_s)
-        braking = speed_rad_s > self.free_rad_s
-        if self.overrunning_clutch:
-            slope = np.where(braking, 0.0, slope)
-        factor = np.where(braking, 1.0 / self.gearbox.efficiency, self.gearbox.efficiency)
-        changed: Array = slope * self.gearbox.ratio * factor
-        return changed
+    def rounded_n_mm(self, speed_rad_s: Array, round_n_mm: float) -> tuple[Array, Array]:
+        """Torque on the driving shaft and its derivative by the speed, the edge of the clutch rounded by a torque."""
+        line = self.line.torque_n_mm(speed_rad_s * self.gearbox.ratio)
+        torque = self.gearbox.shaft_n_mm(line)
+        factor = np.where(line > 0.0, self.gearbox.efficiency, 1.0 / self.gearbox.efficiency)
+        slope: Array = -self.line.stall_n_mm / self.free_rad_s * self.gearbox.ratio * factor
+        if not self.overrunning_clutch:
+            return torque, slope
+        edge = np.hypot(torque, max(round_n_mm, TINY_N_MM))
+        return (torque + edge) / 2.0, slope * (1.0 + torque / edge) / 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,15 +205,18 @@ def _free_rad(course: SpeedCourse) -> Array:
 
 
 def _solved(demand: Demand, drive: LineDrive, ends: Array) -> SpeedCourse:
-    """Newton's method for the energies at the Gauss points of panels and at the beginning."""
-    unit, weights = legendre.leggauss(NODES)
+    """Newton's method for the energies at the nodes of panels and at the beginning.
+
+    The edge at which a clutch opens is rounded at first, and then less and less.
+    """
+    unit, weights, inside = _radau()
     half = np.diff(ends)[:, None] / 2.0
     points = (ends[:-1, None] + half * (1.0 + unit)).ravel()
     whole = (half * weights).ravel()
-    summed = _summing(unit, weights, half[:, 0])
+    summed = np.kron(np.tri(half.size, k=-1), np.ones((NODES, 1)) * weights) * np.repeat(half, NODES)
+    summed = summed + np.kron(np.diag(half[:, 0]), inside)
     inertia, asked = demand.inertia(points)[0], demand.at_any_speed_n_mm(points)
-    closed, mean = replace(drive, overrunning_clutch=False), float(np.sum(whole * asked)) / float(np.ptp(ends))
-    strongest = float(drive.torque_n_mm(np.zeros(1))[0])
+    mean, strongest = float(np.sum(whole * asked)) / float(np.ptp(ends)), float(drive.torque_n_mm(np.zeros(1))[0])
     if mean >= strongest:
         raise _stops("is stopped by it")
     if mean <= 0.0 and drive.overrunning_clutch:
@@ -214,26 +224,39 @@ def _solved(demand: Demand, drive: LineDrive, ends: Array) -> SpeedCourse:
     # The speed at which the motor gives the mean torque
     energy = inertia * (drive.free_rad_s * (1.0 - mean / strongest)) ** 2 / 2.0
     start, count = float(energy[0]), points.size
-    for _ in range(STEPS):
-        speed = np.sqrt(2.0 * energy / inertia)
-        given = drive.torque_n_mm(speed) - asked
-        change = drive.change_n_mm_s(speed)
-        # While the clutch is open all the way round, the line itself shows where to go.
-        slope = (change if np.any(change) else closed.change_n_mm_s(speed)) / (inertia * speed)
-        missed = np.append(energy - start - summed @ given, np.sum(whole * given))
-        matrix = np.zeros((count + 1, count + 1))
-        matrix[:count, :count] = np.eye(count) - summed * slope
-        matrix[:count, count] = -1.0
-        matrix[count, :count] = whole * slope
-        step = np.linalg.solve(matrix, -missed)
-        falling = step[:count] < 0.0
-        room = (1.0 - LEAST_SHARE) * energy[falling] / -step[:count][falling]
-        share = float(np.min(room, initial=1.0))
-        energy, start = energy + share * step[:count], start + share * float(step[count])
-        if np.abs(step).max() <= SOLVED * energy.max():
-            given = drive.torque_n_mm(np.sqrt(2.0 * energy / inertia)) - asked
-            return SpeedCourse(demand, drive, _form(ends, unit, given, start))
-    raise _stops("is stopped by it")
+    for round_n_mm in float(np.abs(asked).max()) * np.array(ROUNDED if drive.overrunning_clutch else ROUNDED[-1:]):
+        for _ in range(STEPS):
+            speed = np.sqrt(2.0 * energy / inertia)
+            torque, change = drive.rounded_n_mm(speed, round_n_mm)
+            given, slope = torque - asked, change / (inertia * speed)
+            missed = np.append(energy - start - summed @ given, np.sum(whole * given))
+            matrix = np.zeros((count + 1, count + 1))
+            matrix[:count, :count] = np.eye(count) - summed * slope
+            matrix[:count, count] = -1.0
+            matrix[count, :count] = whole * slope
+            step = np.linalg.solve(matrix, -missed)
+            falling = step[:count] < 0.0
+            room = (1.0 - LEAST_SHARE) * energy[falling] / -step[:count][falling]
+            share = float(np.min(room, initial=1.0))
+            energy, start = energy + share * step[:count], start + share * float(step[count])
+            if np.abs(step).max() <= SOLVED * energy.max():
+                break
+        else:
+            raise _stops("is stopped by it, or no steady motion is found")
+    given = drive.torque_n_mm(np.sqrt(2.0 * energy / inertia)) - asked
+    return SpeedCourse(demand, drive, _form(ends, unit, given, start))
+
+
+def _radau() -> tuple[Array, Array, Array]:
+    """Radau's nodes in [-1, 1], the right end among them, their weights, and the matrix of integrals to each node.
+
+    Integrals are those from -1 on of the polynomial through the values at the nodes.
+    """
+    unit = np.sort(np.real(legendre.legroots(np.eye(NODES + 1)[NODES] - np.eye(NODES + 1)[NODES - 1])))
+    unit[-1] = 1.0
+    integrals = legendre.legint(np.eye(NODES), lbnd=-1, axis=0)
+    inside = legendre.legvander(unit, NODES) @ integrals @ np.linalg.inv(legendre.legvander(unit, NODES - 1))
+    return unit, inside[-1], inside
 
 
 def _stops(how: str) -> NoSuchMechanism:
@@ -244,18 +267,8 @@ def _stops(how: str) -> NoSuchMechanism:
     )
 
 
-def _summing(unit: Array, weights: Array, half: Array) -> Array:
-    """Matrix from a slope at the Gauss points of all panels to its integral from the first end to each of them."""
-    degree = unit.size - 1
-    integrals = legendre.legint(np.eye(degree + 1), lbnd=-1, axis=0)
-    inside = legendre.legvander(unit, degree + 1) @ integrals @ np.linalg.inv(legendre.legvander(unit, degree))
-    panels, nodes = half.size, unit.size
-    whole = np.kron(np.tri(panels, k=-1), np.ones((nodes, 1)) * weights) * np.repeat(half, nodes)
-    return np.asarray(whole + np.kron(np.diag(half), inside))
-
-
 def _form(ends: Array, unit: Array, slope: Array, start: float) -> PiecewiseChebyshev:
-    """The energy from its slope at the Gauss points and its value at the beginning."""
+    """The energy from its slope at the nodes and its value at the beginning."""
     values = slope.reshape(-1, unit.size).T
     series = np.linalg.solve(chebyshev.chebvander(unit, unit.size - 1), values)
     energy = PiecewiseChebyshev(ends, np.asarray(series, dtype=float)).integrated()
