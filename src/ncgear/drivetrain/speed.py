@@ -7,15 +7,16 @@ With the energy E = J w^2 / 2 of all that moves, and T_drive the motor's torque 
 (``ncgear.drivetrain.demand`` defines J and A).  The torque falls with the speed, so one solution is reached from any
 start.  E is a polynomial on each of many panels and keeps the equation at their Radau nodes (collocation; E. Hairer,
 G. Wanner, "Solving Ordinary Differential Equations II", 2nd edition 1996, section IV.5), which damp what stiff motors
-would let ring; Newton's method solves the equations of all panels and the periodicity together.  Where the motor begins to brake, or a clutch lets go, the torque
-has a kink: panels are made to end there.  All panels are then halved until the speed no longer changes.
+would let ring; Newton's method solves the equations of all panels and the periodicity together.  Where the motor begins
+to brake, or a clutch lets go, the torque has a kink: panels are made to end there.  All panels are then halved until the
+speed no longer changes.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from math import pi, sqrt
+from math import inf, pi, sqrt
 
 import numpy as np
 from numpy.polynomial import chebyshev, legendre
@@ -35,11 +36,17 @@ NODES = 6
 WIDEST_RAD = 2.0 * pi / 24.0
 """Widest panel of the first solution."""
 
-SOLUTIONS = 5
+SOLUTIONS = 4
 """Most solutions, each with panels half as wide as the one before."""
 
 SETTLED = 1e-8
 """Share by which energies may differ between two solutions: far below what a speed is needed to."""
+
+DOUBTFUL = 1e-3
+"""Share from which on a solution is refused; motors that hardly give way in speed leave up to 1e-5."""
+
+MOST = 1500
+"""Unknowns from which on panels are not halved again: the equations of all are solved at once."""
 
 STEPS = 60
 """Most steps of Newton's method; some 5 are taken."""
@@ -93,11 +100,15 @@ class LineDrive:
 
 @dataclass(frozen=True, eq=False)
 class SpeedCourse:
-    """The periodic motion: ``energy`` in N mm over the driving angle of one cycle, and what follows from it."""
+    """The periodic motion: ``energy`` in N mm over the driving angle of one cycle, and what follows from it.
+
+    ``unsettled`` is the share of the largest energy by which the last finer panels have moved it.
+    """
 
     demand: Demand
     drive: LineDrive
     energy: PiecewiseChebyshev
+    unsettled: float = 0.0
 
     def speed_rad_s(self, phi1_rad: Array) -> Array:
         """Speed of the driving shaft at driving angles of the cycle in rad, shape (n,)."""
@@ -175,20 +186,24 @@ def speed_course(demand: Demand, drive: LineDrive) -> SpeedCourse:
 
     Raises NoSuchMechanism where the motor stops, and ArithmeticError where solutions do not settle.
     """
-    breaks, before = demand.cycle.breaks_rad, None
+    own = demand.cycle.breaks_rad
+    places, breaks, before = demand.cycle.loads.phi1_rad, own, None
+    moved, found = inf, None
     for number in range(SOLUTIONS):
-        found = _solved(demand, drive, panels_between(breaks, WIDEST_RAD / 2.0**number))
+        found = _solved(demand, drive, panels_between(breaks, WIDEST_RAD / 2.0**number), found)
         kinks = _free_rad(found)
         if kinks.size:
-            own = demand.cycle.breaks_rad
             breaks = apart(np.concatenate([own, kinks]), float(own[0]), float(own[-1]))
-            found = _solved(demand, drive, panels_between(breaks, WIDEST_RAD / 2.0**number))
+            found = _solved(demand, drive, panels_between(breaks, WIDEST_RAD / 2.0**number), found)
+        energy = found.energy(places)
         if before is not None:
-            moved = np.abs(found.energy(demand.cycle.loads.phi1_rad) - before.energy(demand.cycle.loads.phi1_rad))
-            if moved.max() <= SETTLED * float(found.energy.coefficients[0].max()):
-                return found
-        before = found
-    raise ArithmeticError("the speed over the cycle does not settle with finer panels")
+            moved = float(np.abs(energy - before).max() / energy.max())
+        if moved <= SETTLED or (before is not None and NODES * found.energy.breaks.size > MOST):
+            break
+        before = energy
+    if found is None or moved > DOUBTFUL:
+        raise ArithmeticError(f"the speed over the cycle moves by {moved:.1e} of its energy with finer panels")
+    return replace(found, unsettled=moved)
 
 
 def _free_rad(course: SpeedCourse) -> Array:
@@ -204,10 +219,10 @@ def _free_rad(course: SpeedCourse) -> Array:
     return np.asarray((low + high) / 2.0)
 
 
-def _solved(demand: Demand, drive: LineDrive, ends: Array) -> SpeedCourse:
-    """Newton's method for the energies at the nodes of panels and at the beginning.
+def _solved(demand: Demand, drive: LineDrive, ends: Array, known: SpeedCourse | None) -> SpeedCourse:
+    """Newton's method for the energies at the nodes of panels and at the beginning, from a course that is known.
 
-    The edge at which a clutch opens is rounded at first, and then less and less.
+    The edge at which a clutch opens is rounded at first, where no course is known, and then less and less.
     """
     unit, weights, inside = _radau()
     half = np.diff(ends)[:, None] / 2.0
@@ -223,8 +238,12 @@ def _solved(demand: Demand, drive: LineDrive, ends: Array) -> SpeedCourse:
         raise _stops("is driven by it")
     # The speed at which the motor gives the mean torque
     energy = inertia * (drive.free_rad_s * (1.0 - mean / strongest)) ** 2 / 2.0
+    rounded: tuple[float, ...] = ROUNDED if drive.overrunning_clutch else ROUNDED[-1:]
+    if known is not None:
+        # A polynomial of coarse panels may fall below 0 where energies are small
+        energy, rounded = np.maximum(known.energy(points), LEAST_SHARE * energy), rounded[-3:]
     start, count = float(energy[0]), points.size
-    for round_n_mm in float(np.abs(asked).max()) * np.array(ROUNDED if drive.overrunning_clutch else ROUNDED[-1:]):
+    for round_n_mm in float(np.abs(asked).max()) * np.array(rounded):
         for _ in range(STEPS):
             speed = np.sqrt(2.0 * energy / inertia)
             torque, change = drive.rounded_n_mm(speed, round_n_mm)

@@ -242,6 +242,7 @@ def _course(course: SpeedCourse, rated_n_m: float, peak_n_m: float | None) -> di
         "most_braking_torque_n_m": N_M_PER_N_MM * min(least, 0.0),
         "mean_driving_power_w": W * power,
         "energy_error": course.energy_error,
+        "energy_residual": course.unsettled,
     }
 
 
