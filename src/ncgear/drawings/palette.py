@@ -55,6 +55,9 @@ HOLDING = ("#7a2a00", "#e08a4a", "#f2ead8", "#6aa5cf", "#004a78")
 Brown against blue differ for any colour vision, and both ends are dark on light ground.
 """
 
+STRESS = ("#e9edf0", "#a6c8de", "#f0c98a", "#d5702a", "#7a2a00")
+"""Colours of a scale of stress from none to the largest, from light to dark; they differ for any colour vision."""
+
 
 def style_of_colors() -> str:
     """The colours as custom properties of CSS, for light and for dark ground."""

@@ -13,6 +13,7 @@ from ncgear.drawings.pictures import titled
 from ncgear.drawings.plots.assembled_pair import positions_at
 from ncgear.drawings.plots.coloured_teeth import ColouredGear, coloured_teeth_png
 from ncgear.figures.numbers import to_digits
+from ncgear.numerics.arrays import largest_rows
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.strengthening import Verdict
@@ -24,10 +25,32 @@ def strength_pictures(drive: Drive, verdict: Verdict) -> dict[str, bytes]:
     charts = strength_charts(verdict.strength, verdict.weakest)
     joints = np.degrees(joints_up_to(drive.pair.transmission, np.radians(charts[0].end)))
     charts = [replace(chart, joints_deg=joints) for chart in charts]
-    return {
+    pictures = {
         "strength.png": _gears(drive, verdict),
         "strength-cycle.png": column_png(charts, titled(drive, "loads of the teeth"), STRENGTH_LOOK, STRENGTH_COLUMN),
     }
+    return pictures if verdict.strength.method == "estimate" else {**pictures, "strength-stress.png": _field(drive)}
+
+
+def _field(drive: Drive) -> bytes:
+    """The stress by finite elements, each tooth at the place of contact with its largest root stress."""
+    from ncgear.drawings.plots.stress_field import stress_field_png
+    from ncgear.strength.elements.teeth import Elements
+
+    judged = drive.judged_teeth("elements")
+    contacts, roots = judged.strength.contacts, judged.strength.stresses.tension_mpa
+    fields = {}
+    for place, (gear, method) in enumerate(zip(Gear, judged.methods, strict=True)):
+        assert isinstance(method, Elements)
+        places = contacts.on(gear)
+        worst_of_tooth = largest_rows(roots[place], places.tooth - 1, drive.teeth.of(gear).teeth)
+        rows = worst_of_tooth[worst_of_tooth >= 0]
+        chosen = places.kept(rows)
+        load_n_mm = roots[place, rows] / method.root_stress(chosen).tension_mpa
+        fields[gear] = method.painted(chosen, load_n_mm)
+    row = int(np.argmax(roots.max(axis=0)))
+    (position,) = positions_at(drive, contacts.phi1_rad[[row]])
+    return stress_field_png(drive, fields, float(roots.max()), position, titled(drive, "stress in the teeth"))
 
 
 def _gears(drive: Drive, verdict: Verdict) -> bytes:

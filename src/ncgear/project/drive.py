@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from ncgear.pitch.pair import PitchPair
     from ncgear.project.drivetrain import DrivetrainResult
     from ncgear.project.loading import ToothLoad
+    from ncgear.project.tooth_strength import JudgedTeeth
     from ncgear.solids.helical.helix import Helix
     from ncgear.solids.mesh.pair import SolidPair
     from ncgear.strength.answer import Strength
@@ -556,15 +557,16 @@ class Drive:
 
     def strength_by(self, method: Literal["estimate", "elements"]) -> Strength:
         """The strength of the teeth by a method; computed once."""
-        return self._strengths(method)[1]
+        return self.judged_teeth(method).strength
 
     def loading_by(self, method: Literal["estimate", "elements"]) -> Loading:
         """The load of every tooth, shared by the stiffness that a method of strength gives the teeth."""
-        return self._strengths(method)[0]
+        return self.judged_teeth(method).loading
 
-    def _strengths(self, method: Literal["estimate", "elements"]) -> tuple[Loading, Strength]:
+    def judged_teeth(self, method: Literal["estimate", "elements"]) -> JudgedTeeth:
+        """Loads and strength of the teeth by a method, and what the method knows of them; computed once."""
         from ncgear.project.service import conditions_of
-        from ncgear.project.tooth_strength import loading_and_strength
+        from ncgear.project.tooth_strength import judged_teeth
         from ncgear.strength.conditions import Running
 
         known = self._known_strengths
@@ -575,13 +577,11 @@ class Drive:
             conditions = conditions_of(self.design.strength, self.transmission.cycle_rad, speed)
             load, teeth_of_pair = self.tooth_load.load, self.teeth
             with located(self.places), self.stopwatch("strength"):
-                known[method] = loading_and_strength(
-                    method, self.gears, teeth_of_pair, conditions, running, self.loading, load
-                )
+                known[method] = judged_teeth(method, self.gears, teeth_of_pair, conditions, running, self.loading, load)
         return known[method]
 
     @computed
-    def _known_strengths(self) -> dict[str, tuple[Loading, Strength]]:
+    def _known_strengths(self) -> dict[str, JudgedTeeth]:
         return {}
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from math import pi
 from typing import TYPE_CHECKING, Literal
 
@@ -28,7 +29,16 @@ LoadedBy = Callable[["tuple[ToothMethod, ToothMethod]", tuple[Material, Material
 """The load of every tooth, shared by the stiffness that two methods give the teeth of two materials."""
 
 
-def loading_and_strength(
+@dataclass(frozen=True, eq=False)
+class JudgedTeeth:
+    """The load of every tooth, what it makes of them, and the methods by which both gears' teeth were known."""
+
+    loading: Loading
+    strength: Strength
+    methods: tuple[ToothMethod, ToothMethod]
+
+
+def judged_teeth(
     method: Method,
     gears: Gears,
     teeth: ToothedPair,
@@ -36,7 +46,7 @@ def loading_and_strength(
     running: Running,
     loaded_by: LoadedBy,
     load: Literal["masses", "resistance"],
-) -> tuple[Loading, Strength]:
+) -> JudgedTeeth:
     """The load of every tooth and what it makes of them.
 
     Plastics are as warm as the power lost between the teeth makes them, which follows from their loads; the loads are
@@ -51,7 +61,7 @@ def loading_and_strength(
     stresses = stresses_of(loading.contacts, methods, materials, conditions, running)
     cycle_rad = 2.0 * pi * loading.cycle_turns
     found = strength_of(loading.contacts, stresses, materials, conditions, cycle_rad, running, method, load)
-    return loading, found
+    return JudgedTeeth(loading, found, methods)
 
 
 def _methods(
