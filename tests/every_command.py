@@ -16,7 +16,10 @@ DESIGNS = {path.stem: path for path in sorted((ROOT / "designs").glob("*.yaml"))
 BALANCES = {path.stem: path for path in sorted((ROOT / "designs" / "balance").glob("*.yaml"))}
 CASES = {path.stem: path for path in sorted((ROOT / "tests" / "cases").glob("*.yaml"))}
 
-COMMANDS = "build report animate check simulate optimize frontier sweep bench balance new explain reproduce schema"
+COMMANDS = (
+    "build report animate check simulate strength size optimize frontier sweep bench balance new explain reproduce "
+    "schema"
+)
 LAWS = "three_segment_stroke", "ratio_expression", "harmonic_ratio", "ellipse", "table", "uniform_crank"
 SIZES = {"stroke": 80, "crank": 40, "rod": 150, "speed": 50, "teeth": 30, "module": 2, "face-width": 9}
 UNITS = {"stroke": "-mm", "crank": "-mm", "rod": "-mm", "speed": "-rpm", "module": "-mm", "face-width": "-mm"}
@@ -24,6 +27,7 @@ UNITS = {"stroke": "-mm", "crank": "-mm", "rod": "-mm", "speed": "-rpm", "module
 STEP = "ellipse", "printed-pump", "internal-1-2"
 QUICK_BUILDS = "baler", "printed-pump", "internal-1-2"
 ANIMATED = "ellipse", "internal-1-2", "baler-frontier"
+SIZED = "pusher", "baler-half-dynamics"
 FRONTIERS = "baler-frontier", "printed-pump"
 SWEPT = "baler", "ellipse", "feeder-table", "internal-1-2", "baler-66-two-stage", "pusher"
 VARIED = "baler-dynamics", "printed-pump", "internal-1-2", "feeder-table", "helical-ellipse", "baler-half"
@@ -84,9 +88,12 @@ def _designs() -> Iterator[Run]:
         moving = "" if "masses:" in path.read_text(encoding="utf-8") else "simulate"
         for level in ("rigid", "quasi_static", "dynamic"):
             yield Run(f"simulate/{name}/{level}", ("simulate", place, "--level", level), together=moving)
+        yield Run(f"strength/{name}", ("strength", place), together="strength", quick=name in QUICK_BUILDS)
         yield Run(f"check/{name}", ("check", place), together="check", quick=True)
         yield Run(f"check/{name}/json", ("check", place, "--json"), together="check", quick=True)
     yield Run("check/alone", ("check", "designs/baler.yaml", "--timing"), quick=True)
+    for name in SIZED:
+        yield Run(f"size/{name}", ("size", _place(DESIGNS[name]), "--out", "sized.yaml"))
     for name in ANIMATED:
         small = "--frames", "6", "--width", "320"
         yield Run(f"animate/{name}", ("animate", _place(DESIGNS[name]), *small))

@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from engaged import LAWS, RINGS, made
+from engaged import LAWS, MODULE, RINGS, made
 from ncgear.dynamics.crank_load import CrankLoad, crank_load
 from ncgear.dynamics.gaps import Gaps, gaps_of
 from ncgear.dynamics.meshing import Friction, Impact, Meshing
 from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, ToothedMachine, law_table
+from ncgear.dynamics.pair_places import PairPlaces
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.masses import RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance
@@ -21,7 +22,11 @@ from ncgear.numerics.periodic_table import PeriodicTable
 
 Array = np.ndarray
 
-IMPACT = Impact(5e5, 2.2, 100.0, 0.1)
+IMPACT = Impact(2.2, 100.0, 0.1)
+LINEAR = Impact(1.0, 100.0, 0.01)
+STIFFNESS = 5e5
+"""Stiffness of all pairs in N/mm^exponent, where nothing is said."""
+
 FRICTION = Friction(0.08, 0.05, 1.0, 10.0)
 SMOOTH = Friction(0.0, 0.0, 1.0, 10.0)
 MASSES = RodMasses(
@@ -41,15 +46,25 @@ SPEED = 2.0 * pi
 class Giving(Impact):
     """Damping of the wrong sign."""
 
-    def force_n(self, depth_mm: Array, rate_mm_s: Array) -> Array:
-        return super().force_n(depth_mm, -rate_mm_s)
+    def force_n(self, depth_mm: Array, rate_mm_s: Array, stiffness: Array | float) -> Array:
+        return super().force_n(depth_mm, -rate_mm_s, stiffness)
+
+
+def alike(places: PairPlaces) -> Array:
+    """Pairs that are all as stiff."""
+    return np.full(places.flanks.shape, STIFFNESS)
+
+
+def uneven(places: PairPlaces) -> Array:
+    """Pairs of 0.4 to 1.6 times the stiffness, by the distance of the contact from the driving axis in modules."""
+    return STIFFNESS * (1.0 + 0.6 * np.sin(3.0 * np.abs(places.driving_point) / MODULE))
 
 
 @cache
 def gaps(name: str, teeth: int, per_tooth: int = 80, **kinds: Any) -> Gaps:
     """The pairs of a mesh of ``engaged.made``."""
     pitch, pair = made(name, teeth, **kinds)
-    return gaps_of(pair, pitch, per_tooth)
+    return gaps_of(pair, pitch, alike, per_tooth)
 
 
 @cache
@@ -58,9 +73,17 @@ def meshing(name: str, teeth: int, **kinds: Any) -> Meshing:
     return Meshing(law_table((LAWS | RINGS)[name]()), gaps(name, teeth, **kinds), IMPACT, FRICTION)
 
 
-def frictionless(found: Meshing, **changes: float) -> Meshing:
-    """Without friction, and with other figures of the law of impact."""
-    return replace(found, friction=SMOOTH, impact=replace(found.impact, **changes))
+@cache
+def uneven_meshing(name: str, teeth: int) -> Meshing:
+    """A mesh whose pairs are linear springs that get stiffer and softer on their way."""
+    pitch, pair = made(name, teeth)
+    return Meshing(law_table((LAWS | RINGS)[name]()), gaps_of(pair, pitch, uneven), LINEAR, FRICTION)
+
+
+def frictionless(found: Meshing, stiffness: float = STIFFNESS, **changes: float) -> Meshing:
+    """Without friction, with another stiffness of all pairs, and with other figures of the law of impact."""
+    smooth = replace(found, friction=SMOOTH, impact=replace(found.impact, **changes))
+    return smooth.stiffened(stiffness / STIFFNESS)
 
 
 def even_load(inertia_kg_mm2: float, torque_n_mm: float) -> CrankLoad:

@@ -58,6 +58,7 @@ CASES: dict[str, Data] = {
         "linkage": {"crank_mm": 72, "rod_mm": 250},
         "gears": {"driving": {"bore_mm": 10}, "driven": {"bore_mm": 10}},
     },
+    "too weak": {"gears": {"least_contact_ratio": 1.0}, "resistance": {"polynomial_n": [800]}},
     "loses contact": {
         "gears": {"rack": {"addendum": 0.5}, "teeth": 20},
     },
@@ -141,6 +142,7 @@ NOT_REMOVED = {Kind.NEGATIVE_RESISTANCE}
         ("negative resistance", Kind.NEGATIVE_RESISTANCE, "", "0..10 mm"),
         ("helical", Kind.THRUST, "", "0.213 of the tangential force"),
         ("loses contact", Kind.CONTACT_RATIO, "", "0.857 pitches"),
+        ("too weak", Kind.STRENGTH, "driving", "where 1 is wanted"),
         ("internal-1-2", Kind.RING, "driven", "no hob can cut it"),
         ("baler", Kind.SPEEDS, "", "2.64 times slower"),
         ("baler", Kind.SHORTENED, "driving", "would slope too much"),

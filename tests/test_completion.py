@@ -37,6 +37,8 @@ def test_all_commands() -> None:
         ("ncgear explain --of balance chain_drive.w", ["chain_drive.wrap_deg"]),
         ("ncgear new x --law e", ["ellipse"]),
         ("ncgear simulate x --level q", ["quasi_static"]),
+        ("ncgear strength x --method el", ["elements"]),
+        ("ncgear size x --material 18", ["18CrNiMo7-6"]),
     ],
 )
 def test_words(typed: str, words: list[str]) -> None:

@@ -24,7 +24,9 @@ WITHOUT_GEARS = "baler-frontier"
 IN_STAGES = "baler-66-two-stage"
 SIMULATED = {"baler-dynamics", "baler-half-dynamics", "baler-drivetrain"}
 """Pinned in tests/test_simulate_command.py and tests/test_drivetrain.py; laws are those of designs without masses."""
-OTHERS = {REFUSED, WITHOUT_GEARS, IN_STAGES, *SIMULATED}
+SIZED = "baler-holds"
+"""Pinned in tests/test_sizing_strength.py."""
+OTHERS = {REFUSED, WITHOUT_GEARS, IN_STAGES, SIZED, *SIMULATED}
 BUILT = sorted({path.stem for path in DESIGNS.glob("*.yaml")} - OTHERS)
 
 

@@ -14,7 +14,7 @@ import drives
 import ncgear
 from documented.installing import ROOT
 from documented.pages import PAGES
-from made import command_heads, drawings, figures, key_pages
+from made import command_heads, drawings, figures, key_pages, material_page
 from ncgear.design.keys.base import FORMULA
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.summary.check_summary import check_summary
@@ -63,6 +63,10 @@ def test_every_command_is_shown_at_work(name: str) -> None:
 @pytest.mark.parametrize("name", key_pages.PAGES)
 def test_pages_of_keys_are_todays(name: str) -> None:
     assert key_pages.key_page(name) == TEXTS[f"docs/{name}"], "run `make docs`"
+
+
+def test_the_page_of_materials_is_todays() -> None:
+    assert material_page.material_page() == TEXTS[f"docs/{material_page.NAME}"], "run `make docs`"
 
 
 def test_what_formulas_are_made_of_is_what_is_read() -> None:
@@ -197,6 +201,6 @@ def test_every_row_of_judges_names_a_test() -> None:
     """But for the clock's, which no test asserts; files that are named exist, as on every page."""
     rows = [line for line in JUDGES.splitlines() if line.startswith("|") and not line.startswith("|---")]
     heads = [line for line in rows if line.endswith("| where |")]
-    assert len(heads) == 7
+    assert len(heads) == 8
     without = [line.split("|")[1].strip() for line in rows if line not in heads and "`tests/" not in line]
     assert without == ["`timing_s`"]

@@ -15,12 +15,14 @@ from loaded import (
     LINKAGE,
     MASSES,
     SPEED,
+    STIFFNESS,
     Giving,
     even_load,
     frictionless,
     mechanism,
     meshing,
     slider_load,
+    uneven_meshing,
 )
 from ncgear.dynamics.history import even_times_s, history
 from ncgear.dynamics.mesh_force import MeshPlace, mesh_force
@@ -83,6 +85,14 @@ def test_energy_balances(name: str, teeth: int, start: Start) -> None:
     assert found.energy_error < 1e-5
 
 
+@pytest.mark.tiers(thorough=["uniform-24"], rest="slow")
+@pytest.mark.parametrize(("name", "teeth"), [("uniform", 24), ("sine", 31), ("ring", 24)])
+def test_energy_balances_where_pairs_get_stiffer_and_softer_on_their_way(name: str, teeth: int) -> None:
+    found = run(mechanism(uneven_meshing(name, teeth), slider_load()), name, 0.12)
+    assert found.states[4, -1] > 1e3
+    assert found.energy_error < 1e-5
+
+
 @pytest.mark.thorough
 def test_a_wrong_sign_of_the_damping_is_told_by_the_energy() -> None:
     found = meshing("uniform", 24)
@@ -116,7 +126,7 @@ def test_a_constant_torque_settles_at_the_closed_forms_depth() -> None:
     end = run(found, "uniform", 0.02, Start.REST)
     teeth = found.answer(end.states[:, -1]).teeth
     pairs = int(np.sum(teeth.normal_n > 0.0))
-    depth = (2e3 / (pairs * found.meshing.impact.stiffness * BASE)) ** (1.0 / 2.2)
+    depth = (2e3 / (pairs * STIFFNESS * BASE)) ** (1.0 / 2.2)
     np.testing.assert_allclose(teeth.depth_mm[teeth.normal_n > 0.0], depth, rtol=1e-4)
 
 
@@ -128,7 +138,7 @@ def test_small_vibrations_have_the_closed_forms_frequency() -> None:
     phi1 = 0.07
     rest = loaded_contact(smooth, np.array([phi1]), np.array([2e3]), 0.0)
     pairs, depth = int(rest.pairs[0]), float(rest.forces.depth_mm.max())
-    stiffness = pairs * 2.2 * smooth.impact.stiffness * depth**1.2 * BASE**2
+    stiffness = pairs * 2.2 * STIFFNESS * depth**1.2 * BASE**2
     frequency = sqrt(stiffness / (1e-3 * HEAVY))
     place = phi1 + float(rest.error_rad[0])
     swing = 1e-4 * depth / BASE
@@ -169,8 +179,7 @@ def test_at_a_slow_speed_the_motion_is_that_of_loaded_contact() -> None:
 @pytest.mark.parametrize("factor", [0.1, 10.0])
 def test_ten_times_the_stiffness_or_a_tenth(factor: float) -> None:
     found = meshing("sine", 31)
-    impact = replace(found.impact, stiffness=factor * found.impact.stiffness)
-    out = run(mechanism(replace(found, impact=impact), slider_load()), "sine")
+    out = run(mechanism(found.stiffened(factor), slider_load()), "sine")
     assert out.energy_error < 1e-5
     deepest = out.machine.answer(out.states).teeth.depth_mm.max()
     usual = run(mechanism(found, slider_load()), "sine")

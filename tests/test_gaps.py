@@ -10,7 +10,7 @@ import shapely
 from shapely.affinity import rotate, translate
 
 from engaged import MODULE, designed, made
-from loaded import gaps
+from loaded import alike, gaps
 from ncgear.contact.designed.as_designed import contacts_within
 from ncgear.contact.placement import placed
 from ncgear.dynamics.gaps import gaps_of
@@ -77,7 +77,7 @@ def test_slopes_of_corners_match_differences_of_contacts() -> None:
     """The common normal against two solved positions: the error of a corner that scrapes along a flank."""
     pitch, pair = made("sine", 31)
     placement = placed(pitch, 160)
-    found = gaps_of(pair, pitch, 160)
+    found = gaps_of(pair, pitch, alike, 160)
     contacts = contacts_within(pair, placement, 0.2)[0]
     first = contacts.kept(~contacts.flanks)
     order = np.lexsort((first.position, first.driven, first.driving))

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from loaded import Giving, frictionless, meshing
+from loaded import Giving, frictionless, meshing, uneven_meshing
+from ncgear.dynamics.gaps import Gaps, Near
 from ncgear.dynamics.meshing import Meshing, TwoShafts
 
 Array = np.ndarray
@@ -32,7 +33,10 @@ def imbalance(found: Meshing) -> Array:
         replace(at, phi1_rad=at.phi1_rad + way * at.speed1_rad_s, phi2_rad=at.phi2_rad + way * at.speed2_rad_s)
         for way in (step, -step)
     ]
-    more, less = (found.impact.energy_n_mm(found.forces(there).depth_mm).sum(axis=-1) for there in moved)
+    more, less = (
+        found.impact.energy_n_mm(teeth.depth_mm, teeth.near.stiffness).sum(axis=-1)
+        for teeth in (found.forces(there) for there in moved)
+    )
     return (given + (more - less) / (2.0 * step) + forces.loss_n_mm_s.sum(axis=-1)) / np.abs(given).max()
 
 
@@ -42,6 +46,28 @@ def test_moments_give_what_is_stored_and_lost(name: str, teeth: int) -> None:
     # A difference over a joint of the tables is off by as much as the slopes jump there.
     assert np.quantile(np.abs(imbalance(meshing(name, teeth))), 0.99) < 1e-7
     assert np.abs(imbalance(meshing(name, teeth))).max() < 1e-4
+
+
+@pytest.mark.tiers(quick=["uniform-24"], slow=["baler-25"], rest="thorough")
+@pytest.mark.parametrize(("name", "teeth"), PAIRS)
+def test_moments_give_what_is_stored_where_pairs_get_stiffer_and_softer_on_their_way(name: str, teeth: int) -> None:
+    found = uneven_meshing(name, teeth)
+    assert np.quantile(np.abs(imbalance(found)), 0.99) < 1e-7
+    assert np.abs(imbalance(found)).max() < 1e-4
+
+
+class Unfelt(Gaps):
+    """A change of stiffness that the driving gear does not feel."""
+
+    def at(self, phi1_rad: Array | float) -> Near:
+        near = super().at(phi1_rad)
+        return replace(near, slopes=(*near.slopes[:2], 0.0 * near.slopes[2]))
+
+
+def test_a_change_of_stiffness_that_no_gear_feels_is_told_by_the_balance() -> None:
+    found = uneven_meshing("uniform", 24)
+    wrong = replace(found, gaps=Unfelt(*vars(found.gaps).values()))
+    assert np.quantile(np.abs(imbalance(wrong)), 0.99) > 1e-5
 
 
 def test_a_wrong_sign_of_the_damping_is_told_by_the_balance() -> None:

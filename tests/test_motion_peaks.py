@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from engaged import LAWS, MODULE
-from loaded import LINKAGE, MASSES, SPEED, even_load, frictionless, mechanism, meshing, slider_load
+from loaded import LINKAGE, MASSES, SPEED, STIFFNESS, even_load, frictionless, mechanism, meshing, slider_load
 from ncgear.dynamics.crank_load import crank_load
 from ncgear.dynamics.history import even_times_s, history
 from ncgear.dynamics.mesh_force import MeshPlace
@@ -74,8 +74,8 @@ def test_an_impact_from_rest_has_the_closed_forms_peak(speed: float, inertia: fl
     near = found.meshing.gaps.at(np.array(peaks.pushing_n.phi1_rad))
     pairs = int(np.sum((near.urge > 0.0) & (np.abs(near.error_rad) < 1e-9)))
     energy = 0.5 * 1e-3 * inertia * speed**2
-    depth = ((impact.exponent + 1.0) * energy / (pairs * impact.stiffness)) ** (1.0 / (impact.exponent + 1.0))
-    force = impact.stiffness * depth**impact.exponent
+    depth = ((impact.exponent + 1.0) * energy / (pairs * STIFFNESS)) ** (1.0 / (impact.exponent + 1.0))
+    force = STIFFNESS * depth**impact.exponent
     assert peaks.pushing_n.value == pytest.approx(force, rel=2e-5)
     assert peaks.least_torque_n_mm.value == pytest.approx(0.0, abs=1e-6)
     assert peaks.most_torque_n_mm.value == pytest.approx(pairs * force * BASE, rel=2e-5)

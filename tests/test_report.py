@@ -225,7 +225,8 @@ def test_the_page_says_what_the_design_is() -> None:
 
 
 def test_every_quantity_has_a_chart() -> None:
-    wanted = [q.column for q in (*MOTION, *LOAD)] + ["ratio", "pressure_angle", "transmission_error"]
+    of_teeth = ["pressure_angle", "transmission_error", "force_of_a_pair", "root_stress", "contact_pressure"]
+    wanted = [*(q.column for q in (*MOTION, *LOAD)), "ratio", *of_teeth]
     assert parsed(reports.page("baler")).xpath("//figure/@data-key") == wanted
 
 

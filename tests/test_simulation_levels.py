@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from commands import ROOT, Outcome, Run, on_text, simulated, simulated_table
-from ncgear.design.reading.design_file import load
-from ncgear.project.drive import Drive
-from ncgear.project.forces import impact_of
+from drives import drive_of_text
+from ncgear.dynamics.crank_load import reduced_inertia
+from ncgear.numerics.jet import Jet
 
 DESIGN = ROOT / "designs" / "baler-dynamics.yaml"
 
@@ -24,6 +25,8 @@ gears: {teeth: 19, module_mm: 1.5, face_width_mm: 10}
 masses: {slider_kg: 1, rod: {mass_kg: 0.3, center_mm: 40, inertia_kg_mm2: 300}, crank: {mass_kg: 0.4, center_mm: 10, \
 inertia_kg_mm2: 200}, driving_gear_kg_mm2: 50, driven_gear_kg_mm2: 50}
 """
+
+ROUND = HEAD.replace("{law: ellipse, eccentricity: 0.3}", "{law: uniform_crank}")
 
 
 @pytest.fixture
@@ -42,12 +45,18 @@ def test_loaded_contact_of_the_published_baler(run: Run) -> None:
     status, _, err = run(DESIGN.read_text(encoding="utf-8"), "quasi_static")
     assert (status, err) == (0, "")
     found, rows = simulated("here")["loaded_contact"], simulated_table("here")
-    assert found["contact_stiffness_n"] == pytest.approx(633516.0, abs=1.0)
-    assert found["peak_tooth_force_n"] == pytest.approx(64077.8, abs=0.5)
-    assert found["peak_depth_mm"] == pytest.approx(0.3529, rel=1e-3)
+    # 8 to 25 N/(mm um) for 20 mm of width: under this load the teeth's contacts are as wide as half a millimetre.
+    assert found["least_pair_stiffness_n_per_mm"] == pytest.approx(161446.0, rel=1e-3)
+    assert found["largest_pair_stiffness_n_per_mm"] == pytest.approx(507201.0, rel=1e-3)
+    softer, stiffer = (simulated("here")["band_of_stiffness"][name] for name in ("softer", "stiffer"))
+    assert softer["peak_depth_mm"] > found["peak_depth_mm"] > stiffer["peak_depth_mm"]
+    assert softer["transmission_error_rad"] == pytest.approx(0.0092, rel=0.05)
+    assert stiffer["transmission_error_rad"] == pytest.approx(0.0052, rel=0.05)
+    assert found["peak_tooth_force_n"] == pytest.approx(67141.7, abs=0.5)
+    assert found["peak_depth_mm"] == pytest.approx(0.2121, rel=1e-3)
     # Closed in on between the rows, which miss a little of both
-    assert 64000.0 < rows["tooth_force_n"].max() < found["peak_tooth_force_n"]
-    assert 0.999 < np.ptp(rows["error_rad"]) / found["transmission_error_rad"] < 1.0
+    assert 66000.0 < rows["tooth_force_n"].max() < found["peak_tooth_force_n"]
+    assert 0.99 < np.ptp(rows["error_rad"]) / found["transmission_error_rad"] < 1.0
     assert {path.name for path in Path("here").iterdir()} == {
         "manifest.json",
         "simulation.csv",
@@ -60,16 +69,16 @@ def test_loaded_contact_of_the_published_baler(run: Run) -> None:
 
 @pytest.mark.slow
 def test_motion_in_time_of_the_published_baler(run: Run) -> None:
-    """Pinned: the slider keeps to the law within 4 mm, its acceleration swings about it, and energy balances."""
+    """Pinned: the slider keeps to the law within 2 mm, its acceleration swings about it, and energy balances."""
     status, _, err = run(DESIGN.read_text(encoding="utf-8"), "dynamic")
     assert (status, err) == (0, "")
     found, rows = simulated("here"), simulated_table("here")
     assert found["motion_in_time"]["energy_error"] < 1e-5
-    assert found["motion_in_time"]["work_of_drive_j"] == pytest.approx(3182.2, rel=1e-3)
-    assert found["motion_in_time"]["peak_pushing_force_n"] == pytest.approx(68553.0, rel=1e-3)
-    assert found["motion_in_time"]["time_with_pushing_flanks_apart_s"] == pytest.approx(0.4512, rel=1e-2)
+    assert found["motion_in_time"]["work_of_drive_j"] == pytest.approx(3175.5, rel=1e-3)
+    assert found["motion_in_time"]["peak_pushing_force_n"] == pytest.approx(71490.0, rel=1e-3)
+    assert found["motion_in_time"]["time_with_pushing_flanks_apart_s"] == pytest.approx(0.4454, rel=1e-2)
     assert found["motion_in_time"]["losses_of_contact"] == found["motion_in_time"]["time_without_contact_s"] == 0
-    assert found["slider"]["largest_displacement_error_mm"] == pytest.approx(3.5204, rel=1e-2)
+    assert found["slider"]["largest_displacement_error_mm"] == pytest.approx(1.571, rel=1e-2)
     assert rows["displacement_mm"].max() == pytest.approx(760.0, abs=1e-2)
     names = {"slider_motion.png", "tooth_force.png", "bearing_forces.png"}
     assert all(Path("here", name).read_bytes().startswith(b"\x89PNG") for name in names)
@@ -77,16 +86,13 @@ def test_motion_in_time_of_the_published_baler(run: Run) -> None:
 
 @pytest.mark.slow
 def test_motion_in_time_with_a_motor_from_rest(run: Run) -> None:
-    motor = "simulation: {start: rest, turns: 0.1, motor: {no_load_speed_rpm: 60, stall_torque_n_m: 200}}\n"
+    motor = "simulation: {start: rest, turns: 0.02, motor: {no_load_speed_rpm: 60, stall_torque_n_m: 200}}\n"
     status, out, err = run(HEAD + motor, "dynamic")
     assert (status, err) == (0, "")
     rows = simulated_table("here")
-    assert rows["phi1_rad"][-1] == pytest.approx(0.2 * np.pi, rel=1e-6)
+    assert rows["phi1_rad"][-1] == pytest.approx(0.04 * np.pi, rel=1e-6)
     assert rows["velocity_mm_s"][0] == 0.0
     assert "energy error" in out
-
-
-ROUND = HEAD.replace("{law: ellipse, eccentricity: 0.3}", "{law: uniform_crank}")
 
 
 @pytest.mark.thorough
@@ -102,8 +108,8 @@ def test_an_impact_between_the_rows_is_told(run: Run) -> None:
     peak = found["motion_in_time"]["peak_pushing_force_n"]
     assert rows.size == 9
     assert peak > 2.0 * rows["pushing_force_n"].max()
-    assert found["bearings"]["peak_mesh_force_n"] > 1.9 * peak
-    assert f"peak pushing force, one pair of teeth  {peak:.5g} N at phi1 = " in out
+    assert found["bearings"]["peak_mesh_force_n"] > 1.7 * peak
+    assert re.search(rf"peak pushing force, one pair of teeth +{peak:.5g} N at phi1 = ", out)
     assert "peak mesh force, all pairs together" in out
 
 
@@ -120,13 +126,37 @@ def test_a_motor_on_the_law_starts_at_the_operating_speed(run: Run) -> None:
     assert found["slider"]["largest_velocity_error_mm_s"] < 0.05 * rows["velocity_mm_s"].max()
 
 
-def test_a_stiffness_is_hertzs_or_the_one_given() -> None:
-    """A quarter of the modulus is a quarter of the stiffness, and a stiffness that is given is taken."""
-    drive = Drive(load(DESIGN).design)
-    given, pitch = drive.design.simulation, drive.pitch
-    soft = given.model_copy(update={"youngs_modulus_gpa": given.youngs_modulus_gpa / 4.0})
-    assert impact_of(soft, pitch).stiffness == pytest.approx(impact_of(given, pitch).stiffness / 4.0, rel=1e-12)
-    assert impact_of(given.model_copy(update={"stiffness_n_mm": 7.0}), pitch).stiffness == 7.0
+def test_a_stiffness_that_is_given_is_that_of_all_pairs() -> None:
+    """With any exponent; where none is given, pairs differ, and a narrower gear is softer by its width."""
+    wide, narrow, given = (
+        drive_of_text(text)
+        for text in (
+            HEAD,
+            HEAD.replace("face_width_mm: 10", "face_width_mm: 5"),
+            HEAD + "simulation: {stiffness_n_mm: 7e4, exponent: 1.5}\n",
+        )
+    )
+    assert set(given.meshing.gaps.touching_stiffness) == {7e4}
+    assert given.meshing.impact.exponent == 1.5
+    stiffness = wide.meshing.gaps.touching_stiffness
+    assert 1.1 * stiffness.min() < stiffness.max()
+    # Half as wide, each millimetre bears twice the load, under which contacts are flatter and a little stiffer.
+    ratio = narrow.meshing.gaps.touching_stiffness / stiffness
+    assert np.all((ratio > 0.5) & (ratio < 0.53))
+
+
+@pytest.mark.thorough
+def test_damping_is_the_ratio_of_the_critical_one() -> None:
+    """A pair between a shaft whose speed nothing changes and the crank's mean inertia at the base circle."""
+    drive = drive_of_text(ROUND + "simulation: {turns: 0.001}\n")
+    meshing = drive.course.machine.meshing
+    angles = np.linspace(0.0, 2.0 * np.pi, 4001)[:-1]
+    moving = drive.linkage.moving_masses(Jet.variable(angles, 2), drive.masses)
+    inertia = 1e-3 * reduced_inertia(moving, drive.masses)[0].mean()
+    base = 19 * 1.5 / 2.0 * np.cos(np.radians(20.0))
+    stiffness = np.mean(meshing.gaps.touching_stiffness)
+    critical = 2.0 * np.sqrt(stiffness * inertia) / base
+    assert meshing.impact.damping_n_s_mm == pytest.approx(0.07 * critical, rel=1e-6)
 
 
 WRONG: dict[str, tuple[str, str, str]] = {
@@ -134,8 +164,8 @@ WRONG: dict[str, tuple[str, str, str]] = {
     "exponent under 1": ("{exponent: 0.9}", "exponent", "1"),
     "negative damping": ("{damping_n_s_mm: -1}", "damping_n_s_mm", "0 or over"),
     "no depth of damping": ("{full_damping_depth_mm: 0}", "full_damping_depth_mm", "over 0"),
-    "no modulus": ("{youngs_modulus_gpa: 0}", "youngs_modulus_gpa", "over 0"),
-    "poisson": ("{poisson: 0.6}", "poisson", "0.5"),
+    "exponent of no stiffness": ("{exponent: 1.5}", "exponent", "given without stiffness_n_mm"),
+    "damping beyond critical": ("{damping_ratio: 1.5}", "damping_ratio", "1 or under"),
     "less friction at rest": ("{friction: {static: 0.01}}", "friction.static", "less than the dynamic 0.05"),
     "speeds of friction": ("{friction: {dynamic_speed_mm_s: 1}}", "friction.dynamic_speed_mm_s", "over 1 is right"),
     "motor without torque": (
@@ -186,7 +216,9 @@ def test_a_motor_whose_shaft_has_no_inertia_is_refused(run: Run) -> None:
 
 @pytest.mark.thorough
 def test_a_load_too_heavy_for_the_teeth_is_refused(run: Run) -> None:
-    status, _, err = run(HEAD + "simulation: {stiffness_n_mm: 10}\n", "quasi_static")
+    status, _, err = run(
+        HEAD + "simulation: {stiffness_n_mm: 100, friction: {static: 0, dynamic: 0}}\n", "quasi_static"
+    )
     assert status == 3
-    assert "simulation.stiffness_n_mm: " in err
+    assert "simulation: " in err
     assert "deeper than their teeth can be followed" in err

@@ -28,6 +28,7 @@ from speed_against_error.return_period import basis_study, closure_study
 from speed_against_error.simulation import baler_simulation_study, half_power_simulation_study
 from speed_against_error.solids import surface_study, volume_study
 from speed_against_error.study import TIMED_S, Study, measured
+from speed_against_error.tooth_elements import deflection_study, root_stress_study
 
 STUDIES: Mapping[str, Callable[[], Study]] = {
     "inversion": inversion_study,
@@ -50,6 +51,8 @@ STUDIES: Mapping[str, Callable[[], Study]] = {
     "limit": limit_study,
     "makeable": makeable_study,
     "makeable-places": places_study,
+    "tooth-root-stress": root_stress_study,
+    "tooth-deflection": deflection_study,
 }
 """All studies by their keys, in the order of the way of the data."""
 

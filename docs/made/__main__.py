@@ -6,17 +6,20 @@ import sys
 
 from made.command_heads import FOLDER, NAMES, with_head
 from made.key_pages import PAGES, key_page
+from made.material_page import NAME as MATERIALS
+from made.material_page import material_page
 
 DOCS = FOLDER.parent
 
 
 def write_pages() -> None:
-    """Put today's head on every command's page, and write the pages of keys."""
+    """Put today's head on every command's page, and write the pages of keys and of materials."""
     for name in NAMES:
         page = FOLDER / f"{name}.md"
         page.write_text(with_head(page.read_text(encoding="utf-8") if page.exists() else "", name), encoding="utf-8")
     for file in PAGES:
         (DOCS / file).write_text(key_page(file), encoding="utf-8")
+    (DOCS / MATERIALS).write_text(material_page(), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -30,7 +30,7 @@ Every key of a design file. Files are YAML: `ncgear new NAME` writes one with co
 fills one in, `ncgear explain KEY` tells about one key, `ncgear schema` prints the JSON Schema for editors. A key that
 is not here is refused, and the message names the nearest that is. A key's end is its unit; an angle can be given in
 degrees (`_deg`), radians (`_rad`) or multiples of pi (`_pi`), by one of these keys. What [formulas](#formulas) are
-made of stands at the end.
+made of stands at the end; [materials](materials.md) have a page of their own.
 """
 
 FORMULAS = f"""\

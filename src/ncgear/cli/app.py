@@ -8,9 +8,9 @@ import typer
 
 from ncgear import __version__
 from ncgear.cli.lookup import explain, reproduce, schema
-from ncgear.cli.machine import animate, balance, build, check, report, simulate
+from ncgear.cli.machine import animate, balance, build, check, report, simulate, strength
 from ncgear.cli.new import new
-from ncgear.cli.search import frontier, optimize, sweep
+from ncgear.cli.search import frontier, optimize, size, sweep
 
 app = typer.Typer(
     name="ncgear",
@@ -27,6 +27,8 @@ COMMANDS = (
     animate,
     check,
     simulate,
+    strength,
+    size,
     optimize,
     frontier,
     sweep,

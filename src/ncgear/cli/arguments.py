@@ -55,6 +55,13 @@ def keys_to_complete(context: typer.Context, incomplete: str) -> list[str]:
     return [word for word in words if word.startswith(incomplete)]
 
 
+def materials_to_complete(incomplete: str) -> list[str]:
+    """Materials of the table whose name begins with the typed text."""
+    from ncgear.strength.materials import TABLE
+
+    return [name for name in TABLE if name.startswith(incomplete)]
+
+
 EXPORT = Path("export")
 """Commands write into a folder for each design below this one, unless ``--out`` names another folder."""
 

@@ -1,7 +1,8 @@
-"""Commands that compute one machine: check, build, report, animate and simulate a design, balance a balance file."""
+"""Commands that compute one machine: check, build, report, animate, simulate and strength; balance of its own file."""
 
 from __future__ import annotations
 
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -198,6 +199,65 @@ def simulate(
             found = simulate_drive(drive, level)
         run = publish_run(folder, simulation_files(found), "simulate")
         typer.echo(simulation_text(found, run.paths, run.kept))
+        if timing:
+            typer.echo(timing_text(drive), err=True)
+
+
+class Method(StrEnum):
+    """Methods of strength."""
+
+    ESTIMATE = "estimate"
+    ELEMENTS = "elements"
+
+
+def strength(
+    design_file: DesignFile,
+    method: Annotated[
+        Method | None,
+        typer.Option(
+            help="estimate: local replacement gears, at once; elements: plane finite elements, in seconds.",
+            show_default="as the file says",
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-strength")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
+    timing: Timing = False,
+) -> None:
+    """Say whether the teeth hold: safety and life of every tooth, the weakest first, and what would do."""
+    from ncgear.files.publish import prepare
+
+    with opened(design_file) as loaded:
+        folder = out or EXPORT / f"{loaded.design.name}-strength"
+        prepare(folder)
+
+        from ncgear.figures.advice.strength_advice import remedies
+        from ncgear.figures.strong import strength_text
+        from ncgear.figures.terminal import kept_lines, timing_text, written_lines
+        from ncgear.files.manifest import publish_run
+        from ncgear.files.strength import strength_files
+        from ncgear.project.drive import Drive
+        from ncgear.project.strengthening import verdict_of
+
+        drive = Drive(loaded.design)
+        with naming_what_helps(drive, BUILD), steps_shown(3) as on_step:
+            on_step("strength")
+            verdict = verdict_of(drive, method.value if method else None)
+            beside = None if verdict.strength.method == "estimate" else verdict_of(drive, "estimate")
+            on_step("what would do")
+            ways = remedies(drive, verdict)
+            on_step("pictures")
+            files = strength_files(drive, verdict, beside)
+        run = publish_run(folder, files, "strength")
+        if as_json:
+            typer.echo(files["strength.json"].decode().rstrip())
+            if run.kept:
+                typer.echo("\n".join(kept_lines(run.kept)), err=True)
+        else:
+            typer.echo(
+                "\n".join([strength_text(drive, verdict, ways, beside), "", *written_lines(run.paths, run.kept)])
+            )
         if timing:
             typer.echo(timing_text(drive), err=True)
 

@@ -1,14 +1,17 @@
-"""Commands that look among many laws: optimize, frontier, sweep."""
+"""Commands that look among many laws or gears: optimize, frontier, sweep, size."""
 
 from __future__ import annotations
 
+from math import inf
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import EXPORT, DesignFile, opened
+from ncgear.cli.arguments import EXPORT, SUFFIXES, DesignFile, materials_to_complete, opened
+from ncgear.cli.mending import BUILD, naming_what_helps
 from ncgear.cli.progress import counted, steps_shown
+from ncgear.errors import WrongInput
 
 
 def optimize(
@@ -104,3 +107,72 @@ def sweep(
             found = screened(list(designs_of(loaded, varied)), on_done=on_done, as_written=loaded.source.as_written)
         run = publish_run(folder, {"sweep.csv": sweep_csv(varied, found).encode()}, "sweep")
         typer.echo(sweep_text(varied, found, run.paths, run.kept))
+
+
+def size(
+    design_file: DesignFile,
+    space: Annotated[
+        float | None,
+        typer.Option(metavar="MM", min=1.0, help="Largest centre distance in mm.", show_default="no limit"),
+    ] = None,
+    diameter: Annotated[
+        float | None,
+        typer.Option(metavar="MM", min=1.0, help="Largest diameter of either gear in mm.", show_default="no limit"),
+    ] = None,
+    width: Annotated[float, typer.Option(min=5.0, max=30.0, help="Largest face width in modules.")] = 12.0,
+    bending_safety: Annotated[
+        float | None,
+        typer.Option(min=0.1, max=10.0, help="Safety wanted against breakage.", show_default="as the file says"),
+    ] = None,
+    contact_safety: Annotated[
+        float | None,
+        typer.Option(min=0.1, max=10.0, help="Safety wanted against pitting.", show_default="as the file says"),
+    ] = None,
+    material: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="Material of both gears.",
+            show_default="as the file says",
+            autocompletion=materials_to_complete,
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.yaml", help="Write the design file with the smallest gears.", show_default="none"),
+    ] = None,
+) -> None:
+    """Find the smallest gears that hold: module of series I, number of teeth, face width, within a space."""
+    from ncgear.files.publish import prepare_file
+
+    if out is not None and out.suffix not in SUFFIXES:
+        raise WrongInput(f"{out} given; a file that ends in .yaml is right", key="--out")
+    if material is not None:
+        from ncgear.project.sizing import require_material
+
+        require_material(material, "--material")
+    with opened(design_file) as loaded:
+        if out is not None:
+            prepare_file(out)
+
+        from ncgear.figures.sized import sized_design, sized_text
+        from ncgear.figures.terminal import written_lines
+        from ncgear.files.manifest import publish_run
+        from ncgear.project.drive import Drive
+        from ncgear.project.sizing import Space, asked_design, smallest_gears
+
+        options = {
+            "strength.bending_safety": bending_safety,
+            "strength.contact_safety": contact_safety,
+            "gears.material": material,
+        }
+        asked = {key: value for key, value in options.items() if value is not None}
+        drive = Drive(asked_design(loaded.design, asked))
+        with naming_what_helps(drive, BUILD), counted("gears computed") as on_trial:
+            found = smallest_gears(drive, Space(space or inf, diameter or inf, width), on_trial)
+        lines = [sized_text(found)]
+        if out is not None:
+            content = sized_design(loaded, found[0], asked).encode()
+            run = publish_run(out.parent, {out.name: content}, f"size {out.name}")
+            lines += ["", *written_lines(run.paths, run.kept)]
+        typer.echo("\n".join(lines))

@@ -179,7 +179,12 @@ def allowed(key: Key) -> str:
     """The allowed values of a key, in words."""
     rule = key.rule
     if key.group:
-        return f"a list{_count(choices(rule)[0])} of groups of keys" if is_list(rule) else "a group of keys"
+        names = [_words(one) for one in choices(rule) if "enum" in one]
+        return (
+            f"a list{_count(choices(rule)[0])} of groups of keys"
+            if is_list(rule)
+            else " or ".join([*names, "a group of keys"])
+        )
     return listed(_words(one) for one in choices(rule))
 
 
@@ -268,6 +273,11 @@ KNOWN = {
     "hub.height_mm": "10",
     "set_screw.diameter_mm": "3.3",
     "set_screw.height_mm": "5",
+    "hardness": "300",
+    "material.driving": "42CrMo4",
+    "material.driven": "POM",
+    "driving.name": "42CrMo4",
+    "driven.name": "POM",
     "web.thickness_mm": "6",
     "web.rim_mm": "6",
     "web.hub_mm": "20",

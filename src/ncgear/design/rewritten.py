@@ -9,6 +9,8 @@ from typing import Any
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
+from ncgear.design.reading.design_file import LoadedDesign
+
 LINE_WIDTH = 118
 """Width of the lines of files that hold many numbers."""
 
@@ -40,6 +42,18 @@ def rewritten(text: str, values: Mapping[str, Any], width: int = LONGEST_LINE) -
             _put(group, name, _row(value) if isinstance(value, list) else value)
     yaml.dump(data, made)
     return made.getvalue()
+
+
+def design_copy(loaded: LoadedDesign, values: Mapping[str, Any]) -> str:
+    """The text of a design file with other values, for another folder; its comments stay.
+
+    Points that are in a CSV file are written into the text, because the path of that file is relative to the folder of
+    the old design.
+    """
+    points: dict[str, Any] = {}
+    for group, table in loaded.source.from_files.items():
+        points |= {f"{group}.{key}": value for key, value in table.values.items()} | {f"{group}.file": None}
+    return rewritten(loaded.text, {**points, **values}, LINE_WIDTH)
 
 
 def _put(group: CommentedMap, name: str, value: Any) -> None:

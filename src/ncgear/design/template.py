@@ -47,6 +47,7 @@ gears:                     # a check does without, a build needs it
   # helix: {angle_deg: 15, kind: helical, hand: right}   # or herringbone, left; left out: straight teeth
   backlash_mm: 0           # normal backlash
   index_holes: true        # a small hole in each gear; they face each other at phi1 = 0, so that teeth pair up right
+  material: 42CrMo4        # both gears; or {driving: 16MnCr5, driven: POM}; docs/materials.md lists all
   # tolerances: {standard: ISO 1328-1, grade: "8", tooth_thickness_upper_mm: -0.05, tooth_thickness_lower_mm: -0.1}
   # measuring_pin_mm: 3.5  # of the data sheet; left out: one that fits
   # first_layer_chamfer_mm: 0.4   # bevel of all edges at z = 0, where the first layers of a print spread
@@ -79,17 +80,30 @@ resistance:                # the force against the slider; left out: none
 #   # flywheel: {inertia_kg_mm2: 0, speed_fluctuation: 0.05}
 #   # gravity: {direction_deg: -90}                                # from the slider's way out, counter-clockwise
 
-# simulation:              # for ncgear simulate --level quasi_static and dynamic; left out: as published for a baler
-#   youngs_modulus_gpa: 201
-#   poisson: 0.29
-#   # stiffness_n_mm:        # force at a depth of 1 mm; left out: from the two above
-#   exponent: 2.2          # of the depth, in the force of a contact
-#   damping_n_s_mm: 100    # full from a depth on
-#   full_damping_depth_mm: 0.1
+# simulation:              # for ncgear simulate --level quasi_static and dynamic
+#   # stiffness_n_mm:        # of a pair of teeth; left out: each pair's own, from its teeth, material and face width
+#   # exponent: 1            # of the depth, in the force of a pair; other than 1 only with stiffness_n_mm
+#   # damping_n_s_mm:        # of a pair of teeth, full from a depth on; left out: by the ratio
+#   damping_ratio: 0.07      # to the critical damping of one pair of teeth
+#   full_damping_depth_mm: 0.002
 #   friction: {static: 0.08, dynamic: 0.05, static_speed_mm_s: 1, dynamic_speed_mm_s: 10}
 #   # motor: {no_load_speed_rpm: 21, stall_torque_n_m: 60000}        # left out: the operating speed, whatever it takes
 #   start: on_law          # or rest
 #   turns: 1               # of the driving gear
+
+# strength:                # for ncgear strength; left out: 20 000 h in oil
+#   method: estimate       # or elements
+#   life_h: 20000          # or life_strokes
+#   application_factor: 1.0   # jolts beyond the computed load
+#   face_load_factor: 1.3  # uneven load along the width
+#   reliability: 0.99
+#   lubrication: oil       # grease or dry
+#   oil_viscosity_mm2_s: 220
+#   flank_roughness_um: 6  # Rz; 3 ground, 6 hobbed, 12 milled
+#   root_roughness_um: 16
+#   temperature_c: 20      # of the oil or the air
+#   # contact_safety: 1.0    # least ones wanted; left out: by the material
+#   # bending_safety: 1.4
 
 # comparison:              # published mechanisms, compared at equal speed
 #   published:

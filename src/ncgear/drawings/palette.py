@@ -49,6 +49,13 @@ DARK: Mapping[str, str] = {
 }
 
 
+HOLDING = ("#7a2a00", "#e08a4a", "#f2ead8", "#6aa5cf", "#004a78")
+"""Colours of a scale from far too weak to far stronger than wanted; the middle is what just holds.
+
+Brown against blue differ for any colour vision, and both ends are dark on light ground.
+"""
+
+
 def style_of_colors() -> str:
     """The colours as custom properties of CSS, for light and for dark ground."""
     light, dark = (_root(colors) for colors in (LIGHT, DARK))

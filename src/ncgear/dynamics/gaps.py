@@ -4,11 +4,14 @@ A pair touches at the law's driven angle along its path of contact; where only a
 driven gear has a way to go first.  The slope of the touching angle is not a difference of samples: it follows from the
 speeds of both gears along the common normal.  The contacts of each pair stand in a row along the positions; the row
 reaches into the intervals between its positions and one interval beyond either end.
+
+Each pair has its own stiffness at each place.  It is followed as the gap is, by cubics whose slope is known, so that
+the energy of a pair that gets stiffer or softer on its way is known too.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,8 +19,9 @@ import numpy as np
 from ncgear.contact.designed.as_designed import contacts_within
 from ncgear.contact.designed.curves import Contacts
 from ncgear.contact.placement import Placement, placed
+from ncgear.dynamics.pair_places import PairStiffness, fixed_tangents, pair_places
 from ncgear.errors import NoSuchMechanism
-from ncgear.numerics.arrays import Array, Columns, IndexArray
+from ncgear.numerics.arrays import Array, Columns, IndexArray, Mask
 from ncgear.numerics.periodic_table import PeriodicTable, cubics
 from ncgear.numerics.plane import along
 from ncgear.numerics.units import in_words
@@ -150,14 +154,22 @@ WITHIN_IN_MODULES = 0.52
 """Depth to which teeth are followed into each other: deeper than any law of impact holds."""
 
 
+LEVER, STIFFNESS = 1, 4
+"""Columns of a table's quantities."""
+
+ALIKE_RAD = 1e-9
+"""Driven angle within which pairs count as touching together: far above rounding errors."""
+
+
 @dataclass(frozen=True, eq=False)
 class Near:
     """Pairs that touch or nearly do, at driving angles of shape s; arrays of shape s + (slots,).
 
     ``urge`` is +1 on pushing flanks, -1 on their backs and 0 in empty slots.  ``error_rad`` is the driven angle beyond
-    the law's at which the pair touches, ``lever_mm`` the arm of its normal force about the driven axis; ``slopes`` are
-    the slopes of these two by the driving angle.  ``driving_mm`` and ``driven_mm`` are the speeds, in mm per rad of
-    each gear's own angle, at which their points pass along the tangent that leads outwards from the driven axis.
+    the law's at which the pair touches, ``lever_mm`` the arm of its normal force about the driven axis, ``stiffness``
+    that of ``PairStiffness``; ``slopes`` are the slopes of these three by the driving angle.  ``driving_mm`` and
+    ``driven_mm`` are the speeds, in mm per rad of each gear's own angle, at which their points pass along the tangent
+    that leads outwards from the driven axis.
     """
 
     urge: Array
@@ -165,14 +177,15 @@ class Near:
     lever_mm: Array
     driving_mm: Array
     driven_mm: Array
-    slopes: tuple[Array, Array]
+    stiffness: Array
+    slopes: tuple[Array, Array, Array]
 
 
 @dataclass(frozen=True, eq=False)
 class Gaps:
     """The pairs of a mesh over a whole cycle of meetings.
 
-    ``urge`` has shape (intervals, slots), ``table`` the four quantities of each slot.  ``pair`` tells the driving and
+    ``urge`` has shape (intervals, slots), ``table`` the five quantities of each slot.  ``pair`` tells the driving and
     the driven tooth of each slot, from 1; 0 where it is empty; shape (intervals, slots, 2).  ``reach_rad`` is how far,
     in each interval, the driven gear may be pressed beyond the first contact before a pair touches that the tables do
     not follow; inf where there is no such pair.
@@ -187,8 +200,36 @@ class Gaps:
         """The pairs near contact at driving angles in rad, of any shape."""
         value, slope = self.table.at(phi1_rad)
         _, index, _ = self.table.place(phi1_rad)
-        error, lever, driving, driven = (value[..., number] for number in range(4))
-        return Near(self.urge[index], error, lever, driving, driven, (slope[..., 0], slope[..., 1]))
+        error, lever, driving, driven, stiffness = (value[..., number] for number in range(5))
+        slopes = slope[..., 0], slope[..., 1], slope[..., STIFFNESS]
+        return Near(self.urge[index], error, lever, driving, driven, stiffness, slopes)
+
+    @property
+    def touching_stiffness(self) -> Array:
+        """Stiffness of the pairs that touch without load at the positions of the table, shape (n,)."""
+        return np.asarray(self.table.coefficients[-1, ..., STIFFNESS][self._touching])
+
+    @property
+    def touching_levers_mm(self) -> Array:
+        """Levers of the same pairs, shape (n,)."""
+        return np.asarray(self.table.coefficients[-1, ..., LEVER][self._touching])
+
+    @property
+    def _touching(self) -> Mask:
+        """Which slots touch first, on either side of the teeth, shape (intervals, slots)."""
+        error = self.table.coefficients[-1, ..., 0]
+        touching = np.zeros(self.urge.shape, dtype=bool)
+        for urge in (1.0, -1.0):
+            ahead = np.where(self.urge == urge, urge * error, -np.inf)
+            first = ahead.max(axis=1, keepdims=True)
+            touching |= (self.urge == urge) & (ahead >= first - ALIKE_RAD)
+        return touching
+
+    def stiffened(self, factor: float) -> Gaps:
+        """The same pairs, each as many times as stiff."""
+        coefficients = self.table.coefficients.copy()
+        coefficients[..., STIFFNESS] *= factor
+        return replace(self, table=replace(self.table, coefficients=coefficients))
 
     def play_rad(self, phi1_rad: Array) -> tuple[Array, Array]:
         """Driven angles beyond the law's at which pushing flanks and their backs first touch, shape of ``phi1_rad``."""
@@ -210,25 +251,23 @@ class Gaps:
             raise _too_deep(float(phi1_rad[worst]), float(pressed[worst]))
 
 
-def gaps_of(teeth: ToothedPair, pitch: PitchPair, per_tooth: int = PER_TOOTH) -> Gaps:
+def gaps_of(teeth: ToothedPair, pitch: PitchPair, stiffness: PairStiffness, per_tooth: int = PER_TOOTH) -> Gaps:
     """The pairs of a mesh, from contacts at ``per_tooth`` positions per tooth (an even number)."""
     placement = placed(pitch, per_tooth)
     found = contacts_within(teeth, placement, WITHIN_IN_MODULES * teeth.driving.flanks.rack.module_mm)
-    sides = [_rows(contacts, urge, placement) for contacts, urge in zip(found, (1.0, -1.0), strict=True)]
+    sides = [_rows(contacts, urge, placement, stiffness) for contacts, urge in zip(found, (1.0, -1.0), strict=True)]
     return _slotted(Rows.joined(sides).in_order(), placement)
 
 
-def _rows(contacts: Contacts, urge: float, placement: Placement) -> Rows:
+def _rows(contacts: Contacts, urge: float, placement: Placement, stiffness: PairStiffness) -> Rows:
     """The first contact of each pair of teeth at each position, with slopes."""
-    tangent = placement.fixed_directions(contacts.tangent, contacts.position, contacts.error_rad)
-    place = contacts.fixed_points(placement)
+    place, tangent = fixed_tangents(contacts, placement)
     from_axis = place - placement.center_distance_mm
-    # The sense is that of the normal force, whose arm keeps its sign; the way outwards does not on a steep tangent.
-    tangent = tangent / np.abs(tangent) * np.sign(along(tangent, from_axis))
     lever = along(tangent, from_axis)
     driving, driven = along(tangent, 1j * place), placement.mesh.sense * along(tangent, 1j * from_axis)
     drift = placement.mesh.sense * along(tangent, place) / lever - placement.speed[contacts.position]
-    values = np.column_stack([contacts.error_rad, lever, driving, driven])
+    stiff = stiffness(pair_places(contacts, placement))
+    values = np.column_stack([contacts.error_rad, lever, driving, driven, stiff])
     return first_rows(contacts, urge, values, drift)
 
 
@@ -248,6 +287,7 @@ def _slotted(rows: Rows, placement: Placement) -> Gaps:
 def _too_deep(phi1_rad: float, pressed_rad: float) -> NoSuchMechanism:
     return NoSuchMechanism(
         f"at phi1 = {in_words(phi1_rad)} the load presses the driven gear {pressed_rad:.3g} rad into the driving one, "
-        "deeper than their teeth can be followed into each other; stiffer teeth, larger ones or less load are needed",
-        key="simulation.stiffness_n_mm",
+        "deeper than their teeth can be followed into each other; wider teeth, larger ones, a stiffer material or less "
+        "load are needed",
+        key="simulation",
     )

@@ -5,12 +5,15 @@ K. H. Hunt, F. R. E. Crossley, J. Appl. Mech. 42 (1975), 440-445):
 
     F = max(0, k d^n + c(d) d'),   c(d) = c u^2 (3 - 2 u),   u = min(1, d / d_full)
 
-at the depth d > 0, with d' its rate.  Friction is Coulomb's with a coefficient that depends on the speed of sliding.
+at the depth d > 0, with d' its rate.  The stiffness k is that of the pair at its place and changes with phi1; for teeth
+that give way as elastic bodies the exponent n is 1.  Friction is Coulomb's with a coefficient that depends on the speed
+of sliding.
 
 The depth of a pair is a function of both angles, d = u l(phi1) (law(phi1) + e(phi1) - phi2), with e and the lever l
 from the tables and u = +1 on pushing flanks, -1 on their backs.  Its normal force acts on either gear along the
-gradient of d, so that no energy comes from the tables: what the gears lose is what the contact stores and what its
-damping and friction take.
+gradient of d.  A pair stores V = k d^(n + 1) / (n + 1); where k changes with phi1, the driving gear feels
+-k' d^(n + 1) / (n + 1) besides.  So no energy comes from the tables: what the gears lose is what the contact stores and
+what its damping and friction take.
 
 The force of all teeth on the driven gear as a vector follows from the speeds at which both gears pass along the
 tangent.  Let t be the unit tangent, z the place of contact, a the way from the driving to the driven axis, and s = -1,
@@ -20,8 +23,7 @@ is t.a.  The tangential speeds give the component of a across t in the same way.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import sqrt
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,16 +36,18 @@ from ncgear.numerics.plane import Vector
 
 @dataclass(frozen=True)
 class Impact:
-    """Stiffness in N/mm^exponent, and damping in N s/mm, which reaches its full value at a depth in mm."""
+    """Exponent of the depth, and damping in N s/mm, which reaches its full value at a depth in mm.
 
-    stiffness: float
+    ``stiffness`` in N/mm^exponent is each pair's own; arrays of depths, rates and stiffnesses broadcast.
+    """
+
     exponent: float
     damping_n_s_mm: float
     full_damping_depth_mm: float
 
-    def elastic_n(self, depth_mm: Array) -> Array:
+    def elastic_n(self, depth_mm: Array, stiffness: Array | float) -> Array:
         """Force that the depth alone gives; 0 where bodies do not touch."""
-        pressed: Array = self.stiffness * np.maximum(depth_mm, 0.0) ** self.exponent
+        pressed: Array = stiffness * np.maximum(depth_mm, 0.0) ** self.exponent
         return pressed
 
     def damping(self, depth_mm: Array) -> Array:
@@ -52,27 +56,24 @@ class Impact:
         ramp: Array = self.damping_n_s_mm * share * share * (3.0 - 2.0 * share)
         return ramp
 
-    def force_n(self, depth_mm: Array, rate_mm_s: Array) -> Array:
+    def force_n(self, depth_mm: Array, rate_mm_s: Array, stiffness: Array | float) -> Array:
         """Force that presses the bodies apart; they never pull."""
-        force: Array = np.maximum(self.elastic_n(depth_mm) + self.damping(depth_mm) * rate_mm_s, 0.0)
+        elastic = self.elastic_n(depth_mm, stiffness)
+        force: Array = np.maximum(elastic + self.damping(depth_mm) * rate_mm_s, 0.0)
         return force
 
-    def energy_n_mm(self, depth_mm: Array) -> Array:
-        """Work that the elastic force gives back."""
-        return self.elastic_n(depth_mm) * np.maximum(depth_mm, 0.0) / (self.exponent + 1.0)
+    def energy_n_mm(self, depth_mm: Array, stiffness: Array | float) -> Array:
+        """Work that the elastic force gives back; linear in the stiffness, so that its slope gives that of the work."""
+        return self.elastic_n(depth_mm, stiffness) * np.maximum(depth_mm, 0.0) / (self.exponent + 1.0)
 
-    def loss_n_mm_s(self, depth_mm: Array, rate_mm_s: Array) -> Array:
+    def loss_n_mm_s(self, depth_mm: Array, rate_mm_s: Array, stiffness: Array | float) -> Array:
         """Power that damping takes.
 
         Where bodies part so fast that they no longer press each other, it takes all that the elastic force gives back.
         """
-        loss: Array = np.maximum(self.damping(depth_mm) * rate_mm_s, -self.elastic_n(depth_mm)) * rate_mm_s
+        elastic = self.elastic_n(depth_mm, stiffness)
+        loss: Array = np.maximum(self.damping(depth_mm) * rate_mm_s, -elastic) * rate_mm_s
         return loss
-
-    def depth_mm(self, force_n: Array) -> Array:
-        """Depth at rest under a force of 0 or more."""
-        depth: Array = (force_n / self.stiffness) ** (1.0 / self.exponent)
-        return depth
 
 
 @dataclass(frozen=True)
@@ -96,17 +97,6 @@ class Friction:
         drop = (self.static - self.dynamic) * falling * falling * (3.0 - 2.0 * falling)
         coefficient: Array = np.sign(speed_mm_s) * (self.static * rising * rising * (3.0 - 2.0 * rising) - drop)
         return coefficient
-
-
-def hertz_stiffness(youngs_modulus_gpa: float, poisson: float, radii_mm: tuple[float, float]) -> float:
-    """k = 4/3 sqrt(R) E* in N/mm^1.5 for two spheres of one material, 1/R = 1/R1 + 1/R2, E* = E / (2 (1 - nu^2)).
-
-    A ring has a negative radius.  K. L. Johnson, "Contact Mechanics", 1985, section 4.2.  Users of multi-body programs
-    take the figure for any exponent; k d^n is then k N at 1 mm, whatever the exponent.
-    """
-    modulus_n_mm2 = 1e3 * youngs_modulus_gpa / (2.0 * (1.0 - poisson**2))
-    radius_mm = 1.0 / (1.0 / radii_mm[0] + 1.0 / radii_mm[1])
-    return 4.0 / 3.0 * sqrt(radius_mm) * modulus_n_mm2
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,28 +137,33 @@ class Meshing:
     impact: Impact
     friction: Friction
 
+    def stiffened(self, factor: float) -> Meshing:
+        """The same teeth, each pair as many times as stiff."""
+        return replace(self, gaps=self.gaps.stiffened(factor))
+
     def forces(self, shafts: TwoShafts) -> ToothForces:
         """Forces of all pairs near contact."""
         near = self.gaps.at(shafts.phi1_rad)
         angle, ratio = self.law.at(shafts.phi1_rad)
         # How far the driven gear is behind each pair's contact, and the slope of this by phi1
         behind, rate = _column(angle - shafts.phi2_rad) + near.error_rad, _column(ratio) + near.slopes[0]
-        lever, (_, lever_slope) = near.urge * near.lever_mm, near.slopes
+        lever, (_, lever_slope, stiffness_slope) = near.urge * near.lever_mm, near.slopes
         depth = lever * behind
         by_driving = near.urge * lever_slope * behind + lever * rate
         speed1, speed2 = _column(shafts.speed1_rad_s), _column(shafts.speed2_rad_s)
         closing = by_driving * speed1 - lever * speed2
         sliding = near.driving_mm * speed1 - near.driven_mm * speed2
-        normal = self.impact.force_n(depth, closing)
+        normal = self.impact.force_n(depth, closing, near.stiffness)
+        stiffening = self.impact.energy_n_mm(depth, stiffness_slope)
         rubbing = self.friction.coefficient(sliding) * normal
         return ToothForces(
             near,
             depth,
             normal,
             rubbing,
-            -normal * by_driving - rubbing * near.driving_mm,
+            -normal * by_driving - stiffening - rubbing * near.driving_mm,
             normal * lever + rubbing * near.driven_mm,
-            self.impact.loss_n_mm_s(depth, closing) + np.abs(rubbing * sliding),
+            self.impact.loss_n_mm_s(depth, closing, near.stiffness) + np.abs(rubbing * sliding),
         )
 
 

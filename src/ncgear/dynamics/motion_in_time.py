@@ -143,8 +143,8 @@ class ToothedMachine:
 
     def stored_n_mm(self, states: Array) -> Array:
         """Kinetic and elastic energy, and what resistance and weights took, shape (n,), in states of shape (6, n)."""
-        depth = self.meshing.forces(TwoShafts(*states[:4])).depth_mm
-        elastic = self.meshing.impact.energy_n_mm(depth).sum(axis=-1)
+        teeth = self.meshing.forces(TwoShafts(*states[:4]))
+        elastic = self.meshing.impact.energy_n_mm(teeth.depth_mm, teeth.near.stiffness).sum(axis=-1)
         driving = 0.5 * self.drive.inertia_n_mm_s2 * states[1] ** 2
         stored: Array = driving + self.load.energy_n_mm(states[2], states[3]) + elastic
         return stored

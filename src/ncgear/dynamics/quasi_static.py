@@ -19,9 +19,10 @@ from ncgear.numerics.highest import largest_of_each
 from ncgear.numerics.zeros import zeros_between
 
 FIRST_STEP_RAD = 1e-7
+CLEAR_RAD = 1e-12
 DOUBLINGS = 24
-"""The search for a driven angle that bears the torque begins with this step and doubles it at most so often: up to a
-radian, farther than any tooth gives way."""
+"""The search for a driven angle that bears the torque begins clear of the first touch and with this step, and doubles
+it at most so often: up to a radian, farther than any tooth gives way."""
 
 BALANCED = 1e-6
 """Share of the largest torque that a balance may miss.  A driven angle of some rad is known to 1e-15, so that the depth
@@ -159,10 +160,11 @@ def _bracket(
     """Driven angles beyond the law's between which the torque is met.
 
     Pushing flanks bear load at driven angles from their first touch backwards, backs from their first touch forwards.
+    The first angle is a little before that touch, so that rounding errors of a depth of 0 bear no torque there.
     """
     pushing, back = play_rad
     push = torque_n_mm >= 0.0
-    start = np.where(push, pushing, back)
+    start = np.where(push, pushing + CLEAR_RAD, back - CLEAR_RAD)
     way = np.where(push, np.minimum(pushing, back), np.maximum(pushing, back)) - start
     step = np.where(push, -FIRST_STEP_RAD, FIRST_STEP_RAD)
     for _ in range(DOUBLINGS):

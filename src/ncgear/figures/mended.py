@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 from textwrap import wrap
-from typing import Any
 
 from ncgear.design.keys.base import listed
 from ncgear.design.naming import LONGEST_NAME
 from ncgear.design.reading.design_file import LoadedDesign
-from ncgear.design.rewritten import LINE_WIDTH, rewritten
+from ncgear.design.rewritten import design_copy
 from ncgear.errors import DesignError
 from ncgear.figures.advice.values import changed
 from ncgear.figures.numbers import to_digits
@@ -94,16 +93,8 @@ def mended_name(name: str) -> str:
 
 
 def mended_design(loaded: LoadedDesign, found: Mend) -> str:
-    """The text of a design file with a change, its name and description saying so; its comments stay.
-
-    Points that are in a CSV file are written into the text, because the path of that file is relative to the folder of
-    the old design.
-    """
+    """The text of a design file with a change, its name and description saying so; its comments stay."""
     design = loaded.design
-    points: dict[str, Any] = {}
-    for group, table in loaded.source.from_files.items():
-        points |= {f"{group}.{key}": value for key, value in table.values.items()} | {f"{group}.file": None}
     said = f"Mended: {design.name} with {changes_words(found.way)}, without which its teeth are refused."
     about = {"description": f"{said} {design.description}".strip()[:LONGEST_DESCRIPTION]}
-    values = {"name": mended_name(design.name), **about, **points, **found.way.changes}
-    return rewritten(loaded.text, values, LINE_WIDTH)
+    return design_copy(loaded, {"name": mended_name(design.name), **about, **found.way.changes})

@@ -17,14 +17,16 @@ import numpy as np
 
 from ncgear.dynamics.history import History
 from ncgear.dynamics.level import Level
-from ncgear.dynamics.peaks import MotionPeaks, Peak
+from ncgear.dynamics.peaks import MotionPeaks, Peak, motion_peaks
 from ncgear.dynamics.rigid import Loads, Rigid
 from ncgear.dynamics.touching import parted_s, pushing_parted_s
+from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.plane import Vector
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drive import Drive
+from ncgear.strength.stiffness import SOFTER, STIFFER
 
 KG_M2 = 1e-6
 """One kg mm2 in kg m2."""
@@ -153,7 +155,7 @@ def quasi_static_figures(drive: Drive) -> dict[str, Any]:
     return {
         **_about(drive, Level.QUASI_STATIC),
         "loaded_contact": {
-            "contact_stiffness_n": drive.meshing.impact.stiffness,
+            **_stiffness(drive),
             "transmission_error_rad": peaks.transmission_error_rad,
             **_peak("peak_tooth_force", "n", peaks.tooth_force_n),
             **_peak("peak_depth", "mm", peaks.depth_mm),
@@ -162,6 +164,28 @@ def quasi_static_figures(drive: Drive) -> dict[str, Any]:
             "contact_ratio_mean": min(pairs.contact_ratio for pairs in sides),
             "contact_ratio_min": min(pairs.least_arc for pairs in sides),
         },
+        "band_of_stiffness": {
+            "softer": _loaded_with(drive, SOFTER),
+            "stiffer": _loaded_with(drive, STIFFER),
+        },
+    }
+
+
+def _stiffness(drive: Drive) -> dict[str, float]:
+    """The least, the mean and the largest stiffness of a pair of teeth at all places."""
+    stiffness = drive.meshing.gaps.touching_stiffness
+    names = "least_pair_stiffness_n_per_mm", "mean_pair_stiffness_n_per_mm", "largest_pair_stiffness_n_per_mm"
+    return dict(zip(names, (float(of(stiffness)) for of in (np.min, np.mean, np.max)), strict=True))
+
+
+def _loaded_with(drive: Drive, factor: float) -> dict[str, float]:
+    """The peaks of the loaded teeth if all pairs were as many times as stiff."""
+    loaded = drive.loaded_with(factor)
+    return {
+        "stiffness_factor": factor,
+        "peak_tooth_force_n": float(loaded.tooth_force_n.max()),
+        "peak_depth_mm": float(loaded.forces.depth_mm.max()),
+        "transmission_error_rad": loaded.transmission_error_rad,
     }
 
 
@@ -204,7 +228,8 @@ def dynamic_figures(drive: Drive, peaks: MotionPeaks) -> dict[str, Any]:
         "motion_in_time": {
             "start_speed_rpm": float(course.states[1, 0]) / RAD_S_PER_RPM,
             "end_speed_rpm": float(course.states[1, -1]) / RAD_S_PER_RPM,
-            "contact_stiffness_n": drive.meshing.impact.stiffness,
+            **_stiffness(drive),
+            "damping_n_s_mm": course.machine.meshing.impact.damping_n_s_mm,
             **_peak_at("peak_pushing_force", "n", peaks.pushing_n),
             **_peak_at("peak_back_force", "n", peaks.back_n),
             **_peak_at("peak_driving_torque", "n_m", peaks.most_torque_n_mm, N_M_PER_N_MM),
@@ -218,7 +243,26 @@ def dynamic_figures(drive: Drive, peaks: MotionPeaks) -> dict[str, Any]:
             "energy_error": course.energy_error,
             "solver_steps": int(course.time_s.size - 1),
         },
+        "band_of_stiffness": {
+            "softer": _motion_with(drive, SOFTER),
+            "stiffer": _motion_with(drive, STIFFER),
+        },
     }
+
+
+BAND_ACCURACY = 1e-5
+"""Accuracy of the motions of the band: half the time, and peaks to some thousandths."""
+
+
+def _motion_with(drive: Drive, factor: float) -> dict[str, float | None]:
+    """The peaks of the motion if all pairs were as many times as stiff; None where it cannot be followed."""
+    names = "peak_pushing_force_n", "peak_back_force_n", "peak_mesh_force_n", "peak_acceleration_mm_s2"
+    try:
+        peaks = motion_peaks(drive.course_with(factor, BAND_ACCURACY), drive.rigid.machine)
+    except NoSuchMechanism:
+        return {"stiffness_factor": factor, **dict.fromkeys(names)}
+    found = peaks.pushing_n, peaks.back_n, peaks.forces_n["mesh"], peaks.acceleration_mm_s2
+    return {"stiffness_factor": factor, **{name: peak.value for name, peak in zip(names, found, strict=True)}}
 
 
 def _peak_at(name: str, unit: str, found: Peak, factor: float = 1.0) -> dict[str, float | None]:

@@ -24,6 +24,10 @@ LABELS = {
     "peak pushing force": "peak pushing force, one pair of teeth",
     "peak back force": "peak back force, one pair of teeth",
     "peak mesh force": "peak mesh force, all pairs together",
+    "bending safety min": "least safety against breakage",
+    "bending tooth": "weakest tooth against breakage",
+    "contact safety min": "least safety against pitting",
+    "contact tooth": "weakest tooth against pitting",
     "time without contact": "time without contact of any flanks",
 }
 """Labels for keys whose own words would be hard to read or would leave open what they count."""
@@ -44,6 +48,7 @@ TITLES = {
     "check": "Motion and power at the operating speed",
     "masses": "Moving masses",
     "pto": "Power take-off",
+    "strength": "Strength of the teeth",
 }
 """Headings of sections; the heading of any other section is its key."""
 

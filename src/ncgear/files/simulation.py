@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from ncgear.dynamics.history import PER_TURN, even_times_s, history
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.peaks import motion_peaks
 from ncgear.dynamics.touching import pushing_parted_s
+from ncgear.figures.advice import strength_advice
 from ncgear.figures.csv_text import csv_text
 from ncgear.figures.drivetrain import drivetrain_figures, drivetrain_warnings
 from ncgear.figures.numbers import json_text
@@ -45,7 +46,18 @@ class Simulated:
 
 
 def simulate(drive: Drive, level: Level) -> Simulated:
-    """Simulate a machine at a level; raises WrongInput where the design lacks what the level needs."""
+    """Simulate a machine at a level; raises WrongInput where the design lacks what the level needs.
+
+    Its figures have ``warnings`` where teeth, or what stands around the gears, do not hold their load.
+    """
+    found = _at_level(drive, level)
+    advice = strength_advice.strength(drive)
+    if advice is None:
+        return found
+    return replace(found, figures={**found.figures, "warnings": [advice.line, *found.figures.get("warnings", [])]})
+
+
+def _at_level(drive: Drive, level: Level) -> Simulated:
     match level:
         case Level.RIGID:
             phi1 = drive.motion.phi1_rad

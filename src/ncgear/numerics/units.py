@@ -20,6 +20,7 @@ STANDARD_GRAVITY_M_S2 = 9.80665
 """Acceleration of gravity where none is given: the standard one (3rd General Conference on Weights and Measures)."""
 
 UNITS = {
+    "c": "\u00b0C",
     "deg": "deg",
     "g": "g",
     "gpa": "GPa",
@@ -35,6 +36,7 @@ UNITS = {
     "m_s2": "m/s2",
     "mm": "mm",
     "mm2": "mm2",
+    "mm2_s": "mm2/s",
     "mm3": "mm3",
     "mm_s": "mm/s",
     "mm_s2": "mm/s2",
@@ -43,6 +45,7 @@ UNITS = {
     "n": "N",
     "n_m": "N m",
     "n_mm": "N mm",
+    "n_per_mm": "N/mm",
     "n_s_mm": "N s/mm",
     "percent": "%",
     "pi": "multiples of pi",

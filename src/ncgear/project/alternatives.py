@@ -16,6 +16,7 @@ import numpy as np
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import Gears
 from ncgear.errors import DesignError, WrongInput
+from ncgear.project.computed import take_over
 from ncgear.project.drive import Drive
 from ncgear.project.tooth_form import rack_of
 from ncgear.ratio.transmission import Transmission
@@ -54,6 +55,15 @@ CLEAR = 0.995
 
 LEAST_ADDENDUM = 0.5
 """Least addendum in modules: teeth of half the standard height hardly keep contact from one pitch to the next."""
+
+SIZES = ("teeth", "module_mm", "center_distance_mm")
+"""Keys that give the pitch curves their size."""
+
+BODY = ("face_width_mm", "material")
+"""Keys that change nothing of straight teeth in the plane across the axes."""
+
+SAME_TEETH = ("law", "pitch", "rack", "play", "tooth_form", "teeth", "_free_contact")
+"""Attributes of a drive that only such keys leave as they are."""
 
 SHIFTS = ("driving", "driven")
 """Keys of profile shifts that a person gives; a shift that ncgear chooses replaces them."""
@@ -119,6 +129,30 @@ def changed_gears(gears: Gears, changes: Changes) -> Gears:
         else:
             group[name] = value
     return Gears.model_validate(data)
+
+
+def changed_drive(drive: Drive, changes: Changes) -> Drive:
+    """The drive of the changed design; what the change leaves as it is, law or pitch curves, is not computed again."""
+    gears = changed_gears(drive.gears, changes)
+    design = drive.design.model_copy(update={"gears": gears})
+    kept: tuple[str, ...] = ("law",)
+    if all(getattr(gears, name) == getattr(drive.gears, name) for name in SIZES):
+        kept = "law", "pitch"
+    if (
+        drive.helix is None
+        and gears.model_copy(update={name: getattr(drive.gears, name) for name in BODY}) == drive.gears
+    ):
+        kept = SAME_TEETH
+
+    def changed(one: Drive) -> Drive:
+        other = Drive(design, one.stage)
+        take_over(kept, one, other)
+        return other
+
+    whole = changed(drive)
+    if design.stages > 1 and drive.stage is None:
+        vars(whole)["by_stage"] = tuple(map(changed, drive.by_stage))
+    return whole
 
 
 def flatter_rack(drive: Drive, excess_deg: float) -> Changes:

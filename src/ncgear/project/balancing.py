@@ -24,7 +24,7 @@ from ncgear.mechanisms.masses import RodMasses
 from ncgear.mechanisms.mechanism import require_rod
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.project.drive import Drive
-from ncgear.project.forces import masses_of
+from ncgear.project.moving_masses import masses_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
@@ -40,8 +40,14 @@ if TYPE_CHECKING:
     from ncgear.dynamics.rigid import Rigid
     from ncgear.pitch.pair import PitchPair
     from ncgear.project.drivetrain import DrivetrainResult
+    from ncgear.project.loading import ToothLoad
     from ncgear.solids.helical.helix import Helix
     from ncgear.solids.mesh.pair import SolidPair
+    from ncgear.strength.answer import Strength
+    from ncgear.strength.loading import Loading
+    from ncgear.strength.material import Material
+    from ncgear.strength.method import ToothMethod
+    from ncgear.strength.stiffness import LinearTeeth
     from ncgear.teeth.arcs import ArcOutline
     from ncgear.teeth.backlash import Play
     from ncgear.teeth.form import ToothForm
@@ -348,7 +354,7 @@ class Drive:
     @computed
     def masses(self) -> Masses:
         """The moving masses; makes solids only where a gear's moment of inertia is left out."""
-        from ncgear.project.forces import masses_of
+        from ncgear.project.moving_masses import masses_of
 
         given, gears = self.design.masses, self.design.gears
         if given is None:
@@ -356,10 +362,12 @@ class Drive:
             raise WrongInput(f"missing; forces need {needed}", key="masses")
         if gears is None or given.tells_gears:
             return masses_of(given, self.linkage)
+        from ncgear.project.service import densities_kg_m3
         from ncgear.solids.plan.body import body_kg_mm2
 
-        plans, density = (self.solids.driving.plan, self.solids.driven.plan), given.density_kg_m3
-        driving, driven = (body_kg_mm2(plan, density) for plan in plans)
+        plans = self.solids.driving.plan, self.solids.driven.plan
+        densities = densities_kg_m3(given, gears)
+        driving, driven = (body_kg_mm2(plan, density) for plan, density in zip(plans, densities, strict=True))
         return masses_of(given, self.linkage, driving, driven)
 
     @computed
@@ -372,11 +380,15 @@ class Drive:
         """The forces in the uniform crank with the same masses."""
         return self._rigid(self.uniform_machine)
 
+    def require_one_stage(self) -> None:
+        """Raise WrongInput where there are two pairs of gears."""
+        if self.design.stages > 1:
+            raise WrongInput("two pairs of gears; forces are computed of one", key="motion.second_stage")
+
     def _rigid(self, machine: Machine) -> Rigid:
         from ncgear.dynamics.rigid import RigidMachine, rigid_level
 
-        if self.design.stages > 1:
-            raise WrongInput("two pairs of gears; forces are computed of one", key="motion.second_stage")
+        self.require_one_stage()
         place = None if self.design.gears is None else mesh_place(self.gears, self.pitch.center_distance_mm)
         masses = self.masses
         with self.stopwatch("forces"):
@@ -398,33 +410,107 @@ class Drive:
     @computed
     def meshing(self) -> Meshing:
         """The straight teeth of the pair under load; raises where they are helical or their contact is not sound."""
+        self.require_straight_sound_teeth()
+        return self._any_meshing
+
+    def require_straight_sound_teeth(self) -> None:
+        """Raise WrongInput where teeth are helical, and as ``require_sound_teeth`` does."""
         if self.helix is not None:
             raise WrongInput("helical teeth are not followed under load; leave it out", key="gears.helix")
         self.require_sound_teeth()
-        return self._any_meshing
+
+    @computed
+    def tooth_load(self) -> ToothLoad:
+        """The torque that the teeth bear: with the masses, or where there are none, of the resistance alone.
+
+        Raises WrongInput where there is neither, and NoSuchMechanism where teeth cannot hold it.
+        """
+        from ncgear.project.loading import load_by_masses, load_by_resistance
+
+        self.require_one_stage()
+        place = mesh_place(self.gears, self.pitch.center_distance_mm)
+        if self.design.masses is not None:
+            # Without the peaks of the rigid level, which take longer than all else that strength needs.
+            return load_by_masses(self.machine, self.masses, place)
+        if self.design.resistance is None:
+            raise WrongInput(
+                "missing, and so are masses; the load of the teeth follows from the force against the slider, from the "
+                "moving masses, or from both: give one of them",
+                key="resistance",
+            )
+        return load_by_resistance(self.machine, place)
+
+    @computed
+    def materials(self) -> tuple[Material, Material]:
+        """The materials of the driving and the driven gear, plastics as warm as their surroundings."""
+        from ncgear.project.service import choices_of, conditions_of
+        from ncgear.strength.conditions import Running
+        from ncgear.strength.endurance import materials_of
+        from ncgear.strength.plastics import temperatures_of
+
+        size, speed, choices = self.pitch.size, self.machine.speed_rad_s, choices_of(self.gears)
+        running = Running(size.module_mm, (size.driving_teeth, size.driven_teeth), self.gears.face_width_mm, speed)
+        conditions = conditions_of(self.design.strength, self.transmission.cycle_rad, speed)
+        return materials_of(choices, conditions, running, temperatures_of(choices, conditions, running, 0.0))
+
+    @computed
+    def pair_stiffness(self) -> LinearTeeth:
+        """The stiffness of each pair of teeth in N/mm, from its form, face width and material by the estimate."""
+        from ncgear.project.loading import estimated
+
+        driving, driven = self.materials
+        methods = estimated(self.teeth.driving, driving), estimated(self.teeth.driven, driven)
+        return self.linear_teeth(methods, self.materials)
+
+    def linear_teeth(
+        self, methods: tuple[ToothMethod, ToothMethod], materials: tuple[Material, Material]
+    ) -> LinearTeeth:
+        """The stiffness of each pair of teeth, by methods and materials of the driving and of the driven gear."""
+        from ncgear.project.loading import linear_teeth
+
+        return linear_teeth(
+            self.tooth_load, self.motion.phi1_rad, self.teeth, self.gears.face_width_mm, methods, materials
+        )
+
+    def loading(self, methods: tuple[ToothMethod, ToothMethod], materials: tuple[Material, Material]) -> Loading:
+        """The load of every tooth over a cycle of meetings, shared by the stiffness of the given methods.
+
+        A stiffness that ``simulation`` gives does not count.  Raises WrongInput for helical teeth and for two pairs of
+        gears, NoSuchMechanism where teeth are pressed too deep into each other, and as ``tooth_load`` does.
+        """
+        from ncgear.design.keys.masses import Simulation
+        from ncgear.project.forces import meshing_of
+        from ncgear.strength.loading import loading_of
+
+        with located(self.places):
+            self.require_straight_sound_teeth()
+            stiffness, load = self.linear_teeth(methods, materials), self.tooth_load
+            pitch, teeth = self.pitch, self.teeth
+            with self.stopwatch("load of every tooth"):
+                meshing = meshing_of(Simulation(), pitch, teeth, stiffness)
+                return loading_of(meshing, teeth, pitch, load.torque_n_mm, self.machine.speed_rad_s)
 
     @computed
     def _any_meshing(self) -> Meshing:
         """The teeth of the pair under load, as if they were straight and their contact sound."""
         from ncgear.project.forces import meshing_of
 
-        pitch, teeth = self.pitch, self.teeth
+        pitch, teeth, stiffness = self.pitch, self.teeth, self.pair_stiffness
         with self.stopwatch("gaps"):
-            return meshing_of(self.design.simulation, pitch, teeth)
+            return meshing_of(self.design.simulation, pitch, teeth, stiffness)
 
-    def _loaded_at(self, phi1_rad: Array) -> LoadedContact:
-        """The teeth under the torque of the rigid level, at driving angles in rad, shape (n,)."""
+    def _loaded_at(self, phi1_rad: Array, stiffness_factor: float = 1.0) -> LoadedContact:
+        """The teeth, stiffer by a factor, under the rigid level's torque at driving angles in rad, shape (n,)."""
         from ncgear.dynamics.quasi_static import loaded_contact
 
         torque = self.rigid.machine.at(phi1_rad).driven_torque.value
-        return loaded_contact(self._any_meshing, phi1_rad, torque, self.machine.speed_rad_s)
+        meshing = self._any_meshing.stiffened(stiffness_factor)
+        return loaded_contact(meshing, phi1_rad, torque, self.machine.speed_rad_s)
 
     @computed
     def loaded_contact(self) -> LoadedContact:
         """The teeth under the torque of the rigid level, at the angles of ``motion``."""
-        phi1, _, _ = self.motion.phi1_rad, self.rigid, self.meshing
-        with self.stopwatch("loaded contact"):
-            return self._loaded_at(phi1)
+        return self.loaded_with(1.0)
 
     @computed
     def loaded_peaks(self) -> LoadedPeaks:
@@ -436,19 +522,67 @@ class Drive:
         with self.stopwatch("peaks of loaded contact"):
             return loaded_peaks(self._loaded_at, places, int(loaded.pairs.max()))
 
+    def loaded_with(self, stiffness_factor: float) -> LoadedContact:
+        """As ``loaded_contact``, the teeth stiffer by a factor."""
+        phi1, _, _ = self.motion.phi1_rad, self.rigid, self.meshing
+        with self.stopwatch("band of stiffness" if stiffness_factor != 1.0 else "loaded contact"):
+            return self._loaded_at(phi1, stiffness_factor)
+
     @computed
     def course(self) -> Course:
         """The motion of the toothed machine in time."""
+        from ncgear.dynamics.motion_in_time import ACCURACY
+
+        return self.course_with(1.0, ACCURACY)
+
+    def course_with(self, stiffness_factor: float, accuracy: float) -> Course:
+        """The motion in time with teeth stiffer by a factor; raises as ``dynamics.motion_in_time.course`` does."""
         from ncgear.dynamics.crank_load import crank_load
         from ncgear.dynamics.motion_in_time import Start, ToothedMachine, course, started
-        from ncgear.project.forces import drive_line_of
+        from ncgear.project.forces import damped, drive_line_of
 
         given, masses, speed = self.design.simulation, self.masses, self.machine.speed_rad_s
-        driving, meshing = drive_line_of(given, masses, speed), self.meshing
-        with self.stopwatch("motion in time"):
-            toothed = ToothedMachine(driving, meshing, crank_load(self.linkage, masses, self.machine.resistance))
+        driving, meshing = drive_line_of(given, masses, speed), self.meshing.stiffened(stiffness_factor)
+        with self.stopwatch("motion in time" if stiffness_factor == 1.0 else "band of stiffness"):
+            load = crank_load(self.linkage, masses, self.machine.resistance)
+            toothed = ToothedMachine(driving, damped(given, meshing, driving, load), load)
             state = started(toothed, self.transmission, Start(given.start), speed)
-            return course(toothed, state, given.turns)
+            return course(toothed, state, given.turns, accuracy)
+
+    @property
+    def strength(self) -> Strength:
+        """The strength of the teeth by the method that the design names."""
+        return self.strength_by(self.design.strength.method)
+
+    def strength_by(self, method: Literal["estimate", "elements"]) -> Strength:
+        """The strength of the teeth by a method; computed once."""
+        return self._strengths(method)[1]
+
+    def loading_by(self, method: Literal["estimate", "elements"]) -> Loading:
+        """The load of every tooth, shared by the stiffness that a method of strength gives the teeth."""
+        return self._strengths(method)[0]
+
+    def _strengths(self, method: Literal["estimate", "elements"]) -> tuple[Loading, Strength]:
+        from ncgear.project.service import conditions_of
+        from ncgear.project.tooth_strength import loading_and_strength
+        from ncgear.strength.conditions import Running
+
+        known = self._known_strengths
+        if method not in known:
+            size, speed = self.pitch.size, self.machine.speed_rad_s
+            teeth = size.driving_teeth, size.driven_teeth
+            running = Running(size.module_mm, teeth, self.gears.face_width_mm, speed)
+            conditions = conditions_of(self.design.strength, self.transmission.cycle_rad, speed)
+            load, teeth_of_pair = self.tooth_load.load, self.teeth
+            with located(self.places), self.stopwatch("strength"):
+                known[method] = loading_and_strength(
+                    method, self.gears, teeth_of_pair, conditions, running, self.loading, load
+                )
+        return known[method]
+
+    @computed
+    def _known_strengths(self) -> dict[str, tuple[Loading, Strength]]:
+        return {}
 
 
 def load(path: str | Path) -> Drive:

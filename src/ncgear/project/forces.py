@@ -1,71 +1,58 @@
-"""From keys to values: the moving masses of a design, and the teeth and the drive of its simulation."""
+"""From keys to values: the teeth and the drive of a simulation."""
 
 from __future__ import annotations
 
-from math import cos, pi, radians, sin
+from dataclasses import replace
+from math import pi, sqrt
 
 import numpy as np
 
-from ncgear.design.keys.masses import Gravity, MechanismMasses, Simulation
+from ncgear.design.keys.masses import Simulation
+from ncgear.dynamics.crank_load import CrankLoad
 from ncgear.dynamics.gaps import gaps_of
-from ncgear.dynamics.meshing import Friction, Impact, Meshing, hertz_stiffness
+from ncgear.dynamics.meshing import Friction, Impact, Meshing
 from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, Motor, law_table
+from ncgear.dynamics.pair_places import PairStiffness
 from ncgear.dynamics.rigid import RigidMachine
 from ncgear.errors import WrongInput
 from ncgear.kinematics.motion import stretches
 from ncgear.mechanisms.masses import Masses
-from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import N_PER_KG_MM_S2, RAD_S_PER_RPM
 from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.gear import ToothedPair
 
-
-def masses_of(
-    given: MechanismMasses,
-    mechanism: Mechanism,
-    driving_body_kg_mm2: float = 0.0,
-    driven_body_kg_mm2: float = 0.0,
-) -> Masses:
-    """The masses that a design gives; a gear without a moment of inertia gets that of its body (kg mm2)."""
-    driving, driven = given.driving_gear_kg_mm2, given.driven_gear_kg_mm2
-    rods = {name: getattr(given, name) for name in mechanism.RODS}
-    return mechanism.MASSES(
-        slider_kg=given.slider_kg,
-        **{f"{name}_kg": rod.mass_kg for name, rod in rods.items()},
-        **{f"{name}_center_mm": rod.center_mm for name, rod in rods.items()},
-        **{f"{name}_inertia_kg_mm2": rod.inertia_kg_mm2 for name, rod in rods.items()},
-        crank_kg=given.crank.mass_kg,
-        crank_center_mm=given.crank.center_mm,
-        crank_inertia_kg_mm2=given.crank.inertia_kg_mm2,
-        driven_inertia_kg_mm2=driven_body_kg_mm2 if driven is None else driven,
-        driving_inertia_kg_mm2=driving_body_kg_mm2 if driving is None else driving,
-        flywheel_inertia_kg_mm2=given.flywheel.inertia_kg_mm2,
-        gravity_m_s2=_vector(given.gravity),
-    )
+SAMPLES = 720
+"""Angles of a turn over which inertias are averaged."""
 
 
-def _vector(gravity: Gravity | None) -> tuple[float, float]:
-    if gravity is None:
-        return 0.0, 0.0
-    direction = radians(gravity.direction_deg)
-    return gravity.acceleration_m_s2 * cos(direction), gravity.acceleration_m_s2 * sin(direction)
-
-
-def meshing_of(given: Simulation, pitch: PitchPair, teeth: ToothedPair) -> Meshing:
-    """The pair of gears under load."""
-    rub = given.friction
+def meshing_of(given: Simulation, pitch: PitchPair, teeth: ToothedPair, own: PairStiffness) -> Meshing:
+    """The pair of gears under load: with the stiffness given, or where none is, with the teeth's ``own``."""
+    rub, constant = given.friction, given.stiffness_n_mm
     friction = Friction(rub.static, rub.dynamic, rub.static_speed_mm_s, rub.dynamic_speed_mm_s)
-    return Meshing(law_table(pitch.transmission), gaps_of(teeth, pitch), impact_of(given, pitch), friction)
+    stiffness = own if constant is None else lambda places: np.full(places.flanks.shape, constant)
+    impact = Impact(given.exponent, given.damping_n_s_mm or 0.0, given.full_damping_depth_mm)
+    return Meshing(law_table(pitch.transmission), gaps_of(teeth, pitch, stiffness), impact, friction)
 
 
-def impact_of(given: Simulation, pitch: PitchPair) -> Impact:
-    """The law of impact, with Hertz's stiffness where the file gives none."""
-    stiffness = given.stiffness_n_mm
-    if stiffness is None:
-        radii = pitch.driving.length_mm / (2.0 * pi), -pitch.mesh.sense * pitch.driven.length_mm / (2.0 * pi)
-        stiffness = hertz_stiffness(given.youngs_modulus_gpa, given.poisson, radii)
-    return Impact(stiffness, given.exponent, given.damping_n_s_mm, given.full_damping_depth_mm)
+def damped(given: Simulation, meshing: Meshing, drive: DriveLine, load: CrankLoad) -> Meshing:
+    """The pair of gears with the damping given, or where none is, with the ratio given to the critical damping.
+
+    That is 2 sqrt(k m) of one pair of teeth with the mean stiffness k, between the shafts' mean inertias, each as a
+    mass at the end of the normal force's arm, 1/m = r1^2/J1 + r2^2/J2; for exponents other than 1, k is the slope of
+    the force at the depth of full damping.
+    """
+    if given.damping_n_s_mm is not None:
+        return meshing
+    crank_rad = np.linspace(0.0, 2.0 * pi, SAMPLES, endpoint=False)
+    lever, ratio = meshing.gaps.touching_levers_mm, meshing.law.at(crank_rad)[1]
+    driven = float(np.mean(lever**2)) / float(np.mean(load.table.at(crank_rad)[0][..., 0]))
+    inertia = drive.inertia_n_mm_s2
+    driving = float(np.mean(lever**2)) * float(np.mean(ratio)) ** 2 / inertia if inertia else 0.0
+    exponent, depth = meshing.impact.exponent, given.full_damping_depth_mm
+    stiffness = float(np.mean(meshing.gaps.touching_stiffness)) * exponent * depth ** (exponent - 1.0)
+    critical = 2.0 * sqrt(stiffness / (driven + driving))
+    return replace(meshing, impact=replace(meshing.impact, damping_n_s_mm=given.damping_ratio * critical))
 
 
 def loaded_places_rad(phi1_rad: Array, meshing: Meshing, rigid: RigidMachine) -> Array:

@@ -20,13 +20,13 @@ from ncgear.design.keys.gears import MOST_TEETH
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput, located
 from ncgear.project.alternatives import (
     Changes,
+    changed_drive,
     changed_gears,
     fitted_root_radius,
     rack_at,
     resized,
     shifted_against_undercut,
 )
-from ncgear.project.computed import take_over
 from ncgear.project.drive import Drive
 from ncgear.project.tooth_form import rack_of, require_pushing_flanks
 
@@ -83,9 +83,6 @@ FINER = (1.5, 2.0, 3.0)
 
 FINER_TOGETHER = (1.5, 3.0)
 """Numbers of teeth, divided by the design's, that are tried together with another change."""
-
-SIZES = ("teeth", "module_mm", "center_distance_mm")
-"""Keys that give the pitch curves their size."""
 
 SAME_SHIFT = 0.01
 """Modules by which shifts differ at least that are worth a trial."""
@@ -201,30 +198,13 @@ def searched(drive: Drive, refusal: DesignError, on_trial: OnTrial = lambda done
 
 
 def _sound(drive: Drive, way: Way) -> Mend | None:
-    changed = _changed(drive, way.changes)
+    changed = changed_drive(drive, way.changes)
     try:
         for pair in changed.by_stage:
             pair.require_sound_teeth()
     except DesignError:
         return None
     return Mend(way, changed)
-
-
-def _changed(drive: Drive, changes: Changes) -> Drive:
-    """The drive of the changed design; what the change leaves as it is, law or pitch curves, is not computed again."""
-    gears = changed_gears(drive.gears, changes)
-    design = drive.design.model_copy(update={"gears": gears})
-    same_size = all(getattr(gears, name) == getattr(drive.gears, name) for name in SIZES)
-
-    def changed(one: Drive) -> Drive:
-        other = Drive(design, one.stage)
-        take_over(("law", "pitch") if same_size else ("law",), one, other)
-        return other
-
-    whole = changed(drive)
-    if design.stages > 1 and drive.stage is None:
-        vars(whole)["by_stage"] = tuple(map(changed, drive.by_stage))
-    return whole
 
 
 def _is_made(drive: Drive) -> bool:

@@ -41,6 +41,9 @@ class ToothLife:
     safety: Array
     life_h: Array
 
+    def __repr__(self) -> str:
+        return f"ToothLife(least safety {self.safety_min:.3g} at tooth {self.weakest} of {self.safety.size})"
+
     @property
     def weakest(self) -> int:
         """Number of the tooth of least safety, from 1."""
@@ -61,6 +64,11 @@ class GearStrength:
     bending: ToothLife
     contact: ToothLife | None
 
+    def __repr__(self) -> str:
+        kinds = {"breakage": self.bending, "pitting": self.contact}
+        told = [f"{kind} {life.safety_min:.3g} at tooth {life.weakest}" for kind, life in kinds.items() if life]
+        return f"GearStrength({self.gear.value}, {self.material.name}: least safeties {', '.join(told)})"
+
 
 @dataclass(frozen=True, eq=False)
 class Strength:
@@ -75,6 +83,9 @@ class Strength:
     stresses: ContactStresses
     driving: GearStrength
     driven: GearStrength
+
+    def __repr__(self) -> str:
+        return f"Strength({self.method}, load by {self.load},\n  {self.driving!r},\n  {self.driven!r})"
 
     def of(self, gear: Gear) -> GearStrength:
         """The driving or the driven gear."""

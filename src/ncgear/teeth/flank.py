@@ -178,6 +178,27 @@ class Flanks:
         share = np.maximum(height_mm - relief.start_mm, 0.0) / length
         return relief.amount_mm * share**2, 2.0 * relief.amount_mm * share / length
 
+    def curvature(self, flank: IndexArray, height_mm: Array) -> Array:
+        """Curvature of flanks in 1/mm at heights, positive where they bulge out of the tooth; shapes broadcast.
+
+        The tangent turns with the rolling curve's, by k per mm rolled, while the flank runs along itself.  On tip
+        relief, what the change of k adds to its slope is left out.
+        """
+        angle = self.rack.pressure_angle_rad
+        turning = self.at_rolled(flank, self.rolled_mm(flank, height_mm)).curvature
+        slope = (sin(angle) + height_mm * turning / sin(angle)) / self.rack.height_per_rolled
+        turning = turning / self.rack.height_per_rolled
+        relief = self.rack.relief
+        if relief is None:
+            return np.asarray(turning / slope)
+        taken, taken_slope = self._relieved(height_mm)
+        bend = np.where(
+            height_mm > relief.start_mm, 2.0 * relief.amount_mm / (relief.full_mm - relief.start_mm) ** 2, 0.0
+        )
+        slope, change = slope - taken * turning, turning / sin(angle) - taken_slope * turning
+        squared = slope * slope + taken_slope * taken_slope
+        return np.asarray((turning + (bend * slope - taken_slope * change) / squared) / np.sqrt(squared))
+
     def regularity(self, flank: IndexArray, height_mm: Array) -> Array:
         """sin^2(alpha) + h k: positive on a flank that exists, zero at a cusp."""
         curvature = self.at_rolled(flank, self.rolled_mm(flank, height_mm)).curvature

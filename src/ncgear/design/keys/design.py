@@ -15,6 +15,7 @@ from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.machine import Comparison, Linkage, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation
 from ncgear.design.keys.optimize import Optimize
+from ncgear.design.keys.strength import StrengthKeys
 from ncgear.design.laws.base import LawKeys
 from ncgear.design.laws.registry import law_models
 from ncgear.design.mechanisms import MECHANISMS, entry_of, kind_named
@@ -55,6 +56,10 @@ class Design(Model):
     drivetrain: Drivetrain | None = Field(
         default=None,
         description="bearings, shafts, motor and more around the gears, which ncgear simulate judges; left out: none",
+    )
+    strength: StrengthKeys = Field(
+        default_factory=StrengthKeys,
+        description="what the teeth run under and how safe they shall be; left out: 20 000 h in oil",
     )
     comparison: Comparison | None = Field(default=None, description="published mechanisms to compare with")
     optimize: Optimize | None = Field(

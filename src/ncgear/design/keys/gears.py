@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import Length, Model, fault, given, listed
 from ncgear.design.keys.bodies import DrivenBody, GearBody, require_height, require_hub_wall
+from ncgear.design.keys.material import WrittenMaterials
 from ncgear.teeth.root_radius import fitting_root_radius, largest_root_radius
 
 
@@ -270,6 +271,11 @@ class Gears(Model):
         "teeth, bores and keyways, since a print swells. Negative: half the kerf of a laser, wire or jet; what is cut "
         "through is then moved out of the material, since the cutter takes half its kerf on either side of the line. "
         "Outline tables and contact are those of the gears as they shall come out",
+    )
+    material: WrittenMaterials | None = Field(
+        default=None,
+        description="material of both gears by its name in docs/materials.md, as 42CrMo4 or POM, of one by the keys "
+        "below for both, or driving and driven each; left out: 42CrMo4 is assumed where strength is computed",
     )
     driving: GearBody = Field(default_factory=GearBody, description="body of the driving gear")
     driven: DrivenBody = Field(default_factory=DrivenBody, description="body of the driven gear; of a ring, its rim")

@@ -1,9 +1,10 @@
 """The keys of forces: masses that move, which way is down, how the teeth bear load and what turns them.
 
-Defaults of the simulation are those of the published baler.  The publication gives elastic constants, exponent, damping
-with its depth, and both coefficients of friction.  It does not give a stiffness.  The default is Hertz's stiffness for
-two spheres as large as circular gears of the same length, which users of multi-body programs take.  The publication
-does not give the speeds at which friction changes either.
+Coefficients of friction are those of the published baler, which does not give the speeds at which friction changes.
+Stiffness and damping are by default those of teeth of the gears' form and width, not of the multi-body program that the
+publication used: its law, with any exponent, can be given.  The default damping ratio is in the middle of the 0.03 to
+0.17 that are measured on gears in mesh (R. Kasuba, J. W. Evans, J. Mech. Des. 103 (1981), 398-409, from a secondary
+source).
 """
 
 from __future__ import annotations
@@ -116,7 +117,12 @@ class ShaftMasses(Model):
         default=None,
         description="moment of inertia of the driven gear in kg mm2; left out: that of its own body",
     )
-    density_kg_m3: float = Field(default=7850.0, gt=0.0, le=30000.0, description="density of both gears in kg/m3")
+    density_kg_m3: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=30000.0,
+        description="density of both gears in kg/m3; left out: those of gears.material, 7850 where none is named",
+    )
     flywheel: Flywheel = Field(default_factory=Flywheel, description="flywheel on the driving shaft; left out: none")
     gravity: Gravity | None = Field(default=None, description="gravity; left out: none")
 
@@ -176,16 +182,29 @@ class Motor(Model):
 class Simulation(Model):
     """How the levels quasi_static and dynamic are computed."""
 
-    youngs_modulus_gpa: Positive = Field(default=201.0, description="Young's modulus of both gears in GPa")
-    poisson: float = Field(default=0.29, gt=-1.0, le=0.5, description="Poisson's ratio of both gears")
     stiffness_n_mm: Positive | None = Field(
         default=None,
-        description="force in N of a contact 1 mm deep, k of k d^exponent; left out: Hertz's for two spheres as large "
-        "as circular gears of the same length",
+        description="force in N of a pair of teeth 1 mm deep in each other, k of k d^exponent; left out: each pair's "
+        "own stiffness, from its teeth, their material and the face width",
     )
-    exponent: float = Field(default=2.2, ge=1.0, le=STEEPEST, description="exponent of the depth in the contact force")
-    damping_n_s_mm: float = Field(default=100.0, ge=0.0, description="damping of a contact in N s/mm, where it is full")
-    full_damping_depth_mm: Positive = Field(default=0.1, description="depth in mm from which on damping is full")
+    exponent: float = Field(
+        default=1.0,
+        ge=1.0,
+        le=STEEPEST,
+        description="exponent of the depth in the force; other than 1 only with stiffness_n_mm",
+    )
+    damping_n_s_mm: float | None = Field(
+        default=None,
+        ge=0.0,
+        description="damping of a pair of teeth in N s/mm, where it is full; left out: by damping_ratio",
+    )
+    damping_ratio: float = Field(
+        default=0.07,
+        ge=0.0,
+        le=1.0,
+        description="damping as a share of the critical damping of one pair of teeth between both shafts",
+    )
+    full_damping_depth_mm: Positive = Field(default=0.002, description="depth in mm from which on damping is full")
     friction: Friction = Field(default_factory=Friction, description="friction between the teeth")
     motor: Motor | None = Field(
         default=None,
@@ -197,3 +216,13 @@ class Simulation(Model):
         "gear stands still, and so does a motor",
     )
     turns: float = Field(default=1.0, gt=0.0, le=MOST_TURNS, description="turns of the driving gear in level dynamic")
+
+    @model_validator(mode="after")
+    def _the_teeths_own_stiffness_is_linear(self) -> Self:
+        if self.exponent != 1.0 and self.stiffness_n_mm is None:
+            raise fault(
+                "exponent",
+                f"{self.exponent:g} given without stiffness_n_mm, but the teeth's own stiffness is linear; leave it "
+                "out, or give stiffness_n_mm as well",
+            )
+        return self

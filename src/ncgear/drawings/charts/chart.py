@@ -36,6 +36,9 @@ class Role(StrEnum):
     MEAN = "mean"
     """The mean of this design's values: a level line."""
 
+    LIMIT = "limit"
+    """What this design's values should stay under: a level line."""
+
     UNIFORM = "uniform"
     """The reference for this design: the uniform crank, circular gears, or the law without elasticity."""
 

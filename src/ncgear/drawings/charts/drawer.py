@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 
 from ncgear.drawings.charts.chart import Across, Chart, Line, Role
 from ncgear.drawings.plots.canvas import (
+    DRIVEN,
     DRIVING,
     HIGHLIGHT,
     INK,
@@ -73,6 +74,23 @@ CONTACT_LOOK = Look(
         Role.WRITTEN: {"color": HIGHLIGHT, "linewidth": 0.8, "zorder": 1.9},
     },
     label_break="\n",
+)
+
+
+def _dress_with_legend(axes: Axes, _: Chart, label: str) -> None:
+    dress(axes, "", label)
+    legend_above(axes)
+
+
+STRENGTH_LOOK = Look(
+    {
+        Role.OWN: {"color": DRIVING, "linewidth": 1.4},
+        Role.OTHER: {"color": DRIVEN, "linewidth": 1.1},
+        Role.LIMIT: {"color": INK, "linewidth": 1.0, "linestyle": (0, (1.5, 1.5))},
+    },
+    label_break="\n",
+    # The lines of each chart have names of their own.
+    finish=_dress_with_legend,
 )
 
 AT_JOINTS: Style = {"color": JOINT, "linewidth": 0.8, "linestyle": (0, (1.5, 2.5)), "zorder": 0.8}
@@ -196,6 +214,7 @@ COLUMN_IN = 8.2
 MOTION_COLUMN = ColumnSizes(row_in=2.0, rest_in=1.2, left_in=0.85, gap=0.12)
 SIMULATION_COLUMN = ColumnSizes(row_in=1.9, rest_in=1.4, left_in=1.0, gap=0.14)
 CONTACT_COLUMN = ColumnSizes(row_in=1.5, rest_in=1.3, left_in=1.0, gap=0.16)
+STRENGTH_COLUMN = ColumnSizes(row_in=2.2, rest_in=1.4, left_in=1.0, gap=0.22)
 
 
 def column_png(charts: Sequence[Chart], title: str, look: Look, sizes: ColumnSizes) -> bytes:

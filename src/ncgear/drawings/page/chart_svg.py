@@ -85,6 +85,7 @@ PAGE_LOOK = Look(
         Role.OWN: {"color": OWN_COLOR, "linewidth": 2.0, "zorder": 3.0},
         Role.OTHER: {"color": UNIFORM_COLOR, "linewidth": 1.2, "zorder": 2.5},
         Role.WRITTEN: {"color": WRITTEN_COLOR, "linewidth": 1.2, "zorder": 2.5},
+        Role.LIMIT: {"color": INK, "linewidth": 1.0, "linestyle": (0, (1.5, 1.5)), "zorder": 2.4},
         Role.UNIFORM: {"color": UNIFORM_COLOR, "linewidth": 1.3, "linestyle": DASHED, "zorder": 3.5},
     },
     marks_extremes=False,

@@ -23,7 +23,15 @@ from ncgear.drawings.page.chart_svg import drawn
 from ncgear.drawings.page.data import paces, page_data
 from ncgear.drawings.page.page_charts import gear_charts, motion_charts
 from ncgear.drawings.page.scene_svg import scene_svg
-from ncgear.drawings.page.tables import comparison_tables, contact_tables, facts, gear_facts, sheet_tables, versions
+from ncgear.drawings.page.tables import (
+    comparison_tables,
+    contact_tables,
+    facts,
+    gear_facts,
+    sheet_tables,
+    strength_tables,
+    versions,
+)
 from ncgear.drawings.palette import style_of_colors, with_fallbacks
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.drawings.scene.standing import views
@@ -58,6 +66,7 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
                 "title": _stage_name(pair),
                 "sheet": sheet_tables(data_sheet(pair)),
                 "contact": contact_tables(pair, found),
+                "strength": strength_tables(pair),
             }
             for pair, found in pairs
         ],

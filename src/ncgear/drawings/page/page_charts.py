@@ -19,8 +19,10 @@ from ncgear.contact.pair import PairContact
 from ncgear.drawings.charts import contact_charts
 from ncgear.drawings.charts.chart import Chart, Line, Role, decimals_of, joints_up_to
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, RATIO, motion_chart
+from ncgear.drawings.charts.strength_charts import strength_charts
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
+from ncgear.project.strengthening import Verdict, known_verdict
 
 DIGITS = 4
 """Significant digits of the largest value of a line; all lines of the chart have the decimals that follow from it."""
@@ -108,8 +110,12 @@ def split_angles(end_rad: float, jumps_rad: Iterable[float]) -> Array:
 
 
 def gear_charts(drive: Drive, contact: PairContact) -> list[PageChart]:
-    """Pressure angle and transmission error of one pair; of a stage its own ratio, too."""
-    charts = {"pressure_angle": _pressure_angle(drive, contact), "transmission_error": _transmission_error(contact)}
+    """Pressure angle and transmission error of one pair, stresses where a load is known; of a stage its ratio, too."""
+    charts = {
+        "pressure_angle": _pressure_angle(drive, contact),
+        "transmission_error": _transmission_error(contact),
+        **_strength(drive),
+    }
     joints = np.degrees(joints_up_to(drive.pair.transmission, contact.as_designed.placement.cycle_rad))
     if drive.stage is None:
         return [PageChart(key, replace(chart, joints_deg=joints)) for key, chart in charts.items()]
@@ -118,6 +124,21 @@ def gear_charts(drive: Drive, contact: PairContact) -> list[PageChart]:
         PageChart(f"{key}_{stage}", replace(chart, name=f"{chart.name}, stage {stage}", joints_deg=joints), shaft)
         for key, chart in {"ratio": _ratio(drive, contact), **charts}.items()
     ]
+
+
+def _strength(drive: Drive) -> dict[str, Chart]:
+    """Loads and stresses of the teeth; empty where no strength is known."""
+    verdict = known_verdict(drive)
+    if not isinstance(verdict, Verdict):
+        return {}
+    charts = strength_charts(verdict.strength, verdict.weakest)
+    # The page names the values of the first line.
+    return {
+        chart.name.replace(" ", "_"): replace(
+            chart, lines=(chart.own, *(one for one in chart.lines if one is not chart.own))
+        )
+        for chart in charts
+    }
 
 
 def _pressure_angle(drive: Drive, contact: PairContact) -> Chart:

@@ -11,11 +11,13 @@ from ncgear import __version__
 from ncgear.contact.pair import PairContact
 from ncgear.figures.data_sheet.sheet import DataSheet, Group
 from ncgear.figures.numbers import shown, to_digits
+from ncgear.figures.strong import weakest_table
 from ncgear.figures.summary.build_summary import contact_summary
 from ncgear.figures.summary.check_summary import comparison_rows
 from ncgear.figures.tables import Column, Table
 from ncgear.figures.terminal import COMPARED, MIXED_SPEEDS, SAME_SPEED, labelled
 from ncgear.project.drive import Drive
+from ncgear.project.strengthening import Verdict, known_verdict
 
 LIBRARIES = ("numpy", "scipy", "shapely", "trimesh", "mapbox-earcut", "matplotlib", "pydantic", "ruamel.yaml")
 """The libraries that compute the figures of the page, beside ncgear and Python."""
@@ -43,6 +45,12 @@ def contact_tables(drive: Drive, contact: PairContact) -> list[Table]:
         Table("The worst of all", (), tuple(labelled(found))),
         _beside("In detail", {"as designed": designed, **forms}),
     ]
+
+
+def strength_tables(drive: Drive) -> list[Table]:
+    """The weakest teeth of both gears; empty where no strength is known."""
+    verdict = known_verdict(drive)
+    return [weakest_table(drive, verdict)] if isinstance(verdict, Verdict) else []
 
 
 def _beside(title: str, sections: Mapping[str, Mapping[str, Any]]) -> Table:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ncgear.figures.advice import law_advice
+from ncgear.figures.advice import law_advice, strength_advice
 from ncgear.figures.advice.values import Advice
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -12,6 +12,11 @@ def check_advice(drive: Drive) -> tuple[Advice, ...]:
     """The advices that need no pitch curve."""
     ranges = [law_advice.ratio_range(pair) for pair in drive.by_stage]
     return _given(*ranges, law_advice.speeds(drive), law_advice.negative_resistance(drive))
+
+
+def rough_advice(drive: Drive) -> tuple[Advice, ...]:
+    """What a check says of teeth without making them, in the place of what a build knows better."""
+    return _given(strength_advice.rough(drive))
 
 
 def build_advice(drive: Drive) -> tuple[Advice, ...]:
@@ -27,7 +32,8 @@ def build_advice(drive: Drive) -> tuple[Advice, ...]:
     ]
     of_teeth = [teeth_advice.undercut(drive), teeth_advice.pointed(drive), *teeth_advice.shortened(drive)]
     of_contact = teeth_advice.contact_ratio(drive), teeth_advice.idle_flanks(drive)
-    return _given(*of_curves, *of_teeth, *of_contact, teeth_advice.thrust(drive))
+    of_load = strength_advice.strength(drive), teeth_advice.thrust(drive)
+    return _given(*of_curves, *of_teeth, *of_contact, *of_load)
 
 
 def _given(*advices: Advice | None) -> tuple[Advice, ...]:

@@ -28,6 +28,7 @@ class Kind(StrEnum):
     IDLE_FLANKS = "idle_flanks"
     THRUST = "thrust"
     CRANK_PIN = "crank_pin"
+    STRENGTH = "strength"
 
 
 @dataclass(frozen=True)

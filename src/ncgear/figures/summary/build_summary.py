@@ -18,13 +18,16 @@ from ncgear.contact.designed.flanks import PairsInContact
 from ncgear.contact.pair import PairContact
 from ncgear.contact.placement import Placement
 from ncgear.contact.written.as_written import AsWritten
-from ncgear.figures.advice.collected import build_advice
+from ncgear.errors import DesignError
+from ncgear.figures.advice.collected import build_advice, check_advice
+from ncgear.figures.strong import strength_summary
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.project.strengthening import known_verdict
 from ncgear.teeth.gear import ToothedGear, teeth_free_of_undercut
 from ncgear.teeth.lost import shortening, undercutting
 from ncgear.teeth.tips import Limit
@@ -46,8 +49,9 @@ def build_summary(drive: Drive, contact: PairContact, outline_errors_mm: Mapping
     ``outline_errors_mm`` tells, by the kinds of files, how far outlines in them are from the exact ones.
     """
     summary = check_summary(drive)
-    comparison, warnings = summary.pop("comparison"), summary.pop("warnings")
-    advices = build_advice(drive)
+    comparison, _ = summary.pop("comparison"), summary.pop("warnings")
+    # Not those of the check: with teeth their strength is known better than roughly.
+    advices = (*check_advice(drive), *build_advice(drive))
     return {
         **summary,
         "pitch": pitch_summary(drive),
@@ -57,13 +61,22 @@ def build_summary(drive: Drive, contact: PairContact, outline_errors_mm: Mapping
             **_under_load(drive),
             **_overlap(drive, contact),
         },
+        **_strength(drive),
         "bodies": bodies_summary(drive),
         "files": {f"{kind}_outline_error_max_mm": error for kind, error in outline_errors_mm.items()},
         "comparison": comparison,
-        "warnings": warnings + [advice.line for advice in advices if advice.matters],
+        "warnings": [advice.line for advice in advices if advice.matters],
         "remarks": [advice.line for advice in advices if not advice.matters],
         "timing_s": {step: round(seconds, 6) for step, seconds in drive.timing_s.items()},
     }
+
+
+def _strength(drive: Drive) -> dict[str, Any]:
+    """The section of strength: nothing where no load is known, and the refusal where there is one."""
+    verdict = known_verdict(drive)
+    if isinstance(verdict, DesignError):
+        return {"strength": {"refused": verdict.problem}}
+    return {} if verdict is None else {"strength": strength_summary(verdict)}
 
 
 def _under_load(drive: Drive) -> dict[str, float]:

@@ -6,7 +6,7 @@ from math import degrees
 from typing import Any
 
 from ncgear.design.keys.machine import Published
-from ncgear.figures.advice.collected import check_advice
+from ncgear.figures.advice.collected import check_advice, rough_advice
 from ncgear.figures.numbers import fixed, shown, to_digits
 from ncgear.kinematics.check import KinematicCheck
 from ncgear.pitch.pair import largest_tangent_angle_rad
@@ -28,7 +28,7 @@ def check_summary(drive: Drive) -> dict[str, Any]:
         "ratio": {"min": low.value, "max": high.value, "min_at_rad": low.at, "max_at_rad": high.at},
         "check": _check(drive),
         "comparison": comparison_rows(drive),
-        "warnings": [advice.line for advice in check_advice(drive)],
+        "warnings": [advice.line for advice in (*check_advice(drive), *rough_advice(drive))],
     }
 
 

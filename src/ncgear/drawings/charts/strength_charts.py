@@ -1,0 +1,96 @@
+"""Charts of the loads and stresses of teeth over the whole cycle of a pair, beside what its weakest teeth endure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import degrees, lcm, pi
+
+import numpy as np
+
+from ncgear.drawings.charts.chart import Chart, Line, Role
+from ncgear.figures.numbers import to_digits
+from ncgear.numerics.arrays import Array
+from ncgear.pitch.shape import Gear
+from ncgear.strength.answer import Strength
+from ncgear.strength.holding import Damage, Weakest
+
+SAME_LIMIT = 0.01
+"""Relative difference of two endured stresses that are drawn as one line: its width on paper."""
+
+
+def strength_charts(strength: Strength, found: Sequence[Weakest]) -> list[Chart]:
+    """Forces of the two most loaded pairs, stresses at both roots, and pressure where the material has figures of it.
+
+    Positions at which nothing bears load have values of 0.
+    """
+    charts = [_forces(strength), _root_stress(strength, found)]
+    return charts if strength.driving.contact is None else [*charts, _pressure(strength, found)]
+
+
+def _forces(strength: Strength) -> Chart:
+    contacts = strength.contacts
+    angle = _angle_deg(strength)
+    # By position, and there the greatest force first: the place in its run is the rank of a pair.
+    order = np.lexsort((-contacts.force_n, contacts.position))
+    position = contacts.position[order]
+    rank = np.arange(position.size) - np.searchsorted(position, position)
+    most, next_ = np.zeros(angle.size), np.zeros(angle.size)
+    for values, place in ((most, 0), (next_, 1)):
+        values[position[rank == place]] = contacts.force_n[order][rank == place]
+    lines = (Line(Role.OTHER, "the next pair", angle, next_), Line(Role.OWN, "most loaded pair", angle, most))
+    return Chart("force of a pair", "N", lines, _end_deg(strength), names_extreme=True)
+
+
+def _root_stress(strength: Strength, found: Sequence[Weakest]) -> Chart:
+    angle, tension = _angle_deg(strength), strength.stresses.tension_mpa
+    roles = (Role.OTHER, Gear.DRIVEN, 1), (Role.OWN, Gear.DRIVING, 0)
+    lines = [Line(role, f"{gear.value} gear", angle, _largest(strength, tension[row])) for role, gear, row in roles]
+    limits = _limits(strength, found, Damage.BENDING)
+    return Chart("root stress", "MPa", (*limits, *lines), _end_deg(strength), names_extreme=True)
+
+
+def _pressure(strength: Strength, found: Sequence[Weakest]) -> Chart:
+    contacts, pressure = strength.contacts, strength.stresses.pressure_mpa
+    angle = _angle_deg(strength)
+    # Where only edges touch, the pressure is not known: no value is drawn there.
+    known = np.ones(angle.size, dtype=bool)
+    known[contacts.position] = False
+    known[contacts.position[contacts.flanks]] = True
+    values = _largest(strength, np.where(contacts.flanks, pressure, 0.0))
+    line = Line(Role.OWN, "both gears", angle[known], values[known])
+    limits = _limits(strength, found, Damage.CONTACT)
+    return Chart("contact pressure", "MPa", (*limits, line), _end_deg(strength), names_extreme=True)
+
+
+def _limits(strength: Strength, found: Sequence[Weakest], damage: Damage) -> list[Line]:
+    """What the weakest teeth endure, as level lines: one for both gears where they endure the same."""
+    endured = {one.gear: one.endured_mpa for one in found if one.damage is damage}
+    ends = np.array([0.0, _end_deg(strength)])
+    driving, driven = endured[Gear.DRIVING], endured[Gear.DRIVEN]
+    if abs(driving - driven) <= SAME_LIMIT * max(driving, driven):
+        return [Line(Role.LIMIT, "endured", ends, np.full(2, min(driving, driven)))]
+    return [
+        # Both are drawn alike: their values tell them apart.
+        Line(Role.LIMIT, f"{gear.value} gear endures {to_digits(value, 3)}", ends, np.full(2, value))
+        for gear, value in endured.items()
+    ]
+
+
+def _angle_deg(strength: Strength) -> Array:
+    """The driving angle of every position, those without load included, shape (n,)."""
+    present, first = np.unique(strength.contacts.position, return_index=True)
+    angle: Array = np.degrees(np.interp(np.arange(present[-1] + 1), present, strength.contacts.phi1_rad[first]))
+    return angle
+
+
+def _largest(strength: Strength, values: Array) -> Array:
+    """The largest of the contacts' values at each position, 0 where there is none, shape (n,)."""
+    largest = np.zeros(strength.contacts.position.max() + 1)
+    np.maximum.at(largest, strength.contacts.position, values)
+    return largest
+
+
+def _end_deg(strength: Strength) -> float:
+    """The driving angle of a whole cycle, after which the same teeth meet again."""
+    driving, driven = strength.driving.bending.safety.size, strength.driven.bending.safety.size
+    return degrees(2.0 * pi * lcm(driving, driven) / driving)

@@ -1,0 +1,146 @@
+"""Both gears in mesh, each tooth in the colour of a value of its own, with the teeth's numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import LinearSegmentedColormap, LogNorm
+
+from ncgear.drawings.palette import HOLDING
+from ncgear.drawings.plots.assembled_pair import Assembled, Position, assembled_teeth, turned
+from ncgear.drawings.plots.canvas import INK, NORMAL, REFERENCE, SMALL, area, figure, png, ring_area
+from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.plane import signed_area
+from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
+from ncgear.teeth.gear import ToothedGear
+
+SPREAD = 4.0
+"""The scale of colours ends where a safety is this many times the wanted one, and at its inverse."""
+
+ROOM_IN = 0.2
+"""Where teeth stand less than so many inches apart, only every fifth has its number, and the one that is named."""
+
+BELOW_IN = 0.13
+"""Distance in inches of a number from the root of its tooth."""
+
+SCALE = LinearSegmentedColormap.from_list("holding", HOLDING)
+
+SIZE_IN, REST_IN = (9.6, 7.0), 1.55
+"""Width and greatest height of the picture, and the height of its heading and scale."""
+
+
+@dataclass(frozen=True, eq=False)
+class ColouredGear:
+    """The safety of each tooth of a gear as a share of the wanted one, shape (z,), and the tooth that is named.
+
+    A share may be infinite, of a tooth that bears no load.
+    """
+
+    share: Array
+    named: int
+
+
+def coloured_teeth_png(drive: Drive, gears: dict[Gear, ColouredGear], position: Position, title: str) -> bytes:
+    """Both gears in a position, coloured by how far each tooth holds; the named teeth have a mark."""
+    pair = assembled_teeth(drive)
+    left, right, top = pair.frame
+    width, most = SIZE_IN
+    # The gears fill the width, unless that makes the picture higher than a screen.
+    height = min(most, REST_IN + width * 2.0 * top / (right - left))
+    mm_per_in = max((right - left) / width, 2.0 * top / (height - REST_IN))
+    made = figure(width, height, title)
+    axes = made.add_axes((0.0, 1.05 / height, 1.0, 1.0 - REST_IN / height))
+    norm = LogNorm(1.0 / SPREAD, SPREAD)
+    for gear, coloured in gears.items():
+        _draw(axes, drive.teeth.of(gear), pair, position, gear, coloured, norm, mm_per_in)
+    axes.plot([0.0, pair.center_distance_mm], [0.0, 0.0], "+", color=INK, markersize=9)
+    axes.set_xlim(left, right)
+    axes.set_ylim(-top, top)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    bar = made.colorbar(
+        ScalarMappable(norm, SCALE),
+        cax=made.add_axes((0.2, 0.62 / height, 0.6, 0.16 / height)),
+        orientation="horizontal",
+        extend="both",
+    )
+    ticks = [1.0 / SPREAD, 0.5, 1.0, 2.0, SPREAD]
+    bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
+    bar.minorticks_off()
+    bar.ax.tick_params(labelsize=SMALL, colors=INK)
+    bar.set_label("least safety of a tooth, as a share of the wanted one (under 1: too weak)", size=NORMAL, color=INK)
+    return png(made)
+
+
+def _draw(
+    axes: Axes,
+    gear: ToothedGear,
+    pair: Assembled,
+    position: Position,
+    which: Gear,
+    coloured: ColouredGear,
+    norm: LogNorm,
+    mm_per_in: float,
+) -> None:
+    """One gear in its place: its body, its teeth in their colours, their numbers below the roots."""
+    driven = which is Gear.DRIVEN
+    ring = pair.ring_radius_mm if driven else None
+    center = np.array([pair.center_distance_mm, 0.0]) if driven else np.zeros(2)
+    sense = (1.0 if ring is not None else -1.0) if driven else 1.0
+    angle = sense * (position.phi2_rad if driven else position.phi1_rad)
+
+    def placed(points: Array) -> Array:
+        return turned(points, angle) + center
+
+    if ring is None:
+        area(axes, placed(gear.outline_mm), REFERENCE, 0.5)
+    else:
+        ring_area(axes, placed(gear.outline_mm), (float(center[0]), 0.0), ring, REFERENCE, 0.5)
+    teeth = [placed(gear.outline_mm[rows]) for rows in tooth_rows(gear)]
+    colors = SCALE(norm(np.clip(coloured.share, 1.0 / SPREAD, SPREAD)))
+    axes.add_collection(PolyCollection(teeth, facecolors=colors, edgecolors=INK, linewidths=0.4), autolim=False)
+    crowded = gear.flanks.curve.length_mm / len(teeth) < ROOM_IN * mm_per_in
+    for number, tooth in enumerate(teeth, 1):
+        named = number == coloured.named
+        if not crowded or number % 5 == 0 or named:
+            root, (back, down) = (tooth[0] + tooth[-1]) / 2.0, tooth[0] - tooth[-1]
+            # Closed by this chord, the tooth lies to the left of it where its outline runs counter-clockwise.
+            inwards = np.sign(signed_area(tooth)) * np.array([down, -back]) / np.hypot(back, down)
+            place = root + BELOW_IN * mm_per_in * inwards
+            box = {"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": INK, "linewidth": 1.0}
+            axes.text(
+                float(place[0]),
+                float(place[1]),
+                str(number),
+                size=SMALL - 1.0,
+                color=INK,
+                ha="center",
+                va="center",
+                weight="bold" if named else "normal",
+                bbox=box if named else None,
+                zorder=4.0,
+            )
+
+
+def tooth_rows(gear: ToothedGear) -> list[IndexArray]:
+    """The rows of the outline that belong to each tooth, from the middle of one space to that of the next.
+
+    The middle of a space is halfway along the pitch curve between the flanks that bound it.
+    """
+    flanks, outline = gear.flanks, gear.outline_mm
+    back, front = flanks.crossing_mm[0::2], flanks.crossing_mm[1::2]
+    before = (back + np.roll(front, 1)) / 2.0
+    before[0] = (back[0] + front[-1] - flanks.curve.length_mm) / 2.0
+    middles = flanks.curve.at_length(before).position @ np.array([1.0, 1.0j])
+    points = outline @ np.array([1.0, 1.0j])
+    rows = np.argmin(np.abs(np.angle(points[None, :] / middles[:, None])), axis=1)
+    ends = np.roll(rows, -1)
+    # Arc length grows against the outline's sense on one of the two gears.
+    along = np.sum(np.angle(np.roll(middles, -1) / middles)) > 0.0
+    pairs = zip(rows, ends, strict=True) if along else zip(ends, rows, strict=True)
+    return [(start + np.arange((end - start) % len(outline) + 1)) % len(outline) for start, end in pairs]

@@ -1,0 +1,99 @@
+"""The advice about teeth that do not hold the load that is known of them."""
+
+from __future__ import annotations
+
+from math import degrees
+
+from ncgear.figures.advice.values import Advice, Kind, Remedy, Where, changed
+from ncgear.figures.numbers import to_digits
+from ncgear.project.drive import Drive
+from ncgear.project.rough_strength import rough_strength
+from ncgear.project.strengthening import (
+    SERIES_I_MM,
+    WIDEST_MODULES,
+    Verdict,
+    known_verdict,
+    large_enough,
+    strong_enough,
+    wide_enough,
+)
+from ncgear.strength.at_pitch_point import RoughSafety
+from ncgear.strength.holding import Damage, Weakest, worst
+
+SIZE = "ncgear size"
+
+
+def strength(drive: Drive) -> Advice | None:
+    """Teeth whose safety against breakage or pitting is under the wanted one; names the weakest of all.
+
+    None where no load is known, and where the strength is refused.
+    """
+    verdict = known_verdict(drive)
+    if not isinstance(verdict, Verdict) or verdict.holds:
+        return None
+    weak = [one for one in verdict.weakest if not one.holds]
+    first = worst(weak)
+    at = degrees(first.phi1_rad)
+    also = [_least(one) for one in weak if one is not first]
+    load = "the machine with its masses" if verdict.strength.load == "masses" else "the resistance alone"
+    return Advice(
+        Kind.STRENGTH,
+        (Where(first.gear.value, (first.tooth,), ((at, at),)),),
+        f"the teeth do not hold {load}: tooth {first.tooth} of the {first.gear.value} gear has "
+        f"{to_digits(first.stress_mpa, 3)} MPa at phi1 = {to_digits(at, 4)} deg and endures "
+        f"{to_digits(first.endured_mpa, 3)} MPa, a safety of {to_digits(first.safety, 2)} against "
+        f"{first.damage.words} where {first.wanted:g} is wanted" + (f" (also {'; '.join(also)})" if also else ""),
+        f"{'teeth break' if first.damage.value == 'bending' else 'flanks pit'} before the wanted life ends",
+        remedies(drive, verdict),
+    )
+
+
+def rough(drive: Drive) -> Advice | None:
+    """The same without teeth, by a rough estimate at the pitch point; None where that finds nothing."""
+    found = rough_strength(drive)
+    weak = [one for one in found if one.safety < one.wanted]
+    if not weak:
+        return None
+    first = min(weak, key=lambda one: one.safety / one.wanted)
+    at, load = degrees(first.phi1_rad), "the resistance" if drive.design.masses is None else "the masses"
+    return Advice(
+        Kind.STRENGTH,
+        (Where(first.gear.value, angles_deg=((at, at),)),),
+        f"the teeth will hardly hold the load of {load}: roughly, one pair at the pitch point has "
+        f"{to_digits(first.stress_mpa, 2)} MPa at phi1 = {to_digits(at, 4)} deg, a safety of "
+        f"{to_digits(first.safety, 2)} of the {first.gear.value} gear against {first.damage.words} where "
+        f"{first.wanted:g} is wanted",
+        "ncgear strength computes every tooth",
+        _rough_remedies(drive, weak),
+    )
+
+
+def _rough_remedies(drive: Drive, weak: list[RoughSafety]) -> tuple[Remedy, ...]:
+    """Sizes that would do by how stresses scale; to be computed, so they are words and no changes."""
+    wider = max((one.wanted / one.safety) ** (1.0 if one.damage is Damage.BENDING else 2.0) for one in weak)
+    larger = max((one.wanted / one.safety) ** (0.5 if one.damage is Damage.BENDING else 1.0) for one in weak)
+    width, module = wider * drive.gears.face_width_mm, larger * drive.pitch.size.module_mm
+    found = [Remedy(f"let {SIZE} find module, teeth and face width")]
+    if module <= SERIES_I_MM[-1]:
+        found.insert(0, Remedy(f"take a module of about {to_digits(module, 2)} mm with as many teeth"))
+    if width <= WIDEST_MODULES * drive.pitch.size.module_mm:
+        found.insert(0, Remedy(f"make the gears about {to_digits(width, 2)} mm wide"))
+    return tuple(found)
+
+
+def _least(one: Weakest) -> str:
+    return f"{one.gear.value} gear, {one.damage.words}: {to_digits(one.safety, 2)} at tooth {one.tooth}"
+
+
+def remedies(drive: Drive, verdict: Verdict) -> tuple[Remedy, ...]:
+    """What makes the teeth hold: a face width, a module, a material, or the search for sizes together."""
+    if verdict.holds:
+        return ()
+    found = []
+    if wide := wide_enough(drive, verdict):
+        found.append(Remedy("make the gears wider", changed(wide)))
+    if large := large_enough(drive, verdict):
+        found.append(Remedy("take a larger module", changed(large)))
+    if strong := strong_enough(drive, verdict):
+        found.append(Remedy("take a stronger material", changed(strong)))
+    return (*found, Remedy(f"let {SIZE} find module, teeth and face width together"))

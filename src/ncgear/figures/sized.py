@@ -1,0 +1,78 @@
+"""What is told of the gears that ``ncgear size`` finds: a table of the smallest, and the design file with the first."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from textwrap import wrap
+
+from ncgear.design.keys.base import listed
+from ncgear.design.naming import LONGEST_NAME
+from ncgear.design.reading.design_file import LoadedDesign
+from ncgear.design.reading.text import whole
+from ncgear.design.rewritten import design_copy
+from ncgear.figures.advice.values import changed
+from ncgear.figures.numbers import shown, to_digits
+from ncgear.figures.strong import LOADS, materials_words
+from ncgear.figures.tables import aligned
+from ncgear.figures.terminal import INDENT, WIDTH
+from ncgear.project.sizing import Sized
+from ncgear.strength.holding import Damage, worst
+
+SUFFIX = "-sized"
+LONGEST_DESCRIPTION = 10_000
+
+
+def sized_text(found: Sequence[Sized]) -> str:
+    """The smallest gears that hold as a table, and the keys of the first."""
+    first = found[0]
+    design, strength = first.drive.design, first.verdict.strength
+    wanted = dict.fromkeys(f"{one.wanted:g} against {one.damage.words}" for one in first.verdict.weakest)
+    about = {
+        "load": LOADS[strength.load],
+        "material": materials_words(first.drive, strength),
+        "wanted": f"safeties of {listed(wanted, 'and')}",
+    }
+    start = max(map(len, about)) + 2
+    lines = [f"{design.name}: the smallest gears that hold at {design.operation.speed_rpm:g} r/min, by the estimate"]
+    for label, words in about.items():
+        lines += wrap(words, WIDTH, initial_indent=f"{INDENT}{label:<{start}}", subsequent_indent=INDENT + " " * start)
+    keys = [f"{INDENT}{change}" for change in changed(first.changes)]
+    return "\n".join([*lines, "", *_table(found), "", "Keys of the first", *keys])
+
+
+def _table(found: Sequence[Sized]) -> list[str]:
+    heads = [
+        ["module", "teeth", "face width", "centre distance", "largest diameter", "least safety", "", "weakest tooth"],
+        ["mm", "", "mm", "mm", "mm", "breakage", "pitting", ""],
+    ]
+    return aligned([*heads, *map(_row, found)])
+
+
+def _row(one: Sized) -> list[str]:
+    size, weak = one.drive.pitch.size, worst(one.verdict.weakest)
+    least = [
+        min((each.safety for each in one.verdict.weakest if each.damage is damage), default=None) for damage in Damage
+    ]
+    return [
+        f"{size.module_mm:g}",
+        f"{size.driving_teeth}:{size.driven_teeth}",
+        f"{one.face_width_mm:g}",
+        shown(round(size.center_distance_mm, 2)),
+        shown(round(one.diameter_mm, 1)),
+        *("-" if safety is None else to_digits(safety, 3) for safety in least),
+        f"{weak.gear.value} {weak.tooth}",
+    ]
+
+
+def sized_name(name: str) -> str:
+    """Name of the design with other gears."""
+    return name if name.endswith(SUFFIX) else f"{name[: LONGEST_NAME - len(SUFFIX)]}{SUFFIX}"
+
+
+def sized_design(loaded: LoadedDesign, one: Sized, asked: dict[str, float | str]) -> str:
+    """The text of a design file with other gears and with what was asked for, its name and description saying so."""
+    design = loaded.design
+    values = {key: whole(value) if isinstance(value, float) else value for key, value in (asked | one.changes).items()}
+    said = f"Sized: {design.name} with {listed(map(str, changed(values)), 'and')}, so that its teeth hold."
+    about = {"description": f"{said} {design.description}".strip()[:LONGEST_DESCRIPTION]}
+    return design_copy(loaded, {"name": sized_name(design.name), **about, **values})

@@ -1,0 +1,211 @@
+"""What is told of the strength of teeth: figures, a table with a row for each gear and tooth, and a screen of text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from math import degrees, floor, isfinite, log10
+from textwrap import wrap
+from typing import Any
+
+import numpy as np
+
+from ncgear.figures.advice.values import Remedy
+from ncgear.figures.csv_text import rows_text
+from ncgear.figures.numbers import MICRORAD, fixed, shown, to_digits
+from ncgear.figures.tables import Column, Table, aligned
+from ncgear.figures.terminal import INDENT, WIDTH
+from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
+from ncgear.project.strengthening import Verdict
+from ncgear.strength.answer import Strength
+from ncgear.strength.holding import Damage, Weakest, lives_of
+
+LOADS = {
+    "masses": "the machine with its masses, at constant driving speed",
+    "resistance": "the resistance alone: no masses are given, so forces of inertia are not counted",
+}
+"""The words for what a load follows from."""
+
+METHODS = {
+    "estimate": "local estimate on the outline of each tooth, after ISO 6336 and VDI 2736, which cover circular gears",
+    "elements": "plane finite elements on the outline of each tooth; a local estimate for what the material endures",
+}
+"""The words for a method, and how far the standards cover it."""
+
+
+def strength_figures(drive: Drive, verdict: Verdict, beside: Verdict | None = None) -> dict[str, Any]:
+    """The figures of a strength as sections of plain values whose keys end in their unit.
+
+    A life is None where the tooth lasts for ever.  ``beside`` is the verdict by another method, to compare with.
+    """
+    strength, size = verdict.strength, drive.pitch.size
+    contacts = strength.contacts
+    most = int(np.argmax(contacts.force_n))
+    return {
+        "design": {"name": drive.design.name, "description": drive.design.description},
+        "load": {
+            "speed_rpm": drive.design.operation.speed_rpm,
+            "peak_tooth_force_n": float(contacts.force_n[most]),
+            "peak_tooth_force_at_rad": float(contacts.phi1_rad[most]),
+            "contact_ratio_under_load_mean": verdict.loading.contact_ratio,
+            "transmission_error_under_load_rad": verdict.loading.transmission_error_rad,
+        },
+        "gears": {"module_mm": size.module_mm, "face_width_mm": drive.gears.face_width_mm},
+        "strength": strength_summary(verdict),
+        **({} if beside is None else {"strength_beside": strength_summary(beside)}),
+        **{gear.value: _gear_figures(verdict, gear) for gear in Gear},
+    }
+
+
+def strength_summary(verdict: Verdict) -> dict[str, Any]:
+    """The method, the load, and the least safeties of both gears with the numbers of their teeth."""
+    least: dict[str, dict[str, Any]] = {gear.value: {} for gear in Gear}
+    for one in verdict.weakest:
+        least[one.gear.value][f"{one.damage}_safety_min"] = one.safety
+        least[one.gear.value][f"{one.damage}_tooth"] = one.tooth
+    return {"method": verdict.strength.method, "load": verdict.strength.load, **least}
+
+
+def _gear_figures(verdict: Verdict, gear: Gear) -> dict[str, Any]:
+    material = verdict.strength.of(gear).material
+    figures: dict[str, Any] = {"material": material.name, "source": material.source}
+    for one in verdict.weakest:
+        if one.gear is gear:
+            name = one.damage.value
+            figures |= {
+                f"{name}_safety_wanted": one.wanted,
+                f"{name}_stress_mpa": one.stress_mpa,
+                f"{name}_stress_at_rad": one.phi1_rad,
+                f"{name}_endured_mpa": one.endured_mpa,
+                f"{name}_life_h": _or_none(one.life_h),
+                f"{name}_too_weak_teeth": sorted(one.too_weak),
+            }
+    return figures
+
+
+OF_TOOTH = ("stress_mpa", "phi1_rad", "safety", "life_h")
+COLUMNS = ("gear", "tooth", *(f"{kind}_{name}" for kind in Damage for name in OF_TOOTH))
+"""Columns of the table: four of each kind of damage."""
+
+
+def strength_csv(strength: Strength) -> str:
+    """A row for each gear and tooth; cells are empty where a safety or a life is without end or nothing is known."""
+    return rows_text(COLUMNS, _rows(strength))
+
+
+def _rows(strength: Strength) -> Iterable[list[object]]:
+    for gear in Gear:
+        lives = lives_of(strength, gear)
+        for row in range(lives[Damage.BENDING].safety.size):
+            cells: list[object] = [gear.value, row + 1]
+            for kind in Damage:
+                life = lives.get(kind)
+                cells += [_or_none(float(getattr(life, name)[row])) if life else None for name in OF_TOOTH]
+            yield cells
+
+
+def _or_none(value: float) -> float | None:
+    return value if isfinite(value) else None
+
+
+def life_words(hours: float) -> str:
+    """Hours of life, to two digits, or the words for none and for no end of it."""
+    if not isfinite(hours):
+        return "no end"
+    return f"{to_digits(round(hours, 1 - floor(log10(hours))), 2)} h" if hours >= 0.01 else "none"
+
+
+def strength_text(drive: Drive, verdict: Verdict, remedies: Sequence[Remedy], beside: Verdict | None = None) -> str:
+    """A screen about the strength of a pair: load, method, least safeties, and what would do.
+
+    ``beside`` is the verdict by another method, whose safeties get a column of their own.
+    """
+    name, speed, size = drive.design.name, drive.design.operation.speed_rpm, drive.pitch.size
+    strength, loading, found = verdict.strength, verdict.loading, verdict.weakest
+    forces = strength.contacts.force_n
+    most = int(np.argmax(forces))
+    where = f"at phi1 = {_degrees(strength.contacts.phi1_rad[most])} deg"
+    about = {
+        "load": LOADS[strength.load],
+        "method": METHODS[strength.method],
+        "gears": f"module {shown(size.module_mm)} mm, {size.driving_teeth} and {size.driven_teeth} teeth, face width "
+        f"{shown(drive.gears.face_width_mm)} mm, {materials_words(drive, strength)}",
+        "teeth": f"up to {shown(float(forces[most]))} N on one pair, {where}",
+        "under load": f"contact ratio {to_digits(loading.contact_ratio, 3)}, "
+        f"transmission error {to_digits(1e6 * loading.transmission_error_rad, 3)} {MICRORAD}",
+    }
+    start = max(map(len, about)) + 2
+    lines = [f"{name}: strength of the teeth at {speed:g} r/min"]
+    for label, words in about.items():
+        lines += wrap(words, WIDTH, initial_indent=f"{INDENT}{label:<{start}}", subsequent_indent=INDENT + " " * start)
+    rows = [[head.label for head in HEADS], [head.unit for head in HEADS], *(list(_cells(one)) for one in found)]
+    if beside is not None:
+        others = [f"by {beside.strength.method}", "", *(to_digits(one.safety, 3) for one in beside.weakest)]
+        for row, other in zip(rows, others, strict=True):
+            row.insert(3, other)
+    table = aligned(rows, left=2)
+    return "\n".join([*lines, "", *table, "", *_verdict(found, remedies)])
+
+
+def materials_words(drive: Drive, strength: Strength) -> str:
+    """The materials of the driving and the driven gear, once where they are the same, and whether they are assumed."""
+    names = dict.fromkeys((strength.driving.material.name, strength.driven.material.name))
+    assumed = ", assumed since gears.material is not given" if drive.gears.material is None else ""
+    return " on ".join(names) + assumed
+
+
+HEADS = (
+    Column(""),
+    Column(""),
+    Column("safety"),
+    Column("wanted"),
+    Column("tooth"),
+    Column("phi1", "deg"),
+    Column("stress", "MPa"),
+    Column("endured", "MPa"),
+    Column("life"),
+)
+"""Columns of the table of weakest teeth."""
+
+
+def weakest_table(drive: Drive, verdict: Verdict) -> Table:
+    """The weakest tooth of each gear for each kind of damage, with notes on load, method and material."""
+    strength = verdict.strength
+    notes = LOADS[strength.load], METHODS[strength.method], materials_words(drive, strength)
+    return Table("Weakest teeth", HEADS, tuple(map(_cells, verdict.weakest)), tuple(f"{note}." for note in notes))
+
+
+def _cells(one: Weakest) -> tuple[str, ...]:
+    return (
+        one.gear.value,
+        one.damage.words,
+        to_digits(one.safety, 3),
+        f"{one.wanted:g}",
+        str(one.tooth),
+        _degrees(one.phi1_rad),
+        to_digits(one.stress_mpa, 3),
+        to_digits(one.endured_mpa, 3),
+        life_words(one.life_h),
+    )
+
+
+def _verdict(found: Sequence[Weakest], remedies: Sequence[Remedy]) -> list[str]:
+    weak = [one for one in found if not one.holds]
+    if not weak:
+        return ["The teeth hold: no safety is under the wanted one."]
+    lines = ["The teeth do not hold. Under the wanted safety:"]
+    for one in weak:
+        words = f"{one.gear.value} gear, {one.damage.words}: {_teeth(one.too_weak)}"
+        lines += wrap(words, WIDTH, initial_indent=INDENT, subsequent_indent=INDENT * 2)
+    lines.append("To change it:")
+    for remedy in remedies:
+        lines += wrap(str(remedy), WIDTH, initial_indent=INDENT, subsequent_indent=INDENT * 2)
+    return lines
+
+
+def _teeth(numbers: Sequence[int]) -> str:
+    return f"{'tooth' if len(numbers) == 1 else 'teeth'} {shown(sorted(numbers))}"
+
+
+def _degrees(angle_rad: float) -> str:
+    return fixed(degrees(float(angle_rad)), 1)

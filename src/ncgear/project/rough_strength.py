@@ -1,0 +1,57 @@
+"""The rough strength of a design, for a check: from its law, its pitch curves and its loads, without a tooth."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ncgear.dynamics.rigid import RigidMachine
+from ncgear.errors import DesignError
+from ncgear.kinematics.motion import sample_angles
+from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
+from ncgear.project.moving_masses import masses_of
+from ncgear.project.service import choices_of, conditions_of
+from ncgear.project.strengthening import unknown
+from ncgear.project.tooth_form import mesh_place
+from ncgear.strength.at_pitch_point import PitchPointLoad, RoughSafety, rough_safeties
+from ncgear.strength.conditions import Running
+from ncgear.strength.endurance import materials_of
+from ncgear.strength.iso6336 import RackTip
+from ncgear.strength.plastics import temperatures_of
+
+
+def rough_strength(drive: Drive) -> list[RoughSafety]:
+    """Both gears' safeties, roughly; empty where no load is known, or where the formulas do not cover the gears.
+
+    Moments of inertia of gears that are not given are left out, since they would follow from the teeth.
+    """
+    if unknown(drive) is not None:
+        return []
+    try:
+        load = _load(drive)
+    except DesignError:
+        # Pitch curves and forces may be refused; a check does not ask for them.
+        return []
+    gears, size, speed = drive.gears, drive.pitch.size, drive.machine.speed_rad_s
+    if not load.force_n.any() or np.any(load.force_n < 0.0):
+        return []
+    running = Running(size.module_mm, (size.driving_teeth, size.driven_teeth), gears.face_width_mm, speed)
+    conditions = conditions_of(drive.design.strength, drive.transmission.cycle_rad, speed)
+    choices = choices_of(gears)
+    materials = materials_of(choices, conditions, running, temperatures_of(choices, conditions, running))
+    tip, angle = RackTip(gears.rack.dedendum, gears.rack.root_radius), drive.rack.pressure_angle_rad
+    try:
+        return rough_safeties(load, tip, gears.rack.addendum, angle, running, materials, conditions)
+    except ArithmeticError:
+        return []
+
+
+def _load(drive: Drive) -> PitchPointLoad:
+    given, linkage = drive.design.masses, drive.linkage
+    masses = linkage.MASSES() if given is None else masses_of(given, linkage)
+    place = mesh_place(drive.gears, drive.pitch.center_distance_mm)
+    phi1 = sample_angles(drive.transmission)
+    mesh = RigidMachine(drive.machine, masses, place).at(phi1).mesh
+    assert mesh is not None
+    curvature = np.stack([drive.pitch.of(gear).at_angle(phi1).curvature for gear in Gear])
+    return PitchPointLoad(phi1, mesh.size_n.value, curvature)

@@ -1,0 +1,69 @@
+"""From keys to values: materials and conditions of a pair of gears."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ncgear.design.keys.gears import Gears
+from ncgear.design.keys.masses import ShaftMasses
+from ncgear.design.keys.material import GearMaterial
+from ncgear.design.keys.strength import USUAL_LIFE_H, StrengthKeys
+from ncgear.strength.classes import Quality
+from ncgear.strength.conditions import Conditions, hours_of_strokes
+from ncgear.strength.materials import TABLE, Choice, Ferrous, assumed_choice
+
+
+def choices_of(gears: Gears) -> tuple[Choice, Choice]:
+    """The materials of the driving and the driven gear; the assumed one where the design names none."""
+    if gears.material is None:
+        return assumed_choice(), assumed_choice()
+    driving, driven = gears.material.each
+    return _choice_of(driving), _choice_of(driven)
+
+
+def _choice_of(given: GearMaterial) -> Choice:
+    entry = TABLE[given.name]
+    modulus_gpa, elastic = given.youngs_modulus_gpa, entry.elastic
+    elastic = replace(
+        elastic,
+        youngs_modulus_mpa=elastic.youngs_modulus_mpa if modulus_gpa is None else 1000.0 * modulus_gpa,
+        poisson=elastic.poisson if given.poisson is None else given.poisson,
+        density_kg_m3=elastic.density_kg_m3 if given.density_kg_m3 is None else given.density_kg_m3,
+    )
+    if isinstance(entry, Ferrous):
+        hardness = entry.hardness if given.hardness is None else given.hardness
+        entry = replace(entry, hardness=hardness, quality=Quality(given.quality))
+    return Choice(replace(entry, elastic=elastic), given.contact_limit_mpa, given.bending_limit_mpa)
+
+
+def densities_kg_m3(given: ShaftMasses, gears: Gears) -> tuple[float, float]:
+    """The densities of the driving and the driven gear: that given with the masses, or those of their materials."""
+    if given.density_kg_m3 is not None:
+        return given.density_kg_m3, given.density_kg_m3
+    driving, driven = choices_of(gears)
+    return driving.entry.elastic.density_kg_m3, driven.entry.elastic.density_kg_m3
+
+
+def conditions_of(given: StrengthKeys, stroke_rad: float, speed_rad_s: float) -> Conditions:
+    """The conditions of the section ``strength``.
+
+    ``stroke_rad`` is how far the driving gear turns in one stroke of the slider, out and back, and ``speed_rad_s`` its
+    speed.
+    """
+    life_h = USUAL_LIFE_H if given.life_h is None else given.life_h
+    if given.life_strokes is not None:
+        life_h = hours_of_strokes(given.life_strokes, stroke_rad, speed_rad_s)
+    return Conditions(
+        life_h=life_h,
+        application_factor=given.application_factor,
+        dynamic_factor=given.dynamic_factor,
+        face_load_factor=given.face_load_factor,
+        reliability=given.reliability,
+        lubrication=given.lubrication,
+        oil_viscosity_mm2_s=given.oil_viscosity_mm2_s,
+        flank_roughness_um=given.flank_roughness_um,
+        root_roughness_um=given.root_roughness_um,
+        temperature_c=given.temperature_c,
+        contact_safety=given.contact_safety,
+        bending_safety=given.bending_safety,
+    )

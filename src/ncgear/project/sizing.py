@@ -1,0 +1,269 @@
+"""The search for the smallest gears that hold: module of series I, number of teeth and face width within a space.
+
+The law stays as it is, so a number of teeth and a module give gears of the same shape in another size.  How the safety
+depends on the size is guessed from the nearest gears that are computed already (``ncgear.strength.holding``).  For each
+module the numbers of teeth are tried in the order of the volume that they are guessed to need, and the face width is
+set right by computing, so that each answer is one that was computed.  A number of teeth that is refused is refused for
+every module.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from math import ceil, inf, log
+
+import numpy as np
+from pydantic import ValidationError
+
+from ncgear.design.keys.base import listed
+from ncgear.design.keys.design import Design
+from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
+from ncgear.pitch.shape import Gear
+from ncgear.project.alternatives import Changes, changed_drive, changed_gears
+from ncgear.project.drive import Drive
+from ncgear.project.gear_solids import rim_mm_of
+from ncgear.project.strengthening import SERIES_I_MM, WIDEST_MODULES, Verdict, sized, verdict_of
+from ncgear.solids.plan.plan import outer_radius_mm
+from ncgear.strength.holding import Damage, Weakest
+from ncgear.strength.materials import TABLE
+
+OnTrial = Callable[[int, int], None]
+"""Called with the numbers of computed gears so far and at most."""
+
+MOST_COMPUTED = 24
+"""Gears that are computed at most, half a second to a second each: so long one waits."""
+
+BEST = 6
+"""Answers that are given."""
+
+GREATER = 2.5
+"""Gears of so many times the volume of the smallest are not looked for."""
+
+TRIES = 3
+"""Numbers of teeth that are tried for a module, and face widths for a number of teeth."""
+
+FEWEST_TEETH, MOST_TEETH = 12, 240
+"""Driving teeth that are tried.  Fewer are undercut on circular gears, and more are finer than strength needs."""
+
+FINENESS = 1.06
+"""Ratio of the numbers of teeth that follow each other: 6 % of the size is less than a step of the modules."""
+
+NARROWEST_MODULES = 5.0
+"""Least face width in modules: narrower gears lean on their shafts."""
+
+
+@dataclass(frozen=True)
+class Space:
+    """The room for a pair: largest centre distance and largest diameter of a gear in mm, both infinite where open.
+
+    ``width_modules`` is the largest face width in modules.
+    """
+
+    center_distance_mm: float = inf
+    diameter_mm: float = inf
+    width_modules: float = WIDEST_MODULES
+
+
+@dataclass(frozen=True, eq=False)
+class Sized:
+    """Gears that were computed: the changes of the design, its drive, and what holds of its teeth."""
+
+    changes: Changes
+    drive: Drive
+    verdict: Verdict
+
+    @property
+    def teeth(self) -> int:
+        """Teeth of the driving gear."""
+        return self.drive.pitch.size.driving_teeth
+
+    @property
+    def module_mm(self) -> float:
+        """The module."""
+        return self.drive.pitch.size.module_mm
+
+    @property
+    def face_width_mm(self) -> float:
+        """The face width."""
+        return self.drive.gears.face_width_mm
+
+    @property
+    def volume_mm3(self) -> float:
+        """Square of the centre distance times the face width, a measure of the volume of gears of one shape."""
+        return self.drive.pitch.center_distance_mm**2 * self.face_width_mm
+
+    @property
+    def diameter_mm(self) -> float:
+        """Largest diameter of either gear about its axis."""
+        return 2.0 * max(outer_radii_mm(self.drive).values())
+
+
+def require_material(name: str, key: str) -> None:
+    """Raise WrongInput, for an option ``key``, where the table has no such material."""
+    if name not in TABLE:
+        close = get_close_matches(name, TABLE, n=1)
+        hint = f"did you mean {close[0]}?" if close else f"one of {listed(TABLE)} is right"
+        raise WrongInput(f"{name!r} given; {hint}", key=key)
+
+
+def asked_design(design: Design, asked: Mapping[str, float | str]) -> Design:
+    """The design with another material and other wanted safeties, by their keys."""
+    strength = {key.removeprefix("strength."): value for key, value in asked.items() if key.startswith("strength.")}
+    design = design.model_copy(update={"strength": design.strength.model_copy(update=strength)})
+    if design.gears is None or "gears.material" not in asked:
+        return design
+    gears = changed_gears(design.gears, {"gears.material": asked["gears.material"]})
+    return design.model_copy(update={"gears": gears})
+
+
+def outer_radii_mm(drive: Drive) -> dict[Gear, float]:
+    """How far each gear reaches from its axis, a ring with its rim."""
+    radii = {gear: float(np.hypot(*drive.teeth.of(gear).outline_mm.T).max()) for gear in Gear}
+    if drive.pitch.driven.is_ring:
+        rim = rim_mm_of(drive.gears, drive.pitch.size.module_mm)
+        radii[Gear.DRIVEN] = outer_radius_mm(drive.teeth.driven.outline_mm, rim)
+    return radii
+
+
+def smallest_gears(drive: Drive, space: Space, on_trial: OnTrial = lambda done, total: None) -> list[Sized]:
+    """The smallest gears that hold for each of a few modules, by the method ``estimate``, the smallest first.
+
+    Raises NoSuchMechanism where none are found, with the nearest that were computed, and as ``verdict_of`` does for
+    the design as given.
+    """
+    search = _Search(drive, space, on_trial, [Sized({}, drive, verdict_of(drive, "estimate"))])
+    found: list[Sized] = []
+    for module, guessed in search.modules():
+        if found and guessed > GREATER * min(one.volume_mm3 for one in found):
+            break
+        best = search.smallest(module)
+        if best is not None:
+            found.append(best)
+    if not found:
+        raise NoSuchMechanism(_nothing(search), key="gears")
+    return sorted(found, key=lambda one: one.volume_mm3)[:BEST]
+
+
+@dataclass(eq=False)
+class _Search:
+    """What is known so far: all gears that were computed, first the design's, and the numbers of teeth refused."""
+
+    drive: Drive
+    space: Space
+    on_trial: OnTrial
+    computed: list[Sized]
+    refused: set[int] = field(default_factory=set)
+    trials: int = 0
+
+    def modules(self) -> list[tuple[float, float]]:
+        """Modules and the volumes that their gears are guessed to need, the least first; none without room."""
+        guessed = [(module, min((self.volume(z, module) for z in self.teeth()), default=inf)) for module in SERIES_I_MM]
+        return sorted((one for one in guessed if one[1] < inf), key=lambda one: one[1])
+
+    def teeth(self) -> list[int]:
+        """Numbers of driving teeth that may be tried, with those of the design."""
+        lobes = self.drive.gears.lobes.driving
+        steps = np.exp(np.arange(log(FEWEST_TEETH), log(MOST_TEETH), log(FINENESS)))
+        counts = {max(round(step / lobes), 1) * lobes for step in steps} | {self.computed[0].teeth}
+        return sorted(count for count in counts if FEWEST_TEETH <= count <= MOST_TEETH and count not in self.refused)
+
+    def smallest(self, module_mm: float) -> Sized | None:
+        """The smallest gears of a module that hold; None where there are none within the space and the effort."""
+        for _ in range(TRIES):
+            guessed = {z: self.volume(z, module_mm) for z in self.teeth()}
+            tried = {one.teeth for one in self.computed if one.module_mm == module_mm and one is not self.computed[0]}
+            open_ = [z for z, volume in guessed.items() if volume < inf and z not in tried]
+            if not open_:
+                return None
+            found = self.widened(min(open_, key=lambda z: (guessed[z], z)), module_mm)
+            if found is not None:
+                return found
+        return None
+
+    def widened(self, teeth: int, module_mm: float) -> Sized | None:
+        """The narrowest gears of a size that hold, in whole mm; None where they are refused or would be too wide."""
+        best: Sized | None = None
+        for _ in range(TRIES):
+            width = self.width(teeth, module_mm)
+            if width > self.space.width_modules * module_mm or self.trials >= MOST_COMPUTED:
+                break
+            if best is not None and width >= best.face_width_mm:
+                break
+            made = self.made(teeth, module_mm, width)
+            if made is None:
+                return best
+            if made.verdict.holds:
+                best = made
+        return best
+
+    def made(self, teeth: int, module_mm: float, width_mm: float) -> Sized | None:
+        """The gears of a size, computed; None where they are refused or do not go into the space."""
+        changes = {**sized(self.drive, teeth, module_mm), "gears.face_width_mm": width_mm}
+        self.trials += 1
+        self.on_trial(self.trials, MOST_COMPUTED)
+        # Teeth that are the same as those of earlier gears are not made again.
+        same = [one for one in self.computed if (one.teeth, one.module_mm) == (teeth, module_mm)]
+        try:
+            changed = changed_drive(same[-1].drive if same else self.drive, changes)
+            made = Sized(changes, changed, verdict_of(changed, "estimate"))
+        except (DesignError, ValidationError):
+            self.refused.add(teeth)
+            return None
+        self.computed.append(made)
+        inside = changed.pitch.center_distance_mm <= self.space.center_distance_mm
+        return made if inside and made.diameter_mm <= self.space.diameter_mm else None
+
+    # Guesses from the nearest gears that are computed.
+
+    def volume(self, teeth: int, module_mm: float) -> float:
+        """Square of the centre distance times the guessed face width; infinite where the gears have no room."""
+        first, scale = self.computed[0], self.scale(teeth, module_mm)
+        distance = first.drive.pitch.center_distance_mm * scale
+        # Pitch curves grow with the scale, addenda with the module.
+        diameter = (first.diameter_mm - 2.0 * first.module_mm) * scale + 2.0 * module_mm
+        width = self.width(teeth, module_mm)
+        roomy = distance <= self.space.center_distance_mm and diameter <= self.space.diameter_mm * (1.0 + 1e-9)
+        return distance**2 * width if roomy and width <= self.space.width_modules * module_mm else inf
+
+    def width(self, teeth: int, module_mm: float) -> float:
+        """The guessed face width in whole mm, not under NARROWEST_MODULES."""
+        near = self.nearest(teeth, module_mm)
+        wider = [self.wider(one, near, teeth, module_mm) for one in near.verdict.weakest]
+        return float(ceil(max(near.face_width_mm * max(wider), NARROWEST_MODULES * module_mm) - 1e-9))
+
+    def wider(self, one: Weakest, near: Sized, teeth: int, module_mm: float) -> float:
+        """The factor of the nearest gears' face width with which a tooth would just have the safety wanted.
+
+        The force goes as one over the scale; a root's stress as force over width and module; the square of the pressure
+        as force over width and scale.
+        """
+        scale = self.scale(teeth, module_mm) / self.scale(near.teeth, near.module_mm)
+        if one.damage is Damage.BENDING:
+            return 1.0 / (one.share * scale * module_mm / near.module_mm)
+        return 1.0 / (one.share * scale) ** 2
+
+    def scale(self, teeth: int, module_mm: float) -> float:
+        """The size of the pitch curves over that of the design as given."""
+        first = self.computed[0]
+        return teeth * module_mm / (first.teeth * first.module_mm)
+
+    def nearest(self, teeth: int, module_mm: float) -> Sized:
+        """The gears computed last of those with the most similar number of teeth and then module."""
+        return min(
+            reversed(self.computed),
+            key=lambda one: (abs(log(one.teeth / teeth)), abs(log(one.module_mm / module_mm))),
+        )
+
+
+def _nothing(search: _Search) -> str:
+    """The words where no gears are found: what comes nearest."""
+    near = max(search.computed, key=lambda one: min(weak.share for weak in one.verdict.weakest))
+    share = min(weak.share for weak in near.verdict.weakest)
+    return (
+        f"no gears of series I up to {search.space.width_modules:g} modules wide were found that hold in this space; "
+        f"nearest of {len(search.computed)} come {near.teeth} teeth of module {near.module_mm:g} mm, "
+        f"{near.face_width_mm:g} mm wide, with {share:.2g} of a wanted safety; more space, a stronger material or less "
+        "load is needed"
+    )

@@ -1,0 +1,187 @@
+"""Whether the teeth of a design hold, and what would make them: a face width, a module, or a material alone.
+
+Each change is first guessed by how stresses scale (``ncgear.strength.holding``), then computed with the changed design
+and made larger until it holds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import ceil
+from typing import TYPE_CHECKING, Literal
+
+from pydantic import ValidationError
+
+from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
+from ncgear.pitch.shape import Gear
+from ncgear.project.alternatives import Changes, changed_drive
+from ncgear.project.drive import Drive
+from ncgear.strength.answer import Strength
+from ncgear.strength.conditions import Conditions
+from ncgear.strength.holding import WantedSafety, Weakest, face_width_factor, module_factor, weakest_teeth
+from ncgear.strength.materials import ASSUMED
+
+if TYPE_CHECKING:
+    from ncgear.strength.loading import Loading
+
+SERIES_I_MM = (1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 32.0, 40.0, 50.0)
+"""Modules of ISO 54, series I (secondary source)."""
+
+WIDEST_MODULES = 12.0
+"""Face width in modules beyond which straight teeth do not bear over their whole width, as shafts bend and lie askew:
+makers of machines keep to 10 or 12."""
+
+STRONGER = ("PETG-print", "PLA-print", "PA66", "POM", "C45", "42CrMo4", "34CrNiMo6", "42CrMo4-nitrided", "18CrNiMo7-6")
+"""Materials of the table by what they endure, the weakest first."""
+
+NOTHING_N = 1e-6
+"""Force under which teeth bear nothing but rounding errors: far below the weight of any part."""
+
+TRIALS = 4
+"""How often a guess is made larger.  The second is mostly right: load factors change little with the size."""
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """The strength of a drive's teeth, the loads behind it, and each gear's weakest tooth for each kind of damage."""
+
+    strength: Strength
+    loading: Loading
+    weakest: tuple[Weakest, ...]
+
+    @property
+    def holds(self) -> bool:
+        """Whether no safety is under the wanted one."""
+        return all(one.holds for one in self.weakest)
+
+
+def verdict_of(drive: Drive, method: Literal["estimate", "elements"] | None = None) -> Verdict:
+    """The verdict on a drive's teeth by a method, or by that of its design.
+
+    Raises WrongInput, with what is missing, where strength is not known, and where the teeth bear no load.
+    """
+    if (why := unknown(drive)) is not None:
+        raise why
+    method = method or drive.design.strength.method
+    strength, loading = drive.strength_by(method), drive.loading_by(method)
+    if strength.contacts.force_n.max(initial=0.0) < NOTHING_N:
+        raise WrongInput("the teeth bear no load at any angle, so that nothing can be said of them", key="resistance")
+    wanted = {gear: _wanted(drive, strength, gear) for gear in Gear}
+    return Verdict(strength, loading, tuple(weakest_teeth(strength, wanted)))
+
+
+def known_verdict(drive: Drive) -> Verdict | DesignError | None:
+    """The verdict on a drive's teeth by its design's method; None where no load is known or no strength is computed.
+
+    A refusal, as of a load that teeth cannot bear at all, is the answer then.
+    """
+    if unknown(drive) is not None:
+        return None
+    try:
+        return verdict_of(drive)
+    except DesignError as error:
+        return error
+    except ArithmeticError as error:
+        # A search that found no place of contact: gears can be made that cannot be rated.
+        return NoSuchMechanism(f"the strength could not be computed: {error}", key="gears")
+
+
+def _wanted(drive: Drive, strength: Strength, gear: Gear) -> WantedSafety:
+    """What the design asks for or, where it says nothing, what is usual for the gear's material."""
+    given, material = drive.design.strength, strength.of(gear).material
+    conditions = Conditions(bending_safety=given.bending_safety, contact_safety=given.contact_safety)
+    return WantedSafety(conditions.wanted_bending_safety(material), conditions.wanted_contact_safety(material))
+
+
+def unknown(drive: Drive) -> WrongInput | None:
+    """Why the strength of a design is not known before anything is computed; None where it can be."""
+    design = drive.design
+    if design.gears is None:
+        return WrongInput("missing; gears need teeth, module_mm, face_width_mm and more", key="gears")
+    if design.masses is None and design.resistance is None:
+        return WrongInput("missing; the load of the teeth needs it, or masses", key="resistance")
+    if design.stages > 1:
+        return WrongInput("two pairs of gears; the load of teeth is computed of one", key="motion.second_stage")
+    if drive.helix is not None:
+        return WrongInput("helical teeth are not followed under load; leave it out", key="gears.helix")
+    return None
+
+
+def wide_enough(drive: Drive, verdict: Verdict) -> Changes:
+    """The face width in whole mm with which the teeth hold; empty where it is over WIDEST_MODULES."""
+    most = WIDEST_MODULES * drive.pitch.size.module_mm
+
+    def changes(width_mm: float) -> Changes | None:
+        return {"gears.face_width_mm": float(ceil(width_mm))} if ceil(width_mm) <= most else None
+
+    return _enough(drive, verdict, drive.gears.face_width_mm, face_width_factor, changes)
+
+
+def large_enough(drive: Drive, verdict: Verdict) -> Changes:
+    """The module of series I with which as many teeth of the same face width hold; empty where there is none."""
+
+    def changes(module_mm: float) -> Changes | None:
+        module = next((one for one in SERIES_I_MM if one >= module_mm), None)
+        return None if module is None else sized(drive, drive.pitch.size.driving_teeth, module)
+
+    return _enough(drive, verdict, drive.pitch.size.module_mm, module_factor, changes)
+
+
+def strong_enough(drive: Drive, verdict: Verdict) -> Changes:
+    """The weakest material of STRONGER with which both gears hold; empty where none does.
+
+    A material that holds is taken to hold in the place of every weaker one, so that few are computed.
+    """
+    given = drive.gears.material
+    names = [ASSUMED] if given is None else [one.name for one in given.each]
+    above = max((STRONGER.index(name) + 1 for name in names if name in STRONGER), default=0)
+    low, high, found = above, len(STRONGER), Changes()
+    while low < high:
+        # The strongest first: mostly none or that one does.
+        middle = high - 1 if high == len(STRONGER) and not found else (low + high) // 2
+        tried: Changes = {"gears.material": STRONGER[middle]}
+        if _holds(drive, verdict, tried):
+            high, found = middle, tried
+        elif found:
+            low = middle + 1
+        else:
+            return {}
+    return found
+
+
+def _holds(drive: Drive, verdict: Verdict, changes: Changes) -> bool:
+    try:
+        return verdict_of(changed_drive(drive, changes), verdict.strength.method).holds
+    except (DesignError, ValidationError):
+        return False
+
+
+def sized(drive: Drive, teeth: int, module_mm: float) -> Changes:
+    """The changes that give a design a number of driving teeth and a module; a centre distance is left out."""
+    changes: Changes = {"gears.teeth": teeth, "gears.module_mm": module_mm}
+    return changes if drive.gears.center_distance_mm is None else {**changes, "gears.center_distance_mm": None}
+
+
+def _enough(
+    drive: Drive,
+    verdict: Verdict,
+    size_mm: float,
+    factor: Callable[[tuple[Weakest, ...]], float],
+    changes: Callable[[float], Changes | None],
+) -> Changes:
+    """The changes for the least size that holds, found by computing; empty where a size is not allowed or refused."""
+    found = verdict
+    for _ in range(TRIALS):
+        size_mm *= factor(found.weakest)
+        tried = changes(size_mm)
+        if tried is None:
+            return {}
+        try:
+            found = verdict_of(changed_drive(drive, tried), verdict.strength.method)
+        except (DesignError, ValidationError):
+            # Larger teeth may be refused, and a hub may be too low for a wider gear.
+            return {}
+        if found.holds:
+            return tried
+    return {}

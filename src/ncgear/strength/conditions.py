@@ -1,0 +1,98 @@
+"""What a pair of gears runs under: its size and speed, its life, its oil and surfaces, and the safeties wanted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ncgear.strength.material import Family, Material
+
+
+@dataclass(frozen=True)
+class Running:
+    """Size and speed of a pair, as the factors of ISO 6336 need them.
+
+    ``teeth`` are those of the driving and the driven gear, ``speed_rad_s`` is the driving gear's.
+    """
+
+    module_mm: float
+    teeth: tuple[int, int]
+    face_width_mm: float
+    speed_rad_s: float
+
+    @property
+    def pitch_speed_m_s(self) -> float:
+        """Mean speed along the pitch curves in m/s."""
+        return self.module_mm * self.teeth[0] / 2.0 * self.speed_rad_s / 1000.0
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """What a person says of the service.
+
+    ``life_h`` is the life wanted.  ``dynamic_factor`` is None where it is estimated.  ``reliability`` is the share of
+    gears that live so long.  Roughnesses are mean peak-to-valley ones, Rz.  The safeties wanted are None where they
+    follow from the material.
+    """
+
+    life_h: float = 20_000.0
+    application_factor: float = 1.0
+    dynamic_factor: float | None = None
+    face_load_factor: float = 1.3
+    reliability: float = 0.99
+    lubrication: Literal["oil", "grease", "dry"] = "oil"
+    oil_viscosity_mm2_s: float = 220.0
+    flank_roughness_um: float = 6.0
+    root_roughness_um: float = 16.0
+    temperature_c: float = 20.0
+    contact_safety: float | None = None
+    bending_safety: float | None = None
+
+    def wanted_contact_safety(self, material: Material) -> float:
+        """The least safety wanted against pitting of a gear of this material."""
+        if self.contact_safety is not None:
+            return self.contact_safety
+        return 1.4 if material.family is Family.PLASTIC else 1.0
+
+    def wanted_bending_safety(self, material: Material) -> float:
+        """The least safety wanted against breakage of a gear of this material."""
+        if self.bending_safety is not None:
+            return self.bending_safety
+        return 2.0 if material.family is Family.PLASTIC else 1.4
+
+
+def hours_of_strokes(strokes: float, stroke_rad: float, speed_rad_s: float) -> float:
+    """Hours that a number of strokes takes; the driving gear turns by ``stroke_rad`` in one stroke, out and back."""
+    return strokes * stroke_rad / speed_rad_s / 3600.0
+
+
+GRADE_8 = 39.1, 0.0193
+"""K1 in N/mm and K2 of spur gears of accuracy grade 8: ISO 6336-1, method C (secondary source)."""
+
+LEAST_LINE_LOAD_N_MM = 100.0
+
+
+def dynamic_factor(running: Running, line_load_n_mm: float) -> float:
+    """The dynamic factor K_V that follows for gears of accuracy grade 8.
+
+    K_V = 1 + (K1 / (F_t K_A / b) + K2) s K3 with s = v z1 / 100 sqrt(u^2 / (1 + u^2)), K3 = 2.071 - 0.357 s and at
+    most 2 (ISO 6336-1, method C, secondary source).  It is for circular gears below s = 3 m/s or so; a local estimate
+    for others, with the mean speed along the pitch curves and the mean load per mm of width, times K_A.
+    """
+    (first, second), (z1, z2) = GRADE_8, running.teeth
+    ratio = z2 / z1
+    s = running.pitch_speed_m_s * z1 / 100.0 * (ratio**2 / (1.0 + ratio**2)) ** 0.5
+    term: float = (first / max(line_load_n_mm, LEAST_LINE_LOAD_N_MM) + second) * s * min(2.0, 2.071 - 0.357 * s)
+    return 1.0 + term
+
+
+HEIGHT_MODULES = 2.25
+
+
+def face_load_factor_of_roots(running: Running, face_load_factor: float) -> float:
+    """The face load factor K_Fbeta for bending: K_Hbeta^N with N = 1 / (1 + h/b + (h/b)^2), b/h at least 3.
+
+    h is the height of the teeth (ISO 6336-1, secondary source): at the roots, the load is spread along the width.
+    """
+    slender = min(HEIGHT_MODULES * running.module_mm / running.face_width_mm, 1.0 / 3.0)
+    return float(face_load_factor ** (1.0 / (1.0 + slender + slender**2)))

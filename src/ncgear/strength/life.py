@@ -1,0 +1,228 @@
+"""From loaded contacts to the answer: stresses with the factors of load, and safety and life of every tooth by Miner.
+
+Each meeting of a tooth with a mate is one load cycle with the largest stress on its path: for pitting the largest
+pressure on the flank while its pair bears the most (``rated_for_pitting``), for breakage the largest tension at the
+root of that flank.  The damage of a cycle is one over the number of cycles that its stress is endured, and a tooth is
+broken or pitted when the damages sum to 1 (Miner's rule as in ISO 6336-6: stresses that are endured for ever do no
+damage).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from typing import Literal
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.pitch.shape import Gear
+from ncgear.strength.answer import ContactStresses, GearStrength, Strength, ToothLife
+from ncgear.strength.conditions import Conditions, Running, dynamic_factor, face_load_factor_of_roots
+from ncgear.strength.contacts import LoadedContacts
+from ncgear.strength.hertz import hertz_pressure_mpa
+from ncgear.strength.material import EnduredStress, Material
+from ncgear.strength.method import ToothMethod
+
+
+def stresses_of(
+    contacts: LoadedContacts,
+    methods: tuple[ToothMethod, ToothMethod],
+    materials: tuple[Material, Material],
+    conditions: Conditions,
+    running: Running,
+) -> ContactStresses:
+    """The stresses of all contacts, with the factors K_A, K_V and K_Hbeta or K_Fbeta.
+
+    ``methods`` and ``materials`` are those of the driving and the driven gear.  Shares of load between pairs of teeth
+    are those of ``contacts``, so that K_Halpha is 1.
+    """
+    line_load = contacts.force_n * conditions.application_factor / running.face_width_mm
+    shaken = line_load * (conditions.dynamic_factor or estimated_dynamic_factor(line_load, contacts, running))
+    flanks, roots = conditions.face_load_factor, face_load_factor_of_roots(running, conditions.face_load_factor)
+    pressure = np.full_like(shaken, np.nan)
+    on = contacts.flanks
+    pressure[on] = hertz_pressure_mpa(flanks * shaken[on], contacts.relative_curvature[on], materials)
+    of_unit = [method.root_stress(contacts.on(gear)) for method, gear in zip(methods, Gear, strict=True)]
+    return ContactStresses(
+        pressure_mpa=pressure,
+        tension_mpa=np.array([roots * shaken * one.tension_mpa for one in of_unit]),
+        compression_mpa=np.array([roots * shaken * one.compression_mpa for one in of_unit]),
+    )
+
+
+def estimated_dynamic_factor(line_load_n_mm: Array, contacts: LoadedContacts, running: Running) -> float:
+    """K_V by the mean of the load over the contacts, each by its load: that at which most damage is done."""
+    total = float(line_load_n_mm.sum())
+    return dynamic_factor(running, float((line_load_n_mm**2).sum()) / total) if total > 0.0 else 1.0
+
+
+def strength_of(
+    contacts: LoadedContacts,
+    stresses: ContactStresses,
+    materials: tuple[Material, Material],
+    conditions: Conditions,
+    cycle_rad: float,
+    running: Running,
+    method: Literal["estimate", "elements"],
+    load: Literal["masses", "resistance"],
+) -> Strength:
+    """Safety and life of every tooth of both gears.
+
+    ``contacts`` are those of a whole cycle of meetings, in which the driving gear turns by ``cycle_rad``, several turns
+    where teeth meet others in each.
+    """
+    hours = cycle_rad / running.speed_rad_s / 3600.0
+    driving, driven = (
+        _gear_strength(gear, contacts, stresses, materials[place], conditions.life_h, cycle_rad, hours, z)
+        for place, (gear, z) in enumerate(zip(Gear, running.teeth, strict=True))
+    )
+    return Strength(method, load, contacts, stresses, driving, driven)
+
+
+def _gear_strength(
+    gear: Gear,
+    contacts: LoadedContacts,
+    stresses: ContactStresses,
+    material: Material,
+    life_h: float,
+    cycle_rad: float,
+    cycle_h: float,
+    teeth: int,
+) -> GearStrength:
+    place, flank, pressure = list(Gear).index(gear), contacts.on(gear).flank, stresses.pressure_mpa
+    tension = stresses.tension_mpa[place]
+    counted = alternating_mpa(tension, stresses.compression_mpa[place], flank, teeth)
+    met = meetings_of(contacts, gear, tension, counted, cycle_rad)
+    bending = tooth_life(met, material.bending, teeth, life_h, cycle_h)
+    if material.contact is None:
+        return GearStrength(gear, material, bending, None)
+    rated = rated_for_pitting(contacts)
+    rolled = meetings_of(contacts.kept(rated), gear, pressure[rated], pressure[rated], cycle_rad)
+    return GearStrength(gear, material, bending, tooth_life(rolled, material.contact, teeth, life_h, cycle_h))
+
+
+def rated_for_pitting(contacts: LoadedContacts) -> Mask:
+    """The contacts whose pressure counts, shape (n,): those of flanks that bear the most of the load at their position.
+
+    ISO 6336-2 compares the pressure at the pitch point, or where a pair begins to bear the load alone, with stresses
+    that test gears endured at these places.  Where teeth begin and cease to touch, flanks near their base circles have
+    small radii and high pressures over little width, in test gears as well, and are not compared; there another pair
+    bears more.  Flanks that meet without ever bearing the most count wherever they touch.
+    """
+    most = np.zeros(int(contacts.position.max(initial=-1)) + 1)
+    np.maximum.at(most, contacts.position, contacts.force_n)
+    leading = contacts.flanks & (contacts.force_n >= most[contacts.position])
+    flanks = np.stack([contacts.driving_flank, contacts.driven_flank], axis=1)
+    _, pair = np.unique(flanks, axis=0, return_inverse=True)
+    ever_leading = np.bincount(pair, weights=leading) > 0.0
+    return np.asarray(leading | (contacts.flanks & ~ever_leading[pair]))
+
+
+BOTH_WAYS = 0.7
+"""Share of the endured stress that is left where the load of a tooth turns about: ISO 6336-3, annex (secondary
+source)."""
+
+COMPRESSION_OVER_TENSION = 1.2
+"""Stress ratio -R of such a tooth at equal loads both ways, by the same annex."""
+
+MEAN_STRESS = (1.0 / BOTH_WAYS - 1.0) / COMPRESSION_OVER_TENSION
+"""How much of the compression counts as tension: so that compression of 1.2 times the tension leaves 0.7."""
+
+
+def alternating_mpa(tension: Array, compression: Array, flank: IndexArray, teeth: int) -> Array:
+    """The tension that alone would do the damage, for each contact: with what the other flank's load presses its root.
+
+    A pulsating stress and one that turns about do the same damage at a ratio of 0.7 (ISO 6336-3, annex); in between, a
+    line.  Where the other flank is never loaded, the tension itself.
+    """
+    pressed = np.zeros(2 * teeth)
+    np.maximum.at(pressed, flank ^ 1, compression)
+    return tension + MEAN_STRESS * pressed[flank]
+
+
+@dataclass(frozen=True, eq=False)
+class Meetings:
+    """m meetings of the teeth of one gear with mates in a whole cycle; shape (m,) each.
+
+    ``flank`` numbers the gear's flanks from 0, two for each tooth.  ``stress_mpa`` is the largest stress of each,
+    ``phi1_rad`` the driving angle there, and ``counted_mpa`` the largest stress by which its damage counts.
+    """
+
+    flank: IndexArray
+    stress_mpa: Array
+    phi1_rad: Array
+    counted_mpa: Array
+
+
+def meetings_of(
+    contacts: LoadedContacts, gear: Gear, stress_mpa: Array, counted_mpa: Array, cycle_rad: float
+) -> Meetings:
+    """The meetings of one gear's flanks; stresses have the shape of ``contacts``.
+
+    Two contacts of a pair of flanks belong to one meeting where less than half a turn of the driving gear is between
+    them, over the end of the cycle as well: teeth meet again after a turn at the soonest.
+    """
+    own = contacts.on(gear).flank
+    order = np.lexsort((contacts.phi1_rad, contacts.driven_flank, contacts.driving_flank))
+    phi1, driving, driven = contacts.phi1_rad[order], contacts.driving_flank[order], contacts.driven_flank[order]
+    new_pair = np.ones(order.size, dtype=bool)
+    new_pair[1:] = (driving[1:] != driving[:-1]) | (driven[1:] != driven[:-1])
+    begins = new_pair.copy()
+    begins[1:] |= np.diff(phi1) > pi
+    meeting = np.cumsum(begins) - 1
+    first = np.flatnonzero(new_pair)
+    last = np.append(first[1:], order.size)[: first.size] - 1
+    goes_on = (phi1[first] + cycle_rad - phi1[last] <= pi) & (meeting[first] != meeting[last])
+    renamed = np.arange(int(begins.sum()))
+    renamed[meeting[last[goes_on]]] = meeting[first[goes_on]]
+    meeting = renamed[meeting]
+    by_stress = np.lexsort((stress_mpa[order], meeting))
+    largest = order[by_stress[np.append(np.diff(meeting[by_stress]) > 0, True)]] if order.size else order
+    counted = np.zeros(renamed.size)
+    np.maximum.at(counted, meeting, counted_mpa[order])
+    return Meetings(own[largest], stress_mpa[largest], contacts.phi1_rad[largest], counted[np.unique(meeting)])
+
+
+HALVINGS = 60
+"""Of an interval of life factors: e to the power of 1, or less, falls to rounding errors."""
+
+
+def tooth_life(meetings: Meetings, endured: EnduredStress, teeth: int, life_h: float, cycle_h: float) -> ToothLife:
+    """Safety and life of the z teeth of a gear, of each the worse of its two sides.
+
+    The safety is the largest factor on all stresses at which the damage of the wanted life is at most 1.  Damage grows
+    with the factor, from none where all stresses are endured for ever to no end where one is above the static stress;
+    between them the factor is found by halving.
+    """
+    flank, counted = meetings.flank, meetings.counted_mpa
+    top = np.zeros(2 * teeth)
+    np.maximum.at(top, flank, counted)
+
+    def damage(factor: Array) -> Array:
+        """Of one cycle of meetings, for each flank with its own factor on the stresses."""
+        each = 1.0 / endured.cycles_to_failure(counted * factor[flank])
+        return np.asarray(np.bincount(flank, weights=each, minlength=2 * teeth), dtype=float)
+
+    loaded = top > 0.0
+    # The static stress itself is endured for some cycles, and rounding must not lift a stress above it.
+    safe = np.where(loaded, endured.stress_mpa[-1] / np.where(loaded, top, 1.0), 1.0)
+    broken = np.where(loaded, endured.stress_mpa[0] / np.where(loaded, top, 1.0), 1.0) * (1.0 + 1e-12)
+    with np.errstate(divide="ignore"):
+        for _ in range(HALVINGS):
+            middle = np.sqrt(safe * broken)
+            holds = damage(middle) * (life_h / cycle_h) <= 1.0
+            safe, broken = np.where(holds, middle, safe), np.where(holds, broken, middle)
+        hours = cycle_h / damage(np.ones(2 * teeth))
+    stress, phi1 = np.zeros(2 * teeth), np.zeros(2 * teeth)
+    rising = np.argsort(meetings.stress_mpa, kind="stable")
+    stress[flank[rising]] = meetings.stress_mpa[rising]
+    phi1[flank[rising]] = meetings.phi1_rad[rising]
+    sides, every = stress.reshape(teeth, 2), np.arange(teeth)
+    higher = sides.argmax(axis=1)
+    return ToothLife(
+        stress_mpa=sides[every, higher],
+        phi1_rad=phi1.reshape(teeth, 2)[every, higher],
+        safety=np.where(loaded, safe, np.inf).reshape(teeth, 2).min(axis=1),
+        life_h=hours.reshape(teeth, 2).min(axis=1),
+    )

@@ -1,0 +1,295 @@
+"""The load of every tooth at every place of its flanks, over a whole cycle of meetings.
+
+At each position of the cycle the pairs of teeth share the torque of the driven gear as the linear springs that they
+are: the driven gear gives way until their forces balance it.  There is no friction and no motion in time.  Where a pair
+begins or ceases to bear load, the others' forces change within a small part of a pitch; there positions are closer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncgear.contact.placement import BACK, PUSHING, Placement, placed, placed_at
+from ncgear.dynamics.meshing import Meshing
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, largest_rows
+from ncgear.numerics.plane import along, as_complex
+from ncgear.pitch.pair import PitchPair
+from ncgear.pitch.shape import Gear
+from ncgear.strength.contacts import FlankPlaces, LoadedContacts
+from ncgear.strength.stiffness import flank_heights_mm
+from ncgear.teeth.gear import ToothedGear, ToothedPair
+
+PER_TOOTH = 20
+"""Even positions in a tooth pitch: a pair with a contact ratio of 1.5 bears load in thirty of them."""
+
+SOLVED_PER_TOOTH = 80
+"""Positions in a tooth pitch at which the pairs' shares are solved for, to find the largest force of each pair."""
+
+JUMP = 0.01
+"""Share of the largest force by which that of the most loaded pair changes from one position to the next where it is
+looked for between them too, as it is wherever other pairs begin to bear load."""
+
+BETWEEN = 8
+"""Parts into which such a step is cut.  Where a tooth bears all load for a moment only, as with contact ratios next to
+2 or 3, its largest force is then met to 1 % (tests/test_loading.py); even positions alone may miss a quarter of it."""
+
+ROUNDING_RAD = 1e-15
+"""Steps of the driven angle at which it is found."""
+
+IDLE = 1e-9
+"""Share of the largest force below which a pair bears nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Loading:
+    """The teeth under load over a cycle in which every tooth meets all its mates.
+
+    ``contacts`` are those at n positions: even ones and, between them, those at which a pair bears its largest force.
+    ``phi1_rad``, ``torque_n_mm`` (asked of the driven gear) and ``error_rad`` (its angle beyond the law's) have shape
+    (n,); ``even`` tells the even positions.  ``transmission_error_rad`` is the peak to peak variation of the error.
+    ``contact_ratio`` is the mean number of pairs that bear load and ``fewest_pairs`` the least, where there is load.
+    ``cycle_turns`` is how often the driving gear turns in the cycle.
+    """
+
+    contacts: LoadedContacts
+    phi1_rad: Array
+    torque_n_mm: Array
+    error_rad: Array
+    even: Mask
+    transmission_error_rad: float
+    contact_ratio: float
+    fewest_pairs: int
+    cycle_turns: int
+
+
+def loading_of(
+    meshing: Meshing,
+    teeth: ToothedPair,
+    pitch: PitchPair,
+    torque_n_mm: Callable[[Array], Array],
+    speed_rad_s: float,
+    per_tooth: int = PER_TOOTH,
+) -> Loading:
+    """The loads of straight teeth in ``meshing``, whose table of gaps tells where pairs touch.
+
+    ``torque_n_mm`` gives the torque asked of the driven gear at driving angles (shape (n,)), of either sign;
+    ``speed_rad_s`` is the speed of the driving gear, ``per_tooth`` a divisor of SOLVED_PER_TOOTH.  Raises as
+    ``shared`` does.
+    """
+    solved = placed(pitch, SOLVED_PER_TOOTH)
+    first = shared(meshing, solved.phi1_rad, torque_n_mm(solved.phi1_rad))
+    most = first.force_n.max(axis=1)
+    bearing = _bearing(meshing, solved, first.force_n > 0.0)
+    jumps = (np.roll(bearing, -1) != bearing) | (np.abs(np.roll(most, -1) - most) > JUMP * most.max())
+    between = solved.rolled_mm[jumps][:, None] + solved.step_mm * np.arange(1, BETWEEN) / BETWEEN
+    every = placed_at(pitch, solved, np.concatenate([solved.rolled_mm, between.ravel()]))
+    found = shared(meshing, every.phi1_rad, torque_n_mm(every.phi1_rad))
+    loaded = found.force_n > IDLE * found.force_n.max()
+    position, slot = np.nonzero(loaded)
+    largest = _largest_of_pairs(_Touching.of(meshing, every, position, slot), found.force_n[position, slot])
+    even = np.isin(np.arange(every.count), np.arange(0, solved.count, SOLVED_PER_TOOTH // per_tooth))
+    chosen = np.flatnonzero(even | np.isin(np.arange(every.count), position[largest]))
+    chosen = chosen[np.argsort(every.rolled_mm[chosen])]
+    phi1 = every.phi1_rad[chosen]
+    row, slot = np.nonzero(loaded[chosen])
+    touching = _Touching.of(meshing, every, chosen[row], slot)
+    pairs = loaded[: solved.count].sum(axis=1)
+    pairs = pairs[pairs > 0]
+    return Loading(
+        contacts=_contacts(teeth, touching, (row, phi1[row], found.force_n[chosen[row], slot]), speed_rad_s),
+        phi1_rad=phi1,
+        torque_n_mm=torque_n_mm(phi1),
+        error_rad=found.error_rad[chosen],
+        even=even[chosen],
+        transmission_error_rad=float(np.ptp(found.error_rad)),
+        contact_ratio=float(pairs.mean()) if pairs.size else 0.0,
+        fewest_pairs=int(pairs.min()) if pairs.size else 0,
+        cycle_turns=solved.meetings // solved.driving_teeth,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Shared:
+    """How pairs share torques: normal forces of shape (n, slots), and driven angles beyond the law's, shape (n,)."""
+
+    force_n: Array
+    error_rad: Array
+
+
+def shared(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array) -> Shared:
+    """The pairs of ``meshing`` as linear springs under torques on the driven gear at driving angles, shape (n,) each.
+
+    With stiffness k, lever l and touching angle e of each pair, sum(k l^2 max(0, e - x)) = T on pushing flanks, and so
+    on backs with the other sign.  The left side falls with x and is convex, so Newton's method from where the first
+    pair alone would bear the torque meets the zero from one side, in as many steps as pairs come to bear load.  Raises
+    NoSuchMechanism where teeth would be pressed deeper into each other than the tables follow.
+    """
+    near, every = meshing.gaps.at(phi1_rad), np.arange(phi1_rad.size)
+    urge = np.where(torque_n_mm < 0.0, -1.0, 1.0)
+    ahead = np.where(near.urge == urge[:, None], urge[:, None] * near.error_rad, -np.inf)
+    turning, torque = near.stiffness * near.lever_mm**2, np.abs(torque_n_mm)
+    first = ahead.argmax(axis=1)
+    at = ahead[every, first] - torque / turning[every, first]
+    for _ in range(ahead.shape[1]):
+        active = ahead >= at[:, None]
+        borne = np.sum(turning * np.maximum(ahead - at[:, None], 0.0), axis=1)
+        step = (borne - torque) / np.sum(turning * active, axis=1)
+        at = at + step
+        if np.all(np.abs(step) <= ROUNDING_RAD):
+            break
+    error = urge * at
+    meshing.gaps.require_reach(phi1_rad, error)
+    return Shared(near.stiffness * near.lever_mm * np.maximum(ahead - at[:, None], 0.0), error)
+
+
+def _bearing(meshing: Meshing, placement: Placement, loaded: Mask) -> IndexArray:
+    """A number for the set of pairs that bear load at each position, shape (n,); ``loaded`` has shape (n, slots)."""
+    pair = meshing.gaps.pair[meshing.gaps.table.place(placement.phi1_rad)[1]]
+    return np.asarray(np.sum((pair[..., 0] * (placement.driven_teeth + 1) + pair[..., 1]) * loaded, axis=-1))
+
+
+def _largest_of_pairs(touching: _Touching, force_n: Array) -> IndexArray:
+    """The row of the largest force of each pair of flanks; every pair meets once in the cycle."""
+    key = np.column_stack([touching.teeth, touching.side])
+    pairs, number = np.unique(key, axis=0, return_inverse=True)
+    return largest_rows(force_n, number.ravel(), len(pairs))
+
+
+def _contacts(
+    teeth: ToothedPair, touching: _Touching, numbers: tuple[IndexArray, Array, Array], speed_rad_s: float
+) -> LoadedContacts:
+    """The pairs that bear load; ``numbers`` are the numbers of their positions, the driving angles and the forces."""
+    driving, driven = touching.places(Gear.DRIVING), touching.places(Gear.DRIVEN)
+    fits = Fit.of(teeth.driving, driving), Fit.of(teeth.driven, driven)
+    flanks = fits[0].on_flank & fits[1].on_flank
+    position, phi1, force = numbers
+    return LoadedContacts(
+        position,
+        phi1,
+        touching.side,
+        force,
+        np.where(flanks, fits[0].curvature + fits[1].curvature, np.inf),
+        flanks,
+        speed_rad_s * touching.rolling_mm(fits, flanks),
+        driving.flank,
+        driving.point,
+        driving.inwards,
+        driven.flank,
+        driven.point,
+        driven.inwards,
+    )
+
+
+FITTING = 1e-3
+"""How far a place may be from its flank, in modules, and its normal from the flank's, in rad, for the flank itself to
+touch: loaded teeth turn by as much, and tables miss less between their positions."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """How n places lie on the flanks of one gear, shape (n,) each.
+
+    ``curvature`` is that of the flank at its point nearest to each place; ``off_mm`` and ``tilt`` are the distance from
+    that point and the sine of the angle between both normals.
+    """
+
+    gear: ToothedGear
+    curvature: Array
+    off_mm: Array
+    tilt: Array
+
+    @classmethod
+    def of(cls, gear: ToothedGear, places: FlankPlaces) -> Fit:
+        """The places on the flanks of a gear."""
+        height = flank_heights_mm(gear, places)
+        point, slope = (as_complex(part) for part in gear.flanks.flank(places.flank, height))
+        off, tilt = np.abs(point - places.point), np.abs(along(slope / np.abs(slope), places.inwards))
+        return cls(gear, gear.flanks.curvature(places.flank, height), off, tilt)
+
+    @property
+    def on_flank(self) -> Mask:
+        """Whether the flank itself touches at each place, and no edge."""
+        near: Mask = (self.off_mm <= FITTING * self.gear.flanks.rack.module_mm) & (self.tilt <= FITTING)
+        return near
+
+
+@dataclass(frozen=True, eq=False)
+class _Touching:
+    """n pairs that bear load, in the fixed frame; each where it begins to touch, shape (n,) each.
+
+    Let t be the unit tangent, w the way from the driven axis to the place of contact and s the sense of the mesh.  Then
+    conj(t) w is the lever and, as its imaginary part, -s times the speed of the driven gear's point along t.
+    ``sliding_mm`` is the speed of the driving gear's point against the driven one's along t, in mm per rad of phi1,
+    and ``speed`` is dphi2/dphi1 while the pair touches.
+    """
+
+    placement: Placement
+    row: IndexArray
+    teeth: IndexArray
+    urge: Array
+    error_rad: Array
+    speed: Array
+    sliding_mm: Array
+    tangent: ComplexArray
+    point: ComplexArray
+
+    @classmethod
+    def of(cls, meshing: Meshing, placement: Placement, row: IndexArray, slot: IndexArray) -> _Touching:
+        """The pairs in slots of the table at positions; shape (n,) each."""
+        gaps, phi1, number = meshing.gaps, placement.phi1_rad[row], np.arange(row.size)
+        near, sense, distance = gaps.at(phi1), placement.mesh.sense, placement.center_distance_mm
+        urge, error, lever, driving, driven, drift = (
+            part[number, slot]
+            for part in (near.urge, near.error_rad, near.lever_mm, near.driving_mm, near.driven_mm, near.slopes[0])
+        )
+        speed = placement.speed[row] + drift
+        along_x = lever * (sense * speed - 1.0)
+        tangent: ComplexArray = along_x + 1j * (driving - sense * driven)
+        tangent = tangent / np.abs(tangent)
+        point: ComplexArray = distance + tangent * (lever - 1j * sense * driven)
+        pair = gaps.pair[gaps.table.place(phi1)[1], slot]
+        return cls(placement, row, pair, urge, error, speed, driving - speed * driven, tangent, point)
+
+    @property
+    def side(self) -> IndexArray:
+        """PUSHING or BACK."""
+        return np.where(self.urge > 0.0, PUSHING, BACK)
+
+    def places(self, gear: Gear) -> FlankPlaces:
+        """The places on one gear's flanks.
+
+        Arc length grows against the turning of the driving gear, so its back flanks push the driven gear's front ones.
+        """
+        sense, row, pushing = self.placement.mesh.sense, self.row, self.urge > 0.0
+        into_driven = 1j * sense * self.urge * self.tangent
+        if gear is Gear.DRIVING:
+            back = np.exp(-1j * self.placement.phi1_rad[row])
+            flank = 2 * (self.teeth[:, 0] - 1) + np.where(pushing, 0, 1)
+            return FlankPlaces(flank, self.point * back, -into_driven * back)
+        back = np.exp(-1j * sense * (self.placement.phi2_rad[row] + self.error_rad))
+        flank = 2 * (self.teeth[:, 1] - 1) + np.where(pushing, 1, 0)
+        return FlankPlaces(flank, (self.point - self.placement.center_distance_mm) * back, into_driven * back)
+
+    def rolling_mm(self, fits: tuple[Fit, Fit], flanks: Mask) -> Array:
+        """How fast the contact moves along the driving and the driven flank, in mm per rad of phi1, shape (n, 2).
+
+        Both speeds v are counted along the tangent, and their difference is the sliding.  Where flanks touch they keep
+        one tangent: it turns with each gear and with the contact along the curvature k of its flank.  Counted towards i
+        t, k is u s times that of the driven flank and -u s times that of the driving one, with u the urge, so that
+
+            1 - u s k1 v1 = s i21 + u s k2 v2,   v2 = v1 + sliding
+
+        An edge stays where it is on its own gear.
+        """
+        own, other = fits
+        turn = self.urge * self.placement.mesh.sense
+        swing = 1.0 - self.placement.mesh.sense * self.speed - turn * other.curvature * self.sliding_mm
+        total = np.where(flanks, turn * (own.curvature + other.curvature), 1.0)
+        # Where an edge touches a fillet, its own gear is the one on whose flank it still is.
+        apart = np.maximum(own.off_mm, other.off_mm) > FITTING * own.gear.flanks.rack.module_mm
+        own_edge = np.where(apart, own.off_mm < other.off_mm, own.tilt > other.tilt)
+        first = np.where(flanks, swing / total, np.where(own_edge, 0.0, -self.sliding_mm))
+        return np.column_stack([first, first + self.sliding_mm])

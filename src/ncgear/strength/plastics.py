@@ -1,0 +1,128 @@
+"""What teeth of plastic endure at a temperature, and how warm they run: VDI 2736-2, from secondary sources.
+
+The stresses of polyacetal and polyamide are the guideline's formulas as public calculation programs have them; the
+guideline gives them for injection-moulded teeth with damage of one gear in ten.  The temperatures follow Hachmann and
+Strickle as in the guideline, with the power that the loaded contacts lose by friction in place of its mean formula.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array
+from ncgear.strength.conditions import Conditions, Running
+from ncgear.strength.contacts import LoadedContacts
+from ncgear.strength.materials import Choice, Plastic
+
+COLDEST_C = 20.0
+"""Below, the stresses of the guideline are those at this temperature: strength that cold adds is not counted."""
+
+FEWEST_CYCLES = 1e5
+"""The formulas hold from here to 1e8 or so.  Fewer cycles are given the same stress, which is near yielding; more
+follow the formulas, whose slope is known no better."""
+
+LEAST_MPA = 0.1
+"""What is left where a formula falls to nothing, hot and after long: as good as none."""
+
+NOTCH_OF_TEST_GEARS = 2.0
+"""Y_St: nominal stresses of the guideline times this are local ones."""
+
+
+def flank_limit_mpa(temperature_c: float, cycles: Array) -> Array:
+    """The pressure that flanks of POM and PA66 endure, sigma_HlimN, shape of ``cycles``.
+
+    sigma_HlimN = 36 - 0.0012 T^2 + (1000 - 0.025 T^2) N^-0.21; secondary sources give it for both.
+    """
+    t, n = temperature_c, np.maximum(cycles, FEWEST_CYCLES)
+    return _kept(36.0 - 0.0012 * t**2 + (1000.0 - 0.025 * t**2) * n**-0.21)
+
+
+def root_limit_mpa(formula: str, temperature_c: float, cycles: Array) -> Array:
+    """The local stress that roots endure, shape of ``cycles``.
+
+    Twice sigma_FlimN = 26 - 0.0025 T^2 + 400 N^-0.2 of POM and 30 - 0.22 T + (4600 - 900 T^0.3) N^(-1/3) of PA66.  The
+    stresses of prints fall in a line from 20 degrees Celsius to nothing where the plastic softens.
+    """
+    t, n = temperature_c, np.maximum(cycles, FEWEST_CYCLES)
+    match formula:
+        case "POM":
+            return _kept(NOTCH_OF_TEST_GEARS * (26.0 - 0.0025 * t**2 + 400.0 * n**-0.2))
+        case "PA66":
+            nominal = 30.0 - 0.22 * t + (4600.0 - 900.0 * t**0.3) * n ** (-1.0 / 3.0)
+            return _kept(NOTCH_OF_TEST_GEARS * nominal)
+    softens_c, known_cycles, known_mpa = PRINTS[formula]
+    cold = np.exp(np.interp(np.log(cycles), np.log(known_cycles), np.log(known_mpa)))
+    return _kept(cold * (softens_c - t) / (softens_c - COLDEST_C))
+
+
+def _kept(stress_mpa: Array) -> Array:
+    return np.asarray(np.maximum(stress_mpa, LEAST_MPA))
+
+
+PRINTS = {
+    "PLA-print": (60.0, (1e3, 1e6, 1e8), (25.0, 10.0, 6.0)),
+    "PETG-print": (80.0, (1e3, 1e6, 1e8), (20.0, 8.0, 5.0)),
+}
+"""Where prints soften, in degrees Celsius, and the stress in MPa at their roots for numbers of cycles.
+
+A cautious guess without a source: half, a fifth and an eighth of the strength of printed bars in tension, about 50 and
+40 MPa across the layers' plane, for a thousand, a million and more cycles."""
+
+
+@dataclass(frozen=True)
+class ToothTemperature:
+    """How warm the teeth of one gear run, in degrees Celsius; ``too_hot`` where the material's figures end below."""
+
+    root_c: float
+    flank_c: float
+    too_hot: bool
+
+
+MIXED, ALIKE = (6300.0, 895.0), (9000.0, 2148.0)
+"""Coefficients k of the temperatures of flank and root in K (m/s)^0.75 mm^1.75 / W: plastic on metal, on plastic."""
+
+LUBRICATED_FRICTION = {"oil": 0.04, "grease": 0.09}
+PLASTICS_FRICTION = {("POM", "POM"): 0.28, ("PA66", "PA66"): 0.4, ("PA66", "POM"): 0.18}
+OTHER_FRICTION = 0.4
+"""Coefficients of friction: lubricated, of dry plastics on each other by their formulas of strength, and of others."""
+
+
+def friction(choices: tuple[Choice, Choice], lubrication: str) -> float:
+    """The coefficient of friction of a pair of which one gear at least is of plastic."""
+    if lubrication in LUBRICATED_FRICTION:
+        return LUBRICATED_FRICTION[lubrication]
+    plastics = [choice.entry for choice in choices if isinstance(choice.entry, Plastic)]
+    if len(plastics) == 1:
+        return plastics[0].friction
+    first, second = sorted(entry.root for entry in plastics)
+    return PLASTICS_FRICTION.get((first, second), OTHER_FRICTION)
+
+
+def lost_w(contacts: LoadedContacts, positions: int, coefficient: float) -> float:
+    """The mean power in W that friction takes over a cycle with so many evenly spread positions."""
+    return float(np.sum(coefficient * contacts.force_n * contacts.sliding_mm_s)) / positions / 1000.0
+
+
+def temperatures_of(
+    choices: tuple[Choice, Choice], conditions: Conditions, running: Running, loss_w: float = 0.0
+) -> tuple[ToothTemperature, ToothTemperature]:
+    """How warm the teeth of both gears run.
+
+    T = T_0 + P k / (b z (v m)^0.75), with the power lost P in W, width b and module m in mm, speed v in m/s: open gears
+    that run without a pause.  Oil takes the heat away, so that oiled teeth, and those of two metal gears, have the
+    temperature about them.
+    """
+    plastics = [isinstance(choice.entry, Plastic) for choice in choices]
+    warms = any(plastics) and conditions.lubrication != "oil" and loss_w > 0.0
+    flank, root = ALIKE if all(plastics) else MIXED
+    found = []
+    for choice, teeth in zip(choices, running.teeth, strict=True):
+        cooled = running.face_width_mm * teeth * (running.pitch_speed_m_s * running.module_mm) ** 0.75
+        rise = loss_w / cooled if warms else 0.0
+        root_c, flank_c = (conditions.temperature_c + coefficient * rise for coefficient in (root, flank))
+        hottest = choice.entry.hottest_c if isinstance(choice.entry, Plastic) else np.inf
+        found.append(ToothTemperature(root_c, flank_c, max(root_c, flank_c) > hottest))
+    driving, driven = found
+    return driving, driven

@@ -1,0 +1,68 @@
+"""The local replacement gear: its involute bends as the exact flank does."""
+
+from __future__ import annotations
+
+from math import radians, sin
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drives import drive
+from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.plane import as_complex
+from ncgear.pitch.shape import Gear
+from ncgear.project.drive import load
+from ncgear.strength.replacement import replacement_gears
+from ncgear.teeth.gear import ToothedGear
+from tooth_places import circular_pair, places_at, random_places
+
+CASES = Path(__file__).parent / "cases"
+
+GEARS = [("baler", Gear.DRIVING), ("baler", Gear.DRIVEN), ("internal-1-2", Gear.DRIVEN), ("ellipse", Gear.DRIVING)]
+
+
+def measured_curvature(gear: ToothedGear, flank: IndexArray, height: Array) -> Array:
+    """Size of the flanks' curvature in 1/mm, by differences of their directions."""
+    step = 1e-4
+    before, after = (as_complex(gear.flanks.flank(flank, height + way)[1]) for way in (-step, step))
+    speed = np.abs(as_complex(gear.flanks.flank(flank, height)[1]))
+    return np.asarray(np.abs(np.angle(after / before)) / (2.0 * step * speed))
+
+
+@pytest.mark.judges("strength")
+@pytest.mark.parametrize(("name", "which"), GEARS)
+def test_the_flank_bends_as_the_replacement_gears_involute(name: str, which: Gear) -> None:
+    """By Euler and Savary, on convex and concave stretches and on a ring; baler flanks reach down to near a cusp."""
+    gear = drive(name).teeth.of(which)
+    places, height = random_places(gear, 300)
+    found = replacement_gears(gear.flanks, places)
+    assert found.height_mm == pytest.approx(height, abs=1e-8)
+    measured = measured_curvature(gear, places.flank, height)
+    assert np.abs(1.0 / found.flank_radius_mm) == pytest.approx(measured, rel=1e-6)
+
+
+def test_places_are_found_where_the_pitch_curve_bends_within_a_module() -> None:
+    """There normals meet it twice; a search that began over the flank's crossing was 0.7 mm off."""
+    gear = load(CASES / "harmonics-1-100.yaml").teeth.driving
+    places, height = random_places(gear, 1000)
+    assert replacement_gears(gear.flanks, places).height_mm == pytest.approx(height, abs=1e-8)
+
+
+def test_the_gear_of_where_the_flank_crosses_the_pitch_curve_is_another_one() -> None:
+    """The negative control: the equivalent gear of the whole flank misses the curvature by a tenth and more."""
+    gear = drive("baler").teeth.driving
+    places, height = random_places(gear, 300)
+    curvature = gear.flanks.curve.at_length(gear.flanks.crossing_mm[places.flank]).curvature
+    sine = sin(gear.flanks.rack.pressure_angle_rad)
+    involute = np.abs(curvature * sine / (sine**2 + height * curvature))
+    missed = np.abs(involute / measured_curvature(gear, places.flank, height) - 1.0)
+    assert np.quantile(missed, 0.5) > 0.1
+
+
+def test_on_circular_gears_it_is_the_gear_itself() -> None:
+    gear = circular_pair(25).driving
+    found = replacement_gears(gear.flanks, places_at(gear, np.array([3, 8]), np.array([1.0, -0.7])))
+    assert found.teeth == pytest.approx([25.0, 25.0], rel=1e-9)
+    sine = sin(radians(20.0))
+    assert found.flank_radius_mm == pytest.approx([25.0 * sine + 1.0 / sine, 25.0 * sine - 0.7 / sine], rel=1e-9)

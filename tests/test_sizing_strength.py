@@ -1,0 +1,236 @@
+"""`ncgear size`: against all sizes tried one after the other with made-up strengths, and with the real estimate."""
+
+from __future__ import annotations
+
+from math import ceil, inf, pi, sqrt
+from pathlib import Path
+
+import pytest
+
+from commands import Run, on_text
+from drives import drive, drive_of_text
+from ncgear.design.reading.design_file import load
+from ncgear.errors import NoSuchMechanism
+from ncgear.pitch.shape import Gear
+from ncgear.project.alternatives import changed_drive
+from ncgear.project.drive import Drive
+from ncgear.project.sizing import Space, smallest_gears
+from ncgear.project.strengthening import SERIES_I_MM, verdict_of
+from ncgear.strength.answer import Strength
+from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor
+from ncgear.strength.iso6336 import CylindricalPair, elasticity_factor, nominal_contact_stress_mpa
+from ncgear.strength.loading import Loading
+from strong import made_up, made_up_loading
+
+TEXT = """\
+name: press
+linkage: {crank_mm: 38, rod_mm: 96}
+operation: {speed_rpm: 60}
+motion: {law: uniform_crank}
+gears: {teeth: 24, module_mm: 2, face_width_mm: 16}   # too small
+resistance: {polynomial_n: [2000]}
+"""
+
+BENDING, CONTACT = 1.0, 0.8
+"""Safeties of the gears in the file, which grow with their size by the laws of scaling."""
+
+WANTED_BENDING, WANTED_CONTACT = 1.4, 1.0
+
+
+def scale(teeth: int, module_mm: float) -> float:
+    return teeth * module_mm / 48.0
+
+
+def safeties(teeth: int, module_mm: float, width_mm: float) -> tuple[float, float]:
+    wider, larger = width_mm / 16.0, scale(teeth, module_mm)
+    return BENDING * wider * larger * module_mm / 2.0, CONTACT * larger * sqrt(wider)
+
+
+@pytest.fixture
+def pretend(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Let every drive have strengths that scale exactly; fewer than 20 teeth are refused.  Returns teeth asked for."""
+    asked: list[int] = []
+
+    def strength(drive: Drive, method: str) -> Strength:
+        assert method == "estimate"
+        size = drive.pitch.size
+        asked.append(size.driving_teeth)
+        if size.driving_teeth < 20:
+            raise NoSuchMechanism("too few teeth", key="gears")
+        return made_up(drive, *safeties(size.driving_teeth, size.module_mm, drive.gears.face_width_mm))
+
+    def loading(drive: Drive, method: str) -> Loading:
+        return made_up_loading(drive, made_up(drive))
+
+    monkeypatch.setattr(Drive, "strength_by", strength)
+    monkeypatch.setattr(Drive, "loading_by", loading)
+    return asked
+
+
+def least_width(teeth: int, module_mm: float) -> float:
+    """By the closed form: the width in whole mm, at least 5 modules."""
+    bending, contact = safeties(teeth, module_mm, 16.0)
+    width = 16.0 * max(WANTED_BENDING / bending, (WANTED_CONTACT / contact) ** 2)
+    return ceil(max(width, 5.0 * module_mm) - 1e-9)
+
+
+@pytest.mark.parametrize("space_mm", [inf, 120.0, 70.0])
+def test_the_smallest_of_all_sizes_is_found(pretend: list[int], space_mm: float) -> None:
+    """No number of teeth from 20 to 240 and no module of the series give 5 % less volume than the first answer."""
+    found = smallest_gears(drive_of_text(TEXT), Space(space_mm))
+    every = [
+        (teeth * module) ** 2 * width
+        for module in SERIES_I_MM
+        for teeth in range(20, 241)
+        if (width := least_width(teeth, module)) <= 12.0 * module and teeth * module <= space_mm
+    ]
+    first = found[0]
+    assert first.volume_mm3 <= 1.05 * min(every)
+    for one in found:
+        assert one.verdict.holds
+        assert one.drive.pitch.center_distance_mm <= space_mm
+        assert one.face_width_mm == least_width(one.teeth, one.module_mm)
+        assert one.module_mm in SERIES_I_MM
+        assert 5.0 <= one.face_width_mm / one.module_mm <= 12.0
+    assert [one.volume_mm3 for one in found] == sorted(one.volume_mm3 for one in found)
+
+
+def test_teeth_that_are_refused_are_asked_for_once(pretend: list[int]) -> None:
+    smallest_gears(drive_of_text(TEXT), Space())
+    few = [teeth for teeth in pretend if teeth < 20]
+    assert few
+    assert len(few) == len(set(few))
+
+
+def test_a_diameter_holds_for_both_gears(pretend: list[int]) -> None:
+    """Circular gears reach one module beyond their pitch circles."""
+    for one in smallest_gears(drive_of_text(TEXT), Space(diameter_mm=90.0)):
+        assert one.diameter_mm == pytest.approx(one.teeth * one.module_mm + 2.0 * one.module_mm, rel=1e-3)
+        assert one.diameter_mm <= 90.0
+
+
+def test_no_room_is_told_with_what_comes_nearest(pretend: list[int]) -> None:
+    with pytest.raises(NoSuchMechanism, match=r"nearest of .* come 24 teeth of module 2 mm"):
+        smallest_gears(drive_of_text(TEXT), Space(30.0))
+
+
+def of_size(pair: CylindricalPair, torque_n_mm: float) -> float:
+    force = 2.0 * torque_n_mm / (pair.module_mm * pair.teeth[0])
+    return float(nominal_contact_stress_mpa(pair, force, elasticity_factor(206e3, 0.3), 1.0))
+
+
+@pytest.mark.judges("strength")
+@pytest.mark.parametrize("short", [0.5, 0.9, 1.3])
+def test_factors_by_iso_6336_2(short: float) -> None:
+    """Circular gears at one torque: with the factors the pressure of ISO 6336-2 becomes just the one wanted."""
+    pair = CylindricalPair(2.0, (24, 24), 16.0)
+    stress = of_size(pair, 1e5)
+    weakest = [Weakest(Gear.DRIVING, Damage.CONTACT, 1, stress, 0.0, short, 1.0, 1.0, (1,))]
+    wider = CylindricalPair(2.0, (24, 24), 16.0 * face_width_factor(weakest))
+    larger = CylindricalPair(2.0 * module_factor(weakest), (24, 24), 16.0)
+    for changed in (wider, larger):
+        assert of_size(changed, 1e5) == pytest.approx(short * stress, rel=1e-12)
+
+
+def test_factors_of_root_stress() -> None:
+    """F / (b m) with F = T / r: twice the width, or a module larger by the root of 2, halve it."""
+    weakest = [Weakest(Gear.DRIVEN, Damage.BENDING, 1, 100.0, 0.0, 0.7, 1.0, 1.4, (1,))]
+    assert (face_width_factor(weakest), module_factor(weakest)) == pytest.approx((2.0, 2.0**0.5), rel=1e-15)
+
+
+# The command.
+
+
+@pytest.fixture
+def run(run: Run) -> Run:
+    """Find sizes for d.yaml, which holds the text."""
+    return on_text(run, "size")
+
+
+def test_what_is_written_builds_what_was_found(run: Run, pretend: list[int]) -> None:
+    status, out, err = run(TEXT, "--space", "100", "--out", "found/right.yaml", "--material", "C45")
+    assert (status, err) == (0, "")
+    text = Path("found/right.yaml").read_text()
+    assert "# too small" in text
+    design = load(Path("found/right.yaml")).design
+    assert design.name == "press-sized"
+    assert design.gears is not None
+    assert design.gears.material is not None
+    assert [one.name for one in design.gears.material.each] == ["C45", "C45"]
+    keys = out.partition("Keys of the first\n")[2].split()
+    assert keys[: keys.index("Written")] == [
+        "gears.teeth:",
+        str(design.gears.teeth),
+        "gears.module_mm:",
+        f"{design.gears.module_mm:g}",
+        "gears.face_width_mm:",
+        f"{design.gears.face_width_mm:g}",
+    ]
+    assert verdict_of(Drive(design), "estimate").holds
+
+
+def test_more_safety_makes_larger_gears(run: Run, pretend: list[int]) -> None:
+    def volume(*options: str) -> float:
+        assert run(TEXT, "--out", "d2.yaml", *options)[0] == 0
+        gears = load(Path("d2.yaml")).design.gears
+        assert gears is not None
+        assert gears.teeth is not None
+        assert gears.module_mm is not None
+        return (gears.teeth * gears.module_mm) ** 2 * gears.face_width_mm
+
+    assert volume("--bending-safety", "3", "--contact-safety", "1.5") > 1.5 * volume()
+    assert load(Path("d2.yaml")).design.strength.bending_safety is None
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--material", "C44"], "--material: 'C44' given; did you mean C45?"),
+        (["--out", "sized.txt"], "--out: sized.txt given; a file that ends in .yaml is right"),
+    ],
+)
+def test_wrong_options(run: Run, options: list[str], said: str) -> None:
+    status, out, err = run(TEXT, *options)
+    assert (status, out, err) == (2, "", said + "\n")
+
+
+def test_gears_without_a_load_are_refused(run: Run) -> None:
+    status, _, err = run(TEXT.replace("resistance: {polynomial_n: [2000]}\n", ""))
+    assert status == 2
+    assert "resistance: missing" in err
+
+
+@pytest.mark.slow
+@pytest.mark.judges("strength")
+def test_with_the_real_estimate() -> None:
+    """The first answer holds, and with a tenth less width or the next smaller module it does not."""
+    given = drive_of_text(TEXT)
+    assert not verdict_of(given, "estimate").holds
+    first = smallest_gears(given, Space())[0]
+    assert first.verdict.holds
+    smaller = SERIES_I_MM[SERIES_I_MM.index(first.module_mm) - 1]
+    for key, value in (("face_width_mm", 0.9 * first.face_width_mm), ("module_mm", smaller)):
+        less = changed_drive(first.drive, {f"gears.{key}": value})
+        assert not verdict_of(less, "estimate").holds, key
+    # The same gears, from the design file that is asked of the command, have the same safety.
+    again = verdict_of(changed_drive(given, first.changes), "estimate")
+    assert [one.safety for one in again.weakest] == [one.safety for one in first.verdict.weakest]
+
+
+@pytest.mark.thorough
+def test_the_baler_that_holds() -> None:
+    """At 60 r/min, with law and masses of designs/baler-half-dynamics.yaml, whose teeth do not hold."""
+    holds, weak = (drive(name) for name in ("baler-holds", "baler-half-dynamics"))
+    assert holds.design.masses == weak.design.masses
+    assert holds.design.motion == weak.design.motion
+    least = {one.damage: one.safety for one in sorted(verdict_of(holds).weakest, key=lambda one: -one.safety)}
+    assert least[Damage.BENDING] == pytest.approx(2.17, rel=0.05)
+    assert least[Damage.CONTACT] == pytest.approx(1.10, rel=0.05)
+    assert not verdict_of(weak).holds
+
+
+def test_gears_are_on_a_circle_of_their_module() -> None:
+    """What the sizes of these tests rest on: a = m z for equal circular gears."""
+    pitch = drive_of_text(TEXT).pitch
+    assert pitch.center_distance_mm == pytest.approx(48.0, rel=1e-9)
+    assert pitch.driving.length_mm == pytest.approx(48.0 * pi, rel=1e-9)
