@@ -47,8 +47,8 @@ TITLES = {
     "contact": "Contact",
     "check": "Motion and power at the operating speed",
     "masses": "Moving masses",
-    "pto": "Power take-off",
     "strength": "Strength of the teeth",
+    "pto": "Power take-off",
 }
 """Headings of sections; the heading of any other section is its key."""
 

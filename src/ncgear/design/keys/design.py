@@ -53,13 +53,13 @@ class Design(Model):
         default_factory=Simulation,
         description="how the teeth bear load in ncgear simulate; left out: as in the published baler's simulation",
     )
-    drivetrain: Drivetrain | None = Field(
-        default=None,
-        description="bearings, shafts, motor and more around the gears, which ncgear simulate judges; left out: none",
-    )
     strength: StrengthKeys = Field(
         default_factory=StrengthKeys,
         description="what the teeth run under and how safe they shall be; left out: 20 000 h in oil",
+    )
+    drivetrain: Drivetrain | None = Field(
+        default=None,
+        description="bearings, shafts, motor and more around the gears, which ncgear simulate judges; left out: none",
     )
     comparison: Comparison | None = Field(default=None, description="published mechanisms to compare with")
     optimize: Optimize | None = Field(
