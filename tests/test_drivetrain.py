@@ -23,6 +23,7 @@ from ncgear.drivetrain.bearings import (
     bending_moment_n_mm,
     equivalent_load_n,
     life_h,
+    most_bent,
     rating_for_n,
 )
 from ncgear.drivetrain.cycle import Cycle, ShaftLoads, cycle_of
@@ -84,6 +85,8 @@ def test_two_bearings_by_moments() -> None:
     assert abs(bending_moment_n_mm(loads, bearings, 500.0, 0.0)[0]) == pytest.approx(abs(on_first) * 100.0, rel=1e-13)
     assert abs(bending_moment_n_mm(loads, bearings, 500.0, 300.0)[0]) == pytest.approx(600.0 * 200.0, rel=1e-13)
     assert abs(bending_moment_n_mm(loads, bearings, 500.0, -100.0)[0]) <= 1e-9
+    bent = most_bent(loads, bearings, 500.0)
+    assert (bent.moment_n_mm, bent.at_mm) == pytest.approx((600.0 * 200.0, 300.0), rel=1e-13)
 
 
 # Shafts and keys

@@ -112,6 +112,23 @@ def bending_moment_n_mm(
     return np.asarray(sum(beyond, np.zeros_like(loads.gear_n)))
 
 
+@dataclass(frozen=True)
+class Bend:
+    """The largest bending moment along a shaft in N mm, and its place in mm from the middle of the gear."""
+
+    moment_n_mm: float
+    at_mm: float
+
+
+def most_bent(loads: ShaftLoads, bearings: tuple[Bearing, Bearing], crank_at_mm: float) -> Bend:
+    """Where a shaft is bent most at any of the n angles; it is where a force presses on it."""
+    places = {0.0, crank_at_mm, *(bearing.at_mm for bearing in bearings)}
+    bends = [
+        Bend(float(np.abs(bending_moment_n_mm(loads, bearings, crank_at_mm, place)).max()), place) for place in places
+    ]
+    return max(bends, key=lambda bend: bend.moment_n_mm)
+
+
 def equivalent_load_n(force_n: Array, weight: Array, exponent: float) -> float:
     """Mean of the forces (shape (n,)) to the power ``exponent``, weighted by the angle turned; 0 where none acts."""
     largest = float(np.max(force_n, initial=0.0))

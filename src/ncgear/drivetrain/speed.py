@@ -8,7 +8,7 @@ With the energy E = J w^2 / 2 of all that moves, and T_drive the motor's torque 
 start.  E is a polynomial on each of many panels and keeps the equation at their Radau nodes (collocation; E. Hairer,
 G. Wanner, "Solving Ordinary Differential Equations II", 2nd edition 1996, section IV.5), which damp what stiff motors
 would let ring; Newton's method solves the equations of all panels and the periodicity together.  Where the motor begins
-to brake, or a clutch lets go, the torque has a kink: panels are made to end there.  All panels are then halved until the
+to brake, or a clutch lets go, the torque has a kink: panels are made to end there.  All panels are halved until the
 speed no longer changes.
 """
 

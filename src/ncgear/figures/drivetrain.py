@@ -143,6 +143,9 @@ def _shaft(found: ShaftResult) -> dict[str, Any]:
     told: dict[str, Any] = {
         name: _bearing(one) for name, one in zip(("bearing_a", "bearing_b"), bearings, strict=False)
     }
+    if found.most_bent is not None:
+        told["largest_bending_moment_n_m"] = N_M_PER_N_MM * found.most_bent.moment_n_mm
+        told["largest_bending_moment_along_shaft_mm"] = found.most_bent.at_mm
     if found.shaft is not None:
         stresses = found.shaft.stresses
         told["estimate_of_shaft"] = {

@@ -48,11 +48,13 @@ class Simulated:
 def simulate(drive: Drive, level: Level) -> Simulated:
     """Simulate a machine at a level; raises WrongInput where the design lacks what the level needs.
 
-    Its figures have ``warnings`` where the teeth do not hold their load.
+    Its figures have ``warnings`` where teeth, or what stands around the gears, do not hold their load.
     """
     found = _at_level(drive, level)
     advice = strength_advice.strength(drive)
-    return found if advice is None else replace(found, figures={**found.figures, "warnings": [advice.line]})
+    if advice is None:
+        return found
+    return replace(found, figures={**found.figures, "warnings": [advice.line, *found.figures.get("warnings", [])]})
 
 
 def _at_level(drive: Drive, level: Level) -> Simulated:

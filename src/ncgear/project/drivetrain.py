@@ -8,7 +8,15 @@ import numpy as np
 
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.drivetrain import DrivenShaft, DrivetrainMotor, DrivingShaft, PowerTakeOff
-from ncgear.drivetrain.bearings import Bearing, BearingLife, WantedLife, bearing_lives, bending_moment_n_mm
+from ncgear.drivetrain.bearings import (
+    Bearing,
+    BearingLife,
+    Bend,
+    WantedLife,
+    bearing_lives,
+    bending_moment_n_mm,
+    most_bent,
+)
 from ncgear.drivetrain.cycle import Cycle, cycle_of
 from ncgear.drivetrain.demand import Demand
 from ncgear.drivetrain.keys import FREE_HEIGHT_MM, Key, KeySafety, key_safety
@@ -28,9 +36,10 @@ N_MM_PER_N_M = 1000.0
 
 @dataclass(frozen=True, eq=False)
 class ShaftResult:
-    """The bearings, the shaft and the key of one gear; None where nothing is given of them."""
+    """The bearings, the shaft with its largest moment, and the key of one gear; None where nothing is given of them."""
 
     bearings: tuple[BearingLife, BearingLife] | None
+    most_bent: Bend | None
     shaft: ShaftSafety | None
     key: KeySafety | None
 
@@ -123,7 +132,7 @@ def _shaft(
     gears, name = design.gears, gear.value
     assert gears is not None
     if given.bearing_a is None or given.bearing_b is None:
-        return ShaftResult(None, None, None)
+        return ShaftResult(None, None, None, None)
     if gears.helix is not None and gears.helix.kind == "helical":
         raise WrongInput(
             "given, but helical teeth press along their shafts, which is not followed; herringbone or straight ones, "
@@ -135,15 +144,16 @@ def _shaft(
         Bearing(a.at_mm, a.kind, a.dynamic_rating_n, a.static_rating_n),
         Bearing(b.at_mm, b.kind, b.dynamic_rating_n, b.static_rating_n),
     )
+    loads = cycle.loads.driving if gear is Gear.DRIVING else cycle.loads.driven
     lives = bearing_lives(cycle, gear, bearings, crank_at_mm, wanted)
+    bent = most_bent(loads, bearings, crank_at_mm)
     if not given.has_strength:
-        return ShaftResult(lives, None, None)
+        return ShaftResult(lives, bent, None, None)
     body = gears.driving if gear is Gear.DRIVING else gears.driven
     diameter = given.diameter_mm or body.bore_mm
     if diameter is None:
         raise WrongInput(f"missing; gears.{name} has no bore that tells it", key=f"drivetrain.{name}_shaft.diameter_mm")
     steel = STEELS[given.steel] if given.steel else Steel(given.tensile_mpa or 0.0, given.yield_mpa or 0.0)
-    loads = cycle.loads.driving if gear is Gear.DRIVING else cycle.loads.driven
     moment = bending_moment_n_mm(loads, bearings, crank_at_mm, 0.0)
     section = Section(diameter, given.blank_mm or diameter, steel)
     safety = shaft_safety(
@@ -153,7 +163,7 @@ def _shaft(
         loads.turned_rad,
         _cycles_rad(gear, cycle),
     )
-    return ShaftResult(lives, safety, _key(design, gear, given, section, cycle))
+    return ShaftResult(lives, bent, safety, _key(design, gear, given, section, cycle))
 
 
 def _cycles_rad(gear: Gear, cycle: Cycle) -> Array:
