@@ -27,7 +27,7 @@ LAYERS = [
     {"contact", "metrology"},
     {"solids"},
     {"optimum", "dynamics"},
-    {"balance", "strength"},
+    {"balance", "strength", "drivetrain"},
     {"papers"},
     {"design"},
     {"project"},

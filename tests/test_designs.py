@@ -22,8 +22,8 @@ from oracles import meshing
 REFUSED = "baler-a1-at-law-speed"
 WITHOUT_GEARS = "baler-frontier"
 IN_STAGES = "baler-66-two-stage"
-SIMULATED = {"baler-dynamics", "baler-half-dynamics"}
-"""Pinned in tests/test_simulate_command.py; their gears are those of the designs without masses."""
+SIMULATED = {"baler-dynamics", "baler-half-dynamics", "baler-drivetrain"}
+"""Pinned in tests/test_simulate_command.py and tests/test_drivetrain.py; laws are those of designs without masses."""
 SIZED = "baler-holds"
 """Pinned in tests/test_sizing_strength.py."""
 OTHERS = {REFUSED, WITHOUT_GEARS, IN_STAGES, SIZED, *SIMULATED}

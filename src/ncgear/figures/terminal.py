@@ -48,6 +48,7 @@ TITLES = {
     "check": "Motion and power at the operating speed",
     "masses": "Moving masses",
     "strength": "Strength of the teeth",
+    "pto": "Power take-off",
 }
 """Headings of sections; the heading of any other section is its key."""
 

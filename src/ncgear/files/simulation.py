@@ -16,6 +16,7 @@ from ncgear.dynamics.peaks import motion_peaks
 from ncgear.dynamics.touching import pushing_parted_s
 from ncgear.figures.advice import strength_advice
 from ncgear.figures.csv_text import csv_text
+from ncgear.figures.drivetrain import drivetrain_figures, drivetrain_warnings
 from ncgear.figures.numbers import json_text
 from ncgear.figures.simulated import (
     dynamic_figures,
@@ -59,7 +60,13 @@ def _at_level(drive: Drive, level: Level) -> Simulated:
         case Level.RIGID:
             phi1 = drive.motion.phi1_rad
             loads = drive.rigid.machine.at(phi1), drive.uniform_rigid.machine.at(phi1)
-            return Simulated(rigid_table(drive, *loads), rigid_figures(drive), rigid_pictures(drive, *loads))
+            figures = rigid_figures(drive)
+            if drive.design.drivetrain is not None:
+                figures |= {
+                    "drivetrain": drivetrain_figures(drive.drivetrain),
+                    "warnings": drivetrain_warnings(drive.drivetrain),
+                }
+            return Simulated(rigid_table(drive, *loads), figures, rigid_pictures(drive, *loads))
         case Level.QUASI_STATIC:
             rigid = N_M_PER_N_MM * drive.rigid.machine.at(drive.motion.phi1_rad).driving_torque.value
             pictures = quasi_static_pictures(drive, rigid)
@@ -80,7 +87,8 @@ def simulation_files(found: Simulated) -> dict[str, bytes]:
 def simulation_text(found: Simulated, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
     """The figures as text, those of both mechanisms side by side, the files written, and those kept."""
     compared = {key: found.figures[key] for key in SIDE_BY_SIDE if key in found.figures}
-    alone = {key: value for key, value in found.figures.items() if key not in compared}
+    around = found.figures.get("drivetrain", {})
+    alone = {key: value for key, value in found.figures.items() if key not in compared and value is not around} | around
     beside = [*beside_lines("Torques and forces", compared), ""] if compared else []
     return "\n".join([summary_text(alone), "", *beside, *written_lines(paths, kept)])
 

@@ -32,6 +32,7 @@ UNITS = {
     "kg_m3": "kg/m3",
     "kg_mm": "kg mm",
     "kg_mm2": "kg mm2",
+    "m_s": "m/s",
     "m_s2": "m/s2",
     "mm": "mm",
     "mm2": "mm2",

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from ncgear.dynamics.quasi_static import LoadedContact, LoadedPeaks
     from ncgear.dynamics.rigid import Rigid
     from ncgear.pitch.pair import PitchPair
+    from ncgear.project.drivetrain import DrivetrainResult
     from ncgear.project.loading import ToothLoad
     from ncgear.solids.helical.helix import Helix
     from ncgear.solids.mesh.pair import SolidPair
@@ -392,6 +393,19 @@ class Drive:
         masses = self.masses
         with self.stopwatch("forces"):
             return rigid_level(RigidMachine(machine, masses, place))
+
+    @computed
+    def drivetrain(self) -> DrivetrainResult:
+        """Bearings, shafts, losses, motor and couplings around the gears; raises WrongInput without the section."""
+        from ncgear.drivetrain.losses import TouchingTeeth
+        from ncgear.project.drivetrain import drivetrain_of
+
+        if self.design.drivetrain is None:
+            raise WrongInput("missing; it tells bearings, shafts, motor and more around the gears", key="drivetrain")
+        rigid = self.rigid
+        touching = None if self.helix else TouchingTeeth(self.teeth, self.pitch, self.designed_contact)
+        with self.stopwatch("drivetrain"):
+            return drivetrain_of(self.design, rigid, touching)
 
     @computed
     def meshing(self) -> Meshing:

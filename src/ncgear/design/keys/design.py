@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 from pydantic import Field, TypeAdapter, create_model, model_validator
 
 from ncgear.design.keys.base import Model, fault
+from ncgear.design.keys.drivetrain import Drivetrain
 from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.machine import Comparison, Linkage, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation
@@ -56,6 +57,10 @@ class Design(Model):
         default_factory=StrengthKeys,
         description="what the teeth run under and how safe they shall be; left out: 20 000 h in oil",
     )
+    drivetrain: Drivetrain | None = Field(
+        default=None,
+        description="bearings, shafts, motor and more around the gears, which ncgear simulate judges; left out: none",
+    )
     comparison: Comparison | None = Field(default=None, description="published mechanisms to compare with")
     optimize: Optimize | None = Field(
         default=None, description="what ncgear optimize looks for; check and build take no notice"
@@ -87,6 +92,20 @@ class Design(Model):
                 "gears.lobes.driven",
                 f"{self.gears.lobes.driven} given, but a law of the slider's motion drives one crank; 1 is right",
             )
+        return self
+
+    @model_validator(mode="after")
+    def _drivetrain_has_gears_and_masses(self) -> Self:
+        if self.drivetrain is None:
+            return self
+        for name in ("gears", "masses"):
+            if getattr(self, name) is None:
+                raise fault(name, "missing; the section drivetrain needs it, since its loads follow from the forces")
+        if self.stages > 1:
+            raise fault("drivetrain", "given, but forces are computed of one pair of gears; leave it out of two stages")
+        motor = self.drivetrain.motor
+        if motor is not None and motor.no_load_speed_rpm is not None and self.simulation.motor is not None:
+            raise fault("drivetrain.motor.no_load_speed_rpm", "given, but simulation.motor has a line too; keep one")
         return self
 
     @model_validator(mode="after")

@@ -39,8 +39,9 @@ POSITIONS = 21
 """Loaded places on each flank."""
 
 DEPTH = 3.5
-"""Depth in modules below the corners of the teeth at which the body is held.  With twice the depth the largest root
-stresses of the baler, the ellipse and a ring change by 0.5 % or less, and the middles of teeth move 0.5 to 2 % more."""
+"""Depth in modules below the corners of the teeth at which the body is held.  With it, and two pitches to either side,
+the single stiffness of circular gears is ISO 6336-1's; displacements of a plane body grow without end with its size.
+With twice the depth the middles of teeth move 2 to 9 % more, and largest root stresses change by 2.6 % at most."""
 
 CLEAR = 0.25
 """Distance in modules from the load within which no root stress is read: a few elements, beyond which the mesh does not
@@ -92,7 +93,8 @@ class Elements:
     def painted(self, places: FlankPlaces, load_n_mm: Array) -> Painted:
         """Von Mises' stress of n teeth, each loaded at one of n places with so many N per mm of face width.
 
-        Pictures of a whole gear load every tooth at its worst place; each tooth counts as loaded alone.
+        Pictures of a whole gear load every tooth at its worst place; each tooth counts as loaded alone.  Beside the
+        load values depend on the mesh: scales of colour should end at the largest stress of the roots.
         """
         step, share = self._between(places)
         tooth, side = np.divmod(places.flank, 2)
@@ -153,6 +155,7 @@ class Painted:
 def _painted(teeth: LoadedTeeth, tooth: IndexArray, moved: ComplexArray) -> Painted:
     """The stress of teeth (numbered from 0) and the body under them, up to the middles of the spaces beside them.
 
+    Deep down neighbours' parts may overlap or gape a little, where the gear's curvature changes from tooth to tooth.
     ``moved`` has shape (teeth, nodes).
     """
     topology, nodes = teeth.topology, teeth.nodes_mm[tooth]

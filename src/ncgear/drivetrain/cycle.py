@@ -1,0 +1,139 @@
+"""The loads of a whole cycle at constant driving speed, at points from which means over the cycle follow.
+
+The points are Gauss points between all places at which a load, or its size, has a kink: joints of the law, places at
+which the resistance turns, and zeros of the driving torque and of the guide's force.  Means of smooth functions of the
+loads are then exact to about 1e-12.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from ncgear.dynamics.rigid import Rigid, RigidMachine
+from ncgear.kinematics.motion import stretches
+from ncgear.numerics.arrays import Array, ComplexArray
+from ncgear.numerics.chebyshev import fitted
+from ncgear.numerics.plane import Vector
+from ncgear.numerics.quadrature import gauss_points
+from ncgear.numerics.zeros import all_zeros
+
+NODES = 10
+"""Gauss points of a panel: exact to degree 19."""
+
+WIDEST_RAD = 2.0 * pi / 48.0
+"""Width of the widest panel in driving angle; half of it changes the figures of the shipped designs by less than 1e-10
+of themselves (tests/test_drivetrain.py)."""
+
+
+@dataclass(frozen=True, eq=False)
+class ShaftLoads:
+    """What one shaft bears at n driving angles, all of shape (n,).
+
+    ``turned_rad`` is the angle that the shaft has turned, counter-clockwise in the frame of the mechanism.  ``gear_n``
+    and ``crank_n`` are the forces as x + i y in N that press on the shaft where the gear and the crank are; the driving
+    shaft has no crank.  ``torque_n_mm`` is the torque that the shaft passes on at its gear.
+    """
+
+    turned_rad: Array
+    gear_n: ComplexArray
+    crank_n: ComplexArray
+    torque_n_mm: Array
+
+
+@dataclass(frozen=True, eq=False)
+class LoadsAt:
+    """The loads of a machine with gears at n driving angles, shape (n,).
+
+    ``driven_slope`` is dphi2/dphi1 and ``way_mm`` the slider's way in mm per rad of phi1; ``guide_n`` presses the
+    slider on its guide.
+    """
+
+    phi1_rad: Array
+    driven_slope: Array
+    driving: ShaftLoads
+    driven: ShaftLoads
+    guide_n: Array
+    way_mm: Array
+
+
+def loads_at(rigid: RigidMachine, phi1_rad: Array) -> LoadsAt:
+    """The loads at driving angles in rad; the machine must have gears.
+
+    The crank turns clockwise in the frame of the mechanism, the driving gear against it or, inside a ring, with it.
+    """
+    loads = rigid.at(phi1_rad)
+    assert rigid.place is not None
+    mesh, bearing = _complex(loads.mesh_force.force), _complex(loads.crank_bearing)
+    angle = rigid.machine.transmission.driven_angle(phi1_rad, 1)
+    # All forces on the crank's shaft are in balance with those of its bearings
+    driven = ShaftLoads(-angle.value, mesh, -bearing - mesh, loads.driven_torque.value)
+    turned = -rigid.place.mesh.sense * phi1_rad
+    driving = ShaftLoads(turned, -mesh, np.zeros_like(mesh), loads.driving_torque.value)
+    way = rigid.machine.displacement(phi1_rad, 1).derivative(1)
+    return LoadsAt(phi1_rad, angle.derivative(1), driving, driven, loads.guide.value, way)
+
+
+def _complex(force: Vector) -> ComplexArray:
+    whole: ComplexArray = force.x.value + 1j * force.y.value
+    return whole
+
+
+@dataclass(frozen=True, eq=False)
+class Cycle:
+    """One cycle of a machine: where its loads have kinks, and its loads at n Gauss points.
+
+    ``breaks_rad`` (shape (m,)) are the driving angles between which loads and their sizes are smooth, ends included.
+    ``weight_rad`` (shape (n,)) are the weights of an integral over the driving angle.
+    """
+
+    rigid: RigidMachine
+    breaks_rad: Array
+    weight_rad: Array
+    loads: LoadsAt
+
+    @property
+    def cycle_rad(self) -> float:
+        """Driving angle of the cycle."""
+        return float(np.ptp(self.breaks_rad))
+
+    @property
+    def speed_rad_s(self) -> float:
+        """Speed of the driving shaft."""
+        return self.rigid.machine.speed_rad_s
+
+    def integral(self, values: Array) -> float:
+        """Integral over the driving angle of values at the points, shape (n,)."""
+        return float(np.sum(self.weight_rad * values))
+
+
+def cycle_of(rigid: Rigid) -> Cycle:
+    """The cycle of a machine with gears."""
+    machine = rigid.machine
+    edges = np.unique(np.concatenate([machine.breaks(stretch) for stretch in stretches(machine.machine)]))
+    guide = fitted(lambda phi1: machine.at(phi1).guide.value, edges)
+    breaks = apart(np.concatenate([edges, rigid.fluctuation.flank_changes_rad, all_zeros(guide)]), edges[0], edges[-1])
+    points, weights = gauss_points(panels_between(breaks, WIDEST_RAD), NODES)
+    return Cycle(machine, breaks, weights, loads_at(machine, points))
+
+
+CLOSE_RAD = 1e-9
+"""Driving angles that are not told apart: zeros are found to less, and no load changes within it."""
+
+
+def apart(places: Array, first: float, last: float) -> Array:
+    """The places (shape (n,)) in order from the first to the last, both among them, one of those that are close."""
+    inner = np.unique(places)
+    inner = inner[(inner > first + CLOSE_RAD) & (inner < last - CLOSE_RAD)]
+    kept = np.diff(inner, prepend=first) > CLOSE_RAD
+    return np.concatenate([[first], inner[kept], [last]])
+
+
+def panels_between(breaks: Array, widest: float) -> Array:
+    """Ends of panels no wider than ``widest`` that have all the breaks (shape (m,), rising) among them."""
+    counts = np.maximum(np.ceil(np.diff(breaks) / widest), 1.0).astype(int)
+    share = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    inner = np.repeat(breaks[:-1], counts) + share * np.repeat(np.diff(breaks) / counts, counts)
+    return np.append(inner, breaks[-1])

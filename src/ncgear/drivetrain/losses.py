@@ -1,0 +1,184 @@
+"""What friction takes: between the teeth, at the slider's guide, and so of the whole.
+
+Between the teeth, as H. Ohlendorf, "Verlustleistung und Erwaermung von Stirnraedern", dissertation, TU Muenchen 1958
+(from secondary sources), for circular gears, but integrated over the contacts of the exact teeth of any pair:
+
+    loss = mu H |T1|,   H = integral of sum(F |v|) dphi1 / integral of |T1| dphi1
+
+with the normal force F of each pair of flanks that touches, its speed of sliding v in mm per rad of phi1, and the
+torque T1 of the driving shaft.  Pairs that touch together share the force alike, as they do in his closed form, which
+holds for circular gears under an even load with 1 to 2 pairs in contact:
+
+    H_V = pi (1/z1 + 1/z2) (1 - e1 - e2 + e1^2 + e2^2),   e1, e2: contact ratios before and behind the pitch point
+
+The force is the one without friction, so losses are of first order in mu.  The guide takes mu |N| of the slider's way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ncgear.contact.designed.as_designed import AsDesigned, PairTouch, touch_at
+from ncgear.contact.designed.curves import Contacts
+from ncgear.contact.placement import BACK, PUSHING, Placement, placed_at
+from ncgear.drivetrain.cycle import Cycle
+from ncgear.dynamics.rigid import IDLE
+from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.quadrature import gauss_points
+from ncgear.pitch.pair import PitchPair
+from ncgear.teeth.gear import ToothedPair
+
+HALVINGS = 16
+"""Halvings by which the angles are found at which a pair meets or parts: a twentieth of a pitch to less than 1e-6."""
+
+NODES = 4
+"""Gauss points between two angles at which pairs meet, part or pass the pitch point: loads are smooth there."""
+
+BLOCK = 1024
+"""Positions looked at together, so that pairs with many meetings do not fill the memory."""
+
+
+@dataclass(frozen=True, eq=False)
+class Losses:
+    """Work in N mm per cycle at constant driving speed; ``mesh_loss_factor`` is H, None where no teeth are followed.
+
+    ``useful_n_mm`` is the work of the driving torque without friction, which the resistance takes.
+    """
+
+    useful_n_mm: float
+    moved_n_mm: float
+    mesh_loss_factor: float | None
+    mesh_friction: float
+    guide_friction: float
+    guide_n_mm: float
+
+    @property
+    def mesh_share(self) -> float:
+        """What friction between the teeth takes of the driving torque's size."""
+        return self.mesh_friction * (self.mesh_loss_factor or 0.0)
+
+    @property
+    def mesh_n_mm(self) -> float:
+        """Work that friction between the teeth takes."""
+        return self.mesh_share * self.moved_n_mm
+
+    @property
+    def efficiency(self) -> float | None:
+        """Useful work over the work of the driving shaft; None for a machine that does no work but for rounding."""
+        if self.useful_n_mm <= IDLE * self.moved_n_mm:
+            return None
+        return self.useful_n_mm / (self.useful_n_mm + self.mesh_n_mm + self.guide_n_mm)
+
+
+def losses_of(cycle: Cycle, mesh_loss_factor: float | None, mesh_friction: float, guide_friction: float) -> Losses:
+    """The losses of a cycle."""
+    loads = cycle.loads
+    return Losses(
+        useful_n_mm=cycle.integral(loads.driving.torque_n_mm),
+        moved_n_mm=cycle.integral(np.abs(loads.driving.torque_n_mm)),
+        mesh_loss_factor=mesh_loss_factor,
+        mesh_friction=mesh_friction,
+        guide_friction=guide_friction,
+        guide_n_mm=guide_friction * cycle.integral(np.abs(loads.guide_n * loads.way_mm)),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class TouchingTeeth:
+    """The exact teeth of a pair and what touches at any rolled length of the cycle in which all teeth meet.
+
+    The flanks that push and their backs each touch as if they alone bore load.
+    """
+
+    teeth: ToothedPair
+    pitch: PitchPair
+    designed: AsDesigned
+
+    @property
+    def even(self) -> Placement:
+        """Evenly spaced positions of the cycle."""
+        return self.designed.placement
+
+    @cached_property
+    def _touch(self) -> Callable[[Placement], PairTouch]:
+        return touch_at(self.teeth)
+
+    def at(self, rolled_mm: Array) -> list[PairTouch]:
+        """What touches at rolled lengths, shape (n,), in blocks of positions."""
+        inside = np.mod(rolled_mm, self.even.cycle_mm)
+        blocks = np.split(inside, range(BLOCK, inside.size, BLOCK))
+        return [self._touch(placed_at(self.pitch, self.even, block)) for block in blocks]
+
+    @cached_property
+    def breaks_mm(self) -> Array:
+        """Rolled lengths at which a pair meets, parts or passes the pitch point, from 0 to the cycle's end."""
+        whole = self.even.cycle_mm
+        own = self.teeth.driving.flanks.crossing_mm
+        turns = self.pitch.driving.length_mm * np.arange(round(whole / self.pitch.driving.length_mm))
+        crossings = np.mod(own + turns[:, None], whole).ravel()
+        return np.unique(np.concatenate([[0.0, whole], crossings, self._changes_mm(PUSHING), self._changes_mm(BACK)]))
+
+    def _changes_mm(self, side: int) -> Array:
+        """Rolled lengths at which the number of touching pairs changes on a side of the teeth."""
+        counts = (self.designed.pushing, self.designed.back)[side].simultaneous
+        before = np.nonzero(counts != np.roll(counts, -1))[0]
+        low, high = self.even.rolled_mm[before], self.even.rolled_mm[before] + self.even.step_mm
+        for _ in range(HALVINGS if before.size else 0):
+            middle = (low + high) / 2.0
+            there = np.concatenate([_pairs(one, side) for one in self.at(middle)])
+            same = there == counts[before]
+            low, high = np.where(same, middle, low), np.where(same, high, middle)
+        return np.asarray((low + high) / 2.0)
+
+
+def _touching(touch: PairTouch, side: int) -> Contacts:
+    """The contacts that share the force at each position: flanks or, where no flanks touch, edges."""
+    contacts = (touch.pushing, touch.back)[side].touching
+    flanks = np.bincount(contacts.position[contacts.flanks], minlength=touch.placement.count)
+    return contacts.kept(contacts.flanks | (flanks[contacts.position] == 0))
+
+
+def _pairs(touch: PairTouch, side: int) -> IndexArray:
+    contacts = (touch.pushing, touch.back)[side].touching
+    return np.bincount(contacts.position[contacts.flanks], minlength=touch.placement.count)
+
+
+def mesh_loss_factor(
+    touching: TouchingTeeth, torques: Callable[[Array], tuple[Array, Array]], breaks_rad: Array
+) -> float:
+    """H over the cycle in which all teeth meet; 0 where nothing is moved.
+
+    ``torques`` maps driving angles (shape (n,)) to the torques in N mm of the driving and of the driven shaft, which
+    are smooth between the breaks (shape (m,)) of one cycle, ends included, and of one sign.
+    """
+    arc, distance, whole = touching.pitch.driving.arc, touching.pitch.center_distance_mm, touching.even.cycle_mm
+    period = float(np.ptp(breaks_rad))
+    starts = period * np.arange(max(round(touching.even.cycle_rad / period), 1))
+    kinks = distance * arc.length((breaks_rad + starts[:, None]).ravel())
+    points, weights = gauss_points(np.union1d(touching.breaks_mm, kinks[kinks < whole]), NODES)
+    blocks = touching.at(points)
+    phi1 = np.concatenate([one.placement.phi1_rad for one in blocks])
+    driving, driven = torques(phi1)
+    # Rolled length per rad of phi1
+    rolled_mm = distance * arc.by_angle.differentiated()(np.mod(phi1, arc.angle_period_rad))
+    parts = zip(blocks, np.split(driven, range(BLOCK, driven.size, BLOCK)), strict=True)
+    rubbing = np.concatenate([_rubbing(touch, torque) for touch, torque in parts])
+    moved = float(np.sum(weights / rolled_mm * np.abs(driving)))
+    return float(np.sum(weights / rolled_mm * rubbing)) / moved if moved else 0.0
+
+
+def _rubbing(touch: PairTouch, torque_n_mm: Array) -> Array:
+    """The sum of F |v| in N mm per rad of phi1 under torques on the driven gear, shape (n,)."""
+    found = np.zeros(torque_n_mm.shape)
+    for side, carries in ((PUSHING, torque_n_mm > 0.0), (BACK, torque_n_mm < 0.0)):
+        contacts = _touching(touch, side)
+        levers, sliding = (
+            np.bincount(contacts.position, values, minlength=found.size)
+            for values in (contacts.lever_mm, np.abs(contacts.sliding_mm(touch.placement)))
+        )
+        found = np.where(carries, np.abs(torque_n_mm) / levers * sliding, found)
+    return found

@@ -1,0 +1,282 @@
+"""What is told of bearings, shafts, losses, motor, flywheel and couplings, as sections of plain values."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import degrees, isfinite
+from typing import Any
+
+from ncgear.drivetrain.bearings import BearingLife
+from ncgear.drivetrain.demand import Demand
+from ncgear.drivetrain.pto import Excursion
+from ncgear.drivetrain.speed import SpeedCourse
+from ncgear.figures.numbers import five_digits, fixed, to_digits
+from ncgear.numerics.extrema import Extremum
+from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
+from ncgear.project.drivetrain import DrivetrainResult, MotorResult, PowerTakeOffResult, ShaftResult
+
+KG_M2 = 1e-6
+"""One kg mm2 in kg m2."""
+
+W = 1e-3
+"""One N mm/s in W; likewise one N mm in J."""
+
+
+def drivetrain_figures(found: DrivetrainResult) -> dict[str, Any]:
+    """The sections of a drivetrain; parts that are not given have none.
+
+    A driving angle belongs to the key before it, and None stands where nothing has been given or nothing limits.
+    """
+    shafts = {"driving_shaft": found.driving_shaft, "driven_shaft": found.driven_shaft}
+    return {
+        "losses": _losses(found),
+        **{name: _shaft(one) for name, one in shafts.items() if one is not None and one.bearings is not None},
+        "flywheel": _flywheel(found),
+        **({"motor": _motor(found.motor, found.demand)} if found.motor else {}),
+        **({"pto": _pto(found.pto, found.demand)} if found.pto else {}),
+    }
+
+
+LEAST_SAFETY = 1.2
+"""Safety that DIN 743 asks for at least, since its figures scatter."""
+
+
+def drivetrain_warnings(found: DrivetrainResult) -> list[str]:
+    """What does not hold, with what would, one sentence each."""
+    said = []
+    for name, shaft in (("driving", found.driving_shaft), ("driven", found.driven_shaft)):
+        if shaft is not None:
+            said += [*_of_bearings(name, shaft, found.wanted.hours), *_of_shaft(name, shaft)]
+    return [*said, *(_of_motor(found.motor) if found.motor else []), *(_of_pto(found.pto) if found.pto else [])]
+
+
+def _of_bearings(name: str, found: ShaftResult, hours: float) -> list[str]:
+    said = []
+    for letter, one in zip("ab", found.bearings or (), strict=False):
+        which = f"bearing {letter} of the {name} shaft"
+        if one.life_h is not None and one.life_h < hours:
+            said.append(
+                f"{which} lasts {five_digits(one.life_h)} h, and {five_digits(hours)} h are wanted: a dynamic load "
+                f"rating of {fixed(one.needed_rating_n, 0)} N is needed"
+            )
+        if one.within_iso_281 is False:
+            said.append(f"{which} bears more than half its dynamic load rating, up to which ISO 281 holds")
+        if one.static_safety is not None and one.static_safety < 1.0:
+            said.append(
+                f"{which} bears {fixed(one.largest_n.value, 0)} N, more than its static load rating: it would be dented"
+            )
+    return said
+
+
+def _of_shaft(name: str, found: ShaftResult) -> list[str]:
+    said = []
+    if found.shaft is not None:
+        safety, against = min((found.shaft.fatigue, "fatigue"), (found.shaft.yielding, "yielding"))
+        if safety < LEAST_SAFETY:
+            said.append(
+                f"the {name} shaft has an estimated safety of {to_digits(safety, 3)} against {against} at its keyway; "
+                f"{LEAST_SAFETY:g} or over is right: a thicker shaft or a stronger steel"
+            )
+    if found.key is not None and found.key.safety < 1.0:
+        said.append(
+            f"the key of the {name} shaft bears {fixed(found.key.pressure_mpa, 0)} MPa, and "
+            f"{fixed(found.key.pressure_mpa * found.key.safety, 0)} MPa are allowed: a longer key or a thicker shaft"
+        )
+    if found.key is not None and found.key.both_senses:
+        said.append(
+            f"the torque of the {name} shaft changes its sense, for which the pressure on its key is no proof: the "
+            "gear needs a fit without play"
+        )
+    return said
+
+
+def _of_motor(found: MotorResult) -> list[str]:
+    rated = found.given.rated_torque_n_m
+    course, peak = found.course, found.given.peak_torque_n_m
+    rms = N_M_PER_N_MM * (course.rms_n_mm if course else found.load.rms_n_mm)
+    most = N_M_PER_N_MM * (course.motor_range_n_mm[1] if course else found.load.most_n_mm.value)
+    said = []
+    if rms > rated:
+        said.append(
+            f"the motor gives {to_digits(rms, 4)} N m in the mean square, more than its rated {rated:g} N m: a "
+            "stronger motor, a larger ratio or a larger flywheel is needed"
+        )
+    if peak is not None and most > peak:
+        said.append(f"the motor gives up to {to_digits(most, 4)} N m, more than its {peak:g} N m")
+    return said
+
+
+def _of_pto(found: PowerTakeOffResult) -> list[str]:
+    said = []
+    if found.slips:
+        stops = any(one.end_rad is None for one in found.slips)
+        says = "and stops the machine" if stops else "in every cycle"
+        said.append(
+            f"the torque limiter slips from phi1 = {to_digits(degrees(found.slips[0].start_rad), 4)} deg on, {says}"
+        )
+    if found.runs_ahead and any(one.end_rad is None for one in found.runs_ahead):
+        said.append("the machine runs ahead of its clutch and is not caught again within a cycle")
+    return said
+
+
+def _losses(found: DrivetrainResult) -> dict[str, Any]:
+    demand, losses = found.demand, found.demand.losses
+    cycle_s = demand.cycle.cycle_rad / demand.speed_rad_s
+    least, most = demand.torque_range_n_mm
+    return {
+        "useful_power_w": W * losses.useful_n_mm / cycle_s,
+        "mesh_friction": losses.mesh_friction,
+        "mesh_loss_factor": losses.mesh_loss_factor,
+        "mesh_loss_w": None if losses.mesh_loss_factor is None else W * losses.mesh_n_mm / cycle_s,
+        "mesh_efficiency": None if losses.mesh_loss_factor is None else 1.0 - losses.mesh_share,
+        "guide_friction": losses.guide_friction,
+        "guide_loss_w": W * losses.guide_n_mm / cycle_s,
+        "efficiency": losses.efficiency,
+        "mean_driving_power_w": W * demand.fluctuation.work_n_mm / cycle_s,
+        **_at("peak_driving_torque", "n_m", most, N_M_PER_N_MM),
+        **_at("least_driving_torque", "n_m", least, N_M_PER_N_MM),
+    }
+
+
+def _shaft(found: ShaftResult) -> dict[str, Any]:
+    bearings = found.bearings or ()
+    told: dict[str, Any] = {
+        name: _bearing(one) for name, one in zip(("bearing_a", "bearing_b"), bearings, strict=False)
+    }
+    if found.shaft is not None:
+        stresses = found.shaft.stresses
+        told["estimate_of_shaft"] = {
+            "diameter_mm": found.shaft.section.diameter_mm,
+            "bending_amplitude_mpa": stresses.bending_amplitude_mpa,
+            "bending_mean_mpa": stresses.bending_mean_mpa,
+            "torsion_amplitude_mpa": stresses.torsion_amplitude_mpa,
+            "torsion_mean_mpa": stresses.torsion_mean_mpa,
+            "fatigue_safety": _finite(found.shaft.fatigue),
+            "yield_safety": _finite(found.shaft.yielding),
+        }
+    if found.key is not None:
+        told["key"] = {
+            "pressure_mpa": found.key.pressure_mpa,
+            "safety": _finite(found.key.safety),
+            "torque_changes_sense": found.key.both_senses,
+        }
+    return told
+
+
+def _bearing(found: BearingLife) -> dict[str, Any]:
+    return {
+        **_at("peak_force", "n", found.largest_n),
+        "equivalent_load_n": found.equivalent_n,
+        "mean_speed_rpm": found.speed_rad_s / RAD_S_PER_RPM,
+        "dynamic_rating_needed_n": found.needed_rating_n,
+        "dynamic_rating_n": found.bearing.dynamic_rating_n,
+        "life_h": found.life_h,
+        "static_safety": found.static_safety,
+        "load_within_iso_281": found.within_iso_281,
+    }
+
+
+def _finite(safety: float) -> float | None:
+    return safety if isfinite(safety) else None
+
+
+def _flywheel(found: DrivetrainResult) -> dict[str, Any]:
+    disc = found.disc
+    told: dict[str, Any] = {
+        "speed_fluctuation_wanted": found.wanted_fluctuation,
+        "inertia_needed_on_driving_shaft_kg_m2": KG_M2 * found.flywheel_kg_mm2,
+    }
+    if disc is not None:
+        told["disc"] = {
+            "diameter_mm": disc.diameter_mm,
+            "width_mm": disc.width_mm,
+            "mass_kg": disc.mass_kg,
+            "rim_speed_m_s": disc.rim_m_s,
+        }
+    return told
+
+
+def _motor(found: MotorResult, demand: Demand) -> dict[str, Any]:
+    given, load = found.given, found.load
+    useful_n_mm_s = demand.losses.useful_n_mm / demand.cycle.cycle_rad * demand.speed_rad_s
+    peak = None if given.peak_torque_n_m is None else given.peak_torque_n_m / (N_M_PER_N_MM * load.most_n_mm.value)
+    told: dict[str, Any] = {
+        "rated_power_w": given.rated_torque_n_m * given.rated_speed_rpm * RAD_S_PER_RPM,
+        "rated_torque_n_m": given.rated_torque_n_m,
+        "even_speed": {
+            "motor_speed_rpm": load.speed_rad_s / RAD_S_PER_RPM,
+            "rms_torque_n_m": N_M_PER_N_MM * load.rms_n_mm,
+            "rms_torque_of_rated": N_M_PER_N_MM * load.rms_n_mm / given.rated_torque_n_m,
+            "needed_power_w": W * load.rms_power_n_mm_s,
+            "mean_torque_n_m": N_M_PER_N_MM * load.mean_n_mm,
+            **_at("peak_torque", "n_m", load.most_n_mm, N_M_PER_N_MM),
+            "peak_torque_safety": peak if peak is None or peak > 0.0 else None,
+            **_at("most_braking_torque", "n_m", load.least_n_mm, N_M_PER_N_MM),
+            "most_braking_power_w": W * min(load.least_n_mm.value, 0.0) * load.speed_rad_s,
+            "mean_power_while_braking_w": W * load.braking_n_mm * load.speed_rad_s,
+            "time_braking_percent": 100.0 * load.braking_share,
+            "efficiency_gearbox_included": useful_n_mm_s / (load.mean_n_mm * load.speed_rad_s)
+            if load.mean_n_mm > 0.0
+            else None,
+        },
+    }
+    if found.course is not None:
+        told["with_flywheel"] = _course(found.course, given.rated_torque_n_m, given.peak_torque_n_m)
+    return told
+
+
+def _course(course: SpeedCourse, rated_n_m: float, peak_n_m: float | None) -> dict[str, Any]:
+    slow, fast = course.range_rad_s
+    least, most = course.motor_range_n_mm
+    power = course.drive_work_n_mm / course.period_s
+    return {
+        "mean_speed_rpm": course.mean_rad_s / RAD_S_PER_RPM,
+        **_at("least_speed", "rpm", slow, 1.0 / RAD_S_PER_RPM),
+        **_at("largest_speed", "rpm", fast, 1.0 / RAD_S_PER_RPM),
+        "speed_fluctuation": course.fluctuation,
+        "strokes_per_minute": 60.0 / course.period_s,
+        "rms_torque_n_m": N_M_PER_N_MM * course.rms_n_mm,
+        "rms_torque_of_rated": N_M_PER_N_MM * course.rms_n_mm / rated_n_m,
+        "peak_torque_n_m": N_M_PER_N_MM * most,
+        "peak_torque_safety": None if peak_n_m is None or most <= 0.0 else peak_n_m / (N_M_PER_N_MM * most),
+        "most_braking_torque_n_m": N_M_PER_N_MM * min(least, 0.0),
+        "mean_driving_power_w": W * power,
+        "energy_error": course.energy_error,
+        "energy_residual": course.unsettled,
+    }
+
+
+def _pto(found: PowerTakeOffResult, demand: Demand) -> dict[str, Any]:
+    """Where and how far the coupling lets go; the driving angles may go on into the next cycle."""
+    told: dict[str, Any] = {}
+    cycle_s = demand.cycle.cycle_rad / demand.speed_rad_s
+    if found.slips is not None:
+        heats = [one.heat_n_mm for one in found.slips]
+        lasting = any(one.end_rad is None for one in found.slips)
+        told["torque_limiter"] = {
+            "slips_at_deg": _spans_deg(found.slips),
+            "stops_the_machine": lasting,
+            "least_speed_rpm": _speed_rpm(found.slips, demand, min),
+            "heat_w": None if lasting else W * sum(heat or 0.0 for heat in heats) / cycle_s,
+        }
+    if found.runs_ahead is not None:
+        told["overrunning_clutch"] = {
+            "runs_ahead_at_deg": _spans_deg(found.runs_ahead),
+            "largest_speed_rpm": _speed_rpm(found.runs_ahead, demand, max),
+            "largest_energy_gained_j": W * max((one.energy_n_mm for one in found.runs_ahead), default=0.0),
+        }
+    return told
+
+
+def _spans_deg(found: Sequence[Excursion]) -> list[list[float]]:
+    """Driving angles at which the coupling lets go and catches again, or the whole rest of a cycle."""
+    return [[degrees(one.start_rad), degrees(one.last_rad)] for one in found]
+
+
+def _speed_rpm(found: Sequence[Excursion], demand: Demand, choice: Any) -> float:
+    speeds = [one.speed_rad_s.value for one in found]
+    return float(choice([demand.speed_rad_s, *speeds])) / RAD_S_PER_RPM
+
+
+def _at(name: str, unit: str, found: Extremum, factor: float = 1.0) -> dict[str, float]:
+    return {f"{name}_{unit}": factor * found.value, f"{name}_at_rad": found.at}

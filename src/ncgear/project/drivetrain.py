@@ -1,0 +1,223 @@
+"""From keys to values: what stands around the gears of a design, and what its loads make of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncgear.design.keys.design import Design
+from ncgear.design.keys.drivetrain import DrivenShaft, DrivetrainMotor, DrivingShaft, PowerTakeOff
+from ncgear.drivetrain.bearings import Bearing, BearingLife, WantedLife, bearing_lives, bending_moment_n_mm
+from ncgear.drivetrain.cycle import Cycle, cycle_of
+from ncgear.drivetrain.demand import Demand
+from ncgear.drivetrain.keys import FREE_HEIGHT_MM, Key, KeySafety, key_safety
+from ncgear.drivetrain.losses import TouchingTeeth, losses_of, mesh_loss_factor
+from ncgear.drivetrain.motor import Gearbox, MotorLoad, StraightLine, motor_load
+from ncgear.drivetrain.pto import Excursion, running_ahead, slipping
+from ncgear.drivetrain.shafts import STEELS, Section, ShaftSafety, Steel, shaft_safety
+from ncgear.drivetrain.speed import Disc, LineDrive, SpeedCourse, disc, speed_course
+from ncgear.dynamics.rigid import Rigid
+from ncgear.errors import WrongInput
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.units import RAD_S_PER_RPM
+from ncgear.pitch.shape import Gear
+
+N_MM_PER_N_M = 1000.0
+
+
+@dataclass(frozen=True, eq=False)
+class ShaftResult:
+    """The bearings, the shaft and the key of one gear; None where nothing is given of them."""
+
+    bearings: tuple[BearingLife, BearingLife] | None
+    shaft: ShaftSafety | None
+    key: KeySafety | None
+
+
+@dataclass(frozen=True, eq=False)
+class MotorResult:
+    """The motor, its gearbox, its load at even speed, and the course of the speed; None without a line."""
+
+    given: DrivetrainMotor
+    load: MotorLoad
+    course: SpeedCourse | None
+
+
+@dataclass(frozen=True, eq=False)
+class PowerTakeOffResult:
+    """Where the limiter slips and where the clutch lets the machine run ahead; None without the one or the other."""
+
+    slips: list[Excursion] | None
+    runs_ahead: list[Excursion] | None
+
+
+@dataclass(frozen=True, eq=False)
+class DrivetrainResult:
+    """What stands around the gears of a design.
+
+    ``flywheel_kg_mm2`` is the inertia on the driving shaft, its gear and the motor included, that the wanted
+    coefficient of fluctuation ``wanted_fluctuation`` needs by the torque with losses; ``disc`` gives what is not there
+    yet.
+    """
+
+    wanted: WantedLife
+    demand: Demand
+    driving_shaft: ShaftResult | None
+    driven_shaft: ShaftResult | None
+    wanted_fluctuation: float
+    flywheel_kg_mm2: float
+    disc: Disc | None
+    motor: MotorResult | None
+    pto: PowerTakeOffResult | None
+
+
+def drivetrain_of(design: Design, rigid: Rigid, touching: TouchingTeeth | None) -> DrivetrainResult:
+    """The drivetrain of a design that has the section; ``touching`` is None where the teeth are helical.
+
+    Raises WrongInput where a part lacks what it needs of the gears, and NoSuchMechanism where the motor is too weak.
+    """
+    given, masses = design.drivetrain, design.masses
+    assert given is not None
+    assert masses is not None
+    cycle, wanted = cycle_of(rigid), WantedLife(given.life_h, given.reliability_percent)
+    factor = None if touching is None else _loss_factor(touching, cycle)
+    losses = losses_of(cycle, factor, design.simulation.friction.dynamic, given.guide_friction)
+    motor = given.motor
+    rotor_kg_mm2 = motor.inertia_kg_mm2 * motor.gearbox.ratio**2 if motor else 0.0
+    demand = Demand(cycle, losses, rotor_kg_mm2)
+    needed = demand.fluctuation.flywheel_kg_mm2(masses.flywheel.speed_fluctuation)
+    missing = needed - rigid.machine.masses.driving_inertia_kg_mm2 - rotor_kg_mm2
+    diameter = given.flywheel_diameter_mm
+    return DrivetrainResult(
+        wanted=wanted,
+        demand=demand,
+        driving_shaft=_shaft(design, Gear.DRIVING, given.driving_shaft, 0.0, cycle, wanted),
+        driven_shaft=_driven_shaft(design, given.driven_shaft, cycle, wanted),
+        wanted_fluctuation=masses.flywheel.speed_fluctuation,
+        flywheel_kg_mm2=needed,
+        disc=disc(missing, diameter, demand.speed_rad_s) if diameter and missing > 0.0 else None,
+        motor=_motor(design, motor, demand) if motor else None,
+        pto=_pto(given.pto, demand) if given.pto else None,
+    )
+
+
+def _loss_factor(touching: TouchingTeeth, cycle: Cycle) -> float:
+    def torques(phi1: Array) -> tuple[Array, Array]:
+        loads = cycle.rigid.at(phi1)
+        return loads.driving_torque.value, loads.driven_torque.value
+
+    return mesh_loss_factor(touching, torques, cycle.breaks_rad)
+
+
+def _driven_shaft(design: Design, given: DrivenShaft | None, cycle: Cycle, wanted: WantedLife) -> ShaftResult | None:
+    return _shaft(design, Gear.DRIVEN, given, given.crank_at_mm if given else 0.0, cycle, wanted)
+
+
+def _shaft(
+    design: Design, gear: Gear, given: DrivingShaft | None, crank_at_mm: float, cycle: Cycle, wanted: WantedLife
+) -> ShaftResult | None:
+    """The shaft of a gear; raises WrongInput where its diameter or its keyway is missing."""
+    if given is None:
+        return None
+    gears, name = design.gears, gear.value
+    assert gears is not None
+    if given.bearing_a is None or given.bearing_b is None:
+        return ShaftResult(None, None, None)
+    if gears.helix is not None and gears.helix.kind == "helical":
+        raise WrongInput(
+            "given, but helical teeth press along their shafts, which is not followed; herringbone or straight ones, "
+            "or leave the bearings out",
+            key=f"drivetrain.{name}_shaft.bearing_a",
+        )
+    a, b = given.bearing_a, given.bearing_b
+    bearings = (
+        Bearing(a.at_mm, a.kind, a.dynamic_rating_n, a.static_rating_n),
+        Bearing(b.at_mm, b.kind, b.dynamic_rating_n, b.static_rating_n),
+    )
+    lives = bearing_lives(cycle, gear, bearings, crank_at_mm, wanted)
+    if not given.has_strength:
+        return ShaftResult(lives, None, None)
+    body = gears.driving if gear is Gear.DRIVING else gears.driven
+    diameter = given.diameter_mm or body.bore_mm
+    if diameter is None:
+        raise WrongInput(f"missing; gears.{name} has no bore that tells it", key=f"drivetrain.{name}_shaft.diameter_mm")
+    steel = STEELS[given.steel] if given.steel else Steel(given.tensile_mpa or 0.0, given.yield_mpa or 0.0)
+    loads = cycle.loads.driving if gear is Gear.DRIVING else cycle.loads.driven
+    moment = bending_moment_n_mm(loads, bearings, crank_at_mm, 0.0)
+    section = Section(diameter, given.blank_mm or diameter, steel)
+    safety = shaft_safety(
+        section,
+        moment,
+        loads.torque_n_mm,
+        loads.turned_rad,
+        _cycles_rad(gear, cycle),
+    )
+    return ShaftResult(lives, safety, _key(design, gear, given, section, cycle))
+
+
+def _cycles_rad(gear: Gear, cycle: Cycle) -> Array:
+    """Angles that a shaft has turned at the beginning of the cycles after which it stands as at first."""
+    if gear is Gear.DRIVEN:
+        return np.zeros(1)
+    place = cycle.rigid.place
+    assert place is not None
+    lobes = cycle.rigid.machine.transmission.lobes
+    return np.arange(lobes.driving, dtype=float) * (-place.mesh.sense * cycle.cycle_rad)
+
+
+def _key(design: Design, gear: Gear, given: DrivingShaft, section: Section, cycle: Cycle) -> KeySafety | None:
+    key, gears, where = given.key, design.gears, f"drivetrain.{gear.value}_shaft.key"
+    if key is None or gears is None:
+        return None
+    body = gears.driving if gear is Gear.DRIVING else gears.driven
+    height = key.height_mm
+    if height is None:
+        if body.keyway is None:
+            raise WrongInput(f"given, but gears.{gear.value} has no keyway; give one, or height_mm", key=where)
+        height = body.keyway.depth_mm - FREE_HEIGHT_MM
+        if height <= 0.0:
+            raise WrongInput(
+                f"missing; a keyway {body.keyway.depth_mm:g} mm deep leaves nothing over {FREE_HEIGHT_MM:g} mm of play",
+                key=f"{where}.height_mm",
+            )
+    yields = section.yield_mpa
+    torque = (cycle.loads.driving if gear is Gear.DRIVING else cycle.loads.driven).torque_n_mm
+    length = key.length_mm or gears.face_width_mm
+    made = Key(section.diameter_mm, height, length, min(yields, key.yield_mpa or yields))
+    return key_safety(made, float(torque.max()), float(torque.min()))
+
+
+def _motor(design: Design, given: DrivetrainMotor, demand: Demand) -> MotorResult:
+    gearbox = Gearbox(given.gearbox.ratio, given.gearbox.efficiency)
+    drive = _line_drive(design, given, gearbox)
+    if drive is not None and not demand.inertia(demand.cycle.loads.phi1_rad)[0].min() > 0.0:
+        raise WrongInput(
+            "0 given, but a motor's shaft needs inertia; give driving_gear_kg_mm2 or a flywheel",
+            key="masses.driving_gear_kg_mm2",
+        )
+    return MotorResult(given, motor_load(demand, gearbox), None if drive is None else speed_course(demand, drive))
+
+
+def _line_drive(design: Design, given: DrivetrainMotor, gearbox: Gearbox) -> LineDrive | None:
+    """The motor's line: its own, or that of the simulation at the driving gear."""
+    if given.no_load_speed_rpm is not None:
+        share = 1.0 - given.rated_speed_rpm / given.no_load_speed_rpm
+        stall = N_MM_PER_N_M * given.rated_torque_n_m / share
+        line = StraightLine(stall, given.no_load_speed_rpm * RAD_S_PER_RPM)
+        return LineDrive(line, gearbox, given.overrunning_clutch)
+    simulated = design.simulation.motor
+    if simulated is None:
+        return None
+    # That line is behind the gearbox, whose losses it has
+    stall = N_MM_PER_N_M * simulated.stall_torque_n_m / (gearbox.ratio * gearbox.efficiency)
+    line = StraightLine(stall, simulated.no_load_speed_rpm * RAD_S_PER_RPM * gearbox.ratio)
+    return LineDrive(line, gearbox, given.overrunning_clutch)
+
+
+def _pto(given: PowerTakeOff, demand: Demand) -> PowerTakeOffResult:
+    limit = given.torque_limiter_n_m
+    return PowerTakeOffResult(
+        slipping(demand, N_MM_PER_N_M * limit) if limit is not None else None,
+        running_ahead(demand) if given.overrunning_clutch else None,
+    )

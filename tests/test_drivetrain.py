@@ -1,0 +1,601 @@
+"""What stands around the gears, against closed forms, published figures, another way of solving, and energy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from itertools import pairwise
+from math import acos, cos, degrees, pi, radians, sin, sqrt
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import simpson, solve_ivp
+
+from commands import Run, on_text, simulated
+from drives import drive, drive_of_text
+from ncgear.design.keys.drivetrain import DrivingShaft
+from ncgear.drivetrain.bearings import (
+    Bearing,
+    WantedLife,
+    bearing_forces,
+    bending_moment_n_mm,
+    equivalent_load_n,
+    life_h,
+    rating_for_n,
+)
+from ncgear.drivetrain.cycle import Cycle, ShaftLoads, cycle_of
+from ncgear.drivetrain.demand import Demand
+from ncgear.drivetrain.keys import Key, key_safety
+from ncgear.drivetrain.losses import TouchingTeeth, losses_of, mesh_loss_factor
+from ncgear.drivetrain.motor import Gearbox, StraightLine, motor_load
+from ncgear.drivetrain.pto import Excursion, running_ahead, slipping
+from ncgear.drivetrain.shafts import STEELS, TEMPERED, Section, Steel, shaft_safety
+from ncgear.drivetrain.speed import LineDrive, disc, speed_course
+from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.quadrature import gauss_points
+from ncgear.project.drivetrain import DrivetrainResult
+
+DESIGN = "baler-drivetrain"
+
+# Bearings
+
+
+def test_reliability_factors_are_those_of_the_standard() -> None:
+    """ISO 281:2007, table 12 (secondary source), given to two digits."""
+    table = {90: 1.0, 95: 0.64, 96: 0.55, 97: 0.47, 98: 0.37, 99: 0.25, 99.2: 0.22, 99.6: 0.16, 99.9: 0.093}
+    for reliability, factor in table.items():
+        assert WantedLife(1.0, reliability).factor == pytest.approx(factor, abs=0.0051)
+
+
+@pytest.mark.judges("drivetrain")
+@pytest.mark.parametrize(("kind", "exponent"), [("ball", 3.0), ("roller", 10.0 / 3.0)])
+def test_life_under_constant_load(kind: str, exponent: float) -> None:
+    """A tenth of the rating: 10^p million turns; and the rating that this life needs is the one it has."""
+    hours = 1e6 * 10.0**exponent / (60.0 * 1500.0)
+    speed = 1500.0 * pi / 30.0
+    assert life_h(20_000.0, 2_000.0, kind, speed) == pytest.approx(hours, rel=1e-12)
+    assert rating_for_n(2_000.0, kind, speed, WantedLife(hours, 90.0)) == pytest.approx(20_000.0, rel=1e-12)
+    assert rating_for_n(2_000.0, kind, speed, WantedLife(hours, 99.0)) > 30_000.0
+
+
+def test_equivalent_loads_in_closed_form() -> None:
+    """Constant; a sine of either sign, whose mean cube is 4/(3 pi); a ramp from 0, mean of x^p is 1/(p + 1)."""
+    turned, weight = gauss_points(np.linspace(0.0, 2.0 * pi, 9), 24)
+    assert equivalent_load_n(np.full(turned.shape, 7.0), weight, 3.0) == pytest.approx(7.0, rel=1e-14)
+    sine = equivalent_load_n(np.abs(np.sin(turned)), weight, 3.0)
+    assert sine == pytest.approx((4.0 / (3.0 * pi)) ** (1.0 / 3.0), rel=1e-12)
+    ramp = equivalent_load_n(turned / (2.0 * pi), weight, 10.0 / 3.0)
+    assert ramp == pytest.approx((1.0 / (10.0 / 3.0 + 1.0)) ** 0.3, rel=1e-9)
+    assert equivalent_load_n(np.zeros(3), np.ones(3), 3.0) == 0.0
+
+
+def test_two_bearings_by_moments() -> None:
+    """A gear between them, a crank beyond one, in two directions; forces and moments are in balance by hand."""
+    loads = ShaftLoads(np.zeros(1), np.array([1000.0 + 0j]), np.array([600.0j]), np.zeros(1))
+    bearings = Bearing(-100.0, "ball"), Bearing(300.0, "ball")
+    on_first, on_second = (force[0] for force in bearing_forces(loads, bearings, 500.0))
+    # Moments about the first: 1000 * 100 / 400, and 600 * 600 / 400
+    assert on_second == pytest.approx(250.0 + 900.0j, rel=1e-14)
+    assert on_first == pytest.approx(750.0 - 300.0j, rel=1e-14)
+    # Bending at the gear: the first bearing's force times 100 mm; at the second, the crank's times 200 mm
+    assert abs(bending_moment_n_mm(loads, bearings, 500.0, 0.0)[0]) == pytest.approx(abs(on_first) * 100.0, rel=1e-13)
+    assert abs(bending_moment_n_mm(loads, bearings, 500.0, 300.0)[0]) == pytest.approx(600.0 * 200.0, rel=1e-13)
+    assert abs(bending_moment_n_mm(loads, bearings, 500.0, -100.0)[0]) <= 1e-9
+
+
+# Shafts and keys
+
+
+def test_published_example_of_a_shaft_with_a_keyway() -> None:
+    """A course's example (MEL1 2024W 2, public repository hanslhansl/din743): safeties 1.472 and 2.568."""
+    section, turned = Section(60.0, 80.0, Steel(750.0, 520.0, *TEMPERED)), np.linspace(0.0, 2.0 * pi, 721)
+    bending, torque = np.full(turned.shape, 1402.294e3 + 0j), np.full(turned.shape, 1336.902e3)
+    assert shaft_safety(section, bending, torque, turned, np.zeros(1)).fatigue == pytest.approx(1.472, abs=5e-4)
+    overload = shaft_safety(section, 1.8 * bending, 1.8 * torque, turned, np.zeros(1))
+    assert overload.yielding == pytest.approx(2.568, abs=5e-4)
+
+
+def test_fibres_see_what_turns_against_them() -> None:
+    """A force that stands still bends to and fro; one that turns with the shaft bends one way; a smaller shaft less."""
+    turned = np.linspace(0.0, 2.0 * pi, 721)
+    section, torque = Section(50.0, 50.0, STEELS["C45"]), np.zeros(turned.shape)
+    still = shaft_safety(section, np.full(turned.shape, 1e6 + 0j), torque, turned, np.zeros(1))
+    stress = 1e6 / (pi * 50.0**3 / 32.0)
+    assert still.stresses.bending_amplitude_mpa == pytest.approx(stress, rel=1e-5)
+    assert still.stresses.bending_mean_mpa == pytest.approx(0.0, abs=1e-3 * stress)
+    along = shaft_safety(section, 1e6 * np.exp(1j * turned), torque, turned, np.zeros(1))
+    assert along.stresses.bending_amplitude_mpa == pytest.approx(0.0, abs=1e-9 * stress)
+    assert along.fatigue > 3.0 * still.fatigue
+    thin = Section(25.0, 50.0, STEELS["C45"])
+    thinner = shaft_safety(thin, np.full(turned.shape, 1e6 + 0j), torque, turned, np.zeros(1))
+    # Eight times the stress, but thin shafts endure more of it
+    assert 7.0 < still.fatigue / thinner.fatigue < 8.0
+
+
+def test_a_shaft_that_needs_two_turns_sees_both() -> None:
+    """A pull once in two turns, half a turn on: the same fibre is pulled, then pressed, only if both are followed."""
+    turned = np.linspace(0.0, pi, 361)
+    section, pull = Section(50.0, 50.0, STEELS["C45"]), np.where(turned < 0.1, 1e6 + 0j, 0j)
+    once = shaft_safety(section, pull, np.zeros(turned.shape), turned, np.zeros(1))
+    both = shaft_safety(section, pull, np.zeros(turned.shape), turned, np.array([0.0, pi]))
+    assert both.stresses.bending_amplitude_mpa == pytest.approx(2.0 * once.stresses.bending_amplitude_mpa, rel=1e-3)
+
+
+def test_a_key_in_closed_form() -> None:
+    """p = 2 T / (d h l): 2 * 100 N m / (40 mm * 3.3 mm * 50 mm)."""
+    found = key_safety(Key(40.0, 3.3, 50.0, 300.0), 1e5, 0.0)
+    assert found.pressure_mpa == pytest.approx(2e5 / 6600.0, rel=1e-14)
+    assert found.safety == pytest.approx(270.0 / found.pressure_mpa, rel=1e-14)
+    assert not found.both_senses
+    assert key_safety(Key(40.0, 3.3, 50.0, 300.0), 1e5, -1.0).both_senses
+
+
+# Losses
+
+
+def circular(teeth: int) -> TouchingTeeth:
+    made = drive_of_text(
+        "{name: even, linkage: {crank_mm: 40, rod_mm: 90}, operation: {speed_rpm: 30}, motion: {law: uniform_crank}, "
+        f"gears: {{teeth: {teeth}, module_mm: 2, face_width_mm: 10}}}}"
+    )
+    return TouchingTeeth(made.teeth, made.pitch, made.designed_contact)
+
+
+def even_torques(ratio: float) -> tuple[object, Array]:
+    return lambda phi1: (np.full(phi1.shape, 5.0), np.full(phi1.shape, 5.0 * ratio)), np.array([0.0, 2.0 * pi])
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("teeth", [23, 62])
+def test_loss_factor_of_circular_gears_is_ohlendorfs(teeth: int) -> None:
+    """His closed form, with the contact ratios of equal involute gears of full height."""
+    tip, base = teeth + 2.0, teeth * cos(radians(20.0))
+    half = (sqrt(tip**2 - base**2) - teeth * sin(radians(20.0))) / (2.0 * pi * cos(radians(20.0)))
+    closed = pi * (2.0 / teeth) * (1.0 - 2.0 * half + 2.0 * half**2)
+    torques, breaks = even_torques(1.0)
+    found = mesh_loss_factor(circular(teeth), torques, breaks)  # type: ignore[arg-type]
+    assert found == pytest.approx(closed, rel=2e-6)
+    # Negative control: with every pair bearing all of the load it would be far more
+    assert found < 0.8 * pi * (2.0 / teeth) * 2.0 * half**2 * 2.0
+
+
+@pytest.mark.thorough
+def test_loss_factor_of_the_fzg_test_gears() -> None:
+    """Type C: 16/24 teeth, module 4.5, 91.5 mm, tips 82.46 and 118.36 mm; published contact ratio 1.44, H_V 0.195."""
+    angle, module = degrees(acos(4.5 * cos(radians(20.0)) * 20.0 / 91.5)), 91.5 / 20.0
+    first, second = (82.46 / 2.0 - 36.6) / module, (118.36 / 2.0 - 54.9) / module
+    made = drive_of_text(
+        f"""\
+name: fzg
+linkage: {{crank_mm: 40, rod_mm: 90}}
+operation: {{speed_rpm: 30}}
+motion: {{law: ratio_expression, ratio: "1.5"}}
+gears:
+  {{teeth: 16, center_distance_mm: 91.5, face_width_mm: 14, lobes: {{driving: 2, driven: 3}}, undercut: allow,
+    rack: {{pressure_angle_deg: {angle}, addendum: {(first + second) / 2.0}, root_radius: 0.2, dedendum: 1.2}},
+    profile_shift: {{driving: {(first - second) / 2.0}, driven: {(second - first) / 2.0}}}}}
+"""
+    )
+    assert made.designed_contact.contact_ratio == pytest.approx(1.44, abs=0.005)
+    torques, breaks = even_torques(1.5)
+    touching = TouchingTeeth(made.teeth, made.pitch, made.designed_contact)
+    assert mesh_loss_factor(touching, torques, breaks) == pytest.approx(0.195, abs=5e-4)  # type: ignore[arg-type]
+
+
+# The cycle and what it asks for
+
+
+@cache
+def cycle() -> Cycle:
+    return cycle_of(drive(DESIGN).rigid)
+
+
+@cache
+def demand(added_kg_mm2: float = 0.0, *, friction: bool = True) -> Demand:
+    losses = losses_of(cycle(), 0.12, 0.05, 0.1) if friction else losses_of(cycle(), None, 0.0, 0.0)
+    return Demand(cycle(), losses, added_kg_mm2)
+
+
+@pytest.mark.thorough
+def test_means_over_the_cycle_against_simpsons_rule() -> None:
+    """Work of the shaft as of the rigid level; the mean cube of the mesh force by Simpson's rule."""
+    found, rigid = cycle(), drive(DESIGN).rigid
+    assert found.integral(found.loads.driving.torque_n_mm) == pytest.approx(rigid.fluctuation.work_n_mm, rel=1e-12)
+    size = np.abs(found.loads.driven.gear_n)
+
+    def cube(phi1: Array) -> Array:
+        force = rigid.machine.at(phi1).mesh_force.force
+        return np.asarray(np.hypot(force.x.value, force.y.value) / 1e4) ** 3
+
+    # Ends of intervals are taken from inside: at joints of the law the force may jump
+    inner = [np.linspace(low + 1e-9, high - 1e-9, 1201) for low, high in pairwise(found.breaks_rad)]
+    summed = sum(simpson(cube(places), x=places) for places in inner)
+    assert found.integral((size / 1e4) ** 3) == pytest.approx(summed, rel=1e-7)
+
+
+@pytest.mark.thorough
+def test_forces_on_the_crank_shaft_are_in_balance() -> None:
+    """Gear, crank pin and bearings, anew from Newton's law for the crank's mass."""
+    found, machine = cycle().loads, drive(DESIGN).rigid.machine
+    loads, masses = machine.at(found.phi1_rad), machine.masses
+    pin = loads.joints["pin"]
+    angle = machine.machine.transmission.driven_angle(found.phi1_rad, 2)
+    speed, bend = angle.derivative(1), angle.derivative(2)
+    # The crank turns clockwise from the slider's way out; its centre of mass goes round with it
+    radial = masses.crank_center_mm * np.exp(1j * (pi - angle.value))
+    moving = 1e-3 * masses.crank_kg * machine.machine.speed_rad_s**2 * radial * (-(speed**2) - 1j * bend)
+    weight = masses.crank_kg * complex(*masses.gravity_m_s2)
+    on_crank = -(pin.x.value + 1j * pin.y.value)
+    assert_allclose(found.driven.crank_n, on_crank + weight - moving, atol=1e-9 * np.abs(on_crank).max())
+
+
+@pytest.mark.thorough
+def test_inertia_has_the_slope_that_it_says_and_the_energy_of_the_cycle() -> None:
+    """Central differences; and T - A over the cycle does no work, for J comes back to where it was."""
+    angles, step = np.array([0.4, 1.7, 3.3, 5.9]), 1e-5
+    asked = demand()
+    slope = (asked.inertia(angles + step)[0] - asked.inertia(angles - step)[0]) / (2.0 * step)
+    assert_allclose(asked.inertia(angles)[1], slope, rtol=1e-6)
+    points = asked.cycle.loads.phi1_rad
+    difference = asked.cycle.integral(asked.at_any_speed_n_mm(points) - asked.torque_n_mm(points))
+    assert abs(difference) <= 1e-10 * asked.fluctuation.work_n_mm
+
+
+@pytest.mark.thorough
+def test_the_energy_of_losses_is_the_work_that_is_asked_for_more() -> None:
+    """To 1e-9: work with friction = useful work + teeth + guide; without friction there is no loss."""
+    losses = demand().losses
+    whole = losses.useful_n_mm + losses.mesh_n_mm + losses.guide_n_mm
+    assert demand().fluctuation.work_n_mm == pytest.approx(whole, rel=1e-9)
+    assert losses.efficiency == pytest.approx(losses.useful_n_mm / whole, rel=1e-12)
+    assert demand(friction=False).losses.efficiency == 1.0
+
+
+# Motor
+
+
+class Waveform(Demand):
+    """A demand of known form, in place of a machine's."""
+
+    def torque_n_mm(self, phi1_rad: Array) -> Array:
+        return 200.0 + 500.0 * np.sin(phi1_rad)
+
+
+@pytest.mark.thorough
+def test_rms_of_a_known_waveform() -> None:
+    """sqrt(200^2 + 500^2/2); it brakes where sin < -0.4, with the mean of that part, in closed form."""
+    found = motor_load(Waveform(cycle(), demand().losses), Gearbox())
+    assert found.rms_n_mm == pytest.approx(sqrt(200.0**2 + 500.0**2 / 2.0), rel=1e-9)
+    assert found.mean_n_mm == pytest.approx(200.0, rel=1e-9)
+    assert (found.most_n_mm.value, found.least_n_mm.value) == pytest.approx((700.0, -300.0), rel=1e-9)
+    lacks = acos(0.4)
+    assert found.braking_share == pytest.approx(2.0 * lacks / (2.0 * pi), abs=2e-3)
+    assert found.braking_n_mm == pytest.approx(200.0 - 500.0 * sin(lacks) / lacks, rel=2e-2)
+
+
+def test_a_gearbox_takes_power_both_ways() -> None:
+    """Driving, the motor gives more than the load takes; braking, it takes less than the load gives; and back."""
+    box, torque = Gearbox(10.0, 0.9), np.array([90.0, -90.0, 0.0])
+    assert_allclose(box.motor_n_mm(torque), [10.0, -8.1, 0.0], rtol=1e-14)
+    assert_allclose(box.shaft_n_mm(box.motor_n_mm(torque)), torque, rtol=1e-14)
+
+
+# Speed over the cycle
+
+LINE = StraightLine(36e3 / 0.03, 1500.0 * pi / 30.0)
+MOTOR = LineDrive(LINE, Gearbox(24.5, 0.95))
+
+
+STEPS = 6000
+
+
+def followed(asked: Demand, span: tuple[float, float], start: float, given: Callable[[float], float]) -> Array:
+    """Speeds over a span by the equation of motion in w and the classical method of Runge and Kutta, even steps."""
+    places = np.linspace(*span, 2 * STEPS + 1)
+    inertia, change = asked.inertia(places % (2.0 * pi))
+    needed = asked.torque_n_mm(places % (2.0 * pi)) - change * asked.speed_rad_s**2 / 2.0
+    rows = list(zip(inertia.tolist(), change.tolist(), needed.tolist(), strict=True))
+    step, speeds = (span[1] - span[0]) / STEPS, [start]
+
+    def slope(row: int, speed: float) -> float:
+        mass, bend, load = rows[row]
+        return (given(speed) - load - bend * speed**2 / 2.0) / (mass * speed)
+
+    for row in range(0, 2 * STEPS, 2):
+        speed = speeds[-1]
+        first = slope(row, speed)
+        second = slope(row + 1, speed + step / 2.0 * first)
+        third = slope(row + 1, speed + step / 2.0 * second)
+        fourth = slope(row + 2, speed + step * third)
+        speeds.append(speed + step / 6.0 * (first + 2.0 * second + 2.0 * third + fourth))
+    return np.array(speeds)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("clutch", [False, True])
+@pytest.mark.parametrize("added_kg_mm2", [0.0, 1e9])
+def test_speed_course_against_another_solver(added_kg_mm2: float, clutch: bool) -> None:
+    """In w itself from the course's beginning: the same speeds, and back there after a cycle; work in balance."""
+    asked, motor = demand(added_kg_mm2), replace(MOTOR, overrunning_clutch=clutch)
+    course = speed_course(asked, motor)
+
+    def given(speed: float) -> float:
+        torque = 36e3 / 0.03 * (1.0 - 24.5 * speed / (1500.0 * pi / 30.0))
+        return torque * 24.5 * 0.95 if torque > 0.0 else 0.0 if clutch else torque * 24.5 / 0.95
+
+    start = float(course.speed_rad_s(np.zeros(1))[0])
+    speed = followed(asked, (0.0, 2.0 * pi), start, given)
+    places = np.linspace(0.0, 2.0 * pi, STEPS + 1)[:-1]
+    assert_allclose(speed[:-1], course.speed_rad_s(places), rtol=1e-6)
+    assert speed[-1] == pytest.approx(start, rel=1e-6)
+    assert course.drive_work_n_mm == pytest.approx(course.asked_work_n_mm, rel=1e-9)
+    assert course.range_rad_s[0].value == pytest.approx(speed.min(), rel=1e-6)
+    assert course.range_rad_s[1].value == pytest.approx(speed.max(), rel=1e-6)
+    if clutch:
+        assert course.motor_range_n_mm[0] >= 0.0
+        assert (course.motor_range_n_mm[0] == 0.0) == (added_kg_mm2 == 0.0)
+
+
+@pytest.mark.thorough
+def test_the_course_is_reached_from_another_speed() -> None:
+    """From a tenth slower; after eight cycles the motor has brought it to the course."""
+    asked = demand()
+    start = float(speed_course(asked, MOTOR).speed_rad_s(np.zeros(1))[0])
+
+    def given(speed: float) -> float:
+        torque = 36e3 / 0.03 * (1.0 - 24.5 * speed / (1500.0 * pi / 30.0))
+        return torque * 24.5 * 0.95 if torque > 0.0 else torque * 24.5 / 0.95
+
+    speed = 0.9 * start
+    for _ in range(8):
+        speed = float(followed(asked, (0.0, 2.0 * pi), speed, given)[-1])
+    assert speed == pytest.approx(start, rel=1e-6)
+
+
+@pytest.mark.slow
+def test_speed_course_against_scipy() -> None:
+    """LSODA with its own steps over a cycle."""
+    asked = demand()
+    course = speed_course(asked, MOTOR)
+
+    def slope(phi1: float, speed: Array) -> Array:
+        angle = np.array([phi1 % (2.0 * pi)])
+        inertia, change = asked.inertia(angle)
+        needed = asked.torque_n_mm(angle) - change * asked.speed_rad_s**2 / 2.0
+        found: Array = (MOTOR.torque_n_mm(speed) - needed - change * speed**2 / 2.0) / (inertia * speed)
+        return found
+
+    places = np.linspace(0.0, 2.0 * pi - 1e-9, 50)
+    start = course.speed_rad_s(np.zeros(1))
+    solved = solve_ivp(slope, (0.0, places[-1]), start, "LSODA", places, rtol=1e-8, atol=1e-8, max_step=0.2)
+    assert_allclose(solved.y[0], course.speed_rad_s(places), rtol=2e-6)
+
+
+@pytest.mark.thorough
+def test_a_large_flywheel_has_the_fluctuation_of_the_energy_swing() -> None:
+    """J C w^2 = E_max - E_min with a motor that hardly reacts: of high inertia, the course agrees with the formula."""
+    asked = demand(5e10)
+    mean = asked.fluctuation.mean_torque_n_mm / 24.5
+    soft = LineDrive(StraightLine(2.0 * mean, 2.0 * 24.5 * asked.speed_rad_s), Gearbox(24.5, 1.0))
+    course = speed_course(asked, soft)
+    inertia_kg_mm2 = 1e3 * float(asked.inertia(np.zeros(1))[0][0])
+    predicted = asked.fluctuation.flywheel_kg_mm2(1.0) / inertia_kg_mm2
+    assert course.fluctuation == pytest.approx(predicted, rel=0.01)
+
+
+@pytest.mark.thorough
+def test_a_motor_that_is_too_weak_is_refused() -> None:
+    with pytest.raises(NoSuchMechanism, match="stopped"):
+        speed_course(demand(), LineDrive(StraightLine(1e3, 150.0), Gearbox(24.5, 1.0)))
+
+
+def test_a_disc_has_the_inertia_asked_for() -> None:
+    """J = m d^2 / 8 of a steel disc 500 mm wide across and 40 mm thick: 61.65 kg, 1.9267 kg m2."""
+    mass = 7.85e-6 * pi * 250.0**2 * 40.0
+    found = disc(mass * 500.0**2 / 8.0, 500.0, 10.0)
+    assert (found.width_mm, found.mass_kg, found.rim_m_s) == pytest.approx((40.0, mass, 2.5), rel=1e-12)
+
+
+# Shafts of constant speed
+
+
+def between(asked: Demand, one: Excursion, held_n_mm: float) -> Array:
+    """Speeds between an excursion's ends from the equation of motion."""
+    assert one.end_rad is not None
+    return followed(asked, (one.start_rad, one.end_rad), asked.speed_rad_s, lambda speed: held_n_mm)
+
+
+@pytest.mark.thorough
+def test_a_machine_that_runs_ahead_against_the_equation_of_motion() -> None:
+    asked = demand()
+    found = running_ahead(asked)
+    assert found
+    for one in found:
+        speed = between(asked, one, 0.0)
+        assert speed[-1] == pytest.approx(asked.speed_rad_s, rel=1e-6)
+        assert np.all(speed[1:-1] >= asked.speed_rad_s * (1.0 - 1e-6))
+        assert speed.max() == pytest.approx(one.speed_rad_s.value, rel=1e-6)
+        assert one.heat_n_mm == 0.0
+
+
+@pytest.mark.thorough
+def test_a_limiter_that_slips_against_the_equation_of_motion() -> None:
+    """And its heat: what the shaft gives at its own speed less what the machine gets."""
+    asked, limit = demand(), 1.6e6
+    found = slipping(asked, limit)
+    assert found
+    for one in found:
+        speed = between(asked, one, limit)
+        assert speed[-1] == pytest.approx(asked.speed_rad_s, rel=1e-5)
+        assert speed.min() == pytest.approx(one.speed_rad_s.value, rel=1e-6)
+        assert one.end_rad is not None
+        places = np.linspace(one.start_rad, one.end_rad, speed.size)
+        heat = np.trapezoid(limit * (asked.speed_rad_s / speed - 1.0), places)
+        assert one.heat_n_mm == pytest.approx(heat, rel=1e-5)
+
+
+@pytest.mark.thorough
+def test_a_limiter_over_the_peak_holds_and_one_below_the_mean_stops_the_machine() -> None:
+    asked = demand()
+    most = asked.torque_range_n_mm[1].value
+    assert slipping(asked, 1.0001 * most) == []
+    assert len(slipping(asked, 0.9999 * most)) == 1
+    assert any(one.end_rad is None for one in slipping(asked, 0.9 * asked.fluctuation.mean_torque_n_mm))
+
+
+# Whole designs
+
+
+@cache
+def whole() -> DrivetrainResult:
+    return drive(DESIGN).drivetrain
+
+
+@pytest.mark.thorough
+def test_the_shipped_design_pinned() -> None:
+    """Useful power is the work of the resistance: the mean power of the check; the rest is pinned."""
+    found = whole()
+    speed = found.demand.speed_rad_s
+    useful_w = 1e-3 * found.demand.losses.useful_n_mm * speed / (2.0 * pi)
+    assert useful_w == pytest.approx(drive(DESIGN).check.mean_power_w, rel=1e-9)
+    assert found.driving_shaft is not None
+    assert found.driven_shaft is not None
+    assert found.driving_shaft.bearings is not None
+    assert found.driven_shaft.bearings is not None
+    # The gear in the middle: half the mesh force each
+    first, second = found.driving_shaft.bearings
+    peak = drive(DESIGN).rigid.peaks.mesh
+    assert peak is not None
+    assert first.largest_n.value == pytest.approx(peak.force_n.value / 2.0, rel=1e-9)
+    assert second.equivalent_n == pytest.approx(first.equivalent_n, rel=1e-12)
+    assert found.driven_shaft.bearings[1].needed_rating_n == pytest.approx(50_713.0, abs=1.0)
+    assert found.motor is not None
+    assert found.motor.course is not None
+    assert found.motor.course.fluctuation == pytest.approx(0.06858, abs=2e-5)
+    assert found.motor.course.rms_n_mm < 36e3 < found.motor.load.rms_n_mm
+
+
+@pytest.mark.thorough
+def test_half_the_positions_apart_twice_the_life_by_the_cube() -> None:
+    """A bearing of twice the rating lasts eight times as long; one with the needed rating just as long as wanted."""
+    found = whole().driving_shaft
+    assert found is not None
+    assert found.bearings is not None
+    one = found.bearings[0]
+    hours = life_h(one.needed_rating_n, one.equivalent_n, "ball", one.speed_rad_s)
+    assert hours == pytest.approx(whole().wanted.hours, rel=1e-9)
+    assert life_h(2.0 * one.needed_rating_n, one.equivalent_n, "ball", one.speed_rad_s) == pytest.approx(8.0 * hours)
+
+
+@pytest.fixture
+def run(run: Run) -> Run:
+    """Simulate d.yaml, which holds the text."""
+    return on_text(run, "simulate")
+
+
+PRESS = """\
+name: press
+linkage: {crank_mm: 38, rod_mm: 96}
+operation: {speed_rpm: 600}
+motion: {law: ellipse, eccentricity: 0.3}
+resistance: {polynomial_n: [400]}
+gears: {teeth: 19, module_mm: 1.5, face_width_mm: 10, driving: {bore_mm: 8, keyway: {width_mm: 3, depth_mm: 1.4}}}
+masses:
+  slider_kg: 1
+  rod: {mass_kg: 0.3, center_mm: 40, inertia_kg_mm2: 300}
+  crank: {mass_kg: 0.4, center_mm: 10, inertia_kg_mm2: 200}
+  driving_gear_kg_mm2: 100
+  driven_gear_kg_mm2: 100
+  flywheel: {inertia_kg_mm2: 20000}
+"""
+
+
+@pytest.mark.thorough
+def test_the_command_tells_what_does_not_hold(run: Run) -> None:
+    text = f"""{PRESS}drivetrain:
+  driving_shaft:
+    bearing_a: {{at_mm: -20, dynamic_rating_n: 900, static_rating_n: 400}}
+    bearing_b: {{at_mm: 20}}
+    steel: C45
+    key: {{length_mm: 2}}
+  pto: {{torque_limiter_n_m: 12, overrunning_clutch: true}}
+"""
+    status, out, err = run(text)
+    assert (status, err) == (0, "")
+    found = simulated("export/press-rigid")
+    around = found["drivetrain"]
+    assert around["driving_shaft"]["bearing_a"]["life_h"] < 10_000.0
+    assert around["driving_shaft"]["bearing_b"]["life_h"] is None
+    assert around["pto"]["torque_limiter"]["slips_at_deg"]
+    assert around["pto"]["overrunning_clutch"]["largest_speed_rpm"] > 600.0
+    said = " ".join(found["warnings"])
+    for words in ("bearing a of the driving shaft lasts", "key of the driving shaft bears", "torque limiter slips"):
+        assert words in said
+    assert "warning: bearing a" in out
+    assert "Power take-off" in out
+
+
+@pytest.mark.parametrize(
+    ("section", "message"),
+    [
+        ("motor: {rated_torque_n_m: 1, rated_speed_rpm: 100, no_load_speed_rpm: 90}", "over 100 is right"),
+        ("motor: {rated_torque_n_m: 2, rated_speed_rpm: 100, peak_torque_n_m: 1}", "2 or over is right"),
+        ("pto: {}, motor: {rated_torque_n_m: 1, rated_speed_rpm: 100}", "keep one"),
+        ("driving_shaft: {bearing_a: {at_mm: 0}}", "bearing_b: missing"),
+        ("driving_shaft: {bearing_a: {at_mm: 5}, bearing_b: {at_mm: 5}}", "another one is right"),
+        ("driving_shaft: {steel: C45}", "bearing_a: missing"),
+        ("driving_shaft: {bearing_a: {at_mm: 0}, bearing_b: {at_mm: 9}, key: {}}", "steel: missing"),
+        ("driving_shaft: {bearing_a: {at_mm: 0}, bearing_b: {at_mm: 9}, tensile_mpa: 400}", "yield_mpa: missing"),
+    ],
+)
+def test_wrong_sections_are_refused(section: str, message: str) -> None:
+    with pytest.raises(WrongInput, match=message):
+        drive_of_text(f"{PRESS}drivetrain: {{{section}}}\n")
+
+
+def test_what_the_section_needs_of_the_design() -> None:
+    head = PRESS[: PRESS.index("masses:")]
+    with pytest.raises(WrongInput, match="masses: missing; the section drivetrain needs it"):
+        drive_of_text(f"{head}drivetrain: {{}}\n")
+
+
+@pytest.mark.thorough
+def test_what_a_shaft_needs_of_its_gear() -> None:
+    bearings = "bearing_a: {at_mm: -9}, bearing_b: {at_mm: 9}, steel: C45"
+    with pytest.raises(WrongInput, match=r"driven_shaft\.diameter_mm: missing"):
+        _ = drive_of_text(f"{PRESS}drivetrain: {{driven_shaft: {{{bearings}}}}}\n").drivetrain
+    with pytest.raises(WrongInput, match=r"driven_shaft\.key: given, but gears\.driven has no keyway"):
+        _ = drive_of_text(
+            f"{PRESS}drivetrain: {{driven_shaft: {{{bearings}, diameter_mm: 9, key: {{}}}}}}\n"
+        ).drivetrain
+
+
+@pytest.mark.thorough
+def test_the_line_of_the_simulation_is_the_motors_at_the_driving_gear() -> None:
+    """Two ways to give the same motor: the same course."""
+    own = "motor: {rated_torque_n_m: 2, rated_speed_rpm: 1200, no_load_speed_rpm: 1300, gearbox: {ratio: 2}}"
+    without = "motor: {rated_torque_n_m: 2, rated_speed_rpm: 1200, gearbox: {ratio: 2}}"
+    line = f"simulation: {{motor: {{no_load_speed_rpm: 650, stall_torque_n_m: {2.0 * 2.0 * 13.0}}}}}\n"
+    first = drive_of_text(f"{PRESS}drivetrain: {{{own}}}\n").drivetrain.motor
+    second = drive_of_text(f"{PRESS}{line}drivetrain: {{{without}}}\n").drivetrain.motor
+    third = drive_of_text(f"{PRESS}drivetrain: {{{without}}}\n").drivetrain.motor
+    assert first is not None
+    assert second is not None
+    assert third is not None
+    assert first.course is not None
+    assert second.course is not None
+    assert first.course.fluctuation == pytest.approx(second.course.fluctuation, rel=1e-9)
+    assert third.course is None
+
+
+def test_the_keys_know_the_steels() -> None:
+    annotation = DrivingShaft.model_fields["steel"].annotation
+    assert all(f"'{name}'" in str(annotation) for name in STEELS)
+
+
+def test_the_design_has_the_law_of_the_one_without() -> None:
+    ours, other = (drive(name).design.motion for name in (DESIGN, "baler-half"))
+    assert ours == other
