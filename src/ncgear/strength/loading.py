@@ -164,14 +164,16 @@ def _contacts(
     """The pairs that bear load; ``numbers`` are the numbers of their positions, the driving angles and the forces."""
     driving, driven = touching.places(Gear.DRIVING), touching.places(Gear.DRIVEN)
     fits = Fit.of(teeth.driving, driving), Fit.of(teeth.driven, driven)
-    flanks = fits[0].on_flank & fits[1].on_flank
+    relative = fits[0].curvature + fits[1].curvature
+    # At a joint of the law curvatures jump, and each flank's may be that of another side: no pressure is known there.
+    flanks = fits[0].on_flank & fits[1].on_flank & (relative > 0.0)
     position, phi1, force = numbers
     return LoadedContacts(
         position,
         phi1,
         touching.side,
         force,
-        np.where(flanks, fits[0].curvature + fits[1].curvature, np.inf),
+        np.where(flanks, relative, np.inf),
         flanks,
         speed_rad_s * touching.rolling_mm(fits, flanks),
         driving.flank,

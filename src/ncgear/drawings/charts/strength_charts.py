@@ -13,6 +13,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.strength.answer import Strength
 from ncgear.strength.holding import Damage, Weakest
+from ncgear.strength.life import rated_for_pitting
 
 SAME_LIMIT = 0.01
 """Relative difference of two endured stresses that are drawn as one line: its width on paper."""
@@ -52,14 +53,17 @@ def _root_stress(strength: Strength, found: Sequence[Weakest]) -> Chart:
 def _pressure(strength: Strength, found: Sequence[Weakest]) -> Chart:
     contacts, pressure = strength.contacts, strength.stresses.pressure_mpa
     angle = _angle_deg(strength)
-    # Where only edges touch, the pressure is not known: no value is drawn there.
-    known = np.ones(angle.size, dtype=bool)
-    known[contacts.position] = False
-    known[contacts.position[contacts.flanks]] = True
-    values = _largest(strength, np.where(contacts.flanks, pressure, 0.0))
-    line = Line(Role.OWN, "both gears", angle[known], values[known])
+    lines = []
+    kinds = (Role.OTHER, "of any pair", contacts.flanks), (Role.OWN, "rated", rated_for_pitting(contacts))
+    for role, label, counted in kinds:
+        # Where only edges touch, the pressure is not known: no value is drawn there.
+        known = np.ones(angle.size, dtype=bool)
+        known[contacts.position] = False
+        known[contacts.position[counted]] = True
+        values = _largest(strength, np.where(counted, pressure, 0.0))
+        lines.append(Line(role, label, angle[known], values[known]))
     limits = _limits(strength, found, Damage.CONTACT)
-    return Chart("contact pressure", "MPa", (*limits, line), _end_deg(strength), names_extreme=True)
+    return Chart("contact pressure", "MPa", (*limits, *lines), _end_deg(strength), names_extreme=True)
 
 
 def _limits(strength: Strength, found: Sequence[Weakest], damage: Damage) -> list[Line]:
