@@ -3,31 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from ncgear.design.keys.base import listed
-from ncgear.design.keys.design import Design
-from ncgear.design.keys.gears import Gears
-from ncgear.design.mechanisms import entry_of
-from ncgear.design.reading.design_file import LoadedDesign, parsed
 from ncgear.design.reading.design_file import load as load_design
-from ncgear.errors import Places, WrongInput, located
-from ncgear.kinematics.check import KinematicCheck, kinematic_check, stroke_error_mm
-from ncgear.kinematics.motion import Machine, SliderMotion, sample_angles
-from ncgear.mechanisms.masses import Masses
-from ncgear.mechanisms.mechanism import Mechanism
+from ncgear.design.reading.design_file import parsed
+from ncgear.errors import WrongInput, located
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.pitch.shape import Gear
 from ncgear.project.computed import computed
-from ncgear.project.law import law_of, resistance_of
-from ncgear.project.tooth_form import backlash_of, helix_of, mesh_place, rack_of, require_pushing_flanks, tooth_form_of
-from ncgear.ratio.laws.uniform import uniform_law
-from ncgear.ratio.transmission import Law, Pair, Transmission
-from ncgear.stopwatch import Stopwatch
-from ncgear.teeth.form import BasicRack
+from ncgear.project.geared import Geared
+from ncgear.project.tooth_form import mesh_place
 
 if TYPE_CHECKING:
     from ncgear.contact.designed.as_designed import AsDesigned
@@ -37,25 +22,17 @@ if TYPE_CHECKING:
     from ncgear.dynamics.meshing import Meshing
     from ncgear.dynamics.motion_in_time import Course
     from ncgear.dynamics.quasi_static import LoadedContact, LoadedPeaks
-    from ncgear.dynamics.rigid import Rigid
-    from ncgear.pitch.pair import PitchPair
     from ncgear.project.drivetrain import DrivetrainResult
     from ncgear.project.loading import ToothLoad
     from ncgear.project.tooth_strength import JudgedTeeth
-    from ncgear.solids.helical.helix import Helix
-    from ncgear.solids.mesh.pair import SolidPair
     from ncgear.strength.answer import Strength
     from ncgear.strength.loading import Loading
     from ncgear.strength.material import Material
     from ncgear.strength.method import ToothMethod
     from ncgear.strength.stiffness import LinearTeeth
-    from ncgear.teeth.arcs import ArcOutline
-    from ncgear.teeth.backlash import Play
-    from ncgear.teeth.form import ToothForm
-    from ncgear.teeth.gear import ToothedPair
 
 
-class Drive:
+class Drive(Geared):
     """A design and all that follows from it: law, motion, pitch curves, teeth, contact, solids, forces.
 
     Each of these is an attribute.  It computes only the attributes that it is made from, so a check of power never
@@ -66,178 +43,12 @@ class Drive:
     is the number of the pair, 1 or 2.
     """
 
-    def __init__(self, design: Design, stage: int | None = None, loaded: LoadedDesign | None = None) -> None:
-        self.design = design
-        self.stage = stage
-        self.loaded = loaded
-        self.stopwatch = Stopwatch()
-
-    def __repr__(self) -> str:
-        stage = "" if self.stage is None else f", stage {self.stage}"
-        speed = self.design.operation.speed_rpm
-        return f"Drive({self.design.name!r}, law {self.design.motion.law}, {speed:g} r/min{stage})"
-
-    @property
-    def places(self) -> Places | None:
-        """Where the values of the design stand in its file; None where it came from no file."""
-        return self.loaded.source if self.loaded else None
-
-    @property
-    def timing_s(self) -> dict[str, float]:
-        """Seconds spent so far in each step of the computation."""
-        return dict(self.stopwatch.seconds)
-
     @computed
     def by_stage(self) -> tuple[Drive, ...]:
         """One drive for each pair of gears, from the driving shaft on; with a single pair, this drive alone."""
         if self.design.stages == 1 or self.stage is not None:
             return (self,)
         return tuple(Drive(self.design, number, self.loaded) for number in range(1, self.design.stages + 1))
-
-    # The law, and the slider's motion by it.
-
-    @computed
-    def law(self) -> Law:
-        """Linkage and closed law."""
-        with self.stopwatch("law"):
-            return law_of(self.design)
-
-    @property
-    def linkage(self) -> Mechanism:
-        """The mechanism that the driven gear turns."""
-        return self.law.linkage
-
-    @property
-    def transmission(self) -> Transmission:
-        """The closed law phi2(phi1)."""
-        return self.law.transmission
-
-    @computed
-    def pair(self) -> Pair:
-        """The law of one pair of gears; raises WrongInput where there are two pairs and this drive has no stage."""
-        if self.stage is None and self.design.stages > 1:
-            raise WrongInput(
-                "two pairs of gears, and one is asked for; Drive.by_stage has each", key="motion.second_stage"
-            )
-        return self.law.train.pairs[(self.stage or 1) - 1]
-
-    @property
-    def law_speed_rpm(self) -> float:
-        """Driving speed at which the law's velocities hold; for a law without velocities, the operating speed."""
-        stroke = self.law.stroke
-        return stroke.law_speed_rad_s / RAD_S_PER_RPM if stroke else self.design.operation.speed_rpm
-
-    @computed
-    def machine(self) -> Machine:
-        """The mechanism at the operating speed."""
-        speed = self.design.operation.speed_rpm * RAD_S_PER_RPM
-        return Machine(self.transmission, self.linkage, resistance_of(self.design), speed)
-
-    def pair_speed_rad_s(self, angle_rad: Array) -> Array:
-        """Speed of the pair's driving gear at its own angles in rad, shape (n,)."""
-        return self.pair.speed(angle_rad) * self.machine.speed_rad_s
-
-    @computed
-    def uniform_machine(self) -> Machine:
-        """The same linkage on a crank that turns evenly, at the same number of strokes per minute."""
-        return replace(self.machine, transmission=uniform_law(self.transmission.lobes))
-
-    @computed
-    def motion(self) -> SliderMotion:
-        """The slider's motion at the operating speed, sampled."""
-        with self.stopwatch("motion"):
-            return self.machine.motion(sample_angles(self.transmission))
-
-    @computed
-    def uniform_motion(self) -> SliderMotion:
-        """The uniform crank's motion at the same angles."""
-        with self.stopwatch("motion"):
-            return self.uniform_machine.motion(self.motion.phi1_rad)
-
-    @computed
-    def check(self) -> KinematicCheck:
-        """Exact peaks at the operating speed."""
-        with self.stopwatch("check"):
-            return kinematic_check(self.machine)
-
-    @computed
-    def stroke_residual_mm(self) -> float:
-        """What the motion misses of the stroke: the slider's integrated speed, or a law's own parts, whichever more."""
-        prescribed = abs(self.law.stroke.closing_error_mm) if self.law.stroke else 0.0
-        with self.stopwatch("check"):
-            return max(abs(stroke_error_mm(self.machine)), prescribed)
-
-    @computed
-    def uniform_check(self) -> KinematicCheck:
-        """The uniform crank's peaks at the same speed."""
-        with self.stopwatch("check"):
-            return kinematic_check(self.uniform_machine)
-
-    # Pitch curves, teeth, and their contact.
-
-    @computed
-    def gears(self) -> Gears:
-        """What the file says of the gears; raises WrongInput when it says nothing."""
-        if self.design.gears is None:
-            raise WrongInput("missing; gears need teeth, module_mm, face_width_mm and more", key="gears")
-        return self.design.gears
-
-    @computed
-    def pitch(self) -> PitchPair:
-        """Both pitch curves at their size."""
-        from ncgear.pitch.pair import sized_pair
-        from ncgear.pitch.shape import Mesh
-
-        gears, transmission = self.gears, self.pair.transmission
-        with self.stopwatch("pitch curves"):
-            size = gears.teeth, gears.module_mm, gears.center_distance_mm
-            return sized_pair(transmission, *size, Mesh(gears.mesh))
-
-    @computed
-    def rack(self) -> BasicRack:
-        """The basic rack at the module."""
-        return rack_of(self.gears, self.pitch.size.module_mm)
-
-    @computed
-    def play(self) -> Play:
-        """The play of the driven gear, the same at every position."""
-        from ncgear.teeth.backlash import play_of
-
-        return play_of(self.pitch, self.rack, backlash_of(self.gears))
-
-    @property
-    def helix(self) -> Helix | None:
-        """The helix of the teeth; None where they are straight."""
-        return helix_of(self.gears)
-
-    @property
-    def overlap_ratio(self) -> float:
-        """The part of the contact ratio that the helix adds: its advance in pitches."""
-        return self.helix.largest_advance_mm / self.rack.pitch_mm if self.helix else 0.0
-
-    @computed
-    def tooth_form(self) -> ToothForm:
-        """The form of the teeth in mm; the tips of helical teeth are made so that they do not jump with height.
-
-        Raises NoSuchMechanism where no flank could turn its mate, whatever its form.
-        """
-        from ncgear.solids.helical.even_tips import with_even_tips
-
-        require_pushing_flanks(self.pitch, self.gears.rack)
-        form, pitch = tooth_form_of(self.gears, self.pitch.size.module_mm), self.pitch
-        if self.helix is None:
-            return form
-        with self.stopwatch("teeth"):
-            return with_even_tips(pitch, form, self.helix)
-
-    @computed
-    def teeth(self) -> ToothedPair:
-        """Both toothed gears."""
-        from ncgear.teeth.gear import toothed_pair
-
-        pitch, form = self.pitch, self.tooth_form
-        with self.stopwatch("teeth"):
-            return toothed_pair(pitch, form, self.design.output.chord_tolerance_mm)
 
     @computed
     def _free_contact(self) -> AsDesigned:
@@ -314,88 +125,6 @@ class Drive:
             return contact
 
     @computed
-    def section_contact_ratio(self) -> float:
-        """Least arc of contact of any pair of flanks in the sections of helical teeth, in pitches."""
-        from ncgear.solids.helical.sections import Sections, least_section_contact
-
-        assert self.helix is not None
-        pitch, form, tolerance = self.pitch, self.tooth_form, self.design.output.chord_tolerance_mm
-        return least_section_contact(Sections(pitch, form, self.helix, tolerance))
-
-    # Bodies, and the forces on masses and teeth.
-
-    @computed
-    def solids(self) -> SolidPair:
-        """Both gears as closed meshes."""
-        from ncgear.project.gear_solids import helical_solids, straight_solids
-
-        gears, pitch, tolerance = self.gears, self.pitch, self.design.output.chord_tolerance_mm
-        if self.helix is not None:
-            form = self.tooth_form
-            with self.stopwatch("solids"):
-                return helical_solids(gears, pitch, form, self.helix, tolerance)
-        teeth = self.teeth
-        with self.stopwatch("solids"):
-            return straight_solids(gears, pitch, teeth, tolerance)
-
-    @computed
-    def tooth_arcs(self) -> dict[Gear, ArcOutline] | None:
-        """Both gears' teeth as lines and arcs; None where the bodies' outlines are sections or parallels: chords only.
-
-        Arcs, not splines: all programs for cutters read arcs, and many of them cut splines into chords of their own.
-        """
-        from ncgear.teeth.arcs import arc_outline
-        from ncgear.teeth.contour import CURVES_SHARE
-
-        if self.helix is not None or self.gears.process_clearance_mm != 0.0:
-            return None
-        tolerance = CURVES_SHARE * self.design.output.chord_tolerance_mm
-        return {gear: arc_outline(self.teeth.of(gear), tolerance) for gear in Gear}
-
-    @computed
-    def masses(self) -> Masses:
-        """The moving masses; makes solids only where a gear's moment of inertia is left out."""
-        from ncgear.project.moving_masses import masses_of
-
-        given, gears = self.design.masses, self.design.gears
-        if given is None:
-            needed = listed(entry_of(self.design.linkage).needed_masses, "and")
-            raise WrongInput(f"missing; forces need {needed}", key="masses")
-        if gears is None or given.tells_gears:
-            return masses_of(given, self.linkage)
-        from ncgear.project.service import densities_kg_m3
-        from ncgear.solids.plan.body import body_kg_mm2
-
-        plans = self.solids.driving.plan, self.solids.driven.plan
-        densities = densities_kg_m3(given, gears)
-        driving, driven = (body_kg_mm2(plan, density) for plan, density in zip(plans, densities, strict=True))
-        return masses_of(given, self.linkage, driving, driven)
-
-    @computed
-    def rigid(self) -> Rigid:
-        """The forces in the machine at constant driving speed."""
-        return self._rigid(self.machine)
-
-    @computed
-    def uniform_rigid(self) -> Rigid:
-        """The forces in the uniform crank with the same masses."""
-        return self._rigid(self.uniform_machine)
-
-    def require_one_stage(self) -> None:
-        """Raise WrongInput where there are two pairs of gears."""
-        if self.design.stages > 1:
-            raise WrongInput("two pairs of gears; forces are computed of one", key="motion.second_stage")
-
-    def _rigid(self, machine: Machine) -> Rigid:
-        from ncgear.dynamics.rigid import RigidMachine, rigid_level
-
-        self.require_one_stage()
-        place = None if self.design.gears is None else mesh_place(self.gears, self.pitch.center_distance_mm)
-        masses = self.masses
-        with self.stopwatch("forces"):
-            return rigid_level(RigidMachine(machine, masses, place))
-
-    @computed
     def drivetrain(self) -> DrivetrainResult:
         """Bearings, shafts, losses, motor and couplings around the gears; raises WrongInput without the section."""
         from ncgear.drivetrain.losses import TouchingTeeth
@@ -440,19 +169,6 @@ class Drive:
                 key="resistance",
             )
         return load_by_resistance(self.machine, place)
-
-    @computed
-    def materials(self) -> tuple[Material, Material]:
-        """The materials of the driving and the driven gear, plastics as warm as their surroundings."""
-        from ncgear.project.service import choices_of, conditions_of
-        from ncgear.strength.conditions import Running
-        from ncgear.strength.endurance import materials_of
-        from ncgear.strength.plastics import temperatures_of
-
-        size, speed, choices = self.pitch.size, self.machine.speed_rad_s, choices_of(self.gears)
-        running = Running(size.module_mm, (size.driving_teeth, size.driven_teeth), self.gears.face_width_mm, speed)
-        conditions = conditions_of(self.design.strength, self.transmission.cycle_rad, speed)
-        return materials_of(choices, conditions, running, temperatures_of(choices, conditions, running, 0.0))
 
     @computed
     def pair_stiffness(self) -> LinearTeeth:
@@ -565,19 +281,15 @@ class Drive:
 
     def judged_teeth(self, method: Literal["estimate", "elements"]) -> JudgedTeeth:
         """Loads and strength of the teeth by a method, and what the method knows of them; computed once."""
-        from ncgear.project.service import conditions_of
         from ncgear.project.tooth_strength import judged_teeth
-        from ncgear.strength.conditions import Running
 
         known = self._known_strengths
         if method not in known:
-            size, speed = self.pitch.size, self.machine.speed_rad_s
-            teeth = size.driving_teeth, size.driven_teeth
-            running = Running(size.module_mm, teeth, self.gears.face_width_mm, speed)
-            conditions = conditions_of(self.design.strength, self.transmission.cycle_rad, speed)
-            load, teeth_of_pair = self.tooth_load.load, self.teeth
+            load, teeth = self.tooth_load.load, self.teeth
             with located(self.places), self.stopwatch("strength"):
-                known[method] = judged_teeth(method, self.gears, teeth_of_pair, conditions, running, self.loading, load)
+                known[method] = judged_teeth(
+                    method, self.gears, teeth, self.conditions, self.running, self.loading, load
+                )
         return known[method]
 
     @computed

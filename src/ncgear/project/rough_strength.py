@@ -10,14 +10,10 @@ from ncgear.kinematics.motion import sample_angles
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.moving_masses import masses_of
-from ncgear.project.service import choices_of, conditions_of
 from ncgear.project.strengthening import unknown
 from ncgear.project.tooth_form import mesh_place
 from ncgear.strength.at_pitch_point import PitchPointLoad, RoughSafety, rough_safeties
-from ncgear.strength.conditions import Running
-from ncgear.strength.endurance import materials_of
 from ncgear.strength.iso6336 import RackTip
-from ncgear.strength.plastics import temperatures_of
 
 
 def rough_strength(drive: Drive) -> list[RoughSafety]:
@@ -32,16 +28,12 @@ def rough_strength(drive: Drive) -> list[RoughSafety]:
     except DesignError:
         # Pitch curves and forces may be refused; a check does not ask for them.
         return []
-    gears, size, speed = drive.gears, drive.pitch.size, drive.machine.speed_rad_s
+    gears = drive.gears
     if not load.force_n.any() or np.any(load.force_n < 0.0):
         return []
-    running = Running(size.module_mm, (size.driving_teeth, size.driven_teeth), gears.face_width_mm, speed)
-    conditions = conditions_of(drive.design.strength, drive.transmission.cycle_rad, speed)
-    choices = choices_of(gears)
-    materials = materials_of(choices, conditions, running, temperatures_of(choices, conditions, running))
     tip, angle = RackTip(gears.rack.dedendum, gears.rack.root_radius), drive.rack.pressure_angle_rad
     try:
-        return rough_safeties(load, tip, gears.rack.addendum, angle, running, materials, conditions)
+        return rough_safeties(load, tip, gears.rack.addendum, angle, drive.running, drive.materials, drive.conditions)
     except ArithmeticError:
         return []
 

@@ -18,7 +18,6 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import Changes, changed_drive
 from ncgear.project.drive import Drive
 from ncgear.strength.answer import Strength
-from ncgear.strength.conditions import Conditions
 from ncgear.strength.holding import WantedSafety, Weakest, face_width_factor, module_factor, weakest_teeth
 from ncgear.strength.materials import ASSUMED
 
@@ -89,8 +88,7 @@ def known_verdict(drive: Drive) -> Verdict | DesignError | None:
 
 def _wanted(drive: Drive, strength: Strength, gear: Gear) -> WantedSafety:
     """What the design asks for or, where it says nothing, what is usual for the gear's material."""
-    given, material = drive.design.strength, strength.of(gear).material
-    conditions = Conditions(bending_safety=given.bending_safety, contact_safety=given.contact_safety)
+    conditions, material = drive.conditions, strength.of(gear).material
     return WantedSafety(conditions.wanted_bending_safety(material), conditions.wanted_contact_safety(material))
 
 

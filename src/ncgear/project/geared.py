@@ -1,0 +1,202 @@
+"""The pair of gears of a design: pitch curves, teeth and bodies, and the forces on its moving masses."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ncgear.design.keys.base import listed
+from ncgear.design.keys.gears import Gears
+from ncgear.design.mechanisms import entry_of
+from ncgear.errors import WrongInput
+from ncgear.kinematics.motion import Machine
+from ncgear.mechanisms.masses import Masses
+from ncgear.pitch.shape import Gear
+from ncgear.project.computed import computed
+from ncgear.project.moving import Moving
+from ncgear.project.tooth_form import backlash_of, helix_of, mesh_place, rack_of, require_pushing_flanks, tooth_form_of
+from ncgear.teeth.form import BasicRack
+
+if TYPE_CHECKING:
+    from ncgear.dynamics.rigid import Rigid
+    from ncgear.pitch.pair import PitchPair
+    from ncgear.solids.helical.helix import Helix
+    from ncgear.solids.mesh.pair import SolidPair
+    from ncgear.strength.conditions import Conditions, Running
+    from ncgear.strength.material import Material
+    from ncgear.teeth.arcs import ArcOutline
+    from ncgear.teeth.backlash import Play
+    from ncgear.teeth.form import ToothForm
+    from ncgear.teeth.gear import ToothedPair
+
+
+class Geared(Moving):
+    """A design with its gears, before anything touches; see ``ncgear.project.drive.Drive``."""
+
+    @computed
+    def gears(self) -> Gears:
+        """What the file says of the gears; raises WrongInput when it says nothing."""
+        if self.design.gears is None:
+            raise WrongInput("missing; gears need teeth, module_mm, face_width_mm and more", key="gears")
+        return self.design.gears
+
+    @computed
+    def pitch(self) -> PitchPair:
+        """Both pitch curves at their size."""
+        from ncgear.pitch.pair import sized_pair
+        from ncgear.pitch.shape import Mesh
+
+        gears, transmission = self.gears, self.pair.transmission
+        with self.stopwatch("pitch curves"):
+            size = gears.teeth, gears.module_mm, gears.center_distance_mm
+            return sized_pair(transmission, *size, Mesh(gears.mesh))
+
+    @computed
+    def rack(self) -> BasicRack:
+        """The basic rack at the module."""
+        return rack_of(self.gears, self.pitch.size.module_mm)
+
+    @computed
+    def play(self) -> Play:
+        """The play of the driven gear, the same at every position."""
+        from ncgear.teeth.backlash import play_of
+
+        return play_of(self.pitch, self.rack, backlash_of(self.gears))
+
+    @property
+    def helix(self) -> Helix | None:
+        """The helix of the teeth; None where they are straight."""
+        return helix_of(self.gears)
+
+    @property
+    def overlap_ratio(self) -> float:
+        """The part of the contact ratio that the helix adds: its advance in pitches."""
+        return self.helix.largest_advance_mm / self.rack.pitch_mm if self.helix else 0.0
+
+    @computed
+    def tooth_form(self) -> ToothForm:
+        """The form of the teeth in mm; the tips of helical teeth are made so that they do not jump with height.
+
+        Raises NoSuchMechanism where no flank could turn its mate, whatever its form.
+        """
+        from ncgear.solids.helical.even_tips import with_even_tips
+
+        require_pushing_flanks(self.pitch, self.gears.rack)
+        form, pitch = tooth_form_of(self.gears, self.pitch.size.module_mm), self.pitch
+        if self.helix is None:
+            return form
+        with self.stopwatch("teeth"):
+            return with_even_tips(pitch, form, self.helix)
+
+    @computed
+    def teeth(self) -> ToothedPair:
+        """Both toothed gears."""
+        from ncgear.teeth.gear import toothed_pair
+
+        pitch, form = self.pitch, self.tooth_form
+        with self.stopwatch("teeth"):
+            return toothed_pair(pitch, form, self.design.output.chord_tolerance_mm)
+
+    @computed
+    def section_contact_ratio(self) -> float:
+        """Least arc of contact of any pair of flanks in the sections of helical teeth, in pitches."""
+        from ncgear.solids.helical.sections import Sections, least_section_contact
+
+        assert self.helix is not None
+        pitch, form, tolerance = self.pitch, self.tooth_form, self.design.output.chord_tolerance_mm
+        return least_section_contact(Sections(pitch, form, self.helix, tolerance))
+
+    @computed
+    def solids(self) -> SolidPair:
+        """Both gears as closed meshes."""
+        from ncgear.project.gear_solids import helical_solids, straight_solids
+
+        gears, pitch, tolerance = self.gears, self.pitch, self.design.output.chord_tolerance_mm
+        if self.helix is not None:
+            form = self.tooth_form
+            with self.stopwatch("solids"):
+                return helical_solids(gears, pitch, form, self.helix, tolerance)
+        teeth = self.teeth
+        with self.stopwatch("solids"):
+            return straight_solids(gears, pitch, teeth, tolerance)
+
+    @computed
+    def tooth_arcs(self) -> dict[Gear, ArcOutline] | None:
+        """Both gears' teeth as lines and arcs; None where the bodies' outlines are sections or parallels: chords only.
+
+        Arcs, not splines: all programs for cutters read arcs, and many of them cut splines into chords of their own.
+        """
+        from ncgear.teeth.arcs import arc_outline
+        from ncgear.teeth.contour import CURVES_SHARE
+
+        if self.helix is not None or self.gears.process_clearance_mm != 0.0:
+            return None
+        tolerance = CURVES_SHARE * self.design.output.chord_tolerance_mm
+        return {gear: arc_outline(self.teeth.of(gear), tolerance) for gear in Gear}
+
+    @computed
+    def masses(self) -> Masses:
+        """The moving masses; makes solids only where a gear's moment of inertia is left out."""
+        from ncgear.project.moving_masses import masses_of
+
+        given, gears = self.design.masses, self.design.gears
+        if given is None:
+            needed = listed(entry_of(self.design.linkage).needed_masses, "and")
+            raise WrongInput(f"missing; forces need {needed}", key="masses")
+        if gears is None or given.tells_gears:
+            return masses_of(given, self.linkage)
+        from ncgear.project.service import densities_kg_m3
+        from ncgear.solids.plan.body import body_kg_mm2
+
+        plans = self.solids.driving.plan, self.solids.driven.plan
+        densities = densities_kg_m3(given, gears)
+        driving, driven = (body_kg_mm2(plan, density) for plan, density in zip(plans, densities, strict=True))
+        return masses_of(given, self.linkage, driving, driven)
+
+    @computed
+    def rigid(self) -> Rigid:
+        """The forces in the machine at constant driving speed."""
+        return self._rigid(self.machine)
+
+    @computed
+    def uniform_rigid(self) -> Rigid:
+        """The forces in the uniform crank with the same masses."""
+        return self._rigid(self.uniform_machine)
+
+    def require_one_stage(self) -> None:
+        """Raise WrongInput where there are two pairs of gears."""
+        if self.design.stages > 1:
+            raise WrongInput("two pairs of gears; forces are computed of one", key="motion.second_stage")
+
+    def _rigid(self, machine: Machine) -> Rigid:
+        from ncgear.dynamics.rigid import RigidMachine, rigid_level
+
+        self.require_one_stage()
+        place = None if self.design.gears is None else mesh_place(self.gears, self.pitch.center_distance_mm)
+        masses = self.masses
+        with self.stopwatch("forces"):
+            return rigid_level(RigidMachine(machine, masses, place))
+
+    @computed
+    def running(self) -> Running:
+        """Size and speed of the pair, as its strength depends on them."""
+        from ncgear.strength.conditions import Running
+
+        size, teeth = self.pitch.size, (self.pitch.size.driving_teeth, self.pitch.size.driven_teeth)
+        return Running(size.module_mm, teeth, self.gears.face_width_mm, self.machine.speed_rad_s)
+
+    @computed
+    def conditions(self) -> Conditions:
+        """What the teeth run under, and how safe they shall be."""
+        from ncgear.project.service import conditions_of
+
+        return conditions_of(self.design.strength, self.transmission.cycle_rad, self.machine.speed_rad_s)
+
+    @computed
+    def materials(self) -> tuple[Material, Material]:
+        """The materials of the driving and the driven gear, plastics as warm as their surroundings."""
+        from ncgear.project.service import choices_of
+        from ncgear.strength.endurance import materials_of
+        from ncgear.strength.plastics import temperatures_of
+
+        choices, conditions, running = choices_of(self.gears), self.conditions, self.running
+        return materials_of(choices, conditions, running, temperatures_of(choices, conditions, running))

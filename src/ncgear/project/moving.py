@@ -1,0 +1,121 @@
+"""What moves in a design: its law, its mechanism, and the output's motion, without any gear."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ncgear.design.keys.design import Design
+from ncgear.design.reading.design_file import LoadedDesign
+from ncgear.errors import Places, WrongInput
+from ncgear.kinematics.check import KinematicCheck, kinematic_check, stroke_error_mm
+from ncgear.kinematics.motion import Machine, SliderMotion, sample_angles
+from ncgear.mechanisms.mechanism import Mechanism
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.units import RAD_S_PER_RPM
+from ncgear.project.computed import computed
+from ncgear.project.law import law_of, resistance_of
+from ncgear.ratio.laws.uniform import uniform_law
+from ncgear.ratio.transmission import Law, Pair, Transmission
+from ncgear.stopwatch import Stopwatch
+
+
+class Moving:
+    """A design, and the motion of its machine; see ``ncgear.project.drive.Drive``."""
+
+    def __init__(self, design: Design, stage: int | None = None, loaded: LoadedDesign | None = None) -> None:
+        self.design = design
+        self.stage = stage
+        self.loaded = loaded
+        self.stopwatch = Stopwatch()
+
+    def __repr__(self) -> str:
+        stage = "" if self.stage is None else f", stage {self.stage}"
+        speed = self.design.operation.speed_rpm
+        return f"Drive({self.design.name!r}, law {self.design.motion.law}, {speed:g} r/min{stage})"
+
+    @property
+    def places(self) -> Places | None:
+        """Where the values of the design stand in its file; None where it came from no file."""
+        return self.loaded.source if self.loaded else None
+
+    @property
+    def timing_s(self) -> dict[str, float]:
+        """Seconds spent so far in each step of the computation."""
+        return dict(self.stopwatch.seconds)
+
+    @computed
+    def law(self) -> Law:
+        """Linkage and closed law."""
+        with self.stopwatch("law"):
+            return law_of(self.design)
+
+    @property
+    def linkage(self) -> Mechanism:
+        """The mechanism that the driven gear turns."""
+        return self.law.linkage
+
+    @property
+    def transmission(self) -> Transmission:
+        """The closed law phi2(phi1)."""
+        return self.law.transmission
+
+    @computed
+    def pair(self) -> Pair:
+        """The law of one pair of gears; raises WrongInput where there are two pairs and this drive has no stage."""
+        if self.stage is None and self.design.stages > 1:
+            raise WrongInput(
+                "two pairs of gears, and one is asked for; Drive.by_stage has each", key="motion.second_stage"
+            )
+        return self.law.train.pairs[(self.stage or 1) - 1]
+
+    @property
+    def law_speed_rpm(self) -> float:
+        """Driving speed at which the law's velocities hold; for a law without velocities, the operating speed."""
+        stroke = self.law.stroke
+        return stroke.law_speed_rad_s / RAD_S_PER_RPM if stroke else self.design.operation.speed_rpm
+
+    @computed
+    def machine(self) -> Machine:
+        """The mechanism at the operating speed."""
+        speed = self.design.operation.speed_rpm * RAD_S_PER_RPM
+        return Machine(self.transmission, self.linkage, resistance_of(self.design), speed)
+
+    def pair_speed_rad_s(self, angle_rad: Array) -> Array:
+        """Speed of the pair's driving gear at its own angles in rad, shape (n,)."""
+        return self.pair.speed(angle_rad) * self.machine.speed_rad_s
+
+    @computed
+    def uniform_machine(self) -> Machine:
+        """The same linkage on a crank that turns evenly, at the same number of strokes per minute."""
+        return replace(self.machine, transmission=uniform_law(self.transmission.lobes))
+
+    @computed
+    def motion(self) -> SliderMotion:
+        """The slider's motion at the operating speed, sampled."""
+        with self.stopwatch("motion"):
+            return self.machine.motion(sample_angles(self.transmission))
+
+    @computed
+    def uniform_motion(self) -> SliderMotion:
+        """The uniform crank's motion at the same angles."""
+        with self.stopwatch("motion"):
+            return self.uniform_machine.motion(self.motion.phi1_rad)
+
+    @computed
+    def check(self) -> KinematicCheck:
+        """Exact peaks at the operating speed."""
+        with self.stopwatch("check"):
+            return kinematic_check(self.machine)
+
+    @computed
+    def stroke_residual_mm(self) -> float:
+        """What the motion misses of the stroke: the slider's integrated speed, or a law's own parts, whichever more."""
+        prescribed = abs(self.law.stroke.closing_error_mm) if self.law.stroke else 0.0
+        with self.stopwatch("check"):
+            return max(abs(stroke_error_mm(self.machine)), prescribed)
+
+    @computed
+    def uniform_check(self) -> KinematicCheck:
+        """The uniform crank's peaks at the same speed."""
+        with self.stopwatch("check"):
+            return kinematic_check(self.uniform_machine)
