@@ -1,8 +1,8 @@
-"""The local replacement gear: its involute bends as the exact flank does."""
+"""The local replacement gear: flanks bend as its involute does, and places on them are found."""
 
 from __future__ import annotations
 
-from math import radians, sin
+from math import sin
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +13,9 @@ from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.plane import as_complex
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import load
-from ncgear.strength.replacement import replacement_gears
+from ncgear.strength.stiffness import flank_heights_mm
 from ncgear.teeth.gear import ToothedGear
-from tooth_places import circular_pair, places_at, random_places
+from tooth_places import circular_pair, random_places
 
 CASES = Path(__file__).parent / "cases"
 
@@ -30,23 +30,29 @@ def measured_curvature(gear: ToothedGear, flank: IndexArray, height: Array) -> A
     return np.asarray(np.abs(np.angle(after / before)) / (2.0 * step * speed))
 
 
+def involute_curvature(gear: ToothedGear, pitch_curvature: Array, height: Array) -> Array:
+    """That of the involute of a circular gear with the pitch radius 1/k, at a height over the pitch point, in 1/mm."""
+    sine = sin(gear.flanks.rack.pressure_angle_rad)
+    return np.asarray(pitch_curvature * sine / (sine**2 + height * pitch_curvature))
+
+
 @pytest.mark.judges("strength")
 @pytest.mark.parametrize(("name", "which"), GEARS)
 def test_the_flank_bends_as_the_replacement_gears_involute(name: str, which: Gear) -> None:
     """By Euler and Savary, on convex and concave stretches and on a ring; baler flanks reach down to near a cusp."""
     gear = drive(name).teeth.of(which)
     places, height = random_places(gear, 300)
-    found = replacement_gears(gear.flanks, places)
-    assert found.height_mm == pytest.approx(height, abs=1e-8)
-    measured = measured_curvature(gear, places.flank, height)
-    assert np.abs(1.0 / found.flank_radius_mm) == pytest.approx(measured, rel=1e-6)
+    assert flank_heights_mm(gear, places) == pytest.approx(height, abs=1e-8)
+    rolling = gear.flanks.at_rolled(places.flank, gear.flanks.rolled_mm(places.flank, height)).curvature
+    found = np.abs(gear.flanks.curvature(places.flank, height))
+    assert found == pytest.approx(np.abs(involute_curvature(gear, rolling, height)), rel=1e-9)
+    assert found == pytest.approx(measured_curvature(gear, places.flank, height), rel=1e-6)
 
 
 def test_places_are_found_where_the_pitch_curve_bends_within_a_module() -> None:
-    """There normals meet it twice; a search that began over the flank's crossing was 0.7 mm off."""
     gear = load(CASES / "harmonics-1-100.yaml").teeth.driving
     places, height = random_places(gear, 1000)
-    assert replacement_gears(gear.flanks, places).height_mm == pytest.approx(height, abs=1e-8)
+    assert flank_heights_mm(gear, places) == pytest.approx(height, abs=1e-8)
 
 
 def test_the_gear_of_where_the_flank_crosses_the_pitch_curve_is_another_one() -> None:
@@ -54,15 +60,14 @@ def test_the_gear_of_where_the_flank_crosses_the_pitch_curve_is_another_one() ->
     gear = drive("baler").teeth.driving
     places, height = random_places(gear, 300)
     curvature = gear.flanks.curve.at_length(gear.flanks.crossing_mm[places.flank]).curvature
-    sine = sin(gear.flanks.rack.pressure_angle_rad)
-    involute = np.abs(curvature * sine / (sine**2 + height * curvature))
+    involute = np.abs(involute_curvature(gear, curvature, height))
     missed = np.abs(involute / measured_curvature(gear, places.flank, height) - 1.0)
     assert np.quantile(missed, 0.5) > 0.1
 
 
 def test_on_circular_gears_it_is_the_gear_itself() -> None:
     gear = circular_pair(25).driving
-    found = replacement_gears(gear.flanks, places_at(gear, np.array([3, 8]), np.array([1.0, -0.7])))
-    assert found.teeth == pytest.approx([25.0, 25.0], rel=1e-9)
-    sine = sin(radians(20.0))
-    assert found.flank_radius_mm == pytest.approx([25.0 * sine + 1.0 / sine, 25.0 * sine - 0.7 / sine], rel=1e-9)
+    found = gear.flanks.curvature(np.array([3, 8]), np.array([1.0, -0.7]))
+    assert 1.0 / np.abs(found) == pytest.approx(
+        [25.0 * sin(np.radians(20.0)) + h / sin(np.radians(20.0)) for h in (1.0, -0.7)]
+    )
