@@ -31,8 +31,8 @@ MET_IN_MODULES = 1e-10
 SOFTER, STIFFER = 0.7, 1.3
 """The band in which the stiffness of real teeth lies about the computed one.  ISO 6336-1 takes a fifth off the computed
 stiffness of solid gears to meet what was measured (C_M = 0.8, from a secondary source); webs, shafts and the load at
-which Hertz's part is taken count for as much as another tenth.  The other way, finite elements whose body is held close
-below the teeth are a quarter stiffer than the estimate."""
+which Hertz's part is taken count for as much as another tenth.  The other way, finite elements are up to a sixth
+stiffer than the estimate (docs/method.md); the band is as wide there as on the soft side."""
 
 SHARPEST_IN_MODULES = 0.02
 """Least radius at which a contact is flattened: a flank that begins on its base circle, and any edge, has worn as round
