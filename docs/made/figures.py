@@ -38,6 +38,10 @@ COMMANDS: dict[str, dict[str, str]] = {
     },
     "animate designs/pusher.yaml --frames 36 --width 640 --out {folder}/pusher.gif": {"pusher.gif": "pusher.gif"},
     "frontier designs/baler-frontier.yaml --out {folder}": {"frontier.png": "baler-frontier.png"},
+    "strength designs/baler-half-dynamics.yaml --out {folder}": {
+        "strength.png": "baler-half-strength.png",
+        "strength-cycle.png": "baler-half-strength-cycle.png",
+    },
 }
 """Commands, and what of their output in a folder goes into docs/images under which name."""
 
