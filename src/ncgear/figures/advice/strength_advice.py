@@ -18,7 +18,7 @@ from ncgear.project.strengthening import (
     wide_enough,
 )
 from ncgear.strength.at_pitch_point import RoughSafety
-from ncgear.strength.holding import Damage, Weakest, worst
+from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor, worst
 
 SIZE = "ncgear size"
 
@@ -43,8 +43,9 @@ def strength(drive: Drive) -> Advice | None:
         f"{to_digits(first.stress_mpa, 3)} MPa at phi1 = {to_digits(at, 4)} deg and endures "
         f"{to_digits(first.endured_mpa, 3)} MPa, a safety of {to_digits(first.safety, 2)} against "
         f"{first.damage.words} where {first.wanted:g} is wanted" + (f" (also {'; '.join(also)})" if also else ""),
-        f"{'teeth break' if first.damage.value == 'bending' else 'flanks pit'} before the wanted life ends",
-        remedies(drive, verdict),
+        f"{'teeth break' if first.damage is Damage.BENDING else 'flanks pit'} before the wanted life ends; "
+        "ncgear strength computes what would do",
+        _sizes(drive, face_width_factor(verdict.weakest), module_factor(verdict.weakest)),
     )
 
 
@@ -69,9 +70,13 @@ def rough(drive: Drive) -> Advice | None:
 
 
 def _rough_remedies(drive: Drive, weak: list[RoughSafety]) -> tuple[Remedy, ...]:
-    """Sizes that would do by how stresses scale; to be computed, so they are words and no changes."""
     wider = max((one.wanted / one.safety) ** (1.0 if one.damage is Damage.BENDING else 2.0) for one in weak)
     larger = max((one.wanted / one.safety) ** (0.5 if one.damage is Damage.BENDING else 1.0) for one in weak)
+    return _sizes(drive, wider, larger)
+
+
+def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:
+    """Sizes that would do by how stresses scale; they are not computed, so they are words and no changes."""
     width, module = wider * drive.gears.face_width_mm, larger * drive.pitch.size.module_mm
     found = [Remedy(f"let {SIZE} find module, teeth and face width")]
     if module <= SERIES_I_MM[-1]:
