@@ -11,7 +11,7 @@ from ncgear.drawings.charts.drawer import STRENGTH_COLUMN, STRENGTH_LOOK, column
 from ncgear.drawings.charts.strength_charts import strength_charts
 from ncgear.drawings.pictures import titled
 from ncgear.drawings.plots.assembled_pair import positions_at
-from ncgear.drawings.plots.coloured_teeth import ColouredGear, coloured_teeth_png
+from ncgear.drawings.plots.coloured_teeth import ColouredGear, coloured_teeth_png, stress_field_png
 from ncgear.figures.numbers import to_digits
 from ncgear.numerics.arrays import largest_rows
 from ncgear.pitch.shape import Gear
@@ -34,7 +34,6 @@ def strength_pictures(drive: Drive, verdict: Verdict) -> dict[str, bytes]:
 
 def _field(drive: Drive) -> bytes:
     """The stress by finite elements, each tooth at the place of contact with its largest root stress."""
-    from ncgear.drawings.plots.stress_field import stress_field_png
     from ncgear.strength.elements.teeth import Elements
 
     judged = drive.judged_teeth("elements")

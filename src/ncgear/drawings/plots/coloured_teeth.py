@@ -1,23 +1,30 @@
-"""Both gears in mesh, each tooth in the colour of a value of its own, with the teeth's numbers."""
+"""Both gears in mesh in colours: each tooth by how far it holds, with its number, or by the stress in it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
-from matplotlib.colors import LinearSegmentedColormap, LogNorm
+from matplotlib.colorbar import Colorbar
+from matplotlib.colors import Colormap, LinearSegmentedColormap, LogNorm, Normalize
+from matplotlib.figure import Figure
 
-from ncgear.drawings.palette import HOLDING
+from ncgear.drawings.palette import HOLDING, STRESS
 from ncgear.drawings.plots.assembled_pair import Assembled, Position, assembled_teeth, turned
 from ncgear.drawings.plots.canvas import INK, NORMAL, REFERENCE, SMALL, area, figure, png, ring_area
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.numerics.plane import signed_area
+from ncgear.numerics.plane import as_points, signed_area
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.teeth.gear import ToothedGear
+
+if TYPE_CHECKING:
+    from ncgear.strength.elements.teeth import Painted
 
 SPREAD = 4.0
 """The scale of colours ends where a safety is this many times the wanted one, and at its inverse."""
@@ -28,7 +35,8 @@ ROOM_IN = 0.2
 BELOW_IN = 0.13
 """Distance in inches of a number from the root of its tooth."""
 
-SCALE = LinearSegmentedColormap.from_list("holding", HOLDING)
+HOLDING_SCALE = LinearSegmentedColormap.from_list("holding", HOLDING)
+STRESS_SCALE = LinearSegmentedColormap.from_list("stress", STRESS)
 
 SIZE_IN, REST_IN = (9.6, 7.0), 1.55
 """Width and greatest height of the picture, and the height of its heading and scale."""
@@ -47,73 +55,110 @@ class ColouredGear:
 
 def coloured_teeth_png(drive: Drive, gears: dict[Gear, ColouredGear], position: Position, title: str) -> bytes:
     """Both gears in a position, coloured by how far each tooth holds; the named teeth have a mark."""
-    pair = assembled_teeth(drive)
-    left, right, top = pair.frame
-    width, most = SIZE_IN
-    # The gears fill the width, unless that makes the picture higher than a screen.
-    height = min(most, REST_IN + width * 2.0 * top / (right - left))
-    mm_per_in = max((right - left) / width, 2.0 * top / (height - REST_IN))
-    made = figure(width, height, title)
-    axes = made.add_axes((0.0, 1.05 / height, 1.0, 1.0 - REST_IN / height))
+    view = View.of(drive, title)
     norm = LogNorm(1.0 / SPREAD, SPREAD)
     for gear, coloured in gears.items():
-        _draw(axes, drive.teeth.of(gear), pair, position, gear, coloured, norm, mm_per_in)
-    axes.plot([0.0, pair.center_distance_mm], [0.0, 0.0], "+", color=INK, markersize=9)
-    axes.set_xlim(left, right)
-    axes.set_ylim(-top, top)
-    axes.set_aspect("equal")
-    axes.set_axis_off()
-    bar = made.colorbar(
-        ScalarMappable(norm, SCALE),
-        cax=made.add_axes((0.2, 0.62 / height, 0.6, 0.16 / height)),
-        orientation="horizontal",
-        extend="both",
+        _draw(view, drive.teeth.of(gear), gear, position, coloured, norm)
+    bar = view.with_scale(
+        norm, HOLDING_SCALE, "least safety of a tooth, as a share of the wanted one (under 1: too weak)"
     )
     ticks = [1.0 / SPREAD, 0.5, 1.0, 2.0, SPREAD]
     bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     bar.minorticks_off()
-    bar.ax.tick_params(labelsize=SMALL, colors=INK)
-    bar.set_label("least safety of a tooth, as a share of the wanted one (under 1: too weak)", size=NORMAL, color=INK)
-    return png(made)
+    return png(view.made)
+
+
+def stress_field_png(
+    drive: Drive, fields: Mapping[Gear, Painted], largest_mpa: float, position: Position, title: str
+) -> bytes:
+    """Both gears in a position, coloured by von Mises' stress up to ``largest_mpa``."""
+    view, norm = View.of(drive, title), Normalize(0.0, largest_mpa)
+    for gear, field in fields.items():
+        placed = view.body(drive.teeth.of(gear), gear, position, 0.3)
+        colors = STRESS_SCALE(norm(field.von_mises_mpa[field.triangles].mean(axis=1)))
+        triangles = list(placed(as_points(field.place_mm))[field.triangles])
+        # Edges of their own colour, since gaps between triangles would shine through.
+        view.axes.add_collection(
+            PolyCollection(triangles, facecolors=colors, edgecolors=colors, linewidths=0.2), autolim=False
+        )
+    view.with_scale(norm, STRESS_SCALE, "von Mises' stress in MPa, each tooth alone at its worst place of contact")
+    return png(view.made)
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A picture of both gears that fills its width, unless that makes it higher than a screen."""
+
+    made: Figure
+    axes: Axes
+    pair: Assembled
+    height_in: float
+    mm_per_in: float
+
+    @classmethod
+    def of(cls, drive: Drive, title: str) -> View:
+        """The empty picture, with the axes of both gears."""
+        pair = assembled_teeth(drive)
+        left, right, top = pair.frame
+        width, most = SIZE_IN
+        height = min(most, REST_IN + width * 2.0 * top / (right - left))
+        made = figure(width, height, title)
+        axes = made.add_axes((0.0, 1.05 / height, 1.0, 1.0 - REST_IN / height))
+        axes.plot([0.0, pair.center_distance_mm], [0.0, 0.0], "+", color=INK, markersize=9, zorder=5.0)
+        axes.set_xlim(left, right)
+        axes.set_ylim(-top, top)
+        axes.set_aspect("equal")
+        axes.set_axis_off()
+        return cls(made, axes, pair, height, max((right - left) / width, 2.0 * top / (height - REST_IN)))
+
+    def body(self, gear: ToothedGear, which: Gear, position: Position, line: float) -> Callable[[Array], Array]:
+        """Draw a gear's body, and return what moves points of the gear's own frame (shape (n, 2)) to their place."""
+        driven = which is Gear.DRIVEN
+        ring = self.pair.ring_radius_mm if driven else None
+        center = np.array([self.pair.center_distance_mm, 0.0]) if driven else np.zeros(2)
+        sense = (1.0 if ring is not None else -1.0) if driven else 1.0
+        angle = sense * (position.phi2_rad if driven else position.phi1_rad)
+
+        def placed(points: Array) -> Array:
+            return turned(points, angle) + center
+
+        if ring is None:
+            area(self.axes, placed(gear.outline_mm), REFERENCE, line)
+        else:
+            ring_area(self.axes, placed(gear.outline_mm), (float(center[0]), 0.0), ring, REFERENCE, line)
+        return placed
+
+    def with_scale(self, norm: Normalize, scale: Colormap, label: str) -> Colorbar:
+        """The scale of colours below the gears."""
+        bar = self.made.colorbar(
+            ScalarMappable(norm, scale),
+            cax=self.made.add_axes((0.2, 0.62 / self.height_in, 0.6, 0.16 / self.height_in)),
+            orientation="horizontal",
+            extend="both" if isinstance(norm, LogNorm) else "max",
+        )
+        bar.ax.tick_params(labelsize=SMALL, colors=INK)
+        bar.set_label(label, size=NORMAL, color=INK)
+        return bar
 
 
 def _draw(
-    axes: Axes,
-    gear: ToothedGear,
-    pair: Assembled,
-    position: Position,
-    which: Gear,
-    coloured: ColouredGear,
-    norm: LogNorm,
-    mm_per_in: float,
+    view: View, gear: ToothedGear, which: Gear, position: Position, coloured: ColouredGear, norm: LogNorm
 ) -> None:
     """One gear in its place: its body, its teeth in their colours, their numbers below the roots."""
-    driven = which is Gear.DRIVEN
-    ring = pair.ring_radius_mm if driven else None
-    center = np.array([pair.center_distance_mm, 0.0]) if driven else np.zeros(2)
-    sense = (1.0 if ring is not None else -1.0) if driven else 1.0
-    angle = sense * (position.phi2_rad if driven else position.phi1_rad)
-
-    def placed(points: Array) -> Array:
-        return turned(points, angle) + center
-
-    if ring is None:
-        area(axes, placed(gear.outline_mm), REFERENCE, 0.5)
-    else:
-        ring_area(axes, placed(gear.outline_mm), (float(center[0]), 0.0), ring, REFERENCE, 0.5)
+    placed = view.body(gear, which, position, 0.5)
     teeth = [placed(gear.outline_mm[rows]) for rows in tooth_rows(gear)]
-    colors = SCALE(norm(np.clip(coloured.share, 1.0 / SPREAD, SPREAD)))
-    axes.add_collection(PolyCollection(teeth, facecolors=colors, edgecolors=INK, linewidths=0.4), autolim=False)
-    crowded = gear.flanks.curve.length_mm / len(teeth) < ROOM_IN * mm_per_in
+    colors = HOLDING_SCALE(norm(np.clip(coloured.share, 1.0 / SPREAD, SPREAD)))
+    view.axes.add_collection(PolyCollection(teeth, facecolors=colors, edgecolors=INK, linewidths=0.4), autolim=False)
+    crowded = gear.flanks.curve.length_mm / len(teeth) < ROOM_IN * view.mm_per_in
     for number, tooth in enumerate(teeth, 1):
         named = number == coloured.named
         if not crowded or number % 5 == 0 or named:
             root, (back, down) = (tooth[0] + tooth[-1]) / 2.0, tooth[0] - tooth[-1]
             # Closed by this chord, the tooth lies to the left of it where its outline runs counter-clockwise.
             inwards = np.sign(signed_area(tooth)) * np.array([down, -back]) / np.hypot(back, down)
-            place = root + BELOW_IN * mm_per_in * inwards
+            place = root + BELOW_IN * view.mm_per_in * inwards
             box = {"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": INK, "linewidth": 1.0}
-            axes.text(
+            view.axes.text(
                 float(place[0]),
                 float(place[1]),
                 str(number),
