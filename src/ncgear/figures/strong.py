@@ -33,8 +33,8 @@ METHODS = {
 """The words for a method, and how far the standards cover it."""
 
 ERRORS = {
-    "estimate": "finite elements find 0.9 to 1 times these root stresses on regular teeth, 0.7 to 1.3 times on undercut "
-    "ones",
+    "estimate": "finite elements find 0.9 to 1 times these root stresses on regular teeth, 0.7 to 1.3 times on "
+    "undercut ones",
     "elements": "root stresses within 2 % of finer meshes; thin rims and what loaded teeth do to their neighbours are "
     "left out",
 }
