@@ -233,31 +233,36 @@ def strength(
         prepare(folder)
 
         from ncgear.figures.advice.strength_advice import remedies
-        from ncgear.figures.strong import strength_text
+        from ncgear.figures.numbers import json_text
+        from ncgear.figures.strong import strength_figures, strength_text
         from ncgear.figures.terminal import kept_lines, timing_text, written_lines
+        from ncgear.files.build import naming_stage
         from ncgear.files.manifest import publish_run
         from ncgear.files.strength import strength_files
         from ncgear.project.drive import Drive
         from ncgear.project.strengthening import verdict_of
 
         drive = Drive(loaded.design)
-        with naming_what_helps(drive, BUILD), steps_shown(3) as on_step:
-            on_step("strength")
-            verdict = verdict_of(drive, method.value if method else None)
-            beside = None if verdict.strength.method == "estimate" else verdict_of(drive, "estimate")
-            on_step("what would do")
-            ways = remedies(drive, verdict)
-            on_step("pictures")
-            files = strength_files(drive, verdict, beside)
+        texts, figures, files = [], [], {}
+        with naming_what_helps(drive, BUILD), steps_shown(3 * drive.design.stages) as on_step:
+            for pair in drive.by_stage:
+                on_pair_step = naming_stage(pair, on_step)
+                on_pair_step("strength")
+                verdict = verdict_of(pair, method.value if method else None)
+                beside = None if verdict.strength.method == "estimate" else verdict_of(pair, "estimate")
+                figures.append(strength_figures(pair, verdict, beside))
+                on_pair_step("what would do")
+                texts.append(strength_text(pair, verdict, remedies(pair, verdict), beside))
+                on_pair_step("pictures")
+                files.update(strength_files(pair, verdict, figures[-1]))
         run = publish_run(folder, files, "strength")
         if as_json:
-            typer.echo(files["strength.json"].decode().rstrip())
+            stages = {"stages": {f"stage_{number}": found for number, found in enumerate(figures, start=1)}}
+            typer.echo(json_text(stages if len(figures) > 1 else figures[0]).rstrip())
             if run.kept:
                 typer.echo("\n".join(kept_lines(run.kept)), err=True)
         else:
-            typer.echo(
-                "\n".join([strength_text(drive, verdict, ways, beside), "", *written_lines(run.paths, run.kept)])
-            )
+            typer.echo("\n\n".join([*texts, "\n".join(written_lines(run.paths, run.kept))]))
         if timing:
             typer.echo(timing_text(drive), err=True)
 

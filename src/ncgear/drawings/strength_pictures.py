@@ -27,7 +27,7 @@ def strength_pictures(drive: Drive, verdict: Verdict) -> dict[str, bytes]:
     charts = [replace(chart, joints_deg=joints) for chart in charts]
     pictures = {
         "strength.png": _gears(drive, verdict),
-        "strength-cycle.png": column_png(charts, titled(drive, "loads of the teeth"), STRENGTH_LOOK, STRENGTH_COLUMN),
+        "strength-cycle.png": column_png(charts, _titled(drive, "loads of the teeth"), STRENGTH_LOOK, STRENGTH_COLUMN),
     }
     return pictures if verdict.strength.method == "estimate" else {**pictures, "strength-stress.png": _field(drive)}
 
@@ -49,7 +49,7 @@ def _field(drive: Drive) -> bytes:
         fields[gear] = method.painted(chosen, load_n_mm)
     row = int(np.argmax(roots.max(axis=0)))
     (position,) = positions_at(drive, contacts.phi1_rad[[row]])
-    return stress_field_png(drive, fields, float(roots.max()), position, titled(drive, "stress in the teeth"))
+    return stress_field_png(drive, fields, float(roots.max()), position, _titled(drive, "stress in the teeth"))
 
 
 def _gears(drive: Drive, verdict: Verdict) -> bytes:
@@ -64,4 +64,8 @@ def _gears(drive: Drive, verdict: Verdict) -> bytes:
     (position,) = positions_at(drive, np.array([weakest.phi1_rad]))
     least, tooth = to_digits(weakest.safety, 3), f"tooth {weakest.tooth} of the {weakest.gear.value} gear"
     what = f"least safety {least} against {weakest.damage.words}, {tooth},"
-    return coloured_teeth_png(drive, gears, position, titled(drive, what))
+    return coloured_teeth_png(drive, gears, position, _titled(drive, what))
+
+
+def _titled(drive: Drive, what: str) -> str:
+    return titled(drive, what if drive.stage is None else f"stage {drive.stage}, {what}")

@@ -195,16 +195,21 @@ def refuse_locked(rigid: RigidMachine) -> None:
         )[1]
         phi1 = np.append(grid_between(stretch.start_rad, stretch.end_rad, breaks), steepest.at)
         loads = rigid.on(stretch, phi1)
-        torque, angle = loads.driven_torque.value, loads.mesh_force.pressure_angle_rad.value
-        locked = (np.abs(torque) > IDLE * np.abs(torque).max()) & (angle >= pi / 2.0)
-        if locked.any():
-            worst = int(np.argmax(np.where(locked, angle, 0.0)))
-            flanks = "push the driven gear" if torque[worst] > 0.0 else "hold the driven gear back"
-            raise NoSuchMechanism(
-                f"the teeth cannot {flanks} at phi1 = {in_words(float(phi1[worst]))}, where their pressure angle is "
-                f"{degrees(angle[worst]):.4g} deg; under 90 deg is needed: a law whose ratio changes more slowly there",
-                key="motion",
-            )
+        refuse_locked_at(phi1, loads.driven_torque.value, loads.mesh_force.pressure_angle_rad.value)
+
+
+def refuse_locked_at(phi1_rad: Array, torque: Array, pressure_angle_rad: Array) -> None:
+    """Raises as ``refuse_locked``, by torques on the driven gear and pressure angles at driving angles, shape (n,)."""
+    locked = (np.abs(torque) > IDLE * np.abs(torque).max()) & (pressure_angle_rad >= pi / 2.0)
+    if locked.any():
+        worst = int(np.argmax(np.where(locked, pressure_angle_rad, 0.0)))
+        flanks = "push the driven gear" if torque[worst] > 0.0 else "hold the driven gear back"
+        raise NoSuchMechanism(
+            f"the teeth cannot {flanks} at phi1 = {in_words(float(phi1_rad[worst]))}, where their pressure angle is "
+            f"{degrees(pressure_angle_rad[worst]):.4g} deg; under 90 deg is needed: a law whose ratio changes more "
+            "slowly there",
+            key="motion",
+        )
 
 
 Broken = tuple[Stretch, Array]

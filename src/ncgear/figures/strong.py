@@ -12,6 +12,7 @@ import numpy as np
 from ncgear.figures.advice.values import Remedy
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import MICRORAD, fixed, shown, to_digits
+from ncgear.figures.summary.check_summary import stages_summary
 from ncgear.figures.tables import Column, Table, aligned
 from ncgear.figures.terminal import INDENT, WIDTH
 from ncgear.pitch.shape import Gear
@@ -25,6 +26,12 @@ LOADS = {
     "resistance": "the resistance alone: no masses are given, so forces of inertia are not counted",
 }
 """The words for what a load follows from."""
+
+STAGES = {
+    1: "from the driving shaft to the shaft between the stages, whose inertia is not counted",
+    2: "from the shaft between the stages, of which phi1 is the angle, to the crank shaft",
+}
+"""The words for a stage."""
 
 METHODS = {
     "estimate": "local estimate on the outline of each tooth, after ISO 6336 and VDI 2736, which cover circular gears",
@@ -51,6 +58,7 @@ def strength_figures(drive: Drive, verdict: Verdict, beside: Verdict | None = No
     most = int(np.argmax(contacts.force_n))
     return {
         "design": {"name": drive.design.name, "description": drive.design.description},
+        **stages_summary(drive),
         "load": {
             "speed_rpm": drive.design.operation.speed_rpm,
             "peak_tooth_force_n": float(contacts.force_n[most]),
@@ -134,6 +142,7 @@ def strength_text(drive: Drive, verdict: Verdict, remedies: Sequence[Remedy], be
     most = int(np.argmax(forces))
     where = f"at phi1 = {_degrees(strength.contacts.phi1_rad[most])} deg"
     about = {
+        **({} if drive.stage is None else {"stage": STAGES[drive.stage]}),
         "load": LOADS[strength.load],
         "method": METHODS[strength.method],
         "error": ERRORS[strength.method],
@@ -144,7 +153,8 @@ def strength_text(drive: Drive, verdict: Verdict, remedies: Sequence[Remedy], be
         f"transmission error {to_digits(1e6 * loading.transmission_error_rad, 3)} {MICRORAD}",
     }
     start = max(map(len, about)) + 2
-    lines = [f"{name}: strength of the teeth at {speed:g} r/min"]
+    of_stage = "" if drive.stage is None else f", stage {drive.stage}"
+    lines = [f"{name}{of_stage}: strength of the teeth at {speed:g} r/min"]
     for label, words in about.items():
         lines += wrap(words, WIDTH, initial_indent=f"{INDENT}{label:<{start}}", subsequent_indent=INDENT + " " * start)
     rows = [[head.label for head in HEADS], [head.unit for head in HEADS], *(list(_cells(one)) for one in found)]

@@ -69,7 +69,7 @@ def build(
     the steps, and WrongInput when the folder cannot be written; whatever fails, the last good build stays.
     """
     prepare(folder)
-    pairs = {_place(pair.stage): _made(pair, _named(pair, on_step), formats) for pair in drive.by_stage}
+    pairs = {folder_of(pair.stage): _made(pair, naming_stage(pair, on_step), formats) for pair in drive.by_stage}
     files = {place + name: content for place, pair in pairs.items() for name, content in pair.files.items()}
     if reported is not None:
         from ncgear.drawings.page.page import report_page
@@ -87,15 +87,15 @@ def step_count(drive: Drive, *, report: bool) -> int:
 
 def contacts_as_written(drive: Drive, on_step: Callable[[str], None]) -> list[PairContact]:
     """The contact of every pair as a build finds it in its files, without writing any; raises the errors of steps."""
-    return [_written(pair, _named(pair, on_step))[1] for pair in drive.by_stage]
+    return [_written(pair, naming_stage(pair, on_step))[1] for pair in drive.by_stage]
 
 
-def _place(stage: int | None) -> str:
-    """The folder of a pair's files, as the beginning of their names."""
+def folder_of(stage: int | None) -> str:
+    """The folder of a pair's files, as the beginning of their names; empty with a single pair."""
     return "" if stage is None else f"stage-{stage}/"
 
 
-def _named(pair: Drive, on_step: Callable[[str], None]) -> Callable[[str], None]:
+def naming_stage(pair: Drive, on_step: Callable[[str], None]) -> Callable[[str], None]:
     """An ``on_step`` that adds the number of the pair to the name of the step, if there are two pairs."""
     return on_step if pair.stage is None else lambda done: on_step(f"stage {pair.stage}: {done}")
 

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 from ncgear.drawings.strength_pictures import strength_pictures
 from ncgear.figures.numbers import json_text
-from ncgear.figures.strong import strength_csv, strength_figures
+from ncgear.figures.strong import strength_csv
+from ncgear.files.build import folder_of
 from ncgear.project.drive import Drive
 from ncgear.project.strengthening import Verdict
 
 
-def strength_files(drive: Drive, verdict: Verdict, beside: Verdict | None = None) -> dict[str, bytes]:
-    """Pictures, table and figures as files; ``beside`` is the verdict by another method, whose figures are told too."""
-    return {
+def strength_files(drive: Drive, verdict: Verdict, figures: Mapping[str, Any]) -> dict[str, bytes]:
+    """Pictures and table of a verdict, and its figures, as files by name; of a stage, in a folder of its own."""
+    files = {
         **strength_pictures(drive, verdict),
         "strength.csv": strength_csv(verdict.strength).encode(),
-        "strength.json": json_text(strength_figures(drive, verdict, beside)).encode(),
+        "strength.json": json_text(figures).encode(),
     }
+    return {folder_of(drive.stage) + name: content for name, content in files.items()}

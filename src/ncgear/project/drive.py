@@ -153,22 +153,21 @@ class Drive(Geared):
     def tooth_load(self) -> ToothLoad:
         """The torque that the teeth bear: with the masses, or where there are none, of the resistance alone.
 
-        Raises WrongInput where there is neither, and NoSuchMechanism where teeth cannot hold it.
+        Raises WrongInput where there is neither, and where there are two pairs and this drive has no stage;
+        NoSuchMechanism where teeth cannot hold it.
         """
-        from ncgear.project.loading import load_by_masses, load_by_resistance
+        from ncgear.project.loading import tooth_load
 
-        self.require_one_stage()
-        place = mesh_place(self.gears, self.pitch.center_distance_mm)
+        pair, place = self.pair, mesh_place(self.gears, self.pitch.center_distance_mm)
         if self.design.masses is not None:
-            # Without the peaks of the rigid level, which take longer than all else that strength needs.
-            return load_by_masses(self.machine, self.masses, place)
+            return tooth_load("masses", self.machine, self.masses, pair, place)
         if self.design.resistance is None:
             raise WrongInput(
                 "missing, and so are masses; the load of the teeth follows from the force against the slider, from the "
                 "moving masses, or from both: give one of them",
                 key="resistance",
             )
-        return load_by_resistance(self.machine, place)
+        return tooth_load("resistance", self.machine, self.linkage.MASSES(), pair, place)
 
     @computed
     def pair_stiffness(self) -> LinearTeeth:
@@ -185,15 +184,13 @@ class Drive(Geared):
         """The stiffness of each pair of teeth, by methods and materials of the driving and of the driven gear."""
         from ncgear.project.loading import linear_teeth
 
-        return linear_teeth(
-            self.tooth_load, self.motion.phi1_rad, self.teeth, self.gears.face_width_mm, methods, materials
-        )
+        return linear_teeth(self.tooth_load, self.teeth, self.gears.face_width_mm, methods, materials)
 
     def loading(self, methods: tuple[ToothMethod, ToothMethod], materials: tuple[Material, Material]) -> Loading:
         """The load of every tooth over a cycle of meetings, shared by the stiffness of the given methods.
 
-        A stiffness that ``simulation`` gives does not count.  Raises WrongInput for helical teeth and for two pairs of
-        gears, NoSuchMechanism where teeth are pressed too deep into each other, and as ``tooth_load`` does.
+        A stiffness that ``simulation`` gives does not count.  Raises WrongInput for helical teeth,
+        NoSuchMechanism where teeth are pressed too deep into each other, and as ``tooth_load`` does.
         """
         from ncgear.design.keys.masses import Simulation
         from ncgear.project.forces import meshing_of
@@ -205,7 +202,7 @@ class Drive(Geared):
             pitch, teeth = self.pitch, self.teeth
             with self.stopwatch("load of every tooth"):
                 meshing = meshing_of(Simulation(), pitch, teeth, stiffness)
-                return loading_of(meshing, teeth, pitch, load.torque_n_mm, self.machine.speed_rad_s)
+                return loading_of(meshing, teeth, pitch, load.torque_n_mm, self.pair_speed_rad_s)
 
     @computed
     def _any_meshing(self) -> Meshing:

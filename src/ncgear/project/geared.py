@@ -135,7 +135,10 @@ class Geared(Moving):
 
     @computed
     def masses(self) -> Masses:
-        """The moving masses; makes solids only where a gear's moment of inertia is left out."""
+        """The moving masses; makes solids only where a gear's moment of inertia is left out.
+
+        Raises WrongInput without masses, and where it is left out of two pairs of gears.
+        """
         from ncgear.project.moving_masses import masses_of
 
         given, gears = self.design.masses, self.design.gears
@@ -144,6 +147,12 @@ class Geared(Moving):
             raise WrongInput(f"missing; forces need {needed}", key="masses")
         if gears is None or given.tells_gears:
             return masses_of(given, self.linkage)
+        if self.design.stages > 1:
+            left_out = "driving" if given.driving_gear_kg_mm2 is None else "driven"
+            raise WrongInput(
+                "missing; with two pairs of gears it is not taken from the gears' bodies",
+                key=f"masses.{left_out}_gear_kg_mm2",
+            )
         from ncgear.project.service import densities_kg_m3
         from ncgear.solids.plan.body import body_kg_mm2
 

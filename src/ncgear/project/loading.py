@@ -7,12 +7,15 @@ from typing import Literal
 
 import numpy as np
 
-from ncgear.dynamics.mesh_force import MeshPlace
-from ncgear.dynamics.rigid import RigidMachine, refuse_locked
+from ncgear.dynamics.mesh_force import MeshForce, MeshPlace, mesh_force
+from ncgear.dynamics.rigid import RigidMachine, refuse_locked_at
 from ncgear.errors import NoSuchMechanism
-from ncgear.kinematics.motion import Machine
+from ncgear.kinematics.motion import Machine, sample_angles
 from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
+from ncgear.pitch.shape import tangent_slope
+from ncgear.ratio.transmission import Pair
 from ncgear.strength.estimate import estimate_of
 from ncgear.strength.material import Material
 from ncgear.strength.method import ToothMethod
@@ -22,35 +25,47 @@ from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 @dataclass(frozen=True, eq=False)
 class ToothLoad:
-    """The machine whose torque the teeth bear at constant driving speed.
+    """The torque that a machine at constant driving speed asks of the driven gear of one of its pairs.
 
-    ``load`` says what it counts: its masses with the resistance, or the resistance alone.
+    ``load`` says what it counts: the machine's masses with the resistance, or the resistance alone.  ``place`` is how
+    the pair's gears lie.  Angles are those of the pair's own driving gear.
+
+    Without friction a pair passes on the power that the driving shaft takes in, so that its torque is the driving
+    shaft's times the driving shaft's speed over that of the pair's driven gear.  The inertia of a shaft between two
+    pairs, of which a design says nothing, is not counted.
     """
 
     load: Literal["masses", "resistance"]
     machine: RigidMachine
+    pair: Pair
+    place: MeshPlace
 
-    def torque_n_mm(self, phi1_rad: Array) -> Array:
-        """Torque asked of the driven gear at driving angles in rad, shape (n,)."""
-        return np.asarray(self.machine.at(phi1_rad).driven_torque.value)
+    def torque_n_mm(self, angle_rad: Array) -> Array:
+        """Torque asked of the driven gear, shape (n,)."""
+        driven_speed = self.pair.transmission.driven_angle(angle_rad, 1).derivative(1) * self.pair.speed(angle_rad)
+        return np.asarray(self.machine.at(self.pair.shaft_rad(angle_rad)).driving_torque.value / driven_speed)
 
-    def peak_n(self, phi1_rad: Array) -> float:
-        """Largest normal force of all pairs together at driving angles in rad, shape (n,)."""
-        return float(np.abs(self.machine.at(phi1_rad).mesh_force.size_n.value).max())
+    def mesh_force(self, angle_rad: Array) -> MeshForce:
+        """Normal force of all pairs of teeth together."""
+        slope = self.pair.transmission.driven_angle(angle_rad, 2).differentiated()
+        return mesh_force(self.place, slope, Jet(self.torque_n_mm(angle_rad)[None, :]))
+
+    @property
+    def peak_n(self) -> float:
+        """Largest normal force of all pairs of teeth together, over evenly spread angles."""
+        return float(np.abs(self.mesh_force(sample_angles(self.pair.transmission)).size_n.value).max())
 
 
-def load_by_masses(machine: Machine, masses: Masses, place: MeshPlace | None) -> ToothLoad:
-    """The load of the masses with the resistance; raises as ``load_by_resistance`` does."""
-    rigid = RigidMachine(machine, masses, place)
-    refuse_locked(rigid)
-    return ToothLoad("masses", rigid)
-
-
-def load_by_resistance(machine: Machine, place: MeshPlace) -> ToothLoad:
-    """The load of the resistance alone; raises NoSuchMechanism where teeth cannot hold it."""
-    rigid = RigidMachine(machine, machine.linkage.MASSES(), place)
-    refuse_locked(rigid)
-    return ToothLoad("resistance", rigid)
+def tooth_load(
+    load: Literal["masses", "resistance"], machine: Machine, masses: Masses, pair: Pair, place: MeshPlace
+) -> ToothLoad:
+    """The load of the teeth of a pair of the machine; raises NoSuchMechanism where they cannot hold it."""
+    found = ToothLoad(load, RigidMachine(machine, masses), pair, place)
+    # The pressure angle is judged where it is largest, too, which is where the curves lean most, either way.
+    leaning = pair.transmission.extremes(lambda piece: lambda angle: tangent_slope(piece.slope(angle, 2), place.mesh))
+    angle = np.append(sample_angles(pair.transmission), [extremum.at for extremum in leaning])
+    refuse_locked_at(angle, found.torque_n_mm(angle), found.mesh_force(angle).pressure_angle_rad.value)
+    return found
 
 
 LIGHTEST_N_MM = 1.0
@@ -59,17 +74,13 @@ LIGHTEST_N_MM = 1.0
 
 def linear_teeth(
     load: ToothLoad,
-    phi1_rad: Array,
     teeth: ToothedPair,
     face_width_mm: float,
     methods: tuple[ToothMethod, ToothMethod],
     materials: tuple[Material, Material],
 ) -> LinearTeeth:
-    """The stiffness of pairs of teeth by methods for the driving and the driven gear, at their largest load.
-
-    That load is looked for at driving angles in rad, shape (n,).
-    """
-    line_load = max(load.peak_n(phi1_rad) / face_width_mm, LIGHTEST_N_MM)
+    """The stiffness of pairs of teeth by methods for the driving and the driven gear, at their largest load."""
+    line_load = max(load.peak_n / face_width_mm, LIGHTEST_N_MM)
     return LinearTeeth(teeth, methods, materials, face_width_mm, line_load)
 
 

@@ -9,6 +9,7 @@ from ncgear.errors import DesignError
 from ncgear.kinematics.motion import sample_angles
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.project.loading import ToothLoad
 from ncgear.project.moving_masses import masses_of
 from ncgear.project.strengthening import unknown
 from ncgear.project.tooth_form import mesh_place
@@ -42,8 +43,7 @@ def _load(drive: Drive) -> PitchPointLoad:
     given, linkage = drive.design.masses, drive.linkage
     masses = linkage.MASSES() if given is None else masses_of(given, linkage)
     place = mesh_place(drive.gears, drive.pitch.center_distance_mm)
-    phi1 = sample_angles(drive.transmission)
-    mesh = RigidMachine(drive.machine, masses, place).at(phi1).mesh
-    assert mesh is not None
-    curvature = np.stack([drive.pitch.of(gear).at_angle(phi1).curvature for gear in Gear])
-    return PitchPointLoad(phi1, mesh.size_n.value, curvature)
+    angle = sample_angles(drive.pair.transmission)
+    load = ToothLoad("resistance" if given is None else "masses", RigidMachine(drive.machine, masses), drive.pair, place)
+    curvature = np.stack([drive.pitch.of(gear).at_angle(angle).curvature for gear in Gear])
+    return PitchPointLoad(angle, load.mesh_force(angle).size_n.value, curvature)

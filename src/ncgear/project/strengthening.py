@@ -99,8 +99,8 @@ def unknown(drive: Drive) -> WrongInput | None:
         return WrongInput("missing; gears need teeth, module_mm, face_width_mm and more", key="gears")
     if design.masses is None and design.resistance is None:
         return WrongInput("missing; the load of the teeth needs it, or masses", key="resistance")
-    if design.stages > 1:
-        return WrongInput("two pairs of gears; the load of teeth is computed of one", key="motion.second_stage")
+    if design.stages > 1 and drive.stage is None:
+        return WrongInput("two pairs of gears; each has a strength of its own", key="motion.second_stage")
     if drive.helix is not None:
         return WrongInput("helical teeth are not followed under load; leave it out", key="gears.helix")
     return None

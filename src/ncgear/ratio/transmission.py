@@ -177,13 +177,15 @@ class Transmission:
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """The law of one pair over its own driving angle, and how fast its driving gear turns.
+    """The law of one pair over its own driving angle, and how its driving gear turns.
 
-    ``speed`` is that gear's speed over the driving shaft's, at its own angles in rad; shape (n,) to shape (n,).
+    ``speed`` is that gear's speed over the driving shaft's, and ``shaft_rad`` the driving shaft's angle in rad; both at
+    the gear's own angles in rad, shape (n,) to shape (n,).
     """
 
     transmission: Transmission
     speed: Callable[[Array], Array] = field(repr=False)
+    shaft_rad: Callable[[Array], Array] = field(repr=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,9 +196,14 @@ class Train:
     pairs: tuple[Pair, ...]
 
 
+def on_driving_shaft(transmission: Transmission) -> Pair:
+    """A pair whose driving gear is on the driving shaft."""
+    return Pair(transmission, np.ones_like, np.asarray)
+
+
 def single(transmission: Transmission) -> Train:
     """One pair between the driving shaft and the crank."""
-    return Train(transmission, (Pair(transmission, np.ones_like),))
+    return Train(transmission, (on_driving_shaft(transmission),))
 
 
 @dataclass(frozen=True)

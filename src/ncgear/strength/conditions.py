@@ -12,7 +12,7 @@ from ncgear.strength.material import Family, Material
 class Running:
     """Size and speed of a pair, as the factors of ISO 6336 need them.
 
-    ``teeth`` are those of the driving and the driven gear, ``speed_rad_s`` is the driving gear's.
+    ``teeth`` are those of the driving and the driven gear, ``speed_rad_s`` is the mean speed of the driving gear.
     """
 
     module_mm: float

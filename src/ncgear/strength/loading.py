@@ -70,14 +70,14 @@ def loading_of(
     teeth: ToothedPair,
     pitch: PitchPair,
     torque_n_mm: Callable[[Array], Array],
-    speed_rad_s: float,
+    speed_rad_s: Callable[[Array], Array],
     per_tooth: int = PER_TOOTH,
 ) -> Loading:
     """The loads of straight teeth in ``meshing``, whose table of gaps tells where pairs touch.
 
-    ``torque_n_mm`` gives the torque asked of the driven gear at driving angles (shape (n,)), of either sign;
-    ``speed_rad_s`` is the speed of the driving gear, ``per_tooth`` a divisor of SOLVED_PER_TOOTH.  Raises as
-    ``shared`` does.
+    At driving angles (shape (n,)) ``torque_n_mm`` gives the torque asked of the driven gear, of either sign, and
+    ``speed_rad_s`` the speed of the driving gear; ``per_tooth`` is a divisor of SOLVED_PER_TOOTH.  Raises as ``shared``
+    does.
     """
     solved = placed(pitch, SOLVED_PER_TOOTH)
     first = shared(meshing, solved.phi1_rad, torque_n_mm(solved.phi1_rad))
@@ -159,7 +159,7 @@ def _largest_of_pairs(touching: _Touching, force_n: Array) -> IndexArray:
 
 
 def _contacts(
-    teeth: ToothedPair, touching: _Touching, numbers: tuple[IndexArray, Array, Array], speed_rad_s: float
+    teeth: ToothedPair, touching: _Touching, numbers: tuple[IndexArray, Array, Array], speed_rad_s: Callable[[Array], Array]
 ) -> LoadedContacts:
     """The pairs that bear load; ``numbers`` are the numbers of their positions, the driving angles and the forces."""
     driving, driven = touching.places(Gear.DRIVING), touching.places(Gear.DRIVEN)
@@ -175,7 +175,7 @@ def _contacts(
         force,
         np.where(flanks, relative, np.inf),
         flanks,
-        speed_rad_s * touching.rolling_mm(fits, flanks),
+        speed_rad_s(phi1)[:, None] * touching.rolling_mm(fits, flanks),
         driving.flank,
         driving.point,
         driving.inwards,

@@ -78,7 +78,7 @@ def _rough_remedies(drive: Drive, weak: list[RoughSafety]) -> tuple[Remedy, ...]
 def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:
     """Sizes that would do by how stresses scale; they are not computed, so they are words and no changes."""
     width, module = wider * drive.gears.face_width_mm, larger * drive.pitch.size.module_mm
-    found = [Remedy(f"let {SIZE} find module, teeth and face width")]
+    found = [_together(drive)]
     if module <= SERIES_I_MM[-1]:
         found.insert(0, Remedy(f"take a module of about {to_digits(module, 2)} mm with as many teeth"))
     if width <= WIDEST_MODULES * drive.pitch.size.module_mm:
@@ -101,4 +101,11 @@ def remedies(drive: Drive, verdict: Verdict) -> tuple[Remedy, ...]:
         found.append(Remedy("take a larger module", changed(large)))
     if strong := strong_enough(drive, verdict):
         found.append(Remedy("take a stronger material", changed(strong)))
-    return (*found, Remedy(f"let {SIZE} find module, teeth and face width together"))
+    return (*found, _together(drive))
+
+
+def _together(drive: Drive) -> Remedy:
+    """Several sizes at once; they are not searched for where two pairs of gears share them."""
+    if drive.stage is None:
+        return Remedy(f"let {SIZE} find module, teeth and face width together")
+    return Remedy("change material, module and face width together; both stages share them")

@@ -20,7 +20,7 @@ def check_summary(drive: Drive) -> dict[str, Any]:
     return {
         "design": {"name": drive.design.name, "description": drive.design.description, "law": drive.design.motion.law},
         "drive": _drive(drive),
-        **_stages(drive),
+        **stages_summary(drive),
         "closure": {
             "residual_rad": abs(drive.transmission.closure_error_rad),
             "stroke_residual_mm": drive.stroke_residual_mm,
@@ -48,7 +48,7 @@ def _drive(drive: Drive) -> dict[str, Any]:
     }
 
 
-def _stages(drive: Drive) -> dict[str, Any]:
+def stages_summary(drive: Drive) -> dict[str, Any]:
     """The section of two pairs in series: the number of the drive's own stage, or else ratios and angles of both."""
     if drive.design.stages == 1:
         return {}

@@ -29,7 +29,7 @@ from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.fourier import TurnIntegral, turn_integral
 from ncgear.numerics.jet import Jet
-from ncgear.ratio.transmission import STANDSTILL, Lobes, Pair, Piece, Train, Transmission
+from ncgear.ratio.transmission import STANDSTILL, Lobes, Pair, Piece, Train, Transmission, on_driving_shaft
 
 FEWEST_NODES = 64
 """Fewest nodes of the integral over a period; a law of many harmonics begins with 8 to 16 nodes for each."""
@@ -193,6 +193,12 @@ class StagedLaw:
         speed: Array = self.whole.speed(turned, 0).value / self.second.speed(turned, 0).value
         return speed
 
+    def shaft_rad(self, phim: Array) -> Array:
+        """phi1 in rad at angles of the shaft between in rad, shape (n,)."""
+        within = np.mod(phim, 2.0 * pi)
+        phi1: Array = self.whole.integral.at(self.second.driven_angle(within, 0).value) + (phim - within)
+        return phi1
+
     @property
     def first(self) -> Transmission:
         """The first pair's law phim(phi1)."""
@@ -207,8 +213,8 @@ class StagedLaw:
     @property
     def train(self) -> Train:
         """Both pairs."""
-        pairs = Pair(self.first, np.ones_like), Pair(self.second.transmission, self.shaft_speed)
-        return Train(self.whole.transmission, pairs)
+        second = Pair(self.second.transmission, self.shaft_speed, self.shaft_rad)
+        return Train(self.whole.transmission, (on_driving_shaft(self.first), second))
 
 
 def staged_law(cosine: Array, sine: Array, second_cosine: Array, second_sine: Array) -> StagedLaw:
