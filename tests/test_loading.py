@@ -37,6 +37,10 @@ PAIRS = [("uniform", 24), ("sine", 31), ("baler", 25), ("ring", 24), ("uniform 3
 TEETH = {"driving": Gear.DRIVING, "driven": Gear.DRIVEN}
 
 
+def even_speed(phi1: Array) -> Array:
+    return np.full_like(phi1, SPEED)
+
+
 @cache
 def teeth_of(name: str, teeth: int, slope: float = 0.0, relief: TipRelief | None = None) -> Meshing:
     """A mesh of steel teeth 20 mm wide, frictionless or not, which get softer towards their tips by ``slope`` a mm."""
@@ -51,13 +55,13 @@ def loading(name: str, teeth: int, torque_n_mm: float = 2e4, per_tooth: int = 20
     """The teeth under a torque that changes over the turn."""
     pitch, pair = made(name, teeth, relief=kinds.get("relief"))  # type: ignore[arg-type]
     found = teeth_of(name, teeth, **kinds)  # type: ignore[arg-type]
-    return loading_of(found, pair, pitch, lambda phi1: torque_n_mm * (1.0 + 0.3 * np.sin(phi1)), SPEED, per_tooth)
+    return loading_of(found, pair, pitch, lambda phi1: torque_n_mm * (1.0 + 0.3 * np.sin(phi1)), even_speed, per_tooth)
 
 
 def even(name: str, teeth: int, torque_n_mm: float, **kinds: float) -> Loading:
     pitch, pair = made(name, teeth)
     found = teeth_of(name, teeth, **kinds)
-    return loading_of(found, pair, pitch, lambda phi1: np.full_like(phi1, torque_n_mm), SPEED)
+    return loading_of(found, pair, pitch, lambda phi1: np.full_like(phi1, torque_n_mm), even_speed)
 
 
 def moment_n_mm(found: Loading, gear: Gear) -> Array:
@@ -253,7 +257,7 @@ def test_largest_loads_converge_with_the_positions(name: str, teeth: int) -> Non
         return 2e4 * (1.0 + 0.3 * np.sin(phi1))
 
     fine = Meshing(law_table(LAWS[name]()), gaps_of(pair, pitch, stiffness, 320), LINEAR, FRICTION)
-    found, phi1 = loading_of(teeth_of(name, teeth), pair, pitch, torque, SPEED), placed(pitch, 1280).phi1_rad
+    found, phi1 = loading_of(teeth_of(name, teeth), pair, pitch, torque, even_speed), placed(pitch, 1280).phi1_rad
     exact = shared(fine, phi1, torque(phi1))
     row, slot = np.nonzero(exact.force_n)
     wanted = np.zeros(teeth)
@@ -338,13 +342,6 @@ def test_what_cannot_be_loaded_is_refused_by_key(text: str, key: str, said: str)
     with pytest.raises(WrongInput, match=said) as told:
         drive.loading((Beams(14.0), Beams(14.0)), (STEEL, STEEL))
     assert told.value.key == key
-
-
-def test_two_pairs_in_series_are_refused() -> None:
-    drive = drives.drive("baler-66-two-stage").by_stage[0]
-    with pytest.raises(WrongInput, match="two pairs of gears") as told:
-        _ = drive.tooth_load
-    assert told.value.key == "motion.second_stage"
 
 
 def test_twice_the_width_is_twice_as_stiff_and_half_the_modulus_half() -> None:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ncgear.dynamics.motion_in_time import Course
     from ncgear.dynamics.quasi_static import LoadedContact, LoadedPeaks
     from ncgear.project.drivetrain import DrivetrainResult
-    from ncgear.project.loading import ToothLoad
+    from ncgear.project.tooth_load import ToothLoad
     from ncgear.project.tooth_strength import JudgedTeeth
     from ncgear.strength.answer import Strength
     from ncgear.strength.loading import Loading
@@ -156,7 +156,7 @@ class Drive(Geared):
         Raises WrongInput where there is neither, and where there are two pairs and this drive has no stage;
         NoSuchMechanism where teeth cannot hold it.
         """
-        from ncgear.project.loading import tooth_load
+        from ncgear.project.tooth_load import tooth_load
 
         pair, place = self.pair, mesh_place(self.gears, self.pitch.center_distance_mm)
         if self.design.masses is not None:
@@ -172,7 +172,7 @@ class Drive(Geared):
     @computed
     def pair_stiffness(self) -> LinearTeeth:
         """The stiffness of each pair of teeth in N/mm, from its form, face width and material by the estimate."""
-        from ncgear.project.loading import estimated
+        from ncgear.project.tooth_stiffness import estimated
 
         driving, driven = self.materials
         methods = estimated(self.teeth.driving, driving), estimated(self.teeth.driven, driven)
@@ -182,7 +182,7 @@ class Drive(Geared):
         self, methods: tuple[ToothMethod, ToothMethod], materials: tuple[Material, Material]
     ) -> LinearTeeth:
         """The stiffness of each pair of teeth, by methods and materials of the driving and of the driven gear."""
-        from ncgear.project.loading import linear_teeth
+        from ncgear.project.tooth_stiffness import linear_teeth
 
         return linear_teeth(self.tooth_load, self.teeth, self.gears.face_width_mm, methods, materials)
 

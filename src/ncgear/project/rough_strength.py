@@ -9,10 +9,10 @@ from ncgear.errors import DesignError
 from ncgear.kinematics.motion import sample_angles
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.loading import ToothLoad
 from ncgear.project.moving_masses import masses_of
 from ncgear.project.strengthening import unknown
 from ncgear.project.tooth_form import mesh_place
+from ncgear.project.tooth_load import ToothLoad
 from ncgear.strength.at_pitch_point import PitchPointLoad, RoughSafety, rough_safeties
 from ncgear.strength.iso6336 import RackTip
 
@@ -44,6 +44,8 @@ def _load(drive: Drive) -> PitchPointLoad:
     masses = linkage.MASSES() if given is None else masses_of(given, linkage)
     place = mesh_place(drive.gears, drive.pitch.center_distance_mm)
     angle = sample_angles(drive.pair.transmission)
-    load = ToothLoad("resistance" if given is None else "masses", RigidMachine(drive.machine, masses), drive.pair, place)
+    load = ToothLoad(
+        "resistance" if given is None else "masses", RigidMachine(drive.machine, masses), drive.pair, place
+    )
     curvature = np.stack([drive.pitch.of(gear).at_angle(angle).curvature for gear in Gear])
     return PitchPointLoad(angle, load.mesh_force(angle).size_n.value, curvature)

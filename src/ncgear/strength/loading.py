@@ -159,7 +159,10 @@ def _largest_of_pairs(touching: _Touching, force_n: Array) -> IndexArray:
 
 
 def _contacts(
-    teeth: ToothedPair, touching: _Touching, numbers: tuple[IndexArray, Array, Array], speed_rad_s: Callable[[Array], Array]
+    teeth: ToothedPair,
+    touching: _Touching,
+    numbers: tuple[IndexArray, Array, Array],
+    speed_rad_s: Callable[[Array], Array],
 ) -> LoadedContacts:
     """The pairs that bear load; ``numbers`` are the numbers of their positions, the driving angles and the forces."""
     driving, driven = touching.places(Gear.DRIVING), touching.places(Gear.DRIVEN)

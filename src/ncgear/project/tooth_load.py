@@ -1,4 +1,4 @@
-"""What the teeth of a design bear: the torque of its machine; and how stiff its pairs of teeth are under it."""
+"""What the teeth of a pair of gears bear: the torque that the machine behind them asks for."""
 
 from __future__ import annotations
 
@@ -9,18 +9,12 @@ import numpy as np
 
 from ncgear.dynamics.mesh_force import MeshForce, MeshPlace, mesh_force
 from ncgear.dynamics.rigid import RigidMachine, refuse_locked_at
-from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine, sample_angles
 from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.pitch.shape import tangent_slope
 from ncgear.ratio.transmission import Pair
-from ncgear.strength.estimate import estimate_of
-from ncgear.strength.material import Material
-from ncgear.strength.method import ToothMethod
-from ncgear.strength.stiffness import EvenTeeth, LinearTeeth
-from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,27 +60,3 @@ def tooth_load(
     angle = np.append(sample_angles(pair.transmission), [extremum.at for extremum in leaning])
     refuse_locked_at(angle, found.torque_n_mm(angle), found.mesh_force(angle).pressure_angle_rad.value)
     return found
-
-
-LIGHTEST_N_MM = 1.0
-"""Load per mm of face width at which contacts are taken to be flattened where the teeth bear less: next to nothing."""
-
-
-def linear_teeth(
-    load: ToothLoad,
-    teeth: ToothedPair,
-    face_width_mm: float,
-    methods: tuple[ToothMethod, ToothMethod],
-    materials: tuple[Material, Material],
-) -> LinearTeeth:
-    """The stiffness of pairs of teeth by methods for the driving and the driven gear, at their largest load."""
-    line_load = max(load.peak_n / face_width_mm, LIGHTEST_N_MM)
-    return LinearTeeth(teeth, methods, materials, face_width_mm, line_load)
-
-
-def estimated(gear: ToothedGear, material: Material) -> ToothMethod:
-    """The estimate of the teeth of a gear; where it does not reach, for want of a fillet, teeth that are all alike."""
-    try:
-        return estimate_of(gear, material)
-    except NoSuchMechanism:
-        return EvenTeeth(material.youngs_modulus_mpa)

@@ -1,0 +1,169 @@
+"""The load of each of two pairs of gears in series: both pass on the power that the slider takes in.
+
+The judges are the power of the slider's own motion, and designs in which one of both pairs turns evenly, so that the
+other one is the single pair of another design.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from commands import Run, on_text
+from drives import drive, drive_of_text
+from ncgear.errors import WrongInput
+from ncgear.numerics.arrays import Array
+from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
+from ncgear.project.strengthening import known_verdict, unknown, verdict_of
+from ncgear.strength.holding import Damage, lives_of
+
+TEXT = """\
+name: press
+linkage: {{crank_mm: 38, rod_mm: 96}}
+operation: {{speed_rpm: 60}}
+motion: {{law: harmonic_ratio, cosine: {first}, sine: {sine}{second}}}
+gears: {{teeth: 24, module_mm: 1.5, face_width_mm: 10}}
+resistance: {{polynomial_n: [400]}}
+"""
+SLIDER = """\
+masses:
+  slider_kg: 30
+  rod: {mass_kg: 0, center_mm: 0, inertia_kg_mm2: 0}
+  crank: {mass_kg: 0, center_mm: 0, inertia_kg_mm2: 0}
+  driving_gear_kg_mm2: 0
+"""
+DRIVEN = "  driven_gear_kg_mm2: 0\n"
+WHOLE, SINE = "[-0.35, 0.08]", "[0.12]"
+SHARED = TEXT.format(first=WHOLE, sine=SINE, second=", second_stage: {cosine: [-0.2], sine: [0.05]}")
+FIRST_EVEN = TEXT.format(first=WHOLE, sine=SINE, second=f", second_stage: {{cosine: {WHOLE}, sine: {SINE}}}")
+SECOND_EVEN = TEXT.format(first=WHOLE, sine=SINE, second=", second_stage: {}")
+SINGLE = TEXT.format(first=WHOLE, sine=SINE, second="")
+
+
+@cache
+def made(text: str) -> Drive:
+    return drive_of_text(text)
+
+
+def power_of_the_slider(one: Drive, phi1: Array) -> Array:
+    """In N mm/s: the resistance and the inertia of the slider against its speed; no other part has any."""
+    motion = one.machine.motion(phi1)
+    mass = 0.0 if one.design.masses is None else one.design.masses.slider_kg
+    # 1 kg mm/s2 is 1e-3 N.  Velocity and acceleration count the same way out, the force against the working stroke.
+    return motion.force_n * motion.velocity_mm_s + 1e-3 * mass * motion.acceleration_mm_s2 * motion.velocity_mm_s
+
+
+def passed_on(pair: Drive, angle: Array) -> tuple[Array, Array]:
+    """The power in N mm/s that a pair's driving gear takes in and that its driven gear gives, at its own angles."""
+    torque, slope = pair.tooth_load.torque_n_mm(angle), pair.pair.transmission.driven_angle(angle, 1).derivative(1)
+    # What the driving gear is asked for follows from the pitch radii, r2 / r1 = 1 / slope.
+    radii = [np.hypot(*pair.pitch.of(gear).at_angle(angle).position.T) for gear in Gear]
+    speed = pair.pair_speed_rad_s(angle)
+    return torque * radii[0] / radii[1] * speed, torque * slope * speed
+
+
+ANGLES = np.linspace(0.0, 4.0 * np.pi, 801)[:-1] + 1e-3
+
+
+@pytest.mark.parametrize("text", [SHARED, SHARED + SLIDER + DRIVEN], ids=["resistance", "masses"])
+def test_every_shaft_passes_on_the_power_of_the_slider(text: str) -> None:
+    one = made(text)
+    first, second = one.by_stage
+    wanted = power_of_the_slider(one, ANGLES)
+    between = first.pair.transmission.driven_angle(ANGLES).value
+    for pair, angle in ((first, ANGLES), (second, between)):
+        for power in passed_on(pair, angle):
+            np.testing.assert_allclose(power, wanted, atol=1e-9 * np.abs(wanted).max())
+    # Negative control: the crank's torque, which the second pair bears, is not that of the first one.
+    torques = [pair.tooth_load.torque_n_mm(angle) for pair, angle in ((first, ANGLES), (second, between))]
+    assert np.abs(torques[0] - torques[1]).max() > 0.1 * np.abs(torques[1]).max()
+    assert {pair.tooth_load.load for pair in one.by_stage} == {"masses" if "masses" in text else "resistance"}
+
+
+def test_the_shaft_between_turns_back_to_the_driving_shaft() -> None:
+    first, second = made(SHARED).by_stage
+    between = first.pair.transmission.driven_angle(ANGLES, 1)
+    np.testing.assert_allclose(second.pair.shaft_rad(between.value), ANGLES, atol=1e-11)
+    np.testing.assert_allclose(second.pair.speed(between.value), between.derivative(1), rtol=1e-11)
+
+
+@pytest.mark.thorough
+@pytest.mark.judges("strength")
+@pytest.mark.parametrize(("text", "stage"), [(FIRST_EVEN, 2), (SECOND_EVEN, 1)], ids=["first even", "second even"])
+def test_beside_a_pair_that_turns_evenly_the_other_is_a_single_one(text: str, stage: int) -> None:
+    one = made(text).by_stage[stage - 1]
+    alone, stage_verdict = verdict_of(made(SINGLE), "estimate"), verdict_of(one, "estimate")
+    for mine, other in zip(stage_verdict.weakest, alone.weakest, strict=True):
+        assert (mine.gear, mine.damage, mine.tooth) == (other.gear, other.damage, other.tooth)
+    for gear in Gear:
+        mine, other = (lives_of(verdict.strength, gear) for verdict in (stage_verdict, alone))
+        for damage in Damage:
+            np.testing.assert_allclose(mine[damage].stress_mpa, other[damage].stress_mpa, rtol=1e-6, atol=1e-6)
+            np.testing.assert_allclose(mine[damage].safety, other[damage].safety, rtol=1e-6)
+    # Negative control: the pair that turns evenly bears other loads.
+    even = verdict_of(made(text).by_stage[2 - stage], "estimate")
+    assert abs(even.weakest[0].safety / alone.weakest[0].safety - 1.0) > 0.01
+
+
+@pytest.mark.thorough
+def test_flanks_slide_as_fast_as_their_shafts_turn() -> None:
+    """At a place of contact both gears' points differ in speed by the sliding; the speeds are found by time."""
+    first, second = made(SHARED).by_stage
+    found, distance = second.loading_by("estimate").contacts, second.pitch.center_distance_mm
+    on = found.flanks
+    place = found.on(Gear.DRIVING).point * np.exp(1j * found.phi1_rad)
+    step, turned = 1e-5, second.pair.shaft_rad(found.phi1_rad)
+    between = [first.pair.transmission.driven_angle(turned + side).value for side in (-step, step)]
+    crank = [second.transmission.driven_angle(turned + side).value for side in (-step, step)]
+    per_second = second.machine.speed_rad_s / (2.0 * step)
+    apart = (between[1] - between[0]) * place + (crank[1] - crank[0]) * (place - distance)
+    wanted, sliding = np.abs(apart) * per_second, np.abs(found.sliding_mm_s)
+    np.testing.assert_allclose(sliding[on], wanted[on], atol=2e-2 * wanted[on].max())
+    # Negative control: with a shaft between that turns evenly it is further from that.
+    even = sliding / second.pair.speed(found.phi1_rad)
+    assert np.abs(even - wanted)[on].max() > 0.1 * wanted[on].max()
+
+
+def test_the_whole_has_no_strength_but_each_stage() -> None:
+    one = made(SHARED)
+    assert "each has a strength of its own" in str(unknown(one))
+    assert known_verdict(one) is None
+    assert [unknown(pair) for pair in one.by_stage] == [None, None]
+    with pytest.raises(WrongInput, match="two pairs of gears") as told:
+        _ = one.tooth_load
+    assert told.value.key == "motion.second_stage"
+
+
+def test_inertias_of_two_pairs_have_to_be_given() -> None:
+    for pair in made(SHARED + SLIDER).by_stage:
+        with pytest.raises(WrongInput, match="not taken from the gears' bodies") as told:
+            _ = pair.tooth_load
+        assert told.value.key == "masses.driven_gear_kg_mm2"
+
+
+@pytest.mark.slow
+def test_the_command_tells_both_stages(run: Run) -> None:
+    strength = on_text(run, "strength")
+    status, out, err = strength(SHARED)
+    assert (status, err) == (0, "")
+    folder = Path("export/press-strength")
+    for number in (1, 2):
+        assert f"press, stage {number}: strength of the teeth at 60 r/min" in out
+        assert f"stage-{number}/strength.png" in out
+    found = [json.loads((folder / f"stage-{number}" / "strength.json").read_text()) for number in (1, 2)]
+    assert [one["stage"]["number"] for one in found] == [1, 2]
+    status, out, _ = strength(SHARED, "--json")
+    assert status == 0
+    assert json.loads(out) == {"stages": {"stage_1": found[0], "stage_2": found[1]}}
+
+
+@pytest.mark.slow
+def test_the_baler_in_two_stages() -> None:
+    """Pinned: the second pair bears twice the force of the first, since it turns against the crank itself."""
+    forces = [float(verdict_of(pair).strength.contacts.force_n.max()) for pair in drive("baler-66-two-stage").by_stage]
+    assert forces == pytest.approx([11_562.0, 24_152.0], rel=1e-3)
