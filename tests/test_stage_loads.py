@@ -16,9 +16,11 @@ import pytest
 from commands import Run, on_text
 from drives import drive, drive_of_text
 from ncgear.errors import WrongInput
+from ncgear.figures.advice.collected import rough_advice
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.project.rough_strength import rough_strength
 from ncgear.project.strengthening import known_verdict, unknown, verdict_of
 from ncgear.strength.holding import Damage, lives_of
 
@@ -160,6 +162,16 @@ def test_the_command_tells_both_stages(run: Run) -> None:
     status, out, _ = strength(SHARED, "--json")
     assert status == 0
     assert json.loads(out) == {"stages": {"stage_1": found[0], "stage_2": found[1]}}
+
+
+def test_a_check_warns_of_each_stage_by_its_own_load() -> None:
+    """Roughly what every tooth says: 0.58 and 0.38 against pitting."""
+    one = drive("baler-66-two-stage")
+    found = [min(rough.safety for rough in rough_strength(pair)) for pair in one.by_stage]
+    assert found == pytest.approx([0.58, 0.38], rel=0.25)
+    for number, advice in enumerate(rough_advice(one), start=1):
+        assert f"the teeth of stage {number} will hardly hold" in advice.line
+        assert "ncgear size" not in advice.line
 
 
 @pytest.mark.slow

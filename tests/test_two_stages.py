@@ -145,7 +145,7 @@ def test_sliding_is_at_the_speed_of_the_shaft_between() -> None:
 
 
 @pytest.mark.thorough
-def test_a_check_shows_both_stages_and_makes_no_pitch_curve() -> None:
+def test_a_check_shows_both_stages_and_makes_no_tooth() -> None:
     fresh = Drive(loaded(NAME).design)
     text, stages = check_text(fresh), check_summary(fresh)["stages"]
     assert "stage 2, max pressure angle" in text
@@ -153,7 +153,7 @@ def test_a_check_shows_both_stages_and_makes_no_pitch_curve() -> None:
         angle = summary["pitch"]["max_pressure_angle_deg"]
         assert stage["max_pressure_angle_deg"] == pytest.approx(angle, rel=1e-14)
         assert (stage["ratio_min"], stage["ratio_max"]) == (summary["ratio"]["min"], summary["ratio"]["max"])
-    assert all("pitch" not in vars(one) for one in (fresh, *fresh.by_stage))
+    assert all("teeth" not in vars(one) for one in (fresh, *fresh.by_stage))
 
 
 def test_the_pair_of_a_design_in_stages_has_to_be_told() -> None:

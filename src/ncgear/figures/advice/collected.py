@@ -16,7 +16,7 @@ def check_advice(drive: Drive) -> tuple[Advice, ...]:
 
 def rough_advice(drive: Drive) -> tuple[Advice, ...]:
     """What a check says of teeth without making them, in the place of what a build knows better."""
-    return _given(strength_advice.rough(drive))
+    return _given(*map(strength_advice.rough, drive.by_stage))
 
 
 def build_advice(drive: Drive) -> tuple[Advice, ...]:

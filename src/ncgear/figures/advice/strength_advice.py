@@ -57,10 +57,11 @@ def rough(drive: Drive) -> Advice | None:
         return None
     first = min(weak, key=lambda one: one.safety / one.wanted)
     at, load = degrees(first.phi1_rad), "the resistance" if drive.design.masses is None else "the masses"
+    stage = "" if drive.stage is None else f" of stage {drive.stage}"
     return Advice(
         Kind.STRENGTH,
         (Where(first.gear.value, angles_deg=((at, at),)),),
-        f"the teeth will hardly hold the load of {load}: roughly, one pair at the pitch point has "
+        f"the teeth{stage} will hardly hold the load of {load}: roughly, one pair at the pitch point has "
         f"{to_digits(first.stress_mpa, 2)} MPa at phi1 = {to_digits(at, 4)} deg, a safety of "
         f"{to_digits(first.safety, 2)} of the {first.gear.value} gear against {first.damage.words} where "
         f"{first.wanted:g} is wanted",
