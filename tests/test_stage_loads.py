@@ -133,7 +133,7 @@ def test_flanks_slide_as_fast_as_their_shafts_turn() -> None:
 
 def test_the_whole_has_no_strength_but_each_stage() -> None:
     one = made(SHARED)
-    assert "each has a strength of its own" in str(unknown(one))
+    assert "each with a strength of its own" in str(unknown(one))
     assert known_verdict(one) is None
     assert [unknown(pair) for pair in one.by_stage] == [None, None]
     with pytest.raises(WrongInput, match="two pairs of gears") as told:

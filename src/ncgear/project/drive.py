@@ -39,8 +39,8 @@ class Drive(Geared):
     makes a tooth.  Where it cannot be made it raises WrongInput or NoSuchMechanism, with key and place in the file.
 
     Two pairs of gears in series are two stages.  Law and motion of such a design belong to the whole machine.  Pitch
-    curves, teeth, contact and solids belong to one pair: only the drives in ``by_stage`` have them, and their ``stage``
-    is the number of the pair, 1 or 2.
+    curves, teeth, contact, solids and strength belong to one pair: only the drives in ``by_stage`` have them, and their
+    ``stage`` is the number of the pair, 1 or 2.
     """
 
     @computed

@@ -100,7 +100,9 @@ def unknown(drive: Drive) -> WrongInput | None:
     if design.masses is None and design.resistance is None:
         return WrongInput("missing; the load of the teeth needs it, or masses", key="resistance")
     if design.stages > 1 and drive.stage is None:
-        return WrongInput("two pairs of gears; each has a strength of its own", key="motion.second_stage")
+        return WrongInput(
+            "two pairs of gears, each with a strength of its own; one pair is right here", key="motion.second_stage"
+        )
     if drive.helix is not None:
         return WrongInput("helical teeth are not followed under load; leave it out", key="gears.helix")
     return None
