@@ -15,7 +15,7 @@ import pytest
 
 from commands import Run, on_text
 from drives import drive, drive_of_text
-from ncgear.errors import WrongInput
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.advice.collected import rough_advice
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
@@ -139,6 +139,18 @@ def test_the_whole_has_no_strength_but_each_stage() -> None:
     with pytest.raises(WrongInput, match="two pairs of gears") as told:
         _ = one.tooth_load
     assert told.value.key == "motion.second_stage"
+
+
+@pytest.mark.parametrize(("second", "locked"), [("[0.01]", 1), ("[-1.6, 1.6]", 2)])
+def test_a_stage_that_cannot_turn_its_mate_is_refused_and_the_other_is_not(second: str, locked: int) -> None:
+    """Of ln i12 = 1.6 (cos 2x - cos x) one pair makes nearly all: 93 deg of pressure angle; the other one has 20."""
+    text = TEXT.format(first="[-1.6, 1.6]", sine="[0]", second=f", second_stage: {{cosine: {second}}}")
+    for pair in made(text).by_stage:
+        if pair.stage == locked:
+            with pytest.raises(NoSuchMechanism, match="cannot push the driven gear"):
+                _ = pair.tooth_load
+        else:
+            assert pair.tooth_load.peak_n > 0.0
 
 
 def test_inertias_of_two_pairs_have_to_be_given() -> None:

@@ -189,8 +189,8 @@ class Drive(Geared):
     def loading(self, methods: tuple[ToothMethod, ToothMethod], materials: tuple[Material, Material]) -> Loading:
         """The load of every tooth over a cycle of meetings, shared by the stiffness of the given methods.
 
-        A stiffness that ``simulation`` gives does not count.  Raises WrongInput for helical teeth, NoSuchMechanism where
-        teeth are pressed too deep into each other, and as ``tooth_load`` does.
+        A stiffness that ``simulation`` gives does not count.  Raises WrongInput for helical teeth, NoSuchMechanism
+        where teeth are pressed too deep into each other, and as ``tooth_load`` does.
         """
         from ncgear.design.keys.masses import Simulation
         from ncgear.project.forces import meshing_of
