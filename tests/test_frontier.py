@@ -287,6 +287,7 @@ def test_the_picture_has_one_unit_whatever_the_size(times: float, monkeypatch: p
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_points_come_from_processes_and_are_those_of_one(tmp_path: Path) -> None:
     whole = frontier(design(6), 2, tmp_path, lambda done, total: None)
     task, wishes = task_of(design(6)), wishes_of(design(6))

@@ -112,7 +112,8 @@ def test_driven_gear_turns_as_the_law_says(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [pytest.param("sine", marks=pytest.mark.long), "ellipse"])
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["sine", "ellipse"])
 def test_finer_outlines_follow_the_law_more_closely(name: str) -> None:
     tolerance, steps = TOLERANCE / 4.0, 2 * STEPS
     assert worst_lag(name, outlines(name, tolerance), steps) <= allowed_lag(name, tolerance, steps)

@@ -21,6 +21,7 @@ def test_each_level_leaves_out_less() -> None:
     assert simulated.error_rad(planted) == pytest.approx(1e-5, rel=1e-9)
 
 
+@pytest.mark.long
 def test_the_reference_is_right_by_another_method() -> None:
     simulated = Simulated("baler-half-dynamics")
     assert simulated.error_rad(simulated.dynamic("LSODA", 1e-10)) <= 1e-8

@@ -48,10 +48,11 @@ class Simulated:
 def simulate(drive: Drive, level: Level) -> Simulated:
     """Simulate a machine at a level; raises WrongInput where the design lacks what the level needs.
 
-    Its figures have ``warnings`` where teeth, or what stands around the gears, do not hold their load.
+    Its figures have ``warnings`` where teeth, or what stands around the gears, do not hold their load.  The rigid level
+    makes no teeth, and warns roughly.
     """
     found = _at_level(drive, level)
-    advice = strength_advice.strength(drive)
+    advice = strength_advice.rough(drive) if level is Level.RIGID else strength_advice.strength(drive)
     if advice is None:
         return found
     return replace(found, figures={**found.figures, "warnings": [advice.line, *found.figures.get("warnings", [])]})

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import radians
+
 import numpy as np
 
 from ncgear.dynamics.rigid import RigidMachine
@@ -32,7 +34,7 @@ def rough_strength(drive: Drive) -> list[RoughSafety]:
     gears = drive.gears
     if not load.force_n.any() or np.any(load.force_n < 0.0):
         return []
-    tip, angle = RackTip(gears.rack.dedendum, gears.rack.root_radius), drive.rack.pressure_angle_rad
+    tip, angle = RackTip(gears.rack.dedendum, gears.rack.root_radius), radians(gears.rack.pressure_angle_deg)
     try:
         return rough_safeties(load, tip, gears.rack.addendum, angle, drive.running, drive.materials, drive.conditions)
     except ArithmeticError:
