@@ -309,6 +309,14 @@ def test_dynamic_factor_by_hand() -> None:
     assert dynamic_factor(fast, 10.0) == dynamic_factor(fast, 100.0) > dynamic_factor(fast, 1000.0)
 
 
+def test_gears_faster_than_the_dynamic_factor_is_estimated_for_are_refused() -> None:
+    """s = 2.9 m/s at v = 20.5 m/s; there it grows still, and at many times the speed it would be negative."""
+    at = Running(1.0, (20, 20), 10.0, 2050.0)
+    assert dynamic_factor(at, 100.0) > dynamic_factor(replace(at, speed_rad_s=2000.0), 100.0)
+    with pytest.raises(WrongInput, match=r"only up to 20\.5 m/s .* run at 100 m/s; give the dynamic factor"):
+        dynamic_factor(replace(at, speed_rad_s=10000.0), 100.0)
+
+
 HEAD = """name: a
 linkage: {crank_mm: 100, rod_mm: 300}
 operation: {speed_rpm: 60}

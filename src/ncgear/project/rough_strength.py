@@ -34,7 +34,7 @@ def rough_strength(drive: Drive) -> list[RoughSafety]:
     tip, angle = RackTip(gears.rack.dedendum, gears.rack.root_radius), drive.rack.pressure_angle_rad
     try:
         return rough_safeties(load, tip, gears.rack.addendum, angle, drive.running, drive.materials, drive.conditions)
-    except ArithmeticError:
+    except (ArithmeticError, DesignError):
         return []
 
 
