@@ -233,6 +233,16 @@ def test_heat_weakens_plastics() -> None:
         assert "rough" in prints[0].source
 
 
+def test_plastics_hotter_than_their_figures_endure_nothing_and_say_so() -> None:
+    """Polyacetal melts at 175 degrees Celsius and has figures to 120; own limits are a person's word."""
+    hot, warm = (pair(of("POM"), given=Conditions(temperature_c=t)) for t in (121.0, 119.0))
+    assert (hot.too_hot_c, warm.too_hot_c) == (121.0, None)
+    assert contact(hot).stress_mpa.max() < 0.1001 < 1.0 < contact(warm).stress_mpa.min()
+    assert hot.bending.stress_mpa.max() < 0.1001
+    own = pair(replace(of("POM"), bending_limit_mpa=20.0), given=Conditions(temperature_c=121.0))
+    assert own.bending.stress_mpa.min() == pytest.approx(20.0)
+
+
 def test_temperature_of_teeth() -> None:
     """By hand: 20 teeth, 10 mm, module 1, 2 m/s, 5 W lost in grease: 5 * 6300 / (200 * 2^0.75) = 93.65 K at flanks."""
     running = Running(1.0, (20, 40), 10.0, 200.0)
