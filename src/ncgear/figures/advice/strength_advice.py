@@ -10,8 +10,8 @@ from ncgear.figures.advice.values import Advice, Kind, Remedy, Where, changed
 from ncgear.figures.numbers import to_digits
 from ncgear.project.drive import Drive
 from ncgear.project.rough_strength import rough_strength
-from ncgear.project.sizing import MOST_TEETH
 from ncgear.project.strengthening import (
+    MOST_TEETH,
     SERIES_I_MM,
     WIDEST_MODULES,
     Verdict,
