@@ -233,6 +233,16 @@ def test_heat_weakens_plastics() -> None:
         assert "rough" in prints[0].source
 
 
+def test_plastics_hotter_than_their_figures_endure_nothing_and_say_so() -> None:
+    """Polyacetal melts at 175 degrees Celsius and has figures to 120; own limits are a person's word."""
+    hot, warm = (pair(of("POM"), given=Conditions(temperature_c=t)) for t in (121.0, 119.0))
+    assert (hot.too_hot_c, warm.too_hot_c) == (121.0, None)
+    assert contact(hot).stress_mpa.max() < 0.1001 < 1.0 < contact(warm).stress_mpa.min()
+    assert hot.bending.stress_mpa.max() < 0.1001
+    own = pair(replace(of("POM"), bending_limit_mpa=20.0), given=Conditions(temperature_c=121.0))
+    assert own.bending.stress_mpa.min() == pytest.approx(20.0)
+
+
 def test_temperature_of_teeth() -> None:
     """By hand: 20 teeth, 10 mm, module 1, 2 m/s, 5 W lost in grease: 5 * 6300 / (200 * 2^0.75) = 93.65 K at flanks."""
     running = Running(1.0, (20, 40), 10.0, 200.0)
@@ -307,6 +317,14 @@ def test_dynamic_factor_by_hand() -> None:
     assert fast.pitch_speed_m_s == pytest.approx(10.0)
     assert dynamic_factor(fast, 100.0) == pytest.approx(1.90876, abs=1e-4)
     assert dynamic_factor(fast, 10.0) == dynamic_factor(fast, 100.0) > dynamic_factor(fast, 1000.0)
+
+
+def test_gears_faster_than_the_dynamic_factor_is_estimated_for_are_refused() -> None:
+    """s = 2.9 m/s at v = 20.5 m/s; there it grows still, and at many times the speed it would be negative."""
+    at = Running(1.0, (20, 20), 10.0, 2050.0)
+    assert dynamic_factor(at, 100.0) > dynamic_factor(replace(at, speed_rad_s=2000.0), 100.0)
+    with pytest.raises(WrongInput, match=r"only up to 20\.5 m/s .* run at 100 m/s; give the dynamic factor"):
+        dynamic_factor(replace(at, speed_rad_s=10000.0), 100.0)
 
 
 HEAD = """name: a

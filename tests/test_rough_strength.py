@@ -95,3 +95,16 @@ def test_a_check_warns_and_makes_no_tooth(run: Run) -> None:
     assert "take a module of about 3.2 mm with as many teeth" in weak
     _, strong, _ = check(TEXT.replace("1500", "100"))
     assert "hold" not in strong
+
+
+def test_a_check_of_gears_too_fast_for_the_dynamic_factor_says_nothing_of_strength(run: Run) -> None:
+    fast = TEXT.replace("speed_rpm: 60", "speed_rpm: 10000").replace("dynamic_factor: 1.0", "life_h: 1000")
+    status, out, _ = on_text(run, "check")(fast)
+    assert status == 0
+    assert "hold" not in out
+
+
+def test_a_load_that_no_gears_bear_is_to_be_lessened(run: Run) -> None:
+    _, weak, _ = on_text(run, "check")(TEXT.replace("1500", "1e9"))
+    assert "To change it: lessen the load" in " ".join(weak.split())
+    assert "ncgear size" not in weak

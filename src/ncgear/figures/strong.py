@@ -167,10 +167,15 @@ def strength_text(drive: Drive, verdict: Verdict, remedies: Sequence[Remedy], be
 
 
 def materials_words(drive: Drive, strength: Strength) -> str:
-    """The materials of the driving and the driven gear, once where they are the same, and whether they are assumed."""
+    """The materials of both gears, once where they are the same, whether they are assumed, and which run too hot."""
+    hot = [
+        f"; the {gear.value} gear runs at {fixed(hot_c, 0)} \u00b0C, too hot for its material"
+        for gear in Gear
+        if (hot_c := strength.of(gear).material.too_hot_c) is not None
+    ]
     names = dict.fromkeys((strength.driving.material.name, strength.driven.material.name))
     assumed = ", assumed since gears.material is not given" if drive.gears.material is None else ""
-    return " on ".join(names) + assumed
+    return " on ".join(names) + assumed + "".join(hot)
 
 
 HEADS = (

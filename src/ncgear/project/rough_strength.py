@@ -37,7 +37,7 @@ def rough_strength(drive: Drive) -> list[RoughSafety]:
     tip, angle = RackTip(gears.rack.dedendum, gears.rack.root_radius), radians(gears.rack.pressure_angle_deg)
     try:
         return rough_safeties(load, tip, gears.rack.addendum, angle, drive.running, drive.materials, drive.conditions)
-    except ArithmeticError:
+    except (ArithmeticError, DesignError):
         return []
 
 

@@ -24,7 +24,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import Changes, changed_drive, changed_gears
 from ncgear.project.drive import Drive
 from ncgear.project.gear_solids import rim_mm_of
-from ncgear.project.strengthening import SERIES_I_MM, WIDEST_MODULES, Verdict, sized, verdict_of
+from ncgear.project.strengthening import MOST_TEETH, SERIES_I_MM, WIDEST_MODULES, Verdict, sized, verdict_of
 from ncgear.solids.plan.plan import outer_radius_mm
 from ncgear.strength.holding import Damage, Weakest
 from ncgear.strength.materials import TABLE
@@ -44,8 +44,8 @@ GREATER = 2.5
 TRIES = 3
 """Numbers of teeth that are tried for a module, and face widths for a number of teeth."""
 
-FEWEST_TEETH, MOST_TEETH = 12, 240
-"""Driving teeth that are tried.  Fewer are undercut on circular gears, and more are finer than strength needs."""
+FEWEST_TEETH = 12
+"""Driving teeth that are tried at least: fewer are undercut on circular gears."""
 
 FINENESS = 1.06
 """Ratio of the numbers of teeth that follow each other: 6 % of the size is less than a step of the modules."""

@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 SERIES_I_MM = (1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 32.0, 40.0, 50.0)
 """Modules of ISO 54, series I (secondary source)."""
 
+MOST_TEETH = 240
+"""Driving teeth that sizes are looked for with: more are finer than strength needs."""
+
 WIDEST_MODULES = 12.0
 """Face width in modules beyond which straight teeth do not bear over their whole width, as shafts bend and lie askew:
 makers of machines keep to 10 or 12."""

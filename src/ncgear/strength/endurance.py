@@ -23,6 +23,7 @@ from ncgear.strength.material import EnduredStress, Family, Material
 from ncgear.strength.materials import Bronze, Choice, Entry, Ferrous, Plastic
 from ncgear.strength.plastics import (
     COLDEST_C,
+    LEAST_MPA,
     ToothTemperature,
     flank_limit_mpa,
     root_limit_mpa,
@@ -74,6 +75,7 @@ def _material_of(
         contact=_times(contact, spread),
         bending=EnduredStress(bending.cycles, bending.stress_mpa * spread),
         source=_source(choice),
+        too_hot_c=max(warm.root_c, warm.flank_c) if warm.too_hot else None,
     )
 
 
@@ -149,17 +151,18 @@ PLASTIC_CYCLES = 1e3, 1e10, 71
 
 
 def _plastic(choice: Choice, entry: Plastic, warm: ToothTemperature) -> tuple[EnduredStress | None, EnduredStress]:
-    """Above the highest temperature the figures of that one are taken; ``ToothTemperature.too_hot`` tells it."""
+    """Above the highest temperature there are no figures: it is taken to endure next to nothing.  Own limits stay."""
     cycles = np.geomspace(*PLASTIC_CYCLES)
-    root_c, flank_c = (min(max(one, COLDEST_C), entry.hottest_c) for one in (warm.root_c, warm.flank_c))
+    root_c, flank_c = (max(one, COLDEST_C) for one in (warm.root_c, warm.flank_c))
+    nothing = np.full_like(cycles, LEAST_MPA)
     contact: EnduredStress | None = None
     if choice.contact_limit_mpa is not None:
         contact = EnduredStress(cycles, np.full_like(cycles, choice.contact_limit_mpa))
     elif entry.pits:
-        contact = EnduredStress(cycles, flank_limit_mpa(flank_c, cycles))
-    own = choice.bending_limit_mpa
-    roots = root_limit_mpa(entry.root, root_c, cycles) if own is None else np.full_like(cycles, own)
-    return contact, EnduredStress(cycles, roots)
+        contact = EnduredStress(cycles, nothing if warm.too_hot else flank_limit_mpa(flank_c, cycles))
+    if choice.bending_limit_mpa is not None:
+        return contact, EnduredStress(cycles, np.full_like(cycles, choice.bending_limit_mpa))
+    return contact, EnduredStress(cycles, nothing if warm.too_hot else root_limit_mpa(entry.root, root_c, cycles))
 
 
 SHARES = 0.5, 0.9, 0.99, 0.999, 0.9999

@@ -52,7 +52,8 @@ class Material:
 
     ``contact`` and ``bending`` are the stresses in MPa that flanks and roots endure, for the reliability asked for and
     with all factors of the method that belong to the material and its surface; ``contact`` is None where no figures are
-    known.  ``source`` says where the figures come from.
+    known.  ``source`` says where the figures come from.  ``too_hot_c`` is the temperature in degrees Celsius of teeth
+    that run hotter than the figures reach, and then endure next to nothing; None of all others.
     """
 
     name: str
@@ -63,3 +64,4 @@ class Material:
     contact: EnduredStress | None
     bending: EnduredStress
     source: str
+    too_hot_c: float | None = None

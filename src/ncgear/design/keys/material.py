@@ -60,7 +60,10 @@ class GearMaterial(Model):
         default=None, gt=0.0, le=STIFFEST_GPA, description="own Young's modulus in GPa; left out: the table's"
     )
     poisson: float | None = Field(
-        default=None, gt=-1.0, le=0.5, description="own Poisson's ratio; left out: the table's"
+        default=None,
+        ge=0.0,
+        le=0.49,
+        description="own Poisson's ratio; left out: the table's. At 0.5, as of rubber, wide teeth would be rigid",
     )
     density_kg_m3: float | None = Field(
         default=None, gt=0.0, le=30000.0, description="own density in kg/m3; left out: the table's"

@@ -45,7 +45,7 @@ class StrengthKeys(Model):
         ge=1.0,
         le=5.0,
         description="dynamic factor K_V: what the teeth's own vibration adds; left out: estimated by ISO 6336-1, "
-        "method C, for accuracy grade 8, near 1 at the speeds of cranks",
+        "method C, for accuracy grade 8, near 1 at the speeds of cranks; gears too fast for that need it",
     )
     face_load_factor: float = Field(
         default=1.3,

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import degrees
 
+from ncgear.errors import DesignError
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where, changed
 from ncgear.figures.numbers import to_digits
 from ncgear.project.drive import Drive
 from ncgear.project.rough_strength import rough_strength
 from ncgear.project.strengthening import (
+    MOST_TEETH,
     SERIES_I_MM,
     WIDEST_MODULES,
     Verdict,
@@ -26,10 +29,14 @@ SIZE = "ncgear size"
 def strength(drive: Drive) -> Advice | None:
     """Teeth whose safety against breakage or pitting is under the wanted one; names the weakest of all.
 
-    None where no load is known, and where the strength is refused.
+    Where the strength is refused, as for loads that press teeth too deep to be followed, what a check says of it.  None
+    where no load is known.
     """
     verdict = known_verdict(drive)
-    if not isinstance(verdict, Verdict) or verdict.holds:
+    if isinstance(verdict, DesignError):
+        refused = rough(drive)
+        return refused and replace(refused, meaning=f"this is not computed tooth by tooth: {verdict.problem}")
+    if verdict is None or verdict.holds:
         return None
     weak = [one for one in verdict.weakest if not one.holds]
     first = worst(weak)
@@ -78,11 +85,17 @@ def _rough_remedies(drive: Drive, weak: list[RoughSafety]) -> tuple[Remedy, ...]
 
 def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:
     """Sizes that would do by how stresses scale; they are not computed, so they are words and no changes."""
-    width, module = wider * drive.gears.face_width_mm, larger * drive.pitch.size.module_mm
+    size, face_width_mm = drive.pitch.size, drive.gears.face_width_mm
+    width, module = wider * face_width_mm, larger * size.module_mm
+    # The largest gears of ncgear size: roots gain with width, module and scale, flanks with width and twice with scale.
+    coarsest = SERIES_I_MM[-1] / size.module_mm
+    scale = coarsest * MOST_TEETH / size.driving_teeth
+    if wider > WIDEST_MODULES * SERIES_I_MM[-1] / face_width_mm * scale * max(scale, coarsest):
+        return (Remedy("lessen the load: no gears of a usual size would do"),)
     found = [_together(drive)]
     if module <= SERIES_I_MM[-1]:
         found.insert(0, Remedy(f"take a module of about {to_digits(module, 2)} mm with as many teeth"))
-    if width <= WIDEST_MODULES * drive.pitch.size.module_mm:
+    if width <= WIDEST_MODULES * size.module_mm:
         found.insert(0, Remedy(f"make the gears about {to_digits(width, 2)} mm wide"))
     return tuple(found)
 
