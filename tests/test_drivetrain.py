@@ -541,6 +541,15 @@ def test_the_command_tells_what_does_not_hold(run: Run) -> None:
     assert "Power take-off" in out
 
 
+@pytest.mark.thorough
+def test_a_gearbox_that_gives_another_speed_is_told(run: Run) -> None:
+    motor = "{rated_torque_n_m: 60, rated_speed_rpm: 1450, no_load_speed_rpm: 1500, gearbox: {ratio: %s}}"
+    for ratio, told in ((2.5, False), (5.0, True)):
+        assert run(f"{PRESS}drivetrain:\n  motor: {motor % ratio}\n")[0] == 0
+        warnings = simulated("export/press-rigid").get("warnings", [])
+        assert any("another ratio of the gearbox" in one for one in warnings) == told
+
+
 @pytest.mark.parametrize(
     ("section", "message"),
     [

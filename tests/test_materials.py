@@ -365,6 +365,7 @@ def test_materials_as_people_write_them(tmp_path: Path) -> None:
         ("{driving: C45, driven: XYZ}", "gears.material.driven: XYZ is no material of the table; known are S235, "),
         ("{name: C45, hardness: 400}", "hardness: 400 given, but C45 (carbon steel, normalized) has 135 to 210 HV"),
         ("{name: POM, hardness: 80}", "hardness: given, but the strength of POM does not follow from it"),
+        ("{name: POM, quality: ME}", "quality: given, but POM has no grades"),
         ("7", "7 given; a group of keys is needed"),
     ],
 )

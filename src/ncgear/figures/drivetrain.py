@@ -47,7 +47,11 @@ def drivetrain_warnings(found: DrivetrainResult) -> list[str]:
     for name, shaft in (("driving", found.driving_shaft), ("driven", found.driven_shaft)):
         if shaft is not None:
             said += [*_of_bearings(name, shaft, found.wanted.hours), *_of_shaft(name, shaft)]
-    return [*said, *(_of_motor(found.motor) if found.motor else []), *(_of_pto(found.pto) if found.pto else [])]
+    return [
+        *said,
+        *(_of_motor(found.motor, found.demand.speed_rad_s) if found.motor else []),
+        *(_of_pto(found.pto) if found.pto else []),
+    ]
 
 
 def _of_bearings(name: str, found: ShaftResult, hours: float) -> list[str]:
@@ -90,7 +94,11 @@ def _of_shaft(name: str, found: ShaftResult) -> list[str]:
     return said
 
 
-def _of_motor(found: MotorResult) -> list[str]:
+OFF_SPEED = 0.03
+"""Share by which a motor's own speed may differ from the wanted one: what the slip of usual motors makes."""
+
+
+def _of_motor(found: MotorResult, wanted_rad_s: float) -> list[str]:
     rated = found.given.rated_torque_n_m
     course, peak = found.course, found.given.peak_torque_n_m
     rms = N_M_PER_N_MM * (course.rms_n_mm if course else found.load.rms_n_mm)
@@ -103,6 +111,12 @@ def _of_motor(found: MotorResult) -> list[str]:
         )
     if peak is not None and most > peak:
         said.append(f"the motor gives up to {to_digits(most, 4)} N m, more than its {peak:g} N m")
+    if course is not None and abs(course.mean_rad_s / wanted_rad_s - 1.0) > OFF_SPEED:
+        runs, wanted = (to_digits(speed / RAD_S_PER_RPM, 4) for speed in (course.mean_rad_s, wanted_rad_s))
+        said.append(
+            f"with this motor and gearbox the machine runs at {runs} r/min, not at operation.speed_rpm: {wanted}; all "
+            "else is told for that speed: another ratio of the gearbox is needed"
+        )
     return said
 
 
@@ -259,7 +273,7 @@ def _pto(found: PowerTakeOffResult, demand: Demand) -> dict[str, Any]:
         told["torque_limiter"] = {
             "slips_at_deg": _spans_deg(found.slips),
             "stops_the_machine": lasting,
-            "least_speed_rpm": _speed_rpm(found.slips, demand, min),
+            "least_speed_rpm": 0.0 if lasting else _speed_rpm(found.slips, demand, min),
             "heat_w": None if lasting else W * sum(heat or 0.0 for heat in heats) / cycle_s,
         }
     if found.runs_ahead is not None:

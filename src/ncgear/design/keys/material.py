@@ -72,6 +72,8 @@ class GearMaterial(Model):
     @model_validator(mode="after")
     def _hardness_is_of_the_class(self) -> Self:
         entry = TABLE[self.name]
+        if "quality" in self.model_fields_set and not isinstance(entry, Ferrous):
+            raise fault("quality", f"given, but {self.name} has no grades; leave it out")
         if self.hardness is None:
             return self
         if not isinstance(entry, Ferrous):
