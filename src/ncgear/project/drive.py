@@ -172,7 +172,7 @@ class Drive(Geared):
     @computed
     def pair_stiffness(self) -> LinearTeeth:
         """The stiffness of each pair of teeth in N/mm, from its form, face width and material by the estimate."""
-        from ncgear.project.tooth_stiffness import estimated
+        from ncgear.project.tooth_strength import estimated
 
         driving, driven = self.materials
         methods = estimated(self.teeth.driving, driving), estimated(self.teeth.driven, driven)
@@ -182,7 +182,7 @@ class Drive(Geared):
         self, methods: tuple[ToothMethod, ToothMethod], materials: tuple[Material, Material]
     ) -> LinearTeeth:
         """The stiffness of each pair of teeth, by methods and materials of the driving and of the driven gear."""
-        from ncgear.project.tooth_stiffness import linear_teeth
+        from ncgear.project.tooth_strength import linear_teeth
 
         return linear_teeth(self.tooth_load, self.teeth, self.gears.face_width_mm, methods, materials)
 
@@ -285,7 +285,7 @@ class Drive(Geared):
             load, teeth = self.tooth_load.load, self.teeth
             with located(self.places), self.stopwatch("strength"):
                 known[method] = judged_teeth(
-                    method, self.gears, teeth, self.conditions, self.running, self.loading, load
+                    method, self.gears, teeth, self.materials, self.conditions, self.running, self.loading, load
                 )
         return known[method]
 

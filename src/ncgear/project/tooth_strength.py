@@ -1,4 +1,4 @@
-"""From keys, teeth and loads to the strength of teeth, by either method."""
+"""From keys, teeth and loads to the stiffness and the strength of teeth, by either method."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from math import pi
 from typing import TYPE_CHECKING, Literal
 
 from ncgear.design.keys.gears import Gears
+from ncgear.errors import NoSuchMechanism
 from ncgear.pitch.shape import Gear
 from ncgear.project.service import choices_of
+from ncgear.project.tooth_load import ToothLoad
 from ncgear.strength.conditions import Conditions, Running
 from ncgear.strength.endurance import materials_of
 from ncgear.strength.estimate import estimate_of
@@ -17,7 +19,8 @@ from ncgear.strength.life import strength_of, stresses_of
 from ncgear.strength.material import Material
 from ncgear.strength.materials import Choice, Plastic
 from ncgear.strength.plastics import friction, lost_w, temperatures_of
-from ncgear.teeth.gear import ToothedPair
+from ncgear.strength.stiffness import EvenTeeth, LinearTeeth
+from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 if TYPE_CHECKING:
     from ncgear.strength.answer import Strength
@@ -42,6 +45,7 @@ def judged_teeth(
     method: Method,
     gears: Gears,
     teeth: ToothedPair,
+    cold: tuple[Material, Material],
     conditions: Conditions,
     running: Running,
     loaded_by: LoadedBy,
@@ -50,10 +54,9 @@ def judged_teeth(
     """The load of every tooth and what it makes of them.
 
     Plastics are as warm as the power lost between the teeth makes them, which follows from their loads; the loads are
-    shared by the stiffness at the temperature about them.
+    shared by the stiffness of the materials ``cold``, at the temperature about them.
     """
     choices = choices_of(gears)
-    cold = materials_of(choices, conditions, running, temperatures_of(choices, conditions, running))
     methods = _methods(method, teeth, cold)
     loading = loaded_by(methods, cold)
     warm = temperatures_of(choices, conditions, running, _lost_w(choices, conditions, loading))
@@ -83,3 +86,27 @@ def _lost_w(choices: tuple[Choice, Choice], conditions: Conditions, loading: Loa
         return 0.0
     even = loading.contacts.kept(loading.even[loading.contacts.position])
     return lost_w(even, int(loading.even.sum()), friction(choices, conditions.lubrication))
+
+
+LIGHTEST_N_MM = 1.0
+"""Load per mm of face width at which contacts are taken to be flattened where the teeth bear less: next to nothing."""
+
+
+def linear_teeth(
+    load: ToothLoad,
+    teeth: ToothedPair,
+    face_width_mm: float,
+    methods: tuple[ToothMethod, ToothMethod],
+    materials: tuple[Material, Material],
+) -> LinearTeeth:
+    """The stiffness of pairs of teeth by methods for the driving and the driven gear, at their largest load."""
+    line_load = max(load.peak_n / face_width_mm, LIGHTEST_N_MM)
+    return LinearTeeth(teeth, methods, materials, face_width_mm, line_load)
+
+
+def estimated(gear: ToothedGear, material: Material) -> ToothMethod:
+    """The estimate of the teeth of a gear; where it does not reach, for want of a fillet, teeth that are all alike."""
+    try:
+        return estimate_of(gear, material)
+    except NoSuchMechanism:
+        return EvenTeeth(material.youngs_modulus_mpa)
